@@ -101,10 +101,6 @@ int drive_run(const sd_model *model, const drive_options *options, sd_messages *
  * slipdisk ..."; nothing if it has saved nothing. Returns the length. Allocates nothing; any thread may call it. */
 int drive_describe_saved(char *text, size_t size);
 
-/* --- main.c ------------------------------------------------------------------------------------------ */
-/* Says so and returns SD_ERROR_IO. */
-int app_no_memory(void);
-
 /* --- report.c --------------------------------------------------------------------------------------- */
 /* Prints the summary as tables. */
 void report_summary(FILE *out, const summary *found);
@@ -155,7 +151,7 @@ sd_status stored_open(frames *f, const char *name, bool *alone, sd_messages *mes
 sd_status stored_count(const frames *f, bool alone, size_t *count, sd_messages *messages);
 
 /* --- arguments -------------------------------------------------------------------------------------- */
-/* "NAME.ending" for a deck ".../NAME.cfg", in the current folder; to be freed, NULL: no memory. */
+/* "NAME.ending" for a deck ".../NAME.cfg", in the current folder; to be freed. */
 char *app_default_name(const char *deck, const char *ending);
 /* One line, with control characters of names and titles shown as \xHH. */
 void app_line(FILE *out, const char *format, ...) SD_PRINTF(2, 3);

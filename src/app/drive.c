@@ -223,7 +223,7 @@ static void warn_of_size(const sd_model *model, const char *result, sd_messages 
   result_size size;
   const char *slash = strrchr(result, '/');
   char *folder = slash ? format_text("%.*s", (int)(slash - result) + 1, result) : format_text(".");
-  if (folder && size_find(&size, model, NULL) == SD_OK) size_warn(&size, folder, messages);
+  if (size_find(&size, model, NULL) == SD_OK) size_warn(&size, folder, messages);
   free(folder);
 }
 
@@ -236,8 +236,9 @@ int drive_describe_saved(char *text, size_t size) {
   const int64_t step = s ? session_saved(s) : -1;
   *text = 0;
   if (step <= 0) return 0;
-  const int n = snprintf(text, size, "; everything until step %" PRId64 " is saved, continue with: slipdisk %s", step,
-                         continues_with);
+  const int n =
+      snprintf(text, size, "; everything until step %" PRId64 " is saved, continue with: slipdisk %s", step,
+               continues_with);
   return n < 0 ? 0 : n < (int)size ? n : (int)size - 1;
 }
 

@@ -8,6 +8,7 @@
 #include "app/app.h"
 #include "app/json.h"
 #include "base/limits.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
@@ -51,8 +52,7 @@ typedef enum wanted_means { MEANS_AS_WRITTEN, MEANS_ALL } wanted_means;
 static void complete_means(facts *f, const h5_file *file, sd_messages *messages) {
   sd_messages *own = sd_messages_new();
   if (checkpoint_complete(file, f->path, NULL, &f->found.packing, own) != SD_OK) {
-    for (size_t k = 0; own && k < sd_messages_count(own); k++)
-      sd_warn(messages, "%s", sd_messages_text(own, k));
+    for (size_t k = 0; k < sd_messages_count(own); k++) sd_warn(messages, "%s", sd_messages_text(own, k));
     sd_warn(messages, "%s: the means of every disk cannot be told", f->path);
     summary_disks_free(&f->found.packing);
   }
@@ -67,7 +67,7 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_m
   f->datasets = json_array();
   sd_status status;
   if (f->finished) {
-    f->path = format_text("%s", p->result);
+    f->path = memory_text(p->result);
     status = h5_open(p->result, &file, messages);
   } else {
     status = place_open_checkpoint(p, &file, &f->path, messages);
@@ -129,7 +129,7 @@ static bool tell_failure(const char *name) {
 /* The folder of a sweep is no result, but something can be said of it. */
 static sd_status refuse_sweep(const char *name, sd_messages *messages) {
   char *points = format_text("%s/points", name);
-  bool found = points && file_is_folder(points);
+  bool found = file_is_folder(points);
   free(points);
   return !found
              ? SD_OK
@@ -293,7 +293,6 @@ static json_t *provenance_json(const provenance *p) {
   return object;
 }
 
-/* NULL: no memory. */
 static json_t *facts_json(const facts *f) {
   const summary *s = &f->found;
   json_t *root = json_pack("{s:s, s:b}", "file", f->path, "finished", (int)f->finished);
@@ -312,12 +311,9 @@ static json_t *facts_json(const facts *f) {
               {"doubts", doubts_json(s)},
               {"provenance", provenance_json(&f->origin)},
               {"datasets", json_incref(f->datasets)}};
-  bool good = root;
   for (size_t k = 0; k < sizeof rest / sizeof *rest; k++)
-    good = json_object_set_new(root, rest[k].name, rest[k].value) == 0 && good;
-  if (good) return root;
-  json_decref(root);
-  return NULL;
+    json_object_set_new(root, rest[k].name, rest[k].value);
+  return root;
 }
 
 /* --- command -------------------------------------------------------------------------------------- */
@@ -377,7 +373,7 @@ static int tell_file(const char *name, const arguments *a, json_t *into) {
   if (status == SD_OK && text)
     fputs(a->deck ? f.origin.deck_full : f.origin.deck_text, stdout);
   else if (status == SD_OK && into)
-    status = json_array_append_new(into, facts_json(&f)) == 0 ? SD_OK : app_no_memory();
+    json_array_append_new(into, facts_json(&f));
   else if (status == SD_OK)
     print_text(&f, &p);
   facts_free(&f);
@@ -389,9 +385,7 @@ static int tell_file(const char *name, const arguments *a, json_t *into) {
 /* One object for one file, an array for several. */
 static int print_json(json_t *list, bool several) {
   const json_t *root = several ? list : json_array_get(list, 0);
-  int status = !root || json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : app_no_memory();
-  if (root) putchar('\n');
-  return status;
+  return root ? json_print(root) : SD_OK;
 }
 
 int app_info(int argc, char **argv) {
@@ -402,7 +396,6 @@ int app_info(int argc, char **argv) {
   if (n == 0) return app_misuse("info", "a result is expected");
   if (n > 1 && (a.deck || a.as_read)) return app_misuse("info", "--deck and --deck-as-read want one result");
   json_t *list = a.json && !a.deck && !a.as_read ? json_array() : NULL;
-  if (a.json && !a.deck && !a.as_read && !list) return app_no_memory();
   for (int k = argc - n; k < argc; k++) {
     if (!list && k > argc - n) putchar('\n');
     int one = tell_file(argv[k], &a, list);

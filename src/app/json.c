@@ -1,6 +1,7 @@
 /* json.c: see json.h. */
 #include "app/json.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +18,9 @@ json_t *json_numbers(size_t n, const double *values) {
 
 json_t *json_text(const char *text) {
   json_t *value = json_string(text);
-  char *copy = value ? NULL : format_text("%s", text);
-  if (copy) value = json_string(text_clean(copy));
+  if (value) return value;
+  char *copy = format_text("%s", text);
+  value = json_string(text_clean(copy));
   free(copy);
   return value;
 }
@@ -59,4 +61,10 @@ json_t *json_row(const observable_list *list, const void *row) {
   json_t *object = json_object();
   json_add(object, list, row, 1, 0);
   return object;
+}
+
+sd_status json_print(const json_t *root) {
+  const bool good = json_dumpf(root, stdout, JSON_INDENT(2)) == 0 && putchar('\n') != EOF;
+  if (!good) fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));
+  return good ? SD_OK : SD_ERROR_IO;
 }

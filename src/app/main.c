@@ -218,11 +218,6 @@ static int run_command(int argc, char **argv) {
 
 static bool leaving; /* by its own will */
 
-int app_no_memory(void) {
-  fputs("error: no memory\n", stderr);
-  return SD_ERROR_IO;
-}
-
 /* Small things have no memory: the process ends, since checkpoints are what keeps a run. Nothing is allocated here. */
 static void end_without_memory(size_t bytes) {
   char text[LIMIT_LINE];
@@ -259,7 +254,7 @@ int main(int argc, char **argv) {
   return_memory();
   sd_on_no_memory(end_without_memory);
   json_set_alloc_funcs(json_memory, free);
-  if (atexit(end_of_library) != 0) return app_no_memory();
+  if (atexit(end_of_library) != 0) memory_lacks(0);
   int status = run_command(argc, argv);
   leaving = true;
   return status;

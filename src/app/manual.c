@@ -177,7 +177,7 @@ void manual_command(FILE *out, const command_line *line) {
   fprintf(out, ".SH SYNOPSIS\n\\fBslipdisk %s\\fR [\\fIoptions\\fR] \\fI%s\\fR\n.SH DESCRIPTION\n",
           line->name, line->operands);
   char *text = format_text("%s.\n%s", line->summary, line->more ? line->more : "");
-  if (text) man_lines(out, text);
+  man_lines(out, text);
   free(text);
   fputs(".SH OPTIONS\n", out);
   for (size_t k = 0; k < line->n; k++) man_option(out, &line->rows[k]);

@@ -10,8 +10,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "app/app.h"
 #include "base/guess.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/h5.h"
@@ -197,8 +197,7 @@ int options_parse(const command_line *line, int argc, char **argv, void *argumen
     if (row->letter) snprintf(letters + strlen(letters), 3, "%c%s", row->letter, value ? ":" : "");
     if (row->kind != OPTION_LIST) continue;
     option_list *list = (void *)((char *)arguments + row->offset);
-    list->item = calloc((size_t)argc + 1, sizeof *list->item);
-    if (!list->item) return app_no_memory();
+    list->item = memory_new((size_t)argc, sizeof *list->item);
   }
   opterr = 0;
   for (int c; (c = getopt_long(argc, argv, letters, options, NULL)) != -1;) {

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "app/app.h"
 #include "io/store/file.h"
@@ -25,12 +26,11 @@ sd_status place_find(place *p, const char *name, sd_messages *messages) {
     p->result = format_text("%.*s", (int)(length - tail), name);
   } else if (slash && ends_with(name, (size_t)(slash - name), ".parts")) {
     p->result = format_text("%.*s", (int)((size_t)(slash - name) - tail), name);
-    p->checkpoint = format_text("%s", name);
+    p->checkpoint = memory_text(name);
   } else {
     p->result = format_text("%.*s", (int)length, name);
   }
-  p->folder = p->result ? format_text("%s.parts", p->result) : NULL;
-  if (!p->folder) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  p->folder = format_text("%s.parts", p->result);
   if (file_is_folder(p->result) && !file_is_folder(p->folder))
     return sd_fail(messages, SD_ERROR_USER,
                    "%s is a folder: name a result, its folder RESULT.parts or a checkpoint in it", p->result);
@@ -50,9 +50,8 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
   *out = NULL;
   *path = NULL;
   if (p->checkpoint) {
-    *path = format_text("%s", p->checkpoint);
-    return *path ? h5_open_sealed(-1, *path, out, NULL, messages)
-                 : sd_fail(messages, SD_ERROR_IO, "no memory");
+    *path = memory_text(p->checkpoint);
+    return h5_open_sealed(-1, *path, out, NULL, messages);
   }
   /* A running process may remove a checkpoint between the listing and the opening: look again then. */
   for (int attempt = 0; attempt < 3; attempt++) {
@@ -63,7 +62,7 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
     for (size_t k = 0; status == SD_OK && k < n && !*path; k++) {
       char *candidate = folder_checkpoint(p->folder, steps[k]);
       /* one that vanished is no reason to step back */
-      bool there = candidate && file_exists(candidate);
+      bool there = file_exists(candidate);
       if (there && h5_open_sealed(-1, candidate, out, NULL, why) == SD_OK)
         *path = candidate;
       else

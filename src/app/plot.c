@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "app/app.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 
@@ -130,9 +131,9 @@ static char *package_folder(const char *program) {
   for (char *slash; (slash = strrchr(up, '/')) != NULL;) {
     *slash = 0;
     for (size_t k = 0; k < sizeof places / sizeof *places; k++) {
-      char *folder = *places[k] == '/' ? format_text("%s", places[k]) : format_text("%s/%s", up, places[k]);
-      char *module = folder ? format_text("%s/slipdisk/plot.py", folder) : NULL;
-      bool here = module && file_exists(module);
+      char *folder = *places[k] == '/' ? memory_text(places[k]) : format_text("%s/%s", up, places[k]);
+      char *module = format_text("%s/slipdisk/plot.py", folder);
+      bool here = file_exists(module);
       free(module);
       if (here) return folder;
       free(folder);
@@ -193,22 +194,22 @@ static const char *find_python(const char *command) {
 }
 
 /* The interpreter finds the package and this program. */
-static bool prepare_environment(void) {
+static void prepare_environment(void) {
   char program[PATH_MAX];
   ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
-  if (n < 0) return true; /* it may find both by itself */
+  if (n < 0) return; /* it may find both by itself */
   program[n] = 0;
   char *folder = package_folder(program);
-  if (!folder) return true;
+  if (!folder) return;
   const char *own = getenv("PYTHONPATH");
-  char *path = own && *own ? format_text("%s:%s", folder, own) : format_text("%s", folder);
-  bool good = path && setenv("PYTHONPATH", path, 1) == 0 && setenv("SLIPDISK_PROGRAM", program, 0) == 0;
+  char *path = own && *own ? format_text("%s:%s", folder, own) : memory_text(folder);
+  if (setenv("PYTHONPATH", path, 1) != 0 || setenv("SLIPDISK_PROGRAM", program, 0) != 0)
+    memory_lacks(strlen(path));
   free(folder);
   free(path);
-  return good;
 }
 
-/* Words for the interpreter; a word that is NULL: no memory. */
+/* Words for the interpreter. */
 typedef struct word_list {
   size_t n;
   char **word;
@@ -235,38 +236,30 @@ static void add_all(word_list *list, const arguments *a) {
   add_number(list, "frame", a->frame != NO_FRAME, (double)a->frame);
   add_number(list, "dpi", a->dpi > 0, (double)a->dpi);
   add_number(list, "fps", a->fps.given, a->fps.value);
-  if (a->network) list->word[list->n++] = format_text("--network");
-  if (a->dark) list->word[list->n++] = format_text("--dark");
+  if (a->network) list->word[list->n++] = memory_text("--network");
+  if (a->dark) list->word[list->n++] = memory_text("--dark");
 }
 
 /* Becomes the interpreter; returns only when that fails. */
 static int become_python(const char *command, const arguments *a) {
-  if (!prepare_environment()) return app_no_memory();
+  prepare_environment();
   const char *python = find_python(command);
   if (!python) return SD_ERROR_IO;
   enum { MOST = 24 };
-  word_list list = {0, calloc(MOST + a->kinds.n, sizeof *list.word)};
-  if (!list.word) return app_no_memory();
-  list.word[list.n++] = format_text("%s", python);
-  list.word[list.n++] = format_text("-c");
+  word_list list = {0, memory_new(MOST + a->kinds.n, sizeof *list.word)};
+  list.word[list.n++] = memory_text(python);
+  list.word[list.n++] = memory_text("-c");
   list.word[list.n++] = format_text(
       SAFE_PATH "import runpy\nrunpy.run_module('slipdisk.%s', run_name='__main__', alter_sys=True)",
       command);
   add_all(&list, a);
-  list.word[list.n++] = format_text("--");
-  list.word[list.n++] = format_text("%s", a->file);
-  bool whole = true;
-  for (size_t k = 0; k < list.n; k++) whole = whole && list.word[k];
-  int status = SD_ERROR_IO;
-  if (whole) {
-    execvp(python, list.word);
-    app_line(stderr, "error: %s cannot be run: %s", python, strerror(errno));
-  } else {
-    status = app_no_memory();
-  }
+  list.word[list.n++] = memory_text("--");
+  list.word[list.n++] = memory_text(a->file);
+  execvp(python, list.word);
+  app_line(stderr, "error: %s cannot be run: %s", python, strerror(errno));
   for (size_t k = 0; k < list.n; k++) free(list.word[k]);
   free(list.word);
-  return status;
+  return SD_ERROR_IO;
 }
 
 static int draw(const command_line *line, int argc, char **argv) {

@@ -47,10 +47,9 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   if (status == SD_OK) status = provenance_read(&origin, file, messages);
   h5_close(file, NULL);
   if (status == SD_OK && comm_rank() == 0) status = simulation_model_of(&origin, &model, messages);
-  if (status == SD_OK && !(again = format_text("resume %s", p.result)))
-    status = sd_fail(messages, SD_ERROR_IO, "no memory");
   status = drive_agree(status, messages);
   if (status == SD_OK) {
+    again = format_text("resume %s", p.result);
     drive->result = p.result;
     drive->again = again;
     status = drive_run(model, drive, messages);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/comm.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "app/app.h"
 #include "io/deck/deck.h"
@@ -51,8 +52,8 @@ int app_run(int argc, char **argv) {
   if (status == 0) status = drive_begin(messages);
   if (status == 0) {
     assert(a.deck);
-    output = a.output ? format_text("%s", a.output) : app_default_name(a.deck, "h5");
-    again = output ? format_text("resume %s", output) : NULL;
+    output = a.output ? memory_text(a.output) : app_default_name(a.deck, "h5");
+    again = format_text("resume %s", output);
     /* a page shows all disks */
     const bool shared = comm_size() > 1 && !a.drive.live;
     if (comm_rank() == 0)
@@ -64,7 +65,6 @@ int app_run(int argc, char **argv) {
               "%s has a sweep of %zu point%s, which `slipdisk sweep` runs; this is the deck as it stands",
               a.deck, sd_model_deck(model)->sweep_points, sd_model_deck(model)->sweep_points == 1 ? "" : "s");
   }
-  if (status == 0 && !again) status = app_no_memory();
   if (status == 0) {
     a.drive.result = output;
     a.drive.again = again;

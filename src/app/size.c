@@ -140,9 +140,9 @@ void size_warn(const result_size *size, const char *folder, sd_messages *message
         messages,
         "the result will have %sabout %s (%s), and needs twice that while it is put together; the disk has "
         "room for %s",
-        most, bytes, amount ? amount : "", size_text(free_bytes, room, sizeof room));
+        most, bytes, amount, size_text(free_bytes, room, sizeof room));
   else if (size->bytes > LARGE)
     sd_warn(messages, "the result will have %sabout %s (%s); are so few steps between them meant?", most,
-            bytes, amount ? amount : "");
+            bytes, amount);
   free(amount);
 }

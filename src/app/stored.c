@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "app/app.h"
+#include "base/memory.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
@@ -9,21 +10,18 @@
 /* Parts that belong to the checkpoint at `base`. */
 static sd_status open_parts(frames *f, const place *p, const char *base, int64_t parts,
                             sd_messages *messages) {
-  char **list = calloc((size_t)(parts > 0 ? parts : 0) + 1, sizeof *list);
+  char **list = memory_new(parts > 0 ? (size_t)parts : 0, sizeof *list);
   size_t n = 0;
-  if (!list) return sd_fail(messages, SD_ERROR_IO, "no memory");
-  sd_status status = SD_OK;
-  for (int64_t k = 1; status == SD_OK && k <= parts; k++) {
+  for (int64_t k = 1; k <= parts; k++) {
     char *path = folder_part(p->folder, k);
-    if (!path) status = sd_fail(messages, SD_ERROR_IO, "no memory");
-    if (path && file_exists(path)) {
+    if (file_exists(path)) {
       list[n++] = path;
-    } else if (path) {
+    } else {
       sd_warn(messages, "%s is missing: its frames are left out", path);
       free(path);
     }
   }
-  if (status == SD_OK) status = frames_open(f, base, n, (const char *const *)list, messages);
+  const sd_status status = frames_open(f, base, n, (const char *const *)list, messages);
   for (size_t k = 0; k < n; k++) free(list[k]);
   free(list);
   return status;

@@ -79,7 +79,7 @@ static void verify_chain(verifier *v, const char *inside, const char *checkpoint
   for (int64_t k = 1; status == SD_OK && k <= n; k++) {
     char *path = folder_part(inside, k);
     record_link link = {.run_id = run_id, .number = k, .after = sum};
-    status = path ? record_open(-1, path, &link, &part, &sum, why) : SD_ERROR_IO;
+    status = record_open(-1, path, &link, &part, &sum, why);
     if (status == SD_OK) h5_close(part, NULL);
     free(path);
   }
@@ -99,9 +99,7 @@ static sd_status verify_folder(verifier *v, const char *inside, sd_messages *mes
   errno = 0;
   for (struct dirent *entry; status == SD_OK && (entry = readdir(directory)); errno = 0) {
     char *path = format_text("%s/%s", inside, entry->d_name);
-    if (!path) {
-      status = sd_fail(messages, SD_ERROR_IO, "no memory");
-    } else if (text_ends(path, ".h5.parts")) {
+    if (text_ends(path, ".h5.parts")) {
       status = verify_folder(v, path, messages);
     } else if (text_ends(path, ".h5") && strncmp(entry->d_name, "damaged-", 8) != 0) {
       bool good = verify_file(v, path);
@@ -119,9 +117,7 @@ static sd_status verify_folder(verifier *v, const char *inside, sd_messages *mes
 static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
   char *points = format_text("%s/points", name), *parts = format_text("%s.parts", name);
   sd_status status = SD_OK;
-  if (!points || !parts)
-    status = sd_fail(messages, SD_ERROR_IO, "no memory");
-  else if (file_is_folder(points))
+  if (file_is_folder(points))
     status = verify_folder(v, points, messages);
   else if (file_is_folder(name))
     status = verify_folder(v, name, messages);

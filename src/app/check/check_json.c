@@ -181,8 +181,7 @@ int check_print_json(const check_found *f, const char *deck, bool full, int stat
                            json_messages(messages));
   if (f->model) add_model(root, f);
   if (f->model && full) json_object_set_new(root, "full", json_text(sd_model_deck(f->model)->full));
-  bool printed = root && json_dumpf(root, stdout, JSON_INDENT(2)) == 0;
-  putchar('\n');
+  const sd_status printed = json_print(root);
   json_decref(root);
-  return printed ? status : app_no_memory();
+  return printed == SD_OK ? status : (int)printed;
 }

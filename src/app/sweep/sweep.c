@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "app/app.h"
 #include "app/sweep/sweep.h"
@@ -106,7 +107,7 @@ static bool print_point(const sweep *s, size_t k, const sweep_result *r) {
 static void print_tally(const sweep_tally *t) {
   for (size_t k = 0; k < t->n; k++) {
     char *line = sweep_tally_text(t, k);
-    if (line) printf("other deck: %s\n", line);
+    printf("other deck: %s\n", line);
     free(line);
   }
   if (t->more > 0) printf("other deck: ... and %zu more differences\n", t->more);
@@ -193,9 +194,8 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
     status = sweep_load(s, point, &model, &result, messages);
     if (status != SD_OK) sweep_note_messages(s, point, messages);
   }
-  if (status == SD_OK && !done && !(again = format_text("resume %s", result)))
-    status = sd_fail(messages, SD_ERROR_IO, "no memory");
   if (status == SD_OK && !done) {
+    again = format_text("resume %s", result);
     drive_options drive = {.result = result,
                            .again = again,
                            .threads = c->threads,
@@ -274,8 +274,8 @@ int app_sweep(int argc, char **argv) {
   char *where = NULL;
   if (status == 0) {
     assert(c.deck);
-    where = c.output ? format_text("%s", c.output) : app_default_name(c.deck, "sweep");
-    status = where ? command(&c, where, messages) : app_no_memory();
+    where = c.output ? memory_text(c.output) : app_default_name(c.deck, "sweep");
+    status = command(&c, where, messages);
   }
   free(where);
   free(c.overrides.item);

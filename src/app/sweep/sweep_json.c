@@ -43,7 +43,7 @@ static json_t *others_json(const sweep_tally *t) {
   json_t *list = json_array();
   for (size_t k = 0; k < t->n; k++) {
     char *line = sweep_tally_text(t, k);
-    if (line) json_array_append_new(list, json_text(line));
+    json_array_append_new(list, json_text(line));
     free(line);
   }
   return list;
@@ -62,7 +62,7 @@ sd_status sweep_print_json(const sweep *s, sd_messages *messages) {
   size_t count[SWEEP_STATUSES] = {0};
   sweep_tally others = {0};
   json_t *points = json_array(), *counts = json_object();
-  sd_status status = points && counts ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
+  sd_status status = SD_OK;
   for (size_t k = 0; k < s->deck.n_points && status == SD_OK; k++) {
     sweep_result r;
     status = sweep_look(s, k, &r, messages);
@@ -76,9 +76,7 @@ sd_status sweep_print_json(const sweep *s, sd_messages *messages) {
   json_t *root =
       json_pack("{s:o, s:o, s:o, s:o, s:o}", "folder", json_text(s->folder), "count", counts, "other_decks",
                 others_json(&others), "strangers", strangers_json(s), "points", points);
-  if (status == SD_OK && (!root || json_dumpf(root, stdout, JSON_INDENT(2)) != 0))
-    status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
-  if (status == SD_OK) putchar('\n');
+  if (status == SD_OK) status = json_print(root);
   json_decref(root);
   sweep_tally_free(&others);
   return status;

@@ -8,6 +8,7 @@
 
 #include "app/app.h"
 #include "app/theory/theory.h"
+#include "base/memory.h"
 #include "io/store/file.h"
 #include "slipdisk/deck.h"
 
@@ -57,10 +58,10 @@ typedef struct table {
   size_t size;
 } table;
 
-static sd_status table_open(table *t, sd_messages *messages) {
+static void table_open(table *t) {
   *t = (table){0};
   t->out = open_memstream(&t->text, &t->size);
-  return t->out ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (!t->out) memory_lacks(0);
 }
 
 /* Into what is no file of its own: a device, a pipe, the standard output (path NULL). */
@@ -77,7 +78,7 @@ static sd_status pour(const table *t, const char *path, sd_messages *messages) {
 /* Writes it to path, "-" being the standard output, unless something has failed already. */
 static sd_status table_close(table *t, const char *path, sd_status status, sd_messages *messages) {
   if (!t->out) return status;
-  if (fclose(t->out) != 0 && status == SD_OK) status = sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (fclose(t->out) != 0) memory_lacks(t->size);
   struct stat what;
   file_piece piece = {t->text, t->size};
   if (status == SD_OK && strcmp(path, "-") == 0)
@@ -116,8 +117,10 @@ static sd_status write_csv(const arguments *a, sd_messages *messages) {
   deck_sweep s = {0};
   table t = {0};
   sd_status status = deck_sweep_load(a->deck, a->overrides.n, a->overrides.item, &s, messages);
-  if (status == SD_OK) status = table_open(&t, messages);
-  if (status == SD_OK) theory_table_head(t.out, &s);
+  if (status == SD_OK) {
+    table_open(&t);
+    theory_table_head(t.out, &s);
+  }
   size_t sets = 0;
   for (size_t k = 0; status == SD_OK && k < s.n_points; k++) {
     if (s.points[k].set != sets) continue; /* sets are numbered in the order of their first points */
@@ -137,9 +140,9 @@ static sd_status write_wave(const arguments *a, const theory_result *r, sd_messa
         "%s: theory: there is no periodic solution to be written; expected supports that turn to and "
         "fro",
         a->deck);
-  sd_status status = table_open(&t, messages);
-  if (status == SD_OK) theory_wave(t.out, r);
-  return table_close(&t, a->wave, status, messages);
+  table_open(&t);
+  theory_wave(t.out, r);
+  return table_close(&t, a->wave, SD_OK, messages);
 }
 
 /* --- the command ------------------------------------------------------------------------------------------ */

@@ -4,6 +4,7 @@
 #include "slipdisk/deck.h"
 #include "app/json.h"
 #include "app/theory/theory.h"
+#include "base/memory.h"
 #include "base/text.h"
 
 static const char *const kinds[] = {[THEORY_REST] = "rest",
@@ -103,8 +104,8 @@ static json_t *solution_json(const theory_case *c, const theory_result *r) {
 }
 
 bool theory_json(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r) {
-  char *deck = text_clean(format_text("%s", sd_model_deck(m)->path));
-  json_t *root = json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "deck", deck ? deck : "", "title",
+  char *deck = text_clean(memory_text(sd_model_deck(m)->path));
+  json_t *root = json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "deck", deck, "title",
                            m->title ? m->title : "", "geometry", geometry_json(c), "tep", tep_json(r),
                            "drive", drive_json(c, r), "formulas", formulas_json(c, r), "solution",
                            c->kind == THEORY_PERIODIC ? solution_json(c, r) : json_null());
