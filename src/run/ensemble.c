@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/subnormal.h"
 #include "physics/step/access.h"
 #include "physics/small/lanes.h"
@@ -31,16 +32,10 @@ bool ensemble_alike(const sd_model *a, const sd_model *b) { return lanes_alike(a
 size_t ensemble_in_lanes(const ensemble *e) { return e->in_lanes; }
 
 sd_status ensemble_new(size_t n, sd_simulation *const *members, ensemble **out, sd_messages *messages) {
-  ensemble *e = calloc(1, sizeof *e);
-  *out = e;
-  if (e) e->members = calloc(n + 1, sizeof(sd_simulation *));
-  if (!e || !e->members) {
-    ensemble_free(e);
-    *out = NULL;
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for the ensemble");
-  }
-  e->n = n;
-  memcpy(e->members, members, n * sizeof(sd_simulation *));
+  (void)messages;
+  *out = memory_new(1, sizeof **out);
+  (*out)->n = n;
+  (*out)->members = memory_copy(members, n * sizeof(sd_simulation *));
   return SD_OK;
 }
 
@@ -132,17 +127,13 @@ static void advance_some(ensemble *e, share *shares, size_t first, sd_status *st
 
 void ensemble_advance(ensemble *e, int64_t n, sd_status *status, sd_messages *const *messages) {
   e->in_lanes = 0;
-  share *shares = calloc(e->n + 1, sizeof *shares);
+  share *shares = memory_new(e->n, sizeof *shares);
   for (size_t k = 0; k < e->n; k++) {
-    if (!shares) {
-      if (status[k] == SD_OK) status[k] = sd_simulation_advance(e->members[k], n, messages[k]);
-      continue;
-    }
     if (status[k] != SD_OK || sd_simulation_finished(e->members[k]) || n <= 0) continue;
     shares[k] = (share){simulation_engine(e->members[k]), n};
     engine_ready(shares[k].engine, messages[k]);
   }
-  for (size_t k = 0; shares && k < e->n; k++)
+  for (size_t k = 0; k < e->n; k++)
     while (shares[k].engine) advance_some(e, shares, k, status, messages);
   free(shares);
 }

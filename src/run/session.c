@@ -14,6 +14,7 @@
 
 #include "base/clock.h"
 #include "base/comm.h"
+#include "base/memory.h"
 #include "io/store/file.h"
 #include "io/results/merge.h"
 #include "pack/rain.h"
@@ -95,9 +96,9 @@ static void remove_shares(const session *s, const char *path, size_t n) {
 static sd_status seal_rows(session *s, record *rows, const char *path, sd_messages *messages) {
   const record_link link = {.run_id = s->origin.run_id, .number = s->parts + 1, .after = s->last_part};
   const size_t n = rows->shared ? (size_t)comm_size() : 0;
-  int64_t *seals = calloc(n + 1, sizeof *seals);
-  sd_status status = seals ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to write the results");
-  if (n > 0 && status == SD_OK) status = ranks_seal(s->simulation->ranks, path, seals, messages);
+  int64_t *seals = memory_new(n, sizeof *seals);
+  sd_status status = SD_OK;
+  if (n > 0) status = ranks_seal(s->simulation->ranks, path, seals, messages);
   if (status == SD_OK) {
     status = record_seal(rows, s->parts_folder.at, path, &link, n, seals, &s->last_part, messages);
     if (status != SD_OK) remove_shares(s, path, n);
@@ -111,8 +112,7 @@ static sd_status seal(session *s, sd_messages *messages) {
   record *rows = record_empty(&s->shared) ? &s->rows : &s->shared;
   if (record_empty(rows)) return SD_OK;
   char *path = folder_part(s->parts_folder.path, s->parts + 1);
-  sd_status status = path ? folder_check(&s->parts_folder, messages)
-                          : sd_fail(messages, SD_ERROR_IO, "no memory to write the results");
+  sd_status status = folder_check(&s->parts_folder, messages);
   if (status == SD_OK) status = seal_rows(s, rows, path, messages);
   if (status == SD_OK) s->parts++;
   if (status == SD_OK) s->shared_bytes = 0;
@@ -148,8 +148,7 @@ static sd_status describe(session *s, const sd_state *state, const summary_conta
 /* The state, as a file of the folder. */
 static sd_status write_state(session *s, const sd_state *state, const char *path, sd_messages *messages) {
   checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
-  sd_status status = path ? describe(s, state, NULL, NULL, messages)
-                          : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
+  sd_status status = describe(s, state, NULL, NULL, messages);
   if (status == SD_OK) status = folder_check(&s->parts_folder, messages);
   if (status != SD_OK) return status;
   return checkpoint_write(s->parts_folder.at, path, state, &parts, NULL, &s->origin, &s->found, messages);
@@ -162,9 +161,8 @@ static sd_status write_shares(session *s, const char *path, sd_messages *message
   checkpoint_shares shares = {.n = (size_t)comm_size()};
   summary_contacts contacts = {0};
   summary_lost lost = {0};
-  shares.sums = calloc(shares.n, sizeof *shares.sums);
-  sd_status status = shares.sums ? folder_check(&s->parts_folder, messages)
-                                 : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
+  shares.sums = memory_new(shares.n, sizeof *shares.sums);
+  sd_status status = folder_check(&s->parts_folder, messages);
   if (status == SD_OK)
     status = ranks_write(s->simulation->ranks, e, path, shares.sums, &contacts, &lost, messages);
   shares.n_contacts = contacts.n;
@@ -190,8 +188,7 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
   const int64_t step = sd_simulation_step(s->simulation);
   if (!shared && !state) return SD_ERROR_IO;
   char *path = folder_checkpoint(s->parts_folder.path, step);
-  sd_status status =
-      path ? seal(s, messages) : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
+  sd_status status = seal(s, messages);
   if (status == SD_OK)
     status = shared ? write_shares(s, path, messages) : write_state(s, state, path, messages);
   if (status == SD_OK) {
@@ -367,8 +364,7 @@ static sd_status merge_spread(session *s, sd_messages *messages) {
   const sd_state *state = simulation_engine(s->simulation)->state;
   char *path = folder_checkpoint(s->parts_folder.path, s->saved_step);
   h5_file *file = NULL;
-  sd_status status = path ? h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages)
-                          : sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  sd_status status = h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages);
   summary_contacts contacts = {0};
   if (status == SD_OK && !s->has_found) status = checkpoint_get_contacts(file, &contacts, messages);
   if (status == SD_OK && !s->has_found) status = describe(s, state, &contacts, NULL, messages);

@@ -13,6 +13,7 @@
 #include "slipdisk/deck.h"
 #include "base/clock.h"
 #include "base/comm.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "base/shortage.h"
 #include "io/store/file.h"
@@ -39,11 +40,11 @@ sd_status session_identity(const session *s, char **id, sd_messages *messages) {
   else if (errno != ENOENT)
     return sd_fail(messages, SD_ERROR_IO, "cannot look at %s: %s", s->result, strerror(errno));
   else
-    *id = format_text("%s", "");
+    *id = memory_text("");
   if (!*id)
     *id = format_text("%lld bytes of %lld.%09ld", (long long)facts.st_size, (long long)facts.st_mtim.tv_sec,
                       facts.st_mtim.tv_nsec);
-  return *id ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to look at %s", s->result);
+  return SD_OK;
 }
 
 /* Of a result that can be read, or of any other file? */
@@ -117,8 +118,7 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
                                 sd_messages *messages) {
   char *path = folder_checkpoint(s->parts_folder.path, step);
   h5_file *file = NULL;
-  sd_status status = path ? h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages)
-                          : sd_fail(messages, SD_ERROR_IO, "no memory to read the checkpoint");
+  sd_status status = h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages);
   if (status == SD_OK) status = checkpoint_check_format(file, path, messages);
   if (status == SD_OK) status = provenance_read(&s->origin, file, messages);
   s->was_finished = status == SD_OK && strcmp(finished, s->origin.run_id) == 0;
@@ -196,8 +196,7 @@ static void warn_of_ranks(const session *s, sd_messages *messages) {
 /* there: identity of the file that may be replaced in the end; "": none. */
 static sd_status begin_fresh(session *s, const char *there, sd_messages *messages) {
   s->fresh = true;
-  s->replaces = format_text("%s", there);
-  if (!s->replaces) return sd_fail(messages, SD_ERROR_IO, "no memory to start");
+  s->replaces = memory_text(there);
   sd_status status = folder_empty(&s->parts_folder, messages);
   if (status == SD_OK) status = provenance_new(&s->origin, s->model, messages);
   if (status == SD_OK)
@@ -239,9 +238,7 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
   if (status != SD_OK) return status;
   assert(*there);
   char *parts = format_text("%s.parts", s->result);
-  if (!parts)
-    status = sd_fail(messages, SD_ERROR_IO, "no memory to start");
-  else if (file_is_folder(s->result))
+  if (file_is_folder(s->result))
     status = sd_fail(messages, SD_ERROR_USER, "%s is a folder, a result is a file", s->result);
   else if (file_is_link(s->result))
     status = sd_fail(messages, SD_ERROR_USER, "%s is a symbolic link, a result is a file", s->result);
@@ -285,11 +282,8 @@ static sd_status begin(session *s, sd_messages *messages) {
 sd_status session_open(const sd_model *model, const session_options *options, session **out,
                        sd_messages *messages) {
   *out = NULL;
-  session *s = calloc(1, sizeof *s);
-  if (!s || !(s->result = format_text("%s", options->result))) {
-    free(s);
-    return sd_fail(messages, SD_ERROR_IO, "no memory to start");
-  }
+  session *s = memory_new(1, sizeof *s);
+  s->result = memory_text(options->result);
   s->model = model;
   s->options = *options;
   s->options.result = s->result;

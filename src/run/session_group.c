@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "base/memory.h"
 #include "run/ensemble.h"
 #include "run/session_private.h"
 
@@ -55,7 +56,6 @@ static void leave(group *g, size_t member, sd_status status) {
   if (g->left) g->left(g->user, member);
 }
 
-/* Without memory for an ensemble the members are advanced one by one, to the same results. */
 static void put_in_lanes(group *g) {
   if (g->n > 1) ensemble_new(g->n, g->simulations, &g->lanes, NULL);
 }
@@ -183,21 +183,16 @@ static void run_group(group *g, size_t n) {
 
 void session_group_run(size_t n, session_member *members, session_left *left, void *user) {
   group g = {.members = members,
-             .which = calloc(n + 1, sizeof *g.which),
-             .simulations = calloc(n + 1, sizeof *g.simulations),
-             .messages = calloc(n + 1, sizeof *g.messages),
-             .status = calloc(n + 1, sizeof *g.status),
-             .waits = calloc(n + 1, sizeof *g.waits),
+             .which = memory_new(n, sizeof *g.which),
+             .simulations = memory_new(n, sizeof *g.simulations),
+             .messages = memory_new(n, sizeof *g.messages),
+             .status = memory_new(n, sizeof *g.status),
+             .waits = memory_new(n, sizeof *g.waits),
              .chunk = 1,
              .most_bytes = MOST_BYTES / (n > 0 ? n : 1),
              .left = left,
              .user = user};
-  if (g.which && g.simulations && g.messages && g.status && g.waits) {
-    run_group(&g, n);
-  } else {
-    for (size_t k = 0; k < n; k++)
-      leave(&g, k, sd_fail(members[k].messages, SD_ERROR_IO, "no memory to run"));
-  }
+  run_group(&g, n);
   ensemble_free(g.lanes);
   free(g.which);
   free(g.simulations);

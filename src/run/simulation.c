@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/subnormal.h"
 #include "measure/disks.h"
 #include "measure/sample.h"
@@ -125,11 +126,7 @@ static sd_status create(const sd_model *model, sd_state *state, int threads, sim
     sd_state_free(state);
     return SD_ERROR_USER;
   }
-  sd_simulation *sim = aligned_alloc(64, (sizeof *sim + 63) / 64 * 64);
-  if (!sim) {
-    sd_state_free(state);
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for the simulation");
-  }
+  sd_simulation *sim = memory_lines(sizeof *sim);
   *sim = (sd_simulation){.engine = {.model = model, .state = state}};
   const bool small = step == SIMULATION_SUITABLE && lanes_suit(model) && all_in_play(state);
   sd_status status = SD_OK;

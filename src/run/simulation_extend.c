@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "model/overlaps.h"
 #include "model/state.h"
 #include "physics/contact/energy.h"
@@ -25,13 +26,10 @@ sd_status sd_simulation_observe(sd_simulation *sim, int64_t every, sd_observer *
   bool outer;
   if (every < 1 || !observer || !simulation_enter(sim, NEED_CHANGE, "sd_simulation_observe", &outer, NULL))
     return SD_ERROR_USER;
-  simulation_observer *more = realloc(sim->observers, (sim->n_observers + 1) * sizeof *more);
-  if (more) {
-    sim->observers = more;
-    more[sim->n_observers++] = (simulation_observer){every, observer, user};
-  }
+  sim->observers = memory_grow(sim->observers, sim->n_observers + 1, sizeof *sim->observers);
+  sim->observers[sim->n_observers++] = (simulation_observer){every, observer, user};
   simulation_leave(sim, outer);
-  return more ? SD_OK : SD_ERROR_IO;
+  return SD_OK;
 }
 
 int64_t observers_room(const sd_simulation *sim, int64_t most) {
@@ -299,8 +297,9 @@ static sd_status check_overlaps(const engine *e, const sd_model *new_model, sd_m
   sd_model now = *new_model;
   overlap_check check = {&now, first, SD_OK, messages};
   if (!(now.max_overlap > 0.0)) return SD_OK;
-  now.disks = malloc(now.n_disks * sizeof *now.disks);
-  if (!now.disks) return sd_fail(messages, SD_ERROR_IO, "out of memory for the disks");
+  now.disks = NULL;
+  if (!memory_resize(1, (memory_column[]){{&now.disks, now.n_disks, sizeof *now.disks}}))
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the disks");
   memcpy(now.disks, new_model->disks, now.n_disks * sizeof *now.disks);
   for (size_t i = 0; i < first; i++) {
     const uint32_t slot = engine_slot(e, (uint32_t)i);

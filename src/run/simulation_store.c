@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
+#include "base/memory.h"
 #include "io/deck/deck.h"
 #include "io/results/checkpoint.h"
 #include "model/image.h"
@@ -26,7 +26,8 @@ static void put_image(h5_file *file, const sd_model *model) {
   size_t size = 0;
   void *bytes = image_of_model(model, &size);
   const size_t n = (size + 3) / 4;
-  uint32_t *words = bytes ? calloc(n, sizeof *words) : NULL;
+  uint32_t *words = NULL;
+  if (bytes) memory_rows(1, (memory_column[]){{&words, n, sizeof *words}});
   if (h5_have(file, words, IMAGE)) {
     memcpy(words, bytes, size);
     h5_put(file, IMAGE, SD_U32, 1, &n, words, true);
@@ -102,20 +103,18 @@ sd_status sd_simulation_save_memory(sd_simulation *sim, void **data, size_t *siz
 static const char **split(char *text, size_t *n) {
   size_t lines = 1;
   for (const char *c = text; *c; c++) lines += *c == '\n';
-  const char **list = calloc(lines, sizeof *list);
+  const char **list = memory_new(lines, sizeof *list);
   *n = 0;
-  for (char *line = list ? strtok(text, "\n") : NULL; line; line = strtok(NULL, "\n")) list[(*n)++] = line;
+  for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n")) list[(*n)++] = line;
   return list;
 }
 
 sd_status simulation_model_of(const provenance *origin, sd_model **out, sd_messages *messages) {
   char *path = provenance_deck(origin->deck_path, origin->directory),
-       *lines = format_text("%s", origin->deck_overrides);
+       *lines = memory_text(origin->deck_overrides);
   size_t n = 0;
-  const char **overrides = lines ? split(lines, &n) : NULL;
-  sd_status status = path && overrides
-                         ? sd_deck_load_text(origin->deck_text, path, n, overrides, out, messages)
-                         : sd_fail(messages, SD_ERROR_IO, "no memory");
+  const char **overrides = split(lines, &n);
+  sd_status status = sd_deck_load_text(origin->deck_text, path, n, overrides, out, messages);
   free(overrides);
   free(lines);
   free(path);
