@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 
@@ -20,30 +21,24 @@ result_column *result_table_find(const result_table *s, const char *name) {
   return NULL;
 }
 
-static bool allocate(result_column *c, size_t n) {
-  c->number = c->kind == RESULT_NUMBER ? calloc(n + 1, sizeof *c->number) : NULL;
-  c->integer = c->kind == RESULT_INTEGER ? calloc(n + 1, sizeof *c->integer) : NULL;
-  c->text = c->kind == RESULT_TEXT ? calloc(n + 1, sizeof *c->text) : NULL;
+static void allocate(result_column *c, size_t n) {
+  c->number = c->kind == RESULT_NUMBER ? memory_new(n, sizeof *c->number) : NULL;
+  c->integer = c->kind == RESULT_INTEGER ? memory_new(n, sizeof *c->integer) : NULL;
+  c->text = c->kind == RESULT_TEXT ? memory_new(n, sizeof *c->text) : NULL;
   for (size_t k = 0; c->number && k < n; k++) c->number[k] = NAN;
   for (size_t k = 0; c->integer && k < n; k++) c->integer[k] = RESULT_EMPTY;
-  return c->number || c->integer || c->text;
 }
 
-/* NULL: no memory, which is remembered; or a column of this name holds something else. */
+/* NULL: a column of this name holds something else. */
 static result_column *column(result_table *s, result_kind kind, const char *name, const char *unit,
                              const char *meaning) {
   result_column *c = result_table_find(s, name);
   if (c) return c->kind == kind ? c : NULL;
-  result_column *grown = realloc(s->columns, (s->n_columns + 1) * sizeof *grown);
-  if (grown) s->columns = grown;
-  result_column made = {.name = format_text("%s", name), .kind = kind, .unit = unit, .meaning = meaning};
-  if (!grown || !made.name || !allocate(&made, s->n_rows)) {
-    free(made.name);
-    s->failed = true;
-    return NULL;
-  }
-  s->columns[s->n_columns] = made;
-  return &s->columns[s->n_columns++];
+  s->columns = memory_grow(s->columns, s->n_columns + 1, sizeof *s->columns);
+  c = &s->columns[s->n_columns++];
+  *c = (result_column){.name = memory_text(name), .kind = kind, .unit = unit, .meaning = meaning};
+  allocate(c, s->n_rows);
+  return c;
 }
 
 void result_table_number(result_table *s, size_t row, const char *name, const char *unit, const char *meaning,
@@ -61,8 +56,7 @@ void result_table_text(result_table *s, size_t row, const char *name, const char
   result_column *c = column(s, RESULT_TEXT, name, "", meaning);
   if (!c) return;
   free(c->text[row]);
-  c->text[row] = format_text("%s", text);
-  if (!c->text[row]) s->failed = true;
+  c->text[row] = memory_text(text);
 }
 
 void result_table_keep_all(result_table *s) {
@@ -123,8 +117,8 @@ static void put_cell(FILE *out, const result_column *c, size_t row) {
 sd_status result_table_write_csv(const result_table *s, const char *path, sd_messages *messages) {
   char *text = NULL;
   size_t size = 0;
-  FILE *out = s->failed ? NULL : open_memstream(&text, &size);
-  if (!out) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  FILE *out = open_memstream(&text, &size);
+  if (!out) memory_lacks(0);
   for (size_t k = 0; k < s->n_columns; k++) {
     if (k > 0) fputc(',', out);
     text_cell(out, s->columns[k].name);
@@ -137,35 +131,29 @@ sd_status result_table_write_csv(const result_table *s, const char *path, sd_mes
     }
     fputc('\n', out);
   }
-  bool good = fclose(out) == 0;
+  if (fclose(out) != 0) memory_lacks(0);
   file_piece piece = {text, size};
-  sd_status status = good ? file_write_atomic(-1, path, 1, &piece, messages)
-                          : sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  sd_status status = file_write_atomic(-1, path, 1, &piece, messages);
   free(text);
   return status;
 }
 
 /* --- HDF5 -------------------------------------------------------------------------------------------------- */
 
-bool result_table_write_h5(const result_table *s, h5_file *file, const char *group) {
-  bool good = true;
+void result_table_write_h5(const result_table *s, h5_file *file, const char *group) {
+  int64_t *integer = memory_new(s->n_rows, sizeof *integer);
   h5_group(file, group);
-  for (size_t k = 0; k < s->n_columns && good; k++) {
+  for (size_t k = 0; k < s->n_columns; k++) {
     const result_column *c = &s->columns[k];
     char *path = format_text("%s/%s", group, c->name);
-    int64_t *integer = calloc(s->n_rows + 1, sizeof *integer);
-    for (size_t row = 0; integer && c->integer && row < s->n_rows; row++)
+    for (size_t row = 0; c->integer && row < s->n_rows; row++)
       integer[row] = c->integer[row] == RESULT_EMPTY ? -1 : c->integer[row];
-    good = path && integer;
-    if (good) {
-      if (c->kind == RESULT_NUMBER) h5_put(file, path, SD_F64, 1, &s->n_rows, c->number, false);
-      if (c->kind == RESULT_INTEGER) h5_put(file, path, SD_I64, 1, &s->n_rows, integer, false);
-      if (c->kind == RESULT_TEXT) h5_put_texts(file, path, s->n_rows, (const char *const *)c->text);
-      if (*c->unit) h5_attr_text(file, path, "unit", c->unit);
-      h5_attr_text(file, path, "description", c->meaning);
-    }
-    free(integer);
+    if (c->kind == RESULT_NUMBER) h5_put(file, path, SD_F64, 1, &s->n_rows, c->number, false);
+    if (c->kind == RESULT_INTEGER) h5_put(file, path, SD_I64, 1, &s->n_rows, integer, false);
+    if (c->kind == RESULT_TEXT) h5_put_texts(file, path, s->n_rows, (const char *const *)c->text);
+    if (*c->unit) h5_attr_text(file, path, "unit", c->unit);
+    h5_attr_text(file, path, "description", c->meaning);
     free(path);
   }
-  return good;
+  free(integer);
 }

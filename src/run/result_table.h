@@ -23,7 +23,6 @@ typedef struct result_column {
 typedef struct result_table {
   size_t n_rows, n_columns;
   result_column *columns;
-  bool failed; /* no memory */
 } result_table;
 
 /* Cells: the column is made when there is none of this name. */
@@ -41,7 +40,7 @@ void result_table_free(result_table *s);
 
 /* As CSV (RFC 4180, numbers to the last bit, empty cells where nothing is known). */
 sd_status result_table_write_csv(const result_table *s, const char *path, sd_messages *messages);
-/* As datasets of a group. An empty integer is -1 there. False: no memory. */
-bool result_table_write_h5(const result_table *s, h5_file *file, const char *group);
+/* As datasets of a group. An empty integer is -1 there. */
+void result_table_write_h5(const result_table *s, h5_file *file, const char *group);
 
 #endif

@@ -3,14 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 #include "run/sweep_private.h"
 
 sd_status sweep_open(sweep *s, const char *deck, size_t n_overrides, const char *const *overrides,
                      const char *place, sd_messages *messages) {
-  *s = (sweep){.folder = format_text("%s", place)};
-  if (!s->folder) return sweep_no_memory(messages);
+  *s = (sweep){.folder = memory_text(place)};
   return deck_sweep_load(deck, n_overrides, overrides, &s->deck, messages);
 }
 
@@ -59,9 +59,8 @@ static void note_mistake(mistakes *all, size_t point, const char *text) {
       all->list[k].sets++;
       return;
     }
-  char *copy = all->n < MOST_MISTAKES ? format_text("%s", text) : NULL;
-  if (copy)
-    all->list[all->n++] = (mistake){copy, point, 1};
+  if (all->n < MOST_MISTAKES)
+    all->list[all->n++] = (mistake){memory_text(text), point, 1};
   else
     all->more++;
 }
@@ -86,9 +85,8 @@ sd_status sweep_check(const sweep *s, sweep_visitor *visit, void *user, size_t *
                       sd_messages *messages) {
   mistakes all = {0};
   sd_status status = SD_OK;
-  unsigned char *seen = calloc(s->deck.n_sets + 1, 1);
+  unsigned char *seen = memory_new(s->deck.n_sets, 1);
   *usable = 0;
-  if (!seen) return sweep_no_memory(messages);
   for (size_t k = 0; k < s->deck.n_points && status != SD_ERROR_IO; k++) {
     size_t set = s->deck.points[k].set;
     if (seen[set]) continue;
@@ -111,7 +109,7 @@ sd_status sweep_check(const sweep *s, sweep_visitor *visit, void *user, size_t *
 
 sd_status sweep_prepare(const sweep *s, sd_messages *messages) {
   char *points = format_text("%s/points", s->folder);
-  sd_status status = points ? file_make_folder(s->folder, messages) : sweep_no_memory(messages);
+  sd_status status = file_make_folder(s->folder, messages);
   if (status == SD_OK) status = file_make_folder(points, messages);
   free(points);
   return status;
@@ -122,23 +120,23 @@ sd_status sweep_prepare(const sweep *s, sd_messages *messages) {
 void sweep_note(const sweep *s, size_t point, const char *text) {
   char *path = sweep_point_path(s, point, ".failed");
   file_piece piece = {text, text ? strlen(text) : 0};
-  if (path && text)
+  if (text)
     file_write_atomic(-1, path, 1, &piece, NULL);
-  else if (path && file_exists(path))
+  else if (file_exists(path))
     file_remove(-1, path, NULL);
   free(path);
 }
 
 void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messages) {
-  char *text = format_text("%s", "");
+  char *text = memory_text("");
   for (size_t k = 0; k < sd_messages_count(messages); k++)
     text = append_text(text, "%s\n", sd_messages_text(messages, k));
-  if (text) sweep_note(s, point, text);
+  sweep_note(s, point, text);
   free(text);
 }
 
 sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **result, sd_messages *messages) {
   *model = NULL;
   *result = sweep_point_path(s, point, ".h5");
-  return *result ? deck_sweep_model(&s->deck, point, model, messages) : sweep_no_memory(messages);
+  return deck_sweep_model(&s->deck, point, model, messages);
 }

@@ -59,7 +59,7 @@ typedef struct sweep_result {
   size_t n_differences; /* of another deck */
   sweep_difference *differences;
 } sweep_result;
-/* SD_ERROR_IO: no memory. */
+/* SD_OK always: what cannot be read is a state of the point. */
 sd_status sweep_look(const sweep *s, size_t point, sweep_result *result, sd_messages *messages);
 void sweep_result_free(sweep_result *result);
 /* The status only, without reading results: whatever result is there counts as done. */
@@ -78,7 +78,7 @@ typedef struct sweep_tally {
 } sweep_tally;
 /* Counts the differences of a point of another deck, and takes them over. */
 void sweep_tally_add(sweep_tally *t, sweep_result *r);
-/* "gravity.tilt: 0.1 there, 0.2 here (48 points)", to be freed; NULL: no memory. */
+/* "gravity.tilt: 0.1 there, 0.2 here (48 points)", to be freed. */
 char *sweep_tally_text(const sweep_tally *t, size_t k);
 void sweep_tally_free(sweep_tally *t);
 
@@ -90,9 +90,10 @@ typedef struct sweep_contents {
   size_t results, parts, failures; /* of points that this sweep does not have: .h5, .h5.parts, .failed */
   char *example;                   /* name of such a point; NULL: there are none */
 } sweep_contents;
+/* SD_OK always. */
 sd_status sweep_list(const sweep *s, sweep_contents *out, sd_messages *messages);
 /* "FOLDER has 9 results and 1 unfinished run of points that this sweep does not have, such as tilt=0", to be freed; NULL:
- * it has not, or no memory. */
+ * it has not. */
 char *sweep_strangers_text(const sweep *s, const sweep_contents *c);
 void sweep_contents_free(sweep_contents *c);
 /* SD_ERROR_USER: results of points that this sweep does not have are there, and none of its own. instead: what is therefore not

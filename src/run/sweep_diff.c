@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/deck/deck.h"
 #include "run/deck_diff.h"
@@ -10,15 +11,11 @@
 /* Differences that are kept of a point, and of many together. */
 enum { MOST_KEPT = 20, MOST_TOLD = 20 };
 
-/* False: no memory. A missing value is NULL. */
-static bool add(sweep_result *r, const char *path, const char *there, const char *here) {
-  sweep_difference *grown = realloc(r->differences, (r->n_differences + 1) * sizeof *grown);
-  if (!grown) return false;
-  r->differences = grown;
-  sweep_difference one = {format_text("%s", path), there ? format_text("%s", there) : NULL,
-                          here ? format_text("%s", here) : NULL};
-  grown[r->n_differences++] = one;
-  return one.path && (one.there || !there) && (one.here || !here);
+/* A missing value is NULL. */
+static void add(sweep_result *r, const char *path, const char *there, const char *here) {
+  r->differences = memory_grow(r->differences, r->n_differences + 1, sizeof *r->differences);
+  r->differences[r->n_differences++] =
+      (sweep_difference){memory_text(path), memory_text(there), memory_text(here)};
 }
 
 /* --- two decks ---------------------------------------------------------------------------------------------- */
@@ -39,7 +36,7 @@ void sweep_differ(sweep_result *r, const char *why) { add(r, why, NULL, NULL); }
 
 /* "gravity.tilt: 0.1 there, 0.2 here" */
 static char *words(const sweep_difference *d) {
-  if (!d->there && !d->here) return format_text("%s", d->path);
+  if (!d->there && !d->here) return memory_text(d->path);
   if (!d->there) return format_text("%s: not there, %s here", d->path, d->here);
   if (!d->here) return format_text("%s: %s there, not here", d->path, d->there);
   return format_text("%s: %s there, %s here", d->path, d->there, d->here);
@@ -47,10 +44,10 @@ static char *words(const sweep_difference *d) {
 
 char *sweep_differences_text(const sweep_result *r) {
   enum { TOLD = 4 };
-  char *text = format_text("%s", "");
-  for (size_t k = 0; text && k < r->n_differences && k < TOLD; k++) {
+  char *text = memory_text("");
+  for (size_t k = 0; k < r->n_differences && k < TOLD; k++) {
     char *one = words(&r->differences[k]);
-    text = append_text(text, "%s%s", k ? "; " : "", one ? one : "");
+    text = append_text(text, "%s%s", k ? "; " : "", one);
     free(one);
   }
   return r->n_differences <= TOLD ? text : append_text(text, "; and %zu more", r->n_differences - TOLD);
@@ -80,13 +77,12 @@ static void count(sweep_tally *t, sweep_difference *d) {
         line->varies || !same_text(line->first.there, d->there) || !same_text(line->first.here, d->here);
     return;
   }
-  sweep_tally_line *grown = t->n < MOST_TOLD ? realloc(t->list, (t->n + 1) * sizeof *grown) : NULL;
-  if (!grown) {
+  if (t->n == MOST_TOLD) {
     t->more++;
     return;
   }
-  t->list = grown;
-  grown[t->n++] = (sweep_tally_line){.first = *d, .points = 1};
+  t->list = memory_grow(t->list, t->n + 1, sizeof *t->list);
+  t->list[t->n++] = (sweep_tally_line){.first = *d, .points = 1};
   *d = (sweep_difference){0}; /* moved */
 }
 

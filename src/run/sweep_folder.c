@@ -1,8 +1,10 @@
 /* sweep_folder.c: what else lies in a sweep's folder, and when it is a reason to do nothing; see sweep.h. */
+#include <assert.h>
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "run/sweep_private.h"
 
@@ -24,39 +26,38 @@ static bool take_ending(char *name, const char *ending) {
   return true;
 }
 
-/* An entry of the folder of points; its name is cut. False: no memory. */
-static bool sort_in(sweep_contents *c, char *name, const named *names, size_t n) {
+/* An entry of the folder of points; its name is cut. */
+static void sort_in(sweep_contents *c, char *name, const named *names, size_t n) {
   bool parts = take_ending(name, ".h5.parts"), result = !parts && take_ending(name, ".h5"),
        failure = !parts && !result && take_ending(name, ".failed");
-  if (!parts && !result && !failure) return true;
+  if (!parts && !result && !failure) return;
   named wanted = {name, 0}, *found = bsearch(&wanted, names, n, sizeof *names, by_name);
   if (found) {
     unsigned char *has = &c->has[found->point];
     c->known += !failure && *has == 0;
     *has |= (unsigned char)(parts ? SWEEP_HAS_PARTS : result ? SWEEP_HAS_RESULT : 0);
-    return true;
+    return;
   }
   c->results += result;
   c->parts += parts;
   c->failures += failure;
-  return c->example || (c->example = format_text("%s", name));
+  if (!c->example) c->example = memory_text(name);
 }
 
 sd_status sweep_list(const sweep *s, sweep_contents *out, sd_messages *messages) {
+  (void)messages;
   size_t n = s->deck.n_points;
   char *path = format_text("%s/points", s->folder);
-  named *names = calloc(n + 1, sizeof *names);
-  *out = (sweep_contents){.has = calloc(n + 1, 1)};
-  bool memory = path && names && out->has;
-  DIR *folder = memory ? opendir(path) : NULL; /* NULL: nothing is there */
-  for (size_t k = 0; memory && k < n; k++) names[k] = (named){s->deck.points[k].name, k};
-  if (memory) qsort(names, n, sizeof *names, by_name);
-  for (struct dirent *one; memory && folder && (one = readdir(folder));)
-    memory = sort_in(out, one->d_name, names, n);
+  named *names = memory_new(n, sizeof *names);
+  *out = (sweep_contents){.has = memory_new(n, 1)};
+  DIR *folder = opendir(path); /* NULL: nothing is there */
+  for (size_t k = 0; k < n; k++) names[k] = (named){s->deck.points[k].name, k};
+  qsort(names, n, sizeof *names, by_name);
+  for (struct dirent *one; folder && (one = readdir(folder));) sort_in(out, one->d_name, names, n);
   if (folder) closedir(folder);
   free(names);
   free(path);
-  return memory ? SD_OK : sweep_no_memory(messages);
+  return SD_OK;
 }
 
 void sweep_contents_free(sweep_contents *c) {
@@ -67,22 +68,21 @@ void sweep_contents_free(sweep_contents *c) {
 
 /* "9 results, 1 unfinished run" */
 static char *add_count(char *text, size_t n, const char *what, const char *many) {
-  if (!text || n == 0) return text;
+  if (n == 0) return text;
   return append_text(text, "%s%zu %s%s", *text ? ", " : "", n, what, n == 1 ? "" : many);
 }
 
 static char *count_strangers(const sweep_contents *c) {
-  char *text = format_text("%s", "");
-  text = add_count(text, c->results, "result", "s");
+  char *text = add_count(memory_text(""), c->results, "result", "s");
   text = add_count(text, c->parts, "unfinished run", "s");
   return add_count(text, c->failures, "note of a failure", "s");
 }
 
 char *sweep_strangers_text(const sweep *s, const sweep_contents *c) {
-  char *counts = c->example ? count_strangers(c) : NULL;
-  char *text = counts ? format_text("%s has %s of points that this sweep does not have, such as %s",
-                                    s->folder, counts, c->example)
-                      : NULL;
+  if (!c->example) return NULL;
+  char *counts = count_strangers(c);
+  char *text = format_text("%s has %s of points that this sweep does not have, such as %s", s->folder, counts,
+                           c->example);
   free(counts);
   return text;
 }
@@ -91,13 +91,11 @@ sd_status sweep_refuse_strangers(const sweep *s, const sweep_contents *c, const 
                                  sd_messages *messages) {
   if (c->known > 0 || c->results + c->parts == 0) return SD_OK;
   char *text = sweep_strangers_text(s, c);
-  sd_status status =
-      text ? sd_fail(messages, SD_ERROR_USER,
-                     "%s, and nothing of its own: %s; -o writes elsewhere, --mix lets them stay there", text,
-                     instead)
-           : sweep_no_memory(messages);
+  assert(text);
+  sd_fail(messages, SD_ERROR_USER,
+          "%s, and nothing of its own: %s; -o writes elsewhere, --mix lets them stay there", text, instead);
   free(text);
-  return status;
+  return SD_ERROR_USER;
 }
 
 sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *instead,
@@ -111,7 +109,7 @@ sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *
           t->points == 1 ? "is" : "are", instead);
   for (size_t k = 0; k < t->n; k++) {
     char *line = sweep_tally_text(t, k);
-    if (line) sd_fail(messages, SD_ERROR_USER, "%s", line);
+    sd_fail(messages, SD_ERROR_USER, "%s", line);
     free(line);
   }
   if (t->more > 0) sd_fail(messages, SD_ERROR_USER, "... and %zu more differences", t->more);

@@ -4,6 +4,7 @@
 
 #include "slipdisk/deck.h"
 #include "base/limits.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
@@ -21,19 +22,17 @@ sweep_status sweep_peek(const sweep *s, size_t point) {
   char *result = sweep_point_path(s, point, ".h5"), *parts = sweep_point_path(s, point, ".h5.parts"),
        *failed = sweep_point_path(s, point, ".failed");
   sweep_status status = SWEEP_WAITING;
-  if (result && parts && failed) {
-    /* A result without parts is finished. Both are there at the end of the merge, after a kill there (the parts
-     * have to go), and when a finished point is run again. The parts vanish last, so they are looked for first. */
-    bool running = folder_is_locked(parts), begun = file_is_folder(parts);
-    if (running)
-      status = SWEEP_RUNNING;
-    else if (file_exists(result) && !begun)
-      status = SWEEP_DONE;
-    else if (file_exists(failed))
-      status = SWEEP_FAILED;
-    else if (begun)
-      status = SWEEP_STOPPED;
-  }
+  /* A result without parts is finished. Both are there at the end of the merge, after a kill there (the parts
+   * have to go), and when a finished point is run again. The parts vanish last, so they are looked for first. */
+  bool running = folder_is_locked(parts), begun = file_is_folder(parts);
+  if (running)
+    status = SWEEP_RUNNING;
+  else if (file_exists(result) && !begun)
+    status = SWEEP_DONE;
+  else if (file_exists(failed))
+    status = SWEEP_FAILED;
+  else if (begun)
+    status = SWEEP_STOPPED;
   free(result);
   free(parts);
   free(failed);
@@ -93,9 +92,8 @@ static void tell_doubts(sweep_result *r) {
 }
 
 /* Reads a finished result. */
-static sd_status look_at_result(const sweep *s, size_t point, sweep_result *r, sd_messages *messages) {
+static void look_at_result(const sweep *s, size_t point, sweep_result *r) {
   char *path = sweep_point_path(s, point, ".h5");
-  if (!path) return sweep_no_memory(messages);
   h5_file *file = NULL;
   provenance origin = {0};
   sd_messages *mine = sd_messages_new();
@@ -105,7 +103,7 @@ static sd_status look_at_result(const sweep *s, size_t point, sweep_result *r, s
   if (status == SD_OK) status = summary_read(&r->found, file, mine);
   if (status != SD_OK) {
     r->status = SWEEP_DAMAGED;
-    r->message = format_text("%s", sd_messages_count(mine) > 0 ? sd_messages_text(mine, 0) : "");
+    r->message = memory_text(sd_messages_count(mine) > 0 ? sd_messages_text(mine, 0) : "");
   } else {
     r->has_found = true;
     compare_decks(s, point, &origin, true, r);
@@ -116,7 +114,6 @@ static sd_status look_at_result(const sweep *s, size_t point, sweep_result *r, s
   h5_close(file, NULL);
   sd_messages_free(mine);
   free(path);
-  return SD_OK;
 }
 
 /* Reads the newest checkpoint; without one there is nothing to tell, and it may vanish while we look. */
@@ -125,7 +122,7 @@ static void look_at_checkpoint(const sweep *s, size_t point, sweep_result *r) {
   int64_t *steps = NULL;
   size_t n = 0;
   h5_file *file = NULL;
-  if (parts && folder_checkpoints(parts, &steps, &n, NULL) == SD_OK && n > 0)
+  if (folder_checkpoints(parts, &steps, &n, NULL) == SD_OK && n > 0)
     path = folder_checkpoint(parts, steps[0]);
   if (path && h5_open_sealed(-1, path, &file, NULL, NULL) == SD_OK) {
     provenance origin = {0};
@@ -142,11 +139,11 @@ static void look_at_checkpoint(const sweep *s, size_t point, sweep_result *r) {
 
 /* Its lines, joined by "; ". */
 static char *read_failure(const sweep *s, size_t point) {
-  char *path = sweep_point_path(s, point, ".failed"), *text = format_text("%s", "");
+  char *path = sweep_point_path(s, point, ".failed"), *text = memory_text("");
   unsigned char *bytes = NULL;
   size_t size = 0;
-  if (path && file_exists(path)) file_read(path, LIMIT_MIB, &bytes, &size, NULL);
-  for (size_t k = 0, n; text && k < size; k += n + 1) {
+  if (file_exists(path)) file_read(path, LIMIT_MIB, &bytes, &size, NULL);
+  for (size_t k = 0, n; k < size; k += n + 1) {
     const char *line = (const char *)bytes + k;
     const char *end = memchr(line, '\n', size - k);
     n = end ? (size_t)(end - line) : size - k;
@@ -158,14 +155,14 @@ static char *read_failure(const sweep *s, size_t point) {
 }
 
 sd_status sweep_look(const sweep *s, size_t point, sweep_result *r, sd_messages *messages) {
+  (void)messages;
   *r = (sweep_result){.status = sweep_peek(s, point)};
-  sd_status status = SD_OK;
-  if (r->status == SWEEP_DONE) status = look_at_result(s, point, r, messages);
+  if (r->status == SWEEP_DONE) look_at_result(s, point, r);
   if (r->status == SWEEP_RUNNING || r->status == SWEEP_STOPPED || r->status == SWEEP_FAILED)
     look_at_checkpoint(s, point, r);
   if (r->status == SWEEP_FAILED) r->message = read_failure(s, point);
-  if (!r->message) r->message = format_text("%s", "");
-  return status == SD_OK && !r->message ? sweep_no_memory(messages) : status;
+  if (!r->message) r->message = memory_text("");
+  return SD_OK;
 }
 
 void sweep_result_free(sweep_result *r) {

@@ -1,6 +1,7 @@
 /* sweep_points.c: runs points of a sweep, one or several side by side; see sweep.h. */
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "run/session_group.h"
 #include "run/sweep.h"
 
@@ -31,9 +32,10 @@ static void tell_progress(void *user, const session_progress *p) {
 /* A finished result stays, unless it is none of this deck's: that is a mistake. */
 static sd_status leave_finished(const sweep *s, size_t point, sweep_status *status, sd_messages *messages) {
   sweep_result r;
-  sd_status looked = sweep_look(s, point, &r, messages);
+  sd_status looked = SD_OK;
+  sweep_look(s, point, &r, messages);
   *status = r.status;
-  if (looked == SD_OK && (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED))
+  if (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED)
     looked = sd_fail(messages, SD_ERROR_USER,
                      "%s/points/%s.h5 %s (%s); --force runs the point again, -o writes elsewhere", s->folder,
                      s->deck.points[point].name,
@@ -111,22 +113,16 @@ void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_optio
   jobs all = {.s = s,
               .points = points,
               .options = options,
-              .runners = calloc(n + 1, sizeof *all.runners),
-              .members = calloc(n + 1, sizeof *all.members)};
-  bool memory = all.runners && all.members;
+              .runners = memory_new(n, sizeof *all.runners),
+              .members = memory_new(n, sizeof *all.members)};
   size_t running = 0;
   for (size_t k = 0; k < n; k++) {
     sd_messages *messages = sd_messages_new();
-    runner lost, *r = memory ? &all.runners[running] : &lost;
-    r->all = &all;
-    r->k = k;
-    r->model = NULL;
-    r->result = NULL;
+    runner *r = &all.runners[running];
+    *r = (runner){.all = &all, .k = k};
     session *opened = NULL;
     sweep_status status = SWEEP_FAILED;
-    sd_status ran = memory && messages
-                        ? open_point(r, &opened, n > 1 ? 1 : options->threads, &status, messages)
-                        : sd_fail(messages, SD_ERROR_IO, "no memory to run the point");
+    sd_status ran = open_point(r, &opened, n > 1 ? 1 : options->threads, &status, messages);
     if (opened)
       all.members[running++] = (session_member){.session = opened, .messages = messages};
     else

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
@@ -43,9 +44,7 @@ static void put_columns(result_table *t, size_t row, const char *owner, const ob
     if (!o->column || o->width != width) continue;
     char *name = format_text("%s%s%s", owner, *owner ? "." : "", o->column);
     double x = observable_value(o, values, k);
-    if (!name)
-      t->failed = true;
-    else if (o->type == OBSERVABLE_I64 && !*owner)
+    if (o->type == OBSERVABLE_I64 && !*owner)
       result_table_integer(t, row, name, o->meaning, (int64_t)x);
     else
       result_table_number(t, row, name, o->unit, o->meaning, x);
@@ -58,8 +57,7 @@ static void put_configuration(result_table *t, size_t row, const summary *f, siz
   put_columns(t, row, name, &configuration_observables, &f->configurations[k], 1, 0);
   for (size_t c = 0; c < 2; c++) {
     char *owner = format_text("%s.%s", name, names[1 + c]);
-    if (owner) put_columns(t, row, owner, &configuration_observables, &f->configurations[k], 2, c);
-    t->failed = t->failed || !owner;
+    put_columns(t, row, owner, &configuration_observables, &f->configurations[k], 2, c);
     free(owner);
   }
 }
@@ -73,8 +71,7 @@ static void put_result(result_table *t, size_t row, const summary *f) {
     put_columns(t, row, names[0], &slide_observables, &f->slides[k], 1, 0);
     for (size_t c = 0; c < 2; c++) {
       char *owner = format_text("%s.%s", names[0], names[1 + c]);
-      if (owner) put_columns(t, row, owner, &slide_observables, &f->slides[k], 2, c);
-      t->failed = t->failed || !owner;
+      put_columns(t, row, owner, &slide_observables, &f->slides[k], 2, c);
       free(owner);
     }
   }
@@ -101,7 +98,6 @@ sd_status sweep_columns(const sweep *s, size_t point, const sd_model *model, boo
       collected[p] = fnmatch(s->deck.collect[p], t.columns[k].name, 0) == 0;
   blank.found.packing = (summary_disks){0};
   summary_free(&blank.found);
-  if (status == SD_OK && t.failed) status = sweep_no_memory(messages);
   result_table_free(&t);
   return status;
 }
@@ -133,13 +129,10 @@ static void fill_pools(pool *p, const sweep *s, const result_column *c, const re
 /* Mean, the error that the error bars give, and the one that the scatter gives. */
 static void put_means(result_table *m, const sweep *s, const result_table *t, const result_column *c) {
   char *error_name = format_text("%s_error", c->name), *scatter_name = format_text("%s_scatter", c->name);
-  pool *pools = calloc(m->n_rows + 1, sizeof *pools);
-  const result_column *error = error_name ? result_table_find(t, error_name) : NULL;
-  if (error_name && scatter_name && pools)
-    fill_pools(pools, s, c, error);
-  else
-    m->failed = true;
-  for (size_t set = 0; set < m->n_rows && !m->failed; set++) {
+  pool *pools = memory_new(m->n_rows, sizeof *pools);
+  const result_column *error = result_table_find(t, error_name);
+  fill_pools(pools, s, c, error);
+  for (size_t set = 0; set < m->n_rows; set++) {
     const pool *p = &pools[set];
     result_table_number(m, set, c->name, c->unit, c->meaning, p->n > 0 ? p->sum / p->n : NAN);
     if (!error) continue;
@@ -182,12 +175,10 @@ static sd_status write_h5(const sweep *s, const result_table *t, const result_ta
   h5_file *file;
   sd_status status = h5_new(&file, messages);
   if (status != SD_OK) return status;
-  if (!result_table_write_h5(t, file, "/points") || !result_table_write_h5(m, file, "/means")) {
-    h5_close(file, NULL);
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the table");
-  }
+  result_table_write_h5(t, file, "/points");
+  result_table_write_h5(m, file, "/means");
   h5_put_text(file, "/parameters/deck_text", s->deck.deck_text);
-  char *lines = format_text("%s", "");
+  char *lines = memory_text("");
   for (size_t k = 0; k < s->deck.n_overrides; k++) lines = append_text(lines, "%s\n", s->deck.overrides[k]);
   h5_put_text(file, "/parameters/deck_overrides", lines);
   h5_attr_text(file, "/parameters", "deck_path", s->deck.deck_path);
@@ -201,10 +192,7 @@ static sd_status write_all(const sweep *s, const result_table *t, const result_t
                            sd_messages *messages) {
   char *csv = format_text("%s/table.csv", s->folder), *h5 = format_text("%s/table.h5", s->folder),
        *means = format_text("%s/means.csv", s->folder);
-  sd_status status = csv && h5 && means && !t->failed && !m->failed
-                         ? SD_OK
-                         : sd_fail(messages, SD_ERROR_IO, "no memory for the table");
-  if (status == SD_OK) status = result_table_write_csv(t, csv, messages);
+  sd_status status = result_table_write_csv(t, csv, messages);
   if (status == SD_OK) status = result_table_write_csv(m, means, messages);
   if (status == SD_OK) status = write_h5(s, t, m, h5, messages);
   free(csv);
@@ -216,15 +204,15 @@ static sd_status write_all(const sweep *s, const result_table *t, const result_t
 static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
   result_table t = {.n_rows = s->deck.n_points}, m = {.n_rows = s->deck.n_sets};
   sweep_tally others = {0};
-  sd_status status = SD_OK;
-  sweep_result *results = calloc(s->deck.n_points + 1, sizeof *results);
-  if (!results) return sd_fail(messages, SD_ERROR_IO, "no memory for the table");
-  for (size_t k = 0; k < s->deck.n_points && status == SD_OK; k++) {
-    status = sweep_look(s, k, &results[k], messages);
+  sweep_result *results;
+  if (!memory_rows(1, (memory_column[]){{&results, s->deck.n_points, sizeof *results}}))
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the table");
+  for (size_t k = 0; k < s->deck.n_points; k++) {
+    sweep_look(s, k, &results[k], messages);
     put_point(&t, s, k, k, &results[k]);
     if (!mix) sweep_tally_add(&others, &results[k]);
   }
-  if (status == SD_OK) status = sweep_refuse_others(s, &others, "no table is written", messages);
+  sd_status status = sweep_refuse_others(s, &others, "no table is written", messages);
   sweep_tally_free(&others);
   result_table_keep_all(&t);
   for (size_t k = 0; k < s->deck.n_points; k++) {
