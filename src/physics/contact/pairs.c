@@ -1,10 +1,10 @@
 /* pairs.c: see pairs.h. */
 #include "physics/contact/pairs.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/arena.h"
+#include "base/memory.h"
 
 /* --- room -------------------------------------------------------------------------------------------- */
 
@@ -93,13 +93,11 @@ void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record) {
 
 event *event_add(event_list *list, uint32_t index) {
   if (list->count == list->capacity) {
-    size_t capacity = 2 * list->capacity + 16;
-    event *more = realloc(list->item, capacity * sizeof *more);
-    if (!more) {
+    const size_t capacity = 2 * list->capacity + 16;
+    if (!memory_resize(1, &(memory_column){&list->item, capacity, sizeof *list->item})) {
       list->failed = true;
       return NULL;
     }
-    list->item = more;
     list->capacity = capacity;
   }
   assert(list->count < list->capacity);
@@ -109,11 +107,11 @@ event *event_add(event_list *list, uint32_t index) {
 
 void crossing_add(crossing_list *list, const crossing *c) {
   if (list->count == list->capacity) {
-    size_t capacity = 2 * list->capacity + 64;
-    crossing *more = realloc(list->item, capacity * sizeof *more);
-    list->failed |= !more;
-    if (!more) return;
-    list->item = more;
+    const size_t capacity = 2 * list->capacity + 64;
+    if (!memory_resize(1, &(memory_column){&list->item, capacity, sizeof *list->item})) {
+      list->failed = true;
+      return;
+    }
     list->capacity = capacity;
   }
   list->item[list->count++] = *c;

@@ -12,22 +12,22 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "physics/contact/pairs.h"
 #include "model/motion_kinds.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/system/bodies.h"
 
-sd_status feedback_new(const engine *e, feedbacks *all) {
+void feedback_new(const engine *e, feedbacks *all) {
   size_t n = 0;
   bool servo = false;
   for (size_t k = 0; k < e->model->n_motions; k++) {
     n += motion_is_feedback(&e->model->motions[k]);
     servo |= e->model->motions[k].kind == SD_MOTION_SERVO;
   }
-  all->item = calloc(n + 1, sizeof *all->item);
+  all->item = memory_new(n, sizeof *all->item);
   assert(!servo || n > 0);
   if (servo) all->smoothing = -expm1(-e->model->dt / e->model->shortest_period);
-  return all->item ? SD_OK : SD_ERROR_IO;
 }
 
 void feedback_free(feedbacks *all) {

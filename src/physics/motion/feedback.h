@@ -26,8 +26,7 @@ typedef struct feedbacks {
   double smoothing; /* share of a step in the force that a servo has measured: 1 - exp(-dt/period) */
 } feedbacks;
 
-/* SD_ERROR_IO: no memory. */
-sd_status feedback_new(const engine *e, feedbacks *all);
+void feedback_new(const engine *e, feedbacks *all);
 void feedback_free(feedbacks *all);
 /* The list of those that run, from the state. */
 void feedback_list(engine *e, feedbacks *all);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "model/strides.h"
 #include "physics/motion/feedback.h"
 #include "physics/contact/pairs.h"
@@ -127,18 +128,15 @@ static void fill(engine *e, int64_t first) {
 
 sd_status motion_new(engine *e, sd_messages *messages) {
   const sd_model *m = e->model;
-  motions *q = calloc(1, sizeof *q);
-  e->work.motions = q;
+  motions *q = e->work.motions = memory_new(1, sizeof *q);
+  const size_t most = SD_MOVED * model_movables(m);
   size_t terms = 0;
   for (size_t k = 0; k < m->n_motions; k++) terms += m->motions[k].n_bodies;
-  if (q) {
-    const size_t most = SD_MOVED * model_movables(m);
-    q->prescribed = calloc(most < terms ? most + 1 : terms + 1, sizeof *q->prescribed);
-    q->terms = calloc(terms + 1, sizeof *q->terms);
-    q->term_motions = calloc(terms + 1, sizeof *q->term_motions);
-  }
-  if (!q || !q->prescribed || !q->terms || !q->term_motions || feedback_new(e, &q->feedbacks) != SD_OK)
+  if (!memory_rows(3, (memory_column[]){{&q->prescribed, most < terms ? most : terms, sizeof *q->prescribed},
+                                        {&q->terms, terms, sizeof *q->terms},
+                                        {&q->term_motions, terms, sizeof *q->term_motions}}))
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  feedback_new(e, &q->feedbacks);
   return signals_new(e, &q->signals, messages);
 }
 
@@ -173,10 +171,12 @@ static sd_status list_prescribed(engine *e) {
   const sd_model *m = e->model;
   motions *q = e->work.motions;
   size_t n = SD_MOVED * movers_of(e->state), terms = 0;
-  size_t *count = calloc(n + 1, sizeof *count), *at = calloc(n + 1, sizeof *at);
+  size_t *count, *at;
   q->n_prescribed = 0;
   q->moves_walls = q->drives_free = false;
-  for (int pass = 0; count && at && pass < 2; pass++) {
+  if (!memory_rows(2, (memory_column[]){{&count, n, sizeof *count}, {&at, n, sizeof *at}}))
+    return SD_ERROR_IO;
+  for (int pass = 0; pass < 2; pass++) {
     for (size_t k = 0; k < m->n_motions; k++) {
       if (e->state->motion_start[k] < 0) continue;
       for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
@@ -202,15 +202,14 @@ static sd_status list_prescribed(engine *e) {
       terms += count[c];
     }
   }
-  for (size_t k = 0, first = 0; count && at && k < q->n_prescribed; first += q->prescribed[k++].count)
+  for (size_t k = 0, first = 0; k < q->n_prescribed; first += q->prescribed[k++].count)
     assert(q->prescribed[k].first == first &&
            at[SD_MOVED * q->prescribed[k].slot + (size_t)q->prescribed[k].coordinate] ==
                first + q->prescribed[k].count);
   feedback_list(e, &q->feedbacks);
-  bool failed = !count || !at;
   free(count);
   free(at);
-  return failed ? SD_ERROR_IO : SD_OK;
+  return SD_OK;
 }
 
 /* How many running motions add to each coordinate of each body (by SD_MOVED slot + coordinate): counts motion k in
@@ -270,8 +269,8 @@ sd_status motion_begin_phase(engine *e) {
   assert(s->phase >= 0 && (size_t)s->phase < m->n_phases);
   motion_store(e);
   const bool *active = m->phases[s->phase].active;
-  int32_t *movers = calloc(SD_MOVED * movers_of(s), sizeof *movers);
-  if (!movers) return SD_ERROR_IO;
+  int32_t *movers;
+  if (!memory_rows(1, &(memory_column){&movers, SD_MOVED * movers_of(s), sizeof *movers})) return SD_ERROR_IO;
   for (size_t k = 0; k < m->n_motions; k++)
     if (s->motion_start[k] >= 0) count_mover(e, movers, k, 1);
   if (e->work.motions->first < 0) fill(e, s->step); /* the last values are not known */

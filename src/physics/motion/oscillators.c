@@ -2,14 +2,11 @@
 #include "physics/motion/oscillators.h"
 
 #include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 
-oscillators *oscillators_new(size_t n) {
-  oscillators *g = aligned_alloc(64, n * sizeof *g);
-  if (g) memset(g, 0, n * sizeof *g);
-  return g;
-}
+#include "base/memory.h"
+
+oscillators *oscillators_new(size_t n) { return memory_lines(n * sizeof(oscillators)); }
 
 void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint64_t seed, uint32_t stream) {
   assert(lane < OSCILLATORS);

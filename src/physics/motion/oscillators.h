@@ -14,7 +14,7 @@
 #include "physics/motion/random.h"
 #include "model/state.h"
 
-/* n zeroed groups whose rows begin where vectors do; NULL without memory; goes with free. */
+/* n zeroed groups whose rows begin where vectors do; goes with free. */
 oscillators *oscillators_new(size_t n);
 void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint64_t seed, uint32_t stream);
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "physics/motion/oscillators.h"
 #include "physics/motion/prescribed.h"
 #include "physics/system/kernels.h"
@@ -28,12 +29,7 @@ struct pose_batch {
   int64_t known; /* last row in range */
 };
 
-static double *vectors(size_t n, size_t width) {
-  size_t bytes = (n * width * sizeof(double) + 127) / 64 * 64;
-  double *p = aligned_alloc(64, bytes);
-  if (p) memset(p, 0, bytes);
-  return p;
-}
+static double *vectors(size_t n, size_t width) { return memory_lines(n * width * sizeof(double)); }
 
 static void set_wave(lanes_signal *s, size_t l, const wave *w) {
   s->rate[l] = w->rate;
@@ -77,9 +73,7 @@ static void set_signal(pose_batch *m, size_t k) {
 }
 
 sd_status pose_batch_new(size_t width, size_t n, engine *const *systems, pose_batch **out) {
-  pose_batch *m = calloc(1, sizeof *m);
-  *out = m;
-  if (!m) return SD_ERROR_IO;
+  pose_batch *m = *out = memory_new(1, sizeof *m);
   const sd_state *s = systems[0]->state;
   const sd_model *model = systems[0]->model;
   size_t n_motions = model->n_motions, terms = 0;
@@ -91,20 +85,14 @@ sd_status pose_batch_new(size_t width, size_t n, engine *const *systems, pose_ba
   for (size_t k = 0; k < n_motions; k++) terms += model->motions[k].n_bodies;
   assert(n >= 1 && n <= width && width <= SIGNAL_LANES && width <= OSCILLATORS);
   m->capacity = terms < 3 * m->n_slots ? terms : 3 * m->n_slots;
-  m->systems = calloc(width, sizeof *m->systems);
-  m->terms = calloc(terms + 1, sizeof *m->terms);
-  m->alone = calloc(terms + 1, sizeof *m->alone);
+  m->systems = memory_new(width, sizeof *m->systems);
+  m->terms = memory_new(terms, sizeof *m->terms);
+  m->alone = memory_new(terms, sizeof *m->alone);
   m->poses = vectors(m->n_slots * POSES * POSE_STEPS, width);
-  m->signals = (lanes_signal *)vectors(n_motions + 1, sizeof *m->signals / sizeof(double));
-  m->coordinates = (lanes_pose *)vectors(m->capacity + 1, sizeof *m->coordinates / sizeof(double));
-  m->draws = oscillators_new(n_motions + 1);
+  m->signals = memory_lines(n_motions * sizeof *m->signals);
+  m->coordinates = memory_lines(m->capacity * sizeof *m->coordinates);
+  m->draws = oscillators_new(n_motions);
   m->rows = vectors(3 * BATCH * n_motions, width);
-  if (!m->systems || !m->terms || !m->alone || !m->poses || !m->signals || !m->coordinates || !m->draws ||
-      !m->rows) {
-    pose_batch_free(m);
-    *out = NULL;
-    return SD_ERROR_IO;
-  }
   for (size_t l = 0; l < width; l++) m->systems[l] = systems[l < n ? l : 0];
   lanes_pose **alone = m->alone;
   for (size_t k = 0; k < n_motions; alone += model->motions[k++].n_bodies) {

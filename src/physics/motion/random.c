@@ -5,6 +5,8 @@
 #include <gsl/gsl_integration.h>
 #include <math.h>
 
+#include "base/memory.h"
+
 /* Response g(t) to a unit kick of the velocity, and its derivative. */
 static void kick(double omega, double c, double t, double *g, double *dg) {
   double w2 = omega * omega * (1.0 - c * c), w = sqrt(fabs(w2)), x = w * t, ratio, cosine;
@@ -40,14 +42,11 @@ random_step random_step_new(double omega, double c, double rms, double h) {
   gsl_error_handler_t *handler = gsl_set_error_handler_off();
   gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(POINTS);
   gsl_set_error_handler(handler);
+  if (!table) memory_lacks(0);
   double fastest = omega * (c + sqrt(fabs(1.0 - c * c)) + 1.0), uu = 0.0, vu = 0.0, vv = 0.0;
   double span =
       fmin(h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c))); /* beyond it, nothing is left */
   int panels = 1 + (int)fmin(ceil(span * fastest / 2.0), 1e6);
-  if (!table) {
-    step.cholesky[0] = step.cholesky[1] = step.cholesky[2] = NAN;
-    return step;
-  }
   for (int k = 0; k < panels; k++)
     for (size_t p = 0; p < POINTS; p++) {
       double t, weight;

@@ -12,8 +12,7 @@ typedef struct random_step {
 } random_step;
 
 /* omega > 0, damping ratio c > 0 (under-, critically or over-damped), rms >= 0, h > 0. The covariance is a
- * Gauss-Legendre quadrature of positive terms: no digits are lost when w h is small (physics.md 7).
- * Without memory for it, the Cholesky factor is not a number. */
+ * Gauss-Legendre quadrature of positive terms: no digits are lost when w h is small (physics.md 7). */
 random_step random_step_new(double omega, double damping, double rms, double h);
 
 #endif

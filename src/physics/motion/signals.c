@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "physics/motion/oscillators.h"
 #include "physics/system/kernels.h"
 
@@ -134,7 +135,9 @@ static sd_status spline_new(signal *s, const sd_motion *m, sd_messages *messages
   const gsl_interp_type *type = m->periodic ? gsl_interp_cspline_periodic : gsl_interp_cspline;
   s->spline = gsl_spline_alloc(type, m->n_table);
   s->accel = gsl_interp_accel_alloc();
-  int bad = !s->spline || !s->accel || gsl_spline_init(s->spline, m->table_time, m->table_value, m->n_table);
+  assert(m->n_table >= 3); /* enough for either type */
+  if (!s->spline || !s->accel) memory_lacks(0);
+  int bad = gsl_spline_init(s->spline, m->table_time, m->table_value, m->n_table);
   gsl_set_error_handler(handler);
   if (!bad) return SD_OK;
   return sd_fail(messages, SD_ERROR_USER, "motion \"%s\": no spline through its table",
@@ -159,11 +162,10 @@ static void wave_new(const engine *e, wave *w, const sd_motion *m) {
   w->from = -1;
 }
 
-static sd_status join_group(const engine *e, signals *all, size_t k) {
+static void join_group(const engine *e, signals *all, size_t k) {
   signal *s = &all->item[k];
   const sd_motion *m = &e->model->motions[k];
   s->step = random_step_new(m->omega, m->damping, m->amplitude, (double)m->interval * e->model->dt);
-  if (isnan(s->step.cholesky[0])) return SD_ERROR_IO;
   oscillators *last = all->groups + all->n_groups - 1;
   if (all->n_groups == 0 || last->count == OSCILLATORS || last->interval != m->interval) {
     last = &all->groups[all->n_groups++];
@@ -173,26 +175,20 @@ static sd_status join_group(const engine *e, signals *all, size_t k) {
   s->lane = last->count++;
   assert(s->lane < OSCILLATORS && last->interval >= 1);
   oscillators_set(last, s->lane, &s->step, e->model->seed, m->stream);
-  return SD_OK;
 }
 
 sd_status signals_new(const engine *e, signals *all, sd_messages *messages) {
   const sd_model *m = e->model;
   size_t n = 0;
   for (size_t k = 0; k < m->n_motions; k++) n += m->motions[k].kind == SD_MOTION_RANDOM;
-  all->item = calloc(m->n_motions + 1, sizeof *all->item);
-  all->groups = oscillators_new(n + 1);
-  all->draws = calloc(n + 1, sizeof *all->draws);
-  if (!all->item || !all->groups || !all->draws)
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  all->item = memory_new(m->n_motions, sizeof *all->item);
+  all->groups = oscillators_new(n);
+  all->draws = memory_new(n, sizeof *all->draws);
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *motion = &m->motions[k];
     switch (motion_source(motion)) {
       case SIGNAL_WAVE: wave_new(e, &all->item[k].wave, motion); break;
-      case SIGNAL_RANDOM:
-        if (join_group(e, all, k) != SD_OK)
-          return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
-        break;
+      case SIGNAL_RANDOM: join_group(e, all, k); break;
       case SIGNAL_TABLE:
         if (spline_new(&all->item[k], motion, messages) != SD_OK) return SD_ERROR_USER;
         break;

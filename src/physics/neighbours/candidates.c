@@ -7,6 +7,7 @@
 
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
+#include "physics/neighbours/numbers.h"
 #include "physics/system/bodies.h"
 #include "physics/system/box.h"
 #include "physics/system/clumps.h"
@@ -60,24 +61,7 @@ static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
   return near;
 }
 
-/* --- numbers of bodies ------------------------------------------------------------------------------- */
-
-typedef struct numbers {
-  uint32_t *at;
-  size_t n, capacity;
-} numbers;
-
-static sd_status add(numbers *p, uint32_t j) {
-  if (p->n == p->capacity) {
-    size_t capacity = 2 * (p->capacity + 8);
-    uint32_t *more = realloc(p->at, capacity * sizeof *more);
-    if (!more) return SD_ERROR_IO;
-    p->at = more;
-    p->capacity = capacity;
-  }
-  p->at[p->n++] = j;
-  return SD_OK;
-}
+/* --- order of numbers -------------------------------------------------------------------------------- */
 
 static int ascending(const void *one, const void *two) {
   const uint32_t *p = one, *q = two;
@@ -115,48 +99,47 @@ static void wall_lists_free(wall_lists *l) {
   free(l->of);
 }
 
-static sd_status add_wall(wall_lists *l, uint32_t disk, uint32_t wall) {
-  return add(&l->disk, disk) == SD_OK ? add(&l->wall, wall) : SD_ERROR_IO;
+static void add_wall(wall_lists *l, uint32_t disk, uint32_t wall) {
+  numbers_add(&l->disk, disk);
+  numbers_add(&l->wall, wall);
 }
 
 /* Sorts by disks, and keeps the order of walls. */
 static sd_status by_disks(wall_lists *l, size_t n_free) {
+  if (l->disk.failed || l->wall.failed) return SD_ERROR_IO;
   if (l->disk.n == 0) return SD_OK;
-  l->start = calloc(n_free + 2, sizeof *l->start);
-  l->of = malloc((l->disk.n + 1) * sizeof *l->of);
-  if (!l->start || !l->of) return SD_ERROR_IO;
+  if (!memory_rows(2, (memory_column[]){{&l->start, n_free + 2, sizeof *l->start},
+                                        {&l->of, l->disk.n, sizeof *l->of}}))
+    return SD_ERROR_IO;
   for (size_t k = 0; k < l->disk.n; k++) l->start[l->disk.at[k] + 2]++;
   for (size_t i = 2; i < n_free + 2; i++) l->start[i] += l->start[i - 1];
   for (size_t k = 0; k < l->disk.n; k++) l->of[l->start[l->disk.at[k] + 1]++] = l->wall.at[k];
   return SD_OK;
 }
 
-static sd_status find_round_wall(const engine *e, const grid *g, uint32_t b, grid_runs *runs, wall_lists *l) {
+static void find_round_wall(const engine *e, const grid *g, uint32_t b, grid_runs *runs, wall_lists *l) {
   const sd_state *s = e->state;
   const double at[2] = {s->x[b], s->y[b]};
-  sd_status status = SD_OK;
-  for (uint32_t i = 0; i < s->n_free && s->radius[b] < 0.0 && status == SD_OK; i++)
-    if (in_play(s, i) && near_round_wall(e, i, b)) status = add_wall(l, i, b);
-  for (size_t k = 0; k < g->count && s->radius[b] > 0.0 && status == SD_OK; k++) {
+  for (uint32_t i = 0; i < s->n_free && s->radius[b] < 0.0; i++)
+    if (in_play(s, i) && near_round_wall(e, i, b)) add_wall(l, i, b);
+  for (size_t k = 0; k < g->count && s->radius[b] > 0.0; k++) {
     const grid_level *level = &g->level[k];
-    status = grid_around(g, level, at, s->radius[b] + level->largest + largest_margin(e), runs);
-    for (size_t r = 0; r < runs->count && status == SD_OK; r++)
-      for (uint32_t n = runs->run[r].from; n < runs->run[r].to && status == SD_OK; n++) {
+    grid_around(g, level, at, s->radius[b] + level->largest + largest_margin(e), runs);
+    for (size_t r = 0; r < runs->count; r++)
+      for (uint32_t n = runs->run[r].from; n < runs->run[r].to; n++) {
         const uint32_t i = level->disks[n];
-        if (i < s->n_free && near_round_wall(e, i, b)) status = add_wall(l, i, b);
+        if (i < s->n_free && near_round_wall(e, i, b)) add_wall(l, i, b);
       }
   }
-  return status;
 }
 
 static sd_status find_round_walls(const engine *e, const grid *g, wall_lists *l) {
   const sd_state *s = e->state;
   grid_runs runs = {0};
-  sd_status status = SD_OK;
-  for (uint32_t b = (uint32_t)s->n_disks; b < s->n_bodies && status == SD_OK; b++)
-    if (s->radius[b] != 0.0) status = find_round_wall(e, g, b, &runs, l);
+  for (uint32_t b = (uint32_t)s->n_disks; b < s->n_bodies; b++)
+    if (s->radius[b] != 0.0) find_round_wall(e, g, b, &runs, l);
   free(runs.run);
-  return status == SD_OK ? by_disks(l, s->n_free) : status;
+  return by_disks(l, s->n_free);
 }
 
 /* A line along which, and as far beside it, the piece lies: of an arc along the box around it. */
@@ -170,21 +153,19 @@ static grid_line line_along(const placed_segment *p, double *beside) {
 }
 
 /* Disks near one image of piece m; with several images a disk may be found again. */
-static sd_status find_image(const engine *e, const grid *g, uint32_t m, const placed_segment *image,
-                            grid_runs *runs, wall_lists *l) {
+static void find_image(const engine *e, const grid *g, uint32_t m, const placed_segment *image,
+                       grid_runs *runs, wall_lists *l) {
   double beside;
   const grid_line line = line_along(image, &beside);
-  sd_status status = SD_OK;
-  for (size_t k = 0; k < g->count && status == SD_OK; k++) {
+  for (size_t k = 0; k < g->count; k++) {
     const grid_level *level = &g->level[k];
-    status = grid_along(level, &line, level->largest + largest_margin(e) + beside, runs);
-    for (size_t r = 0; r < runs->count && status == SD_OK; r++)
-      for (uint32_t n = runs->run[r].from; n < runs->run[r].to && status == SD_OK; n++) {
+    grid_along(level, &line, level->largest + largest_margin(e) + beside, runs);
+    for (size_t r = 0; r < runs->count; r++)
+      for (uint32_t n = runs->run[r].from; n < runs->run[r].to; n++) {
         const uint32_t i = level->disks[n];
-        if (i < e->state->n_free && near_piece(e, i, &e->work.segments[m])) status = add_wall(l, i, m);
+        if (i < e->state->n_free && near_piece(e, i, &e->work.segments[m])) add_wall(l, i, m);
       }
   }
-  return status;
 }
 
 /* The images of a piece that may be near a disk: first to last along direction c. */
@@ -202,42 +183,38 @@ static void find_range(const engine *e, const grid *g, const placed_segment *p, 
 }
 
 static sd_status find_segments(const engine *e, const grid *g, wall_lists *l) {
-  const sd_state *s = e->state;
   grid_runs runs = {0};
-  sd_status status = SD_OK;
-  for (uint32_t m = 0; m < e->model->n_segments && status == SD_OK; m++) {
+  for (uint32_t m = 0; m < e->model->n_segments; m++) {
     const placed_segment *p = &e->work.segments[m];
     double first[2], last[2];
     for (int c = 0; c < 2; c++) find_range(e, g, p, c, &first[c], &last[c]);
-    for (double v = first[1]; v <= last[1] && status == SD_OK; v++)
-      for (double u = first[0]; u <= last[0] && status == SD_OK; u++) {
+    for (double v = first[1]; v <= last[1]; v++)
+      for (double u = first[0]; u <= last[0]; u++) {
         placed_segment image = *p;
         walls_shift(e->work.length, u, v, &image);
-        status = find_image(e, g, m, &image, &runs, l);
+        find_image(e, g, m, &image, &runs, l);
       }
   }
   free(runs.run);
-  return status == SD_OK ? by_disks(l, s->n_free) : status;
+  return by_disks(l, e->state->n_free);
 }
 
 /* --- candidates -------------------------------------------------------------------------------------- */
 
 /* Adds the partners of free disk i among the disks in higher slots, unordered. */
-static sd_status find_partners(const engine *e, const grid *g, uint32_t i, grid_runs *runs, numbers *found) {
+static void find_partners(const engine *e, const grid *g, uint32_t i, grid_runs *runs, numbers *found) {
   const sd_state *s = e->state;
   const double at[2] = {s->x[i], s->y[i]}, margin = largest_margin(e);
   for (size_t k = 0; k < g->count; k++) {
     const grid_level *l = &g->level[k];
     if (l->last <= i) continue;
-    if (grid_around(g, l, at, s->radius[i] + l->largest + margin, runs) != SD_OK) return SD_ERROR_IO;
+    grid_around(g, l, at, s->radius[i] + l->largest + margin, runs);
     for (size_t r = 0; r < runs->count; r++)
       for (uint32_t n = runs->run[r].from; n < runs->run[r].to; n++) {
         const uint32_t j = l->disks[n];
-        if (j > i && near(e, i, j, largest_margin(e)) && !clumps_same(e, i, j) && add(found, j) != SD_OK)
-          return SD_ERROR_IO;
+        if (j > i && near(e, i, j, largest_margin(e)) && !clumps_same(e, i, j)) numbers_add(found, j);
       }
   }
-  return SD_OK;
 }
 
 /* Closed contacts stay candidates until a commit opens them, however far one step took their bodies: what
@@ -257,31 +234,25 @@ static bool is_near(const engine *e, uint32_t i, uint32_t j) {
   return j < e->state->n_disks ? near(e, i, j, largest_margin(e)) : near_round_wall(e, i, j);
 }
 
-static sd_status add_closed(const engine *e, const closed_before *c, uint32_t i, numbers *found) {
+static void add_closed(const engine *e, const closed_before *c, uint32_t i, numbers *found) {
   const pairs *old = &e->work.pairs;
-  sd_status status = SD_OK;
-  for (size_t k = c->from; k < c->to && status == SD_OK; k++) {
+  for (size_t k = c->from; k < c->to; k++) {
     const uint32_t j = (uint32_t)old->b[k];
-    if (pairs_closed(old, k) && in_play(e->state, j) && !is_near(e, i, j)) status = add(found, j);
+    if (pairs_closed(old, k) && in_play(e->state, j) && !is_near(e, i, j)) numbers_add(found, j);
   }
-  return status;
 }
 
-static sd_status add_closed_segments(const engine *e, const closed_before *c, uint32_t i, numbers *found) {
+static void add_closed_segments(const engine *e, const closed_before *c, uint32_t i, numbers *found) {
   const pairs *old = &e->work.pairs;
-  sd_status status = SD_OK;
-  for (size_t k = c->from; k < c->to && status == SD_OK; k++)
+  for (size_t k = c->from; k < c->to; k++)
     if (pairs_closed(old, k) && !near_piece(e, i, &e->work.segments[old->part[k]]))
-      status = add(found, (uint32_t)old->part[k]);
-  return status;
+      numbers_add(found, (size_t)old->part[k]);
 }
 
-static sd_status add_walls(const wall_lists *l, uint32_t i, numbers *found) {
-  sd_status status = SD_OK;
-  for (uint32_t k = l->start ? l->start[i] : 0; l->start && k < l->start[i + 1] && status == SD_OK; k++)
+static void add_walls(const wall_lists *l, uint32_t i, numbers *found) {
+  for (uint32_t k = l->start ? l->start[i] : 0; l->start && k < l->start[i + 1]; k++)
     if (k == l->start[i] || l->of[k] != l->of[k - 1])
-      status = add(found, l->of[k]); /* found once or several times */
-  return status;
+      numbers_add(found, l->of[k]); /* found once or several times */
 }
 
 /* --- search by all threads ------------------------------------------------------------------------------ */
@@ -292,7 +263,7 @@ typedef struct share {
     numbers a, b;
     size_t at; /* where they stand in the list */
   } pairs[2];
-  sd_status status;
+  bool failed; /* no memory for some of these */
 } share;
 
 typedef struct search {
@@ -305,16 +276,16 @@ typedef struct search {
   share share[WORK_MAX_THREADS];
 } search;
 
-static sd_status find_round(const search *q, uint32_t i, const closed_before *before, grid_runs *runs,
-                            numbers *found) {
-  sd_status status = find_partners(q->e, q->g, i, runs, found);
-  if (status == SD_OK) status = add_walls(&q->walls, i, found);
-  return status == SD_OK ? add_closed(q->e, before, i, found) : status;
+static void find_round(const search *q, uint32_t i, const closed_before *before, grid_runs *runs,
+                       numbers *found) {
+  find_partners(q->e, q->g, i, runs, found);
+  add_walls(&q->walls, i, found);
+  add_closed(q->e, before, i, found);
 }
 
-static sd_status find_pieces(const search *q, uint32_t i, const closed_before *before, numbers *found) {
-  const sd_status status = add_walls(&q->walls, i, found);
-  return status == SD_OK ? add_closed_segments(q->e, before, i, found) : status;
+static void find_pieces(const search *q, uint32_t i, const closed_before *before, numbers *found) {
+  add_walls(&q->walls, i, found);
+  add_closed_segments(q->e, before, i, found);
 }
 
 static void find_share(const search *q, size_t begin, size_t end, share *mine) {
@@ -324,17 +295,23 @@ static void find_share(const search *q, size_t begin, size_t end, share *mine) {
   closed_before before = {.to = pairs_from(old, q->pieces ? old->first_segment : 0, old_end, begin)};
   numbers found = {0};
   grid_runs runs = {0};
-  for (size_t k = begin; k < end && mine->status == SD_OK; k++) {
+  for (size_t k = begin; k < end && !mine->failed; k++) {
     const uint32_t i = (uint32_t)k;
     found.n = 0;
     next_disk(old, old_end, i, &before);
     if (!in_play(e->state, i)) continue;
-    mine->status = q->pieces ? find_pieces(q, i, &before, &found) : find_round(q, i, &before, &runs, &found);
+    if (q->pieces)
+      find_pieces(q, i, &before, &found);
+    else
+      find_round(q, i, &before, &runs, &found);
     sort(&found);
-    for (size_t n = 0; n < found.n && mine->status == SD_OK; n++) {
+    mine->failed = found.failed;
+    for (size_t n = 0; n < found.n && !mine->failed; n++) {
       const bool ghost = !q->pieces && halo_is_ghost(e, found.at[n]);
-      mine->status = add(&mine->pairs[ghost].a, i);
-      if (mine->status == SD_OK) mine->status = add(&mine->pairs[ghost].b, found.at[n]);
+      numbers *a = &mine->pairs[ghost].a, *b = &mine->pairs[ghost].b;
+      numbers_add(a, i);
+      numbers_add(b, found.at[n]);
+      mine->failed = a->failed || b->failed;
     }
   }
   free(found.at);
@@ -347,7 +324,7 @@ static void place_list(search *q, int n, int ghosts) {
   for (int k = 0; k < n; k++) {
     q->share[k].pairs[ghosts].at = count;
     count += q->share[k].pairs[ghosts].b.n;
-    if (q->share[k].status != SD_OK) q->status = q->share[k].status;
+    if (q->share[k].failed) q->status = SD_ERROR_IO;
   }
   if (q->status == SD_OK && count > q->to->capacity) q->status = pairs_reserve(q->to, count + count / 4);
   if (q->status == SD_OK) q->to->count = count;

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
+
 /* Disks per chunk: few enough for the cache, and several chunks for every thread, so that few of them have to wait for
  * other threads. */
 enum { CHUNK_MOST = 2048, CHUNK_LEAST = 256, CHUNKS_PER_THREAD = 8 };
@@ -44,20 +46,19 @@ void chunks_free(chunks *c) {
 static sd_status reserve(chunks *c, size_t count, size_t n_free) {
   if (count <= c->capacity) return SD_OK;
   chunks_free(c);
-  c->begin = malloc((count + 1) * sizeof *c->begin);
-  c->of_disks = malloc((n_free / CHUNK_STEP + 1) * sizeof *c->of_disks);
-  c->pair = malloc((count + 1) * sizeof *c->pair);
-  c->segment = malloc((count + 1) * sizeof *c->segment);
-  c->need_start = malloc((count + 1) * sizeof *c->need_start);
-  c->row = malloc(count * sizeof *c->row);
-  c->predicted = malloc(count * sizeof *c->predicted);
-  c->packed = malloc(count * sizeof *c->packed);
-  c->boundary_first = malloc(count);
-  c->boundary_last = malloc(count);
-  bool all = c->begin && c->of_disks && c->pair && c->segment && c->need_start && c->row && c->predicted &&
-             c->packed && c->boundary_first && c->boundary_last;
-  c->capacity = all ? count : 0;
-  return all ? SD_OK : SD_ERROR_IO;
+  if (!memory_rows(10, (memory_column[]){{&c->begin, count + 1, sizeof *c->begin},
+                                         {&c->of_disks, n_free / CHUNK_STEP + 1, sizeof *c->of_disks},
+                                         {&c->pair, count + 1, sizeof *c->pair},
+                                         {&c->segment, count + 1, sizeof *c->segment},
+                                         {&c->need_start, count + 1, sizeof *c->need_start},
+                                         {&c->row, count, sizeof *c->row},
+                                         {&c->predicted, count, sizeof *c->predicted},
+                                         {&c->packed, count, sizeof *c->packed},
+                                         {&c->boundary_first, count, sizeof *c->boundary_first},
+                                         {&c->boundary_last, count, sizeof *c->boundary_last}}))
+    return SD_ERROR_IO;
+  c->capacity = count;
+  return SD_OK;
 }
 
 /* Where the pairs of each chunk begin; round ones to whole blocks, those with ghosts belong to none. */
@@ -76,7 +77,6 @@ static void find_pairs(chunks *c, const pairs *p) {
 typedef struct needs_share {
   uint32_t *need;
   size_t n, capacity;
-  sd_status status;
 } needs_share;
 
 typedef struct needs_task {
@@ -88,12 +88,8 @@ typedef struct needs_task {
 
 static void add_need(needs_share *l, size_t chunk) {
   if (l->n == l->capacity) {
-    size_t capacity = 2 * l->capacity + 64;
-    uint32_t *more = realloc(l->need, capacity * sizeof *more);
-    if (!more) l->status = SD_ERROR_IO;
-    if (!more) return;
-    l->need = more;
-    l->capacity = capacity;
+    l->capacity = 2 * l->capacity + 64;
+    l->need = memory_grow(l->need, l->capacity, sizeof *l->need);
   }
   l->need[l->n++] = (uint32_t)chunk;
 }
@@ -121,31 +117,24 @@ static void needs_together(const team *t, void *with) {
   const chunks *c = f->c;
   needs_share *mine = &f->share[t->rank];
   const size_t size = (size_t)t->size, rank = (size_t)t->rank;
-  size_t *found_for = malloc((c->count + 1) * sizeof *found_for);
-  if (!found_for) mine->status = SD_ERROR_IO;
-  for (size_t k = 0; found_for && k < c->count; k++) found_for[k] = SIZE_MAX;
-  for (size_t k = c->count * rank / size; k < c->count * (rank + 1) / size && mine->status == SD_OK; k++) {
+  size_t *found_for = memory_new(c->count, sizeof *found_for);
+  for (size_t k = 0; k < c->count; k++) found_for[k] = SIZE_MAX;
+  for (size_t k = c->count * rank / size; k < c->count * (rank + 1) / size; k++) {
     c->need_start[k] = mine->n;
     find_needs_of(f, k, found_for, mine);
-    assert(mine->status != SD_OK || mine->need[c->need_start[k]] == k);
+    assert(mine->need[c->need_start[k]] == k);
   }
   free(found_for);
 }
 
 /* The shares one after the other; the chunks of each begin with themselves. */
-static sd_status join_needs(needs_task *f) {
+static void join_needs(needs_task *f) {
   chunks *c = f->c;
   size_t n = 0, k = 0;
-  for (size_t t = 0; t < WORK_MAX_THREADS; t++) {
-    if (f->share[t].status != SD_OK) return SD_ERROR_IO;
-    n += f->share[t].n;
-  }
+  for (size_t t = 0; t < WORK_MAX_THREADS; t++) n += f->share[t].n;
   if (n > c->need_capacity) {
-    free(c->need);
     c->need_capacity = n + n / 2;
-    c->need = malloc(c->need_capacity * sizeof *c->need);
-    if (!c->need) c->need_capacity = 0;
-    if (!c->need) return SD_ERROR_IO;
+    c->need = memory_grow(c->need, c->need_capacity, sizeof *c->need);
   }
   n = 0;
   for (size_t t = 0; t < WORK_MAX_THREADS; t++) {
@@ -157,15 +146,13 @@ static sd_status join_needs(needs_task *f) {
   }
   assert(k == c->count);
   c->need_start[c->count] = n;
-  return SD_OK;
 }
 
-static sd_status find_needs(const engine *e, chunks *c) {
+static void find_needs(const engine *e, chunks *c) {
   needs_task f = {.c = c, .p = &e->work.pairs, .n_free = e->state->n_free};
   pool_run(work_pool(e), needs_together, &f);
-  const sd_status status = join_needs(&f);
+  join_needs(&f);
   for (size_t t = 0; t < WORK_MAX_THREADS; t++) free(f.share[t].need);
-  return status;
 }
 
 static int thread_of_chunk(const chunks *c, size_t k) {
@@ -254,7 +241,7 @@ sd_status chunks_plan(engine *e) {
   assert(c->begin[count] == n_free && c->share[0] == 0 && c->share[threads] == count);
   find_pairs(c, &w->pairs);
   assert(c->pair[count] == w->pairs.first_ghost && c->segment[count] == w->pairs.count);
-  if (find_needs(e, c) != SD_OK) return SD_ERROR_IO;
+  find_needs(e, c);
   for (size_t k = 0; k < count; k++) c->predicted[k] = c->packed[k] = INT64_MIN;
   find_boundary_first(c, w->n_threads);
   if (e->halo) find_sent(e->halo, c);
@@ -315,9 +302,8 @@ static void give_rows(chunks *c, const size_t *until, page_list *pages) {
   }
 }
 
-sd_status chunks_plan_rows(chunks *c, size_t n_free) {
-  size_t *until = malloc((2 * c->count + 1) * sizeof *until);
-  if (!until) return SD_ERROR_IO;
+void chunks_plan_rows(chunks *c, size_t n_free) {
+  size_t *until = memory_new(2 * c->count, sizeof *until);
   page_list pages = {until + c->count, 0};
   find_ends(c, until);
   give_rows(c, until, &pages);
@@ -330,5 +316,4 @@ sd_status chunks_plan_rows(chunks *c, size_t n_free) {
     c->rows = n_free;
   }
   free(until);
-  return SD_OK;
 }

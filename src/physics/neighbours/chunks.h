@@ -25,8 +25,7 @@ static inline void chunks_put_off(chunks *c, size_t slot) {
   c->boundary_last[chunks_of_disk(c, slot)] = true;
 }
 /* When nothing more is put off: rows of packed bodies and sums. Those of a chunk are taken over by a later one of the same thread once no pair wants
- * them, so that they need not leave the cache; what other threads read or push keeps its own. SD_ERROR_IO
- * without memory. */
-sd_status chunks_plan_rows(chunks *c, size_t n_free);
+ * them, so that they need not leave the cache; what other threads read or push keeps its own. */
+void chunks_plan_rows(chunks *c, size_t n_free);
 
 #endif

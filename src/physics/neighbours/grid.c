@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "physics/system/bodies.h"
 
 /* Chosen by measurement (docs/performance.md): a larger factor tests more disks of the same level, a smaller one
@@ -154,10 +155,11 @@ static sd_status make_cells(grid_task *f, int threads) {
     cells += (size_t)(l->cells[0] * l->cells[1]);
   }
   if (cells >= UINT32_MAX) return SD_ERROR_IO;
-  f->cell = malloc((n_disks + 1) * sizeof *f->cell);
-  g->start = calloc(cells + 2 * g->count + 1, sizeof *g->start);
-  g->disks = malloc((n_disks + 1) * sizeof *g->disks);
-  if (!f->cell || !g->start || !g->disks) return SD_ERROR_IO;
+  const memory_column counts = {&g->start, cells + 2 * g->count, sizeof *g->start};
+  const memory_column by_disk[] = {{&f->cell, n_disks, sizeof *f->cell},
+                                   {&g->disks, n_disks, sizeof *g->disks}};
+  /* only the counts begin at zero */
+  if (!memory_rows(1, &counts) || !memory_resize(2, by_disk)) return SD_ERROR_IO;
   uint32_t *start = g->start, *disks = g->disks;
   for (size_t k = 0; k < g->count; k++) {
     grid_level *l = &g->level[k];
@@ -285,19 +287,15 @@ static range range_of(const grid_level *l, int c, double low, double high) {
   return (range){round_down(from), round_down(to)};
 }
 
-static sd_status add_run(const grid_level *l, int64_t row, int64_t first, int64_t last, grid_runs *found) {
+static void add_run(const grid_level *l, int64_t row, int64_t first, int64_t last, grid_runs *found) {
   const uint32_t *start = l->start + row * l->cells[0];
   const uint32_t from = start[first], to = start[last + 1];
-  if (from == to) return SD_OK;
+  if (from == to) return;
   if (found->count == found->capacity) {
-    size_t capacity = 2 * found->capacity + 16;
-    struct grid_run *more = realloc(found->run, capacity * sizeof *more);
-    if (!more) return SD_ERROR_IO;
-    found->run = more;
-    found->capacity = capacity;
+    found->capacity = 2 * found->capacity + 16;
+    found->run = memory_grow(found->run, found->capacity, sizeof *found->run);
   }
   found->run[found->count++] = (struct grid_run){from, to};
-  return SD_OK;
 }
 
 static int64_t wrapped(int64_t k, int64_t n) {
@@ -306,24 +304,30 @@ static int64_t wrapped(int64_t k, int64_t n) {
 }
 
 /* Cells of a row in the grid; across a periodic edge up to two runs. */
-static sd_status add_columns(const grid_level *l, int64_t row, range u, grid_runs *found) {
+static void add_columns(const grid_level *l, int64_t row, range u, grid_runs *found) {
   const int64_t n = l->cells[0];
   assert(row >= 0 && row < l->cells[1] && u.first <= u.last);
-  if (u.first >= 0 && u.last < n) return add_run(l, row, u.first, u.last, found);
+  if (u.first >= 0 && u.last < n) {
+    add_run(l, row, u.first, u.last, found);
+    return;
+  }
   assert(l->periodic[0] && u.last - u.first < n);
   const int64_t first = wrapped(u.first, n), last = wrapped(u.last, n);
-  if (first <= last) return add_run(l, row, first, last, found);
-  const sd_status status = add_run(l, row, first, n - 1, found);
-  return status == SD_OK ? add_run(l, row, 0, last, found) : status;
+  if (first <= last) {
+    add_run(l, row, first, last, found);
+    return;
+  }
+  add_run(l, row, first, n - 1, found);
+  add_run(l, row, 0, last, found);
 }
 
 /* The cells of row v from x = low to high. Rows beyond a periodic box are images of those in it, shifted along x: the one
  * place that knows by how much. */
-static sd_status add_row(const grid_level *l, int64_t v, double low, double high, grid_runs *found) {
+static void add_row(const grid_level *l, int64_t v, double low, double high, grid_runs *found) {
   assert(l->cells[1] > 0);
   const int64_t row = l->periodic[1] ? wrapped(v, l->cells[1]) : v, image = (v - row) / l->cells[1];
   const double shift = (double)image * l->offset;
-  return add_columns(l, row, range_of(l, 0, low - shift, high - shift), found);
+  add_columns(l, row, range_of(l, 0, low - shift, high - shift), found);
 }
 
 /* y of a row's edges; outer rows of an open grid have no end. */
@@ -338,37 +342,34 @@ static void row_edges(const grid_level *l, int64_t v, double *low, double *high)
 static double slack(double reach, double at) { return reach * (1.0 + 1e-9) + 1e-14 * at; }
 
 /* The cells of rows v that a circle of radius r reaches. */
-static sd_status add_circle(const grid_level *l, range v, const double at[2], double r, grid_runs *found) {
-  sd_status status = SD_OK;
-  for (int64_t k = v.first; k <= v.last && status == SD_OK; k++) {
+static void add_circle(const grid_level *l, range v, const double at[2], double r, grid_runs *found) {
+  for (int64_t k = v.first; k <= v.last; k++) {
     double low, high;
     row_edges(l, k, &low, &high);
     const double dy = fmax(fmax(low - at[1], at[1] - high), 0.0);
     const double half = slack(sqrt(fmax(r * r - dy * dy, 0.0)), r);
-    status = add_row(l, k, at[0] - half, at[0] + half, found);
+    add_row(l, k, at[0] - half, at[0] + half, found);
   }
-  return status;
 }
 
 /* Few rows are taken as wide as the circle. All rows of a periodic box stand for several images each. */
 enum { FEW_ROWS = 4 };
-sd_status grid_around(const grid *g, const grid_level *l, const double at[2], double reach,
-                      grid_runs *found) {
+void grid_around(const grid *g, const grid_level *l, const double at[2], double reach, grid_runs *found) {
   const double r = slack(reach + 2.0 * g->overhang, fabs(at[0]) + fabs(at[1]));
   const range v = range_of(l, 1, at[1] - r, at[1] + r);
   const bool all = l->periodic[1] && v.last - v.first + 1 == l->cells[1];
-  sd_status status = SD_OK;
   found->count = 0;
-  if (v.last - v.first >= FEW_ROWS && !all) return add_circle(l, v, at, r, found);
+  if (v.last - v.first >= FEW_ROWS && !all) {
+    add_circle(l, v, at, r, found);
+    return;
+  }
   if (v.first < 0 || v.last >= l->cells[1]) { /* rows beyond the box */
-    for (int64_t k = v.first; k <= v.last && status == SD_OK; k++)
-      status = add_row(l, k, at[0] - r, at[0] + r, found);
-    return status;
+    for (int64_t k = v.first; k <= v.last; k++) add_row(l, k, at[0] - r, at[0] + r, found);
+    return;
   }
   const bool shifted = all && l->offset != 0.0;
   const range u = shifted ? (range){0, l->cells[0] - 1} : range_of(l, 0, at[0] - r, at[0] + r);
-  for (int64_t k = v.first; k <= v.last && status == SD_OK; k++) status = add_columns(l, k, u, found);
-  return status;
+  for (int64_t k = v.first; k <= v.last; k++) add_columns(l, k, u, found);
 }
 
 /* The line's piece between two heights, with `reach` around it. False: none. */
@@ -389,21 +390,19 @@ static bool chord(const grid_line *line, double reach, double low, double high, 
   return true;
 }
 
-sd_status grid_along(const grid_level *l, const grid_line *line, double reach, grid_runs *found) {
+void grid_along(const grid_level *l, const grid_line *line, double reach, grid_runs *found) {
   const double r = slack(reach, fabs(line->x) + fabs(line->y));
   const double back = line->ty != 0.0 ? -line->back * line->ty : 0.0;
   const double end = line->ty != 0.0 ? line->length * line->ty : 0.0;
   const double low = line->y + fmin(back, end) - r, high = line->y + fmax(back, end) + r;
-  sd_status status = SD_OK;
   found->count = 0;
   /* cells without images: positions beyond the box stand in the outer cells */
   grid_level open = *l;
   open.periodic[0] = open.periodic[1] = false;
   const range v = range_of(&open, 1, low, high);
-  for (int64_t k = v.first; k <= v.last && status == SD_OK; k++) {
+  for (int64_t k = v.first; k <= v.last; k++) {
     double bottom, top, left, right;
     row_edges(&open, k, &bottom, &top);
-    if (chord(line, r, bottom, top, &left, &right)) status = add_row(&open, k, left, right, found);
+    if (chord(line, r, bottom, top, &left, &right)) add_row(&open, k, left, right, found);
   }
-  return status;
 }

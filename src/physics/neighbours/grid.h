@@ -47,10 +47,10 @@ typedef struct grid_line {
  * without memory. */
 sd_status grid_build(const engine *e, double margin, grid *g);
 void grid_free(grid *g);
-/* Disks whose centres are nearer to a point than `reach`, and others; each once. SD_ERROR_IO without memory. */
-sd_status grid_around(const grid *g, const grid_level *l, const double at[2], double reach, grid_runs *found);
+/* Disks whose centres are nearer to a point than `reach`, and others; each once. */
+void grid_around(const grid *g, const grid_level *l, const double at[2], double reach, grid_runs *found);
 /* The same for a line, not for its periodic images. */
-sd_status grid_along(const grid_level *l, const grid_line *line, double reach, grid_runs *found);
+void grid_along(const grid_level *l, const grid_line *line, double reach, grid_runs *found);
 /* Radii of the levels: writes the largest of each, descending, and returns how many there are. most: the largest of a value on all
  * ranks, which then call together; NULL: of this one. */
 size_t grid_levels_of(const double *radius, size_t n, double factor, double (*most)(double),

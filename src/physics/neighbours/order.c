@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "physics/neighbours/grid.h"
 
 /* --- order of the disks ------------------------------------------------------------------------------ */
@@ -149,48 +150,50 @@ static size_t list_contacts(const sd_model *m, sd_state *s, const uint32_t *slot
 
 sd_status order_contacts(const sd_model *m, sd_state *s) {
   size_t n = s->n_contacts;
-  contact_place *list = malloc((n + 1) * sizeof *list);
-  uint32_t *from = calloc(n + 1, sizeof *from), *slot = calloc(sd_model_bodies(m) + 1, sizeof *slot);
-  void *scratch = malloc((n + 1) * sizeof(double));
-  sd_status status = list && from && slot && scratch ? SD_OK : SD_ERROR_IO;
-  if (status == SD_OK) {
-    for (uint32_t k = 0; k < s->n_bodies; k++) {
-      assert(s->id[k] < sd_model_bodies(m) && slot[s->id[k]] == 0);
-      slot[s->id[k]] = k + 1;
-    }
-    n = list_contacts(m, s, slot, list, from);
-    if (n > 1) qsort(list, n, sizeof *list, by_slots);
-    for (size_t k = 0; k < n; k++) from[k] = list[k].from;
-    permute_all(s, true, from, scratch);
-    s->n_contacts = n;
+  contact_place *list;
+  uint32_t *from, *slot;
+  double *scratch;
+  if (!memory_rows(4, (memory_column[]){{&list, n, sizeof *list},
+                                        {&from, n, sizeof *from},
+                                        {&slot, sd_model_bodies(m), sizeof *slot},
+                                        {&scratch, n, sizeof *scratch}}))
+    return SD_ERROR_IO;
+  for (uint32_t k = 0; k < s->n_bodies; k++) {
+    assert(s->id[k] < sd_model_bodies(m) && slot[s->id[k]] == 0);
+    slot[s->id[k]] = k + 1;
   }
+  n = list_contacts(m, s, slot, list, from);
+  if (n > 1) qsort(list, n, sizeof *list, by_slots);
+  for (size_t k = 0; k < n; k++) from[k] = list[k].from;
+  permute_all(s, true, from, scratch);
+  s->n_contacts = n;
   free(list);
   free(from);
   free(slot);
   free(scratch);
-  return status;
+  return SD_OK;
 }
 
 sd_status order_part(const sd_model *m, sd_state *s, double (*most)(double), order_place *list) {
   size_t row = s->n_means ? SD_MEAN_BINS * sizeof(double) : sizeof(double);
-  uint32_t *from = calloc(s->n_free + 1, sizeof *from);
-  void *scratch = malloc((s->n_free + 1) * row);
-  sd_status status = from && scratch ? SD_OK : SD_ERROR_IO;
-  if (status == SD_OK) {
-    fill_places(m, s, most, list);
-    if (s->n_free > 1) qsort(list, s->n_free, sizeof *list, order_by_place);
-    for (size_t k = 0; k < s->n_free; k++) from[k] = list[k].slot;
-    for (size_t k = 1; k < s->n_free; k++) assert(order_by_place(&list[k - 1], &list[k]) < 0);
-    permute_all(s, false, from, scratch);
-  }
+  uint32_t *from;
+  void *scratch;
+  if (!memory_rows(2, (memory_column[]){{&from, s->n_free, sizeof *from}, {&scratch, s->n_free, row}}))
+    return SD_ERROR_IO;
+  fill_places(m, s, most, list);
+  if (s->n_free > 1) qsort(list, s->n_free, sizeof *list, order_by_place);
+  for (size_t k = 0; k < s->n_free; k++) from[k] = list[k].slot;
+  for (size_t k = 1; k < s->n_free; k++) assert(order_by_place(&list[k - 1], &list[k]) < 0);
+  permute_all(s, false, from, scratch);
   free(from);
   free(scratch);
-  return status;
+  return SD_OK;
 }
 
 sd_status order_disks(const sd_model *m, sd_state *s) {
-  order_place *list = malloc((s->n_free + 1) * sizeof *list);
-  const sd_status status = list ? order_part(m, s, NULL, list) : SD_ERROR_IO;
+  order_place *list;
+  if (!memory_rows(1, &(memory_column){&list, s->n_free, sizeof *list})) return SD_ERROR_IO;
+  const sd_status status = order_part(m, s, NULL, list);
   free(list);
   return status == SD_OK ? order_contacts(m, s) : status;
 }

@@ -8,6 +8,7 @@
 #include "base/arena.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
+#include "physics/neighbours/numbers.h"
 #include "physics/system/halo.h"
 
 /* --- contacts of each body --------------------------------------------------------------------------- */
@@ -29,24 +30,6 @@ static void order_partners(const engine *e, size_t slot) {
       entry[at] = entry[at - 1];
     entry[at] = moved;
   }
-}
-
-typedef struct numbers {
-  uint32_t *at;
-  size_t n, capacity;
-  bool failed; /* no memory */
-} numbers;
-
-static void add(numbers *l, size_t k) {
-  if (l->n == l->capacity) {
-    const size_t capacity = 2 * l->capacity + 64;
-    uint32_t *more = realloc(l->at, capacity * sizeof *more);
-    l->failed |= !more;
-    if (!more) return;
-    l->at = more;
-    l->capacity = capacity;
-  }
-  l->at[l->n++] = (uint32_t)k;
 }
 
 /* Each thread lists the bodies of its share of free disks, rank 0 all others as well. The first disks of its own pairs
@@ -96,15 +79,15 @@ static void count_own(const incidence_task *f, incidence_share *mine) {
     if ((size_t)p->b[k] < mine->end)
       start[p->b[k] + 2]++;
     else
-      add(&mine->away, k);
+      numbers_add(&mine->away, k);
   }
   for (size_t k = mine->ghost; k < mine->ghost_end; k++) {
     start[p->a[k] + 2]++;
-    add(&mine->away, k);
+    numbers_add(&mine->away, k);
   }
   for (size_t k = mine->piece; k < mine->piece_end; k++) {
     start[p->a[k] + 2]++;
-    add(&mine->away, k);
+    numbers_add(&mine->away, k);
   }
 }
 
@@ -172,17 +155,24 @@ static void incidence_together(const team *t, void *with) {
   for (size_t i = mine->begin; e->halo && i < mine->end; i++) order_partners(e, i);
 }
 
+/* Tables by body and by entry. */
+static sd_status reserve_tables(engine *e) {
+  work *w = &e->work;
+  incidence *n = &w->incidence;
+  const size_t n_bodies = e->state->n_bodies, capacity = 2 * w->pairs.capacity;
+  if (w->row && 2 * w->pairs.count <= n->capacity) return SD_OK;
+  if (!memory_resize(3, (memory_column[]){{&n->start, n_bodies + 2, sizeof *n->start},
+                                          {&n->entry, capacity, sizeof *n->entry},
+                                          {&w->row, n_bodies + 1, sizeof *w->row}}))
+    return SD_ERROR_IO;
+  n->capacity = capacity;
+  return SD_OK;
+}
+
 static sd_status list_incidence(engine *e) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
-  incidence *n = &e->work.incidence;
-  if (!n->start) n->start = malloc((s->n_bodies + 2) * sizeof *n->start);
-  if (2 * p->count > n->capacity) {
-    free(n->entry);
-    n->capacity = 2 * p->capacity;
-    n->entry = malloc(n->capacity * sizeof *n->entry);
-  }
-  if (!n->start || (n->capacity && !n->entry)) return SD_ERROR_IO;
+  const incidence *n = &e->work.incidence;
   assert(p->count <= UINT32_MAX / 2);
   incidence_task f = {.e = e};
   pool_run(work_pool(e), incidence_together, &f);
@@ -206,13 +196,12 @@ static size_t count_rows(const engine *e) {
 
 static sd_status reserve_rows(engine *e) {
   work *w = &e->work;
-  if (!w->row) w->row = malloc((e->state->n_bodies + 1) * sizeof *w->row);
   if (count_rows(e) > w->packed_capacity) {
     arena_free(w->packed);
     w->packed_capacity = count_rows(e) + count_rows(e) / 4;
     w->packed = arena_for(w->packed_capacity, PACKED_ROW * sizeof *w->packed);
   }
-  return w->row && w->packed ? SD_OK : SD_ERROR_IO;
+  return w->packed ? SD_OK : SD_ERROR_IO;
 }
 
 /* Rows of free disks, and where pairs find those of their bodies. */
@@ -279,9 +268,10 @@ static void listed_together(const team *t, void *with) {
   size_t begin, end;
   team_share(t, f->e->state->n_bodies, &begin, &end);
   for (size_t slot = begin; slot < end; slot++)
-    if (is_listed(f->e, slot)) add(&f->found[t->rank], slot);
+    if (is_listed(f->e, slot)) numbers_add(&f->found[t->rank], slot);
 }
 
+/* Makes room for their first rows, too. */
 static sd_status join_listed(const listed_task *f, sums *m) {
   size_t n = 0;
   for (size_t t = 0; t < WORK_MAX_THREADS; t++) {
@@ -289,11 +279,11 @@ static sd_status join_listed(const listed_task *f, sums *m) {
     n += f->found[t].n;
   }
   if (n + 1 > m->listed_capacity) {
-    free(m->listed);
-    m->listed_capacity = 2 * n + 16;
-    m->listed = malloc(m->listed_capacity * sizeof *m->listed);
-    if (!m->listed) m->listed_capacity = 0;
-    if (!m->listed) return SD_ERROR_IO;
+    const size_t capacity = 2 * n + 16;
+    if (!memory_resize(2, (memory_column[]){{&m->listed, capacity, sizeof *m->listed},
+                                            {&m->single, capacity, sizeof *m->single}}))
+      return SD_ERROR_IO;
+    m->listed_capacity = capacity;
   }
   m->n_listed = 0;
   for (size_t t = 0; t < WORK_MAX_THREADS; t++)
@@ -326,9 +316,7 @@ static sd_status reserve_sums(engine *e) {
     m->capacity = rows + rows / 4;
     m->row = arena_for(m->capacity, SUM_ROW * sizeof *m->row);
   }
-  free(m->single);
-  m->single = malloc((m->n_listed + 1) * sizeof *m->single);
-  return m->row && m->single ? SD_OK : SD_ERROR_IO;
+  return m->row ? SD_OK : SD_ERROR_IO;
 }
 
 static sd_status list_sums(engine *e) {
@@ -390,8 +378,10 @@ void sums_add_listed(const engine *e, size_t begin, size_t end) {
 
 sd_status pairs_list(engine *e) {
   work *w = &e->work;
-  if (chunks_plan(e) != SD_OK || list_incidence(e) != SD_OK || list_listed(e) != SD_OK) return SD_ERROR_IO;
-  if (chunks_plan_rows(&w->chunks, e->state->n_free) != SD_OK || list_rows(e) != SD_OK) return SD_ERROR_IO;
+  if (chunks_plan(e) != SD_OK || reserve_tables(e) != SD_OK) return SD_ERROR_IO;
+  if (list_incidence(e) != SD_OK || list_listed(e) != SD_OK) return SD_ERROR_IO;
+  chunks_plan_rows(&w->chunks, e->state->n_free);
+  if (list_rows(e) != SD_OK) return SD_ERROR_IO;
   return list_sums(e);
 }
 

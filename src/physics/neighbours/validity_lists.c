@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
 #include "physics/system/clumps.h"
@@ -259,9 +260,10 @@ static void check_chunk_rows(const engine *e) {
   const chunks *c = &e->work.chunks;
   for (size_t k = 0; k < c->count; k++)
     assert(c->row[k] < c->rows && c->row[k] + (c->begin[k + 1] - c->begin[k]) <= c->rows);
-  if (!c->shares) assert(c->rows == e->state->n_free);
-  size_t *life = c->shares ? malloc((2 * c->count + 1) * sizeof *life) : NULL;
-  if (life) check_lifetimes(c, life, life + c->count);
+  assert(c->shares || c->rows == e->state->n_free);
+  if (!c->shares) return;
+  size_t *life = memory_new(2 * c->count, sizeof *life);
+  check_lifetimes(c, life, life + c->count);
   free(life);
 }
 

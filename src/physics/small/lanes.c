@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "model/bodies.h"
 #include "model/law_features.h"
 #include "physics/step/contacts.h"
@@ -65,16 +66,8 @@ sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out
   for (size_t k = 0; k < count; k++)
     assert(system[k]->work.n_threads == 1 && lanes_suit(system[k]->model) &&
            lanes_alike(system[0]->model, system[k]->model));
-  lanes *l = calloc(1, sizeof *l);
-  *out = l;
-  size_t bytes = (size_t)ROWS_ALL * LANES_MOST * sizeof(double) / 64 * 64 + 64;
-  if (l) l->memory = aligned_alloc(64, bytes);
-  if (!l || !l->memory) {
-    lanes_free(l);
-    *out = NULL;
-    return SD_ERROR_IO;
-  }
-  memset(l->memory, 0, bytes);
+  lanes *l = *out = memory_new(1, sizeof *l);
+  l->memory = memory_lines((size_t)ROWS_ALL * LANES_MOST * sizeof(double));
   l->width = width;
   l->count = count;
   for (size_t k = 0; k < LANES_MOST; k++) l->system[k] = system[k < count ? k : 0];
@@ -102,12 +95,7 @@ sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out
       l->watched[2 * k + side] =
           (uint8_t)find_pair(l, slot[m->slides[k].disk], slot[m->slides[k].partner[side]]);
   lay_rows(l);
-  if (!alone && pose_batch_new(width, count, system, &l->motion) != SD_OK) {
-    lanes_free(l);
-    *out = NULL;
-    return SD_ERROR_IO;
-  }
-  return SD_OK;
+  return alone ? SD_OK : pose_batch_new(width, count, system, &l->motion);
 }
 
 void lanes_free(lanes *l) {

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "base/comm.h"
+#include "base/memory.h"
 #include "model/law_features.h"
 #include "model/normal_laws.h"
 #include "physics/step/access.h"
@@ -314,9 +315,11 @@ sd_status contacts_follow(engine *e) {
   halo *h = e->halo;
   halo_waits *wrapped = &h->wrapped;
   const sd_state *s = e->state;
-  halo_wait *ghosts = calloc(s->n_ghosts + 1, sizeof *ghosts);
-  if (!ghosts) comm_fail("no memory"); /* after the ranks have agreed on how they go on */
-  if (!ghosts) return SD_ERROR_IO;
+  halo_wait *ghosts;
+  if (!memory_rows(1, &(memory_column){&ghosts, s->n_ghosts, sizeof *ghosts})) {
+    comm_fail("no memory"); /* after the ranks have agreed on how they go on */
+    return SD_ERROR_IO;
+  }
   halo_refresh(e, ghosts);
   exchange_places(e, ghosts);
   for (size_t n = 0; n < h->rebased.count; n++) rebase(e, h->rebased.item[n].index);
@@ -407,8 +410,8 @@ sd_status contacts_end(engine *e, const bool *gone) {
   size_t n = 0, most = 0;
   for (size_t k = 0; k < p->count; k++)
     most += pairs_closed(p, k) && (goes(e, gone, p->a[k]) || goes(e, gone, p->b[k]));
-  ending *list = malloc((most + 1) * sizeof *list);
-  if (!list) return SD_ERROR_IO;
+  ending *list;
+  if (!memory_rows(1, &(memory_column){&list, most, sizeof *list})) return SD_ERROR_IO;
   for (size_t k = 0; k < p->count; k++) {
     if (!pairs_closed(p, k) || !(goes(e, gone, p->a[k]) || goes(e, gone, p->b[k]))) continue;
     const uint64_t a = halo_order(e, (size_t)p->a[k]), b = halo_order(e, (size_t)p->b[k]);

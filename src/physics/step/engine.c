@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "base/memory.h"
 #include "model/law_features.h"
 #include "model/normal_laws.h"
 #include "model/tiles.h"
@@ -238,16 +239,14 @@ static sd_status allocate(engine *e, int threads) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
   work *w = &e->work;
-  w->laws = calloc(m->n_materials * m->n_materials, sizeof *w->laws);
-  w->slot = calloc(sd_model_bodies(m) + s->n_clumps + 1, sizeof *w->slot);
-  w->segments = calloc(m->n_segments + 1, sizeof *w->segments);
-  w->pieces = calloc(m->n_segments + 1, sizeof *w->pieces);
-  w->watched = calloc(2 * m->n_slides + 1, sizeof *w->watched);
-  w->threads = aligned_alloc(64, (size_t)threads * sizeof *w->threads);
+  w->laws = memory_new(m->n_materials * m->n_materials, sizeof *w->laws);
+  w->segments = memory_new(m->n_segments, sizeof *w->segments);
+  w->pieces = memory_new(m->n_segments, sizeof *w->pieces);
+  w->watched = memory_new(2 * m->n_slides, sizeof *w->watched);
+  w->threads = memory_lines((size_t)threads * sizeof *w->threads);
   w->n_threads = threads;
-  if (w->threads) memset(w->threads, 0, (size_t)threads * sizeof *w->threads);
-  bool bad = !w->laws || !w->slot || !w->segments || !w->pieces || !w->watched || !w->threads;
-  return bad || columns_new(e) != SD_OK ? SD_ERROR_IO : SD_OK;
+  const memory_column slots = {&w->slot, sd_model_bodies(m) + s->n_clumps, sizeof *w->slot};
+  return memory_rows(1, &slots) ? columns_new(e) : SD_ERROR_IO;
 }
 
 /* Columns with a row for each free disk. */

@@ -5,6 +5,7 @@
 #include <assert.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
 #include "physics/step/engine.h"
@@ -61,13 +62,11 @@ sd_status outside_find(engine *e, outside_left **list, size_t *n) {
     if (!out || s->activity[i] == SD_OUTSIDE) continue;
     if (*n == capacity) {
       capacity = 2 * capacity + 16;
-      outside_left *grown = realloc(*list, capacity * sizeof *grown);
-      if (!grown) {
+      if (!memory_resize(1, &(memory_column){list, capacity, sizeof **list})) {
         free(*list);
         *list = NULL;
         return SD_ERROR_IO;
       }
-      *list = grown;
     }
     const uint32_t order = e->halo ? e->halo->order[i] : (uint32_t)i;
     (*list)[(*n)++] = (outside_left){order, s->id[i], (uint32_t)i, s->x[i], s->y[i]};

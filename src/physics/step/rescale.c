@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
@@ -56,8 +57,9 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
   work *w = &e->work;
   const sd_state *s = e->state;
   pairs *p = &w->pairs;
-  double *before = calloc(2 * p->count + 1, sizeof *before);
-  if (!before) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  double *before;
+  if (!memory_rows(1, &(memory_column){&before, 2 * p->count, sizeof *before}))
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   for (size_t k = 0; k < p->count; k++) {
     before[k] = PAIR(p, k, viscous);
     before[p->count + k] = PAIR(p, k, nonconservative_work);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/arena.h"
+#include "base/memory.h"
 #include "model/field_kinds.h"
 #include "physics/system/bodies.h"
 #include "physics/system/fields.h"
@@ -13,9 +14,7 @@
 sd_status body_forces_new(engine *e) {
   const size_t n = e->model->n_fields, bytes = e->state->n_free * sizeof(double);
   if (n == 0) return SD_OK;
-  body_forces *f = calloc(1, sizeof *f + n * sizeof f->row[0]);
-  if (!f) return SD_ERROR_IO;
-  e->work.body_forces = f;
+  body_forces *f = e->work.body_forces = memory_new(1, sizeof *f + n * sizeof f->row[0]);
   f->n = n;
   arena_plan plan = {0};
   for (size_t k = 0; k < 2 * n + SD_COORDINATES; k++) arena_column(&plan, bytes);

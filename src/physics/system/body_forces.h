@@ -25,7 +25,7 @@ typedef struct body_forces {
   body_force_row row[];
 } body_forces;
 
-/* For a model with fields. SD_ERROR_IO: no memory. */
+/* For a model with fields. SD_ERROR_IO: no memory for columns of the disks. */
 sd_status body_forces_new(engine *e);
 void body_forces_free(engine *e);
 /* Weights in the phase of the state, from disks in play. */

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "physics/system/bodies.h"
 
 #define LANE_WIDTH 1
@@ -89,17 +90,16 @@ sd_status clumps_new(engine *e) {
   if (c->count == 0) return SD_OK;
   size_t members = 0;
   for (size_t k = 0; k < c->count; k++) members += e->model->clumps[k].n_disks;
-  double *own = calloc((2 * SD_COORDINATES + 2) * c->count + 5 * members + 2 * s->n_free, sizeof *own);
-  c->start = calloc(c->count + 1, sizeof *c->start);
-  c->member = calloc(members, sizeof *c->member);
-  c->of = calloc(s->n_free, sizeof *c->of);
-  if (own) fill_columns(s, c, own);
-  if (!own || !c->start || !c->member || !c->of) {
+  const size_t numbers = (2 * SD_COORDINATES + 2) * c->count + 5 * members + 2 * s->n_free;
+  double *own;
+  if (!memory_rows(4, (memory_column[]){{&own, numbers, sizeof *own},
+                                        {&c->start, c->count + 1, sizeof *c->start},
+                                        {&c->member, members, sizeof *c->member},
+                                        {&c->of, s->n_free, sizeof *c->of}})) {
     c->count = 0;
-    free(own);
-    clumps_free(e);
     return SD_ERROR_IO;
   }
+  fill_columns(s, c, own);
   double *next = own + 2 * SD_COORDINATES * c->count;
   double **const column[] = {&c->offset_x, &c->offset_y, &c->offset_theta, &c->arm_x, &c->arm_y};
   for (size_t q = 0; q < sizeof column / sizeof *column; q++, next += members) *column[q] = next;

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "physics/system/body_forces.h"
 
 static void sum_up(engine *e) {
@@ -87,33 +88,36 @@ void fields_work(engine *e) {
   e->state->field_power = now;
 }
 
-sd_status fields_resize(engine *e) {
-  fields *f = e->fields;
-  bool good = true;
-  for (int c = 0; f && c < SD_COORDINATES; c++) {
+static void free_columns(fields *f) {
+  for (int c = 0; c < SD_COORDINATES; c++) {
     free(f->force[c]);
     free(f->total[c]);
-    f->force[c] = calloc(e->state->n_free + 1, sizeof(double));
-    f->total[c] = calloc(e->state->n_free + 1, sizeof(double));
-    good = good && f->force[c] && f->total[c];
   }
-  return good ? SD_OK : SD_ERROR_IO;
+}
+
+sd_status fields_resize(engine *e) {
+  fields *f = e->fields;
+  memory_column column[2 * SD_COORDINATES];
+  if (!f) return SD_OK;
+  free_columns(f);
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    column[2 * c] = (memory_column){&f->force[c], e->state->n_free, sizeof(double)};
+    column[2 * c + 1] = (memory_column){&f->total[c], e->state->n_free, sizeof(double)};
+  }
+  return memory_rows(2 * SD_COORDINATES, column) ? SD_OK : SD_ERROR_IO;
 }
 
 sd_status fields_add(engine *e, sd_force_field *call, void *user) {
   assert(!e->work.lanes && call);
   if (!e->fields) {
-    e->fields = calloc(1, sizeof *e->fields);
-    if (!e->fields) return SD_ERROR_IO;
+    e->fields = memory_new(1, sizeof *e->fields);
     if (fields_resize(e) != SD_OK) {
       fields_free(e);
       return SD_ERROR_IO;
     }
   }
   fields *f = e->fields;
-  void *more = realloc(f->item, (f->n + 1) * sizeof *f->item);
-  if (!more) return SD_ERROR_IO;
-  f->item = more;
+  f->item = memory_grow(f->item, f->n + 1, sizeof *f->item);
   f->item[f->n].call = call;
   f->item[f->n].user = user;
   f->n++;
@@ -133,10 +137,7 @@ sd_status fields_add(engine *e, sd_force_field *call, void *user) {
 
 void fields_free(engine *e) {
   if (!e->fields) return;
-  for (int c = 0; c < SD_COORDINATES; c++) {
-    free(e->fields->force[c]);
-    free(e->fields->total[c]);
-  }
+  free_columns(e->fields);
   free(e->fields->item);
   free(e->fields);
   e->fields = NULL;

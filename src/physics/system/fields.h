@@ -17,7 +17,8 @@ typedef struct fields {
   double *total[SD_COORDINATES]; /* the same and what is constant: the integrator's `constant` */
 } fields;
 
-/* SD_ERROR_IO: no memory. At step 0 the accelerations are those with the field. */
+/* SD_ERROR_IO: no memory for columns of the disks.
+ * At step 0 the accelerations are those with the field. */
 sd_status fields_add(engine *e, sd_force_field *call, void *user);
 void fields_free(engine *e);
 /* For another number of free disks. SD_ERROR_IO: no memory. */

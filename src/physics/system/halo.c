@@ -7,6 +7,7 @@
 
 #include "base/clock.h"
 #include "base/comm.h"
+#include "base/memory.h"
 
 static void free_rows(halo_rows *r) {
   free(r->start);
@@ -38,12 +39,12 @@ void halo_free(halo *h) {
 
 sd_status halo_connect(halo *h, const int *to, const int *from) {
   const size_t row = HALO_ROW * sizeof(double);
-  h->send = calloc(h->n_send + 1, row);
-  h->receive = calloc(h->n_ghosts + 1, row);
-  h->sent = calloc(h->n_own + 1, sizeof *h->sent);
-  h->x2 = calloc(h->n_ghosts + 1, sizeof *h->x2);
-  h->y2 = calloc(h->n_ghosts + 1, sizeof *h->y2);
-  if (!h->send || !h->receive || !h->sent || !h->x2 || !h->y2) return SD_ERROR_IO;
+  if (!memory_rows(5, (memory_column[]){{&h->send, h->n_send, row},
+                                        {&h->receive, h->n_ghosts, row},
+                                        {&h->sent, h->n_own, sizeof *h->sent},
+                                        {&h->x2, h->n_ghosts, sizeof *h->x2},
+                                        {&h->y2, h->n_ghosts, sizeof *h->y2}}))
+    return SD_ERROR_IO;
   for (size_t k = 0; k < h->n_send; k++) {
     assert(h->send_slot[k] < h->n_own);
     h->sent[h->send_slot[k]] = true;
@@ -55,9 +56,7 @@ sd_status halo_connect(halo *h, const int *to, const int *from) {
 sd_status halo_wait_for(halo_waits *list, halo_wait wait) {
   if (list->count == list->capacity) {
     const size_t capacity = 2 * list->capacity + 16;
-    halo_wait *more = realloc(list->item, capacity * sizeof *more);
-    if (!more) return SD_ERROR_IO;
-    list->item = more;
+    if (!memory_resize(1, &(memory_column){&list->item, capacity, sizeof *list->item})) return SD_ERROR_IO;
     list->capacity = capacity;
   }
   list->item[list->count++] = wait;
@@ -219,36 +218,33 @@ sd_status halo_list_prescribed(engine *e) {
   const size_t bodies = e->state->n_bodies - first_of(e), mine = count_rows(e);
   free_rows(r);
   r->n_mine = mine;
-  r->counts = malloc((size_t)comm_size() * sizeof *r->counts);
-  if (!r->counts) {
-    comm_fail("no memory");
-    return SD_ERROR_IO;
-  }
+  r->counts = memory_new((size_t)comm_size(), sizeof *r->counts);
   comm_gather_counts((int)mine, r->counts);
   size_t all = 0;
   for (int k = 0; k < comm_size(); k++) all += (size_t)r->counts[k];
-  row_key *key = malloc((mine + 1) * sizeof *key), *every = malloc((all + 1) * sizeof *every);
-  r->start = calloc(bodies + 2, sizeof *r->start);
-  r->from = malloc((all + 1) * sizeof *r->from);
-  r->mine = malloc((mine + 1) * SUM_ROW * sizeof *r->mine);
-  r->all = calloc((all + 1) * SUM_ROW, sizeof *r->all);
-  r->mine_at = malloc((mine + 1) * sizeof *r->mine_at);
-  const bool there = key && every && r->start && r->from && r->mine && r->all && r->mine_at;
-  if (!there) comm_fail("no memory");
-  if (there) {
-    fill_keys(e, key, r->mine_at);
-    comm_gather(key, every, r->counts, sizeof *key);
-    for (size_t k = 0; k < all; k++) {
-      every[k].from = (uint32_t)k;
-      r->start[every[k].body + 1]++;
-    }
-    for (size_t b = 0; b < bodies; b++) r->start[b + 1] += r->start[b];
-    if (all > 1) qsort(every, all, sizeof *every, by_order);
-    for (size_t k = 0; k < all; k++) r->from[k] = every[k].from;
+  row_key *key, *every;
+  if (!memory_rows(7, (memory_column[]){{&key, mine, sizeof *key},
+                                        {&every, all, sizeof *every},
+                                        {&r->start, bodies + 1, sizeof *r->start},
+                                        {&r->from, all, sizeof *r->from},
+                                        {&r->mine, mine, SUM_ROW * sizeof *r->mine},
+                                        {&r->all, all, SUM_ROW * sizeof *r->all},
+                                        {&r->mine_at, mine, sizeof *r->mine_at}})) {
+    comm_fail("no memory");
+    return SD_ERROR_IO;
   }
+  fill_keys(e, key, r->mine_at);
+  comm_gather(key, every, r->counts, sizeof *key);
+  for (size_t k = 0; k < all; k++) {
+    every[k].from = (uint32_t)k;
+    r->start[every[k].body + 1]++;
+  }
+  for (size_t b = 0; b < bodies; b++) r->start[b + 1] += r->start[b];
+  if (all > 1) qsort(every, all, sizeof *every, by_order);
+  for (size_t k = 0; k < all; k++) r->from[k] = every[k].from;
   free(key);
   free(every);
-  return there ? SD_OK : SD_ERROR_IO;
+  return SD_OK;
 }
 
 void halo_gather_prescribed(engine *e) {
