@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/team.h"
 #include "measure/sites.h"
 #include "physics/contact/walls.h"
@@ -349,10 +350,10 @@ static sd_status cut_cells(cells *t, cutter *q, sd_messages *messages) {
   return status;
 }
 
-static sd_status statistics(cells *t, const configuration *c, const region *counted) {
+/* local has room for a number per disk. */
+static void statistics(cells *t, const configuration *c, const region *counted, double *local) {
   const sd_model *m = c->model;
-  double *local = calloc(t->n + 1, sizeof *local), disks = 0.0, area = 0.0;
-  if (!local) return SD_ERROR_IO;
+  double disks = 0.0, area = 0.0;
   for (size_t i = 0; i < t->n; i++) {
     const sd_disk *d = &m->disks[i];
     if (isfinite(t->area[i])) t->total += t->area[i];
@@ -373,17 +374,18 @@ static sd_status statistics(cells *t, const configuration *c, const region *coun
     t->deviation = gsl_stats_sd_with_fixed_mean(local, 1, t->n_closed, t->mean);
     gsl_stats_minmax(&t->least, &t->most, local, 1, t->n_closed);
   }
-  free(local);
-  return SD_OK;
 }
 
 sd_status cells_new(cells *t, const configuration *c, const region *whole, const region *counted,
                     sd_messages *messages) {
   const sd_model *m = c->model;
   *t = (cells){.n = m->n_disks};
-  t->area = calloc(t->n + 1, sizeof *t->area);
-  t->closed = calloc(t->n + 1, sizeof *t->closed);
-  if (!t->area || !t->closed) return sd_fail(messages, SD_ERROR_IO, "no memory for the cells");
+  double *local;
+  const memory_column rows[] = {{&t->area, t->n, sizeof *t->area},
+                                {&t->closed, t->n, sizeof *t->closed},
+                                {&local, t->n, sizeof *local}};
+  if (!memory_rows(sizeof rows / sizeof *rows, rows))
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the cells");
   cutter q = {.c = c, .whole = whole};
   for (size_t i = 0; i < t->n; i++) q.largest = fmax(q.largest, m->disks[i].radius);
   double spacing = fmax(2.0 * q.largest, sqrt(region_area(whole) / (double)t->n));
@@ -393,8 +395,8 @@ sd_status cells_new(cells *t, const configuration *c, const region *whole, const
     status = cut_cells(t, &q, messages);
     for (int k = 0; k < 2; k++) q.margin[k] = fmin(4.0 * q.margin[k], c->length[k]);
   } while (status == SD_OK && q.short_of_images);
-  if (status == SD_OK && statistics(t, c, counted) != SD_OK)
-    status = sd_fail(messages, SD_ERROR_IO, "no memory for the cells");
+  if (status == SD_OK) statistics(t, c, counted, local);
+  free(local);
   return status;
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/comm_data.h"
+#include "base/memory.h"
 #include "base/team.h"
 #include "model/cell.h"
 #include "model/laws.h"
@@ -19,28 +20,24 @@
 sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messages *messages) {
   size_t n = n_disks + n_walls;
   *f = (frame_data){.scale = 1.0, .stretch = {1.0, 1.0}, .n_bodies = n, .n_disks = n_disks};
-  f->position = calloc(n + 1, sizeof *f->position);
-  f->velocity = calloc(n + 1, sizeof *f->velocity);
-  f->angle = calloc(n + 1, sizeof *f->angle);
-  f->spin = calloc(n + 1, sizeof *f->spin);
-  f->activity = calloc(n_disks + 1, sizeof *f->activity);
-  f->image = calloc(n_disks + 1, sizeof *f->image);
-  if (f->position && f->velocity && f->angle && f->spin && f->activity && f->image) return SD_OK;
+  const memory_column rows[] = {{&f->position, n, sizeof *f->position},
+                                {&f->velocity, n, sizeof *f->velocity},
+                                {&f->angle, n, sizeof *f->angle},
+                                {&f->spin, n, sizeof *f->spin},
+                                {&f->activity, n_disks, sizeof *f->activity},
+                                {&f->image, n_disks, sizeof *f->image}};
+  if (memory_rows(sizeof rows / sizeof *rows, rows)) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "no memory for a frame of %zu bodies", n);
 }
 
 sd_status frame_data_contacts(frame_data *f, size_t n, sd_messages *messages) {
   f->has_contacts = true;
   f->n_contacts = n;
-  f->a = calloc(n + 1, sizeof *f->a);
-  f->b = calloc(n + 1, sizeof *f->b);
-  f->part = calloc(n + 1, sizeof *f->part);
-  f->overlap = calloc(n + 1, sizeof *f->overlap);
-  f->force = calloc(n + 1, sizeof *f->force);
-  f->tau = calloc(n + 1, sizeof *f->tau);
-  f->roll = calloc(n + 1, sizeof *f->roll);
-  f->slide = calloc(n + 1, sizeof *f->slide);
-  if (f->a && f->b && f->part && f->overlap && f->force && f->tau && f->roll && f->slide) return SD_OK;
+  const memory_column rows[] = {{&f->a, n, sizeof *f->a},         {&f->b, n, sizeof *f->b},
+                                {&f->part, n, sizeof *f->part},   {&f->overlap, n, sizeof *f->overlap},
+                                {&f->force, n, sizeof *f->force}, {&f->tau, n, sizeof *f->tau},
+                                {&f->roll, n, sizeof *f->roll},   {&f->slide, n, sizeof *f->slide}};
+  if (memory_rows(sizeof rows / sizeof *rows, rows)) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "no memory for %zu contacts", n);
 }
 
@@ -102,11 +99,12 @@ sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model 
                              const uint32_t *slots, sd_messages *messages) {
   *constants = *m;
   constants->n_disks = s->n_disks;
-  constants->disks = calloc(s->n_disks + 1, sizeof *constants->disks);
+  constants->disks = NULL;
   sd_status status = frame_data_new(f, s->n_disks, m->n_walls, messages);
   if (status == SD_OK) status = frame_data_contacts(f, s->n_contacts, messages);
   if (status != SD_OK) return status;
-  if (!constants->disks) return sd_fail(messages, SD_ERROR_IO, "no memory for %zu disks", s->n_disks);
+  if (!memory_rows(1, &(memory_column){&constants->disks, s->n_disks, sizeof *constants->disks}))
+    return sd_fail(messages, SD_ERROR_IO, "no memory for %zu disks", s->n_disks);
   f->shared = true;
   f->n_own = s->n_free;
   fill_moment(f, m, s);
@@ -140,16 +138,29 @@ static void fill_space(sd_model *m, const sd_model *from, const frame_data *f) {
   }
 }
 
-static sd_status fill_laws(sd_model *m, const sd_model *from) {
+static void fill_laws(sd_model *m, const sd_model *from) {
   size_t n = from->n_materials;
-  m->materials = calloc(n + 1, sizeof *m->materials);
-  m->laws = calloc(n * n + 1, sizeof *m->laws);
-  m->phases = calloc(1, sizeof *m->phases); /* a model has one */
-  if (!m->materials || !m->laws || !m->phases) return SD_ERROR_IO;
+  m->materials = memory_new(n, sizeof *m->materials);
+  m->laws = memory_new(n * n, sizeof *m->laws);
+  m->phases = memory_new(1, sizeof *m->phases); /* a model has one */
   memcpy(m->laws, from->laws, n * n * sizeof *m->laws);
   m->n_materials = n;
   m->phases[0].steps = m->n_phases = 1;
-  return SD_OK;
+}
+
+/* This is what the model has beside its bodies. */
+static void fill_constants(configuration *c, const sd_model *from, const frame_data *f) {
+  sd_model *m = c->model;
+  m->dt = 1.0; /* nothing moves */
+  m->limits.unstable_step = true;
+  m->max_overlap = 1e300; /* whatever is there is measured */
+  fill_space(m, from, f);
+  c->offset = f->offset;
+  memcpy(c->gradient, f->gradient, sizeof c->gradient);
+  fill_laws(m, from);
+  for (int k = 0; k < SD_CELL_COMPONENTS; k++)
+    m->phases[0].cell.asked |= f->offset != 0.0 || f->gradient[k] != 0.0;
+  for (int k = 0; k < 2; k++) c->length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0.0;
 }
 
 /* Rounding can leave a coordinate on the upper edge. */
@@ -202,7 +213,7 @@ void configuration_wall_point(const sd_wall *wall, const frame_data *f, size_t b
   wall_point(wall, f, body, wall->points[k], at);
 }
 
-static sd_status fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f, size_t body) {
+static void fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f, size_t body) {
   *w = (sd_wall){.kind = from->kind,
                  .material = from->material,
                  .pivot = {f->position[body][0], f->position[body][1]},
@@ -211,18 +222,16 @@ static sd_status fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f,
                  .inside = from->inside,
                  .from = from->from + f->angle[body],
                  .to = from->to + f->angle[body]};
-  if (from->kind == SD_WALL_CIRCLE) return SD_OK;
-  w->points = calloc(from->n_points + 1, sizeof *w->points);
-  if (!w->points) return SD_ERROR_IO;
+  if (from->kind == SD_WALL_CIRCLE) return;
+  w->points = memory_new(from->n_points, sizeof *w->points);
   w->n_points = from->n_points;
   for (size_t k = 0; k < w->n_points; k++) configuration_wall_point(from, f, body, k, w->points[k]);
   wall_point(from, f, body, from->center, w->center);
-  return SD_OK;
 }
 
 /* Where a wall stands across direction c; NAN when it is no line along the other one. */
 static double across(const sd_wall *w, int c) {
-  if (w->kind != SD_WALL_LINE || !w->points) return NAN;
+  if (w->kind != SD_WALL_LINE || w->n_points < 2) return NAN;
   double rise = w->points[1][c] - w->points[0][c], run = w->points[1][1 - c] - w->points[0][1 - c];
   return fabs(rise) <= 1e-9 * fabs(run) ? w->points[0][c] : NAN;
 }
@@ -261,21 +270,25 @@ static void follow_walls(sd_model *m, const sd_model *from, bool shared) {
     }
 }
 
-static sd_status fill_bodies(configuration *c, const sd_model *from, const frame_data *f,
-                             uint32_t *renumbered) {
+/* Bodies that are not in play leave their rows empty. */
+static sd_status new_bodies(configuration *c, const frame_data *f, uint32_t **renumbered) {
   sd_model *m = c->model;
-  m->disks = calloc(from->n_disks + 1, sizeof *m->disks);
-  m->walls = calloc(from->n_walls + 1, sizeof *m->walls);
-  c->number = calloc(from->n_disks + 1, sizeof *c->number);
-  if (!m->disks || !m->walls || !c->number) return SD_ERROR_IO;
+  const memory_column rows[] = {{renumbered, f->n_bodies, sizeof **renumbered},
+                                {&m->disks, f->n_disks, sizeof *m->disks},
+                                {&m->walls, f->n_bodies - f->n_disks, sizeof *m->walls},
+                                {&c->number, f->n_disks, sizeof *c->number}};
+  return memory_rows(sizeof rows / sizeof *rows, rows) ? SD_OK : SD_ERROR_IO;
+}
+
+static void fill_bodies(configuration *c, const sd_model *from, const frame_data *f, uint32_t *renumbered) {
+  sd_model *m = c->model;
   fill_disks(c, from, f, renumbered);
   for (uint32_t w = 0; w < from->n_walls; w++) {
     m->n_walls++;
     renumbered[from->n_disks + w] = (uint32_t)m->n_disks + w;
-    if (fill_wall(&m->walls[w], &from->walls[w], f, from->n_disks + w) != SD_OK) return SD_ERROR_IO;
+    fill_wall(&m->walls[w], &from->walls[w], f, from->n_disks + w);
   }
   follow_walls(m, from, f->shared);
-  return SD_OK;
 }
 
 /* --- contacts ----------------------------------------------------------------------------------------- */
@@ -346,10 +359,14 @@ static void complete(const configuration *c, config_contact *k) {
   k->k_t = law->gamma_t > 0.0 || law->tangential != SD_TANGENTIAL_SPRING ? 0.0 : law->k_t;
 }
 
+static sd_status new_contacts(configuration *c, size_t n, sd_messages *messages) {
+  if (memory_rows(1, &(memory_column){&c->contacts, n, sizeof *c->contacts})) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "no memory for %zu contacts", n);
+}
+
 static sd_status take_contacts(configuration *c, const sd_model *from, const frame_data *f,
                                const uint32_t *renumbered, sd_messages *messages) {
-  c->contacts = calloc(f->n_contacts + 1, sizeof *c->contacts);
-  if (!c->contacts) return sd_fail(messages, SD_ERROR_IO, "no memory for %zu contacts", f->n_contacts);
+  if (new_contacts(c, f->n_contacts, messages) != SD_OK) return SD_ERROR_IO;
   size_t bodies = sd_model_bodies(from);
   for (size_t k = 0; k < f->n_contacts; k++) {
     uint32_t a = f->a[k], b = f->b[k];
@@ -377,9 +394,8 @@ static bool rigid(const configuration *c, uint32_t a, uint32_t b) {
   return b < c->model->n_disks && configuration_in_clump(c, a) && c->clump_of[a] == c->clump_of[b];
 }
 
-static sd_status copy_contacts(configuration *c, const sd_state *s) {
-  c->contacts = calloc(s->n_contacts + 1, sizeof *c->contacts);
-  if (!c->contacts) return SD_ERROR_IO;
+static sd_status copy_contacts(configuration *c, const sd_state *s, sd_messages *messages) {
+  if (new_contacts(c, s->n_contacts, messages) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < s->n_contacts; k++) {
     const uint32_t a = s->contact_a[k], b = s->contact_b[k];
     if (rigid(c, a, b)) continue;
@@ -411,27 +427,24 @@ static void deform(const configuration *c, sd_state *s) {
 /* A system that starts from this frame: the engine finds what touches, and how strongly. */
 static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_disks, sd_messages *messages) {
   const sd_model *m = c->model;
-  engine *e = aligned_alloc(64, (sizeof *e + 63) / 64 * 64);
   sd_state *s = sd_state_new(m);
-  sd_status status = SD_ERROR_IO;
-  if (!e || !s) sd_fail(messages, status, "no memory for the contacts");
-  if (e && s) {
-    *e = (engine){.model = m, .state = s};
-    engine_fill_state(m, s);
-    use_clump_masses(c, s);
-    if (s->n_cell) deform(c, s);
-    for (size_t k = s->n_free; k < s->n_bodies; k++) {
-      size_t body = s->id[k] < m->n_disks ? c->number[s->id[k]] : n_disks + (s->id[k] - m->n_disks);
-      s->vx[k] = f->velocity[body][0];
-      s->vy[k] = f->velocity[body][1];
-      s->omega[k] = f->spin[body];
-    }
-    status = engine_build(e, 1, messages);
-    if (status == SD_OK) status = engine_start(e, messages);
-    if (status == SD_OK) status = contacts_store(e);
-    if (status == SD_OK) status = copy_contacts(c, s);
-    engine_free(e);
+  if (!s) return sd_fail(messages, SD_ERROR_IO, "no memory for the contacts");
+  engine *e = memory_lines(sizeof *e);
+  *e = (engine){.model = m, .state = s};
+  engine_fill_state(m, s);
+  use_clump_masses(c, s);
+  if (s->n_cell) deform(c, s);
+  for (size_t k = s->n_free; k < s->n_bodies; k++) {
+    size_t body = s->id[k] < m->n_disks ? c->number[s->id[k]] : n_disks + (s->id[k] - m->n_disks);
+    s->vx[k] = f->velocity[body][0];
+    s->vy[k] = f->velocity[body][1];
+    s->omega[k] = f->spin[body];
   }
+  sd_status status = engine_build(e, 1, messages);
+  if (status == SD_OK) status = engine_start(e, messages);
+  if (status == SD_OK) status = contacts_store(e);
+  if (status == SD_OK) status = copy_contacts(c, s, messages);
+  engine_free(e);
   sd_state_free(s);
   free(e);
   return status;
@@ -470,24 +483,14 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
   if (frame->n_disks != constants->n_disks || frame->n_bodies != sd_model_bodies(constants))
     return sd_fail(messages, SD_ERROR_USER, "the frame has %zu disks and %zu walls, the run %zu and %zu",
                    frame->n_disks, frame->n_bodies - frame->n_disks, constants->n_disks, constants->n_walls);
-  uint32_t *renumbered = calloc(frame->n_bodies + 1, sizeof *renumbered);
+  uint32_t *renumbered = NULL;
   sd_model *m = c->model = sd_model_new();
-  sd_status status = SD_ERROR_IO;
-  if (renumbered && m) {
-    m->dt = 1.0; /* nothing moves */
-    m->limits.unstable_step = true;
-    m->max_overlap = 1e300; /* whatever is there is measured */
-    fill_space(m, constants, frame);
-    c->offset = frame->offset;
-    memcpy(c->gradient, frame->gradient, sizeof c->gradient);
-    status = fill_laws(m, constants);
+  sd_status status = m ? new_bodies(c, frame, &renumbered) : SD_ERROR_IO;
+  if (status == SD_OK) {
+    fill_constants(c, constants, frame);
+    fill_bodies(c, constants, frame, renumbered);
+    status = configuration_clumps(c, constants, frame);
   }
-  for (int k = 0; status == SD_OK && k < SD_CELL_COMPONENTS; k++)
-    m->phases[0].cell.asked |= frame->offset != 0.0 || frame->gradient[k] != 0.0;
-  for (int k = 0; status == SD_OK && k < 2; k++)
-    c->length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0.0;
-  if (status == SD_OK) status = fill_bodies(c, constants, frame, renumbered);
-  if (status == SD_OK) status = configuration_clumps(c, constants, frame);
   if (status != SD_OK) sd_fail(messages, status, "no memory for %zu bodies", frame->n_bodies);
   bool any = status == SD_OK && m->n_disks > 0;
   if (any) {

@@ -5,6 +5,7 @@
  */
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "measure/configuration.h"
 
 /* 1 + number of the clump of a disk in play; 0: it is in none. Each has a disk, so there are no more than disks. */
@@ -81,11 +82,11 @@ sd_status configuration_clumps(configuration *c, const sd_model *from, const fra
     if (k > c->n_clumps) c->n_clumps = k;
   }
   if (members == 0) return SD_OK;
-  c->clumps = calloc(c->n_clumps, sizeof *c->clumps);
-  c->clump_of = calloc(n, sizeof *c->clump_of);
-  c->clump_disks = calloc(members, sizeof *c->clump_disks);
-  c->arm = calloc(n, sizeof *c->arm);
-  if (!c->clumps || !c->clump_of || !c->clump_disks || !c->arm) return SD_ERROR_IO;
+  const memory_column rows[] = {{&c->clumps, c->n_clumps, sizeof *c->clumps},
+                                {&c->clump_of, n, sizeof *c->clump_of},
+                                {&c->clump_disks, members, sizeof *c->clump_disks},
+                                {&c->arm, n, sizeof *c->arm}};
+  if (!memory_rows(sizeof rows / sizeof *rows, rows)) return SD_ERROR_IO;
   list_disks(c, from);
   for (size_t k = 0; k < c->n_clumps; k++) {
     if (c->clumps[k].n_disks == 0) continue;

@@ -6,21 +6,22 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "base/team.h"
 
 /* --- pairs of centres --------------------------------------------------------------------------------- */
 
 /* Centres in the window, by square cells no smaller than the reach. */
 typedef struct grid {
-  size_t n;
-  double (*at)[2];               /* [n] */
+  size_t n; /* of at, x and y */
+  double (*at)[2];
   double lower[2], width[2];     /* of the window */
   double inverse[2], narrows[2]; /* 1/width where it repeats, else 0; 0 and 1: does the window end there? */
   bool wraps[2];
   double offset; /* of rows of images */
   size_t cells[2];
   size_t *start;
-  double *x, *y; /* [n] cell after cell */
+  double *x, *y; /* cell after cell */
 } grid;
 
 static size_t grid_cell(const grid *g, const double at[2]) {
@@ -42,10 +43,7 @@ static sd_status grid_fill(grid *g, double reach) {
   }
   if (g->offset != 0.0 && g->cells[1] == 1) g->cells[0] = 1;
   size_t cells = g->cells[0] * g->cells[1];
-  g->start = calloc(cells + 2, sizeof *g->start);
-  g->x = calloc(g->n + 1, sizeof *g->x);
-  g->y = calloc(g->n + 1, sizeof *g->y);
-  if (!g->start || !g->x || !g->y) return SD_ERROR_IO;
+  if (!memory_rows(1, &(memory_column){&g->start, cells + 2, sizeof *g->start})) return SD_ERROR_IO;
   for (size_t i = 0; i < g->n; i++) g->start[grid_cell(g, g->at[i]) + 2]++;
   for (size_t c = 0; c < cells; c++) g->start[c + 2] += g->start[c + 1];
   for (size_t i = 0; i < g->n; i++) {
@@ -62,6 +60,13 @@ static void grid_free(grid *g) {
   free(g->x);
   free(g->y);
   *g = (grid){0};
+}
+
+/* Bins have equal widths from 0 on. */
+static gsl_histogram *histogram_new(size_t bins, double upper) {
+  gsl_histogram *h = gsl_histogram_calloc_uniform(bins, 0.0, upper);
+  if (!h) memory_lacks(0);
+  return h;
 }
 
 /* All threads count, a chunk of rows of cells at a time; histograms of chunks are added in their order, so that sums do not
@@ -168,26 +173,26 @@ static void count_together(const team *t, void *with) {
   }
 }
 
-static sd_status count_pairs(const grid *g, gsl_histogram *h, double reach) {
+static void count_pairs(const grid *g, gsl_histogram *h, double reach) {
   enum { FEW = 1024 }; /* disks, not worth a thread */
   counter q = {.g = g, .reach = reach, .bins = h->n, .range = h->range};
-  q.bin = calloc(CHUNKS * h->n, sizeof *q.bin);
-  if (!q.bin) return SD_ERROR_IO;
+  q.bin = memory_new(CHUNKS * h->n, sizeof *q.bin);
   pool *all = g->n > FEW ? pool_new(pool_most()) : NULL;
   pool_run(all, count_together, &q);
   pool_free(all);
   for (size_t k = 0; k < CHUNKS; k++)
     for (size_t b = 0; b < h->n; b++) h->bin[b] += q.bin[k * h->n + b];
   free(q.bin);
-  return SD_OK;
 }
 
 /* The region, and no more than where disks are. */
 static sd_status fill_window(grid *g, const configuration *c, const region *r) {
   const sd_model *m = c->model;
   double upper[2], low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
-  g->at = calloc(m->n_disks + 1, sizeof *g->at);
-  if (!g->at) return SD_ERROR_IO;
+  const memory_column rows[] = {{&g->at, m->n_disks, sizeof *g->at},
+                                {&g->x, m->n_disks, sizeof *g->x},
+                                {&g->y, m->n_disks, sizeof *g->y}};
+  if (!memory_rows(sizeof rows / sizeof *rows, rows)) return SD_ERROR_IO;
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     if (d->driven || !region_holds(r, d->position[0], d->position[1])) continue;
@@ -220,9 +225,9 @@ static sd_status correlate(correlation *t, const configuration *c, const region 
   if (status == SD_OK && g.n > 1 && t->reach > 0.0) {
     double area = g.width[0] * g.width[1], n = (double)g.n;
     t->density = n / area;
-    t->pairs = gsl_histogram_calloc_uniform(bins, 0.0, t->reach);
-    status = t->pairs ? grid_fill(&g, t->reach) : SD_ERROR_IO;
-    if (status == SD_OK) status = count_pairs(&g, t->pairs, t->reach);
+    t->pairs = histogram_new(bins, t->reach);
+    status = grid_fill(&g, t->reach);
+    if (status == SD_OK) count_pairs(&g, t->pairs, t->reach);
     for (size_t k = 0; status == SD_OK && k < bins; k++) {
       double low, high;
       gsl_histogram_get_range(t->pairs, k, &low, &high);
@@ -241,13 +246,12 @@ static sd_status correlate(correlation *t, const configuration *c, const region 
 /* --- forces ------------------------------------------------------------------------------------------- */
 
 /* scaled: values are divided by their mean. */
-static sd_status distribute(distribution *d, double *value, size_t n, double most, size_t bins, bool scaled) {
+static void distribute(distribution *d, double *value, size_t n, double most, size_t bins, bool scaled) {
   *d = (distribution){.n = n, .mean = NAN, .deviation = NAN, .skewness = NAN, .kurtosis = NAN};
-  if (n == 0) return SD_OK;
+  if (n == 0) return;
   d->mean = gsl_stats_mean(value, 1, n);
   gsl_stats_minmax(&d->least, &d->most, value, 1, n);
-  d->histogram = gsl_histogram_calloc_uniform(bins, 0.0, most);
-  if (!d->histogram) return SD_ERROR_IO;
+  d->histogram = histogram_new(bins, most);
   double unit = scaled && d->mean > 0.0 ? d->mean : 1.0;
   for (size_t k = 0; k < n; k++) {
     value[k] /= unit;
@@ -262,7 +266,6 @@ static sd_status distribute(distribution *d, double *value, size_t n, double mos
     d->skewness = gsl_stats_skew_m_sd(value, 1, n, mean, sd);
     d->kurtosis = gsl_stats_kurtosis_m_sd(value, 1, n, mean, sd);
   }
-  return SD_OK;
 }
 
 double distribution_density(const distribution *d, size_t bin) {
@@ -271,8 +274,8 @@ double distribution_density(const distribution *d, size_t bin) {
 }
 
 static sd_status distribute_forces(correlation *t, const configuration *c, const region *g, size_t bins) {
-  double *value = calloc(3 * c->n_contacts + 1, sizeof *value);
-  if (!value) return SD_ERROR_IO;
+  double *value;
+  if (!memory_rows(1, &(memory_column){&value, 3 * c->n_contacts, sizeof *value})) return SD_ERROR_IO;
   double *normal = value, *tangential = value + c->n_contacts, *mobilised = tangential + c->n_contacts;
   size_t n = 0, n_skin = 0;
   for (size_t k = 0; k < c->n_contacts; k++) {
@@ -285,12 +288,11 @@ static sd_status distribute_forces(correlation *t, const configuration *c, const
     mobilised[n_skin++] = fabs(q->tau) / (q->mu * q->push);
     t->n_limit += q->slide != 0;
   }
-  sd_status status = distribute(&t->normal, normal, n, CORRELATION_FORCES, bins, true);
-  if (status == SD_OK)
-    status = distribute(&t->tangential, tangential, n_skin, CORRELATION_FORCES, bins, true);
-  if (status == SD_OK) status = distribute(&t->mobilised, mobilised, n_skin, 1.0, bins, false);
+  distribute(&t->normal, normal, n, CORRELATION_FORCES, bins, true);
+  distribute(&t->tangential, tangential, n_skin, CORRELATION_FORCES, bins, true);
+  distribute(&t->mobilised, mobilised, n_skin, 1.0, bins, false);
   free(value);
-  return status;
+  return SD_OK;
 }
 
 /* --- all ---------------------------------------------------------------------------------------------- */

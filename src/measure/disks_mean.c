@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "base/shortage.h"
 #include "measure/mean.h"
 #include "model/state.h"
@@ -101,7 +102,8 @@ sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state, size_
 typedef struct sample {
   size_t n;
   const sd_disk_mean **disk;
-  double *x, *y; /* [n] */
+  double *x, *y, *ranks; /* [n], ranks [2 n] */
+  size_t *slot;          /* of each body */
 } sample;
 
 /* Members of sd_disk_mean into x. */
@@ -170,18 +172,13 @@ static void fill_significance(sd_disk_totals *t, const sample *q) {
   take(q, MEMBER(first));
   if (q->n < 3) return;
   t->persistence = gsl_stats_correlation(q->x, 1, second, 1, q->n);
-  double *ranks = malloc(2 * q->n * sizeof *ranks);
-  if (!ranks) shortage_note();
-  if (ranks) t->persistence_rank = gsl_stats_spearman(q->x, 1, second, 1, q->n, ranks);
-  free(ranks);
+  t->persistence_rank = gsl_stats_spearman(q->x, 1, second, 1, q->n, q->ranks);
 }
 
 /* Pairs of free disks that touch now. */
-static void fill_neighbours(sd_disk_totals *t, const sd_state *state, const sd_disk_mean *means) {
+static void fill_neighbours(sd_disk_totals *t, const sd_state *state, const sd_disk_mean *means,
+                            size_t *slot) {
   double sum = 0, pairs = 0;
-  size_t *slot = malloc(state->n_bodies * sizeof *slot);
-  if (!slot) shortage_note();
-  if (!slot) return;
   for (size_t k = 0; k < state->n_bodies; k++) slot[state->id[k]] = k;
   for (size_t c = 0; c < state->n_contacts; c++) {
     size_t a = slot[state->contact_a[c]], b = slot[state->contact_b[c]];
@@ -190,7 +187,6 @@ static void fill_neighbours(sd_disk_totals *t, const sd_state *state, const sd_d
     sum += both;
     pairs++;
   }
-  free(slot);
   if (pairs > 0 && t->omega_rms > 0) t->neighbours = sum / pairs / (t->omega_rms * t->omega_rms);
 }
 
@@ -227,26 +223,31 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, c
   sd_disk_totals t;
   for (size_t k = 0; k < sizeof t / sizeof(double); k++) ((double *)&t)[k] = NAN;
   size_t most = state->n_means;
-  sample q = {.disk = malloc((most + 1) * sizeof(const sd_disk_mean *)),
-              .x = malloc((most + 1) * sizeof(double)),
-              .y = malloc((most + 1) * sizeof(double))};
-  if (q.disk && q.x && q.y) {
-    for (size_t k = 0; k < most; k++)
-      if (!isnan(means[k].omega)) q.disk[q.n++] = &means[k];
-    t.disks = (double)q.n;
-    if (q.n > 0) {
-      fill_omega(&t, &q);
-      fill_significance(&t, &q);
-      fill_neighbours(&t, state, means);
-      fill_contacts(&t, model, &q);
-      fill_powers(&t, &q);
-    }
-  } else {
+  sample q = {.n = 0};
+  const memory_column rows[] = {{&q.disk, most, sizeof *q.disk},
+                                {&q.x, most, sizeof *q.x},
+                                {&q.y, most, sizeof *q.y},
+                                {&q.ranks, 2 * most, sizeof *q.ranks},
+                                {&q.slot, state->n_bodies, sizeof *q.slot}};
+  if (!memory_rows(sizeof rows / sizeof *rows, rows)) {
     shortage_note();
+    return t;
+  }
+  for (size_t k = 0; k < most; k++)
+    if (!isnan(means[k].omega)) q.disk[q.n++] = &means[k];
+  t.disks = (double)q.n;
+  if (q.n > 0) {
+    fill_omega(&t, &q);
+    fill_significance(&t, &q);
+    fill_neighbours(&t, state, means, q.slot);
+    fill_contacts(&t, model, &q);
+    fill_powers(&t, &q);
   }
   free(q.disk);
   free(q.x);
   free(q.y);
+  free(q.ranks);
+  free(q.slot);
   return t;
 }
 

@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "base/shortage.h"
 #include "measure/error_bar.h"
 #include "measure/mean.h"
@@ -91,9 +92,12 @@ static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   /* with few windows they overlap more */
   double stride = width / ceil(fmax(1, ENOUGH * width / (length - 2 * width)));
   bool enough = length >= 4 * width && stride >= 1;
-  double few[SD_BINS + 1] = {0}, *y = n <= SD_BINS ? few : enough ? calloc(n + 1, sizeof *y) : NULL;
-  if (enough && !y) shortage_note();
-  if (!enough || !y) {
+  double few[SD_BINS + 1] = {0}, *y = few;
+  if (enough && n > SD_BINS && !memory_rows(1, &(memory_column){&y, n, sizeof *y})) {
+    shortage_note();
+    enough = false;
+  }
+  if (!enough) {
     sd_mean mean = sd_mean_of(x, n, true);
     mean.converged = false; /* too few periods to tell */
     return mean;

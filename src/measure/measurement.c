@@ -55,7 +55,7 @@ sd_status measurement_new(measurement *m, const sd_model *constants, const frame
   m->has_cells = f.status[CELLS] == SD_OK;
   if (!m->has_cells) m->cells.inside = m->cells.mean = m->cells.deviation = NAN;
   for (int k = 0; k < PARTS; k++) {
-    for (size_t l = 0; f.messages[k] && l < sd_messages_count(f.messages[k]); l++)
+    for (size_t l = 0; l < sd_messages_count(f.messages[k]); l++)
       if (k == CELLS)
         sd_warn(messages, "step %lld: %s", (long long)m->c.step, sd_messages_text(f.messages[k], l));
       else

@@ -6,6 +6,7 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "base/memory.h"
 #include "measure/configuration.h"
 #include "measure/observable.h"
 #include "measure/stress.h"
@@ -35,12 +36,11 @@ static exact_sum *disks_of(const resultants *r, const sd_model *m) {
 
 sd_status resultants_new(resultants *r, const sd_model *m, sd_messages *messages) {
   *r = (resultants){.n_sums = WHOLE + ROW * (m->n_walls + m->n_groups + m->n_contact_disks)};
-  r->wall = calloc(m->n_walls + 1, sizeof *r->wall);
-  r->group = calloc(m->n_groups + 1, sizeof *r->group);
-  r->disk = calloc(m->n_contact_disks + 1, sizeof *r->disk);
-  r->chosen = calloc(m->n_disks + 1, sizeof *r->chosen);
-  r->sums = calloc(r->n_sums, sizeof *r->sums);
-  if (!r->wall || !r->group || !r->disk || !r->chosen || !r->sums)
+  r->wall = memory_new(m->n_walls, sizeof *r->wall);
+  r->group = memory_new(m->n_groups, sizeof *r->group);
+  r->disk = memory_new(m->n_contact_disks, sizeof *r->disk);
+  r->sums = memory_new(r->n_sums, sizeof *r->sums);
+  if (!memory_rows(1, &(memory_column){&r->chosen, m->n_disks, sizeof *r->chosen}))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the series");
   for (size_t k = 0; k < m->n_contact_disks; k++) r->chosen[m->contact_disks[k]] = (uint32_t)k + 1;
   return SD_OK;
@@ -193,23 +193,18 @@ static void add_group_forces(exact_sum *rows, const double (*centre)[2], const p
   }
 }
 
-static sd_status group_forces(const resultants *r, const part *p, const configuration *c,
-                              sd_messages *messages) {
+static void group_forces(const resultants *r, const part *p, const configuration *c) {
   const size_t n = p->model->n_groups;
-  exact_sum *sum = calloc(CENTRE * n + 1, sizeof *sum);
-  double(*centre)[2] = calloc(n + 1, sizeof *centre);
-  if (sum && centre) {
-    add_masses(sum, p, c);
-    for (size_t k = 0; k < n; k++)
-      for (int x = 0; x < 2; x++)
-        centre[k][x] =
-            exact_sum_value(&sum[CENTRE * k + MASS_X + (size_t)x]) / exact_sum_value(&sum[CENTRE * k]);
-    add_group_forces(groups_of(r, p->model), (const double(*)[2])centre, p, c);
-  }
-  const bool there = sum && centre;
+  exact_sum *sum = memory_new(CENTRE * n, sizeof *sum);
+  double(*centre)[2] = memory_new(n, sizeof *centre);
+  add_masses(sum, p, c);
+  for (size_t k = 0; k < n; k++)
+    for (int x = 0; x < 2; x++)
+      centre[k][x] =
+          exact_sum_value(&sum[CENTRE * k + MASS_X + (size_t)x]) / exact_sum_value(&sum[CENTRE * k]);
+  add_group_forces(groups_of(r, p->model), (const double(*)[2])centre, p, c);
   free(sum);
   free(centre);
-  return there ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the series");
 }
 
 /* --- region and stress --------------------------------------------------------------------------------- */
@@ -224,7 +219,7 @@ static sd_status take_geometry(resultants *r, const part *p, const sd_model *con
     r->height = isfinite(g.upper[1]) ? g.upper[1] - g.lower[1] : NAN;
     if (p->model->measure_stress) stress_tensors(r->stress, r->kinetic, &c, &g);
   }
-  if (status == SD_OK && p->model->measure_groups) status = group_forces(r, p, &c, messages);
+  if (status == SD_OK && p->model->measure_groups) group_forces(r, p, &c);
   configuration_free(&c);
   return status;
 }

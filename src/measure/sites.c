@@ -5,14 +5,15 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
+
 sd_status sites_add(sites *s, double x, double y, double radius) {
   if (s->n == s->capacity) {
     size_t capacity = 2 * s->capacity + 64;
-    double(*at)[2] = realloc(s->at, capacity * sizeof *at);
-    if (at) s->at = at;
-    double *radii = realloc(s->radius, capacity * sizeof *radii);
-    if (radii) s->radius = radii;
-    if (!at || !radii) return SD_ERROR_IO;
+    const memory_column rows[] = {{&s->at, capacity, sizeof *s->at},
+                                  {&s->radius, capacity, sizeof *s->radius},
+                                  {&s->octave_of, capacity, sizeof *s->octave_of}};
+    if (!memory_resize(sizeof rows / sizeof *rows, rows)) return SD_ERROR_IO;
     s->capacity = capacity;
   }
   s->at[s->n][0] = x;
@@ -56,9 +57,9 @@ static sd_status shape(sites_grid *g, const double upper[2], size_t n) {
   if (!(g->width > 0.0)) g->width = 1.0;
   g->cells[0] = (size_t)floor(x / g->width) + 1;
   g->cells[1] = (size_t)floor(y / g->width) + 1;
-  g->start = calloc(g->cells[0] * g->cells[1] + 2, sizeof *g->start);
-  g->site = calloc(n, sizeof *g->site);
-  return g->start && g->site ? SD_OK : SD_ERROR_IO;
+  const memory_column rows[] = {{&g->start, g->cells[0] * g->cells[1] + 2, sizeof *g->start},
+                                {&g->site, n, sizeof *g->site}};
+  return memory_rows(sizeof rows / sizeof *rows, rows) ? SD_OK : SD_ERROR_IO;
 }
 
 static sd_status sort_octave(sites *s, sites_grid *g, int octave) {
@@ -87,10 +88,9 @@ static sd_status sort_octave(sites *s, sites_grid *g, int octave) {
 sd_status sites_sort(sites *s) {
   double largest = 0.0;
   size_t in_octave[SITES_OCTAVES] = {0};
-  s->octave_of = calloc(s->n + 1, sizeof *s->octave_of);
-  sd_status status = s->octave_of ? SD_OK : SD_ERROR_IO;
+  sd_status status = SD_OK;
   for (size_t i = 0; i < s->n; i++) largest = fmax(largest, s->radius[i]);
-  for (size_t i = 0; status == SD_OK && i < s->n; i++)
+  for (size_t i = 0; i < s->n; i++)
     in_octave[s->octave_of[i] = (unsigned char)octave_of(s->radius[i], largest)]++;
   for (int o = 0; status == SD_OK && o < SITES_OCTAVES; o++) {
     if (in_octave[o] > 0) status = sort_octave(s, &s->octave[o], o);

@@ -25,14 +25,15 @@ typedef struct sites {
   size_t n, n_disks, capacity; /* disks come first, then their images */
   double (*at)[2];
   double *radius;
-  unsigned char *octave_of; /* [n] */
+  unsigned char *octave_of; /* [n] set by sites_sort */
   bool one_octave;          /* all are of the same */
   double centre[2], size;   /* of what the sites cover */
   sites_grid octave[SITES_OCTAVES];
 } sites;
 
+/* SD_ERROR_IO: there is no memory. */
 sd_status sites_add(sites *s, double x, double y, double radius);
-/* When all are there. */
+/* When all are there. SD_ERROR_IO: there is no memory. */
 sd_status sites_sort(sites *s);
 void sites_free(sites *s);
 

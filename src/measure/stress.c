@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/comm_data.h"
+#include "base/memory.h"
 
 principal stress_principal(const double t[4]) {
   double half = 0.5 * (t[STRESS_XX] - t[STRESS_YY]), shear = 0.5 * (t[STRESS_XY] + t[STRESS_YX]);
@@ -60,12 +61,17 @@ static uint32_t body_of(const configuration *c, uint32_t disk) {
   return configuration_in_clump(c, disk) ? c->clumps[c->clump_of[disk]].disks[0] : disk;
 }
 
+/* These are needed on the way only. */
+typedef struct scratch {
+  int32_t *left;   /* contacts of those that do not rattle */
+  bool *inside;    /* the region */
+  uint32_t *stack; /* bodies that leave */
+  incidence_list list;
+} scratch;
+
 /* bearing: load-bearing contacts of each body. */
-static sd_status list_bearing(incidence_list *l, const configuration *c, const int32_t *bearing) {
+static void list_bearing(incidence_list *l, const configuration *c, const int32_t *bearing) {
   size_t n = c->model->n_disks;
-  l->start = calloc(n + 2, sizeof *l->start);
-  l->partner = calloc(2 * c->n_contacts + 1, sizeof *l->partner);
-  if (!l->start || !l->partner) return SD_ERROR_IO;
   for (size_t i = 0; i < n; i++) l->start[i + 2] = l->start[i + 1] + (size_t)bearing[i];
   for (size_t k = 0; k < c->n_contacts; k++) {
     const config_contact *q = &c->contacts[k];
@@ -74,24 +80,23 @@ static sd_status list_bearing(incidence_list *l, const configuration *c, const i
     l->partner[l->start[body_of(c, q->a) + 1]++] = free ? body_of(c, q->b) : UINT32_MAX;
     if (q->b < n) l->partner[l->start[body_of(c, q->b) + 1]++] = body_of(c, q->a);
   }
-  return SD_OK;
 }
 
-/* Bodies with too few contacts leave, and take their contacts along, until none is left with too few. left: contacts of
- * those that stay. */
-static sd_status find_rattlers(stress *s, const configuration *c, int32_t *left) {
+/* Bodies with too few contacts leave, and take their contacts along, until none is left with too few.
+ * room->left: contacts of those that stay. */
+static void find_rattlers(stress *s, const configuration *c, const scratch *room) {
   size_t n = c->model->n_disks, waiting = 0;
-  int32_t least = c->frictionless ? 3 : 2;
-  incidence_list l = {0};
-  uint32_t *stack = calloc(n + 1, sizeof *stack);
+  int32_t least = c->frictionless ? 3 : 2, *left = room->left;
+  uint32_t *stack = room->stack;
+  incidence_list l = room->list;
   for (uint32_t i = 0; i < n; i++) left[body_of(c, i)] += s->bearing[i];
-  sd_status status = stack ? list_bearing(&l, c, left) : SD_ERROR_IO;
-  for (uint32_t i = 0; status == SD_OK && i < n; i++) {
+  list_bearing(&l, c, left);
+  for (uint32_t i = 0; i < n; i++) {
     if (body_of(c, i) != i || c->model->disks[i].driven || left[i] >= least) continue;
     s->rattler[i] = true;
     stack[waiting++] = i;
   }
-  while (status == SD_OK && waiting > 0) {
+  while (waiting > 0) {
     uint32_t i = stack[--waiting];
     for (size_t k = l.start[i]; k < l.start[i + 1]; k++) {
       uint32_t b = l.partner[k];
@@ -102,10 +107,6 @@ static sd_status find_rattlers(stress *s, const configuration *c, int32_t *left)
     }
   }
   for (uint32_t i = 0; i < n; i++) s->rattler[i] = s->rattler[body_of(c, i)];
-  free(stack);
-  free(l.start);
-  free(l.partner);
-  return status;
 }
 
 /* --- of the region ------------------------------------------------------------------------------------ */
@@ -275,32 +276,34 @@ sd_status stress_new(stress *s, const configuration *c, const region *g, sd_mess
   const sd_model *m = c->model;
   size_t n = m->n_disks;
   *s = (stress){.area = region_area(g)};
-  s->contacts = calloc(n + 1, sizeof *s->contacts);
-  s->bearing = calloc(n + 1, sizeof *s->bearing);
-  s->rattler = calloc(n + 1, sizeof *s->rattler);
-  s->resultant = calloc(n + 1, sizeof *s->resultant);
-  s->virial = calloc(n + 1, sizeof *s->virial);
-  int32_t *left = calloc(n + 1, sizeof *left);
-  bool *inside = calloc(n + 1, sizeof *inside);
-  sd_status status = SD_ERROR_IO;
-  if (s->contacts && s->bearing && s->rattler && s->resultant && s->virial && left && inside) {
-    for (size_t k = 0; k < c->n_contacts; k++) add_contact(s, c, &c->contacts[k]);
-    add_body_forces(s, m);
-    for (size_t i = 0; i < n; i++)
-      inside[i] = region_holds(g, m->disks[i].position[0], m->disks[i].position[1]);
-    status = find_rattlers(s, c, left);
-  }
-  if (status == SD_OK) {
-    count_disks(s, c, g, inside, left);
-    sum_bodies(s, c, g);
-    stress_tensors(s->contact, s->kinetic, c, g);
-    sum_contacts(s, c, g);
-  } else {
-    sd_fail(messages, status, "no memory for %zu disks", n);
-  }
-  free(left);
-  free(inside);
-  return status;
+  scratch room;
+  const memory_column rows[] = {{&s->contacts, n, sizeof *s->contacts},
+                                {&s->bearing, n, sizeof *s->bearing},
+                                {&s->rattler, n, sizeof *s->rattler},
+                                {&s->resultant, n, sizeof *s->resultant},
+                                {&s->virial, n, sizeof *s->virial},
+                                {&room.left, n, sizeof *room.left},
+                                {&room.inside, n, sizeof *room.inside},
+                                {&room.stack, n, sizeof *room.stack},
+                                {&room.list.start, n + 2, sizeof *room.list.start},
+                                {&room.list.partner, 2 * c->n_contacts, sizeof *room.list.partner}};
+  if (!memory_rows(sizeof rows / sizeof *rows, rows))
+    return sd_fail(messages, SD_ERROR_IO, "no memory for %zu disks", n);
+  for (size_t k = 0; k < c->n_contacts; k++) add_contact(s, c, &c->contacts[k]);
+  add_body_forces(s, m);
+  for (size_t i = 0; i < n; i++)
+    room.inside[i] = region_holds(g, m->disks[i].position[0], m->disks[i].position[1]);
+  find_rattlers(s, c, &room);
+  count_disks(s, c, g, room.inside, room.left);
+  sum_bodies(s, c, g);
+  stress_tensors(s->contact, s->kinetic, c, g);
+  sum_contacts(s, c, g);
+  free(room.left);
+  free(room.inside);
+  free(room.stack);
+  free(room.list.start);
+  free(room.list.partner);
+  return SD_OK;
 }
 
 void stress_free(stress *s) {

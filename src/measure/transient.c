@@ -27,6 +27,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "base/shortage.h"
 #include "measure/error_bar.h"
 #include "measure/sums.h"
@@ -130,8 +131,8 @@ transient transient_of(const double *x, size_t n) {
   size_t m = n / batch, last = m / 2, best = 0, start = n - m * batch; /* whole batches up to the end */
   if (m < 4) return transient_none(x, n);
 
-  double few[SD_BINS], *square = last < SD_BINS ? few : malloc((last + 1) * sizeof *square);
-  if (!square) {
+  double few[SD_BINS], *square = few;
+  if (last >= SD_BINS && !memory_rows(1, &(memory_column){&square, last + 1, sizeof *square})) {
     shortage_note();
     return (transient){.inside = false, .rest = {.error = NAN, .correlation = NAN}};
   }

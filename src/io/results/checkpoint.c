@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "base/shortage.h"
 #include "base/team.h"
@@ -46,7 +47,6 @@ static size_t extent_of(const sd_state *state, size_t k) {
 
 static void put_column(h5_file *file, const sd_field *f, size_t n, const void *data) {
   char *path = format_text("/state/%s", f->name);
-  if (!h5_have(file, path, "/state")) return;
   /* no filter: a checkpoint is written often and read once */
   if (f->extent == SD_PER_RUN)
     h5_put(file, path, f->type, 0, &n, data, false);
@@ -149,7 +149,7 @@ sd_status checkpoint_write(int folder, const char *path, const sd_state *state, 
 /* GCOVR_EXCL_START: over ranks only, the counted build has one */
 void checkpoint_remove_share(int folder, const char *path, size_t k) {
   char *name = h5_share_path(path, k);
-  if (name) file_remove(folder, name, NULL);
+  file_remove(folder, name, NULL);
   free(name);
 }
 
@@ -158,7 +158,6 @@ static void put_rows(h5_file *file, const char *group, const sd_field *f, const 
                      const uint32_t *from, char *scratch) {
   const size_t size = sd_type_size(f->type);
   char *path = format_text("%s/state/%s", group, f->name);
-  if (!h5_have(file, path, group)) return;
   for (size_t k = 0; from && k < n; k++)
     memcpy(scratch + k * size, (const char *)data + from[k] * size, size);
   if (from)
@@ -174,10 +173,11 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state, const 
   uint64_t seal = 0;
   sd_status status = file_for(state, &file, messages);
   if (status != SD_OK) return status;
-  char *scratch = malloc(sizeof(double) * state->n_contacts + 1);
+  char *scratch = NULL;
+  const bool room = memory_resize(1, &(memory_column){&scratch, state->n_contacts, sizeof(double)});
   h5_put(file, "/disks/key", SD_I64, 1, &state->n_free, order->disk_key, false);
   h5_put(file, "/contacts/key", SD_I64, 1, &state->n_contacts, order->contact_key, false);
-  for (size_t k = 0; h5_have(file, scratch, "/contacts") && k < sd_field_count; k++) {
+  for (size_t k = 0; h5_have(file, room, "/contacts") && k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     const void *data = sd_field_data(state, f);
     const bool of_body = f->extent == SD_PER_BODY;
@@ -196,8 +196,7 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state, const 
 static sd_status count_stored(const h5_file *checkpoint, const char *path, size_t *n, sd_messages *messages) {
   size_t dims[H5_MAX_RANK] = {0};
   int rank = 0;
-  const sd_status status = path ? h5_shape(checkpoint, path, &rank, dims, messages)
-                                : sd_fail(messages, SD_ERROR_IO, "no memory for the state");
+  const sd_status status = h5_shape(checkpoint, path, &rank, dims, messages);
   *n = rank == 0 ? 1 : dims[0];
   return status;
 }
@@ -271,7 +270,6 @@ static sd_status check_extents(const h5_file *file, const sd_state *state, sd_me
 static sd_status read_column(const h5_file *file, const sd_field *f, size_t first, size_t n, void *column,
                              sd_messages *messages) {
   char *path = format_text("/state/%s", f->name);
-  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to read the state");
   sd_status status = f->extent == SD_PER_RUN
                          ? h5_get(file, path, f->type, n, column, messages)
                          : h5_get_values(file, path, f->type, first, n, 1, column, messages);
@@ -299,8 +297,7 @@ static sd_status read_columns(const h5_file *file, sd_state *state, sd_messages 
     size_t left;
     const size_t n = stored_of(state, f, &left);
     char *path = format_text("/state/%s", f->name);
-    status = path ? h5_check(file, path, n, messages)
-                  : sd_fail(messages, SD_ERROR_IO, "no memory to read the state");
+    status = h5_check(file, path, n, messages);
     free(path);
     if (status == SD_OK && left < n)
       status = read_column(file, f, left, n - left,

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/results/constants_laws.h"
 #include "io/results/provenance.h"
@@ -97,10 +98,12 @@ static const char *name_of(const sd_model *m, size_t body) {
 /* Body numbers, and names where the deck gives any. */
 static void put_bodies(h5_file *file, const char *group, const sd_model *m, size_t first, size_t n,
                        const char *meaning) {
-  char *path = format_text("%s/name", group), **names = calloc(n + 1, sizeof *names);
-  uint32_t *id = calloc(n + 1, sizeof *id);
+  char *path = format_text("%s/name", group), **names;
+  uint32_t *id;
   bool named = false;
-  for (size_t k = 0; names && id && k < n; k++) {
+  const memory_column rows[] = {{&names, n, sizeof *names}, {&id, n, sizeof *id}};
+  const bool room = memory_rows(sizeof rows / sizeof *rows, rows);
+  for (size_t k = 0; room && k < n; k++) {
     size_t body = first + k;
     id[k] = (uint32_t)body;
     const char *name = name_of(m, body);
@@ -108,7 +111,7 @@ static void put_bodies(h5_file *file, const char *group, const sd_model *m, size
     named = named || name;
   }
   members_put(file, group, "id", SD_U32, 1, &n, id, true, "1", meaning);
-  if (h5_have(file, path && names, group) && named) {
+  if (h5_have(file, room, group) && named) {
     members_write_lines(file, path, n, names);
     h5_attr_text(file, path, "description", "names, one per line, in the order of id");
   }
@@ -119,7 +122,6 @@ static void put_bodies(h5_file *file, const char *group, const sd_model *m, size
 
 static void put_box(h5_file *file, const char *group, const sd_model *m) {
   char *box = format_text("%s/box", group);
-  if (!h5_have(file, box, group)) return;
   double lengths[2], lower[2];
   const char *boundary[2];
   const size_t two = 2;
@@ -138,21 +140,17 @@ static void put_box(h5_file *file, const char *group, const sd_model *m) {
   free(box);
 }
 
-/* Rows of bodies in the order of a state, to be freed; NULL: not there, and why. */
-static void *state_column(const constants_source *from, const char *name, size_t n, sd_status *status,
-                          sd_messages *messages) {
+/* Rows of bodies in the order of a state; NULL: they are not there, and why. What a checkpoint gives
+ * is *own, to be freed. */
+static const void *state_column(const constants_source *from, const char *name, size_t n, void **own,
+                                sd_status *status, sd_messages *messages) {
   size_t k = 0;
   while (strcmp(sd_fields[k].name, name) != 0) k++;
-  if (!from->state) {
-    char path[64];
-    snprintf(path, sizeof path, "/state/%s", name);
-    return h5_column(from->checkpoint, path, sd_fields[k].type, n, status, messages);
-  }
-  const size_t bytes = n * sd_type_size(sd_fields[k].type);
-  void *copy = *status == SD_OK ? malloc(bytes + 1) : NULL;
-  if (copy) memcpy(copy, sd_field_data(from->state, &sd_fields[k]), bytes);
-  if (*status == SD_OK && !copy) *status = sd_fail(messages, SD_ERROR_IO, "no memory for the result");
-  return copy;
+  *own = NULL;
+  if (from->state) return sd_field_data(from->state, &sd_fields[k]);
+  char path[64];
+  snprintf(path, sizeof path, "/state/%s", name);
+  return *own = h5_column(from->checkpoint, path, sd_fields[k].type, n, status, messages);
 }
 
 /* Disks that ranks have made are nowhere but in the state: a column at a time. */
@@ -161,25 +159,28 @@ static sd_status put_made(h5_file *file, const sd_model *m, const constants_sour
   static const char *const columns[] = {"radius", "mass", "inertia", "material", "group", NULL};
   const size_t n = m->n_disks, bodies = sd_model_bodies(m);
   sd_status status = SD_OK;
-  uint32_t *id = state_column(from, "id", bodies, &status, messages);
+  void *own_id;
+  const uint32_t *id = state_column(from, "id", bodies, &own_id, &status, messages);
   h5_group(file, DISKS);
   for (size_t k = 0; k < disk_constants.n && status == SD_OK; k++) {
     const observable *o = &disk_constants.rows[k];
     const sd_type type = observable_stored(o);
     const size_t size = sd_type_size(type);
-    char *rows = columns[k] ? state_column(from, columns[k], bodies, &status, messages) : NULL;
-    char *dense = status == SD_OK ? calloc(n + 1, size) : NULL;
-    if (status == SD_OK && !dense) status = sd_fail(messages, SD_ERROR_IO, "no memory for the result");
+    char *dense = NULL;
+    void *own = NULL;
+    const char *rows = columns[k] ? state_column(from, columns[k], bodies, &own, &status, messages) : NULL;
+    if (status == SD_OK && !memory_rows(1, &(memory_column){&dense, n, size}))
+      status = sd_fail(messages, SD_ERROR_IO, "no memory for the result");
     for (size_t slot = 0; id && dense && slot < bodies; slot++) {
       const int32_t driven = slot >= m->n_free;
       if (id[slot] < n)
         memcpy(dense + id[slot] * size, rows ? rows + slot * size : (const char *)&driven, size);
     }
     if (dense) members_put(file, DISKS, o->name, type, 1, &n, dense, true, o->unit, o->meaning);
-    free(rows);
+    free(own);
     free(dense);
   }
-  free(id);
+  free(own_id);
   return status;
 }
 
@@ -220,8 +221,8 @@ static void put_walls(h5_file *file, const sd_model *m) {
   for (size_t k = 0; k < m->n_walls; k++) arcs = arcs || m->walls[k].kind == SD_WALL_ARC;
   if (arcs) members_write(file, WALLS, &arc_constants, m->walls, sizeof *m->walls, m->n_walls);
   for (size_t k = 0; k < m->n_walls; k++) dims[0] += m->walls[k].n_points;
-  double(*points)[2] = calloc(dims[0] + 1, sizeof *points), (*at)[2] = points;
-  for (size_t k = 0; points && k < m->n_walls; k++) {
+  double(*points)[2] = memory_new(dims[0], sizeof *points), (*at)[2] = points;
+  for (size_t k = 0; k < m->n_walls; k++) {
     size_t n = m->walls[k].n_points;
     if (n > 0) memcpy(at, m->walls[k].points, n * sizeof *at);
     at += n;
@@ -266,6 +267,14 @@ typedef struct reader {
   sd_messages *messages;
 } reader;
 
+/* A damaged file may ask for more memory than there is; `what` says what the rows are. */
+static void *rows_new(reader *r, size_t n, size_t size, const char *what) {
+  void *rows = NULL;
+  if (r->status == SD_OK && !memory_rows(1, &(memory_column){&rows, n, size}))
+    r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu %s", n, what);
+  return rows;
+}
+
 static size_t count(reader *r, const char *path) {
   int rank = 0;
   size_t dims[H5_MAX_RANK] = {0};
@@ -306,9 +315,8 @@ static void check_species(reader *r, const sd_model *m, int species) {
 /* Those that the deck gives; the list and its texts are to be freed. NULL: none. */
 static char **read_names(reader *r, const char *path, size_t n) {
   if (r->status != SD_OK || !h5_exists(r->file, path)) return NULL;
-  char **names = calloc(n + 1, sizeof *names);
-  r->status = names ? members_read_lines(r->file, path, n, names, r->messages)
-                    : sd_fail(r->messages, SD_ERROR_IO, "no memory to read %s", path);
+  char **names = rows_new(r, n, sizeof *names, "names");
+  if (names) r->status = members_read_lines(r->file, path, n, names, r->messages);
   for (size_t k = 0; names && k < n; k++) {
     if (!names[k] || *names[k]) continue;
     free(names[k]);
@@ -322,8 +330,7 @@ static void read_disks(reader *r, sd_model *m) {
   if (n > LIMIT_DISKS) r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu disks: the file is damaged", n);
   if (r->status == SD_OK) r->status = h5_check(r->file, DISKS "/radius", n, r->messages);
   if (r->status != SD_OK) return;
-  m->disks = calloc(n + 1, sizeof *m->disks);
-  if (!m->disks) r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu disks", n);
+  m->disks = rows_new(r, n, sizeof *m->disks, "disks");
   if (r->status == SD_OK)
     r->status = members_read(r->file, DISKS, &disk_constants, m->disks, sizeof *m->disks, n, r->messages);
   if (r->status == SD_OK && h5_exists(r->file, DISKS "/constant_force"))
@@ -342,9 +349,7 @@ static void read_clumps(reader *r, sd_model *m) {
   if (r->status != SD_OK || !h5_exists(r->file, CLUMPS "/mass")) return;
   const size_t n = count(r, CLUMPS "/mass");
   if (n > m->n_disks) r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu clumps: the file is damaged", n);
-  m->clumps = r->status == SD_OK ? calloc(n + 1, sizeof *m->clumps) : NULL;
-  if (r->status == SD_OK && !m->clumps)
-    r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu clumps", n);
+  m->clumps = rows_new(r, n, sizeof *m->clumps, "clumps");
   if (r->status == SD_OK)
     r->status = members_read(r->file, CLUMPS, &clump_constants, m->clumps, sizeof *m->clumps, n, r->messages);
   if (r->status == SD_OK && h5_exists(r->file, CLUMPS "/constant_force"))
@@ -353,20 +358,20 @@ static void read_clumps(reader *r, sd_model *m) {
   if (r->status == SD_OK) m->n_clumps = n;
 }
 
-/* Points of all walls stand in one list; each wall has its number of them, but no memory. */
-static sd_status share_points(sd_model *m, size_t total, const double *points) {
+/* Points of all walls stand in one list; each wall has its number of them, but no memory. False: there
+ * are not so many. */
+static bool share_points(sd_model *m, size_t total, const double *points) {
   for (size_t k = 0, at = 0; k < m->n_walls; k++) {
     sd_wall *w = &m->walls[k];
     size_t n = w->n_points;
     w->n_points = 0;
-    if (n > total - at) return SD_ERROR_USER;
-    w->points = calloc(n + 1, sizeof *w->points);
-    if (!w->points) return SD_ERROR_IO;
+    if (n > total - at) return false;
+    w->points = memory_new(n, sizeof *w->points);
     w->n_points = n;
     memcpy(w->points, points + 2 * at, n * sizeof *w->points);
     at += n;
   }
-  return SD_OK;
+  return true;
 }
 
 static void read_walls(reader *r, sd_model *m) {
@@ -374,16 +379,14 @@ static void read_walls(reader *r, sd_model *m) {
   size_t n = count(r, WALLS "/shape/kind"), total = count(r, WALLS "/shape/points");
   double *points = h5_column(r->file, WALLS "/shape/points", SD_F64, 2 * total, &r->status, r->messages);
   if (r->status == SD_OK) r->status = h5_check(r->file, WALLS "/shape/kind", n, r->messages);
-  m->walls = r->status == SD_OK ? calloc(n + 1, sizeof *m->walls) : NULL;
-  if (r->status == SD_OK && !m->walls)
-    r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu walls", n);
+  m->walls = rows_new(r, n, sizeof *m->walls, "walls");
   if (r->status == SD_OK)
     r->status = members_read(r->file, WALLS, &wall_constants, m->walls, sizeof *m->walls, n, r->messages);
   if (r->status == SD_OK && h5_exists(r->file, WALLS "/shape/center"))
     r->status = members_read(r->file, WALLS, &arc_constants, m->walls, sizeof *m->walls, n, r->messages);
   for (size_t k = 0; m->walls && r->status == SD_OK && k < n; k++) check_species(r, m, m->walls[k].material);
   if (r->status == SD_OK) m->n_walls = n;
-  if (m->walls && r->status == SD_OK && share_points(m, total, points) != SD_OK)
+  if (r->status == SD_OK && !share_points(m, total, points))
     r->status = sd_fail(r->messages, SD_ERROR_IO, WALLS "/shape: the points cannot be read");
   for (size_t k = 0; m->walls && k < n; k++)
     if (!m->walls[k].points) m->walls[k].n_points = 0;
@@ -402,11 +405,10 @@ static void read_words(reader *r, sd_model *m) {
     if (!name) continue;
     *name++ = 0;
     if (strcmp(line, "material") == 0 && materials < m->n_materials)
-      m->materials[materials++].name = format_text("%s", name);
+      m->materials[materials++].name = memory_text(name);
     if (strcmp(line, "group") != 0 || m->n_groups == LIMIT_ENTRIES) continue;
-    char **groups = realloc(m->groups, (m->n_groups + 1) * sizeof *groups);
-    if (groups) m->groups = groups;
-    if (groups && (groups[m->n_groups] = format_text("%s", name))) m->n_groups++;
+    m->groups = memory_grow(m->groups, m->n_groups + 1, sizeof *m->groups);
+    m->groups[m->n_groups++] = memory_text(name);
   }
   free(text);
 }
@@ -430,7 +432,7 @@ static sd_status read_deck(const h5_file *file, const char *path, sd_model **out
   char *deck = h5_get_attr_text(file, "/parameters", "deck_path");
   char *directory = h5_get_attr_text(file, "/parameters", "directory");
   char *name = provenance_deck(deck && *deck ? deck : "deck", directory);
-  sd_status status = sd_deck_load_text(full, name ? name : "deck", 0, NULL, out, messages);
+  sd_status status = sd_deck_load_text(full, name, 0, NULL, out, messages);
   if (status != SD_OK)
     sd_fail(messages, status,
             "%s: the run's deck, as it is stored, cannot be read again, so box, walls and laws are not known",

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/members.h"
 #include "model/law_features.h"
@@ -24,8 +25,8 @@ static void put(h5_file *file, const char *name, size_t n, size_t width, const v
 
 static void put_laws(h5_file *file, const sd_model *m) {
   size_t n = m->n_materials;
-  double(*laws)[LAW] = calloc(n * n + 1, sizeof *laws);
-  for (size_t k = 0; laws && k < n * n; k++) {
+  double(*laws)[LAW] = memory_new(n * n, sizeof *laws);
+  for (size_t k = 0; k < n * n; k++) {
     const sd_contact_law *law = &m->laws[k];
     const double value[LAW] = {law->k_n, law->k_t, law->gamma_n, law->mu};
     for (int c = 0; c < LAW; c++) laws[k][c] = value[c];
@@ -42,8 +43,8 @@ static void put_normal_laws(h5_file *file, const sd_model *m) {
   for (size_t k = 0; k < n * n; k++)
     linear = linear && m->laws[k].normal == SD_NORMAL_LINEAR && m->laws[k].restitution == 0.0;
   if (linear) return;
-  double(*laws)[2] = calloc(n * n + 1, sizeof *laws);
-  for (size_t k = 0; laws && k < n * n; k++) {
+  double(*laws)[2] = memory_new(n * n, sizeof *laws);
+  for (size_t k = 0; k < n * n; k++) {
     laws[k][0] = m->laws[k].normal;
     laws[k][1] = m->laws[k].restitution;
   }
@@ -81,13 +82,13 @@ static double get_law_member(const sd_contact_law *law, size_t c) {
 static void put_general_laws(h5_file *file, const sd_model *m) {
   size_t n = m->n_materials;
   if (!(laws_features(m) & LAW_GENERAL)) return;
-  double(*laws)[LAW_MEMBERS] = calloc(n * n + 1, sizeof *laws);
-  for (size_t k = 0; laws && k < n * n; k++)
+  double(*laws)[LAW_MEMBERS] = memory_new(n * n, sizeof *laws);
+  for (size_t k = 0; k < n * n; k++)
     for (size_t c = 0; c < LAW_MEMBERS; c++) laws[k][c] = get_law_member(&m->laws[k], c);
-  char *text = format_text("%s", "");
-  for (size_t c = 0; text && c < LAW_MEMBERS; c++)
+  char *text = memory_text("");
+  for (size_t c = 0; c < LAW_MEMBERS; c++)
     text = append_text(text, "%s%s", c ? ", " : "", law_members[c].name);
-  put(file, "general_laws", n, LAW_MEMBERS, laws, "mixed", text ? text : "");
+  put(file, "general_laws", n, LAW_MEMBERS, laws, "mixed", text);
   free(text);
   free(laws);
 }
@@ -150,21 +151,18 @@ static void read_laws(reader *r, sd_model *m) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu materials: the laws are damaged", n);
   if (r->status != SD_OK) return;
   double *laws = h5_column(r->file, MODEL "/laws", SD_F64, n * n * LAW, &r->status, r->messages);
-  m->materials = calloc(n + 1, sizeof *m->materials);
-  m->laws = calloc(n * n + 1, sizeof *m->laws);
-  if (laws && m->materials && m->laws) {
-    m->n_materials = n;
-    for (size_t k = 0; k < n * n; k++)
-      m->laws[k] = (sd_contact_law){.k_n = laws[LAW * k],
-                                    .k_t = laws[LAW * k + 1],
-                                    .gamma_n = laws[LAW * k + 2],
-                                    .mu = laws[LAW * k + 3]};
-    read_normal_laws(r, m);
-    read_general_laws(r, m);
-  } else if (r->status == SD_OK) {
-    r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for the laws");
-  }
+  if (!laws) return;
+  m->materials = memory_new(n, sizeof *m->materials);
+  m->laws = memory_new(n * n, sizeof *m->laws);
+  m->n_materials = n;
+  for (size_t k = 0; k < n * n; k++)
+    m->laws[k] = (sd_contact_law){.k_n = laws[LAW * k],
+                                  .k_t = laws[LAW * k + 1],
+                                  .gamma_n = laws[LAW * k + 2],
+                                  .mu = laws[LAW * k + 3]};
   free(laws);
+  read_normal_laws(r, m);
+  read_general_laws(r, m);
 }
 
 sd_status constants_laws_read(const h5_file *file, sd_model *m, sd_messages *messages) {

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "base/limits.h"
+#include "base/memory.h"
 #include "io/results/checkpoint.h"
 #include "io/results/constants.h"
 #include "model/cell.h"
@@ -40,14 +40,8 @@ static void release_source(const frames *f, h5_file *file) {
 
 static sd_status add_source(frames *f, const char *path, sd_messages *messages) {
   size_t k = f->n_sources;
-  frame_source *more = realloc(f->sources, (k + 1) * sizeof *more);
-  if (more) f->sources = more;
-  char *copy = format_text("%s", path);
-  if (!more || !copy) {
-    free(copy);
-    return sd_fail(messages, SD_ERROR_IO, "no memory");
-  }
-  f->sources[f->n_sources++] = (frame_source){.path = copy, .first = f->n};
+  f->sources = memory_grow(f->sources, k + 1, sizeof *f->sources);
+  f->sources[f->n_sources++] = (frame_source){.path = memory_text(path), .first = f->n};
   h5_file *file = NULL;
   sd_status status = open_source(f, k, &file, messages);
   if (status != SD_OK) return status;
@@ -59,8 +53,7 @@ static sd_status add_source(frames *f, const char *path, sd_messages *messages) 
 
 sd_status frames_open(frames *f, const char *base, size_t n_sources, const char *const *sources,
                       sd_messages *messages) {
-  *f = (frames){.path = format_text("%s", base)};
-  if (!f->path) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  *f = (frames){.path = memory_text(base)};
   sd_status status = h5_open(base, &f->base, messages);
   if (status != SD_OK) return status;
   if (!h5_exists(f->base, "/state/id") || !h5_exists(f->base, "/summary"))
@@ -283,8 +276,9 @@ static sd_status frame_element(const h5_file *file, const char *name, size_t row
 static sd_status first_contact(const h5_file *file, size_t row, int64_t *first, sd_messages *messages) {
   if (h5_exists(file, "/contacts/first"))
     return h5_get_values(file, "/contacts/first", SD_I64, row, 1, 1, first, messages);
-  int64_t *counts = calloc(row + 1, sizeof *counts);
-  if (!counts) return sd_fail(messages, SD_ERROR_IO, "no memory to read a frame");
+  int64_t *counts;
+  if (!memory_rows(1, &(memory_column){&counts, row, sizeof *counts}))
+    return sd_fail(messages, SD_ERROR_IO, "no memory to read a frame");
   sd_status status = h5_get_values(file, "/contacts/count", SD_I64, 0, row, 1, counts, messages);
   *first = 0;
   for (size_t k = 0; status == SD_OK && k < row; k++) *first += counts[k];

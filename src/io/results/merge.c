@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
@@ -19,8 +20,7 @@ static sd_status open_part(const merge_job *job, int64_t number, h5_file **part,
                            uint64_t *bytes, uint64_t *sum, sd_messages *messages) {
   char *path = folder_part(job->folder->path, number);
   record_link link = {.run_id = job->origin->run_id, .number = number, .after = *sum};
-  sd_status status = path ? record_open(job->folder->at, path, &link, part, sum, messages)
-                          : sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  sd_status status = record_open(job->folder->at, path, &link, part, sum, messages);
   for (int t = 0; t < RECORD_TABLES; t++) {
     const table *layout = job->layout->tables[t];
     size_t dims[H5_MAX_RANK] = {0};
@@ -29,7 +29,7 @@ static sd_status open_part(const merge_job *job, int64_t number, h5_file **part,
       status = h5_shape(*part, layout->columns[0].path, &rank, dims, messages);
     rows[t] = dims[0];
   }
-  *bytes = path ? file_size(path) : 0;
+  *bytes = file_size(path);
   free(path);
   return status;
 }
@@ -66,8 +66,9 @@ static sd_status copy_column(const table_column *c, const h5_file *part, h5_file
   size_t piece = row > 0 && PIECE_BYTES / row > 0 ? PIECE_BYTES / row : 1;
   if (piece > n) piece = n;
   assert(n == 0 || piece >= 1);
-  void *data = malloc(piece * row + 1);
-  if (!data) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  void *data = NULL;
+  if (!memory_resize(1, &(memory_column){&data, piece, row}))
+    return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && !h5_failed(out) && k < n; k += piece) {
     size_t m = n - k < piece ? n - k : piece;
@@ -101,8 +102,7 @@ static sd_status write_offsets(h5_file *out, size_t n, sd_messages *messages) {
   h5_make(out, "/contacts/first", SD_I64, 1, &n, false);
   h5_attr_text(out, "/contacts/first", "unit", "1");
   h5_attr_text(out, "/contacts/first", "description", "row of the first contact of this step");
-  int64_t *count = calloc(BLOCK, sizeof *count), first = 0;
-  if (!count) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  int64_t *count = memory_new(BLOCK, sizeof *count), first = 0;
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && !h5_failed(out) && k < n; k += BLOCK) {
     size_t m = n - k < BLOCK ? n - k : BLOCK;
@@ -156,7 +156,6 @@ static sd_status write_result(const merge_job *job, const size_t total[RECORD_TA
   h5_file *out = NULL;
   file_draft draft;
   char *name = format_text("%s/result.h5", job->folder->path);
-  if (!name) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   sd_status status = file_draft_new(job->folder->at, name, &draft, messages);
   free(name);
   if (status == SD_OK) status = h5_create(&draft, bytes, &out, messages);

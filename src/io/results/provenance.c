@@ -15,6 +15,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/members.h"
@@ -58,12 +59,10 @@ const char *provenance_get(const provenance *p, size_t k) {
   return text ? text : "";
 }
 
-static sd_status set(char **at, const char *text, sd_messages *messages) {
-  char *copy = format_text("%s", text ? text : "");
-  if (!copy) return sd_fail(messages, SD_ERROR_IO, "no memory for the description of the run");
+static void set(char **at, const char *text) {
+  char *copy = memory_text(text ? text : "");
   free(*at);
   *at = copy;
-  return SD_OK;
 }
 
 static void now(char *text, size_t size) {
@@ -147,6 +146,7 @@ int64_t provenance_inputs(const sd_model *model) {
 }
 
 sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *messages) {
+  (void)messages;
   *p = (provenance){.seed = (int64_t)model->seed, .inputs = provenance_inputs(model)};
   char id[33], time[32], author[256], directory[4096];
   make_run_id(id);
@@ -166,14 +166,13 @@ sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *mess
                {&p->deck_overrides, sd_model_deck(model)->overrides},
                {&p->deck_full, sd_model_deck(model)->full},
                {&p->deck_bodies, sd_model_deck(model)->bodies}};
-  sd_status status = SD_OK;
-  for (size_t k = 0; status == SD_OK && k < sizeof texts / sizeof *texts; k++)
-    status = set(texts[k].at, texts[k].text, messages);
-  return status;
+  for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) set(texts[k].at, texts[k].text);
+  return SD_OK;
 }
 
 sd_status provenance_refresh(provenance *p, int ranks, int threads, const char *cpu_path,
                              sd_messages *messages) {
+  (void)messages;
   char host[256] = "unknown", time[32], hdf5[32];
   gethostname(host, sizeof host - 1);
   now(time, sizeof time);
@@ -191,17 +190,15 @@ sd_status provenance_refresh(provenance *p, int ranks, int threads, const char *
                {&p->gsl, GSL_VERSION},
                {&p->libconfig, SD_LIBCONFIG_VERSION},
                {&p->cpu_path, cpu_path}};
-  sd_status status = SD_OK;
-  for (size_t k = 0; status == SD_OK && k < sizeof texts / sizeof *texts; k++)
-    status = set(texts[k].at, texts[k].text, messages);
-  return status;
+  for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) set(texts[k].at, texts[k].text);
+  return SD_OK;
 }
 
 char *provenance_deck(const char *deck, const char *directory) {
   char *there = directory && *directory ? format_text("%s/%s", directory, deck) : NULL;
   if (there && *deck && *deck != '/' && !file_exists(deck) && file_exists(there)) return there;
   free(there);
-  return format_text("%s", deck);
+  return memory_text(deck);
 }
 
 void provenance_free(provenance *p) {
@@ -224,7 +221,7 @@ void provenance_write(const provenance *p, h5_file *file) {
     h5_attr_text(file, "/parameters", provenance_texts[k].name, provenance_get(p, k));
   for (size_t k = 0; k < DECKS; k++) {
     char *path = format_text("/parameters/%s", decks[k].name);
-    if (h5_have(file, path, "/parameters")) h5_put_text(file, path, *place(p, decks[k].offset));
+    h5_put_text(file, path, *place(p, decks[k].offset));
     free(path);
   }
   h5_attr_i64(file, "/parameters", "seed", p->seed);
@@ -233,22 +230,22 @@ void provenance_write(const provenance *p, h5_file *file) {
 }
 
 sd_status provenance_read(provenance *p, const h5_file *file, sd_messages *messages) {
+  (void)messages;
   *p = (provenance){0};
-  sd_status status = SD_OK;
-  for (size_t k = 0; status == SD_OK && k < provenance_text_count; k++) {
+  for (size_t k = 0; k < provenance_text_count; k++) {
     char *text = h5_get_attr_text(file, "/parameters", provenance_texts[k].name);
-    status = set(place(p, provenance_texts[k].offset), text, messages);
+    set(place(p, provenance_texts[k].offset), text);
     free(text);
   }
-  for (size_t k = 0; status == SD_OK && k < DECKS; k++) {
+  for (size_t k = 0; k < DECKS; k++) {
     char *path = format_text("/parameters/%s", decks[k].name);
-    char *text = path ? h5_get_text(file, path) : NULL;
-    status = set(place(p, decks[k].offset), text, messages);
+    char *text = h5_get_text(file, path);
+    set(place(p, decks[k].offset), text);
     free(text);
     free(path);
   }
   p->seed = h5_get_attr_i64(file, "/parameters", "seed", 0);
   p->inputs = h5_get_attr_i64(file, "/parameters", "inputs", 0);
   members_read_attrs(file, "/parameters", &provenance_observables, p);
-  return status;
+  return SD_OK;
 }

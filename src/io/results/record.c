@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/results/series.h"
 #include "io/results/trajectory.h"
 
@@ -13,8 +14,8 @@ sd_status record_new(record *r, const sd_model *model, bool shared, sd_messages 
   table *tables[RECORD_TABLES] = {&r->series,        &r->disks,        &r->walls,
                                   &r->contact_index, &r->contact_rows, &r->clumps};
   for (int k = 0; k < RECORD_TABLES; k++) r->tables[k] = tables[k];
-  r->slots = calloc(sd_model_bodies(model) + 1, sizeof *r->slots);
-  if (!r->slots) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+  if (!memory_rows(1, &(memory_column){&r->slots, sd_model_bodies(model), sizeof *r->slots}))
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
   sd_status status = resultants_new(&r->sums, model, messages);
   if (status == SD_OK) status = series_new(&r->series, model, messages);
   if (status == SD_OK) status = trajectory_new_bodies(&r->disks, model, false, shared, messages);

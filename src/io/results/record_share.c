@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 
 /* Keys of one moment are less than this, see checkpoint_order. */
@@ -19,8 +20,7 @@ static sd_status add_columns(table *t, const sd_model *model, const observable_l
     if (o->when && !o->when(model)) continue;
     const size_t width = o->width;
     char *path = format_text("%s/%s%s", group, o->name, ending);
-    status = path ? table_add(t, path, observable_stored(o), width > 1, &width, o->unit, o->meaning, messages)
-                  : sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+    status = table_add(t, path, observable_stored(o), width > 1, &width, o->unit, o->meaning, messages);
     free(path);
   }
   return status;
@@ -64,9 +64,10 @@ static int by_number(const void *one, const void *two) {
 /* Keys ascend: disks go by their numbers. */
 static sd_status put_disks(record_share *r, const sd_state *s, size_t driven, int64_t first,
                            sd_messages *messages) {
-  uint64_t *list = malloc((s->n_disks + 1) * sizeof *list);
+  uint64_t *list;
   size_t n = 0;
-  if (!list) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+  if (!memory_rows(1, &(memory_column){&list, s->n_disks, sizeof *list}))
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
   for (size_t slot = 0; slot < s->n_disks; slot++)
     if (slot < s->n_free || slot >= driven) list[n++] = (uint64_t)s->id[slot] << 32 | slot;
   qsort(list, n, sizeof *list, by_number);

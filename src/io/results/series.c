@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/members.h"
 
@@ -48,19 +49,17 @@ static void write_ids(h5_file *file, const char *path, size_t n, const uint32_t 
 
 /* One name per line; "wall 3" without a name. */
 static void write_names(h5_file *file, const char *path, size_t n, const sd_model *m, bool walls) {
-  char **lines = calloc(n + 1, sizeof *lines), text[32];
-  for (size_t k = 0; lines && k < n; k++) {
+  char **lines = memory_new(n, sizeof *lines), text[32];
+  for (size_t k = 0; k < n; k++) {
     const char *name = walls ? m->walls[k].name : m->groups[k];
     lines[k] =
         format_text("%s", name ? name : sd_model_body_name(m, (uint32_t)(m->n_disks + k), text, sizeof text));
   }
-  if (h5_have(file, lines, path)) {
-    members_write_lines(file, path, n, lines);
-    h5_attr_text(file, path, "description",
-                 walls ? "names of the walls, one per line, in the order of the columns wall_*"
-                       : "names of the groups, one per line, in the order of the columns group_*");
-  }
-  for (size_t k = 0; lines && k < n; k++) free(lines[k]);
+  members_write_lines(file, path, n, lines);
+  h5_attr_text(file, path, "description",
+               walls ? "names of the walls, one per line, in the order of the columns wall_*"
+                     : "names of the groups, one per line, in the order of the columns group_*");
+  for (size_t k = 0; k < n; k++) free(lines[k]);
   free(lines);
 }
 

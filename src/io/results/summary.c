@@ -6,14 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/members.h"
 #include "pack/rain.h"
 #include "physics/step/outside.h"
-
-static sd_status no_memory(sd_messages *messages) {
-  return sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
-}
 
 /* --- what is stored ------------------------------------------------------------------------------------- */
 
@@ -128,17 +125,6 @@ static char ***names_of(const summary *s, const struct group *g) {
   return (char ***)(void *)((char *)(uintptr_t)s + g->names);
 }
 
-static sd_status allocate(summary *s, sd_messages *messages) {
-  bool good = true;
-  for (const struct group *g = groups; g < groups + GROUPS; g++) {
-    size_t n = *count_of(s, g);
-    *rows_of(s, g) = calloc(n + 1, g->stride);
-    *names_of(s, g) = calloc(g->each * n + 1, sizeof(char *));
-    good = good && *rows_of(s, g) && *names_of(s, g);
-  }
-  return good ? SD_OK : no_memory(messages);
-}
-
 /* --- collected ------------------------------------------------------------------------------------------- */
 
 const char *const summary_configurations[] = {"pp", "pm", "mp", "mm", "stick", "open"};
@@ -148,8 +134,7 @@ static char *name_of(const sd_model *model, uint32_t body) {
   char text[80];
   const char *own =
       body < model->n_disks ? model->disks[body].name : model->walls[body - model->n_disks].name;
-  if (own && *own) return format_text("%s", own);
-  return format_text("%s", sd_model_body_name(model, body, text, sizeof text));
+  return memory_text(own && *own ? own : sd_model_body_name(model, body, text, sizeof text));
 }
 
 static void collect_stages(summary *s, const sd_model *model, const sd_state *state) {
@@ -179,35 +164,32 @@ summary_lost summary_lost_of(const sd_state *state) {
 }
 
 /* Which disks are outside, and where. */
-static sd_status collect_lost(summary *s, const sd_model *model, const sd_state *state,
-                              const summary_lost *lost, sd_messages *messages) {
+static void collect_lost(summary *s, const sd_model *model, const sd_state *state, const summary_lost *lost) {
   s->outside = lost->n;
   s->left = state->outside;
   s->waiting = rain_waiting(model, state);
-  s->lost = format_text("%s", "");
-  for (const struct summary_lost_disk *d = lost->first; s->lost && d < lost->first + lost->told; d++) {
+  s->lost = memory_text("");
+  for (const struct summary_lost_disk *d = lost->first; d < lost->first + lost->told; d++) {
     char name[96];
     s->lost = append_text(s->lost, "%s%s at (%.6g, %.6g)", d > lost->first ? ", " : "",
                           sd_model_body_name(model, d->disk, name, sizeof name), d->x, d->y);
   }
-  return s->lost ? SD_OK : no_memory(messages);
 }
 
-static sd_status collect_until(summary *s, const sd_model *model, const sd_state *state,
-                               sd_messages *messages) {
+static void collect_until(summary *s, const sd_model *model, const sd_state *state) {
   const sd_until *u = &model->until;
-  if (!u->asked) return SD_OK;
+  if (!u->asked) return;
   uint32_t disk = model->rotations[u->rotation];
   const char *name = model->disks[disk].name, *what = u->scaled ? "scaled" : "omega";
   s->observable = name ? format_text("%s.%s", name, what) : format_text("%u.%s", disk, what);
   s->relative = u->relative > 0 ? u->relative : NAN;
   s->goal = sd_goal_of(model, state);
   if (s->goal.reached && s->phase == s->phases) s->until_step = s->step;
-  return s->observable ? SD_OK : no_memory(messages);
 }
 
 /* Sizes and names, from the model alone. */
 sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages) {
+  (void)messages;
   *s = (summary){.steps = sd_model_steps(model),
                  .dt = model->dt,
                  .phases = (int64_t)model->n_phases,
@@ -219,24 +201,26 @@ sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages) 
                  .n_stages = model->n_phases,
                  .has_until = model->until.asked,
                  .until_step = -1};
-  if (allocate(s, messages) != SD_OK) return SD_ERROR_IO;
-  bool named = true;
-  for (size_t k = 0; k < s->n_rotations; k++)
-    named = (s->rotation_names[k] = name_of(model, model->rotations[k])) && named;
+  for (const struct group *g = groups; g < groups + GROUPS; g++) {
+    size_t n = *count_of(s, g);
+    *rows_of(s, g) = memory_new(n, g->stride);
+    *names_of(s, g) = memory_new(g->each * n, sizeof(char *));
+  }
+  for (size_t k = 0; k < s->n_rotations; k++) s->rotation_names[k] = name_of(model, model->rotations[k]);
   for (size_t k = 0; k < 3 * s->n_slides; k++) {
     const sd_slide_watch *watch = &model->slides[k / 3];
-    named = (s->slide_names[k] = name_of(model, k % 3 ? watch->partner[k % 3 - 1] : watch->disk)) && named;
+    s->slide_names[k] = name_of(model, k % 3 ? watch->partner[k % 3 - 1] : watch->disk);
   }
-  for (size_t k = 0; named && k < s->n_configurations; k++) {
+  for (size_t k = 0; k < s->n_configurations; k++) {
     const char *disk = s->slide_names[3 * (k / SD_CONFIGURATIONS)],
                *configuration = summary_configurations[k % SD_CONFIGURATIONS];
-    named = (s->configuration_names[k] = format_text("%s.%s", disk, configuration)) && named;
+    s->configuration_names[k] = format_text("%s.%s", disk, configuration);
   }
   for (size_t k = 0; k < s->n_stages; k++) {
     const char *name = model->phases[k].name;
-    named = (s->stage_names[k] = name ? format_text("%s", name) : format_text("%zu", k)) && named;
+    s->stage_names[k] = name ? memory_text(name) : format_text("%zu", k);
   }
-  return named ? SD_OK : no_memory(messages);
+  return SD_OK;
 }
 
 static summary_contacts contacts_of(const sd_state *state) {
@@ -250,8 +234,7 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
                           double step_nanoseconds, sd_messages *messages) {
   const summary_lost own = lost ? *lost : summary_lost_of(state);
   const summary_contacts all = contacts ? *contacts : contacts_of(state);
-  sd_status status = summary_new(s, model, messages);
-  if (status != SD_OK) return status;
+  summary_new(s, model, messages);
   s->step = state->step;
   s->phase = state->phase;
   s->measured = state->measured;
@@ -260,16 +243,17 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
   s->energy = *energy;
   bool running = state->phase >= 0 && (size_t)state->phase < model->n_phases;
   const char *phase = running ? model->phases[state->phase].name : NULL;
-  if (!(s->phase_name = format_text("%s", phase ? phase : ""))) return no_memory(messages);
+  s->phase_name = memory_text(phase ? phase : "");
   for (size_t k = 0; k < s->n_rotations; k++) s->rotations[k] = sd_rotation_of(model, state, k);
   for (size_t k = 0; k < s->n_slides; k++) s->slides[k] = sd_slide_of(model, state, k);
   for (size_t k = 0; k < s->n_configurations; k++)
     s->configurations[k] = sd_configuration_of(model, state, k);
   collect_stages(s, model, state);
-  status = collect_until(s, model, state, messages);
-  if (status == SD_OK) status = collect_lost(s, model, state, &own, messages);
+  collect_until(s, model, state);
+  collect_lost(s, model, state, &own);
   summary_disks_announce(&s->packing, model, state);
-  return status == SD_OK ? summary_judge(s, &model->limits, model, state, all.overlap, messages) : status;
+  summary_judge(s, &model->limits, model, state, all.overlap);
+  return SD_OK;
 }
 
 void summary_free(summary *s) {
@@ -325,15 +309,20 @@ void summary_write(const summary *s, h5_file *file) {
   summary_doubts_write(s, file);
 }
 
-/* Sizes that the file gives, and room for what they count. */
+/* Sizes that the file gives, and room for what they count; a damaged one may ask for more memory than
+ * there is. */
 static sd_status read_counts(summary *s, const h5_file *file, sd_messages *messages) {
   for (const struct group *g = groups; g < groups + GROUPS; g++) {
     int64_t n = h5_exists(file, g->path) ? h5_get_attr_i64(file, g->path, "count", 0) : 0;
     if (n < 0 || (n > 0 && h5_check(file, g->first, (size_t)n, messages) != SD_OK))
       return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+    const memory_column rows[] = {{rows_of(s, g), (size_t)n, g->stride},
+                                  {names_of(s, g), g->each * (size_t)n, sizeof(char *)}};
+    if (!memory_rows(sizeof rows / sizeof *rows, rows))
+      return sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
     *count_of(s, g) = (size_t)n;
   }
-  return allocate(s, messages);
+  return SD_OK;
 }
 
 static sd_status read_until(summary *s, const h5_file *file, sd_messages *messages) {
@@ -355,9 +344,9 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
   members_read_attrs(file, "/summary/energy", &energy_observables, &s->energy);
   s->phase_name = h5_get_attr_text(file, "/summary", "phase_name");
   s->lost = h5_get_attr_text(file, "/summary", "lost");
-  if (!s->phase_name) s->phase_name = format_text("%s", "");
-  if (!s->lost) s->lost = format_text("%s", "");
-  sd_status status = s->lost && s->phase_name ? read_counts(s, file, messages) : no_memory(messages);
+  if (!s->phase_name) s->phase_name = memory_text("");
+  if (!s->lost) s->lost = memory_text("");
+  sd_status status = read_counts(s, file, messages);
   for (const struct group *g = groups; g < groups + GROUPS; g++) {
     size_t n = *count_of(s, g);
     if (status != SD_OK || n == 0) continue;
@@ -374,15 +363,16 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
 void summary_renew(summary *s, const sd_model *model, const h5_file *file) {
   size_t n = s->n_rotations;
   if (n == 0 || n != model->n_rotations) return;
-  double *bins = malloc(n * SD_BINS * sizeof *bins), *zero = calloc(n, sizeof *zero);
+  sd_status status = SD_OK;
+  double *bins = h5_column(file, "/state/rotation_bin", SD_F64, n * SD_BINS, &status, NULL),
+         *zero = memory_new(n, sizeof *zero);
   sd_state state = {.measured = s->measured,
                     .n_rotations = n,
                     .rotation_bin = bins,
                     .rotation_start = zero,
                     .rotation_last = zero};
-  bool there = bins && zero && h5_get(file, "/state/bins", SD_I64, 1, &state.bins, NULL) == SD_OK &&
-               h5_get(file, "/state/bin_steps", SD_I64, 1, &state.bin_steps, NULL) == SD_OK &&
-               h5_get(file, "/state/rotation_bin", SD_F64, n * SD_BINS, bins, NULL) == SD_OK;
+  bool there = bins && h5_get(file, "/state/bins", SD_I64, 1, &state.bins, NULL) == SD_OK &&
+               h5_get(file, "/state/bin_steps", SD_I64, 1, &state.bin_steps, NULL) == SD_OK;
   for (size_t k = 0; there && state.bins <= SD_BINS && k < n; k++) {
     double turned = s->rotations[k].turned;
     s->rotations[k] = sd_rotation_of(model, &state, k);

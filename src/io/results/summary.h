@@ -59,7 +59,7 @@ extern const observable_list outcome_observables; /* of summary */
 extern const observable_list until_observables;   /* of summary */
 extern const observable_list phase_observables;   /* of summary_phase */
 
-/* Sizes and names, from the model alone; no values. summary_free also when it fails, likewise below. */
+/* Sizes and names, from the model alone; no values. It does not fail. */
 sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages);
 /* Closed contacts of a state whose rows may be elsewhere. */
 typedef struct summary_contacts {
@@ -79,7 +79,8 @@ typedef struct summary_lost {
 } summary_lost;
 summary_lost summary_lost_of(const sd_state *state);
 
-/* All but the means of every disk: summary_disks_collect. contacts, lost NULL: those that stand in the state. */
+/* All but the means of every disk: summary_disks_collect. contacts, lost NULL: those that stand in the
+ * state. It does not fail. */
 sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state,
                           const summary_contacts *contacts, const summary_lost *lost, const sd_energy *energy,
                           double step_nanoseconds, sd_messages *messages);
@@ -87,6 +88,7 @@ void summary_free(summary *s);
 /* Is this a column of the tables of sweeps: of a point, or (of_body) behind the name of a watched disk or contact? */
 bool summary_is_column(const char *name, bool of_body);
 void summary_write(const summary *s, h5_file *file);
+/* summary_free also when it fails. */
 sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages);
 /* Means and error bars of watched disks as this program takes them from the bins in the file's state, whichever version
  * ran it. Without such bins nothing changes. */

@@ -6,15 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/shortage.h"
 #include "base/team.h"
 #include "io/store/members.h"
 
 static const char group[] = "/summary/disks", fastest_group[] = "/summary/fastest";
 
-static sd_status allocate(summary_disks *s, sd_messages *messages) {
-  s->disks = calloc(s->n + 1, sizeof *s->disks);
-  return s->disks ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
+static sd_status no_memory(sd_messages *messages) {
+  return sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
 }
 
 static double speed_of(const sd_disk_mean *d) { return isnan(d->omega) ? -1 : fabs(d->omega); }
@@ -32,31 +32,22 @@ static void find_fastest(summary_disks *s) {
   s->n_fastest = n;
 }
 
-/* From the order of slots to that of the deck. */
-static sd_status sort_by_number(summary_disks *s, size_t n_disks, sd_messages *messages) {
-  sd_disk_mean *sorted = calloc(s->n + 1, sizeof *sorted);
-  uint32_t *place = calloc(n_disks + 1, sizeof *place); /* of a disk, 1 for those that are there at first */
-  if (!sorted || !place) {
-    free(sorted);
-    free(place);
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
-  }
-  for (size_t k = 0; k < s->n; k++) place[s->disks[k].disk] = 1;
+/* Rows go from the order of slots to that of the deck. place has a zero for each disk of the deck. */
+static void sort_by_number(const sd_disk_mean *means, size_t n, size_t n_disks, uint32_t *place,
+                           sd_disk_mean *sorted) {
+  for (size_t k = 0; k < n; k++) place[means[k].disk] = 1; /* those that are there */
   uint32_t before = 0;
   for (size_t i = 0; i < n_disks; i++) {
     const uint32_t there = place[i];
     place[i] = before;
     before += there;
   }
-  for (size_t k = 0; k < s->n; k++) sorted[place[s->disks[k].disk]] = s->disks[k];
-  free(place);
-  free(s->disks);
-  s->disks = sorted;
-  return SD_OK;
+  for (size_t k = 0; k < n; k++) sorted[place[means[k].disk]] = means[k];
 }
 
 typedef struct means_task {
-  summary_disks *s;
+  sd_disk_mean *means;
+  size_t n;
   const sd_model *model;
   const sd_state *state;
 } means_task;
@@ -65,14 +56,15 @@ typedef struct means_task {
 static void means_together(const team *t, void *with) {
   const means_task *f = with;
   size_t begin, end;
-  team_share(t, f->s->n, &begin, &end);
-  for (size_t k = begin; k < end; k++) f->s->disks[k] = sd_disk_mean_of(f->model, f->state, k);
+  team_share(t, f->n, &begin, &end);
+  for (size_t k = begin; k < end; k++) f->means[k] = sd_disk_mean_of(f->model, f->state, k);
 }
 
-static void collect_means(summary_disks *s, const sd_model *model, const sd_state *state, int threads) {
+static void collect_means(sd_disk_mean *means, size_t n, const sd_model *model, const sd_state *state,
+                          int threads) {
   enum { FEW = 1024 }; /* disks, not worth a thread */
-  pool *c = threads > 1 && s->n > FEW ? pool_new(threads) : NULL;
-  pool_run(c, means_together, &(means_task){s, model, state});
+  pool *c = threads > 1 && n > FEW ? pool_new(threads) : NULL;
+  pool_run(c, means_together, &(means_task){means, n, model, state});
   pool_free(c);
 }
 
@@ -87,11 +79,18 @@ sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const s
                                 sd_messages *messages) {
   summary_disks_announce(s, model, state);
   if (s->n == 0) return SD_OK;
-  if (allocate(s, messages) != SD_OK) return SD_ERROR_IO;
-  collect_means(s, model, state, threads);
-  s->totals = sd_disk_totals_of(model, state, s->disks);
-  if (shortage_seen()) return sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
-  if (sort_by_number(s, model->n_disks, messages) != SD_OK) return SD_ERROR_IO;
+  sd_disk_mean *means;
+  uint32_t *place;
+  const memory_column rows[] = {{&s->disks, s->n, sizeof *s->disks},
+                                {&means, s->n, sizeof *means},
+                                {&place, model->n_disks, sizeof *place}};
+  if (!memory_rows(sizeof rows / sizeof *rows, rows)) return no_memory(messages);
+  collect_means(means, s->n, model, state, threads);
+  s->totals = sd_disk_totals_of(model, state, means);
+  sort_by_number(means, s->n, model->n_disks, place, s->disks);
+  free(means);
+  free(place);
+  if (shortage_seen()) return no_memory(messages);
   find_fastest(s);
   return SD_OK;
 }
@@ -146,7 +145,7 @@ sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages 
 sd_status summary_disks_read_all(summary_disks *s, const h5_file *file, sd_messages *messages) {
   if (s->n == 0 || s->disks || s->later) return SD_OK;
   sd_status status = h5_check(file, "/summary/disks/id", s->n, messages);
-  if (status == SD_OK) status = allocate(s, messages);
   if (status != SD_OK) return status;
+  if (!memory_rows(1, &(memory_column){&s->disks, s->n, sizeof *s->disks})) return no_memory(messages);
   return members_read(file, group, &disk_observables, s->disks, sizeof *s->disks, s->n, messages);
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/results/summary.h"
 #include "model/advice.h"
@@ -30,10 +31,8 @@ static const double TOUCHING = 1e-6;
 
 /* --- judging ---------------------------------------------------------------------------------------- */
 
-/* False: no memory. */
-static bool doubt(summary *s, doubt_kind kind, double value, double limit, char *text) {
+static void doubt(summary *s, doubt_kind kind, double value, double limit, char *text) {
   s->doubts[kind] = (summary_doubt){text, value, limit};
-  return text != NULL;
 }
 
 /* Elastic energy that rounded coordinates leave open: k_n times overlap times the rounding of a position. */
@@ -50,17 +49,16 @@ static double rounding(const sd_model *model, const sd_state *state, double over
   return 4 * DBL_EPSILON * stiffest * farthest * overlaps;
 }
 
-static bool judge_residual(summary *s, double limit, double floor, const sd_model *model) {
+static void judge_residual(summary *s, double limit, double floor, const sd_model *model) {
   const sd_energy *e = &s->energy;
-  if (!(limit > 0) || fabs(e->residual) <= fmax(limit * e->scale, floor)) return true; /* NAN goes on */
+  if (!(limit > 0) || fabs(e->residual) <= fmax(limit * e->scale, floor)) return; /* NAN goes on */
   double part = fabs(e->residual) / e->scale;
   char *first = model ? advice_first_jump(model) : NULL;
-  const bool memory = doubt(s, DOUBT_RESIDUAL, part, limit,
-                            format_text("the energy budget does not close: %s (residual %.2g of its scale, "
-                                        "limits.residual is %g)",
-                                        first ? first : "a smaller dt is needed", part, limit));
+  doubt(s, DOUBT_RESIDUAL, part, limit,
+        format_text("the energy budget does not close: %s (residual %.2g of its scale, "
+                    "limits.residual is %g)",
+                    first ? first : "a smaller dt is needed", part, limit));
   free(first);
-  return memory;
 }
 
 /* Distance between the surfaces of a disk and its partner now; NAN: not known. */
@@ -82,7 +80,7 @@ static double gap_now(const sd_model *model, const sd_state *state, uint32_t dis
 
 /* ": it opened 3 times; 0.2 radii apart at the end". To be freed, "" without a state. */
 static char *why_open(const sd_slide *w, size_t one, const sd_model *model, const sd_state *state) {
-  if (!model || !state) return format_text("%s", "");
+  if (!model || !state) return memory_text("");
   double radius = model->disks[w->disk].radius,
          first = overlaps_first_gap(model, w->disk, w->partner[one]) / radius,
          last = gap_now(model, state, w->disk, w->partner[one]) / radius;
@@ -97,15 +95,15 @@ static char *why_open(const sd_slide *w, size_t one, const sd_model *model, cons
     text = format_text(": it never closed, %.3g radii apart at the start", first);
   else
     text = format_text(": it had opened before measuring began, and never closed");
-  if (text && last > TOUCHING) text = append_text(text, ", %.3g radii apart at the end", last);
+  if (last > TOUCHING) text = append_text(text, ", %.3g radii apart at the end", last);
   return text;
 }
 
 /* One watched contact of the two, or both, or now one and now the other. */
-static bool judge_open(summary *s, double limit, const sd_model *model, const sd_state *state) {
+static void judge_open(summary *s, double limit, const sd_model *model, const sd_state *state) {
   size_t k = 0;
   while (k < s->n_slides && !(s->slides[k].open > limit)) k++;
-  if (!(limit > 0) || k == s->n_slides) return true;
+  if (!(limit > 0) || k == s->n_slides) return;
   const sd_slide *w = &s->slides[k];
   char *const *names = &s->slide_names[3 * k];
   bool first = w->contact_open[0] > limit, second = w->contact_open[1] > limit, both = first == second;
@@ -114,17 +112,15 @@ static bool judge_open(summary *s, double limit, const sd_model *model, const sd
        *text;
   if (!both)
     text = format_text("the watched contact of %s with %s was open %.3g %% of the time%s", names[0],
-                       names[1 + one], 100 * w->contact_open[one], why[0] ? why[0] : "");
-  else if (why[0] && why[1] && *why[0])
+                       names[1 + one], 100 * w->contact_open[one], why[0]);
+  else if (*why[0])
     text = format_text("the watched contacts of %s were open %.3g %% of the time (with %s%s, and with %s%s)",
                        names[0], 100 * w->open, names[1], why[0], names[2], why[1]);
   else
     text = format_text("the watched contacts of %s were open %.3g %% of the time", names[0], 100 * w->open);
-  bool memory = why[0] && (!both || why[1]) && text;
   doubt(s, DOUBT_OPEN, both ? w->open : w->contact_open[one], limit, text);
   free(why[0]);
   free(why[1]);
-  return memory;
 }
 
 /* Prescribed bodies are noted from a tenth of the limit on where they jump; step/speed.h. */
@@ -144,20 +140,21 @@ static char *why_far(const sd_model *model, const sd_state *state, const char *n
   return text;
 }
 
-static bool judge_displacement(summary *s, double limit, const sd_model *model, const sd_state *state) {
-  if (!(limit > 0) || state->fast_step < 0) return true;
+static void judge_displacement(summary *s, double limit, const sd_model *model, const sd_state *state) {
+  if (!(limit > 0) || state->fast_step < 0) return;
   char name[96];
   const uint32_t body = (uint32_t)state->fast_disk;
   sd_model_body_name(model, body, name, sizeof name);
   if (body >= model->n_disks || model->disks[body].driven)
-    return doubt(s, DOUBT_DISPLACEMENT, state->fast_displacement,
-                 state->fast_displacement > limit ? limit : STRIDES_JUMP * limit,
-                 why_far(model, state, name, limit));
-  return doubt(s, DOUBT_DISPLACEMENT, state->fast_displacement, limit,
-               format_text("%s moves by %.3g of its radius in a step, after step %" PRId64
-                           ", and disks may have passed through others: a smaller dt is needed "
-                           "(limits.displacement is %g)",
-                           name, state->fast_displacement, state->fast_step, limit));
+    doubt(s, DOUBT_DISPLACEMENT, state->fast_displacement,
+          state->fast_displacement > limit ? limit : STRIDES_JUMP * limit,
+          why_far(model, state, name, limit));
+  else
+    doubt(s, DOUBT_DISPLACEMENT, state->fast_displacement, limit,
+          format_text("%s moves by %.3g of its radius in a step, after step %" PRId64
+                      ", and disks may have passed through others: a smaller dt is needed "
+                      "(limits.displacement is %g)",
+                      name, state->fast_displacement, state->fast_step, limit));
 }
 
 /* The name of a number that is none, NULL when all are there. A mean is there from the first full bin on. */
@@ -177,31 +174,32 @@ static const char *not_finite(const summary *s, const sd_state *state) {
   return NULL;
 }
 
-static bool judge_finite(summary *s, const sd_state *state) {
+static void judge_finite(summary *s, const sd_state *state) {
   const char *name = not_finite(s, state);
-  return !name || doubt(s, DOUBT_FINITE, NAN, NAN,
-                        format_text("a number is not finite (%s): a smaller dt is needed", name));
+  if (name)
+    doubt(s, DOUBT_FINITE, NAN, NAN,
+          format_text("a number is not finite (%s): a smaller dt is needed", name));
 }
 
 /* Whatever limits are set: a deck asks for such a step, and the warning before the run says what its results mean. */
-static bool judge_unstable(summary *s, const sd_model *model) {
-  if (!model || !model->limits.unstable_step) return true; /* else it is refused */
+static void judge_unstable(summary *s, const sd_model *model) {
+  if (!model || !model->limits.unstable_step) return; /* else it is refused */
   const double limit = advice_step_limit(model).dt;
-  return !(model->dt > limit) ||
-         doubt(
-             s, DOUBT_UNSTABLE, model->dt / limit, 1,
-             format_text("dt = %g is beyond the limit of stability %.3g: results mean nothing: a smaller dt "
-                         "is needed",
-                         model->dt, limit));
+  if (model->dt > limit)
+    doubt(s, DOUBT_UNSTABLE, model->dt / limit, 1,
+          format_text("dt = %g is beyond the limit of stability %.3g: results mean nothing: a smaller dt "
+                      "is needed",
+                      model->dt, limit));
 }
 
-sd_status summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
-                        double overlaps, sd_messages *messages) {
-  bool memory = judge_residual(s, limits->residual, state ? rounding(model, state, overlaps) : 0, model) &&
-                judge_open(s, limits->open, model, state) && judge_unstable(s, model);
-  if (state)
-    memory = memory && judge_displacement(s, limits->displacement, model, state) && judge_finite(s, state);
-  return memory ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
+void summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
+                   double overlaps) {
+  judge_residual(s, limits->residual, state ? rounding(model, state, overlaps) : 0, model);
+  judge_open(s, limits->open, model, state);
+  judge_unstable(s, model);
+  if (!state) return;
+  judge_displacement(s, limits->displacement, model, state);
+  judge_finite(s, state);
 }
 
 size_t summary_doubts(const summary *s) {
@@ -211,8 +209,8 @@ size_t summary_doubts(const summary *s) {
 }
 
 char *summary_doubts_text(const summary *s) {
-  char *all = format_text("%s", "");
-  for (size_t k = 0; all && k < DOUBT_KINDS; k++)
+  char *all = memory_text("");
+  for (size_t k = 0; k < DOUBT_KINDS; k++)
     if (s->doubts[k].text) all = append_text(all, "%s%s", *all ? "; " : "", s->doubts[k].text);
   return all;
 }
@@ -229,8 +227,8 @@ void summary_doubts_write(const summary *s, h5_file *file) {
   h5_group(file, "/summary/doubts");
   h5_attr_i64(file, "/summary/doubts", "count", (int64_t)summary_doubts(s));
   for (size_t k = 0; k < DOUBT_KINDS; k++) {
-    char *group = s->doubts[k].text ? group_of(k) : NULL;
-    if (!group) continue;
+    if (!s->doubts[k].text) continue;
+    char *group = group_of(k);
     h5_group(file, group);
     h5_attr_text(file, group, "message", s->doubts[k].text);
     h5_attr_f64(file, group, "value", s->doubts[k].value);
@@ -244,10 +242,12 @@ void summary_doubts_write(const summary *s, h5_file *file) {
 sd_status summary_doubts_read(summary *s, const h5_file *file, sd_messages *messages) {
   const sd_limits before = {.residual = 0.01, .open = 0.99};
   int64_t n = h5_exists(file, "/summary/doubts") ? h5_get_attr_i64(file, "/summary/doubts", "count", -1) : -2;
-  if (n == -2) return summary_judge(s, &before, NULL, NULL, 0, messages);
+  if (n == -2) {
+    summary_judge(s, &before, NULL, NULL, 0);
+    return SD_OK;
+  }
   for (size_t k = 0; k < DOUBT_KINDS; k++) {
     char *group = group_of(k);
-    if (!group) return sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
     if (h5_exists(file, group))
       s->doubts[k] = (summary_doubt){h5_get_attr_text(file, group, "message"),
                                      h5_get_attr_f64(file, group, "value", NAN),

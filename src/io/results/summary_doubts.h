@@ -25,9 +25,9 @@ typedef struct summary_doubt {
 
 typedef struct summary summary;
 /* Compares the summary with these limits; state: of the run, NULL where only the summary is known; overlaps: sum over its contacts. */
-sd_status summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
-                        double overlaps, sd_messages *messages);
-/* How many; and their texts, joined by "; ", to be freed (NULL: no memory). */
+void summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
+                   double overlaps);
+/* How many; and their texts, joined by "; ", to be freed, never NULL. */
 size_t summary_doubts(const summary *s);
 char *summary_doubts_text(const summary *s);
 
