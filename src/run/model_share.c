@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/comm.h"
+#include "base/memory.h"
 #include "model/image.h"
 
 /* A message has fewer than 2^31 bytes. */
@@ -26,7 +27,7 @@ sd_status model_share(const sd_model *model, sd_model **out, sd_messages *messag
   uint64_t length[1] = {size};
   comm_share(length, sizeof length);
   size = (size_t)length[0];
-  if (!first && !(bytes = malloc(size))) return fail(messages);
+  if (!first && !memory_resize(1, (memory_column[]){{&bytes, size, 1}})) return fail(messages);
   for (size_t at = 0; at < size; at += PIECE) comm_share(bytes + at, size - at < PIECE ? size - at : PIECE);
   const sd_status status = first ? SD_OK : image_read_for_rank(bytes, size, out, messages);
   free(bytes);

@@ -10,6 +10,7 @@
 #include "base/comm.h"
 #include "base/comm_cuts.h"
 #include "base/comm_data.h"
+#include "base/memory.h"
 #include "base/subnormal.h"
 #include "io/results/checkpoint.h"
 #include "measure/disks.h"
@@ -63,11 +64,10 @@ static void say(word w, int64_t n, bool measure) {
 }
 
 ranks *ranks_new(const sd_model *model, volatile sig_atomic_t *stop) {
-  ranks *r = calloc(1, sizeof *r);
-  if (!r) return NULL;
+  ranks *r = memory_new(1, sizeof *r);
   *r = (ranks){
       .model = model, .stop = stop, .messages = sd_messages_new(), .collected = -1, .balance.excess = NAN};
-  if (r->messages && record_share_new(&r->rows, model, r->messages) == SD_OK &&
+  if (record_share_new(&r->rows, model, r->messages) == SD_OK &&
       resultants_new(&r->sums, model, r->messages) == SD_OK)
     return r;
   ranks_free(r);
@@ -288,10 +288,13 @@ sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages) {
   return spread_whole(r, whole, false, messages);
 }
 
-static sd_status take_common_of(ranks *r, engine *whole, sd_messages *messages) {
-  return move_common(&r->part, whole->state) == SD_OK
-             ? SD_OK
-             : sd_fail(messages, SD_ERROR_IO, "no memory to write the results");
+/* Ends work that every rank has done, with its status. The whole (NULL on the other ranks) learns
+ * what is no disk's and no contact's, or rank 0 why the work failed. */
+static sd_status end_work(ranks *r, engine *whole, sd_status status, sd_messages *messages) {
+  engine_end(&r->part, status);
+  if (!ranks_all_well(status)) return tell_failure(r, messages);
+  move_common(&r->part, whole ? whole->state : NULL);
+  return SD_OK;
 }
 
 settle_measure ranks_rest(ranks *r, engine *whole) {
@@ -301,16 +304,12 @@ settle_measure ranks_rest(ranks *r, engine *whole) {
 
 sd_status ranks_rain(ranks *r, engine *whole, sd_messages *messages) {
   say(RAIN, 0, false);
-  const sd_status status = ranks_release_rain(r);
-  engine_end(&r->part, status);
-  return ranks_all_well(status) ? take_common_of(r, whole, messages) : tell_failure(r, messages);
+  return end_work(r, whole, ranks_release_rain(r), messages);
 }
 
 sd_status ranks_outside(ranks *r, engine *whole, sd_messages *messages) {
   say(OUTSIDE, 0, false);
-  const sd_status status = ranks_look_outside(r, messages);
-  engine_end(&r->part, status);
-  return ranks_all_well(status) ? take_common_of(r, whole, messages) : tell_failure(r, messages);
+  return end_work(r, whole, ranks_look_outside(r, messages), messages);
 }
 
 bool ranks_outside_is_due(ranks *r) {
@@ -324,7 +323,8 @@ sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages) {
   whole->state->phase = r->part.state->phase;
   whole->state->phase_step = 0;
   r->collected = -1;
-  return take_common_of(r, whole, messages);
+  move_common(&r->part, whole->state);
+  return SD_OK;
 }
 
 sd_status ranks_start(ranks *r, engine *whole, bool measure, sd_messages *messages) {
@@ -337,7 +337,8 @@ sd_status ranks_start(ranks *r, engine *whole, bool measure, sd_messages *messag
   if (!ranks_all_well(status)) return tell_failure(r, messages);
   advice_tell_overlap(r->model, &r->deepest, messages);
   engine_warn_of_dropped(r->model, (size_t)kept, messages);
-  return take_common_of(r, whole, messages);
+  move_common(&r->part, whole->state);
+  return SD_OK;
 }
 
 sd_status ranks_advance(ranks *r, engine *whole, int64_t n, bool measure, sd_messages *messages) {
@@ -407,7 +408,6 @@ const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
 static sd_status write_share(ranks *r, bool rows, const char *whole, int64_t *seals, sd_messages *messages) {
   int64_t sum = 0;
   char *path = h5_share_path(whole, (size_t)comm_rank());
-  if (!path) comm_fail("no memory");
   sd_status status = rows ? SD_OK : ranks_store_part(r);
   if (ranks_all_well(status))
     status = rows ? record_share_seal(&r->rows, path, &sum, r->messages)
@@ -434,7 +434,8 @@ sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals,
   const sd_status status = write_share(r, false, path, seals, messages);
   if (status == SD_OK) *contacts = ranks_add_contacts(&r->part);
   if (status == SD_OK) *lost = ranks_add_lost(&r->part);
-  return status == SD_OK ? take_common_of(r, whole, messages) : status;
+  if (status == SD_OK) move_common(&r->part, whole->state);
+  return status;
 }
 
 sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages) {
@@ -471,7 +472,8 @@ sd_status ranks_sample(ranks *r, engine *whole, unsigned what, int64_t frame, in
   const sd_status status = sample(r, &s, messages);
   *n_contacts = s.contacts;
   *bytes = s.bytes;
-  return status == SD_OK ? take_common_of(r, whole, messages) : status;
+  if (status == SD_OK) move_common(&r->part, whole->state);
+  return status;
 }
 
 void ranks_dismiss(int status) {
@@ -481,8 +483,7 @@ void ranks_dismiss(int status) {
 /* --- the others -------------------------------------------------------------------------------------------------- */
 
 static void serve_write(ranks *r, bool rows, size_t length) {
-  char *path = malloc(length);
-  if (!path) comm_fail("no memory");
+  char *path = memory_new(length, 1);
   comm_share(path, length);
   if (write_share(r, rows, path, NULL, NULL) == SD_OK && !rows) {
     ranks_add_contacts(&r->part);
@@ -511,25 +512,12 @@ int ranks_serve(ranks *r) {
       }
       case START: {
         double kept;
-        const sd_status status = ranks_start_part(r, o.measure != 0, &kept);
-        engine_end(&r->part, status);
-        if (ranks_all_well(status))
-          move_common(&r->part, NULL);
-        else
-          tell_failure(r, NULL);
+        end_work(r, NULL, ranks_start_part(r, o.measure != 0, &kept), NULL);
         break;
       }
       case SETTLE: ranks_rest_of(r, NULL); break;
-      case RAIN:
-      case OUTSIDE: {
-        const sd_status status = o.word == RAIN ? ranks_release_rain(r) : ranks_look_outside(r, NULL);
-        engine_end(&r->part, status);
-        if (ranks_all_well(status))
-          move_common(&r->part, NULL);
-        else
-          tell_failure(r, NULL);
-        break;
-      }
+      case RAIN: end_work(r, NULL, ranks_release_rain(r), NULL); break;
+      case OUTSIDE: end_work(r, NULL, ranks_look_outside(r, NULL), NULL); break;
       case LOOK: comm_or(outside_is_due(&r->part)); break;
       case END:
         if (ranks_all_well(ranks_end_part(r, o.n)))

@@ -60,6 +60,16 @@ void common_copy(const sd_state *s, char *buffer, bool to) {
   }
 }
 
+void common_take(const sd_state *from, sd_state *to) {
+  assert(common_bytes(from) == common_bytes(to));
+  for (size_t k = 0; k < sd_field_count; k++) {
+    char *source, *target;
+    const size_t bytes = common_part(from, &sd_fields[k], &source);
+    common_part(to, &sd_fields[k], &target);
+    if (bytes > 0) memcpy(target, source, bytes);
+  }
+}
+
 /* --- rows --------------------------------------------------------------------------------------------------- */
 
 static void add(moving *m, const sd_field *f, size_t size) {

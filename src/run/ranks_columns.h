@@ -30,7 +30,9 @@ void moving_contacts(moving *m);
 /* Collective: as route_columns. */
 sd_status moving_send(const moving *m, const uint32_t *place);
 
-/* Rows of prescribed bodies, motions, the run: every rank has them. to: into the state; else out of it. */
+/* Rows of prescribed bodies, motions, the run: every rank has them. */
+void common_take(const sd_state *from, sd_state *to);
+/* The same by way of a buffer. to: into the state; else out of it. */
 size_t common_bytes(const sd_state *s);
 void common_copy(const sd_state *s, char *buffer, bool to);
 

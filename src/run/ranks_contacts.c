@@ -10,6 +10,7 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "base/memory.h"
 #include "io/deck/deck.h"
 #include "model/tiles.h"
 #include "physics/neighbours/order.h"
@@ -41,9 +42,10 @@ static void need(bool memory) {
   for (;;) comm_fail("no memory for contacts");
 }
 
+/* Rows that are all zero. */
 static void *room_for(size_t n, size_t size) {
-  void *rows = malloc((n + 1) * size);
-  need(rows != NULL);
+  void *rows;
+  need(memory_rows(1, (memory_column[]){{&rows, n, size}}));
   return rows;
 }
 
@@ -212,8 +214,7 @@ static sd_status take_contacts(const directory *d, sd_state *part, sd_messages *
 sd_status ranks_contacts_take(const sd_model *m, sd_state *part, sd_messages *messages) {
   directory d = {.model = m, .width = m->tiles.count / (size_t)comm_size() + 1};
   d.first = (size_t)comm_rank() * d.width;
-  d.entries = calloc(d.width, sizeof *d.entries);
-  need(d.entries != NULL);
+  d.entries = room_for(d.width, sizeof *d.entries);
   sd_status status = tell_turned(&d, messages);
   if (!comm_or(status != SD_OK)) {
     tell_ranks(&d, part);

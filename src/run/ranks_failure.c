@@ -6,12 +6,13 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "base/memory.h"
 
 static char *text_of(const sd_messages *m, size_t *length) {
   *length = 0;
   for (size_t k = 0; k < sd_messages_count(m); k++) *length += strlen(sd_messages_text(m, k)) + 1;
-  char *text = malloc(*length + 1), *at = text;
-  for (size_t k = 0; text && k < sd_messages_count(m); k++) {
+  char *text = memory_new(*length, 1), *at = text;
+  for (size_t k = 0; k < sd_messages_count(m); k++) {
     const size_t n = strlen(sd_messages_text(m, k)) + 1;
     memcpy(at, sd_messages_text(m, k), n);
     at += n;
@@ -29,13 +30,7 @@ sd_status ranks_tell_failure(sd_status failed, const sd_messages *own, sd_messag
   const size_t n = (size_t)comm_size();
   size_t length;
   char *mine = text_of(own, &length);
-  int *counts = calloc(2 * n, sizeof *counts), *all = counts ? counts + n : NULL;
-  if (!mine || !counts) {
-    comm_fail("no memory");
-    free(mine);
-    free(counts);
-    return SD_ERROR_IO;
-  }
+  int *counts = memory_new(2 * n, sizeof *counts), *all = counts + n;
   comm_gather_counts((int)failed, all);
   comm_gather_counts((int)length, counts);
   sd_status status = SD_OK;
@@ -44,10 +39,9 @@ sd_status ranks_tell_failure(sd_status failed, const sd_messages *own, sd_messag
     if (status == SD_OK) status = (sd_status)all[q];
     bytes += (size_t)counts[q];
   }
-  char *text = malloc(bytes + 1);
-  if (!text) comm_fail("no memory");
+  char *text = memory_new(bytes, 1);
   comm_gather(mine, text, counts, 1);
-  for (size_t at = 0; messages && text && at < bytes; at += strlen(text + at) + 1)
+  for (size_t at = 0; messages && at < bytes; at += strlen(text + at) + 1)
     if (!is_told(messages, text + at)) sd_fail(messages, status, "%s", text + at);
   free(mine);
   free(counts);

@@ -8,6 +8,7 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "base/memory.h"
 #include "model/cell.h"
 #include "physics/neighbours/order.h"
 #include "physics/step/access.h"
@@ -22,7 +23,8 @@ typedef struct shares {
   const comm_cuts *cuts;
   const engine *from;
   size_t n_from, n_known; /* own disks, and with ghosts */
-  const int *owner;       /* [n_known] */
+  int *owner;             /* [n_known] */
+  uint32_t *source;       /* [n_from]: what the whole has in slot i, it has as order i */
   route disks, ghosts, contacts;
   uint32_t *place;       /* of disks that come */
   uint32_t *order;       /* [own + ghosts] */
@@ -35,6 +37,8 @@ static void part_free(shares *p) {
   route_free(&p->disks);
   route_free(&p->ghosts);
   route_free(&p->contacts);
+  free(p->owner);
+  free(p->source);
   free(p->place);
   free(p->order);
   free(p->ghost_place);
@@ -44,74 +48,64 @@ static void part_free(shares *p) {
   free(p->activity);
 }
 
+/* Without memory the job ends: the others wait. */
+static sd_status need(bool memory) {
+  if (memory) return SD_OK;
+  comm_fail("no memory");
+  return SD_ERROR_IO;
+}
+
 /* Disks that wait are wherever there is memory: no rectangle has many more than another. */
-static int *find_owners(shares *p) {
+static sd_status find_owners(shares *p) {
   double low[2], high[2];
   const sd_state *s = p->from ? p->from->state : NULL;
   p->n_from = s ? s->n_free : 0;
   p->n_known = s ? s->n_free + s->n_ghosts : 0;
-  int *owner = malloc((p->n_known + 1) * sizeof *owner);
-  if (!owner) return NULL;
+  const memory_column arrays[] = {{&p->owner, p->n_known, sizeof *p->owner},
+                                  {&p->source, p->n_from, sizeof *p->source}};
+  if (need(memory_resize(sizeof arrays / sizeof *arrays, arrays)) != SD_OK) return SD_ERROR_IO;
+  for (uint32_t i = 0; i < p->n_from; i++) p->source[i] = p->from->halo ? p->from->halo->order[i] : i;
   comm_cuts_mine(p->cuts, low, high);
   for (size_t i = 0; i < p->n_known; i++) {
     if (i < p->n_from && s->activity[i] == SD_WAITING) {
-      owner[i] = (int)(s->id[i] % (uint32_t)comm_size());
+      p->owner[i] = (int)(s->id[i] % (uint32_t)comm_size());
       continue;
     }
     const bool inside = s->x[i] > low[0] && s->x[i] < high[0] && s->y[i] > low[1] && s->y[i] < high[1];
-    owner[i] = inside ? comm_rank() : comm_cuts_owner(p->cuts, s->x[i], s->y[i]);
+    p->owner[i] = inside ? comm_rank() : comm_cuts_owner(p->cuts, s->x[i], s->y[i]);
   }
-  p->owner = owner;
-  return owner;
+  return SD_OK;
 }
 
-/* What the whole has in slot i, it has as order i. */
-static uint32_t *source_order(const shares *p) {
-  uint32_t *order = malloc((p->n_from + 1) * sizeof *order);
-  for (uint32_t i = 0; order && i < p->n_from; i++) order[i] = p->from->halo ? p->from->halo->order[i] : i;
-  return order;
-}
-
-/* Where rows that come stand, if all ascend by this column. */
-static sd_status come_in_order(route *r, const uint32_t *order, uint32_t *place) {
-  uint32_t *found = malloc((r->n_receive + 1) * sizeof *found);
-  if (!found) {
-    comm_fail("no memory");
-    return SD_ERROR_IO;
-  }
-  sd_status status = route_columns(r, &(route_column){order, found, sizeof *order}, 1, NULL);
-  if (status == SD_OK) status = route_merge(r, found, place);
-  free(found);
-  return status;
+/* Where rows that come stand, if all ascend by this column. found: room for it. */
+static sd_status come_in_order(route *r, const uint32_t *order, uint32_t *found, uint32_t *place) {
+  const sd_status status = route_columns(r, &(route_column){order, found, sizeof *order}, 1, NULL);
+  return status == SD_OK ? route_merge(r, found, place) : status;
 }
 
 /* Who comes here, and what ghosts are chosen by. */
 static sd_status call_disks(shares *p) {
   const sd_state *s = p->from ? p->from->state : NULL;
   route *r = &p->disks;
-  uint32_t *order = source_order(p);
-  if (!order || route_new(r, p->n_from, NULL, p->owner) != SD_OK) {
-    free(order);
-    return SD_ERROR_IO;
-  }
+  uint32_t *found = NULL;
+  if (need(route_new(r, p->n_from, NULL, p->owner) == SD_OK) != SD_OK) return SD_ERROR_IO;
   route_count(r);
-  const size_t n = r->n_receive + 1;
-  p->place = malloc(n * sizeof *p->place);
-  p->order = malloc(n * sizeof *p->order);
-  p->x = malloc(n * sizeof *p->x);
-  p->y = malloc(n * sizeof *p->y);
-  p->radius = malloc(n * sizeof *p->radius);
-  p->activity = malloc(n * sizeof *p->activity);
-  sd_status status = p->place && p->order && p->x && p->y && p->radius && p->activity ? SD_OK : SD_ERROR_IO;
-  if (status != SD_OK) comm_fail("no memory");
-  const route_column known[] = {{order, p->order, sizeof *order},
+  const size_t n = r->n_receive;
+  const memory_column arrays[] = {{&p->place, n, sizeof *p->place},   {&p->order, n, sizeof *p->order},
+                                  {&p->x, n, sizeof *p->x},           {&p->y, n, sizeof *p->y},
+                                  {&p->radius, n, sizeof *p->radius}, {&p->activity, n, sizeof *p->activity},
+                                  {&found, n, sizeof *found}};
+  sd_status status = need(memory_resize(sizeof arrays / sizeof *arrays, arrays));
+  const route_column known[] = {{p->source, p->order, sizeof *p->source},
                                 {s ? s->x : NULL, p->x, sizeof *p->x},
                                 {s ? s->y : NULL, p->y, sizeof *p->y},
                                 {s ? s->radius : NULL, p->radius, sizeof *p->radius},
                                 {s ? s->activity : NULL, p->activity, sizeof *p->activity}};
-  if (status == SD_OK) status = come_in_order(r, order, p->place);
+  if (status == SD_OK) status = come_in_order(r, p->source, found, p->place);
   if (status == SD_OK) status = route_columns(r, known, sizeof known / sizeof *known, p->place);
-  free(order);
+  free(found);
+  free(p->source);
+  p->source = NULL;
   return status;
 }
 
@@ -127,11 +121,9 @@ typedef struct sends {
 static sd_status add_send(sends *l, uint32_t row, int rank) {
   if (l->n == l->capacity) {
     const size_t capacity = 2 * l->capacity + 64;
-    uint32_t *rows = realloc(l->row, capacity * sizeof *rows);
-    if (rows) l->row = rows;
-    int *ranks = realloc(l->rank, capacity * sizeof *ranks);
-    if (ranks) l->rank = ranks;
-    if (!rows || !ranks) return SD_ERROR_IO;
+    const memory_column arrays[] = {{&l->row, capacity, sizeof *l->row},
+                                    {&l->rank, capacity, sizeof *l->rank}};
+    if (!memory_resize(sizeof arrays / sizeof *arrays, arrays)) return SD_ERROR_IO;
     l->capacity = capacity;
   }
   l->row[l->n] = row;
@@ -206,14 +198,14 @@ static sd_status choose_ghosts(shares *p, const sd_state *common, double skin) {
   sends list = {0};
   const box b = box_of(p, common);
   const double reach = p->model->largest_radius + (skin + law_reach(p->model)) * (1.0 + 1e-9);
-  int *ranks = malloc((size_t)comm_size() * sizeof *ranks);
-  uint8_t *seen = calloc((size_t)comm_size(), 1);
-  sd_status status = ranks && seen ? SD_OK : SD_ERROR_IO;
+  int *ranks = memory_new((size_t)comm_size(), sizeof *ranks);
+  uint8_t *seen = memory_new((size_t)comm_size(), 1);
+  sd_status status = SD_OK;
   for (uint32_t i = 0; i < p->disks.n_receive && status == SD_OK; i++)
     if (p->activity[i] == SD_IN_PLAY || p->activity[i] == SD_OUTSIDE)
       status = add_ghost(p, &list, &b, i, p->radius[i] + reach, ranks, seen);
   if (status == SD_OK) status = route_new(&p->ghosts, list.n, list.row, list.rank);
-  if (status != SD_OK) comm_fail("no memory");
+  status = need(status == SD_OK);
   if (status == SD_OK) route_count(&p->ghosts);
   free(list.row);
   free(list.rank);
@@ -225,15 +217,14 @@ static sd_status choose_ghosts(shares *p, const sd_state *common, double skin) {
 /* Ghosts stand by order, too. */
 static sd_status place_ghosts(shares *p) {
   route *r = &p->ghosts;
-  const size_t n_own = p->disks.n_receive;
-  uint32_t *all = realloc(p->order, (n_own + r->n_receive + 1) * sizeof *all);
-  if (all) p->order = all;
-  p->ghost_place = malloc((r->n_receive + 1) * sizeof *p->ghost_place);
-  if (!all || !p->ghost_place) {
-    comm_fail("no memory");
-    return SD_ERROR_IO;
-  }
-  sd_status status = come_in_order(r, p->order, p->ghost_place);
+  const size_t n_own = p->disks.n_receive, n = r->n_receive;
+  uint32_t *found = NULL;
+  const memory_column arrays[] = {{&p->order, n_own + n, sizeof *p->order},
+                                  {&p->ghost_place, n, sizeof *p->ghost_place},
+                                  {&found, n, sizeof *found}};
+  sd_status status = need(memory_resize(sizeof arrays / sizeof *arrays, arrays));
+  if (status == SD_OK) status = come_in_order(r, p->order, found, p->ghost_place);
+  free(found);
   for (size_t k = 0; k < r->n_receive && status == SD_OK; k++) p->ghost_place[k] += (uint32_t)n_own;
   if (status == SD_OK)
     status = route_columns(r, &(route_column){p->order, p->order, sizeof *p->order}, 1, p->ghost_place);
@@ -260,7 +251,7 @@ static sd_status call_contacts(shares *p) {
     if (second != first && status == SD_OK) status = add_send(&list, k, second);
   }
   if (status == SD_OK) status = route_new(&p->contacts, list.n, list.row, list.rank);
-  if (status != SD_OK) comm_fail("no memory");
+  status = need(status == SD_OK);
   if (status == SD_OK) route_count(&p->contacts);
   free(list.row);
   free(list.rank);
@@ -271,8 +262,7 @@ static sd_status call_contacts(shares *p) {
 
 static sd_status take_contacts(route *r, const sd_state *from, bool whole, sd_state *to) {
   to->n_contacts = 0;
-  sd_status status = sd_state_reserve_contacts(to, r->n_receive);
-  if (status != SD_OK) comm_fail("no memory");
+  const sd_status status = need(sd_state_reserve_contacts(to, r->n_receive) == SD_OK);
   to->n_contacts = r->n_receive;
   moving m = {.route = r, .from = from, .to = to, .narrow = whole};
   moving_contacts(&m);
@@ -292,25 +282,24 @@ static sd_status take_disks(shares *p, bool whole, sd_state *to) {
 }
 
 sd_status move_take_common(const engine *from, bool whole, sd_state *to) {
+  if (!whole) {
+    assert(from);
+    common_take(from->state, to);
+    return SD_OK;
+  }
   const size_t bytes = common_bytes(to);
-  char *buffer = malloc(bytes + 1);
-  if (!buffer) {
-    comm_fail("no memory");
-    return SD_ERROR_IO;
-  }
-  if (from) {
-    assert(common_bytes(from->state) == bytes);
-    common_copy(from->state, buffer, false);
-  }
-  if (whole) comm_share(buffer, bytes);
+  char *buffer = NULL;
+  if (need(memory_resize(1, (memory_column[]){{&buffer, bytes, 1}})) != SD_OK) return SD_ERROR_IO;
+  assert(!from || common_bytes(from->state) == bytes);
+  if (from) common_copy(from->state, buffer, false);
+  comm_share(buffer, bytes);
   common_copy(to, buffer, true);
   free(buffer);
   return SD_OK;
 }
 
 static sd_status make_halo(shares *p, double skin, halo **out) {
-  halo *h = *out = calloc(1, sizeof *h);
-  if (!h) return SD_ERROR_IO;
+  halo *h = *out = memory_new(1, sizeof *h);
   h->skin = skin;
   h->n_own = p->disks.n_receive;
   h->n_ghosts = p->ghosts.n_receive;
@@ -331,24 +320,18 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
   double scale[1] = {from ? from->state->box_scale : 1.0};
   if (whole) comm_share(scale, sizeof scale);
   const sd_state common = {.box_scale = scale[0]};
-  int *owner = find_owners(&p);
-  sd_status status = owner ? SD_OK : SD_ERROR_IO;
-  if (!owner) comm_fail("no memory");
+  sd_status status = find_owners(&p);
   if (status == SD_OK) status = call_disks(&p);
   if (status == SD_OK) status = choose_ghosts(&p, &common, skin);
   if (status == SD_OK) status = place_ghosts(&p);
   if (status == SD_OK) *state = state_new_part(model, p.disks.n_receive, p.ghosts.n_receive);
-  if (status == SD_OK && !*state) {
-    comm_fail("no memory");
-    status = SD_ERROR_IO;
-  }
+  if (status == SD_OK) status = need(*state);
   if (status == SD_OK) status = take_disks(&p, whole, *state);
   if (status == SD_OK) status = call_contacts(&p);
   if (status == SD_OK) status = take_contacts(&p.contacts, from ? from->state : NULL, whole, *state);
   if (status == SD_OK) status = move_take_common(from, whole, *state);
   if (status == SD_OK) status = make_halo(&p, skin, h);
   part_free(&p);
-  free(owner);
   if (status == SD_OK) status = order_contacts(model, *state);
   return status;
 }
@@ -360,9 +343,10 @@ static const float IDLE = 1e-6f;
 
 static sd_status cut_rows(comm_cuts *cuts, size_t n, const double *x, const double *y,
                           const int32_t *activity) {
-  float *weight = malloc((n + 1) * sizeof *weight);
-  for (size_t i = 0; weight && i < n; i++) weight[i] = activity[i] == SD_IN_PLAY ? 1.0f : IDLE;
-  sd_status status = weight ? SD_OK : SD_ERROR_IO;
+  float *weight = NULL;
+  const bool there = memory_resize(1, (memory_column[]){{&weight, n, sizeof *weight}});
+  for (size_t i = 0; there && i < n; i++) weight[i] = activity[i] == SD_IN_PLAY ? 1.0f : IDLE;
+  sd_status status = there ? SD_OK : SD_ERROR_IO;
   if (comm_or(status != SD_OK) == 0) status = comm_cuts_make(cuts, n, x, y, weight);
   free(weight);
   return status;
@@ -372,11 +356,12 @@ static sd_status cut_rows(comm_cuts *cuts, size_t n, const double *x, const doub
 static sd_status cut_whole(const sd_model *model, comm_cuts *cuts, const sd_state *s) {
   const size_t n_ranks = (size_t)comm_size(), all = model->n_free, here = (size_t)comm_rank(),
                n = all * (here + 1) / n_ranks - all * here / n_ranks;
-  int *to = calloc(2 * n_ranks, sizeof *to), *from = to + n_ranks;
-  double *x = malloc((n + 1) * sizeof *x), *y = malloc((n + 1) * sizeof *y);
-  int32_t *activity = malloc((n + 1) * sizeof *activity);
+  int *to = memory_new(2 * n_ranks, sizeof *to), *from = to + n_ranks;
+  double *x = NULL, *y = NULL;
+  int32_t *activity = NULL;
+  const memory_column arrays[] = {{&x, n, sizeof *x}, {&y, n, sizeof *y}, {&activity, n, sizeof *activity}};
   assert(!s || s->n_free == all);
-  sd_status status = to && x && y && activity ? SD_OK : SD_ERROR_IO;
+  sd_status status = memory_resize(sizeof arrays / sizeof *arrays, arrays) ? SD_OK : SD_ERROR_IO;
   if (comm_or(status != SD_OK) == 0 && status == SD_OK) {
     for (size_t q = 0; s && q < n_ranks; q++) to[q] = (int)(all * (q + 1) / n_ranks - all * q / n_ranks);
     from[0] = (int)n;
@@ -403,12 +388,13 @@ sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *f
 sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
   const sd_state *s = e->state;
   enum { REST = 6 /* of a disk's step, in halves of candidate pairs */, MOST = 2 };
-  float *weight = malloc((s->n_free + 1) * sizeof *weight);
+  float *weight = NULL;
+  const bool there = memory_resize(1, (memory_column[]){{&weight, s->n_free, sizeof *weight}});
   const double all = (double)(engine_first(e, s->n_free) + REST * s->n_free),
                mean = comm_total(busy) / fmax(comm_total(all), 1.0),
                rate = fmin(fmax(busy / fmax(all, 1.0), mean / MOST), mean * MOST);
-  sd_status status = weight ? SD_OK : SD_ERROR_IO;
-  for (size_t i = 0; weight && i < s->n_free; i++)
+  sd_status status = there ? SD_OK : SD_ERROR_IO;
+  for (size_t i = 0; there && i < s->n_free; i++)
     weight[i] = (float)(rate * (double)(engine_first(e, i + 1) - engine_first(e, i) + REST)) *
                 (s->activity[i] == SD_IN_PLAY ? 1.0f : IDLE);
   if (comm_or(status != SD_OK) == 0) status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
@@ -426,42 +412,36 @@ static void merge_fast(const sd_state *part, sd_state *whole) {
   } fast;
   const fast mine = {part->fast_step, part->fast_disk, part->fast_displacement};
   const size_t ranks = (size_t)comm_size();
-  int *counts = malloc(ranks * sizeof *counts);
-  fast *all = malloc(ranks * sizeof *all);
-  if (!counts || !all) comm_fail("no memory");
-  if (counts && all) {
-    for (size_t q = 0; q < ranks; q++) counts[q] = 1;
-    comm_gather(&mine, all, counts, sizeof mine);
-    fast first = all[0];
-    for (size_t q = 1; q < ranks; q++) {
-      const bool earlier = all[q].step >= 0 && (first.step < 0 || all[q].step < first.step);
-      if (earlier || (all[q].step == first.step && all[q].displacement > first.displacement)) first = all[q];
-    }
-    if (whole) {
-      whole->fast_step = first.step;
-      whole->fast_disk = first.disk;
-      whole->fast_displacement = first.displacement;
-    }
+  int *counts = memory_new(ranks, sizeof *counts);
+  fast *all = memory_new(ranks, sizeof *all);
+  for (size_t q = 0; q < ranks; q++) counts[q] = 1;
+  comm_gather(&mine, all, counts, sizeof mine);
+  fast first = all[0];
+  for (size_t q = 1; q < ranks; q++) {
+    const bool earlier = all[q].step >= 0 && (first.step < 0 || all[q].step < first.step);
+    if (earlier || (all[q].step == first.step && all[q].displacement > first.displacement)) first = all[q];
+  }
+  if (whole) {
+    whole->fast_step = first.step;
+    whole->fast_disk = first.disk;
+    whole->fast_displacement = first.displacement;
   }
   free(counts);
   free(all);
 }
 
 /* Of the phase the whole knows more: its steps are counted where phases end. */
-static void put_common(const sd_state *part, sd_state *whole, char *buffer) {
+static void put_common(const sd_state *part, sd_state *whole) {
   const int64_t phase = whole->phase, phase_step = whole->phase_step;
-  common_copy(part, buffer, false);
-  common_copy(whole, buffer, true);
+  common_take(part, whole);
   whole->phase = phase;
   whole->phase_step = phase_step;
 }
 
 static sd_status put_disks(route *r, const engine *part, sd_state *whole) {
-  uint32_t *place = calloc(r->n_receive + 1, sizeof *place);
-  if (!place) {
-    comm_fail("no memory");
+  uint32_t *place;
+  if (need(memory_rows(1, (memory_column[]){{&place, r->n_receive, sizeof *place}})) != SD_OK)
     return SD_ERROR_IO;
-  }
   sd_status status = route_columns(r, &(route_column){part->halo->order, place, sizeof *place}, 1, NULL);
   moving m = {.route = r, .from = part->state, .to = whole, .narrow = true};
   moving_disks(&m, part->model, false);
@@ -470,33 +450,27 @@ static sd_status put_disks(route *r, const engine *part, sd_state *whole) {
   return status;
 }
 
-sd_status move_common(const engine *part, sd_state *whole) {
-  char *buffer = whole ? malloc(common_bytes(part->state) + 1) : NULL;
-  if (buffer) put_common(part->state, whole, buffer);
-  free(buffer);
+void move_common(const engine *part, sd_state *whole) {
+  if (whole) put_common(part->state, whole);
   merge_fast(part->state, whole);
-  return buffer || !whole ? SD_OK : SD_ERROR_IO;
 }
 
 sd_status move_together(const engine *part, sd_state *whole) {
   const sd_state *s = part->state;
   sd_state nothing = {.law_columns = s->law_columns}; /* the others send only */
-  int *first = calloc((s->n_free > s->n_contacts ? s->n_free : s->n_contacts) + 1, sizeof *first);
   route disks = {0}, contacts = {0};
-  sd_status status = first ? SD_OK : SD_ERROR_IO;
-  if (status == SD_OK) status = route_new(&disks, s->n_free, NULL, first);
-  if (status == SD_OK) status = route_new(&contacts, s->n_contacts, NULL, first);
-  if (status != SD_OK) comm_fail("no memory");
+  sd_status status = route_new(&disks, s->n_free, NULL, NULL);
+  if (status == SD_OK) status = route_new(&contacts, s->n_contacts, NULL, NULL);
+  status = need(status == SD_OK);
   if (status == SD_OK) {
     route_count(&disks);
     route_count(&contacts);
     status = put_disks(&disks, part, whole);
   }
   if (status == SD_OK) status = take_contacts(&contacts, s, true, whole ? whole : &nothing);
-  if (status == SD_OK) status = move_common(part, whole);
+  if (status == SD_OK) move_common(part, whole);
   route_free(&disks);
   route_free(&contacts);
-  free(first);
   if (whole && status == SD_OK) status = order_contacts(part->model, whole);
   return status;
 }

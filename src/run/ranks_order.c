@@ -7,6 +7,7 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "base/memory.h"
 #include "physics/neighbours/order.h"
 #include "run/route.h"
 
@@ -34,12 +35,10 @@ static sd_status count_buckets(const order_place *list, size_t n, buckets *b) {
   b->width = (most + STRIPS - 1) / STRIPS;
   b->strips = (most + b->width - 1) / b->width;
   b->n = (size_t)((uint64_t)comm_largest(level) + 1) * (size_t)b->strips + 1;
-  b->begin = calloc(b->n + 1, sizeof *b->begin);
-  int64_t *counts = calloc(b->n, sizeof *counts);
-  if (!b->begin || !counts) {
-    free(counts);
+  int64_t *counts;
+  if (!memory_rows(
+          2, (memory_column[]){{&b->begin, b->n + 1, sizeof *b->begin}, {&counts, b->n, sizeof *counts}}))
     return SD_ERROR_IO;
-  }
   for (size_t k = 0; k < n; k++) counts[bucket_of(b, &list[k])]++;
   comm_add(counts, b->n);
   for (size_t k = 0; k < b->n; k++) b->begin[k + 1] = b->begin[k] + (size_t)counts[k];
@@ -66,15 +65,13 @@ static void number_places(order_place *came, size_t n, size_t first, uint32_t *n
   for (size_t k = 0; k < n; k++) number[came[k].slot] = (uint32_t)(first + k);
 }
 
-/* Numbers of places go back to the ranks that these came from. */
-static sd_status send_back(const route *r, const uint32_t *number, uint32_t *order) {
-  int *rank = malloc((r->n_receive + 1) * sizeof *rank);
+/* Numbers of places go back to the ranks that these came from. rank: room for as many. */
+static sd_status send_back(const route *r, const uint32_t *number, int *rank, uint32_t *order) {
   route back = {0};
-  sd_status status = rank ? SD_OK : SD_ERROR_IO;
   size_t k = 0;
-  for (int q = 0; rank && q < comm_size(); q++)
+  for (int q = 0; q < comm_size(); q++)
     for (int c = 0; c < r->from[q]; c++) rank[k++] = q;
-  if (status == SD_OK) status = route_new(&back, r->n_receive, NULL, rank);
+  sd_status status = route_new(&back, r->n_receive, NULL, rank);
   if (status != SD_OK) comm_fail("no memory");
   if (status == SD_OK) {
     route_count(&back);
@@ -82,45 +79,51 @@ static sd_status send_back(const route *r, const uint32_t *number, uint32_t *ord
     status = route_columns(&back, &(route_column){number, order, sizeof *order}, 1, NULL);
   }
   route_free(&back);
-  free(rank);
   return status;
 }
 
-/* Slots in the whole of the places of this rank, which ascend. Collective. */
-static sd_status find_order(const order_place *list, size_t n, uint32_t *order) {
+/* Slots in the whole of the places of this rank, which ascend. rank: room for n. Collective. */
+static sd_status find_order(const order_place *list, size_t n, int *rank, uint32_t *order) {
   buckets b = {0};
   route r = {0};
-  int *rank = malloc((n + 1) * sizeof *rank);
-  sd_status status = rank ? count_buckets(list, n, &b) : SD_ERROR_IO;
+  order_place *came = NULL;
+  uint32_t *number = NULL;
+  int *back = NULL;
+  sd_status status = count_buckets(list, n, &b);
   for (size_t k = 0; status == SD_OK && k < n; k++) rank[k] = keeper_of(&b, bucket_of(&b, &list[k]));
   if (status == SD_OK) status = route_new(&r, n, NULL, rank);
   if (status != SD_OK) comm_fail("no memory");
   if (status == SD_OK) route_count(&r);
-  order_place *came = malloc((r.n_receive + 1) * sizeof *came);
-  uint32_t *number = malloc((r.n_receive + 1) * sizeof *number);
-  if (!came || !number) {
+  const size_t n_came = r.n_receive;
+  const memory_column arrays[] = {
+      {&came, n_came, sizeof *came}, {&number, n_came, sizeof *number}, {&back, n_came, sizeof *back}};
+  if (status == SD_OK && !memory_resize(sizeof arrays / sizeof *arrays, arrays)) {
     comm_fail("no memory");
     status = SD_ERROR_IO;
   }
   if (status == SD_OK) status = route_columns(&r, &(route_column){list, came, sizeof *came}, 1, NULL);
   if (status == SD_OK) {
-    number_places(came, r.n_receive, first_kept(&b), number);
-    status = send_back(&r, number, order);
+    number_places(came, n_came, first_kept(&b), number);
+    status = send_back(&r, number, back, order);
   }
   for (size_t k = 1; k < n && status == SD_OK; k++) assert(order[k - 1] < order[k]);
   route_free(&r);
   free(b.begin);
-  free(rank);
   free(came);
   free(number);
+  free(back);
   return status;
 }
 
 sd_status ranks_order(const sd_model *m, sd_state *part, uint32_t *order) {
-  order_place *list = malloc((part->n_free + 1) * sizeof *list);
-  sd_status status = list ? order_part(m, part, comm_largest, list) : SD_ERROR_IO;
+  order_place *list = NULL;
+  int *rank = NULL;
+  const memory_column arrays[] = {{&list, part->n_free, sizeof *list}, {&rank, part->n_free, sizeof *rank}};
+  const bool there = memory_resize(sizeof arrays / sizeof *arrays, arrays);
+  sd_status status = there ? order_part(m, part, comm_largest, list) : SD_ERROR_IO;
   if (status != SD_OK) comm_fail("no memory for the order of its disks");
-  if (status == SD_OK) status = find_order(list, part->n_free, order);
+  if (status == SD_OK) status = find_order(list, part->n_free, rank, order);
   free(list);
+  free(rank);
   return status;
 }

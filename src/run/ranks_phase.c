@@ -5,6 +5,7 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "base/memory.h"
 #include "pack/rain.h"
 #include "physics/contact/energy.h"
 #include "physics/motion/motion.h"
@@ -34,7 +35,7 @@ sd_energy ranks_add_energies(ranks *r) {
 
 settle_measure ranks_rest_of(ranks *r, sd_state *whole) {
   const settle_measure now = ranks_add_rest(&r->part);
-  if (move_common(&r->part, whole) != SD_OK) comm_fail("no memory"); /* the others wait */
+  move_common(&r->part, whole);
   return now;
 }
 
@@ -51,10 +52,12 @@ static void share_radii(const engine *e, const sd_rain *r, size_t n, double *rad
 static sd_status set_out(engine *e, const sd_rain *r, sd_messages *messages) {
   const size_t n = rain_count(e, r);
   const double top = comm_largest(rain_top(e, r));
-  rain_drop *drops = calloc(n, sizeof *drops);
-  double *radius = malloc(n * sizeof *radius);
-  int64_t *bits = malloc(n * sizeof *bits);
-  sd_status status = drops && radius && bits ? SD_OK : SD_ERROR_IO;
+  rain_drop *drops;
+  double *radius;
+  int64_t *bits;
+  const memory_column arrays[] = {
+      {&drops, n, sizeof *drops}, {&radius, n, sizeof *radius}, {&bits, n, sizeof *bits}};
+  sd_status status = memory_rows(sizeof arrays / sizeof *arrays, arrays) ? SD_OK : SD_ERROR_IO;
   if (status == SD_OK) share_radii(e, r, n, radius, bits);
   if (status != SD_OK) comm_fail("no memory for a batch of rain");
   if (status == SD_OK && comm_rank() == 0) status = rain_plan(e, r, top, radius, drops, messages);
@@ -106,13 +109,12 @@ static int by_order(const void *one, const void *two) {
 
 /* Those of all ranks on every rank, in their order; to be freed. */
 static outside_left *gather_left(const outside_left *mine, size_t n, size_t *all) {
-  int *counts = calloc((size_t)comm_size(), sizeof *counts);
-  if (!counts) comm_fail("no memory");
+  int *counts = memory_new((size_t)comm_size(), sizeof *counts);
   comm_gather_counts((int)n, counts);
   *all = 0;
-  for (int q = 0; counts && q < comm_size(); q++) *all += (size_t)counts[q];
-  outside_left *list = malloc((*all + 1) * sizeof *list);
-  if (!list) comm_fail("no memory");
+  for (int q = 0; q < comm_size(); q++) *all += (size_t)counts[q];
+  outside_left *list;
+  if (!memory_rows(1, (memory_column[]){{&list, *all, sizeof *list}})) comm_fail("no memory");
   comm_gather(mine, list, counts, sizeof *list);
   free(counts);
   if (list && *all > 1) qsort(list, *all, sizeof *list, by_order);
@@ -122,8 +124,8 @@ static outside_left *gather_left(const outside_left *mine, size_t n, size_t *all
 /* Contacts of disks that are taken out, here and as ghosts. */
 static sd_status end_contacts(engine *e, const outside_left *list, size_t n) {
   const size_t slots = e->state->n_free + e->state->n_ghosts;
-  bool *gone = calloc(slots + 1, sizeof *gone);
-  if (!gone) return SD_ERROR_IO;
+  bool *gone;
+  if (!memory_rows(1, (memory_column[]){{&gone, slots, sizeof *gone}})) return SD_ERROR_IO;
   for (size_t k = 0; k < n; k++) {
     const size_t slot = engine_slot(e, list[k].disk);
     if (slot < slots && e->state->id[slot] == list[k].disk) gone[slot] = true;
@@ -164,12 +166,11 @@ sd_status ranks_look_outside(ranks *r, sd_messages *messages) {
 /* Of equal ones, as they are found from both sides of a border, that of the first rank. */
 static void share_deepest(ranks *r, const first_overlap *mine) {
   const size_t n = (size_t)comm_size();
-  int *counts = calloc(n, sizeof *counts);
-  first_overlap *all = calloc(n, sizeof *all);
-  if (!counts || !all) comm_fail("no memory");
-  for (size_t k = 0; counts && k < n; k++) counts[k] = 1;
-  if (counts && all) comm_gather(mine, all, counts, sizeof *mine);
-  for (size_t k = 0; all && k < n; k++)
+  int *counts = memory_new(n, sizeof *counts);
+  first_overlap *all = memory_new(n, sizeof *all);
+  for (size_t k = 0; k < n; k++) counts[k] = 1;
+  comm_gather(mine, all, counts, sizeof *mine);
+  for (size_t k = 0; k < n; k++)
     if (all[k].relative > r->deepest.relative) r->deepest = all[k];
   free(counts);
   free(all);

@@ -6,6 +6,7 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "base/memory.h"
 #include "io/results/checkpoint.h"
 #include "physics/step/access.h"
 #include "physics/system/halo.h"
@@ -43,20 +44,25 @@ static void order_free(checkpoint_order *order) {
 
 static sd_status order_new(const engine *e, checkpoint_order *order, sd_messages *messages) {
   const sd_state *s = e->state;
-  place *list = malloc((s->n_contacts + 1) * sizeof *list);
-  *order = (checkpoint_order){.disk_key = malloc((s->n_free + 1) * sizeof *order->disk_key),
-                              .contact_key = malloc((s->n_contacts + 1) * sizeof *order->contact_key),
-                              .contact = malloc((s->n_contacts + 1) * sizeof *order->contact)};
-  const bool there = list && order->disk_key && order->contact_key && order->contact;
-  for (size_t i = 0; there && i < s->n_free; i++) order->disk_key[i] = (int64_t)e->halo->order[i];
-  for (uint32_t c = 0; there && c < s->n_contacts; c++) list[c] = place_of(e, c);
-  if (there && s->n_contacts > 1) qsort(list, s->n_contacts, sizeof *list, by_place);
-  for (size_t c = 0; there && c < s->n_contacts; c++) {
+  place *list = NULL;
+  *order = (checkpoint_order){0};
+  const memory_column arrays[] = {{&list, s->n_contacts, sizeof *list},
+                                  {&order->disk_key, s->n_free, sizeof *order->disk_key},
+                                  {&order->contact_key, s->n_contacts, sizeof *order->contact_key},
+                                  {&order->contact, s->n_contacts, sizeof *order->contact}};
+  if (!memory_resize(sizeof arrays / sizeof *arrays, arrays)) {
+    free(list);
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the results of rank %d", comm_rank());
+  }
+  for (size_t i = 0; i < s->n_free; i++) order->disk_key[i] = (int64_t)e->halo->order[i];
+  for (uint32_t c = 0; c < s->n_contacts; c++) list[c] = place_of(e, c);
+  if (s->n_contacts > 1) qsort(list, s->n_contacts, sizeof *list, by_place);
+  for (size_t c = 0; c < s->n_contacts; c++) {
     order->contact_key[c] = list[c].key;
     order->contact[c] = list[c].from;
   }
   free(list);
-  return there ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the results of rank %d", comm_rank());
+  return SD_OK;
 }
 
 sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum, sd_messages *messages) {
@@ -83,12 +89,11 @@ sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame, i
 
 void ranks_gather_sums(int64_t sum, int64_t *all) {
   const size_t n = (size_t)comm_size();
-  int *counts = malloc(n * sizeof *counts);
-  int64_t *every = malloc(n * sizeof *every);
-  if (!counts || !every) comm_fail("no memory");
-  for (size_t q = 0; counts && q < n; q++) counts[q] = 1;
-  if (counts && every) comm_gather(&sum, every, counts, sizeof sum);
-  if (all && every) memcpy(all, every, n * sizeof *all);
+  int *counts = memory_new(n, sizeof *counts);
+  int64_t *every = memory_new(n, sizeof *every);
+  for (size_t q = 0; q < n; q++) counts[q] = 1;
+  comm_gather(&sum, every, counts, sizeof sum);
+  if (all) memcpy(all, every, n * sizeof *all);
   free(counts);
   free(every);
 }
@@ -115,15 +120,14 @@ static int by_order(const void *one, const void *two) {
 /* The first of each rank, and of these the first. */
 summary_lost ranks_add_lost(const engine *part) {
   summary_lost lost = summary_lost_of(part->state);
-  int *counts = calloc((size_t)comm_size(), sizeof *counts);
-  struct summary_lost_disk *all = calloc((size_t)comm_size() * SUMMARY_LOST, sizeof *all);
-  if (!counts || !all) comm_fail("no memory");
+  int *counts = memory_new((size_t)comm_size(), sizeof *counts);
+  struct summary_lost_disk *all = memory_new((size_t)comm_size() * SUMMARY_LOST, sizeof *all);
   for (size_t k = 0; k < lost.told; k++) lost.first[k].order = part->halo->order[lost.first[k].order];
   lost.n = (int64_t)comm_total((double)lost.n);
   size_t n = 0;
-  if (counts) comm_gather_counts((int)lost.told, counts);
-  for (int q = 0; counts && q < comm_size(); q++) n += (size_t)counts[q];
-  if (counts && all && n > 0) {
+  comm_gather_counts((int)lost.told, counts);
+  for (int q = 0; q < comm_size(); q++) n += (size_t)counts[q];
+  if (n > 0) {
     comm_gather(lost.first, all, counts, sizeof *all);
     qsort(all, n, sizeof *all, by_order);
     lost.told = n < SUMMARY_LOST ? n : SUMMARY_LOST;

@@ -8,6 +8,7 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "base/memory.h"
 #include "io/deck/deck.h"
 #include "model/tiles.h"
 #include "pack/tiles.h"
@@ -32,9 +33,8 @@ static size_t count_part(const sd_tiles *t, size_t part) {
 /* Room for the largest. False: no memory. */
 static bool begin_part(const sd_model *m, made_part *p) {
   const size_t most = count_part(&m->tiles, 0);
-  p->disks = malloc((most + 1) * sizeof *p->disks);
-  p->number = calloc(most + 1, sizeof *p->number);
-  return p->disks && p->number;
+  return memory_rows(
+      2, (memory_column[]){{&p->disks, most, sizeof *p->disks}, {&p->number, most, sizeof *p->number}});
 }
 
 static void end_part(made_part *p) {
@@ -96,9 +96,9 @@ static sd_status fill_disks(const sd_model *m, sd_state *s, int64_t *inputs, sd_
 /* --- together -------------------------------------------------------------------------------------------------- */
 
 static sd_status order_made(engine *made) {
-  halo *h = made->halo = calloc(1, sizeof *h);
-  if (!h || !(h->order = malloc((made->state->n_free + 1) * sizeof *h->order))) return SD_ERROR_IO;
+  halo *h = made->halo = memory_new(1, sizeof *h);
   h->n_own = made->state->n_free;
+  if (!memory_resize(1, (memory_column[]){{&h->order, h->n_own, sizeof *h->order}})) return SD_ERROR_IO;
   return ranks_order(made->model, made->state, h->order);
 }
 

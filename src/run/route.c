@@ -7,6 +7,7 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "base/memory.h"
 #include "base/runs.h"
 
 void route_free(route *r) {
@@ -20,18 +21,13 @@ void route_free(route *r) {
 
 sd_status route_new(route *r, size_t n, const uint32_t *row, const int *rank) {
   const size_t ranks = (size_t)comm_size();
-  size_t *at = calloc(ranks + 1, sizeof *at);
-  *r = (route){.n_send = n,
-               .to = calloc(ranks, sizeof *r->to),
-               .from = calloc(ranks, sizeof *r->from),
-               .row = malloc((n + 1) * sizeof *r->row)};
-  if (!at || !r->to || !r->from || !r->row) {
-    free(at);
-    return SD_ERROR_IO;
-  }
-  for (size_t k = 0; k < n; k++) r->to[rank[k]]++;
+  *r = (route){
+      .n_send = n, .to = memory_new(ranks, sizeof *r->to), .from = memory_new(ranks, sizeof *r->from)};
+  if (!memory_resize(1, (memory_column[]){{&r->row, n, sizeof *r->row}})) return SD_ERROR_IO;
+  size_t *at = memory_new(ranks + 1, sizeof *at);
+  for (size_t k = 0; k < n; k++) r->to[rank ? rank[k] : 0]++;
   for (size_t q = 0; q < ranks; q++) at[q + 1] = at[q] + (size_t)r->to[q];
-  for (size_t k = 0; k < n; k++) r->row[at[rank[k]]++] = row ? row[k] : (uint32_t)k;
+  for (size_t k = 0; k < n; k++) r->row[at[rank ? rank[k] : 0]++] = row ? row[k] : (uint32_t)k;
   free(at);
   return SD_OK;
 }
@@ -74,9 +70,9 @@ static size_t before_own(const int *counts) {
 static sd_status reserve(char **buffer, size_t *capacity, size_t bytes) {
   if (bytes <= *capacity) return SD_OK;
   free(*buffer);
-  *buffer = malloc(bytes);
+  *buffer = NULL;
   *capacity = bytes;
-  if (*buffer) return SD_OK;
+  if (memory_resize(1, (memory_column[]){{buffer, bytes, 1}})) return SD_OK;
   comm_fail("no memory"); /* the others wait */
   return SD_ERROR_IO;
 }
@@ -129,9 +125,9 @@ sd_status route_columns(route *r, const route_column *column, size_t n, const ui
 
 sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {
   const size_t ranks = (size_t)comm_size();
-  size_t *at = malloc((2 * ranks + 1) * sizeof *at), *end = at + ranks, begin = 0;
+  size_t *at = memory_new(2 * ranks, sizeof *at), *end = at + ranks, begin = 0;
   runs heads = {0};
-  if (!at || runs_new(&heads, ranks) != SD_OK) {
+  if (runs_new(&heads, ranks) != SD_OK) {
     free(at);
     comm_fail("no memory"); /* the others wait */
     return SD_ERROR_IO;

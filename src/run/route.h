@@ -25,7 +25,8 @@ typedef struct route_column {
   size_t size; /* bytes of a row */
 } route_column;
 
-/* Row row[k] goes to rank[k]; row NULL: row k. SD_ERROR_IO: no memory. Then, on every rank, route_count. */
+/* Row row[k] goes to rank[k]; row NULL: row k; rank NULL: all go to rank 0. SD_ERROR_IO: no memory.
+ * Then, on every rank, route_count. */
 sd_status route_new(route *r, size_t n, const uint32_t *row, const int *rank);
 void route_count(route *r);
 void route_free(route *r);
