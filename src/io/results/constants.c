@@ -386,7 +386,7 @@ static void read_walls(reader *r, sd_model *m) {
     r->status = members_read(r->file, WALLS, &arc_constants, m->walls, sizeof *m->walls, n, r->messages);
   for (size_t k = 0; m->walls && r->status == SD_OK && k < n; k++) check_species(r, m, m->walls[k].material);
   if (r->status == SD_OK) m->n_walls = n;
-  if (r->status == SD_OK && !share_points(m, total, points))
+  if (m->walls && r->status == SD_OK && !share_points(m, total, points))
     r->status = sd_fail(r->messages, SD_ERROR_IO, WALLS "/shape: the points cannot be read");
   for (size_t k = 0; m->walls && k < n; k++)
     if (!m->walls[k].points) m->walls[k].n_points = 0;

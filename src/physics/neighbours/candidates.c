@@ -104,9 +104,12 @@ static void add_wall(wall_lists *l, uint32_t disk, uint32_t wall) {
   numbers_add(&l->wall, wall);
 }
 
+/* There was no memory for some of them. */
+static bool is_short(const wall_lists *l) { return l->disk.failed || l->wall.failed; }
+
 /* Sorts by disks, and keeps the order of walls. */
 static sd_status by_disks(wall_lists *l, size_t n_free) {
-  if (l->disk.failed || l->wall.failed) return SD_ERROR_IO;
+  if (is_short(l)) return SD_ERROR_IO;
   if (l->disk.n == 0) return SD_OK;
   if (!memory_rows(2, (memory_column[]){{&l->start, n_free + 2, sizeof *l->start},
                                         {&l->of, l->disk.n, sizeof *l->of}}))
@@ -136,7 +139,7 @@ static void find_round_wall(const engine *e, const grid *g, uint32_t b, grid_run
 static sd_status find_round_walls(const engine *e, const grid *g, wall_lists *l) {
   const sd_state *s = e->state;
   grid_runs runs = {0};
-  for (uint32_t b = (uint32_t)s->n_disks; b < s->n_bodies; b++)
+  for (uint32_t b = (uint32_t)s->n_disks; b < s->n_bodies && !is_short(l); b++)
     if (s->radius[b] != 0.0) find_round_wall(e, g, b, &runs, l);
   free(runs.run);
   return by_disks(l, s->n_free);
@@ -184,12 +187,12 @@ static void find_range(const engine *e, const grid *g, const placed_segment *p, 
 
 static sd_status find_segments(const engine *e, const grid *g, wall_lists *l) {
   grid_runs runs = {0};
-  for (uint32_t m = 0; m < e->model->n_segments; m++) {
+  for (uint32_t m = 0; m < e->model->n_segments && !is_short(l); m++) {
     const placed_segment *p = &e->work.segments[m];
     double first[2], last[2];
     for (int c = 0; c < 2; c++) find_range(e, g, p, c, &first[c], &last[c]);
-    for (double v = first[1]; v <= last[1]; v++)
-      for (double u = first[0]; u <= last[0]; u++) {
+    for (double v = first[1]; v <= last[1] && !is_short(l); v++)
+      for (double u = first[0]; u <= last[0] && !is_short(l); u++) {
         placed_segment image = *p;
         walls_shift(e->work.length, u, v, &image);
         find_image(e, g, m, &image, &runs, l);

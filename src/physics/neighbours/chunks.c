@@ -236,7 +236,7 @@ sd_status chunks_plan(engine *e) {
   if (reserve(c, count ? count : 1, n_free) != SD_OK) return SD_ERROR_IO;
   c->size = size;
   c->count = count;
-  c->n_threads = w->n_threads;
+  c->n_threads = (int)threads;
   cut_shares(c, disk);
   assert(c->begin[count] == n_free && c->share[0] == 0 && c->share[threads] == count);
   find_pairs(c, &w->pairs);
