@@ -220,8 +220,10 @@ static bool leaving; /* by its own will */
 
 /* Small things have no memory: the process ends, since checkpoints are what keeps a run. Nothing is allocated here. */
 static void end_without_memory(size_t bytes) {
-  char text[LIMIT_LINE];
-  int n = snprintf(text, sizeof text, "error: no memory (%zu bytes more)", bytes);
+  char text[LIMIT_LINE], rank[40] = "", amount[60] = "";
+  if (comm_size() > 1) snprintf(rank, sizeof rank, "rank %d: ", comm_rank());
+  if (bytes > 0) snprintf(amount, sizeof amount, " (%zu bytes more)", bytes);
+  int n = snprintf(text, sizeof text, "error: %sno memory%s", rank, amount);
   n += drive_describe_saved(text + n, sizeof text - (size_t)n - 1);
   text[n++] = '\n';
   ssize_t told = write(STDERR_FILENO, text, (size_t)n);
