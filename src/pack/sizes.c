@@ -1,6 +1,7 @@
 /* sizes.c: see sizes.h. */
 #include "pack/sizes.h"
 
+#include <assert.h>
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_integration.h>
@@ -84,6 +85,7 @@ double sizes_mean_area(const sizes *s) {
 /* How many of n disks each radius of a list gets: the whole parts of n w/W, and one more each for the largest
  * remainders. */
 static void draw_list(const sizes *s, size_t n, double *radius) {
+  assert(s->n > 0);
   double *remainder = memory_new(s->n, sizeof *remainder), total = 0;
   size_t *count = memory_new(s->n, sizeof *count), *order = memory_new(s->n, sizeof *order), given = 0;
   for (size_t k = 0; k < s->n; k++) total += s->weights[k];

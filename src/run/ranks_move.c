@@ -64,6 +64,7 @@ static sd_status find_owners(shares *p) {
   const memory_column arrays[] = {{&p->owner, p->n_known, sizeof *p->owner},
                                   {&p->source, p->n_from, sizeof *p->source}};
   if (need(memory_resize(sizeof arrays / sizeof *arrays, arrays)) != SD_OK) return SD_ERROR_IO;
+  if (!s) return SD_OK; /* a rank that has no disks yet */
   for (uint32_t i = 0; i < p->n_from; i++) p->source[i] = p->from->halo ? p->from->halo->order[i] : i;
   comm_cuts_mine(p->cuts, low, high);
   for (size_t i = 0; i < p->n_known; i++) {

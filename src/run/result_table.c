@@ -21,12 +21,16 @@ result_column *result_table_find(const result_table *s, const char *name) {
   return NULL;
 }
 
-static void allocate(result_column *c, size_t n) {
-  c->number = c->kind == RESULT_NUMBER ? memory_new(n, sizeof *c->number) : NULL;
-  c->integer = c->kind == RESULT_INTEGER ? memory_new(n, sizeof *c->integer) : NULL;
-  c->text = c->kind == RESULT_TEXT ? memory_new(n, sizeof *c->text) : NULL;
-  for (size_t k = 0; c->number && k < n; k++) c->number[k] = NAN;
-  for (size_t k = 0; c->integer && k < n; k++) c->integer[k] = RESULT_EMPTY;
+static void allocate(result_column *c, result_kind kind, size_t n) {
+  if (kind == RESULT_TEXT) c->text = memory_new(n, sizeof *c->text);
+  if (kind == RESULT_NUMBER) {
+    c->number = memory_new(n, sizeof *c->number);
+    for (size_t k = 0; k < n; k++) c->number[k] = NAN;
+  }
+  if (kind == RESULT_INTEGER) {
+    c->integer = memory_new(n, sizeof *c->integer);
+    for (size_t k = 0; k < n; k++) c->integer[k] = RESULT_EMPTY;
+  }
 }
 
 /* NULL: a column of this name holds something else. */
@@ -37,7 +41,7 @@ static result_column *column(result_table *s, result_kind kind, const char *name
   s->columns = memory_grow(s->columns, s->n_columns + 1, sizeof *s->columns);
   c = &s->columns[s->n_columns++];
   *c = (result_column){.name = memory_text(name), .kind = kind, .unit = unit, .meaning = meaning};
-  allocate(c, s->n_rows);
+  allocate(c, kind, s->n_rows);
   return c;
 }
 
