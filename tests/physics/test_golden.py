@@ -1,4 +1,5 @@
-"""The final states of short runs are those of tests/golden.csv, bit by bit; and what the table's two hashes notice."""
+"""The final states of short runs are those of tests/golden.csv, bit by bit; and what the table's three hashes notice."""
+import dataclasses
 import shutil
 import sys
 import unittest
@@ -60,6 +61,20 @@ class Golden(unittest.TestCase):
                     values[-1] = last + 1 if values.dtype.kind == "i" else numpy.nextafter(last, numpy.inf)
                     self.assertEqual(golden.trajectory_hash(file["state"]) != trajectory, moves)
                 self.assertEqual(golden.difference(original, other), column)
+
+    def test_means_of_disks_are_results(self):
+        deck = next(d for d in golden.decks() if d.name == "shake")
+        original, other = self.result(deck), self.folder / "means.h5"
+        shutil.copy(original, other)
+        for name in "disks/force", "fastest/omega":
+            before = golden.results_hash(other)
+            with h5py.File(other, "r+") as file:
+                values = file["summary"][name]
+                values[0] = numpy.nextafter(values[0], numpy.inf)
+            self.assertNotEqual(golden.results_hash(other), before)
+        kept = golden.bits(original)
+        self.assertEqual(golden.bits(other), dataclasses.replace(kept, results=golden.results_hash(other)))
+        self.assertIn("summary/disks/force", golden.difference(original, other))
 
     def test_slots_and_further_columns_are_of_no_account(self):
         deck = next(d for d in golden.decks() if d.name == "compress")

@@ -1,10 +1,11 @@
 """The golden decks: short versions of the decks in inputs/, and the bits that come out; see tests/golden.csv.
 
-Of a result two hashes are kept. `state` is that of the whole final state (attribute `hash` of /state, sd_state_hash:
+Of a result three hashes are kept. `state` is that of the whole final state (attribute `hash` of /state, sd_state_hash:
 FNV-1a over every column of sd_fields in the table's order), so that it changes with every new or altered column.
 `trajectory` is made here from what moves: the step, and of every body the position, images, angle and velocities, of
 every contact lambda* and its reference direction, in the order of body numbers. It is the same whatever other columns
-there are, in whichever order they or the slots stand.
+there are, in whichever order they or the slots stand. `results` is made of all datasets and attributes that readers of
+a result use: series, frames, contacts, the summary with the means of every disk.
 """
 import csv
 import dataclasses
@@ -17,6 +18,8 @@ import subprocess
 
 import h5py
 import numpy
+
+from .results import content, differences
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 TABLE = ROOT / "tests" / "golden.csv"
@@ -161,6 +164,17 @@ def trajectory_hash(state):
     return sum_.hexdigest()[:16]
 
 
+RESULTS = ("observables", "particles", "contacts", "summary")
+
+
+def results_hash(path):
+    sum_ = hashlib.sha256()
+    for name, value in sorted(content(path).items()):
+        if name.startswith(RESULTS):
+            sum_.update(name.encode() + value)
+    return sum_.hexdigest()[:16]
+
+
 @dataclasses.dataclass(frozen=True)
 class Bits:
     """What the table keeps of a deck; a sweep's hashes are those of its points' hashes."""
@@ -168,22 +182,25 @@ class Bits:
     contacts: int
     state: str
     trajectory: str
+    results: str
+
+
+HASHES = ("state", "trajectory", "results")
 
 
 def bits(result):
-    states, trajectories, steps, contacts = [], [], 0, 0
+    hashes, steps, contacts = [], 0, 0
     for path in results_of(result):
         with h5py.File(path) as file:
             state = file["state"]
-            states.append(text(state.attrs["hash"]))
-            trajectories.append(trajectory_hash(state))
+            hashes.append((text(state.attrs["hash"]), trajectory_hash(state), results_hash(path)))
             steps += int(state["step"][()])
             contacts += int(state.attrs["n_contacts"])
-    if not states:
+    if not hashes:
         raise Failed("there is no result")
-    if len(states) == 1:
-        return Bits(steps, contacts, states[0], trajectories[0])
-    return Bits(steps, contacts, *(hashlib.sha256("".join(x).encode()).hexdigest()[:16] for x in (states, trajectories)))
+    if len(hashes) == 1:
+        return Bits(steps, contacts, *hashes[0])
+    return Bits(steps, contacts, *(hashlib.sha256("".join(x).encode()).hexdigest()[:16] for x in zip(*hashes)))
 
 
 def column_of(file, name):
@@ -199,6 +216,9 @@ def difference(one, two):
                 p, q = (x[name], y[name]) if name in x else (column_of(f, name), column_of(g, name))
                 if q is None or numpy.asarray(p).tobytes() != numpy.asarray(q).tobytes():
                     return f"{name} ({a.stem})" if len(results_of(one)) > 1 else name
+        for name in differences(content(a), content(b)):
+            if name.startswith(RESULTS):
+                return f"{name} ({a.stem})" if len(results_of(one)) > 1 else name
     return ""
 
 
@@ -211,7 +231,8 @@ HEAD = """\
 #
 # When results are meant to change:  SLIPDISK_GOLDEN=write tools/soak.sh determinism
 # writes the table anew, after all variants have agreed with one another. `state` changes with every column of the state,
-# `trajectory` with what moves only: where only `state` changes no disk goes another way.
+# `trajectory` with what moves only: where only `state` changes no disk goes another way. `results` changes with what the
+# summary, series, frames and contacts of the result file say.
 #
 # Bits may depend on the C library (sin of a tilt, GSL); this table was made with
 """
@@ -228,12 +249,12 @@ def read(table=TABLE):
     notes = [line for line in lines if line.startswith("#")]
     rows = csv.DictReader(line for line in lines if not line.startswith("#"))
     return notes[-1].lstrip("# "), {
-        row["deck"]: Bits(int(row["steps"]), int(row["contacts"]), row["state"], row["trajectory"]) for row in rows}
+        row["deck"]: Bits(int(row["steps"]), int(row["contacts"]), *(row[name] for name in HASHES)) for row in rows}
 
 
 def write(found, table=TABLE):
-    lines = [HEAD + f"# {library()}", "deck,steps,contacts,state,trajectory"]
-    lines += [f"{name},{b.steps},{b.contacts},{b.state},{b.trajectory}" for name, b in found.items()]
+    lines = [HEAD + f"# {library()}", ",".join(("deck", "steps", "contacts", *HASHES))]
+    lines += [",".join(map(str, (name, *dataclasses.astuple(b)))) for name, b in found.items()]
     table.write_text("\n".join(lines) + "\n")
 
 
@@ -245,7 +266,8 @@ def against(name, now, table=TABLE):
         return f"{name}: is not in {table.name}"
     if kept == now:
         return ""
-    what = "state and trajectory" if kept.trajectory != now.trajectory else "state, but not the trajectory"
-    return (f"{name}: {what} differ from {table.name}: state {now.state} instead of {kept.state}, trajectory "
-            f"{now.trajectory} instead of {kept.trajectory}, {now.steps} steps instead of {kept.steps} (table: {made}; "
+    what = ("state and trajectory" if kept.trajectory != now.trajectory else
+            "state, but not the trajectory," if kept.state != now.state else "results, but not the state,")
+    pairs = ", ".join(f"{n} {getattr(now, n)} instead of {getattr(kept, n)}" for n in HASHES if getattr(now, n) != getattr(kept, n))
+    return (f"{name}: {what} differ from {table.name}: {pairs}, {now.steps} steps instead of {kept.steps} (table: {made}; "
             f"here: {library()})")
