@@ -256,6 +256,29 @@ class Measure(results_common.Folder):
         self.assertEqual(state["step"], self.checkpoints()[0])
         self.assertIn("no frames are stored", self.refused(2, checkpoint, "--frame", 0))
 
+    def test_state_with_rolling(self):
+        self.make(BOX.replace("mu = 0.4;", "mu = 0.4; k_r = 20.0; mu_r = 0.2;"))
+        with h5py.File(self.result) as file:
+            roll = abs(file["state/contact_roll"][()])
+        self.assertGreater(roll.max(), 0)
+        (state,) = self.json()
+        (frame,) = self.json("--frame", 4)
+        self.assertEqual({**state, "frame": 4}, frame)
+
+    def test_damaged_state(self):
+        self.make(BOX)
+        whole = self.folder / "whole.h5"
+        shutil.copy(self.result, whole)
+        for column, last, told in (("id", 10**6, "/state/id is damaged"), ("id", 31, "/state/id is damaged"),
+                                   ("contact_a", 10**6, "the contacts of the state are damaged"),
+                                   ("contact_b", 10**6, "the contacts of the state are damaged")):
+            with self.subTest(column=column, last=last):
+                shutil.copy(whole, self.result)
+                with changed(self.result) as file:
+                    values = file["state"][column]
+                    values[0 if column == "id" else -1] = last
+                self.assertIn(told, self.refused(4, self.result))
+
     def test_mistakes(self):
         self.make(BOX)
         self.assertIn("frame 5: there are 0 to 4", self.refused(2, self.result, "--frame", 5))
