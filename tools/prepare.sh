@@ -1,6 +1,6 @@
-# What compare_peers.sh and the commands of tools/studies need before they begin: a python3 in $python,
-# and the program. To be sourced, with the root of the source tree in $root. With --help, --draw or
-# --no-install nothing is installed or built.
+# Prepares compare_peers.sh and the commands of tools/studies: sets $python to a python3 with their
+# packages, and builds the program. To be sourced, with the root of the source tree in $root. With
+# --help, --draw or --no-install nothing is installed or built.
 
 help=no passive=no named=no
 for word in "$@"; do

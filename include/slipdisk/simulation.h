@@ -59,7 +59,8 @@ SD_API sd_status sd_simulation_advance(sd_simulation *simulation, int64_t n, sd_
 /* Called after steps that are multiples of `every`; reads only. Returns SD_OK, or SD_INTERRUPTED: sd_simulation_advance
  * returns here. Other values end the run as its errors do. */
 typedef sd_status sd_observer(sd_simulation *simulation, void *user);
-/* Observers are called in the order in which they were added. SD_ERROR_USER: every < 1, or no observer. */
+/* Observers are called in the order in which they were added. SD_ERROR_USER: every < 1, or no
+ * observer. */
 SD_API sd_status sd_simulation_observe(sd_simulation *simulation, int64_t every, sd_observer *observer,
                                        void *user);
 

@@ -56,10 +56,11 @@ SD_API void sd_messages_clear(sd_messages *m);
 /* One line each, "error: " or "warning: " before it. */
 SD_API void sd_messages_print(const sd_messages *m, FILE *out);
 
-/* Memory. Functions whose arrays have a row per disk, contact, pair or row of output return SD_ERROR_IO, or what their header
- * says, when there is no memory. Small things (texts, structs, lists of messages) do not fail: without memory for `bytes`
- * of them the handler is called, once, from the thread that lacks them. It must not return; it may write a line and
- * leave by _exit, but not allocate. NULL, the default: a line on the standard error output, and abort(). */
+/* Memory. Functions whose arrays have a row per disk, contact, pair or row of output return
+ * SD_ERROR_IO, or what their header says, when there is no memory. Small things (texts, structs,
+ * lists of messages) do not fail: without memory for `bytes` of them the handler is called, once,
+ * from the thread that lacks them. It must not return; it may write a line and leave by _exit,
+ * but not allocate. NULL, the default: a line on the standard error output, and abort(). */
 typedef void sd_memory_handler(size_t bytes);
 SD_API void sd_on_no_memory(sd_memory_handler *handler);
 

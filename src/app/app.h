@@ -97,8 +97,9 @@ int drive_agree(int status, sd_messages *messages);
 /* messages: of the loader, printed first. Takes neither over. Ranks beside the first have no model; they serve till the run is done. */
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
 
-/* Writes into text[size] from which step the run of this process goes on, "; what was made until step 1000 is saved, continue with:
- * slipdisk ..."; nothing if it has saved nothing. Returns the length. Allocates nothing; any thread may call it. */
+/* Writes into text[size] from which step the run of this process goes on, "; everything until
+ * step 1000 is saved, continue with: slipdisk ..."; nothing if it has saved nothing. Returns the
+ * length. Allocates nothing; any thread may call it. */
 int drive_describe_saved(char *text, size_t size);
 
 /* --- report.c --------------------------------------------------------------------------------------- */

@@ -218,7 +218,8 @@ static int run_command(int argc, char **argv) {
 
 static bool leaving; /* by its own will */
 
-/* Small things have no memory: the process ends, since checkpoints are what keeps a run. Nothing is allocated here. */
+/* Small things have no memory: the process ends, since checkpoints are what keeps a run. Nothing
+ * is allocated here. */
 static void end_without_memory(size_t bytes) {
   char text[LIMIT_LINE], rank[40] = "", amount[60] = "";
   if (comm_size() > 1) snprintf(rank, sizeof rank, "rank %d: ", comm_rank());

@@ -29,7 +29,8 @@ _Noreturn void memory_lacks(size_t bytes) {
   abort();
 }
 
-/* Room for n elements, at least one byte; NULL: there is none, or more bytes than an address can count. */
+/* Room for n elements, at least one byte; NULL: there is none, or more bytes than an address can
+ * count. */
 static void *resized(void *old, size_t n, size_t size) {
   if (n > PTRDIFF_MAX / (size > 0 ? size : 1)) return NULL;
   return realloc(old, n * size > 0 ? n * size : 1);

@@ -1,10 +1,12 @@
 /* memory.h: small things, for which there is always memory, and rows, for which there may be none.
  *
- * Texts, structs, lists of messages, tables with a row per law, motion, key or rank are small: memory_new and its like
- * never return NULL. Without memory they call the handler that sd_on_no_memory has set, once, and do not return.
+ * Texts, structs, lists of messages, tables with a row per law, motion, key or rank are small:
+ * memory_new and its like never return NULL. Without memory they call the handler that
+ * sd_on_no_memory has set, once, and do not return.
  *
- * Arrays with a row per disk, contact, pair, or row of output follow the size of the system. memory_rows and memory_resize
- * say whether there is memory, and their callers return SD_ERROR_IO.
+ * Arrays with a row per disk, contact, pair, or row of output follow the size of the system.
+ * memory_rows and memory_resize say whether there is memory, and their callers return
+ * SD_ERROR_IO.
  */
 #ifndef SLIPDISK_BASE_MEMORY_H
 #define SLIPDISK_BASE_MEMORY_H
@@ -14,9 +16,11 @@
 
 /* n elements of so many bytes, all zero. Never NULL, also with n = 0. Free with free(). */
 void *memory_new(size_t n, size_t size);
-/* The block `old` (or NULL) with room for n elements; what is new is not set. Never NULL. Free with free(). */
+/* The block `old` (or NULL) with room for n elements; what is new is not set. Never NULL. Free
+ * with free(). */
 void *memory_grow(void *old, size_t n, size_t size);
-/* So many bytes, all zero, that begin at a multiple of 64: a cache line. Never NULL. Free with free(). */
+/* So many bytes, all zero, that begin at a multiple of 64: a cache line. Never NULL. Free with
+ * free(). */
 void *memory_lines(size_t bytes);
 /* Copies of so many bytes, and of a text; a copy of NULL is NULL. Free with free(). */
 void *memory_copy(const void *from, size_t bytes);
@@ -30,11 +34,12 @@ typedef struct memory_column {
   size_t n, size;
 } memory_column;
 
-/* Sets the pointers of n_columns arrays to zeroed memory; none is NULL then, also with n = 0. False: there is not enough
- * memory, and all of them are NULL. Free each with free(). */
+/* Sets the pointers of n_columns arrays to zeroed memory; none is NULL then, also with n = 0.
+ * False: there is not enough memory, and all of them are NULL. Free each with free(). */
 bool memory_rows(size_t n_columns, const memory_column *columns);
-/* Changes the arrays to n elements each and keeps the elements that both have; what is new is not set. False: there is not
- * enough memory; each pointer still has at least the elements that it had, if n is not below. */
+/* Changes the arrays to n elements each and keeps the elements that both have; what is new is not
+ * set. False: there is not enough memory; each pointer still has at least the elements that it
+ * had, if n is not below. */
 bool memory_resize(size_t n_columns, const memory_column *columns);
 
 #endif

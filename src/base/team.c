@@ -13,11 +13,11 @@
 #include "base/clock.h"
 #include "base/memory.h"
 
-/* A thread that waits looks for some microseconds whether all are there, then it sleeps. On free cores the threads of a
- * step are nearer to each other than LONG_SPIN. Where waits last longer, the one that is late has no core, and who spins may
- * be in its place: until CALM waits in a row were short again, threads hardly spin. More threads than
- * cores never spin for long. They do not yield: that would give others who have work of their own a whole
- * slice of time. */
+/* A thread that waits looks for some microseconds whether all are there, then it sleeps. On free
+ * cores the threads of a step are nearer to each other than LONG_SPIN. Where waits last longer,
+ * the one that is late has no core, and who spins may be in its place: until CALM waits in a row
+ * were short again, threads hardly spin. More threads than cores never spin for long. They do not
+ * yield: that would give others who have work of their own a whole slice of time. */
 static const double LONG_SPIN = 200e-6, SHORT_SPIN = 2e-6, SHORT_WAIT = 300e-6;
 enum { SPINS_PER_LOOK = 16, CALM = 2, LINE = 64 };
 

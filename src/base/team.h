@@ -25,8 +25,8 @@ typedef struct team {
 
 typedef void team_task(const team *t, void *with);
 
-/* As many threads, with the one that calls; or fewer where the system gives no more. It is never
- * NULL. */
+/* A pool has so many threads, with the one that calls, or fewer if the system gives no more. It
+ * is never NULL. */
 pool *pool_new(int threads);
 /* Waits until the threads have ended. A child of fork has none to wait for. */
 void pool_free(pool *c);

@@ -34,8 +34,8 @@ typedef struct correlation {
   size_t n_limit;                  /* contacts that slide */
 } correlation;
 
-/* bins of every histogram, at least one; g(r) reaches to 5 mean diameters, less in small systems; forces to CORRELATION_FORCES means.
- * correlation_free also when it fails. */
+/* bins of every histogram, at least one; g(r) reaches to 5 mean diameters, less in small systems;
+ * forces to CORRELATION_FORCES means. correlation_free also when it fails. */
 enum { CORRELATION_FORCES = 10 };
 sd_status correlation_new(correlation *t, const configuration *c, const region *g, size_t bins,
                           sd_messages *messages);

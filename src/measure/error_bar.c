@@ -15,11 +15,11 @@
  * fall out of their means, so there the error is the least that blocks give behind the largest, 16 of them or more,
  * with one standard deviation put back, as what is picked for being low is low by chance as well.
  *
- * The error can be trusted (`reliable`) when the record is at least LONG integrated correlation times
- * long, and its lowest frequencies tell the density at zero (slow.h). A period must repeat there, too.
- * Records of 100 to 200 tau are called long enough partly by chance, when their error comes out small.
- * So a reliable error is enlarged by (CHANCE tau/n)^2 of itself; tests/physics/test_converged.c holds
- * CHANCE to noise of known tau.
+ * The error can be trusted (`reliable`) when the record is at least LONG integrated correlation
+ * times long, and its lowest frequencies tell the density at zero (slow.h). A period must repeat
+ * there, too. Records of 100 to 200 tau are called long enough partly by chance, when their error
+ * comes out small. So a reliable error is enlarged by (CHANCE tau/n)^2 of itself;
+ * tests/physics/test_converged.c holds CHANCE to noise of known tau.
  */
 #include "measure/error_bar.h"
 

@@ -82,8 +82,8 @@ static void list_bearing(incidence_list *l, const configuration *c, const int32_
   }
 }
 
-/* Bodies with too few contacts leave, and take their contacts along, until none is left with too few.
- * room->left: contacts of those that stay. */
+/* Bodies with too few contacts leave, and take their contacts along, until none is left with too
+ * few. room->left: contacts of those that stay. */
 static void find_rattlers(stress *s, const configuration *c, const scratch *room) {
   size_t n = c->model->n_disks, waiting = 0;
   int32_t least = c->frictionless ? 3 : 2, *left = room->left;

@@ -4,8 +4,8 @@
 
 #include "model/model.h"
 
-/* Marks the disks whose coordinates are all prescribed or locked as driven, and counts the free ones.
- * SD_ERROR_IO: there is no memory. */
+/* Marks the disks whose coordinates are all prescribed or locked as driven, and counts the free
+ * ones. SD_ERROR_IO: there is no memory. */
 sd_status model_find_driven(sd_model *model);
 
 /* Fills m->segments. */

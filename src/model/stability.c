@@ -8,8 +8,8 @@
  *   a (w dt)^2 + b c dt = 1        Verlet: a = 1/4,   b = 1
  *                                  Gear:   a = 47/30, b = 551/90
  *
- * (tests/physics/test_stability.c). In a packing, where a disk has up to six contacts, the limit is up
- * to three times shorter. */
+ * (tests/physics/test_stability.c). In a packing, where a disk has up to six contacts, the limit
+ * is up to three times shorter. */
 #include <math.h>
 #include <stdlib.h>
 

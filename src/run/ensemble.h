@@ -18,8 +18,9 @@ bool ensemble_takes(const sd_model *model);
 /* Can two such models share lanes? Symmetric, and transitive. */
 bool ensemble_alike(const sd_model *a, const sd_model *b);
 
-/* Members stay the caller's, and must outlive the ensemble. They need not stand at the same step, nor be
- * alike: what does not fit together is advanced one by one. Simulations of one thread only. SD_OK always. */
+/* Members stay the caller's, and must outlive the ensemble. They need not stand at the same step,
+ * nor be alike: what does not fit together is advanced one by one. Simulations of one thread
+ * only. SD_OK always. */
 sd_status ensemble_new(size_t n, sd_simulation *const *members, ensemble **out, sd_messages *messages);
 void ensemble_free(ensemble *e);
 

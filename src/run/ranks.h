@@ -27,7 +27,7 @@ typedef struct ranks_balance {
   int64_t least, most; /* disks of a rank */
 } ranks_balance;
 
-/* Of a job with several ranks. stop: becomes true where this rank gets a signal, and then on rank 0,
+/* The job has several ranks. stop: becomes true where this rank gets a signal, and then on rank 0,
  * too. NULL: no memory for the rows of results. */
 ranks *ranks_new(const sd_model *model, volatile sig_atomic_t *stop);
 void ranks_free(ranks *r);

@@ -40,7 +40,7 @@ void result_table_free(result_table *s);
 
 /* As CSV (RFC 4180, numbers to the last bit, empty cells where nothing is known). */
 sd_status result_table_write_csv(const result_table *s, const char *path, sd_messages *messages);
-/* As datasets of a group. An empty integer is -1 there. */
+/* Writes the columns as datasets of a group. An empty integer is -1 there. */
 void result_table_write_h5(const result_table *s, h5_file *file, const char *group);
 
 #endif

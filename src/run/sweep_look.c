@@ -22,8 +22,9 @@ sweep_status sweep_peek(const sweep *s, size_t point) {
   char *result = sweep_point_path(s, point, ".h5"), *parts = sweep_point_path(s, point, ".h5.parts"),
        *failed = sweep_point_path(s, point, ".failed");
   sweep_status status = SWEEP_WAITING;
-  /* A result without parts is finished. Both are there at the end of the merge, after a kill there (the parts
-   * have to go), and when a finished point is run again. The parts vanish last, so they are looked for first. */
+  /* A result without parts is finished. Both are there at the end of the merge, after a kill
+   * there (the parts have to go), and when a finished point is run again. The parts vanish last,
+   * so they are looked for first. */
   bool running = folder_is_locked(parts), begun = file_is_folder(parts);
   if (running)
     status = SWEEP_RUNNING;

@@ -1,4 +1,5 @@
-/* Memory for small things: without it the handler is called once and the process ends. Rows: all arrays or none. */
+/* Memory for small things: without it the handler is called once and the process ends. Rows: all
+ * arrays or none. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -30,7 +31,7 @@ static void leave(size_t bytes) {
 
 static void come_back(size_t bytes) { (void)bytes; }
 
-/* What waitpid says of a child that does it. */
+/* Status by waitpid of a child that does it. */
 static int end_of(void (*act)(void)) {
   fflush(NULL);
   const pid_t child = fork();

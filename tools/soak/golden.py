@@ -231,8 +231,8 @@ HEAD = """\
 #
 # When results are meant to change:  SLIPDISK_GOLDEN=write tools/soak.sh determinism
 # writes the table anew, after all variants have agreed with one another. `state` changes with every column of the state,
-# `trajectory` with what moves only: where only `state` changes no disk goes another way. `results` changes with what the
-# summary, series, frames and contacts of the result file say.
+# `trajectory` with what moves only: where only `state` changes no disk goes another way.
+# `results` changes with what the summary, series, frames and contacts of the result file say.
 #
 # Bits may depend on the C library (sin of a tilt, GSL); this table was made with
 """

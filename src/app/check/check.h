@@ -37,8 +37,8 @@ double check_run_seconds(const check_found *found);
 
 /* --- check_page.c, check_json.c --------------------------------------------------------------------- */
 void check_print(const check_found *found);
-/* model NULL: the deck has mistakes. full: with the full deck. Returns `status`; SD_ERROR_IO: it cannot be
- * printed, which was told. */
+/* model NULL: the deck has mistakes. full: with the full deck. Returns `status`; SD_ERROR_IO: it
+ * cannot be printed, which was told. */
 int check_print_json(const check_found *found, const char *deck, bool full, int status,
                      const sd_messages *messages);
 

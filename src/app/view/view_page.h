@@ -8,7 +8,8 @@
 /* src/app/viewer in one text, ending in 0; made by tools/cmake/embed.cmake. */
 extern const unsigned char viewer_page[];
 
-/* Writes the page without its numbers, but with what is told about the run. False: out has an error. */
+/* Writes the page without its numbers, but with what is told about the run. False: out has an
+ * error. */
 bool view_page_head(FILE *out, const json_t *meta);
 bool view_page_tail(FILE *out);
 

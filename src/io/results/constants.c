@@ -140,8 +140,8 @@ static void put_box(h5_file *file, const char *group, const sd_model *m) {
   free(box);
 }
 
-/* Rows of bodies in the order of a state; NULL: they are not there, and why. What a checkpoint gives
- * is *own, to be freed. */
+/* Rows of bodies in the order of a state; NULL: they are not there, and why. What a checkpoint
+ * gives is *own, to be freed. */
 static const void *state_column(const constants_source *from, const char *name, size_t n, void **own,
                                 sd_status *status, sd_messages *messages) {
   size_t k = 0;
@@ -358,8 +358,8 @@ static void read_clumps(reader *r, sd_model *m) {
   if (r->status == SD_OK) m->n_clumps = n;
 }
 
-/* Points of all walls stand in one list; each wall has its number of them, but no memory. False: there
- * are not so many. */
+/* Points of all walls stand in one list; each wall has its number of them, but no memory. False:
+ * there are not so many. */
 static bool share_points(sd_model *m, size_t total, const double *points) {
   for (size_t k = 0, at = 0; k < m->n_walls; k++) {
     sd_wall *w = &m->walls[k];

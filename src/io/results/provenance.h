@@ -24,10 +24,10 @@ typedef struct provenance {
 /* A number that stands for what a model may have from files and the full deck does not spell out: constants
  * of the disks, tables of the motions, contacts of a packing and the walls that came with them. Never 0. */
 int64_t provenance_inputs(const sd_model *model);
-/* Of a run that starts now. It does not fail. */
+/* Describes a run that starts now. It does not fail. */
 sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *messages);
-/* Brings machine, versions, ranks and threads up to this process; cpu_path as sd_simulation_path says.
- * It does not fail. */
+/* Brings machine, versions, ranks and threads up to this process; cpu_path as sd_simulation_path
+ * says. It does not fail. */
 sd_status provenance_refresh(provenance *p, int ranks, int threads, const char *cpu_path,
                              sd_messages *messages);
 void provenance_free(provenance *p);

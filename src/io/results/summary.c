@@ -309,8 +309,8 @@ void summary_write(const summary *s, h5_file *file) {
   summary_doubts_write(s, file);
 }
 
-/* Sizes that the file gives, and room for what they count; a damaged one may ask for more memory than
- * there is. */
+/* Sizes that the file gives, and room for what they count; a damaged one may ask for more memory
+ * than there is. */
 static sd_status read_counts(summary *s, const h5_file *file, sd_messages *messages) {
   for (const struct group *g = groups; g < groups + GROUPS; g++) {
     int64_t n = h5_exists(file, g->path) ? h5_get_attr_i64(file, g->path, "count", 0) : 0;

@@ -79,8 +79,8 @@ typedef struct summary_lost {
 } summary_lost;
 summary_lost summary_lost_of(const sd_state *state);
 
-/* All but the means of every disk: summary_disks_collect. contacts, lost NULL: those that stand in the
- * state. It does not fail. */
+/* All but the means of every disk: summary_disks_collect. contacts, lost NULL: those that stand
+ * in the state. It does not fail. */
 sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state,
                           const summary_contacts *contacts, const summary_lost *lost, const sd_energy *energy,
                           double step_nanoseconds, sd_messages *messages);

@@ -32,7 +32,8 @@ static void find_fastest(summary_disks *s) {
   s->n_fastest = n;
 }
 
-/* Rows go from the order of slots to that of the deck. place has a zero for each disk of the deck. */
+/* Rows go from the order of slots to that of the deck. place has a zero for each disk of the
+ * deck. */
 static void sort_by_number(const sd_disk_mean *means, size_t n, size_t n_disks, uint32_t *place,
                            sd_disk_mean *sorted) {
   for (size_t k = 0; k < n; k++) place[means[k].disk] = 1; /* those that are there */

@@ -290,8 +290,8 @@ static const char *read_rows(const table *t, const h5_element *e, const char *pa
   return trouble;
 }
 
-/* What an element holds of the rows asked for, `width` numbers each, valid until the next; NULL: reported. component < 0:
- * one. */
+/* Reads from each element the rows asked for, `width` numbers each, valid until the next; NULL:
+ * reported. component < 0: one. */
 static const double *read_values(table *t, const h5_element *e, const char *name, int component,
                                  size_t *width) {
   size_t dims[H5_MAX_RANK];
@@ -384,7 +384,7 @@ static sd_status read_column(table *t, size_t c, const source *from, const h5_el
   return status;
 }
 
-/* Which rows hold no particle. */
+/* Finds the rows that hold no particle. */
 static sd_status read_absent(table *t, const h5_element *e) {
   size_t width = 1;
   const double *data = read_values(t, e, e->name, -1, &width);

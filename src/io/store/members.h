@@ -17,7 +17,7 @@ sd_status members_read(const h5_file *file, const char *group, const observable_
 void members_write_attrs(h5_file *file, const char *path, const observable_list *list, const void *row);
 void members_read_attrs(const h5_file *file, const char *path, const observable_list *list, void *row);
 
-/* Where this dataset is in a file, which may have it by the name of an older format; to be freed. */
+/* Path of this dataset in a file, which may have it by the name of an older format; to be freed. */
 char *members_path(const h5_file *file, const char *path);
 
 /* A dataset in a group, with unit and description. data NULL: there was no memory for it. */

@@ -27,8 +27,8 @@ typedef struct prescribed {
   double value[MOTION_BATCH], velocity[MOTION_BATCH];
 } prescribed;
 
-/* Tables for the model's motions; what is running follows from the state.
- * SD_ERROR_IO: there is no memory for those by body; SD_ERROR_USER: no curve goes through a table. */
+/* Tables for the model's motions; what is running follows from the state. SD_ERROR_IO: there is
+ * no memory for those by body; SD_ERROR_USER: no curve goes through a table. */
 sd_status motion_new(engine *e, sd_messages *messages);
 void motion_free(engine *e);
 

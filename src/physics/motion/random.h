@@ -11,8 +11,9 @@ typedef struct random_step {
   double cholesky[3]; /* lower triangle: uu, vu, vv */
 } random_step;
 
-/* omega > 0, damping ratio c > 0 (under-, critically or over-damped), rms >= 0, h > 0. The covariance is a
- * Gauss-Legendre quadrature of positive terms: no digits are lost when w h is small (physics.md 7). */
+/* omega > 0, damping ratio c > 0 (under-, critically or over-damped), rms >= 0, h > 0. The
+ * covariance is a Gauss-Legendre quadrature of positive terms: no digits are lost when w h is
+ * small (physics.md 7). */
 random_step random_step_new(double omega, double damping, double rms, double h);
 
 #endif

@@ -61,7 +61,7 @@ static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
   return near;
 }
 
-/* --- order of numbers -------------------------------------------------------------------------------- */
+/* --- order of numbers ------------------------------------------------------------------------- */
 
 static int ascending(const void *one, const void *two) {
   const uint32_t *p = one, *q = two;

@@ -58,7 +58,7 @@ def _records(frames, contacts):
 
 _SMALL = {"packings[0].count": 100, "container.width": 15.24, "container.height": 15.24}
 
-# Of the runs of these docs/studies/data has columns of disks and contacts; of others, their numbers only.
+# docs/studies/data has columns of disks and contacts of these runs; numbers only of all others.
 WITH_DISKS = ("low", "moderate", "drive", "random", "frictionless", "cage", "drum", "quiet", "quiet_stiff", "quiet_long")
 
 # Cheap and needed by others first.
