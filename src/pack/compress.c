@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/exact_sum.h"
 #include "model/cell.h"
 #include "pack/rain.h"
 #include "physics/system/bodies.h"
@@ -62,26 +63,30 @@ typedef struct virial {
 
 static virial virial_of(const engine *e) {
   const sd_state *s = e->state;
-  double force = 0.0, stiffness = 0.0, twice = 2.0 * compress_area(e->model, s);
+  const double twice = 2.0 * compress_area(e->model, s);
+  enum { FORCE, STIFFNESS, SUMS };
+  exact_sum sum[SUMS] = {0};
   for (size_t k = 0; k < engine_candidates(e); k++) {
     if (!engine_contact_closed(e, k)) continue;
     size_t a = engine_contact_a(e, k), b = engine_contact_b(e, k);
     double r = s->radius[a] + (b < s->n_disks ? s->radius[b] : 0.0) - engine_contact_overlap(e, k);
-    force += engine_contact_force(e, k) * r;
+    exact_sum_add(&sum[FORCE], engine_contact_force(e, k) * r);
     if (s->n_clumps > 0) r += longer(e, k);
-    stiffness += engine_contact_stiffness(e, k) * r * r;
+    exact_sum_add(&sum[STIFFNESS], engine_contact_stiffness(e, k) * r * r);
   }
-  for (size_t i = 0; s->n_clumps > 0 && i < s->n_free; i++) force += compress_inner(e->model, s, i);
+  for (size_t i = 0; s->n_clumps > 0 && i < s->n_free; i++)
+    exact_sum_add(&sum[FORCE], compress_inner(e->model, s, i));
+  const double force = exact_sum_value(&sum[FORCE]), stiffness = exact_sum_value(&sum[STIFFNESS]);
   return (virial){force / twice, (stiffness + 2.0 * force) / twice};
 }
 
 double compress_pressure(const engine *e) { return virial_of(e).pressure; }
 
 double compress_fraction(const sd_model *m, const sd_state *s) {
-  double sum = 0.0;
+  exact_sum squares = {0};
   for (size_t i = 0; i < s->n_free; i++)
-    if (body_in_play(s, i)) sum += s->radius[i] * s->radius[i];
-  return M_PI * sum / compress_area(m, s);
+    if (body_in_play(s, i)) exact_sum_add(&squares, s->radius[i] * s->radius[i]);
+  return M_PI * exact_sum_value(&squares) / compress_area(m, s);
 }
 
 /* --- target ------------------------------------------------------------------------------------------- */

@@ -7,20 +7,23 @@
 #ifndef PACK_RELAX_H
 #define PACK_RELAX_H
 
+#include "base/exact_sum.h"
 #include "base/team.h"
 #include "physics/system/work.h"
 
-/* Of the whole team: what its threads have summed, block of disks by block. */
-enum { RELAX_BLOCKS = 64 };
+/* Sums over the free coordinates: power, and the squares of both norms. One a thread; `total`, in the
+ * first, is of all. */
+enum { RELAX_POWER, RELAX_SPEED2, RELAX_PUSH2, RELAX_SUMS };
 typedef struct relax_sums {
-  double power[RELAX_BLOCKS], speed2[RELAX_BLOCKS], push2[RELAX_BLOCKS];
+  exact_sum of[RELAX_SUMS];
+  double total[RELAX_SUMS];
 } relax_sums;
 
 /* A phase begins: the steering starts afresh. */
 void relax_begin(engine *e);
-/* After a completed step of a phase that relaxes, by the whole team; velocities are the new ones after it. The
- * kinetic energy that is taken out is booked in state->relaxed. Prescribed and locked coordinates and disks that
- * are not in play are left alone. */
-void relax_step(engine *e, const team *t, relax_sums *team_sums);
+/* After a completed step of a phase that relaxes, by the whole team; velocities are the new ones after
+ * it. The kinetic energy that is taken out is booked in state->relaxed. Prescribed and locked
+ * coordinates and disks that are not in play are left alone. of_team: one for each thread of the team. */
+void relax_step(engine *e, const team *t, relax_sums *of_team);
 
 #endif

@@ -238,19 +238,18 @@ typedef struct advance_task {
   engine *e;
   int64_t n;
   bool measure;
-  relax_sums sums;
+  relax_sums *sums; /* one a thread; NULL: the phase does not relax */
 } advance_task;
 
 /* One member's share of n steps within a phase. */
-static void advance_steps(const advance_task *a, const team *t, relax_sums *team_sums) {
+static void advance_steps(const advance_task *a, const team *t) {
   engine *e = a->e;
-  const bool relax = e->model->phases[e->state->phase].relax;
   const int64_t measured = e->state->measured;
   for (int64_t k = 1; k <= a->n; k++) {
     step_once(e, t);
     team_wait(t);
     if (engine_status(e) != SD_OK) return;
-    if (relax) relax_step(e, t, team_sums);
+    if (a->sums) relax_step(e, t, a->sums);
     if (!a->measure) continue;
     disks_step(e, t, measured + k);
     if (t->rank == 0) sample_step(e);
@@ -259,19 +258,23 @@ static void advance_steps(const advance_task *a, const team *t, relax_sums *team
 }
 
 static void advance_member(const team *t, void *with) {
-  advance_task *a = with;
+  const advance_task *a = with;
   unsigned mode = subnormal_off();
   if (engine_lanes(a->e))
     lanes_loop(engine_lanes(a->e), a->n, a->measure);
   else
-    advance_steps(a, t, &a->sums);
+    advance_steps(a, t);
   subnormal_restore(mode);
 }
 
 static void advance_team(engine *e, int64_t n, bool measure) {
+  advance_task task = {.e = e, .n = n, .measure = measure};
   assert(n > 0);
+  if (e->model->phases[e->state->phase].relax)
+    task.sums = memory_new((size_t)engine_threads(e), sizeof *task.sums);
   step_begin(e, n);
-  pool_run(e->pool, advance_member, &(advance_task){.e = e, .n = n, .measure = measure});
+  pool_run(e->pool, advance_member, &task);
+  free(task.sums);
 }
 
 sd_status simulation_rebuild(engine *e, bool small, sd_messages *messages) {

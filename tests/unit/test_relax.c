@@ -116,13 +116,13 @@ static void test_booked(void **unused) {
   sd_model *m = heap_new("gear5", 5e-4, 1.0, "phases = ( { steps = 16000; } );");
   sd_simulation *sim = begin_run(m, 1);
   int stopped = 0, steered = 0, changed = 0;
-  relax_sums team_sums;
+  relax_sums sums_of_team;
   advance(sim, 4000);
   for (int n = 0; n < 300; n++) {
     advance(sim, 40);
     sd_state *before = copy_of(m, sd_simulation_state(sim));
     sd_energy old = sd_simulation_energy(sim);
-    relax_step(engine_of(sim), &(team){.size = 1}, &team_sums);
+    relax_step(engine_of(sim), &(team){.size = 1}, &sums_of_team);
     const sd_state *s = sd_simulation_state(sim);
     sd_energy new = sd_simulation_energy(sim);
     double taken = kinetic(&old) - kinetic(&new);
@@ -158,8 +158,8 @@ static void test_out_of_play(void **unused) {
   s->activity[6] = SD_OUTSIDE;
   bodies_fill_constants(engine_of(sim));
   double kept = s->vx[5], lost = s->vx[6];
-  relax_sums team_sums;
-  relax_step(engine_of(sim), &(team){.size = 1}, &team_sums);
+  relax_sums sums_of_team;
+  relax_step(engine_of(sim), &(team){.size = 1}, &sums_of_team);
   assert_true(s->vx[5] == kept && s->vx[6] != lost);
   end_run(sim, m);
 }

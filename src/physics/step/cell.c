@@ -15,6 +15,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/exact_sum.h"
 #include "model/cell.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
@@ -117,26 +118,30 @@ static void measure_stress(const engine *e, double stress[SD_CELL_COMPONENTS]) {
   const sd_state *s = e->state;
   const work *w = &e->work;
   const double *t = s->cell_force;
-  double g[SD_CELL_COMPONENTS], xx = 0.0, yy = 0.0, xy = 0.0, mass = 0.0, px = 0.0, py = 0.0;
+  enum { XX, YY, XY, MASS, PX, PY, SUMS };
+  double g[SD_CELL_COMPONENTS], of[SUMS];
+  exact_sum sum[SUMS] = {0};
   cell_gradient(e, g);
   for (size_t i = 0; i < s->n_free; i++) {
     if (!body_in_play(s, i)) continue;
     const double x = s->x[i] - w->lower[0], y = s->y[i] - w->lower[1], m = s->mass[i];
     const double vx = s->vx[i] - (g[SD_CELL_XX] * x + g[SD_CELL_XY] * y), vy = s->vy[i] - g[SD_CELL_YY] * y;
-    xx += s->force_x[i] * x + m * (vx * vx);
-    yy += s->force_y[i] * y + m * (vy * vy);
-    xy += s->force_x[i] * y + m * (vx * vy);
-    mass += m;
-    px += m * vx;
-    py += m * vy;
+    const double of_disk[SUMS] = {[XX] = s->force_x[i] * x + m * (vx * vx),
+                                  [YY] = s->force_y[i] * y + m * (vy * vy),
+                                  [XY] = s->force_x[i] * y + m * (vx * vy),
+                                  [MASS] = m,
+                                  [PX] = m * vx,
+                                  [PY] = m * vy};
+    for (int k = 0; k < SUMS; k++) exact_sum_add(&sum[k], of_disk[k]);
   }
-  const double area = w->length[0] * w->length[1], per_mass = mass > 0.0 ? 1.0 / mass : 0.0;
-  xx -= px * px * per_mass + t[T_XX] * w->length[0] + t[T_XY] * w->offset;
-  yy -= py * py * per_mass + t[T_YY] * w->length[1];
-  xy -= px * py * per_mass + t[T_XY] * w->length[1];
-  stress[SD_CELL_XX] = xx / area;
-  stress[SD_CELL_YY] = yy / area;
-  stress[SD_CELL_XY] = xy / area;
+  for (int k = 0; k < SUMS; k++) of[k] = exact_sum_value(&sum[k]);
+  const double area = w->length[0] * w->length[1], per_mass = of[MASS] > 0.0 ? 1.0 / of[MASS] : 0.0;
+  of[XX] -= of[PX] * of[PX] * per_mass + t[T_XX] * w->length[0] + t[T_XY] * w->offset;
+  of[YY] -= of[PY] * of[PY] * per_mass + t[T_YY] * w->length[1];
+  of[XY] -= of[PX] * of[PY] * per_mass + t[T_XY] * w->length[1];
+  stress[SD_CELL_XX] = of[XX] / area;
+  stress[SD_CELL_YY] = of[YY] / area;
+  stress[SD_CELL_XY] = of[XY] / area;
 }
 
 /* Some times that a disk takes to go its own length under this stress. */
