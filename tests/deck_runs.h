@@ -65,7 +65,7 @@ HELPER simulation_step step_for(int threads) {
 HELPER sd_simulation *begin_run(const sd_model *model, int threads) {
   sd_simulation *sim = NULL;
   sd_messages *messages = sd_messages_new();
-  simulation_new(model, threads, step_for(threads), NULL, &sim, messages);
+  simulation_new(model, threads, step_for(threads), NULL, NULL, &sim, messages);
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
   assert_non_null(sim);
@@ -100,7 +100,8 @@ HELPER sd_simulation *go_on_from_copy(sd_simulation *sim, int threads) {
   sd_state *state = copy_of(model, sd_simulation_state(sim));
   sd_simulation_free(sim);
   sd_simulation *next = NULL;
-  assert_int_equal(simulation_resume(model, state, threads, step_for(threads), NULL, &next, NULL), SD_OK);
+  assert_int_equal(simulation_resume(model, state, threads, step_for(threads), NULL, NULL, &next, NULL),
+                   SD_OK);
   return next;
 }
 

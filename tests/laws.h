@@ -51,8 +51,8 @@ HELPER sd_simulation *laws_begin(text *t, bool general) {
   sd_simulation *s = NULL;
   free(t->s);
   *t = (text){0};
-  assert_int_equal(simulation_new(m, 1, general ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL, &s, NULL),
-                   SD_OK);
+  assert_int_equal(
+      simulation_new(m, 1, general ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL, NULL, &s, NULL), SD_OK);
   return s;
 }
 

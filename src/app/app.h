@@ -90,10 +90,10 @@ typedef struct drive_options {
         "append progress and result to a file"                                                               \
   }
 
-/* Starts MPI where the program was built with it. All ranks call it; the first loads the deck; then drive_agree prints what went wrong
- * and returns the largest status of all ranks. comm_end is the caller's. */
-int drive_begin(sd_messages *messages);
-int drive_agree(int status, sd_messages *messages);
+/* Starts MPI where the program was built with it. All ranks call it; the first loads the model (the others: NULL); then drive_agree
+ * refuses what ranks do not share, prints what went wrong and returns the largest status of all ranks. comm_end is the caller's. */
+int drive_begin(const drive_options *options, sd_messages *messages);
+int drive_agree(const sd_model *model, int status, sd_messages *messages);
 /* messages: of the loader, printed first. Takes neither over. Ranks beside the first have no model; they serve till the run is done. */
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
 

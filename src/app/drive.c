@@ -20,6 +20,7 @@
 #include "io/store/file.h"
 #include "run/model_share.h"
 #include "run/ranks.h"
+#include "run/ranks_suit.h"
 #include "run/session.h"
 #include "run/simulation_private.h"
 
@@ -248,7 +249,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
                          .threads = (int)options->threads,
                          .force = options->force,
                          .stop = &app_stop,
-                         .over_ranks = comm_size() > 1 ? &app_stop : NULL,
+                         .comm = comm_world(),
                          .progress = show,
                          .look = options->live ? look : NULL,
                          .user = t};
@@ -299,10 +300,10 @@ static int open_log(teller *t, const char *path) {
 /* The ranks beside the first, till that has finished. */
 static int serve(void) {
   sd_model *model;
-  model_share(NULL, &model, NULL);
-  ranks *r = model ? ranks_new(model, &app_stop) : NULL;
+  model_share(comm_world(), NULL, &model, NULL);
+  ranks *r = model ? ranks_new(comm_world(), model, &app_stop) : NULL;
   if (!r) {
-    comm_fail("no memory");
+    comm_fail(comm_world(), "no memory");
     return SD_ERROR_IO;
   }
   const int status = ranks_serve(r);
@@ -312,33 +313,39 @@ static int serve(void) {
 }
 
 static void tell_end(const char *why) {
-  app_line(stderr, "error: rank %d: %s; the job ends", comm_rank(), why);
+  app_line(stderr, "error: rank %d: %s; the job ends", comm_rank(comm_world()), why);
 }
 
-int drive_begin(sd_messages *messages) {
-  const int status = comm_begin(messages);
+int drive_begin(const drive_options *options, sd_messages *messages) {
+  int status = comm_begin(messages);
   comm_on_fail(tell_end);
-  if (status != SD_OK) sd_messages_print(messages, stderr);
-  if (comm_size() > 1) app_begin_saving(); /* a rank that is gone would be waited for */
+  if (status == SD_OK && comm_world() && options->live)
+    status = sd_fail(messages, SD_ERROR_USER,
+                     "--live shows the disks of one process; expected a run without mpirun, or without --live");
+  if (status != SD_OK && comm_rank(comm_world()) == 0) sd_messages_print(messages, stderr);
+  if (comm_world()) app_begin_saving(); /* a rank that is gone would be waited for */
   return status;
 }
 
-int drive_agree(int status, sd_messages *messages) {
+int drive_agree(const sd_model *model, int status, sd_messages *messages) {
+  if (status == SD_OK && comm_world() && model) status = ranks_suit(model, messages);
+
   int first = status;
-  comm_share(&first, sizeof first);
-  if (status != SD_OK && (comm_rank() == 0 || first == SD_OK)) sd_messages_print(messages, stderr);
-  if (comm_rank() > 0) sd_messages_clear(messages);
-  return comm_max(status);
+  comm_share(comm_world(), &first, sizeof first);
+  if (status != SD_OK && (comm_rank(comm_world()) == 0 || first == SD_OK))
+    sd_messages_print(messages, stderr);
+  if (comm_rank(comm_world()) > 0) sd_messages_clear(messages);
+  return comm_max(comm_world(), status);
 }
 
 static int drive_alone(const sd_model *model, const drive_options *options, sd_messages *messages);
 
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
-  if (comm_rank() > 0) return serve();
+  if (comm_rank(comm_world()) > 0) return serve();
   sd_model *none;
-  int status = model_share(model, &none, messages);
+  int status = model_share(comm_world(), model, &none, messages);
   if (status == SD_OK) status = drive_alone(model, options, messages);
-  ranks_dismiss(status);
+  ranks_dismiss(comm_world(), status);
   return status;
 }
 

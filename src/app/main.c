@@ -222,14 +222,14 @@ static bool leaving; /* by its own will */
  * is allocated here. */
 static void end_without_memory(size_t bytes) {
   char text[LIMIT_LINE], rank[40] = "", amount[60] = "";
-  if (comm_size() > 1) snprintf(rank, sizeof rank, "rank %d: ", comm_rank());
+  if (comm_world()) snprintf(rank, sizeof rank, "rank %d: ", comm_rank(comm_world()));
   if (bytes > 0) snprintf(amount, sizeof amount, " (%zu bytes more)", bytes);
   int n = snprintf(text, sizeof text, "error: %sno memory%s", rank, amount);
   n += drive_describe_saved(text + n, sizeof text - (size_t)n - 1);
   text[n++] = '\n';
   ssize_t told = write(STDERR_FILENO, text, (size_t)n);
   (void)told; /* there is no other way to tell it */
-  comm_abort(SD_ERROR_IO);
+  comm_abort(comm_world(), SD_ERROR_IO);
   _exit(SD_ERROR_IO);
 }
 

@@ -38,7 +38,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   sd_model *model = NULL;
   sd_status status = place_find(&p, name, messages);
   if (status == SD_OK && !file_is_folder(p.folder)) {
-    if (!drive->quiet && comm_rank() == 0) app_line(stderr, "%s is finished already", p.result);
+    if (!drive->quiet && comm_rank(comm_world()) == 0) app_line(stderr, "%s is finished already", p.result);
     place_free(&p);
     return SD_OK;
   }
@@ -46,8 +46,9 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   if (status == SD_OK) status = checkpoint_check_format(file, checkpoint, messages);
   if (status == SD_OK) status = provenance_read(&origin, file, messages);
   h5_close(file, NULL);
-  if (status == SD_OK && comm_rank() == 0) status = simulation_model_of(&origin, &model, messages);
-  status = drive_agree(status, messages);
+  if (status == SD_OK && comm_rank(comm_world()) == 0)
+    status = simulation_model_of(&origin, &model, messages);
+  status = drive_agree(model, status, messages);
   if (status == SD_OK) {
     again = format_text("resume %s", p.result);
     drive->result = p.result;
@@ -68,7 +69,7 @@ int app_resume(int argc, char **argv) {
   int status = options_parse(&app_resume_line, argc, argv, &a);
   if (status != 0) return status;
   sd_messages *messages = sd_messages_new();
-  status = drive_begin(messages);
+  status = drive_begin(&a.drive, messages);
   if (status == SD_OK) status = resume(a.name, &a.drive, messages);
   comm_end();
   sd_messages_free(messages);

@@ -49,18 +49,16 @@ int app_run(int argc, char **argv) {
   sd_model *model = NULL;
   char *output = NULL, *again = NULL;
   int status = options_parse(&app_run_line, argc, argv, &a);
-  if (status == 0) status = drive_begin(messages);
+  if (status == 0) status = drive_begin(&a.drive, messages);
   if (status == 0) {
     assert(a.deck);
     output = a.output ? memory_text(a.output) : app_default_name(a.deck, "h5");
     again = format_text("resume %s", output);
-    /* a page shows all disks */
-    const bool shared = comm_size() > 1 && !a.drive.live;
-    if (comm_rank() == 0)
-      status = (shared ? deck_load_for_ranks : sd_deck_load)(a.deck, a.overrides.n, a.overrides.item, &model,
+    if (comm_rank(comm_world()) == 0)
+      status = (comm_world() ? deck_load_for_ranks : sd_deck_load)(a.deck, a.overrides.n, a.overrides.item, &model,
                                                              messages);
-    status = drive_agree(status, messages);
-    if (status == SD_OK && comm_rank() == 0 && sd_model_deck(model)->sweep_points > 0)
+    status = drive_agree(model, status, messages);
+    if (status == SD_OK && comm_rank(comm_world()) == 0 && sd_model_deck(model)->sweep_points > 0)
       sd_warn(messages,
               "%s has a sweep of %zu point%s, which `slipdisk sweep` runs; this is the deck as it stands",
               a.deck, sd_model_deck(model)->sweep_points, sd_model_deck(model)->sweep_points == 1 ? "" : "s");

@@ -1,42 +1,25 @@
-/* comm.c: ranks over MPI, or one rank; see comm.h.
- *
- * Ranks talk to rank 0 only, in words of 64 bits, all with one tag, so that they arrive in order:
- *
- *   to rank 0:    ASK -> a task or NONE        STOP, LEAVE (in comm_queue_end, STOP may follow), END (last)
- *   from rank 0:  STOP                         END (all have left) -> END
- *
- * Both last words are END, and a barrier follows, so that none of a queue's words meets the next queue.
- */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
+/* comm.c: ranks of whatever kind, or one; see comm.h. */
 #include <assert.h>
 #include <stdlib.h>
-#include <time.h>
+#include <string.h>
 
-#include "base/comm.h"
-#ifdef SD_HAVE_MPI
-#include "base/comm_mpi.h"
+#include "base/comm_kind.h"
 #include "base/memory.h"
-#endif
 
-enum { NONE = -1, STOP = -2, ASK = -3, LEAVE = -4, END = -5 };
+static const comm *world;
+static bool begun;
+static void (*tell)(const char *why);
 
-static struct {
-  bool begun;
-  int rank, size;
-  void (*tell)(const char *why);
-} comm = {.size = 1};
+/* --- the job ---------------------------------------------------------------------------------------- */
 
-int comm_rank(void) { return comm.rank; }
-int comm_size(void) { return comm.size; }
-
-/* Sleeps longer and longer, from 20 us to 5 ms. */
-static void rest(long *ns) {
-  *ns = *ns == 0 ? 20000 : *ns < 2500000 ? 2 * *ns : 5000000;
-  struct timespec t = {.tv_nsec = *ns};
-  nanosleep(&t, NULL);
+#ifndef SD_HAVE_MPI
+sd_status comm_start_mpi(const comm **job, sd_messages *messages) {
+  (void)messages;
+  *job = NULL;
+  return SD_OK;
 }
+void comm_finish_mpi(void) {}
+#endif
 
 /* A launcher that started several processes tells each of them how many; else 0 and no name. */
 static int launched(const char **name) {
@@ -51,7 +34,7 @@ static int launched(const char **name) {
 static sd_status check_launcher(sd_messages *messages) {
   const char *name;
   int count = launched(&name);
-  if (comm.size > 1 || count <= 1) return SD_OK;
+  if (world || count <= 1) return SD_OK;
 #ifdef SD_HAVE_MPI
   const char *built = "for another MPI than the one that started it";
 #else
@@ -64,241 +47,189 @@ static sd_status check_launcher(sd_messages *messages) {
       name, count, built);
 }
 
-/* --- over MPI ------------------------------------------------------------------------------------- */
-#ifdef SD_HAVE_MPI
-/* NOLINTBEGIN(clang-analyzer-optin.mpi.*): the analyser takes MPI_Wait for the end of a request, but not MPI_Test */
-
-/* Words that may be under way from one rank to another at the same time; each needs a place of its own. */
-enum { ANSWER, SIGNAL, FAREWELL, PLACES };
-
-typedef struct letter {
-  int64_t word;
-  MPI_Request request;
-} letter;
-
-MPI_Comm comm_ranks;
-static letter (*letters)[PLACES];
-
-static sd_status start(sd_messages *messages) {
-  int given;
-  if (MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &given) != MPI_SUCCESS)
-    return sd_fail(messages, SD_ERROR_IO, "MPI does not start");
-  if (given < MPI_THREAD_FUNNELED) {
-    MPI_Finalize();
-    return sd_fail(messages, SD_ERROR_IO, "this MPI does not allow threads (MPI_THREAD_FUNNELED)");
-  }
-  MPI_Comm_dup(MPI_COMM_WORLD, &comm_ranks);
-  MPI_Comm_rank(comm_ranks, &comm.rank);
-  MPI_Comm_size(comm_ranks, &comm.size);
-  letters = memory_new((size_t)comm.size, sizeof *letters);
-  for (int k = 0; k < comm.size; k++)
-    for (int place = 0; place < PLACES; place++) letters[k][place].request = MPI_REQUEST_NULL;
-  return SD_OK;
-}
-
-static void finish(void) {
-  free(letters);
-  letters = NULL;
-  MPI_Comm_free(&comm_ranks);
-  MPI_Finalize();
-}
-
-static void await(MPI_Request *request) {
-  int done = 0;
-  for (long ns = 0; MPI_Test(request, &done, MPI_STATUS_IGNORE), !done;) rest(&ns);
-}
-
-static void post(int to, int place, int64_t word) {
-  letter *l = &letters[to][place];
-  await(&l->request);
-  l->word = word;
-  MPI_Isend(&l->word, 1, MPI_INT64_T, to, 0, comm_ranks, &l->request);
-}
-
-static void settle_post(void) {
-  for (int k = 0; k < comm.size; k++)
-    for (int place = 0; place < PLACES; place++) await(&letters[k][place].request);
-}
-
-static bool receive(int *from, int64_t *word) {
-  int there;
-  MPI_Status status;
-  MPI_Iprobe(MPI_ANY_SOURCE, 0, comm_ranks, &there, &status);
-  if (!there) return false;
-  *from = status.MPI_SOURCE;
-  MPI_Recv(word, 1, MPI_INT64_T, *from, 0, comm_ranks, MPI_STATUS_IGNORE);
-  return true;
-}
-
-static int largest(int value) {
-  int most = value;
-  MPI_Request request;
-  MPI_Iallreduce(&value, &most, 1, MPI_INT, MPI_MAX, comm_ranks, &request);
-  await(&request);
-  return most;
-}
-
-/* In pieces, since MPI counts with an int. */
-static void share(unsigned char *data, size_t bytes) {
-  const size_t most = (size_t)1 << 24;
-  for (size_t at = 0; at < bytes; at += most) {
-    MPI_Request request;
-    MPI_Ibcast(data + at, (int)(bytes - at < most ? bytes - at : most), MPI_BYTE, 0, comm_ranks, &request);
-    await(&request);
-  }
-}
-
-static void end_all(int status) { MPI_Abort(comm_ranks, status); }
-
-/* NOLINTEND(clang-analyzer-optin.mpi.*) */
-
-/* --- one rank ------------------------------------------------------------------------------------- */
-#else
-
-enum { ANSWER, SIGNAL, FAREWELL };
-
-static sd_status start(sd_messages *messages) {
-  (void)messages;
-  return SD_OK;
-}
-static void finish(void) {}
-static void post(int to, int place, int64_t word) { (void)to, (void)place, (void)word; }
-static void settle_post(void) {}
-static bool receive(int *from, int64_t *word) {
-  *from = 0;
-  *word = NONE;
-  return false;
-}
-static int largest(int value) { return value; }
-static void share(unsigned char *data, size_t bytes) { (void)data, (void)bytes; }
-static void end_all(int status) { (void)status; }
-
-#endif
-
-/* --- ranks ---------------------------------------------------------------------------------------- */
-
 sd_status comm_begin(sd_messages *messages) {
-  assert(!comm.begun);
-  sd_status status = start(messages);
+  assert(!begun);
+  sd_status status = comm_start_mpi(&world, messages);
   if (status != SD_OK) return status;
   status = check_launcher(messages);
-  comm.begun = true;
+  begun = true;
   if (status != SD_OK) comm_end();
   return status;
 }
 
 void comm_end(void) {
-  if (!comm.begun) return;
-  comm_max(0); /* MPI_Finalize would spin */
-  finish();
-  comm.begun = false;
-  comm.rank = 0;
-  comm.size = 1;
+  if (!begun) return;
+  comm_max(world, 0); /* MPI_Finalize would spin */
+  comm_finish_mpi();
+  begun = false;
+  world = NULL;
 }
 
-int comm_max(int value) { return comm.size > 1 ? largest(value) : value; }
+const comm *comm_world(void) { return world; }
 
-void comm_share(void *data, size_t bytes) {
-  if (comm.size > 1) share(data, bytes);
+int comm_rank(const comm *c) { return c ? c->rank : 0; }
+int comm_size(const comm *c) { return c ? c->size : 1; }
+
+void comm_abort(const comm *c, int status) {
+  if (c) c->kind->abort(c, status);
 }
 
-void comm_abort(int status) {
-  if (comm.size > 1) end_all(status);
+void comm_on_fail(void (*call)(const char *why)) { tell = call; }
+
+void comm_fail(const comm *c, const char *why) {
+  if (c && tell) tell(why);
+  comm_abort(c, SD_ERROR_IO);
 }
 
-void comm_on_fail(void (*tell)(const char *why)) { comm.tell = tell; }
+/* --- the same place ----------------------------------------------------------------------------------- */
 
-void comm_fail(const char *why) {
-  if (comm.size > 1 && comm.tell) comm.tell(why);
-  comm_abort(SD_ERROR_IO);
+#ifdef SD_CHECK
+static _Thread_local const char *here = "";
+
+void comm_at(const char *place) { here = place; }
+
+/* FNV-1a */
+static uint64_t hash_of(const char *text) {
+  uint64_t hash = UINT64_C(0xcbf29ce484222325);
+  for (; *text; text++) hash = (hash ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
+  return hash;
 }
 
-/* --- queue ---------------------------------------------------------------------------------------- */
+/* All ranks have come to the same call. */
+static void meet(const comm *c) {
+  const uint64_t mine = hash_of(here);
+  int *ones = memory_new((size_t)c->size, sizeof *ones);
+  uint64_t *all = memory_new((size_t)c->size, sizeof *all);
+  for (int q = 0; q < c->size; q++) ones[q] = 1;
+  c->kind->gather(c, &mine, all, ones, sizeof mine);
+  for (int q = 0; q < c->size; q++)
+    if (all[q] != mine) comm_fail(c, here);
+  free(ones);
+  free(all);
+}
+#else
+static void meet(const comm *c) { (void)c; }
+#endif
 
-void comm_queue_begin(comm_queue *q, int64_t n, volatile sig_atomic_t *stop) {
-  assert(n >= 0);
-  *q = (comm_queue){.n = n, .stop = stop};
+/* --- sums and bits -------------------------------------------------------------------------------------- */
+
+int comm_max(const comm *c, int value) {
+  if (!c) return value;
+  meet(c);
+  return c->kind->max(c, value);
 }
 
-/* Stops this rank, and passes the stop on. */
-static void halt(comm_queue *q) {
-  if (q->stopped) return;
-  q->stopped = true;
-  if (q->stop) *q->stop = 1;
-  if (q->ended) return;
-  if (comm.rank > 0) post(0, SIGNAL, STOP);
-  for (int to = 1; comm.rank == 0 && to < comm.size; to++) post(to, SIGNAL, STOP);
+void comm_share(const comm *c, void *data, size_t bytes) {
+  if (!c) return;
+  meet(c);
+  c->kind->share(c, data, bytes);
 }
 
-static void look_for_stop(comm_queue *q) {
-  if (q->stop && *q->stop) halt(q);
+unsigned comm_or(const comm *c, unsigned bits) {
+  if (!c) return bits;
+  meet(c);
+  return c->kind->any(c, bits);
 }
 
-static int64_t take(comm_queue *q) { return q->stopped || q->next >= q->n ? NONE : q->next++; }
+sd_status comm_agree(const comm *c, sd_status status) {
+  return c ? (sd_status)(int)comm_largest(c, (double)status) : status;
+}
 
-/* Rank 0: what the others say. */
-static void hear(comm_queue *q, int from, int64_t word) {
-  switch (word) {
-    case ASK: post(from, ANSWER, take(q)); break;
-    case STOP: halt(q); break;
-    case LEAVE: q->away++; break;
-    default: assert(word == END); q->away--;
+bool comm_all_well(const comm *c, sd_status status) { return comm_or(c, status != SD_OK) == 0; }
+
+double comm_largest(const comm *c, double value) {
+  if (!c) return value;
+  meet(c);
+  return c->kind->largest(c, value);
+}
+
+/* In the order of the ranks. */
+double comm_total(const comm *c, double value) {
+  if (!c) return value;
+  double *all = memory_new((size_t)c->size, sizeof *all), sum = 0.0;
+  comm_gather_one(c, &value, all, sizeof value);
+  for (int q = 0; q < c->size; q++) sum += all[q];
+  free(all);
+  return sum;
+}
+
+void comm_total_exact(const comm *c, exact_sum *sums, size_t n) {
+  enum { MEMBERS = sizeof *sums / sizeof(int64_t) };
+  if (!c) return;
+  for (size_t k = 0; k < n; k++) exact_sum_carry(&sums[k]);
+  comm_add(c, (int64_t *)(void *)sums, n * MEMBERS);
+}
+
+void comm_add(const comm *c, int64_t *values, size_t n) {
+  if (!c) return;
+  meet(c);
+  c->kind->add(c, values, n);
+}
+
+/* --- rows ------------------------------------------------------------------------------------------------- */
+
+int *comm_starts(const comm *c, const int *counts) {
+  int *starts = memory_new((size_t)c->size, sizeof *starts);
+  for (int k = 0, at = 0; k < c->size; at += counts[k++]) starts[k] = at;
+  return starts;
+}
+
+void comm_exchange(const comm *c, const void *send, const int *to, void *receive, const int *from,
+                   size_t size) {
+  if (c) {
+    meet(c);
+    c->kind->exchange(c, send, to, receive, from, size);
+  } else if (to[0] > 0) {
+    memcpy(receive, send, size * (size_t)to[0]);
   }
 }
 
-void comm_serve(comm_queue *q) {
-  look_for_stop(q);
-  if (comm.size == 1) return;
-  int from;
-  int64_t word;
-  while (receive(&from, &word)) {
-    if (comm.rank == 0) {
-      hear(q, from, word);
-    } else {
-      assert(word == STOP);
-      halt(q);
-    }
+static int *ones_of(const comm *c) {
+  int *ones = memory_new((size_t)comm_size(c), sizeof *ones);
+  for (int k = 0; k < comm_size(c); k++) ones[k] = 1;
+  return ones;
+}
+
+void comm_counts(const comm *c, const int *to, int *from) {
+  int *ones = ones_of(c);
+  comm_exchange(c, to, ones, from, ones, sizeof *to);
+  free(ones);
+}
+
+void comm_gather(const comm *c, const void *send, void *receive, const int *counts, size_t size) {
+  if (c) {
+    meet(c);
+    c->kind->gather(c, send, receive, counts, size);
+  } else if (counts[0] > 0) {
+    memcpy(receive, send, size * (size_t)counts[0]);
   }
 }
 
-/* Others than rank 0: its next word that is no STOP. */
-static int64_t root_word(comm_queue *q) {
-  int from;
-  int64_t word;
-  for (long ns = 0;; rest(&ns)) {
-    look_for_stop(q);
-    while (receive(&from, &word)) {
-      if (word != STOP) return word;
-      halt(q);
-    }
-  }
+void comm_gather_one(const comm *c, const void *send, void *receive, size_t size) {
+  int *ones = ones_of(c);
+  comm_gather(c, send, receive, ones, size);
+  free(ones);
 }
 
-int64_t comm_next(comm_queue *q) {
-  comm_serve(q);
-  if (q->stopped) return -1;
-  if (comm.rank == 0) return take(q);
-  post(0, ANSWER, ASK);
-  int64_t task = root_word(q);
-  /* a task that was under way when the stop came is not begun */
-  return q->stopped ? -1 : task;
+void comm_gather_counts(const comm *c, int mine, int *counts) {
+  comm_gather_one(c, &mine, counts, sizeof mine);
 }
 
-void comm_queue_end(comm_queue *q) {
-  look_for_stop(q);
-  if (comm.size == 1) return;
-  if (comm.rank > 0) {
-    post(0, FAREWELL, LEAVE);
-    int64_t word = root_word(q);
-    assert(word == END);
-    q->ended = true;
-    post(0, FAREWELL, word);
-  } else {
-    for (long ns = 0; comm_serve(q), q->away < comm.size - 1;) rest(&ns);
-    q->ended = true;
-    for (int to = 1; to < comm.size; to++) post(to, FAREWELL, END);
-    for (long ns = 0; comm_serve(q), q->away > 0;) rest(&ns);
-  }
-  settle_post();
-  comm_max(0); /* nobody begins the next queue while rank 0 still waits for the END of others in this one */
+/* --- persistent messages ------------------------------------------------------------------------------------ */
+
+comm_links *comm_links_new(const comm *c, const void *send, const int *to, void *receive, const int *from,
+                           size_t size) {
+  return c ? c->kind->links_new(c, send, to, receive, from, size) : NULL;
+}
+void comm_links_start(comm_links *l) {
+  if (l) l->comm->kind->links_start(l);
+}
+void comm_links_progress(comm_links *l) {
+  if (l) l->comm->kind->links_progress(l);
+}
+void comm_links_wait(comm_links *l) {
+  if (l) l->comm->kind->links_wait(l);
+}
+void comm_links_free(comm_links *l) {
+  if (l) l->comm->kind->links_free(l);
 }

@@ -1,71 +1,105 @@
-/* comm.h: the ranks of a parallel job, and a queue of tasks that they share.
+/* comm.h: ranks that work together on one run, or on the points of one sweep.
  *
- * A build with -DSLIPDISK_MPI=ON runs over MPI; any other has one rank and the same functions. Only base/comm*.c
- * sees mpi.h. All calls come from the thread that called comm_begin; a process that forks workers does so
- * before comm_begin, or does not call it.
+ * A comm is the ranks of an MPI job (comm_world), or threads of this process (comm_threads.h). NULL is a rank
+ * alone: every function takes it, and then there is nothing to agree on, so that a run over ranks and a run of
+ * one process are the same text.
  *
- * The queue. Tasks 0 ... n-1 go to whoever asks next. Rank 0 holds the counter and works like the others: it
- * answers them in comm_serve, which every rank calls a few times a second while it works on a task. So a rank
- * waits for its next task for as long as rank 0 goes without comm_serve; tasks should take longer than that.
+ * Functions are collective where that is not denied: every rank calls them, in the same order, each from one
+ * thread at a time. Builds with SLIPDISK_CHECK compare the places of the calls, and a rank that is elsewhere ends
+ * the job with a message instead of a wait for ever.
  *
- *     comm_queue queue;
- *     comm_queue_begin(&queue, n, &stop);
- *     for (int64_t task; (task = comm_next(&queue)) >= 0;) { work on it, comm_serve(&queue) now and then }
- *     comm_queue_end(&queue);
- *
- * Stopping. When *stop becomes true on a rank (a signal), it gets no other task, and the others hear of it in
- * comm_serve, comm_next or comm_queue_end, which set their *stop to 1: a signal to one rank stops the whole job.
- *
- * Invariants: no task is given out twice, and all are given out when nobody stops and some rank asks until there
- * is none; after comm_queue_end no message is under way. Waits sleep, they do not spin. When a rank dies the
- * launcher has to end the others (mpirun does, srun with --kill-on-bad-exit).
+ * A row is `size` bytes. Counts are rows per rank [comm_size()]; rows to and from ranks stand one rank after the
+ * other.
  */
 #ifndef BASE_COMM_H
 #define BASE_COMM_H
 
-#include <signal.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/exact_sum.h"
 #include "slipdisk/status.h"
 
-/* Starts MPI; one rank when no launcher started the program. Before it and after comm_end there is one rank, too.
- * SD_ERROR_USER: a launcher started several processes that do not know of each other, since this is a build
- * without MPI or for another MPI. SD_ERROR_IO: MPI does not start. */
+typedef struct comm comm;
+
+/* Starts MPI, from the thread that then makes all calls for comm_world. A process that forks workers does so
+ * before, or does not call it. SD_ERROR_USER: a launcher started several processes that do not know of each other,
+ * since this is a build without MPI or for another MPI. SD_ERROR_IO: MPI does not start. */
 sd_status comm_begin(sd_messages *messages);
 /* Waits for all ranks. Does nothing when comm_begin was not called or failed. */
 void comm_end(void);
+/* All ranks of the job; NULL: this process is alone. Not collective. */
+const comm *comm_world(void);
 
-int comm_rank(void);
-int comm_size(void);
-/* The largest value of all ranks, on all ranks; every rank must call it. It serves as a barrier as well. */
-int comm_max(int value);
-/* What rank 0 has at data, on all ranks; every rank must call it with the same size. */
-void comm_share(void *data, size_t bytes);
-/* Ends the processes of all ranks at once with this exit status, after an error that leaves the others waiting
- * for ever. With one rank it does nothing: to end the process is the caller's affair. */
-void comm_abort(int status);
-/* The same with SD_ERROR_IO, after what comm_on_fail was given has told why. */
-void comm_fail(const char *why);
+/* Not collective. */
+int comm_rank(const comm *c);
+int comm_size(const comm *c);
+/* Ends the processes of all ranks of the job at once with this exit status, after an error that leaves the others
+ * waiting for ever. With one rank it does nothing: to end the process is the caller's affair. Not collective. */
+void comm_abort(const comm *c, int status);
+/* The same with SD_ERROR_IO, after what comm_on_fail was given has told why. Not collective. */
+void comm_fail(const comm *c, const char *why);
 void comm_on_fail(void (*tell)(const char *why));
 
-typedef struct comm_queue {
-  int64_t n, next;             /* next: on rank 0 */
-  volatile sig_atomic_t *stop; /* the caller's */
-  bool stopped;                /* this rank gets no more tasks */
-  bool ended;                  /* nothing more is sent but the answer to END */
-  int away;                    /* rank 0: how many of the others are in comm_queue_end */
-} comm_queue;
+/* The largest value of all ranks, and what rank 0 has at data, on all ranks. Waits sleep, they do not spin. */
+int comm_max(const comm *c, int value);
+void comm_share(const comm *c, void *data, size_t bytes);
+/* Bits that any rank has set. */
+unsigned comm_or(const comm *c, unsigned bits);
+/* The status on which all ranks agree: SD_OK when it is that of each. */
+sd_status comm_agree(const comm *c, sd_status status);
+/* No rank has failed. */
+bool comm_all_well(const comm *c, sd_status status);
+/* Largest value, and the sum, of all ranks. */
+double comm_largest(const comm *c, double value);
+double comm_total(const comm *c, double value);
+/* n sums of all ranks, without rounding. */
+void comm_total_exact(const comm *c, exact_sum *sums, size_t n);
+/* Each of n numbers becomes its sum over all ranks. */
+void comm_add(const comm *c, int64_t *values, size_t n);
+/* How many rows each rank sends here. */
+void comm_counts(const comm *c, const int *to, int *from);
+/* Rows to each rank, and from each. */
+void comm_exchange(const comm *c, const void *send, const int *to, void *receive, const int *from,
+                   size_t size);
+/* The rows of all ranks on every rank. mine: how many this one has; counts: filled by comm_gather_counts. */
+void comm_gather_counts(const comm *c, int mine, int *counts);
+void comm_gather(const comm *c, const void *send, void *receive, const int *counts, size_t size);
+/* One row of each rank. receive: [comm_size()] rows. */
+void comm_gather_one(const comm *c, const void *send, void *receive, size_t size);
 
-/* Every rank calls it, with the same n. stop may be NULL. One queue at a time. */
-void comm_queue_begin(comm_queue *q, int64_t n, volatile sig_atomic_t *stop);
-/* The next task, or -1 when there is none or the job is to stop. */
-int64_t comm_next(comm_queue *q);
-/* Never waits. Rank 0 answers those who ask; a stop is passed on. */
-void comm_serve(comm_queue *q);
-/* Every rank calls it when it takes no more tasks, for whatever reason. Returns when all are here; till then
- * rank 0 gives tasks to those who still ask, and a stop is still passed on. */
-void comm_queue_end(comm_queue *q);
+/* Persistent messages: the same rows from and to the same places again and again. comm_links_start reads `send`,
+ * and until comm_links_wait has returned neither may be touched. MPI moves long messages only while it is called:
+ * comm_links_progress does that, never waits, and is not collective. */
+typedef struct comm_links comm_links;
+comm_links *comm_links_new(const comm *c, const void *send, const int *to, void *receive, const int *from,
+                           size_t size);
+void comm_links_start(comm_links *links);
+void comm_links_progress(comm_links *links);
+void comm_links_wait(comm_links *links);
+void comm_links_free(comm_links *links);
+
+#ifdef SD_CHECK
+/* Where this thread calls the next collective function. */
+#define COMM_TEXT(line) #line
+#define COMM_LINE(line) COMM_TEXT(line)
+#define COMM_HERE comm_at(__FILE__ ":" COMM_LINE(__LINE__))
+void comm_at(const char *place);
+#define comm_max(...) (COMM_HERE, comm_max(__VA_ARGS__))
+#define comm_share(...) (COMM_HERE, comm_share(__VA_ARGS__))
+#define comm_or(...) (COMM_HERE, comm_or(__VA_ARGS__))
+#define comm_agree(...) (COMM_HERE, comm_agree(__VA_ARGS__))
+#define comm_all_well(...) (COMM_HERE, comm_all_well(__VA_ARGS__))
+#define comm_largest(...) (COMM_HERE, comm_largest(__VA_ARGS__))
+#define comm_total(...) (COMM_HERE, comm_total(__VA_ARGS__))
+#define comm_total_exact(...) (COMM_HERE, comm_total_exact(__VA_ARGS__))
+#define comm_add(...) (COMM_HERE, comm_add(__VA_ARGS__))
+#define comm_counts(...) (COMM_HERE, comm_counts(__VA_ARGS__))
+#define comm_exchange(...) (COMM_HERE, comm_exchange(__VA_ARGS__))
+#define comm_gather_counts(...) (COMM_HERE, comm_gather_counts(__VA_ARGS__))
+#define comm_gather(...) (COMM_HERE, comm_gather(__VA_ARGS__))
+#define comm_gather_one(...) (COMM_HERE, comm_gather_one(__VA_ARGS__))
+#endif
 
 #endif

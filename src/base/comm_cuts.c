@@ -2,162 +2,170 @@
 #include "base/comm_cuts.h"
 
 #include <assert.h>
-#include <float.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 
-#include "base/comm.h"
 #include "base/memory.h"
-
 #ifdef SD_HAVE_MPI
-#include <zoltan.h>
+#include "base/comm_cuts_zoltan.h"
+#endif
 
-#include "base/comm_mpi.h"
+typedef struct rectangle {
+  double low[2], high[2];
+} rectangle;
 
 struct comm_cuts {
-  struct Zoltan_Struct *zoltan;
-  /* of comm_cuts_make, while it works */
-  size_t n;
-  const double *x, *y;
-  const float *weight;
+  const comm *c;
+  struct zoltan_cuts *zoltan; /* of the job; NULL: the rectangles are these */
+  rectangle *of;              /* [ranks] */
 };
 
-/* --- what Zoltan asks for -------------------------------------------------------------------------------- */
+static const rectangle PLANE = {{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};
 
-static int count_points(void *data, int *error) {
-  *error = ZOLTAN_OK;
-  return (int)((const comm_cuts *)data)->n;
-}
-
-/* Points are known by their place here; nothing is sent by Zoltan itself. */
-static void list_points(void *data, int n_global, int n_local, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR local,
-                        int n_weights, float *weight, int *error) {
-  const comm_cuts *c = data;
-  (void)n_global, (void)n_local;
-  for (size_t k = 0; k < c->n; k++) {
-    global[k] = local[k] = (ZOLTAN_ID_TYPE)k;
-    if (n_weights > 0) weight[k] = c->weight[k];
-  }
-  *error = ZOLTAN_OK;
-}
-
-static int count_axes(void *data, int *error) {
-  (void)data;
-  *error = ZOLTAN_OK;
-  return 2;
-}
-
-static void tell_points(void *data, int n_global, int n_local, int n, ZOLTAN_ID_PTR global,
-                        ZOLTAN_ID_PTR local, int axes, double *at, int *error) {
-  const comm_cuts *c = data;
-  (void)n_global, (void)n_local, (void)global, (void)axes;
-  for (int k = 0; k < n; k++) {
-    at[2 * k] = c->x[local[k]];
-    at[2 * k + 1] = c->y[local[k]];
-  }
-  *error = ZOLTAN_OK;
-}
-
-comm_cuts *comm_cuts_new(void) {
-  static const char *const parameters[][2] = {
-      {"DEBUG_LEVEL", "0"},    {"LB_METHOD", "RCB"},     {"KEEP_CUTS", "1"},       {"RETURN_LISTS", "NONE"},
-      {"OBJ_WEIGHT_DIM", "1"}, {"NUM_GID_ENTRIES", "1"}, {"NUM_LID_ENTRIES", "1"}, {"IMBALANCE_TOL", "1.01"},
-      {"CHECK_GEOM", "0"},     {"RCB_OUTPUT_LEVEL", "0"}};
-  float version;
-  comm_cuts *c = memory_new(1, sizeof *c);
-  if (comm_size() == 1) return c;
-  if (Zoltan_Initialize(0, NULL, &version) != ZOLTAN_OK || !(c->zoltan = Zoltan_Create(comm_ranks))) {
-    free(c);
+comm_cuts *comm_cuts_new(const comm *c) {
+  comm_cuts *cuts = memory_new(1, sizeof *cuts);
+  cuts->c = c;
+  cuts->of = memory_new((size_t)comm_size(c), sizeof *cuts->of);
+  for (int q = 0; q < comm_size(c); q++) cuts->of[q] = PLANE;
+#ifdef SD_HAVE_MPI
+  if (c && c == comm_world() && !(cuts->zoltan = zoltan_cuts_new())) {
+    comm_cuts_free(cuts);
     return NULL;
   }
-  for (size_t k = 0; k < sizeof parameters / sizeof *parameters; k++)
-    Zoltan_Set_Param(c->zoltan, parameters[k][0], parameters[k][1]);
-  Zoltan_Set_Num_Obj_Fn(c->zoltan, count_points, c);
-  Zoltan_Set_Obj_List_Fn(c->zoltan, list_points, c);
-  Zoltan_Set_Num_Geom_Fn(c->zoltan, count_axes, c);
-  Zoltan_Set_Geom_Multi_Fn(c->zoltan, tell_points, c);
-  return c;
+#endif
+  return cuts;
 }
 
-void comm_cuts_free(comm_cuts *c) {
-  if (c && c->zoltan) Zoltan_Destroy(&c->zoltan);
-  free(c);
+void comm_cuts_free(comm_cuts *cuts) {
+  if (!cuts) return;
+#ifdef SD_HAVE_MPI
+  if (cuts->zoltan) zoltan_cuts_free(cuts->zoltan);
+#endif
+  free(cuts->of);
+  free(cuts);
 }
 
-sd_status comm_cuts_make(comm_cuts *c, size_t n, const double *x, const double *y, const float *weight) {
-  if (!c->zoltan) return SD_OK;
-  int changes, n_global, n_local, n_import, n_export, *ranks[4];
-  ZOLTAN_ID_PTR ids[4];
-  c->n = n;
-  c->x = x;
-  c->y = y;
-  c->weight = weight;
-  const int done =
-      Zoltan_LB_Partition(c->zoltan, &changes, &n_global, &n_local, &n_import, &ids[0], &ids[1], &ranks[0],
-                          &ranks[1], &n_export, &ids[2], &ids[3], &ranks[2], &ranks[3]);
-  return done == ZOLTAN_OK || done == ZOLTAN_WARN ? SD_OK : SD_ERROR_IO;
+const comm *comm_cuts_comm(const comm_cuts *cuts) { return cuts->c; }
+
+/* --- bisection of points that every rank knows ------------------------------------------------------------------ */
+
+typedef struct point {
+  double at[2], weight;
+} point;
+
+static int by_x(const void *one, const void *two) {
+  const double a = ((const point *)one)->at[0], b = ((const point *)two)->at[0];
+  return (a > b) - (a < b);
 }
 
-int comm_cuts_owner(const comm_cuts *c, double x, double y) {
-  double at[3] = {x, y, 0.0};
-  int rank = 0, part = 0;
-  if (c->zoltan && Zoltan_LB_Point_PP_Assign(c->zoltan, at, &rank, &part) != ZOLTAN_OK) rank = 0;
-  assert(rank >= 0 && rank < comm_size());
-  return rank;
+static int by_y(const void *one, const void *two) {
+  const double a = ((const point *)one)->at[1], b = ((const point *)two)->at[1];
+  return (a > b) - (a < b);
 }
 
-int comm_cuts_near(const comm_cuts *c, const double low[2], const double high[2], int *ranks) {
+/* The longer side of the box about the points. */
+static int longer_side(const point *p, size_t n) {
+  double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+  for (size_t k = 0; k < n; k++)
+    for (int c = 0; c < 2; c++) {
+      low[c] = fmin(low[c], p[k].at[c]);
+      high[c] = fmax(high[c], p[k].at[c]);
+    }
+  return high[1] - low[1] > high[0] - low[0];
+}
+
+/* Gives `ranks` rectangles of equal weight to of[]; the plane that they share is of[0]. */
+static void bisect(point *p, size_t n, rectangle *of, int ranks) {
+  if (ranks < 2) return;
+  const int side = longer_side(p, n), first = ranks / 2;
+  double all = 0.0, below = 0.0, cut = 0.0;
+  size_t k = 0;
+  if (n > 1) qsort(p, n, sizeof *p, side ? by_y : by_x);
+  for (size_t i = 0; i < n; i++) all += p[i].weight;
+  while (k < n && below + 0.5 * p[k].weight < all * first / ranks) below += p[k++].weight;
+  while (k > 0 && k < n && p[k].at[side] == p[k - 1].at[side]) k++;
+  if (n > 0)
+    cut = k == 0   ? p[0].at[side]
+          : k == n ? p[n - 1].at[side] + 1.0
+                   : 0.5 * (p[k - 1].at[side] + p[k].at[side]);
+  of[first] = of[0];
+  of[0].high[side] = of[first].low[side] = cut;
+  bisect(p, k, of, first);
+  bisect(p + k, n - k, of + first, ranks - first);
+}
+
+/* Points of all ranks, on every rank; NULL: no memory. */
+static point *gather_points(const comm *c, size_t n, const double *x, const double *y, const float *weight,
+                            size_t *n_all) {
+  int *counts = memory_new((size_t)comm_size(c), sizeof *counts);
+  point *mine = NULL, *all = NULL;
+  *n_all = 0;
+  comm_gather_counts(c, (int)n, counts);
+  for (int q = 0; q < comm_size(c); q++) *n_all += (size_t)counts[q];
+  const memory_column arrays[] = {{&mine, n, sizeof *mine}, {&all, *n_all, sizeof *all}};
+  const bool there = memory_rows(sizeof arrays / sizeof *arrays, arrays);
+  for (size_t k = 0; there && k < n; k++) mine[k] = (point){{x[k], y[k]}, (double)weight[k]};
+  if (comm_or(c, !there)) {
+    free(all);
+    all = NULL;
+  } else {
+    comm_gather(c, mine, all, counts, sizeof *all);
+  }
+  free(mine);
+  free(counts);
+  return all;
+}
+
+/* --- all --------------------------------------------------------------------------------------------------------- */
+
+sd_status comm_cuts_make(comm_cuts *cuts, size_t n, const double *x, const double *y, const float *weight) {
+  size_t n_all;
+  if (!cuts->c) return SD_OK;
+#ifdef SD_HAVE_MPI
+  if (cuts->zoltan) return zoltan_cuts_make(cuts->zoltan, n, x, y, weight);
+#endif
+  point *all = gather_points(cuts->c, n, x, y, weight, &n_all);
+  if (!all) return SD_ERROR_IO;
+  cuts->of[0] = PLANE;
+  bisect(all, n_all, cuts->of, comm_size(cuts->c));
+  free(all);
+  return SD_OK;
+}
+
+int comm_cuts_owner(const comm_cuts *cuts, double x, double y) {
+#ifdef SD_HAVE_MPI
+  if (cuts->zoltan) return zoltan_cuts_owner(cuts->zoltan, x, y);
+#endif
+  for (int q = 0; q < comm_size(cuts->c); q++) {
+    const rectangle *r = &cuts->of[q];
+    if (x >= r->low[0] && x < r->high[0] && y >= r->low[1] && y < r->high[1]) return q;
+  }
+  return 0; /* not finite */
+}
+
+int comm_cuts_near(const comm_cuts *cuts, const double low[2], const double high[2], int *ranks) {
   int n = 0;
-  if (c->zoltan)
-    Zoltan_LB_Box_Assign(c->zoltan, low[0], low[1], -1.0, high[0], high[1], 1.0, ranks, &n);
-  else
-    ranks[n++] = 0;
+#ifdef SD_HAVE_MPI
+  if (cuts->zoltan) return zoltan_cuts_near(cuts->zoltan, low, high, ranks);
+#endif
+  for (int q = 0; q < comm_size(cuts->c); q++) {
+    const rectangle *r = &cuts->of[q];
+    if (low[0] <= r->high[0] && high[0] >= r->low[0] && low[1] <= r->high[1] && high[1] >= r->low[1])
+      ranks[n++] = q;
+  }
   return n;
 }
 
-static double end_of(double at) {
-  return at >= 0.5 * DBL_MAX ? HUGE_VAL : at <= -0.5 * DBL_MAX ? -HUGE_VAL : at;
-}
-
-void comm_cuts_mine(const comm_cuts *c, double low[2], double high[2]) {
-  int axes;
-  double z[2];
-  low[0] = low[1] = -HUGE_VAL;
-  high[0] = high[1] = HUGE_VAL;
-  if (!c->zoltan) return;
-  Zoltan_RCB_Box(c->zoltan, comm_rank(), &axes, &low[0], &low[1], &z[0], &high[0], &high[1], &z[1]);
+void comm_cuts_mine(const comm_cuts *cuts, double low[2], double high[2]) {
+#ifdef SD_HAVE_MPI
+  if (cuts->zoltan) {
+    zoltan_cuts_of(cuts->zoltan, comm_rank(cuts->c), low, high);
+    return;
+  }
+#endif
+  const rectangle *mine = &cuts->of[comm_rank(cuts->c)];
   for (int k = 0; k < 2; k++) {
-    low[k] = end_of(low[k]);
-    high[k] = end_of(high[k]);
+    low[k] = mine->low[k];
+    high[k] = mine->high[k];
   }
 }
-
-#else
-
-struct comm_cuts {
-  int nothing;
-};
-
-comm_cuts *comm_cuts_new(void) { return memory_new(1, sizeof(comm_cuts)); }
-void comm_cuts_free(comm_cuts *c) { free(c); }
-sd_status comm_cuts_make(comm_cuts *c, size_t n, const double *x, const double *y, const float *weight) {
-  (void)c, (void)n, (void)x, (void)y, (void)weight;
-  return SD_OK;
-}
-int comm_cuts_owner(const comm_cuts *c, double x, double y) {
-  (void)c, (void)x, (void)y;
-  return 0;
-}
-int comm_cuts_near(const comm_cuts *c, const double low[2], const double high[2], int *ranks) {
-  (void)c, (void)low, (void)high;
-  ranks[0] = 0;
-  return 1;
-}
-void comm_cuts_mine(const comm_cuts *c, double low[2], double high[2]) {
-  (void)c;
-  low[0] = low[1] = -HUGE_VAL;
-  high[0] = high[1] = HUGE_VAL;
-}
-
-#endif

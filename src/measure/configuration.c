@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/comm_data.h"
+#include "base/comm.h"
 #include "base/memory.h"
 #include "base/team.h"
 #include "model/cell.h"
@@ -96,7 +96,7 @@ sd_status frame_data_of_state(frame_data *f, const sd_model *m, const sd_state *
 }
 
 sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *m, const sd_state *s,
-                             const uint32_t *slots, sd_messages *messages) {
+                             const uint32_t *slots, const comm *c, sd_messages *messages) {
   *constants = *m;
   constants->n_disks = s->n_disks;
   constants->disks = NULL;
@@ -105,7 +105,7 @@ sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model 
   if (status != SD_OK) return status;
   if (!memory_rows(1, &(memory_column){&constants->disks, s->n_disks, sizeof *constants->disks}))
     return sd_fail(messages, SD_ERROR_IO, "no memory for %zu disks", s->n_disks);
-  f->shared = true;
+  f->comm = c;
   f->n_own = s->n_free;
   fill_moment(f, m, s);
   for (size_t k = 0; k < s->n_disks; k++)
@@ -237,7 +237,7 @@ static double across(const sd_wall *w, int c) {
 }
 
 /* All disks that move are on one side of a line across c at `at`: -1 below, +1 above, 0 on both. Collective. */
-static int side_of_disks(const sd_model *m, bool shared, int c, double at) {
+static int side_of_disks(const sd_model *m, const comm *ranks, int c, double at) {
   enum { BELOW = 1, ABOVE = 2 };
   unsigned sides = 0;
   for (size_t i = 0; i < m->n_disks; i++) {
@@ -245,13 +245,13 @@ static int side_of_disks(const sd_model *m, bool shared, int c, double at) {
     if (m->disks[i].position[c] < at) sides |= BELOW;
     if (m->disks[i].position[c] > at) sides |= ABOVE;
   }
-  if (shared) sides = comm_or(sides);
+  sides = comm_or(ranks, sides);
   return (sides & ABOVE ? 1 : 0) - (sides & BELOW ? 1 : 0);
 }
 
 /* An edge of the region that was a straight wall at the start goes where the wall has gone, and a straight wall within
  * the region ends it where no disk is behind: lids and servo walls make a container smaller. Collective. */
-static void follow_walls(sd_model *m, const sd_model *from, bool shared) {
+static void follow_walls(sd_model *m, const sd_model *from, const comm *ranks) {
   for (size_t w = 0; w < m->n_walls; w++)
     for (int c = 0; c < 2; c++) {
       double before = across(&from->walls[w], c), now = across(&m->walls[w], c);
@@ -264,7 +264,7 @@ static void follow_walls(sd_model *m, const sd_model *from, bool shared) {
     for (int c = 0; c < 2; c++) {
       double now = across(&m->walls[w], c);
       if (!(now > m->region_lower[c] && now < m->region_upper[c])) continue;
-      int side = side_of_disks(m, shared, c, now);
+      int side = side_of_disks(m, ranks, c, now);
       if (side > 0) m->region_lower[c] = now;
       if (side < 0) m->region_upper[c] = now;
     }
@@ -288,7 +288,7 @@ static void fill_bodies(configuration *c, const sd_model *from, const frame_data
     renumbered[from->n_disks + w] = (uint32_t)m->n_disks + w;
     fill_wall(&m->walls[w], &from->walls[w], f, from->n_disks + w);
   }
-  follow_walls(m, from, f->shared);
+  follow_walls(m, from, f->comm);
 }
 
 /* --- contacts ----------------------------------------------------------------------------------------- */
@@ -477,7 +477,7 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
   *c = (configuration){.step = frame->step,
                        .time = frame->time,
                        .n_deck = frame->n_disks,
-                       .shared = frame->shared,
+                       .comm = frame->comm,
                        .n_own = frame->n_own,
                        .recomputed = !frame->has_contacts};
   if (frame->n_disks != constants->n_disks || frame->n_bodies != sd_model_bodies(constants))
@@ -523,9 +523,8 @@ static void about_disks(const configuration *config, int c, double *lower, doubl
     *lower = fmin(*lower, m->disks[i].position[c] - m->disks[i].radius);
     *upper = fmax(*upper, m->disks[i].position[c] + m->disks[i].radius);
   }
-  if (!config->shared) return;
-  *lower = -comm_largest(-*lower);
-  *upper = comm_largest(*upper);
+  *lower = -comm_largest(config->comm, -*lower);
+  *upper = comm_largest(config->comm, *upper);
 }
 
 region configuration_region(const configuration *c, const double *wanted) {

@@ -14,6 +14,7 @@
 #include <math.h>
 
 #include "base/comm.h"
+#include "base/comm.h"
 #include "measure/region.h"
 #include "model/model.h"
 #include "model/state.h"
@@ -26,7 +27,7 @@ typedef struct frame_data {
   double stretch[2], offset; /* of a box that deforms: lengths over these, shift of a row of cells */
   double gradient[SD_CELL_COMPONENTS]; /* its velocity gradient */
   size_t n_bodies, n_disks;
-  bool shared;                           /* they are those of one of several ranks: ... */
+  const comm *comm;                      /* its ranks share them: ... (NULL: all are here) */
   size_t n_own;                          /* ... so many of its own, ghosts, prescribed ones, which all have */
   double (*position)[2], (*velocity)[2]; /* in the periodic box */
   double *angle, *spin;
@@ -50,7 +51,7 @@ sd_status frame_data_of_state(frame_data *f, const sd_model *model, const sd_sta
 /* The same of one rank's part, whose bodies have their slots as numbers; slots[body]. constants: a model of these bodies, of which
  * only `disks` is to be freed, also when it fails. */
 sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *model, const sd_state *part,
-                             const uint32_t *slots, sd_messages *messages);
+                             const uint32_t *slots, const comm *c, sd_messages *messages);
 
 typedef struct config_contact {
   uint32_t a, b, part; /* a: a free disk; numbers of configuration.model */
@@ -85,7 +86,7 @@ typedef struct configuration {
   double length[2];                    /* of the periodic box, 0 where it is open */
   double offset;                       /* of a row of its cells against the one below */
   double gradient[SD_CELL_COMPONENTS]; /* of velocities in a box that deforms */
-  bool shared;                         /* as in the frame; functions that say so are collective then */
+  const comm *comm;                    /* as in the frame; functions that say so are collective */
   size_t n_own;
   bool recomputed;   /* contacts were not stored */
   bool frictionless; /* no pair of materials has k_t > 0 and mu > 0 */
@@ -138,7 +139,7 @@ static inline double configuration_tau(const sd_model *m, const sd_state *s, con
 }
 /* Is the disk one that this rank adds to sums? */
 static inline bool configuration_counts(const configuration *c, uint32_t disk) {
-  return !c->shared || c->number[disk] < c->n_own || (c->model->disks[disk].driven && comm_rank() == 0);
+  return !c->comm || c->number[disk] < c->n_own || (c->model->disks[disk].driven && comm_rank(c->comm) == 0);
 }
 /* b of a contact can be a disk that moves. */
 static inline bool configuration_is_free(const configuration *c, uint32_t body) {

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/comm.h"
-#include "base/comm_data.h"
 #include "base/memory.h"
 #include "measure/configuration.h"
 #include "measure/observable.h"
@@ -25,7 +24,7 @@ typedef struct part {
   const sd_model *model;
   const sd_state *state;
   const uint32_t *slots;
-  bool shared, first; /* first: counts bodies that all ranks have */
+  const comm *comm; /* they are a part of those of its ranks; NULL: all */
 } part;
 
 static exact_sum *walls_of(const resultants *r) { return r->sums + WHOLE; }
@@ -55,14 +54,12 @@ void resultants_free(resultants *r) {
   *r = (resultants){0};
 }
 
-static void add_up(const part *p, exact_sum *sum, size_t n) {
-  if (p->shared) comm_total_exact(sum, n);
-}
+static void add_up(const part *p, exact_sum *sum, size_t n) { comm_total_exact(p->comm, sum, n); }
 
 /* Each body in one part. */
 static bool counts(const part *p, size_t slot) {
   const sd_state *s = p->state;
-  return slot < s->n_free || (p->first && slot >= s->n_free + s->n_ghosts);
+  return slot < s->n_free || (comm_rank(p->comm) == 0 && slot >= s->n_free + s->n_ghosts);
 }
 
 /* --- sums over contacts ------------------------------------------------------------------------------- */
@@ -151,7 +148,7 @@ static void absolute(const configuration *c, const sd_state *s, uint32_t slot, d
 
 /* Slots of the disks of a configuration: in parts their numbers. */
 static uint32_t slot_of(const part *p, const configuration *c, uint32_t disk) {
-  return p->shared ? c->number[disk] : p->slots[c->number[disk]];
+  return p->comm ? c->number[disk] : p->slots[c->number[disk]];
 }
 
 /* Centres of mass: after `mass`, x and y. */
@@ -227,12 +224,13 @@ static sd_status take_geometry(resultants *r, const part *p, const sd_model *con
 static sd_status take_frame(resultants *r, const part *p, sd_messages *messages) {
   frame_data f;
   sd_model constants = {0};
-  sd_status status = p->shared ? frame_data_of_part(&f, &constants, p->model, p->state, p->slots, messages)
-                               : frame_data_of_state(&f, p->model, p->state, messages);
-  if (status == SD_OK) status = take_geometry(r, p, p->shared ? &constants : p->model, &f, messages);
+  sd_status status = p->comm
+                         ? frame_data_of_part(&f, &constants, p->model, p->state, p->slots, p->comm, messages)
+                         : frame_data_of_state(&f, p->model, p->state, messages);
+  if (status == SD_OK) status = take_geometry(r, p, p->comm ? &constants : p->model, &f, messages);
   frame_data_free(&f);
   free(constants.disks);
-  if (p->shared && status != SD_OK) comm_fail("no memory");
+  if (p->comm && status != SD_OK) comm_fail(p->comm, "no memory");
   return status;
 }
 
@@ -262,8 +260,8 @@ static void round_all(resultants *r, const sd_model *m, const sd_state *s) {
 }
 
 sd_status resultants_take(resultants *r, const sd_model *m, const sd_state *s, const uint32_t *slots,
-                          bool shared, sd_messages *messages) {
-  const part p = {m, s, slots, shared, !shared || comm_rank() == 0};
+                          const comm *c, sd_messages *messages) {
+  const part p = {m, s, slots, c};
   sd_status status = SD_OK;
   memset(r->sums, 0, r->n_sums * sizeof *r->sums);
   add_whole(r, &p);

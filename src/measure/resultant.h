@@ -10,6 +10,7 @@
 #ifndef MEASURE_RESULTANT_H
 #define MEASURE_RESULTANT_H
 
+#include "base/comm.h"
 #include "base/exact_sum.h"
 #include "model/state.h"
 
@@ -37,6 +38,6 @@ void resultants_free(resultants *r);
 /* slots[body] in the state. Only what the model asks for is computed. shared: every rank calls, with the part of the state that it
  * has, contacts stored; then all know the sums, and a rank without memory ends the job. */
 sd_status resultants_take(resultants *r, const sd_model *model, const sd_state *state, const uint32_t *slots,
-                          bool shared, sd_messages *messages);
+                          const comm *c, sd_messages *messages);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "base/comm_data.h"
+#include "base/comm.h"
 #include "base/memory.h"
 
 principal stress_principal(const double t[4]) {
@@ -196,9 +196,7 @@ static bool body_counts(const configuration *c, size_t k) {
 }
 
 /* Of all ranks, when the configuration is one of theirs. */
-static void add_up(const configuration *c, exact_sum *sums, size_t n) {
-  if (c->shared) comm_total_exact(sums, n);
-}
+static void add_up(const configuration *c, exact_sum *sums, size_t n) { comm_total_exact(c->comm, sums, n); }
 
 static void kinetic_stress(double out[4], const configuration *c, const region *g, double area) {
   exact_sum momentum[3] = {0}, sum[4] = {0}; /* x, y, and the mass */

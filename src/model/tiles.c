@@ -9,7 +9,6 @@
 #include "base/memory.h"
 #include "model/advice.h"
 #include "model/bodies.h"
-#include "model/cell.h"
 #include "model/image.h"
 #include "slipdisk/model.h"
 
@@ -52,13 +51,6 @@ static bool names_disks(const sd_model *m) {
   return named;
 }
 
-/* Some phase is for one rank. */
-static bool runs_alone(const sd_model *m) {
-  bool alone = m->n_rotations > 0 || m->n_slides > 0 || cell_deforms(m);
-  for (size_t k = 0; k < m->n_phases; k++) alone = alone || m->phases[k].relax || m->phases[k].compress.asked;
-  return alone;
-}
-
 /* Periods of springs, radii, numbers of bodies (the random stream of several). */
 static bool asks_all(const sd_model *m) {
   bool asks = model_moves_surfaces(m);
@@ -84,7 +76,6 @@ const char *model_needs_tiles(const sd_model *m) {
   if (m->n_memories > 0) return "contacts come from a file";
   if (m->measure_disks) return "measure.disks = true";
   if (names_disks(m)) return "the deck speaks of single disks of it";
-  if (runs_alone(m)) return "a phase is for one rank";
   if (asks_all(m)) return "a motion depends on all disks";
   if (m->tiles.kind == SD_PACKING_RAIN && !(m->rains[m->n_rains - 1].batch < m->tiles.sample))
     return "tiles have fewer disks than a batch of rain";

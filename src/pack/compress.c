@@ -6,13 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/exact_sum.h"
+#include "base/comm.h"
 #include "model/cell.h"
 #include "pack/rain.h"
 #include "physics/system/bodies.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
 #include "physics/step/rescale.h"
+#include "physics/system/halo.h"
 
 /* Part of the missing pressure that one change would bring if all disks followed it. */
 static const double GAIN = 0.1;
@@ -61,13 +62,14 @@ typedef struct virial {
   double pressure, stiffness; /* stiffness: of an affine change of the centres, - dp/d ln(length) */
 } virial;
 
+/* Of the contacts of all ranks. */
 static virial virial_of(const engine *e) {
   const sd_state *s = e->state;
   const double twice = 2.0 * compress_area(e->model, s);
   enum { FORCE, STIFFNESS, SUMS };
   exact_sum sum[SUMS] = {0};
   for (size_t k = 0; k < engine_candidates(e); k++) {
-    if (!engine_contact_closed(e, k)) continue;
+    if (!engine_contact_closed(e, k) || !halo_counts(e, k)) continue;
     size_t a = engine_contact_a(e, k), b = engine_contact_b(e, k);
     double r = s->radius[a] + (b < s->n_disks ? s->radius[b] : 0.0) - engine_contact_overlap(e, k);
     exact_sum_add(&sum[FORCE], engine_contact_force(e, k) * r);
@@ -76,17 +78,20 @@ static virial virial_of(const engine *e) {
   }
   for (size_t i = 0; s->n_clumps > 0 && i < s->n_free; i++)
     exact_sum_add(&sum[FORCE], compress_inner(e->model, s, i));
+  comm_total_exact(e->comm, sum, SUMS);
   const double force = exact_sum_value(&sum[FORCE]), stiffness = exact_sum_value(&sum[STIFFNESS]);
   return (virial){force / twice, (stiffness + 2.0 * force) / twice};
 }
 
 double compress_pressure(const engine *e) { return virial_of(e).pressure; }
 
-double compress_fraction(const sd_model *m, const sd_state *s) {
+double compress_fraction(const engine *e) {
+  const sd_state *s = e->state;
   exact_sum squares = {0};
   for (size_t i = 0; i < s->n_free; i++)
     if (body_in_play(s, i)) exact_sum_add(&squares, s->radius[i] * s->radius[i]);
-  return M_PI * exact_sum_value(&squares) / compress_area(m, s);
+  comm_total_exact(e->comm, &squares, 1);
+  return M_PI * exact_sum_value(&squares) / compress_area(e->model, s);
 }
 
 /* --- target ------------------------------------------------------------------------------------------- */
@@ -96,7 +101,7 @@ static const sd_compress *target_of(const engine *e) { return &e->model->phases[
 bool compress_done(const engine *e) {
   const sd_compress *c = target_of(e);
   if (c->pressure > 0.0) return fabs(compress_pressure(e) - c->pressure) <= c->tolerance * c->pressure;
-  return fabs(compress_fraction(e->model, e->state) - c->fraction) <= c->tolerance * c->fraction;
+  return fabs(compress_fraction(e) - c->fraction) <= c->tolerance * c->fraction;
 }
 
 /* By what the lengths change now: as the rate allows, less near the target. */
@@ -109,7 +114,7 @@ static double factor(const engine *e) {
     if (fabs(missing) <= QUIET * c->tolerance * c->pressure) return 1.0;
     shrink = now.stiffness > 0.0 ? GAIN * missing / now.stiffness : most;
   } else {
-    shrink = 1.0 - sqrt(compress_fraction(e->model, e->state) / c->fraction);
+    shrink = 1.0 - sqrt(compress_fraction(e) / c->fraction);
     if (fabs(shrink) < 1e-14) return 1.0; /* rounding */
   }
   return 1.0 - fmin(fmax(shrink, -most), most);
@@ -122,6 +127,7 @@ static sd_status check_width(const engine *e, double f, sd_messages *messages) {
   const sd_state *s = e->state;
   double largest = 0.0, reach;
   for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
+  largest = comm_largest(e->comm, largest);
   cell_least_length(e->model, &reach);
   for (int c = 0; c < 2; c++)
     if (e->model->periodic[c] && !(f * engine_length(e, c) > 4.0 * largest * 1.2 + 2.0 * reach))
@@ -137,15 +143,14 @@ static double potential(const sd_energy *e) {
 }
 
 sd_status compress_step(engine *e, sd_messages *messages) {
-  sd_state *s = e->state;
   double f = factor(e);
   if (f == 1.0 || rain_waits(e)) return SD_OK;
   if (check_width(e, f, messages) != SD_OK) return SD_ERROR_NUMERIC;
   sd_energy before = energy_of(e);
   sd_status status = rescale(e, f, messages);
   sd_energy after = energy_of(e);
-  s->work_driven += (potential(&after) - potential(&before)) + (after.friction - before.friction) +
-                    (after.opening - before.opening) + (after.rolling - before.rolling) +
-                    (after.bridge - before.bridge);
+  e->state->work_driven += (potential(&after) - potential(&before)) + (after.friction - before.friction) +
+                           (after.opening - before.opening) + (after.rolling - before.rolling) +
+                           (after.bridge - before.bridge);
   return status;
 }

@@ -12,10 +12,12 @@
 
 #include "physics/system/work.h"
 
+/* All but compress_inner and compress_area are collective. */
+
 /* Steps between two changes of the lengths. */
 enum { COMPRESS_EVERY = 8 };
 
-/* One change towards the running phase's target, between steps, on one thread; nothing while disks wait. The
+/* One change towards the running phase's target, between steps, on one thread of each rank; nothing while disks wait. The
  * potential energy that it puts in is booked in state->work_driven. SD_ERROR_NUMERIC: a periodic box has become
  * too narrow, an overlap is beyond the limit. */
 sd_status compress_step(engine *e, sd_messages *messages);
@@ -27,7 +29,7 @@ double compress_pressure(const engine *e);
 /* Of the disk in this slot: what it adds to the virial sum F_n r for being in a clump, 0 for other disks. */
 double compress_inner(const sd_model *model, const sd_state *state, size_t slot);
 /* Area of the free disks in play over that of the region. */
-double compress_fraction(const sd_model *model, const sd_state *state);
+double compress_fraction(const engine *e);
 /* Of the region. */
 double compress_area(const sd_model *model, const sd_state *state);
 

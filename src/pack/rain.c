@@ -7,7 +7,9 @@
 #include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/comm.h"
 #include "base/memory.h"
 #include "model/clumps.h"
 #include "physics/system/bodies.h"
@@ -46,10 +48,16 @@ int64_t rain_waiting(const sd_model *m, const sd_state *s) {
 
 bool rain_waits(const engine *e) { return rain_waiting(e->model, e->state) > 0; }
 
+/* Where a disk of a batch goes; leads: the first of its grain. */
+typedef struct rain_drop {
+  uint32_t disk, leads;
+  double x, y;
+} rain_drop;
+
 /* --- is there room? ----------------------------------------------------------------------------------- */
 
 /* Top of the highest disk over the strip, no lower than the rain's floor less its gap. */
-double rain_top(const engine *e, const sd_rain *r) {
+static double top_of(const engine *e, const sd_rain *r) {
   const sd_state *s = e->state;
   double top = r->floor - r->gap, middle = 0.5 * (r->lower + r->upper), half = 0.5 * (r->upper - r->lower);
   for (size_t i = 0; i < s->n_disks; i++) {
@@ -159,7 +167,7 @@ static gsl_rng *numbers_of(const engine *e, const sd_rain *r, int64_t batch) {
 
 /* --- which, and where ----------------------------------------------------------------------------------- */
 
-bool rain_due(const engine *e, const sd_rain *r) {
+static bool is_due(const engine *e, const sd_rain *r) {
   int64_t batch = e->state->step / r->interval;
   return e->state->step % r->interval == 0 && batch < (int64_t)((r->count + r->batch - 1) / r->batch);
 }
@@ -169,7 +177,7 @@ static size_t first_due(const engine *e, const sd_rain *r) {
   return r->first + (size_t)(e->state->step / r->interval) * r->batch;
 }
 
-size_t rain_count(const engine *e, const sd_rain *r) {
+static size_t count_due(const engine *e, const sd_rain *r) {
   const size_t left = r->first + r->count - first_due(e, r);
   return left < r->batch ? left : r->batch;
 }
@@ -216,9 +224,10 @@ static sd_status place_row(const engine *e, const sd_rain *r, const rain_sizes *
   return SD_OK;
 }
 
-sd_status rain_plan(const engine *e, const sd_rain *r, double top, const double *radius, rain_drop *drops,
-                    sd_messages *messages) {
-  const size_t begin = first_due(e, r), last = begin + rain_count(e, r);
+/* drops: of the batch, above `top`; walls are posed. radius NULL: as the model has them. */
+static sd_status plan(const engine *e, const sd_rain *r, double top, const double *radius, rain_drop *drops,
+                      sd_messages *messages) {
+  const size_t begin = first_due(e, r), last = begin + count_due(e, r);
   const rain_sizes b = {e->model, radius, begin};
   double *gaps = NULL, low = top + r->gap;
   if (!memory_resize(1, (memory_column[]){{&gaps, last - begin, sizeof *gaps}}))
@@ -247,17 +256,17 @@ static size_t slot_here(const engine *e, size_t disk) {
   return slot < e->state->n_free && e->state->id[slot] == disk ? slot : e->state->n_free;
 }
 
-void rain_radii(const engine *e, const sd_rain *r, double *radius) {
-  const size_t first = first_due(e, r), n = rain_count(e, r);
+static void fill_radii(const engine *e, const sd_rain *r, double *radius) {
+  const size_t first = first_due(e, r), n = count_due(e, r);
   for (size_t k = 0; k < n; k++) {
     const size_t i = slot_here(e, first + k);
     radius[k] = i < e->state->n_free ? e->state->radius[i] : 0.0;
   }
 }
 
-void rain_set_out(engine *e, const sd_rain *r, const rain_drop *drops) {
+static void set_out(engine *e, const sd_rain *r, const rain_drop *drops) {
   sd_state *s = e->state;
-  const size_t n = rain_count(e, r);
+  const size_t n = count_due(e, r);
   for (size_t k = 0; k < n; k++) {
     const rain_drop *d = &drops[k];
     const size_t i = slot_here(e, d->disk);
@@ -274,8 +283,8 @@ void rain_set_out(engine *e, const sd_rain *r, const rain_drop *drops) {
 }
 
 /* They fall freely: accelerations without contacts. */
-void rain_accelerate(engine *e, const sd_rain *r) {
-  const size_t first = first_due(e, r), n = rain_count(e, r);
+static void accelerate(engine *e, const sd_rain *r) {
+  const size_t first = first_due(e, r), n = count_due(e, r);
   for (size_t k = first; k < first + n; k++) {
     const size_t i = slot_here(e, k);
     if (i == e->state->n_free) continue;
@@ -289,30 +298,52 @@ void rain_accelerate(engine *e, const sd_rain *r) {
   }
 }
 
+/* Radii of the disks of a batch, wherever they wait: bits of each are there once. */
+static void share_radii(const engine *e, const sd_rain *r, size_t n, double *radius, int64_t *bits) {
+  fill_radii(e, r, radius);
+  memcpy(bits, radius, n * sizeof *bits);
+  comm_add(e->comm, bits, n);
+  memcpy(radius, bits, n * sizeof *bits);
+}
+
+/* Rank 0 says where the disks of a batch go, and each rank sets out its own. */
 static sd_status release(engine *e, const sd_rain *r, sd_messages *messages) {
+  const comm *c = e->comm;
+  const size_t n = count_due(e, r);
+  const double top = comm_largest(c, top_of(e, r));
   rain_drop *drops;
-  if (!memory_rows(1, (memory_column[]){{&drops, rain_count(e, r), sizeof *drops}}))
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
-  const sd_status status = rain_plan(e, r, rain_top(e, r), NULL, drops, messages);
-  if (status == SD_OK) rain_set_out(e, r, drops);
+  double *radius;
+  int64_t *bits;
+  const memory_column arrays[] = {
+      {&drops, n, sizeof *drops}, {&radius, n, sizeof *radius}, {&bits, n, sizeof *bits}};
+  sd_status status = memory_rows(sizeof arrays / sizeof *arrays, arrays) ? SD_OK : SD_ERROR_IO;
+  if (status != SD_OK) sd_fail(messages, status, "out of memory for a batch of rain");
+  status = comm_agree(c, status);
+  if (status == SD_OK) share_radii(e, r, n, radius, bits);
+  if (status == SD_OK && comm_rank(c) == 0) status = plan(e, r, top, c ? radius : NULL, drops, messages);
+  status = comm_agree(c, status);
+  if (status == SD_OK) comm_share(c, drops, n * sizeof *drops);
+  if (status == SD_OK) set_out(e, r, drops);
+  free(bits);
+  free(radius);
   free(drops);
   return status;
 }
 
 sd_status rain_release(engine *e, sd_messages *messages) {
   const sd_model *m = e->model;
-  sd_state *s = e->state;
   sd_energy before = energy_of(e);
   sd_status status = SD_OK;
   engine_pose_walls(e);
   for (size_t k = 0; k < m->n_rains && status == SD_OK; k++)
-    if (rain_due(e, &m->rains[k])) status = release(e, &m->rains[k], messages);
+    if (is_due(e, &m->rains[k])) status = release(e, &m->rains[k], messages);
   if (status != SD_OK) return status;
   bodies_fill_constants(e);
   for (size_t k = 0; k < m->n_rains; k++)
-    if (rain_due(e, &m->rains[k])) rain_accelerate(e, &m->rains[k]);
-  status = neighbours_build(e, messages);
+    if (is_due(e, &m->rains[k])) accelerate(e, &m->rains[k]);
+  status = engine_renew(e, messages);
+  if (status != SD_OK) return status;
   sd_energy after = energy_of(e);
-  s->energy_start += energy_total(&after) - energy_total(&before);
-  return status;
+  e->state->energy_start += energy_total(&after) - energy_total(&before);
+  return SD_OK;
 }

@@ -104,10 +104,11 @@ static void forget_derivatives(engine *e, const team *t) {
   }
 }
 
-/* By the first thread: what all threads have added up. */
-static void add_up(const team *t, relax_sums *of_team) {
+/* By the first thread: what all threads of all ranks have added up. */
+static void add_up(const engine *e, const team *t, relax_sums *of_team) {
   for (int n = 1; n < t->size; n++)
     for (int k = 0; k < RELAX_SUMS; k++) exact_sum_merge(&of_team->of[k], &of_team[n].of[k]);
+  comm_total_exact(e->comm, of_team->of, RELAX_SUMS);
   for (int k = 0; k < RELAX_SUMS; k++) of_team->total[k] = exact_sum_value(&of_team->of[k]);
 }
 
@@ -116,7 +117,7 @@ void relax_step(engine *e, const team *t, relax_sums *of_team) {
   of_team[t->rank] = (relax_sums){0};
   measure(e, t, of_team[t->rank].of);
   team_wait(t);
-  if (t->rank == 0) add_up(t, of_team);
+  if (t->rank == 0) add_up(e, t, of_team);
   team_wait(t);
   const double power = of_team->total[RELAX_POWER], speed2 = of_team->total[RELAX_SPEED2],
                push2 = of_team->total[RELAX_PUSH2];

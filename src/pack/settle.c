@@ -3,11 +3,19 @@
 
 #include <math.h>
 
+#include "base/exact_sum.h"
 #include "pack/rain.h"
 #include "physics/step/access.h"
 #include "physics/step/cell.h"
 #include "physics/system/clumps.h"
 #include "physics/system/halo.h"
+
+enum { SETTLE_KINETIC, SETTLE_FORCE, SETTLE_CONTACT, SETTLE_SUMS };
+enum { DISKS, CONTACTS, OUTSIDE, COUNTS };
+typedef struct settle_sums {
+  exact_sum of[SETTLE_SUMS];
+  int64_t n[COUNTS];
+} settle_sums;
 
 /* 0 for a coordinate that is held. */
 static double resultant(const columns *c, size_t i) {
@@ -22,7 +30,7 @@ static void add_contacts(const engine *e, settle_sums *all) {
   for (size_t k = 0; k < engine_candidates(e); k++) {
     if (!engine_contact_closed(e, k) || !halo_counts(e, k)) continue;
     exact_sum_add(&all->of[SETTLE_CONTACT], engine_contact_force(e, k));
-    all->contacts++;
+    all->n[CONTACTS]++;
   }
 }
 
@@ -37,41 +45,41 @@ static void add_clumps(const engine *e, settle_sums *all) {
         exact_sum_add(&all->of[SETTLE_KINETIC], 0.5 * c[q].v[k] * c[q].v[k] / c[q].inverse[k]);
     exact_sum_add(&all->of[SETTLE_FORCE], hypot(c[SD_X].inverse[k] != 0.0 ? load.on[SD_X] : 0.0,
                                                 c[SD_Y].inverse[k] != 0.0 ? load.on[SD_Y] : 0.0));
-    all->disks++;
+    all->n[DISKS]++;
   }
 }
 
-void settle_add_up(const engine *e, settle_sums *all) {
+/* The disks and contacts that this rank counts. */
+static void add_up(const engine *e, settle_sums *all) {
   const sd_state *s = e->state;
   const columns *c = engine_columns(e, 0);
   *all = (settle_sums){0};
   for (size_t i = 0; i < s->n_free; i++) {
-    all->outside += s->activity[i] == SD_OUTSIDE;
+    all->n[OUTSIDE] += s->activity[i] == SD_OUTSIDE;
     if (s->activity[i] != SD_IN_PLAY || engine_in_clump(e, i)) continue;
     exact_sum_add(&all->of[SETTLE_KINETIC], moving(&c[SD_X], s->mass, i) + moving(&c[SD_Y], s->mass, i) +
                                                 moving(&c[SD_THETA], s->inertia, i));
     exact_sum_add(&all->of[SETTLE_FORCE], hypot(resultant(&c[SD_X], i), resultant(&c[SD_Y], i)));
-    all->disks++;
+    all->n[DISKS]++;
   }
   add_clumps(e, all);
   add_contacts(e, all);
 }
 
-settle_measure settle_of_sums(const settle_sums *all) {
-  /* what falls beyond the bounds is not at rest */
-  if (all->disks == 0)
-    return all->outside ? (settle_measure){HUGE_VAL, HUGE_VAL} : (settle_measure){0.0, 0.0};
-  const double n = (double)all->disks, kinetic = exact_sum_value(&all->of[SETTLE_KINETIC]) / n,
-               mean = exact_sum_value(&all->of[SETTLE_FORCE]) / n,
-               contact = all->contacts > 0 ? exact_sum_value(&all->of[SETTLE_CONTACT]) / (double)all->contacts
-                                           : 0.0;
-  return (settle_measure){kinetic, mean == 0.0 ? 0.0 : contact > 0.0 ? mean / contact : HUGE_VAL};
-}
-
 settle_measure settle_look(const engine *e) {
   settle_sums all;
-  settle_add_up(e, &all);
-  return settle_of_sums(&all);
+  add_up(e, &all);
+  comm_total_exact(e->comm, all.of, SETTLE_SUMS);
+  comm_add(e->comm, all.n, COUNTS);
+  /* what falls beyond the bounds is not at rest */
+  if (all.n[DISKS] == 0)
+    return all.n[OUTSIDE] ? (settle_measure){HUGE_VAL, HUGE_VAL} : (settle_measure){0.0, 0.0};
+  const double n = (double)all.n[DISKS], kinetic = exact_sum_value(&all.of[SETTLE_KINETIC]) / n,
+               mean = exact_sum_value(&all.of[SETTLE_FORCE]) / n,
+               contact = all.n[CONTACTS] > 0
+                             ? exact_sum_value(&all.of[SETTLE_CONTACT]) / (double)all.n[CONTACTS]
+                             : 0.0;
+  return (settle_measure){kinetic, mean == 0.0 ? 0.0 : contact > 0.0 ? mean / contact : HUGE_VAL};
 }
 
 /* A servo whose disks do not feel its force yet creeps on, however slowly; a lid must not swing. */

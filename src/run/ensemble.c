@@ -15,6 +15,7 @@
 #include "physics/small/lanes.h"
 #include "physics/neighbours/neighbours.h"
 #include "run/lanes_loop.h"
+#include "run/loop.h"
 #include "run/simulation_private.h"
 
 struct ensemble {
@@ -65,7 +66,7 @@ static size_t find_together(const ensemble *e, const share *shares, size_t first
     if (k != first && (!lanes_alike(leader->model, s->engine->model) || !lanes_in_step(leader, s->engine)))
       continue;
     who[n++] = k;
-    int64_t room = simulation_room(s->engine), now = s->left < room ? s->left : room;
+    int64_t room = loop_room(s->engine), now = s->left < room ? s->left : room;
     if (now < *steps) *steps = now;
   }
   assert(n <= LANES_MOST && (n == 0 || *steps > 0));
@@ -116,7 +117,7 @@ static void advance_some(ensemble *e, share *shares, size_t first, sd_status *st
     share *s = &shares[who[k]];
     assert(systems[k]->state->step - from[k] <= s->left);
     s->left -= systems[k]->state->step - from[k];
-    status[who[k]] = simulation_pause(systems[k], from[k], messages[who[k]]);
+    status[who[k]] = loop_pause(systems[k], from[k], messages[who[k]]);
     bool over = s->left == 0 || sd_simulation_finished(e->members[who[k]]);
     if (status[who[k]] == SD_OK && !over) continue;
     if (status[who[k]] == SD_OK)

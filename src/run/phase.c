@@ -31,8 +31,7 @@ static void note_goals(const engine *e, const settle_measure *rest) {
     s->phase_unbalanced[s->phase] = rest->unbalanced;
   }
   if (p->compress.asked)
-    s->phase_target[s->phase] =
-        p->compress.pressure > 0.0 ? compress_pressure(e) : compress_fraction(e->model, s);
+    s->phase_target[s->phase] = p->compress.pressure > 0.0 ? compress_pressure(e) : compress_fraction(e);
   s->phase_reached[s->phase] = (!rest || settle_reached(e, rest)) && (!p->compress.asked || compress_done(e));
 }
 

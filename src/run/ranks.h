@@ -1,17 +1,17 @@
 /* ranks.h: one simulation over the ranks of an MPI job.
  *
- * Rank 0 leads: it has the session and, between steps, may have the whole state. The others serve: they wait for its word, and
- * do the same at the same time. While the disks are spread over the ranks each has an engine of its part (halo.h), and the whole state is
- * as old as the last ranks_collect. What ranks cannot share (phases that relax or compress) is done on the whole, by rank 0, as
- * in a run on one rank; then the disks are spread again. Nothing of it changes a bit.
+ * Each rank has an engine of its part of the disks (halo.h), and all go through the same loop (loop.h). Rank 0 has the session,
+ * too: it says what is done next, and keeps the state of the whole as far as heads of files need it, which is as old as the
+ * last ranks_collect. The others serve. Nothing of it changes a bit.
  *
- * A failure in a step is told by all ranks, and rank 0 returns it. Without memory, a rank says so and ends the job.
+ * All ranks agree on a failure, and rank 0 returns it. Without memory, a rank says so and ends the job.
  */
 #ifndef SLIPDISK_RUN_RANKS_H
 #define SLIPDISK_RUN_RANKS_H
 
 #include <signal.h>
 
+#include "base/comm.h"
 #include "io/results/summary.h"
 #include "measure/resultant.h"
 #include "pack/settle.h"
@@ -27,33 +27,23 @@ typedef struct ranks_balance {
   int64_t least, most; /* disks of a rank */
 } ranks_balance;
 
-/* The job has several ranks. stop: becomes true where this rank gets a signal, and then on rank 0,
+/* c: its ranks. stop: becomes true where this rank gets a signal, and then on rank 0,
  * too. NULL: no memory for the rows of results. */
-ranks *ranks_new(const sd_model *model, volatile sig_atomic_t *stop);
+ranks *ranks_new(const comm *c, const sd_model *model, volatile sig_atomic_t *stop);
 void ranks_free(ranks *r);
 
 /* --- rank 0 --------------------------------------------------------------------------------------------- */
-bool ranks_are_spread(const ranks *r);
-/* Shares out the disks, whose contacts stand in whole->state if it has no lists; ranks_advance does it where they are not. */
+/* Shares out the disks, whose contacts stand in whole->state. */
 sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages);
-/* The same at step 0, of a whole without lists, once the first phase's motions run: engine_start; and measuring begins. */
-sd_status ranks_start(ranks *r, engine *whole, bool measure, sd_messages *messages);
-/* n steps at most; whole->state->step tells how many. Fewer after a failure or a stop. */
-sd_status ranks_advance(ranks *r, engine *whole, int64_t n, bool measure, sd_messages *messages);
+/* The same at step 0, of a whole without lists, once the first phase's motions run; then loop_start. */
+sd_status ranks_start(ranks *r, engine *whole, sd_messages *messages);
+/* n steps at most, and what is done between them; whole->state->step tells how many. Fewer after a failure or a stop. */
+sd_status ranks_advance(ranks *r, engine *whole, int64_t n, sd_messages *messages);
 /* Brings whole->state up to date, contacts too. SD_ERROR_IO: no memory. */
 sd_status ranks_collect(ranks *r, engine *whole);
-/* The same; then rank 0 has everything, and whole->work is complete. */
-sd_status ranks_center(ranks *r, engine *whole, sd_messages *messages);
 ranks_balance ranks_balance_of(const ranks *r);
-/* How near all disks are to rest; whole->state then knows how fast walls move. */
-settle_measure ranks_rest(ranks *r, engine *whole);
-/* Batches of rain that are due fall. */
-sd_status ranks_rain(ranks *r, engine *whole, sd_messages *messages);
-/* outside_look, where the run does not stop by it; would it of the whole change anything? */
-sd_status ranks_outside(ranks *r, engine *whole, sd_messages *messages);
-bool ranks_outside_is_due(ranks *r);
-/* The phase ends, also for whole->state, and the next one begins, which must be one that ranks can share; the disks stay where they are. */
-sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages);
+/* How near all disks are to rest. */
+settle_measure ranks_rest(ranks *r);
 /* Energies of the whole, and all else that a row of the series sums up (NULL: no memory): each rank adds up its own disks and
  * contacts, without rounding, so that these are the bits of one process. */
 sd_energy ranks_energy(ranks *r);
@@ -69,7 +59,13 @@ sd_status ranks_sample(ranks *r, engine *whole, unsigned what, int64_t frame, in
 /* Each writes them as a share of the part `path`; also when they are not spread any more. */
 sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages);
 /* The others may go home, with this exit status. */
-void ranks_dismiss(int status);
+void ranks_dismiss(const comm *c, int status);
+
+/* --- every rank, for its part --------------------------------------------------------------------------- */
+/* n steps, or fewer when a rank fails or is to stop: engine_status of each, state->step. */
+void ranks_steps(engine *part, int64_t n);
+/* Puts the disks into the order that a phase begins with; all ranks get the same status. */
+sd_status ranks_order_again(engine *part);
 
 /* --- the others ------------------------------------------------------------------------------------------- */
 /* Returns the status that ranks_dismiss was given. */

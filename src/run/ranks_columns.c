@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/comm.h"
-#include "base/comm_data.h"
 #include "model/cell.h"
 #include "model/laws.h"
 
@@ -94,7 +93,7 @@ static const void *rows_of(const moving *m, size_t k, void **own) {
   if (!m->from) return NULL;
   const void *rows = state_rows(m->from, m->field[k], own);
   if (!rows && state_contact_count(m->from) > 0)
-    comm_fail("cannot read the checkpoint"); /* the others wait */
+    comm_fail(m->route->comm, "cannot read the checkpoint"); /* the others wait */
   return rows;
 }
 
@@ -111,7 +110,7 @@ static void leave_zeros(const moving *m, size_t n, route_column *list, size_t *l
         state_of_contacts(m->field[0]->extent) ? state_contact_count(m->from) : m->from->n_free;
     zero[k] = is_zero(list[k].from, rows * list[k].size);
   }
-  comm_share(zero, sizeof zero);
+  comm_share(m->route->comm, zero, sizeof zero);
   *left = 0;
   for (size_t k = 0; k < n; k++)
     if (!zero[k]) list[(*left)++] = list[k];

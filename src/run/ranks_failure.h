@@ -2,10 +2,11 @@
 #ifndef RUN_RANKS_FAILURE_H
 #define RUN_RANKS_FAILURE_H
 
-#include "slipdisk/status.h"
+#include "base/comm.h"
 
-/* Collective. Rank 0 gets the messages of all ranks into `messages` (NULL: the others), each once. failed: this rank's status.
- * Returns the status of the first rank that has failed. */
-sd_status ranks_tell_failure(sd_status failed, const sd_messages *own, sd_messages *messages);
+/* Collective, with a status on which all ranks agree. Rank 0 (the others: messages NULL) gets the warnings of its own list,
+ * which every rank has alike, and after a failure the errors of all ranks, equal ones once. The list is empty then.
+ * Returns the status. */
+sd_status ranks_tell(const comm *c, sd_status status, sd_messages *own, sd_messages *messages);
 
 #endif

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/comm.h"
-#include "base/comm_data.h"
 #include "base/memory.h"
 #include "model/cell.h"
 #include "physics/neighbours/order.h"
@@ -19,6 +18,7 @@
 
 /* Disks of the part that is made, in their order, and where they come from. */
 typedef struct shares {
+  const comm *comm;
   const sd_model *model;
   const comm_cuts *cuts;
   const engine *from;
@@ -49,9 +49,9 @@ static void part_free(shares *p) {
 }
 
 /* Without memory the job ends: the others wait. */
-static sd_status need(bool memory) {
+static sd_status need(const comm *c, bool memory) {
   if (memory) return SD_OK;
-  comm_fail("no memory");
+  comm_fail(c, "no memory");
   return SD_ERROR_IO;
 }
 
@@ -63,17 +63,17 @@ static sd_status find_owners(shares *p) {
   p->n_known = s ? s->n_free + s->n_ghosts : 0;
   const memory_column arrays[] = {{&p->owner, p->n_known, sizeof *p->owner},
                                   {&p->source, p->n_from, sizeof *p->source}};
-  if (need(memory_resize(sizeof arrays / sizeof *arrays, arrays)) != SD_OK) return SD_ERROR_IO;
+  if (need(p->comm, memory_resize(sizeof arrays / sizeof *arrays, arrays)) != SD_OK) return SD_ERROR_IO;
   if (!s) return SD_OK; /* a rank that has no disks yet */
   for (uint32_t i = 0; i < p->n_from; i++) p->source[i] = p->from->halo ? p->from->halo->order[i] : i;
   comm_cuts_mine(p->cuts, low, high);
   for (size_t i = 0; i < p->n_known; i++) {
     if (i < p->n_from && s->activity[i] == SD_WAITING) {
-      p->owner[i] = (int)(s->id[i] % (uint32_t)comm_size());
+      p->owner[i] = (int)(s->id[i] % (uint32_t)comm_size(p->comm));
       continue;
     }
     const bool inside = s->x[i] > low[0] && s->x[i] < high[0] && s->y[i] > low[1] && s->y[i] < high[1];
-    p->owner[i] = inside ? comm_rank() : comm_cuts_owner(p->cuts, s->x[i], s->y[i]);
+    p->owner[i] = inside ? comm_rank(p->comm) : comm_cuts_owner(p->cuts, s->x[i], s->y[i]);
   }
   return SD_OK;
 }
@@ -89,14 +89,14 @@ static sd_status call_disks(shares *p) {
   const sd_state *s = p->from ? p->from->state : NULL;
   route *r = &p->disks;
   uint32_t *found = NULL;
-  if (need(route_new(r, p->n_from, NULL, p->owner) == SD_OK) != SD_OK) return SD_ERROR_IO;
+  if (need(p->comm, route_new(r, p->comm, p->n_from, NULL, p->owner) == SD_OK) != SD_OK) return SD_ERROR_IO;
   route_count(r);
   const size_t n = r->n_receive;
   const memory_column arrays[] = {{&p->place, n, sizeof *p->place},   {&p->order, n, sizeof *p->order},
                                   {&p->x, n, sizeof *p->x},           {&p->y, n, sizeof *p->y},
                                   {&p->radius, n, sizeof *p->radius}, {&p->activity, n, sizeof *p->activity},
                                   {&found, n, sizeof *found}};
-  sd_status status = need(memory_resize(sizeof arrays / sizeof *arrays, arrays));
+  sd_status status = need(p->comm, memory_resize(sizeof arrays / sizeof *arrays, arrays));
   const route_column known[] = {{p->source, p->order, sizeof *p->source},
                                 {s ? s->x : NULL, p->x, sizeof *p->x},
                                 {s ? s->y : NULL, p->y, sizeof *p->y},
@@ -169,7 +169,7 @@ static sd_status add_ghost(const shares *p, sends *l, const box *b, uint32_t i, 
       const double low[2] = {x - beside, y - beside}, high[2] = {x + beside, y + beside};
       const int n = comm_cuts_near(p->cuts, low, high, ranks);
       for (int k = 0; k < n; k++) {
-        if (ranks[k] == comm_rank() || seen[ranks[k]]) continue;
+        if (ranks[k] == comm_rank(p->comm) || seen[ranks[k]]) continue;
         seen[ranks[k]] = 1;
         if (add_send(l, i, ranks[k]) != SD_OK) return SD_ERROR_IO;
       }
@@ -199,14 +199,14 @@ static sd_status choose_ghosts(shares *p, const sd_state *common, double skin) {
   sends list = {0};
   const box b = box_of(p, common);
   const double reach = p->model->largest_radius + (skin + law_reach(p->model)) * (1.0 + 1e-9);
-  int *ranks = memory_new((size_t)comm_size(), sizeof *ranks);
-  uint8_t *seen = memory_new((size_t)comm_size(), 1);
+  int *ranks = memory_new((size_t)comm_size(p->comm), sizeof *ranks);
+  uint8_t *seen = memory_new((size_t)comm_size(p->comm), 1);
   sd_status status = SD_OK;
   for (uint32_t i = 0; i < p->disks.n_receive && status == SD_OK; i++)
     if (p->activity[i] == SD_IN_PLAY || p->activity[i] == SD_OUTSIDE)
       status = add_ghost(p, &list, &b, i, p->radius[i] + reach, ranks, seen);
-  if (status == SD_OK) status = route_new(&p->ghosts, list.n, list.row, list.rank);
-  status = need(status == SD_OK);
+  if (status == SD_OK) status = route_new(&p->ghosts, p->comm, list.n, list.row, list.rank);
+  status = need(p->comm, status == SD_OK);
   if (status == SD_OK) route_count(&p->ghosts);
   free(list.row);
   free(list.rank);
@@ -223,7 +223,7 @@ static sd_status place_ghosts(shares *p) {
   const memory_column arrays[] = {{&p->order, n_own + n, sizeof *p->order},
                                   {&p->ghost_place, n, sizeof *p->ghost_place},
                                   {&found, n, sizeof *found}};
-  sd_status status = need(memory_resize(sizeof arrays / sizeof *arrays, arrays));
+  sd_status status = need(p->comm, memory_resize(sizeof arrays / sizeof *arrays, arrays));
   if (status == SD_OK) status = come_in_order(r, p->order, found, p->ghost_place);
   free(found);
   for (size_t k = 0; k < r->n_receive && status == SD_OK; k++) p->ghost_place[k] += (uint32_t)n_own;
@@ -251,8 +251,8 @@ static sd_status call_contacts(shares *p) {
     status = add_send(&list, k, first);
     if (second != first && status == SD_OK) status = add_send(&list, k, second);
   }
-  if (status == SD_OK) status = route_new(&p->contacts, list.n, list.row, list.rank);
-  status = need(status == SD_OK);
+  if (status == SD_OK) status = route_new(&p->contacts, p->comm, list.n, list.row, list.rank);
+  status = need(p->comm, status == SD_OK);
   if (status == SD_OK) route_count(&p->contacts);
   free(list.row);
   free(list.rank);
@@ -263,7 +263,7 @@ static sd_status call_contacts(shares *p) {
 
 static sd_status take_contacts(route *r, const sd_state *from, bool whole, sd_state *to) {
   to->n_contacts = 0;
-  const sd_status status = need(sd_state_reserve_contacts(to, r->n_receive) == SD_OK);
+  const sd_status status = need(r->comm, sd_state_reserve_contacts(to, r->n_receive) == SD_OK);
   to->n_contacts = r->n_receive;
   moving m = {.route = r, .from = from, .to = to, .narrow = whole};
   moving_contacts(&m);
@@ -282,7 +282,7 @@ static sd_status take_disks(shares *p, bool whole, sd_state *to) {
   return status == SD_OK ? moving_send(&ghosts, p->ghost_place) : status;
 }
 
-sd_status move_take_common(const engine *from, bool whole, sd_state *to) {
+sd_status move_take_common(const comm *c, const engine *from, bool whole, sd_state *to) {
   if (!whole) {
     assert(from);
     common_take(from->state, to);
@@ -290,10 +290,10 @@ sd_status move_take_common(const engine *from, bool whole, sd_state *to) {
   }
   const size_t bytes = common_bytes(to);
   char *buffer = NULL;
-  if (need(memory_resize(1, (memory_column[]){{&buffer, bytes, 1}})) != SD_OK) return SD_ERROR_IO;
+  if (need(c, memory_resize(1, (memory_column[]){{&buffer, bytes, 1}})) != SD_OK) return SD_ERROR_IO;
   assert(!from || common_bytes(from->state) == bytes);
   if (from) common_copy(from->state, buffer, false);
-  comm_share(buffer, bytes);
+  comm_share(c, buffer, bytes);
   common_copy(to, buffer, true);
   free(buffer);
   return SD_OK;
@@ -301,6 +301,7 @@ sd_status move_take_common(const engine *from, bool whole, sd_state *to) {
 
 static sd_status make_halo(shares *p, double skin, halo **out) {
   halo *h = *out = memory_new(1, sizeof *h);
+  h->comm = p->comm;
   h->skin = skin;
   h->n_own = p->disks.n_receive;
   h->n_ghosts = p->ghosts.n_receive;
@@ -314,23 +315,24 @@ static sd_status make_halo(shares *p, double skin, halo **out) {
 
 sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine *from, double skin,
                      sd_state **state, halo **h) {
-  const bool whole = comm_or(from && from->halo) == 0;
-  shares p = {.model = model, .cuts = cuts, .from = from};
+  const comm *c = comm_cuts_comm(cuts);
+  const bool whole = comm_or(c, from && from->halo) == 0;
+  shares p = {.comm = c, .model = model, .cuts = cuts, .from = from};
   *state = NULL;
   *h = NULL;
   double scale[1] = {from ? from->state->box_scale : 1.0};
-  if (whole) comm_share(scale, sizeof scale);
+  if (whole) comm_share(c, scale, sizeof scale);
   const sd_state common = {.box_scale = scale[0]};
   sd_status status = find_owners(&p);
   if (status == SD_OK) status = call_disks(&p);
   if (status == SD_OK) status = choose_ghosts(&p, &common, skin);
   if (status == SD_OK) status = place_ghosts(&p);
   if (status == SD_OK) *state = state_new_part(model, p.disks.n_receive, p.ghosts.n_receive);
-  if (status == SD_OK) status = need(*state);
+  if (status == SD_OK) status = need(c, *state);
   if (status == SD_OK) status = take_disks(&p, whole, *state);
   if (status == SD_OK) status = call_contacts(&p);
   if (status == SD_OK) status = take_contacts(&p.contacts, from ? from->state : NULL, whole, *state);
-  if (status == SD_OK) status = move_take_common(from, whole, *state);
+  if (status == SD_OK) status = move_take_common(c, from, whole, *state);
   if (status == SD_OK) status = make_halo(&p, skin, h);
   part_free(&p);
   if (status == SD_OK) status = order_contacts(model, *state);
@@ -344,18 +346,20 @@ static const float IDLE = 1e-6f;
 
 static sd_status cut_rows(comm_cuts *cuts, size_t n, const double *x, const double *y,
                           const int32_t *activity) {
+  const comm *c = comm_cuts_comm(cuts);
   float *weight = NULL;
   const bool there = memory_resize(1, (memory_column[]){{&weight, n, sizeof *weight}});
   for (size_t i = 0; there && i < n; i++) weight[i] = activity[i] == SD_IN_PLAY ? 1.0f : IDLE;
   sd_status status = there ? SD_OK : SD_ERROR_IO;
-  if (comm_or(status != SD_OK) == 0) status = comm_cuts_make(cuts, n, x, y, weight);
+  if (comm_or(c, status != SD_OK) == 0) status = comm_cuts_make(cuts, n, x, y, weight);
   free(weight);
   return status;
 }
 
 /* Each rank looks at as many of the disks. */
 static sd_status cut_whole(const sd_model *model, comm_cuts *cuts, const sd_state *s) {
-  const size_t n_ranks = (size_t)comm_size(), all = model->n_free, here = (size_t)comm_rank(),
+  const comm *c = comm_cuts_comm(cuts);
+  const size_t n_ranks = (size_t)comm_size(c), all = model->n_free, here = (size_t)comm_rank(c),
                n = all * (here + 1) / n_ranks - all * here / n_ranks;
   int *to = memory_new(2 * n_ranks, sizeof *to), *from = to + n_ranks;
   double *x = NULL, *y = NULL;
@@ -363,12 +367,12 @@ static sd_status cut_whole(const sd_model *model, comm_cuts *cuts, const sd_stat
   const memory_column arrays[] = {{&x, n, sizeof *x}, {&y, n, sizeof *y}, {&activity, n, sizeof *activity}};
   assert(!s || s->n_free == all);
   sd_status status = memory_resize(sizeof arrays / sizeof *arrays, arrays) ? SD_OK : SD_ERROR_IO;
-  if (comm_or(status != SD_OK) == 0 && status == SD_OK) {
+  if (comm_or(c, status != SD_OK) == 0 && status == SD_OK) {
     for (size_t q = 0; s && q < n_ranks; q++) to[q] = (int)(all * (q + 1) / n_ranks - all * q / n_ranks);
     from[0] = (int)n;
-    comm_exchange(s ? s->x : NULL, to, x, from, sizeof *x);
-    comm_exchange(s ? s->y : NULL, to, y, from, sizeof *y);
-    comm_exchange(s ? s->activity : NULL, to, activity, from, sizeof *activity);
+    comm_exchange(c, s ? s->x : NULL, to, x, from, sizeof *x);
+    comm_exchange(c, s ? s->y : NULL, to, y, from, sizeof *y);
+    comm_exchange(c, s ? s->activity : NULL, to, activity, from, sizeof *activity);
     status = cut_rows(cuts, n, x, y, activity);
   }
   free(to);
@@ -380,7 +384,7 @@ static sd_status cut_whole(const sd_model *model, comm_cuts *cuts, const sd_stat
 
 sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *from) {
   const sd_state *s = from ? from->state : NULL;
-  if (comm_or(from && from->halo) == 0) return cut_whole(model, cuts, s);
+  if (comm_or(comm_cuts_comm(cuts), from && from->halo) == 0) return cut_whole(model, cuts, s);
   assert(s);
   return cut_rows(cuts, s->n_free, s->x, s->y, s->activity);
 }
@@ -389,16 +393,17 @@ sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *f
 sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
   const sd_state *s = e->state;
   enum { REST = 6 /* of a disk's step, in halves of candidate pairs */, MOST = 2 };
+  const comm *c = comm_cuts_comm(cuts);
   float *weight = NULL;
   const bool there = memory_resize(1, (memory_column[]){{&weight, s->n_free, sizeof *weight}});
   const double all = (double)(engine_first(e, s->n_free) + REST * s->n_free),
-               mean = comm_total(busy) / fmax(comm_total(all), 1.0),
+               mean = comm_total(c, busy) / fmax(comm_total(c, all), 1.0),
                rate = fmin(fmax(busy / fmax(all, 1.0), mean / MOST), mean * MOST);
   sd_status status = there ? SD_OK : SD_ERROR_IO;
   for (size_t i = 0; there && i < s->n_free; i++)
     weight[i] = (float)(rate * (double)(engine_first(e, i + 1) - engine_first(e, i) + REST)) *
                 (s->activity[i] == SD_IN_PLAY ? 1.0f : IDLE);
-  if (comm_or(status != SD_OK) == 0) status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
+  if (comm_or(c, status != SD_OK) == 0) status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
   free(weight);
   return status;
 }
@@ -406,17 +411,15 @@ sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
 /* --- together -------------------------------------------------------------------------------------------------- */
 
 /* The first disk that was too fast, the fastest of that step. */
-static void merge_fast(const sd_state *part, sd_state *whole) {
+static void merge_fast(const comm *c, const sd_state *part, sd_state *whole) {
   typedef struct fast {
     int64_t step, disk;
     double displacement;
   } fast;
   const fast mine = {part->fast_step, part->fast_disk, part->fast_displacement};
-  const size_t ranks = (size_t)comm_size();
-  int *counts = memory_new(ranks, sizeof *counts);
+  const size_t ranks = (size_t)comm_size(c);
   fast *all = memory_new(ranks, sizeof *all);
-  for (size_t q = 0; q < ranks; q++) counts[q] = 1;
-  comm_gather(&mine, all, counts, sizeof mine);
+  comm_gather_one(c, &mine, all, sizeof mine);
   fast first = all[0];
   for (size_t q = 1; q < ranks; q++) {
     const bool earlier = all[q].step >= 0 && (first.step < 0 || all[q].step < first.step);
@@ -427,21 +430,12 @@ static void merge_fast(const sd_state *part, sd_state *whole) {
     whole->fast_disk = first.disk;
     whole->fast_displacement = first.displacement;
   }
-  free(counts);
   free(all);
-}
-
-/* Of the phase the whole knows more: its steps are counted where phases end. */
-static void put_common(const sd_state *part, sd_state *whole) {
-  const int64_t phase = whole->phase, phase_step = whole->phase_step;
-  common_take(part, whole);
-  whole->phase = phase;
-  whole->phase_step = phase_step;
 }
 
 static sd_status put_disks(route *r, const engine *part, sd_state *whole) {
   uint32_t *place;
-  if (need(memory_rows(1, (memory_column[]){{&place, r->n_receive, sizeof *place}})) != SD_OK)
+  if (need(r->comm, memory_rows(1, (memory_column[]){{&place, r->n_receive, sizeof *place}})) != SD_OK)
     return SD_ERROR_IO;
   sd_status status = route_columns(r, &(route_column){part->halo->order, place, sizeof *place}, 1, NULL);
   moving m = {.route = r, .from = part->state, .to = whole, .narrow = true};
@@ -452,17 +446,18 @@ static sd_status put_disks(route *r, const engine *part, sd_state *whole) {
 }
 
 void move_common(const engine *part, sd_state *whole) {
-  if (whole) put_common(part->state, whole);
-  merge_fast(part->state, whole);
+  if (whole) common_take(part->state, whole);
+  merge_fast(part->comm, part->state, whole);
 }
 
 sd_status move_together(const engine *part, sd_state *whole) {
   const sd_state *s = part->state;
   sd_state nothing = {.law_columns = s->law_columns}; /* the others send only */
   route disks = {0}, contacts = {0};
-  sd_status status = route_new(&disks, s->n_free, NULL, NULL);
-  if (status == SD_OK) status = route_new(&contacts, s->n_contacts, NULL, NULL);
-  status = need(status == SD_OK);
+  const comm *c = part->comm;
+  sd_status status = route_new(&disks, c, s->n_free, NULL, NULL);
+  if (status == SD_OK) status = route_new(&contacts, c, s->n_contacts, NULL, NULL);
+  status = need(c, status == SD_OK);
   if (status == SD_OK) {
     route_count(&disks);
     route_count(&contacts);

@@ -23,7 +23,7 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
 sd_status move_together(const engine *part, sd_state *whole);
 /* Gives a part what is no disk's and no contact's: prescribed bodies, motions, and what is of the run, from what this rank has, or
  * (whole) from rank 0. Without memory the job ends. */
-sd_status move_take_common(const engine *from, bool whole, sd_state *to);
+sd_status move_take_common(const comm *c, const engine *from, bool whole, sd_state *to);
 /* Brings the same into the whole state of rank 0 (NULL on the others). */
 void move_common(const engine *part, sd_state *whole);
 

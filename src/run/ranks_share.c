@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/comm.h"
-#include "base/comm_data.h"
 #include "base/memory.h"
 #include "io/results/checkpoint.h"
 #include "physics/step/access.h"
@@ -52,7 +51,7 @@ static sd_status order_new(const engine *e, checkpoint_order *order, sd_messages
                                   {&order->contact, s->n_contacts, sizeof *order->contact}};
   if (!memory_resize(sizeof arrays / sizeof *arrays, arrays)) {
     free(list);
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the results of rank %d", comm_rank());
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the results of rank %d", comm_rank(e->comm));
   }
   for (size_t i = 0; i < s->n_free; i++) order->disk_key[i] = (int64_t)e->halo->order[i];
   for (uint32_t c = 0; c < s->n_contacts; c++) list[c] = place_of(e, c);
@@ -77,7 +76,7 @@ sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum, 
 sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame, int64_t moment_number,
                              record_share *rows, sd_messages *messages) {
   const sd_state *s = part->state;
-  const size_t driven = comm_rank() == 0 ? s->n_free + s->n_ghosts : s->n_disks;
+  const size_t driven = comm_rank(part->comm) == 0 ? s->n_free + s->n_ghosts : s->n_disks;
   checkpoint_order order;
   sd_status status = order_new(part, &order, messages);
   if (status == SD_OK)
@@ -87,28 +86,24 @@ sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame, i
   return status;
 }
 
-void ranks_gather_sums(int64_t sum, int64_t *all) {
-  const size_t n = (size_t)comm_size();
-  int *counts = memory_new(n, sizeof *counts);
-  int64_t *every = memory_new(n, sizeof *every);
-  for (size_t q = 0; q < n; q++) counts[q] = 1;
-  comm_gather(&sum, every, counts, sizeof sum);
-  if (all) memcpy(all, every, n * sizeof *all);
-  free(counts);
+void ranks_gather_sums(const comm *c, int64_t sum, int64_t *all) {
+  int64_t *every = memory_new((size_t)comm_size(c), sizeof *every);
+  comm_gather_one(c, &sum, every, sizeof sum);
+  if (all) memcpy(all, every, (size_t)comm_size(c) * sizeof *all);
   free(every);
 }
 
 /* --- sums ---------------------------------------------------------------------------------------------------- */
 
 size_t ranks_count_contacts(const engine *part) {
-  return (size_t)comm_total((double)part->state->n_contacts);
+  return (size_t)comm_total(part->comm, (double)part->state->n_contacts);
 }
 
 summary_contacts ranks_add_contacts(const engine *part) {
   exact_sum overlap = {0};
   for (size_t c = 0; c < part->state->n_contacts; c++)
     exact_sum_add(&overlap, part->state->contact_overlap[c]);
-  comm_total_exact(&overlap, 1);
+  comm_total_exact(part->comm, &overlap, 1);
   return (summary_contacts){ranks_count_contacts(part), exact_sum_value(&overlap)};
 }
 
@@ -120,15 +115,15 @@ static int by_order(const void *one, const void *two) {
 /* The first of each rank, and of these the first. */
 summary_lost ranks_add_lost(const engine *part) {
   summary_lost lost = summary_lost_of(part->state);
-  int *counts = memory_new((size_t)comm_size(), sizeof *counts);
-  struct summary_lost_disk *all = memory_new((size_t)comm_size() * SUMMARY_LOST, sizeof *all);
+  int *counts = memory_new((size_t)comm_size(part->comm), sizeof *counts);
+  struct summary_lost_disk *all = memory_new((size_t)comm_size(part->comm) * SUMMARY_LOST, sizeof *all);
   for (size_t k = 0; k < lost.told; k++) lost.first[k].order = part->halo->order[lost.first[k].order];
-  lost.n = (int64_t)comm_total((double)lost.n);
+  lost.n = (int64_t)comm_total(part->comm, (double)lost.n);
   size_t n = 0;
-  comm_gather_counts((int)lost.told, counts);
-  for (int q = 0; q < comm_size(); q++) n += (size_t)counts[q];
+  comm_gather_counts(part->comm, (int)lost.told, counts);
+  for (int q = 0; q < comm_size(part->comm); q++) n += (size_t)counts[q];
   if (n > 0) {
-    comm_gather(lost.first, all, counts, sizeof *all);
+    comm_gather(part->comm, lost.first, all, counts, sizeof *all);
     qsort(all, n, sizeof *all, by_order);
     lost.told = n < SUMMARY_LOST ? n : SUMMARY_LOST;
     memcpy(lost.first, all, lost.told * sizeof *all);
@@ -136,14 +131,4 @@ summary_lost ranks_add_lost(const engine *part) {
   free(counts);
   free(all);
   return lost;
-}
-
-settle_measure ranks_add_rest(const engine *part) {
-  settle_sums all;
-  settle_add_up(part, &all);
-  comm_total_exact(all.of, SETTLE_SUMS);
-  all.disks = (size_t)comm_total((double)all.disks);
-  all.contacts = (size_t)comm_total((double)all.contacts);
-  all.outside = comm_or(all.outside > 0);
-  return settle_of_sums(&all);
 }

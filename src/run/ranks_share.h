@@ -2,9 +2,9 @@
 #ifndef SLIPDISK_RUN_RANKS_SHARE_H
 #define SLIPDISK_RUN_RANKS_SHARE_H
 
+#include "base/comm.h"
 #include "io/results/record_share.h"
 #include "io/results/summary.h"
-#include "pack/settle.h"
 #include "physics/system/work.h"
 
 /* The share at `path` of a checkpoint, contacts and motions stored. sum: of its seal. */
@@ -13,13 +13,11 @@ sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum, 
 sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame, int64_t moment_number,
                              record_share *rows, sd_messages *messages);
 /* Collective: sums of all ranks to `all` of rank 0 (the others: NULL). */
-void ranks_gather_sums(int64_t sum, int64_t *all);
+void ranks_gather_sums(const comm *c, int64_t sum, int64_t *all);
 
 /* Collective sums over the disks and contacts that each rank counts, without rounding. */
 size_t ranks_count_contacts(const engine *part);
 summary_contacts ranks_add_contacts(const engine *part);
 summary_lost ranks_add_lost(const engine *part);
-/* How near all disks are to rest. */
-settle_measure ranks_add_rest(const engine *part);
 
 #endif

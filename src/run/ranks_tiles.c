@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/comm.h"
-#include "base/comm_data.h"
 #include "base/memory.h"
 #include "io/deck/deck.h"
 #include "model/tiles.h"
@@ -60,29 +59,32 @@ static sd_status make_part(const sd_model *m, size_t part, made_part *p, sd_mess
   return SD_OK;
 }
 
-static bool is_mine(size_t part) { return part % (size_t)comm_size() == (size_t)comm_rank(); }
+static bool is_mine(const comm *c, size_t part) {
+  return part % (size_t)comm_size(c) == (size_t)comm_rank(c);
+}
 
 /* Rank 0 has the disks before them, from the deck. */
-static size_t count_mine(const sd_model *m) {
+static size_t count_mine(const comm *c, const sd_model *m) {
   const size_t held = model_held(m);
   size_t n = 0;
-  for (size_t i = 0; comm_rank() == 0 && i < held; i++) n += !m->disks[i].driven;
+  for (size_t i = 0; comm_rank(c) == 0 && i < held; i++) n += !m->disks[i].driven;
   for (size_t k = 0; k < m->tiles.n; k++)
-    if (is_mine(k)) n += count_part(&m->tiles, k);
+    if (is_mine(c, k)) n += count_part(&m->tiles, k);
   return n;
 }
 
 /* inputs: of what this rank has read. */
-static sd_status fill_disks(const sd_model *m, sd_state *s, int64_t *inputs, sd_messages *messages) {
+static sd_status fill_disks(const comm *c, const sd_model *m, sd_state *s, int64_t *inputs,
+                            sd_messages *messages) {
   const size_t held = model_held(m);
   size_t slot = 0;
   made_part p = {0};
-  if (!begin_part(m, &p)) comm_fail("no memory for its tiles");
+  if (!begin_part(m, &p)) comm_fail(c, "no memory for its tiles");
   sd_status status = SD_OK;
-  for (uint32_t i = 0; comm_rank() == 0 && i < held; i++)
+  for (uint32_t i = 0; comm_rank(c) == 0 && i < held; i++)
     if (!m->disks[i].driven) engine_fill_disk(s, &m->disks[i], i, (uint32_t)slot++);
   for (size_t k = 0; k < m->tiles.n && status == SD_OK; k++) {
-    if (!is_mine(k)) continue;
+    if (!is_mine(c, k)) continue;
     status = make_part(m, k, &p, messages);
     for (size_t i = 0; i < p.n && status == SD_OK; i++)
       engine_fill_disk(s, &p.disks[i], p.number[i], (uint32_t)slot++);
@@ -97,27 +99,29 @@ static sd_status fill_disks(const sd_model *m, sd_state *s, int64_t *inputs, sd_
 
 static sd_status order_made(engine *made) {
   halo *h = made->halo = memory_new(1, sizeof *h);
+  h->comm = made->comm;
   h->n_own = made->state->n_free;
   if (!memory_resize(1, (memory_column[]){{&h->order, h->n_own, sizeof *h->order}})) return SD_ERROR_IO;
-  return ranks_order(made->model, made->state, h->order);
+  return ranks_order(made->comm, made->model, made->state, h->order);
 }
 
-sd_status ranks_tiles_new(const sd_model *m, const engine *whole, engine *made, sd_messages *messages) {
-  *made = (engine){.model = m, .state = state_new_part(m, count_mine(m), 0)};
-  if (!made->state || move_take_common(whole, true, made->state) != SD_OK) {
-    comm_fail("no memory for its tiles");
+sd_status ranks_tiles_new(const comm *c, const sd_model *m, const engine *whole, engine *made,
+                          sd_messages *messages) {
+  *made = (engine){.comm = c, .model = m, .state = state_new_part(m, count_mine(c, m), 0)};
+  if (!made->state || move_take_common(c, whole, true, made->state) != SD_OK) {
+    comm_fail(c, "no memory for its tiles");
     return SD_ERROR_IO;
   }
   int64_t inputs[1];
-  sd_status status = fill_disks(m, made->state, inputs, messages);
+  sd_status status = fill_disks(c, m, made->state, inputs, messages);
   /* together, or not at all: the others would wait */
-  if (comm_or(status != SD_OK)) return status;
-  comm_add(inputs, 1);
+  if (comm_or(c, status != SD_OK)) return status;
+  comm_add(c, inputs, 1);
   if (m->tiles.of_file && inputs[0] != m->tiles.inputs)
     return sd_fail(messages, SD_ERROR_IO, "disk_files[%zu].file has changed while it was read",
                    m->tiles.entry);
   if (order_made(made) == SD_OK) return SD_OK;
-  comm_fail("no memory for its tiles");
+  comm_fail(c, "no memory for its tiles");
   return SD_ERROR_IO;
 }
 
@@ -125,21 +129,4 @@ void ranks_tiles_free(engine *made) {
   halo_free(made->halo);
   sd_state_free(made->state);
   *made = (engine){0};
-}
-
-sd_status ranks_tiles_bring(engine *whole, sd_messages *messages) {
-  /* a model is const to all but the one that left its tiles away */
-  sd_model *m = (sd_model *)(uintptr_t)whole->model;
-  const sd_state *s = whole->state;
-  for (size_t i = 0; i < s->n_free; i++)
-    if (s->id[i] >= m->tiles.first)
-      m->disks[s->id[i]] = (sd_disk){.position = {s->x[i], s->y[i], s->turn[i] + s->theta[i]},
-                                     .radius = s->radius[i],
-                                     .mass = s->mass[i],
-                                     .inertia = s->inertia[i],
-                                     .material = s->material[i],
-                                     .group = s->group[i],
-                                     .waiting = s->activity[i] == SD_WAITING};
-  m->tiles.away = false;
-  return engine_build_again(whole, messages);
 }

@@ -1,5 +1,5 @@
 /* ranks_tiles.h: the first parts of a run whose last disks are made part by part (model/tiles.h): each rank makes some, wherever they lie, and
- * the ranks agree on the order that all disks have in the whole. Collective but for the last. */
+ * the ranks agree on the order that all disks have in the whole. Collective. */
 #ifndef SLIPDISK_RUN_RANKS_TILES_H
 #define SLIPDISK_RUN_RANKS_TILES_H
 
@@ -10,10 +10,8 @@
  * the model has, and `whole` gives the rest to all (NULL on the others). SD_ERROR_USER, on that rank: no room for a tile's disks; SD_ERROR_IO: a
  * file cannot be read, or has changed.
  * Without memory the job ends. ranks_tiles_free in any case. */
-sd_status ranks_tiles_new(const sd_model *model, const engine *whole, engine *made, sd_messages *messages);
+sd_status ranks_tiles_new(const comm *c, const sd_model *model, const engine *whole, engine *made,
+                          sd_messages *messages);
 void ranks_tiles_free(engine *made);
-/* Rank 0, once the whole state is there: makes disks of tiles for the model, too, and the engine anew. Not collective. SD_ERROR_IO: no
- * memory. */
-sd_status ranks_tiles_bring(engine *whole, sd_messages *messages);
 
 #endif

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/comm.h"
-#include "base/comm_data.h"
 #include "base/memory.h"
 #include "base/runs.h"
 
@@ -19,10 +18,12 @@ void route_free(route *r) {
   *r = (route){0};
 }
 
-sd_status route_new(route *r, size_t n, const uint32_t *row, const int *rank) {
-  const size_t ranks = (size_t)comm_size();
-  *r = (route){
-      .n_send = n, .to = memory_new(ranks, sizeof *r->to), .from = memory_new(ranks, sizeof *r->from)};
+sd_status route_new(route *r, const comm *c, size_t n, const uint32_t *row, const int *rank) {
+  const size_t ranks = (size_t)comm_size(c);
+  *r = (route){.comm = c,
+               .n_send = n,
+               .to = memory_new(ranks, sizeof *r->to),
+               .from = memory_new(ranks, sizeof *r->from)};
   if (!memory_resize(1, (memory_column[]){{&r->row, n, sizeof *r->row}})) return SD_ERROR_IO;
   size_t *at = memory_new(ranks + 1, sizeof *at);
   for (size_t k = 0; k < n; k++) r->to[rank ? rank[k] : 0]++;
@@ -33,8 +34,8 @@ sd_status route_new(route *r, size_t n, const uint32_t *row, const int *rank) {
 }
 
 void route_count(route *r) {
-  comm_counts(r->to, r->from);
-  for (int q = 0; q < comm_size(); q++) r->n_receive += (size_t)r->from[q];
+  comm_counts(r->comm, r->to, r->from);
+  for (int q = 0; q < comm_size(r->comm); q++) r->n_receive += (size_t)r->from[q];
 }
 
 /* Row to_row[k] of `to` becomes row from_row[k] of `from`, n of them; NULL: row k. Rows are `stride` bytes apart. */
@@ -61,25 +62,25 @@ static void copy_rows(const rows *r, size_t n, size_t size) {
 }
 
 /* Rows of this rank: first of them, and how many, among those that are sent or come. */
-static size_t before_own(const int *counts) {
+static size_t before_own(const route *r, const int *counts) {
   size_t n = 0;
-  for (int q = 0; q < comm_rank(); q++) n += (size_t)counts[q];
+  for (int q = 0; q < comm_rank(r->comm); q++) n += (size_t)counts[q];
   return n;
 }
 
-static sd_status reserve(char **buffer, size_t *capacity, size_t bytes) {
+static sd_status reserve(const comm *c, char **buffer, size_t *capacity, size_t bytes) {
   if (bytes <= *capacity) return SD_OK;
   free(*buffer);
   *buffer = NULL;
   *capacity = bytes;
   if (memory_resize(1, (memory_column[]){{buffer, bytes, 1}})) return SD_OK;
-  comm_fail("no memory"); /* the others wait */
+  comm_fail(c, "no memory"); /* the others wait */
   return SD_ERROR_IO;
 }
 
 /* One column of what goes to others, into rows of all columns. */
 static void pack(const route *r, const route_column *c, size_t offset, size_t all) {
-  const size_t before = before_own(r->to), own = (size_t)r->to[comm_rank()], after = before + own;
+  const size_t before = before_own(r, r->to), own = (size_t)r->to[comm_rank(r->comm)], after = before + own;
   char *to = r->out + offset;
   copy_rows(&(rows){to, all, NULL, c->from, c->size, r->row}, before, c->size);
   copy_rows(&(rows){to + all * before, all, NULL, c->from, c->size, r->row + after}, r->n_send - after,
@@ -87,8 +88,9 @@ static void pack(const route *r, const route_column *c, size_t offset, size_t al
 }
 
 static void unpack(const route *r, const route_column *c, size_t offset, size_t all, const uint32_t *place) {
-  const size_t before = before_own(r->from), own = (size_t)r->from[comm_rank()], after = before + own;
-  const size_t sent = before_own(r->to);
+  const size_t before = before_own(r, r->from), own = (size_t)r->from[comm_rank(r->comm)],
+               after = before + own;
+  const size_t sent = before_own(r, r->to);
   const char *in = r->in + offset;
   char *to = c->to;
   if (place) {
@@ -106,17 +108,17 @@ static void unpack(const route *r, const route_column *c, size_t offset, size_t 
 
 /* All of them in one message to each rank. */
 sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place) {
-  const int here = comm_rank();
+  const int here = comm_rank(r->comm);
   const int own = r->to[here];
   size_t all = 0, offset = 0;
   assert(own == r->from[here]);
   for (size_t k = 0; k < n; k++) all += column[k].size;
-  if (reserve(&r->out, &r->capacity_out, all * (r->n_send - (size_t)own + 1)) != SD_OK ||
-      reserve(&r->in, &r->capacity_in, all * (r->n_receive - (size_t)own + 1)) != SD_OK)
+  if (reserve(r->comm, &r->out, &r->capacity_out, all * (r->n_send - (size_t)own + 1)) != SD_OK ||
+      reserve(r->comm, &r->in, &r->capacity_in, all * (r->n_receive - (size_t)own + 1)) != SD_OK)
     return SD_ERROR_IO;
   for (size_t k = 0; k < n; offset += column[k++].size) pack(r, &column[k], offset, all);
   r->to[here] = r->from[here] = 0;
-  comm_exchange(r->out, r->to, r->in, r->from, all);
+  comm_exchange(r->comm, r->out, r->to, r->in, r->from, all);
   r->to[here] = r->from[here] = own;
   offset = 0;
   for (size_t k = 0; k < n; offset += column[k++].size) unpack(r, &column[k], offset, all, place);
@@ -124,12 +126,12 @@ sd_status route_columns(route *r, const route_column *column, size_t n, const ui
 }
 
 sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {
-  const size_t ranks = (size_t)comm_size();
+  const size_t ranks = (size_t)comm_size(r->comm);
   size_t *at = memory_new(2 * ranks, sizeof *at), *end = at + ranks, begin = 0;
   runs heads = {0};
   if (runs_new(&heads, ranks) != SD_OK) {
     free(at);
-    comm_fail("no memory"); /* the others wait */
+    comm_fail(r->comm, "no memory"); /* the others wait */
     return SD_ERROR_IO;
   }
   for (size_t q = 0; q < ranks; begin = end[q++]) {

@@ -8,9 +8,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "slipdisk/status.h"
+#include "base/comm.h"
 
 typedef struct route {
+  const comm *comm;
   int *to, *from;                   /* rows to and from each rank */
   size_t n_send, n_receive;         /* of all ranks, with this one */
   uint32_t *row;                    /* [n_send] of a column, those to rank 0 first */
@@ -27,7 +28,7 @@ typedef struct route_column {
 
 /* Row row[k] goes to rank[k]; row NULL: row k; rank NULL: all go to rank 0. SD_ERROR_IO: no memory.
  * Then, on every rank, route_count. */
-sd_status route_new(route *r, size_t n, const uint32_t *row, const int *rank);
+sd_status route_new(route *r, const comm *c, size_t n, const uint32_t *row, const int *rank);
 void route_count(route *r);
 void route_free(route *r);
 

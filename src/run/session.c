@@ -95,7 +95,7 @@ static void remove_shares(const session *s, const char *path, size_t n) {
 /* With the rows of the ranks, when those of this one are shared. */
 static sd_status seal_rows(session *s, record *rows, const char *path, sd_messages *messages) {
   const record_link link = {.run_id = s->origin.run_id, .number = s->parts + 1, .after = s->last_part};
-  const size_t n = rows->shared ? (size_t)comm_size() : 0;
+  const size_t n = rows->shared ? (size_t)comm_size(s->options.comm) : 0;
   int64_t *seals = memory_new(n, sizeof *seals);
   sd_status status = SD_OK;
   if (n > 0) status = ranks_seal(s->simulation->ranks, path, seals, messages);
@@ -138,9 +138,8 @@ static sd_status describe(session *s, const sd_state *state, const summary_conta
   sd_status status = summary_collect(&s->found, s->model, state, contacts, lost, &energy, per_step, messages);
   if (status == SD_OK && state->n_means < SUMMARY_LATER) status = collect_disks(s, state, messages);
   if (status == SD_OK)
-    status =
-        provenance_refresh(&s->origin, s->options.over_ranks ? comm_size() : 1,
-                           sd_simulation_threads(s->simulation), sd_simulation_path(s->simulation), messages);
+    status = provenance_refresh(&s->origin, comm_size(s->options.comm), sd_simulation_threads(s->simulation),
+                                sd_simulation_path(s->simulation), messages);
   s->has_found = status == SD_OK;
   return status;
 }
@@ -158,7 +157,7 @@ static sd_status write_state(session *s, const sd_state *state, const char *path
 static sd_status write_shares(session *s, const char *path, sd_messages *messages) {
   engine *e = simulation_engine(s->simulation);
   checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
-  checkpoint_shares shares = {.n = (size_t)comm_size()};
+  checkpoint_shares shares = {.n = (size_t)comm_size(s->options.comm)};
   summary_contacts contacts = {0};
   summary_lost lost = {0};
   shares.sums = memory_new(shares.n, sizeof *shares.sums);

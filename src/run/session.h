@@ -9,6 +9,7 @@
 
 #include <signal.h>
 
+#include "base/comm.h"
 #include "io/results/provenance.h"
 #include "io/results/summary.h"
 #include "slipdisk/simulation.h"
@@ -40,9 +41,10 @@ typedef struct session_options {
   const char *result; /* path of the file to be made */
   int threads;        /* 0: chosen from the system's size */
   bool force;         /* start over, whatever is there; an old result stays until the new one replaces it */
-  const volatile sig_atomic_t *stop; /* may be NULL; when it becomes true the run stops at a checkpoint */
-  /* not NULL: the ranks of the job share the steps, the others are in ranks_serve; becomes true when any is to stop */
-  volatile sig_atomic_t *over_ranks;
+  /* may be NULL; when it becomes true, on any rank, the run stops at a checkpoint */
+  volatile sig_atomic_t *stop;
+  const comm
+      *comm; /* its ranks share the steps, the others are in ranks_serve; NULL: this process has all disks */
   void (*progress)(void *user, const session_progress *progress); /* may be NULL; about 5 times a second */
   void (*look)(void *user, sd_simulation *simulation); /* may be NULL; between pieces of steps; reads only */
   void *user;

@@ -94,7 +94,7 @@ static sd_status check_deck(const session *s, const provenance *origin, const sd
 static sd_status read_checkpoint(session *s, const h5_file *file, const char *path, sd_state **state,
                                  sd_messages *messages) {
   sd_status status = check_deck(s, &s->origin, NULL, NULL, messages);
-  if (status == SD_OK && s->options.over_ranks && h5_has_shares(file))
+  if (status == SD_OK && s->options.comm && h5_has_shares(file))
     status = checkpoint_get_kept(file, s->model, &s->source, state, messages);
   else if (status == SD_OK)
     status = checkpoint_get_state(file, s->model, state, messages);
@@ -181,11 +181,9 @@ static sd_status find_checkpoint(session *s, const char *finished, sd_state **st
 /* Two ranks of 1000 disks are as fast as one process (docs/performance.md). */
 static void warn_of_ranks(const session *s, sd_messages *messages) {
   enum { WORTH = 1000 };
-  const size_t n = (size_t)comm_size(), disks = s->model->n_free;
-  if (!s->options.over_ranks) return;
-  if (simulation_is_small(s->simulation))
-    sd_warn(messages, "so few disks run on one rank; the others have nothing to do");
-  else if (disks < WORTH * n)
+  const size_t n = (size_t)comm_size(s->options.comm), disks = s->model->n_free;
+  if (!s->options.comm) return;
+  if (disks < WORTH * n)
     sd_warn(
         messages,
         "%zu ranks share %zu free disks: with fewer than %d each they wait for each other longer than they "
@@ -200,8 +198,8 @@ static sd_status begin_fresh(session *s, const char *there, sd_messages *message
   sd_status status = folder_empty(&s->parts_folder, messages);
   if (status == SD_OK) status = provenance_new(&s->origin, s->model, messages);
   if (status == SD_OK)
-    status = simulation_new(s->model, s->options.threads, SIMULATION_SUITABLE, s->options.over_ranks,
-                            &s->simulation, messages);
+    status = simulation_new(s->model, s->options.threads, SIMULATION_SUITABLE, s->options.comm,
+                            s->options.stop, &s->simulation, messages);
   if (status == SD_OK) warn_of_ranks(s, messages);
   /* of a large system the first checkpoint takes long: there is nothing in it yet that a stop could lose */
   if (status == SD_OK && s->options.stop && *s->options.stop) status = SD_INTERRUPTED;
@@ -223,8 +221,8 @@ static sd_status begin_again(session *s, sd_state *state, sd_messages *messages)
     sd_state_free(state);
     return status;
   }
-  status = simulation_resume(s->model, state, s->options.threads, SIMULATION_SUITABLE, s->options.over_ranks,
-                             &s->simulation, messages);
+  status = simulation_resume(s->model, state, s->options.threads, SIMULATION_SUITABLE, s->options.comm,
+                             s->options.stop, &s->simulation, messages);
   if (status == SD_OK) warn_of_ranks(s, messages);
   h5_close(s->resumed, NULL);
   s->resumed = NULL;

@@ -18,6 +18,7 @@
 #include "physics/system/bodies.h"
 #include "physics/system/body_forces.h"
 #include "physics/system/fields.h"
+#include "run/loop.h"
 #include "run/simulation_private.h"
 
 /* --- observers and force fields ----------------------------------------------------------------------- */
@@ -71,7 +72,7 @@ static sd_status add_force_field(sd_simulation *sim, sd_force_field *field, void
   if (!field) return sd_fail(messages, SD_ERROR_USER, "force field: expected a function, not NULL");
   if (engine_lanes(e)) { /* the step of small systems has none */
     status = store(sim, messages);
-    if (status == SD_OK) status = simulation_rebuild(e, false, messages);
+    if (status == SD_OK) status = loop_rebuild(e, false, messages);
   }
   if (status == SD_OK && fields_add(e, field, user) != SD_OK)
     status = sd_fail(messages, SD_ERROR_IO, "out of memory for a force field");
@@ -169,7 +170,7 @@ static sd_status remove_disks(sd_simulation *sim, size_t n, const uint32_t *disk
     }
   }
   drop_contacts_of_removed(s, e);
-  status = simulation_rebuild(e, false, messages);
+  status = loop_rebuild(e, false, messages);
   if (status == SD_OK) cell_renew(e);
   if (status == SD_OK) keep_residual(e, residual);
   return status;
@@ -360,7 +361,7 @@ static sd_status add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, u
   e->state = state;
   e->model = model;
   if (fields_resize(e) != SD_OK) status = sd_fail(messages, SD_ERROR_IO, "out of memory for a force field");
-  if (status == SD_OK) status = simulation_rebuild(e, small, messages);
+  if (status == SD_OK) status = loop_rebuild(e, small, messages);
   sd_state_free(old);
   sd_model_free(sim->owned);
   sim->owned = model;

@@ -24,20 +24,19 @@ typedef struct simulation_observer {
 struct sd_simulation {
   engine engine;
   simulation_door door;
-  sd_model *owned;  /* model of its own; NULL: the caller's */
-  ranks *ranks;     /* that share its steps; NULL: this process alone */
-  const char *told; /* why they do not, as the user was told of this phase */
-  int64_t told_phase;
+  sd_model *owned; /* model of its own; NULL: the caller's */
+  ranks *ranks;    /* that share its steps; NULL: this process alone */
   size_t n_observers;
   simulation_observer *observers;
 };
 
 /* sd_simulation_new and sd_simulation_resume with a choice. threads: of the general step; that of small systems has one.
- * over_ranks: the ranks of the job share the steps of the general step, and this is rank 0; see ranks_new. NULL: they do not. */
-sd_status simulation_new(const sd_model *model, int threads, simulation_step step,
-                         volatile sig_atomic_t *over_ranks, sd_simulation **out, sd_messages *messages);
+ * c: its ranks share the steps of the general step, and this is rank 0; see ranks_new. */
+sd_status simulation_new(const sd_model *model, int threads, simulation_step step, const comm *c,
+                         volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages);
 sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
-                            volatile sig_atomic_t *over_ranks, sd_simulation **out, sd_messages *messages);
+                            const comm *c, volatile sig_atomic_t *stop, sd_simulation **out,
+                            sd_messages *messages);
 /* sd_simulation_free while no call is under way. */
 void simulation_free(sd_simulation *simulation);
 /* sd_simulation_state and sd_simulation_finished within a call. */
@@ -51,12 +50,6 @@ settle_measure simulation_rest(sd_simulation *simulation);
 const sd_state *simulation_row_state(sd_simulation *simulation);
 engine *simulation_engine(sd_simulation *simulation);
 bool simulation_is_small(const sd_simulation *simulation); /* takes the step of small systems */
-/* Steps until something is looked at or done between steps. Not for a finished simulation. */
-int64_t simulation_room(const engine *e);
-/* After steps since `from`, simulation_room at most: what is due is done, and the next phase begins. */
-sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages);
-/* Builds the work anew, after bodies or the kind of the step have changed; contacts and motions stand in the state. */
-sd_status simulation_rebuild(engine *e, bool small, sd_messages *messages);
 
 /* --- simulation_extend.c ----------------------------------------------------------------------------- */
 /* Steps until an observer is due, `most` at most. */

@@ -116,7 +116,7 @@ typedef struct sweep_end {
 typedef struct sweep_options {
   int threads; /* of a point alone; several together have one each */
   bool force;  /* run finished points again */
-  const volatile sig_atomic_t *stop;
+  volatile sig_atomic_t *stop;
   void (*progress)(void *user, size_t k, const session_progress *progress); /* may be NULL */
   void (*left)(void *user, size_t k, const sweep_end *end); /* of each point, once, when its time has come */
   void *user;

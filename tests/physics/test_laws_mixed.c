@@ -197,8 +197,8 @@ static void small_systems(void **unused) {
     sd_state *state[2];
     for (int way = 0; way < 2; way++) {
       sd_simulation *s = NULL;
-      assert_int_equal(simulation_new(m, 1, way ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL, &s, NULL),
-                       SD_OK);
+      assert_int_equal(
+          simulation_new(m, 1, way ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL, NULL, &s, NULL), SD_OK);
       if (!way) small += simulation_is_small(s);
       advance(s, 4000);
       if (way && seed % 4 == 0) s = go_on_from_copy(s, 1);

@@ -34,15 +34,11 @@ class Ranks(Folder):
         self.assertEqual(status, 0, err)
         return out, err
 
-    def same(self, name, ranks, threads=1, alone=None, **more):
+    def same(self, name, ranks, threads=1, **more):
         result = self.folder / f"{name}-{ranks}-{threads}.h5"
         result.unlink(missing_ok=True)
         with self.subTest(deck=name, ranks=ranks, threads=threads, **more):
             _, err = self.ok(ranks, "run", self.deck(name), "--quiet", "--threads", threads, "-o", result, threads=threads, **more)
-            if alone:
-                self.assertIn(alone, err)
-            else:
-                self.assertNotIn("runs on one rank", err)
             assert_same(self, self.by_one(name), result)
             return err
 
@@ -95,7 +91,7 @@ class Ranks(Folder):
             self.same("rain", ranks)
             self.same("showers", ranks)
             self.same("lost drop", ranks)
-            self.same("last drop", ranks, alone='phase "relax" runs on one rank')
+            self.same("last drop", ranks)
 
     def test_bounds(self):
         """Disks that cross them and come back, and some that stay outside."""
@@ -116,7 +112,7 @@ class Ranks(Folder):
         for ranks in some((2, 3, 5), (5,)):
             self.same("sums", ranks)
         for ranks in some((2, 4), (2,)):
-            self.same("periodic", ranks, alone='"compress" runs on one rank')
+            self.same("periodic", ranks)
 
     def test_tiles(self):
         """Disks that each rank makes itself, wherever it is cut to be."""
@@ -272,16 +268,45 @@ disk_files = ( {{ file = "t.h5"; dataset = "t"; columns = ("x", "y"); radius = 0
             self.ok(2, *words)
         assert_same(self, alone, self.result)
 
-    def test_alone(self):
-        """Phases that one rank makes say why, and give the same."""
-        deck = self.folder / "clump.cfg"
-        deck.write_text(DECKS["pressed"].replace('name = "hold";', 'name = "hold"; relax = true;'))
-        self.ok(0, "run", deck, "--quiet", "-o", self.result)
-        out, err = self.ok(2, "run", deck, "-v", "-o", self.folder / "two.h5")
+    def test_tells_how_evenly(self):
+        out, err = self.ok(2, "run", self.deck("pressed"), "-v", "-o", self.folder / "two.h5")
         self.assertRegex(out + err, "the ranks shared out the disks [1-9][0-9]* times?; in the end each had [0-9]+ to [0-9]+, "
                          "and the busiest worked [0-9]+ % longer than the mean")
-        self.assertIn('phase "hold" runs on one rank, since it relaxes', err)
-        assert_same(self, self.result, self.folder / "two.h5")
+
+    def test_relaxes(self):
+        """Phases that relax, on all ranks."""
+        deck = self.folder / "relax.cfg"
+        deck.write_text(DECKS["pressed"].replace('name = "hold";', 'name = "hold"; relax = true;'))
+        self.ok(0, "run", deck, "--quiet", "-o", self.result)
+        self.ok(3, "run", deck, "--quiet", "-o", self.folder / "three.h5")
+        assert_same(self, self.result, self.folder / "three.h5")
+
+    def test_refused(self):
+        """What ranks do not share: told at the start, with what to do; nothing is written. One process runs it."""
+        few = f'{GRAIN} dt = 1e-3; phases = ( {{ steps = 10; }} ); disks = ( {{ x = 0; y = 0; radius = 1; density = 1; }}%s );'
+        row = ", ".join(f"{{ x = {3 * k}; y = 5; radius = 1; density = 1; }}" for k in range(40))
+        many = few % (", " + row)
+        box = 'box = { x = (-10, 130); y = (-10, 20); periodic = "xy"; };'
+        cases = {
+            "clumps: rigid bodies": many + 'clumps = ( { disk = (3, 4); } );',
+            "phases.cell: a box that deforms": many.replace("steps = 10;", "steps = 16; cell = { rate_xy = 0.1; };") + box,
+            "measure.rotation: means of single disks": many + "measure = { rotation = (3, 4); };",
+            'motions: motion "push" moves a free disk': many + 'motions = ( { name = "push"; disk = 2; coordinate = "x"; type = "velocity"; velocity = 1; } );',
+            "1 free disk: so few are for one process": few % "" + 'walls = ( { type = "line"; points = ((-5, -1), (5, -1)); } );'}
+        for message, text in cases.items():
+            with self.subTest(message=message):
+                deck, result = self.folder / "refused.cfg", self.folder / "refused.h5"
+                deck.write_text(text)
+                status, out, err = run(2, "run", deck, "--quiet", "-o", result)
+                self.assertEqual((status, err.count("error: ")), (2, 1), err)
+                self.assertIn("error: " + message, err)
+                self.assertIn("without mpirun", err)
+                self.assertEqual(list(self.folder.glob("refused.h5*")), [])
+                self.ok(0, "run", deck, "--quiet", "-o", result)
+                result.unlink()
+        status, out, err = run(2, "run", self.deck("pressed"), "--live", "--quiet", "-o", self.folder / "live.h5")
+        self.assertEqual((status, err.count("error: ")), (2, 1), err)
+        self.assertIn("--live shows the disks of one process", err)
 
 
 if __name__ == "__main__":

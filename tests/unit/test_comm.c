@@ -26,6 +26,7 @@
 #include <unistd.h>
 
 #include "base/comm.h"
+#include "base/comm_queue.h"
 
 enum { TASKS = 3000, RANKS = 64 };
 
@@ -58,20 +59,20 @@ static void doze(double seconds) {
 
 /* All ranks fail when one of them does. */
 static void agree(bool right, const char *what) {
-  if (!right) print_error("rank %d: %s\n", comm_rank(), what);
-  assert_int_equal(comm_max(right ? 0 : 1), 0);
+  if (!right) print_error("rank %d: %s\n", comm_rank(comm_world()), what);
+  assert_int_equal(comm_max(comm_world(), right ? 0 : 1), 0);
 }
 
 static void clear_book(void) {
-  comm_max(0);
-  if (comm_rank() == 0) memset(book, 0, sizeof *book);
+  comm_max(comm_world(), 0);
+  if (comm_rank(comm_world()) == 0) memset(book, 0, sizeof *book);
   stop = 0;
-  comm_max(0);
+  comm_max(comm_world(), 0);
 }
 
 static void enter(int64_t task) {
   if (task < TASKS) book->given[task]++;
-  book->by[comm_rank()]++;
+  book->by[comm_rank(comm_world())]++;
 }
 
 /* Each of the first n tasks was given at least `least` times and at most once, and no other one. */
@@ -90,18 +91,18 @@ static bool fair(int64_t n, int least) {
 
 static void ranks_know_each_other(void **unused) {
   (void)unused;
-  agree(comm_size() == expected_size, "the number of ranks is not that of the command line");
-  agree(comm_rank() >= 0 && comm_rank() < comm_size(), "no such rank");
-  book->by[comm_rank()]++;
-  comm_max(0);
-  for (int k = 0; k < comm_size(); k++) agree(book->by[k] == 1, "two ranks have one number");
+  agree(comm_size(comm_world()) == expected_size, "the number of ranks is not that of the command line");
+  agree(comm_rank(comm_world()) >= 0 && comm_rank(comm_world()) < comm_size(comm_world()), "no such rank");
+  book->by[comm_rank(comm_world())]++;
+  comm_max(comm_world(), 0);
+  for (int k = 0; k < comm_size(comm_world()); k++) agree(book->by[k] == 1, "two ranks have one number");
 }
 
 static void the_largest_reaches_all(void **unused) {
   (void)unused;
-  for (int k = 0; k < comm_size(); k++)
+  for (int k = 0; k < comm_size(comm_world()); k++)
     for (int sign = -1; sign <= 1; sign += 2) {
-      int largest = comm_max(comm_rank() == k ? sign * 75 : -1000);
+      int largest = comm_max(comm_world(), comm_rank(comm_world()) == k ? sign * 75 : -1000);
       agree(largest == sign * 75, "not the largest");
     }
 }
@@ -113,9 +114,10 @@ static void the_first_ranks_data_reach_all(void **unused) {
   for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
     unsigned char *data = malloc(sizes[s] + 1);
     assert_non_null(data);
-    for (size_t k = 0; k <= sizes[s]; k++) data[k] = (unsigned char)(comm_rank() == 0 ? k % 251 : 255);
-    comm_share(data, sizes[s]);
-    bool right = data[sizes[s]] == (comm_rank() == 0 ? sizes[s] % 251 : 255);
+    for (size_t k = 0; k <= sizes[s]; k++)
+      data[k] = (unsigned char)(comm_rank(comm_world()) == 0 ? k % 251 : 255);
+    comm_share(comm_world(), data, sizes[s]);
+    bool right = data[sizes[s]] == (comm_rank(comm_world()) == 0 ? sizes[s] % 251 : 255);
     for (size_t k = 0; k < sizes[s]; k++) right = right && data[k] == k % 251;
     free(data);
     agree(right, "comm_share: other data than those of rank 0");
@@ -170,7 +172,7 @@ static void rank_0_serves_while_it_works(void **unused) {
   comm_queue_begin(&queue, N, &stop);
   for (int64_t task; (task = comm_next(&queue)) >= 0;) {
     enter(task);
-    while (comm_rank() == 0 && comm_size() > 1 && book->done < N - 1 && served) {
+    while (comm_rank(comm_world()) == 0 && comm_world() && book->done < N - 1 && served) {
       comm_serve(&queue);
       doze(0.002);
       served = now() < limit;
@@ -180,25 +182,26 @@ static void rank_0_serves_while_it_works(void **unused) {
   comm_queue_end(&queue);
   agree(served, "nobody else took the tasks");
   agree(fair(N, 1), "a task is lost, or given twice");
-  if (comm_size() > 1) agree(book->by[0] <= 1, "rank 0 took more than its task");
+  if (comm_world()) agree(book->by[0] <= 1, "rank 0 took more than its task");
 }
 
 /* A rank that goes early, and tasks that take unequally long. */
 static void ranks_may_go_early(void **unused) {
   (void)unused;
-  for (int early = 0; early < comm_size(); early++) {
+  for (int early = 0; early < comm_size(comm_world()); early++) {
     clear_book();
     enum { N = 60 };
     int mine = 0;
     comm_queue queue;
     comm_queue_begin(&queue, N, &stop);
-    for (int64_t task; (comm_rank() != early || mine < 2) && (task = comm_next(&queue)) >= 0; mine++) {
+    for (int64_t task; (comm_rank(comm_world()) != early || mine < 2) && (task = comm_next(&queue)) >= 0;
+         mine++) {
       enter(task);
-      doze(1e-4 * (double)((task * 7 + comm_rank()) % 11));
+      doze(1e-4 * (double)((task * 7 + comm_rank(comm_world())) % 11));
       comm_serve(&queue);
     }
     comm_queue_end(&queue);
-    bool alone = comm_size() == 1;
+    bool alone = !comm_world();
     agree(fair(alone ? 2 : N, 1), "a task is lost, or given twice");
     agree(book->by[early] <= 2, "a rank that had gone was given a task");
   }
@@ -229,7 +232,7 @@ static bool endless(comm_queue *queue) {
  * `quick` take a moment, the others have no end. */
 static void stop_once(int from, double delay, int64_t n, int64_t quick) {
   clear_book();
-  bool mine = from < 0 || from == comm_rank(), ended = true;
+  bool mine = from < 0 || from == comm_rank(comm_world()), ended = true;
   if (mine && delay > 0) alarm_in(delay);
   if (mine && delay == 0) stop = 1;
   comm_queue queue;
@@ -254,19 +257,20 @@ static void stop_once(int from, double delay, int64_t n, int64_t quick) {
 static void a_stop_reaches_all(void **unused) {
   (void)unused;
   const double delays[] = {0, 1e-4, 0.003, 0.03};
-  for (int from = -1; from < comm_size(); from += from == 0 && comm_size() > 2 ? comm_size() - 1 : 1)
+  for (int from = -1; from < comm_size(comm_world());
+       from += from == 0 && comm_size(comm_world()) > 2 ? comm_size(comm_world()) - 1 : 1)
     for (size_t k = 0; k < sizeof delays / sizeof *delays; k++) {
       stop_once(from, delays[k], TASKS, 100);
       stop_once(from, delays[k], TASKS, 0);
       stop_once(from, delays[k], 1, 0);
-      if (comm_size() > 2) stop_once(from, delays[k], comm_size() - 1, 0);
+      if (comm_size(comm_world()) > 2) stop_once(from, delays[k], comm_size(comm_world()) - 1, 0);
     }
 }
 
 /* It comes about when the last task ends. */
 static void a_stop_near_the_end(void **unused) {
   (void)unused;
-  for (int from = -1; from < comm_size(); from++)
+  for (int from = -1; from < comm_size(comm_world()); from++)
     for (int k = 1; k <= 6; k++) {
       stop_once(from, 16e-4 * k, 30, 30);
       alarm_in(0);
@@ -276,16 +280,16 @@ static void a_stop_near_the_end(void **unused) {
 /* Rank 1 waits for an answer of rank 0, which does not serve, when the signal comes to either. */
 static void a_stop_while_waiting_for_an_answer(void **unused) {
   (void)unused;
-  for (int from = 0; from < 2 && from < comm_size(); from++) {
+  for (int from = 0; from < 2 && from < comm_size(comm_world()); from++) {
     clear_book();
     comm_queue queue;
     comm_queue_begin(&queue, TASKS, &stop);
-    if (comm_rank() == from) alarm_in(0.05);
-    if (comm_rank() == 0)
+    if (comm_rank(comm_world()) == from) alarm_in(0.05);
+    if (comm_rank(comm_world()) == 0)
       for (double end = now() + 0.15; now() < end;) doze(0.01);
-    bool given = comm_rank() <= 1 && comm_next(&queue) >= 0;
+    bool given = comm_rank(comm_world()) <= 1 && comm_next(&queue) >= 0;
     /* rank 0 may hear of rank 1 a moment later only */
-    bool right = !given || (comm_rank() == 0 && from == 1 && endless(&queue));
+    bool right = !given || (comm_rank(comm_world()) == 0 && from == 1 && endless(&queue));
     comm_queue_end(&queue);
     agree(right, "a task after the stop");
     agree(stop, "a rank has not heard of the stop");
@@ -298,15 +302,16 @@ static void a_stop_while_waiting_for_an_answer(void **unused) {
 static void waits_sleep(void **unused) {
   (void)unused;
   const double lasts = 0.5, most = 0.1;
-  for (int busy = 0; busy < comm_size(); busy++) {
+  for (int busy = 0; busy < comm_size(comm_world()); busy++) {
     clear_book();
     comm_queue queue;
     comm_queue_begin(&queue, 0, &stop);
     double began = cpu_time();
-    for (double end = now() + lasts; comm_rank() == busy && now() < end; doze(0.05)) comm_serve(&queue);
+    for (double end = now() + lasts; comm_rank(comm_world()) == busy && now() < end; doze(0.05))
+      comm_serve(&queue);
     comm_queue_end(&queue);
-    for (double end = now() + lasts; comm_rank() == busy && now() < end;) doze(0.05);
-    comm_max(0);
+    for (double end = now() + lasts; comm_rank(comm_world()) == busy && now() < end;) doze(0.05);
+    comm_max(comm_world(), 0);
     agree(cpu_time() - began < most, "a wait takes processor time");
   }
 }
@@ -319,7 +324,7 @@ static void refused_when_launched_apart(void) {
   setenv("OMPI_COMM_WORLD_SIZE", "4", 1);
   sd_messages *messages = sd_messages_new();
   if (comm_begin(messages) != SD_ERROR_USER || sd_messages_count(messages) != 1 ||
-      !strstr(sd_messages_text(messages, 0), "OMPI_COMM_WORLD_SIZE = 4") || comm_size() != 1) {
+      !strstr(sd_messages_text(messages, 0), "OMPI_COMM_WORLD_SIZE = 4") || comm_size(comm_world()) != 1) {
     fprintf(stderr, "comm_begin does not notice three other processes\n");
     exit(1);
   }
@@ -332,31 +337,31 @@ static void refused_when_launched_apart(void) {
 static void open_book(void) {
   char path[4096];
   snprintf(path, sizeof path, "%s/test_comm-%d", SLIPDISK_BUILD_DIR,
-           (int)(comm_size() > 1 ? getppid() : getpid()));
+           (int)(comm_world() ? getppid() : getpid()));
   int file = open(path, O_RDWR | O_CREAT, 0600);
-  bool right = comm_size() <= RANKS && file >= 0 && ftruncate(file, sizeof *book) == 0;
+  bool right = comm_size(comm_world()) <= RANKS && file >= 0 && ftruncate(file, sizeof *book) == 0;
   book = right ? mmap(NULL, sizeof *book, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0) : MAP_FAILED;
   if (book == MAP_FAILED) {
     perror(path);
-    comm_abort(1);
+    comm_abort(comm_world(), 1);
     exit(1);
   }
   close(file);
-  comm_max(0);
+  comm_max(comm_world(), 0);
   unlink(path);
 }
 
-static void tell(const char *why) { fprintf(stderr, "rank %d: %s\n", comm_rank(), why); }
+static void tell(const char *why) { fprintf(stderr, "rank %d: %s\n", comm_rank(comm_world()), why); }
 
 /* The others wait in comm_queue_end for a rank that never comes there. */
 static void fail_alone(const char *how) {
   comm_queue queue;
   comm_queue_begin(&queue, 0, NULL);
-  if (comm_rank() == comm_size() - 1) {
+  if (comm_rank(comm_world()) == comm_size(comm_world()) - 1) {
     doze(0.2);
-    if (strcmp(how, "abort") == 0) comm_abort(SD_ERROR_IO);
+    if (strcmp(how, "abort") == 0) comm_abort(comm_world(), SD_ERROR_IO);
     comm_on_fail(tell);
-    if (strcmp(how, "fail") == 0) comm_fail("no memory");
+    if (strcmp(how, "fail") == 0) comm_fail(comm_world(), "no memory");
     if (strcmp(how, "die") == 0) raise(SIGKILL);
   }
   comm_queue_end(&queue);

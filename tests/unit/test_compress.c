@@ -82,15 +82,15 @@ static void test_fraction(void **unused) {
       model_with(&usual, "phases = ( { steps = 4000; compress = { fraction = 0.6; rate = 1e-3; }; }, "
                          "{ steps = 4000; compress = { fraction = 0.5; rate = 1e-3; }; } );");
   sd_simulation *sim = begin_run(m, 1);
-  double start = compress_fraction(m, sd_simulation_state(sim));
+  double start = compress_fraction(engine_of(sim));
   advance(sim, 8);
   double most = 1e-3 * 0.05 * COMPRESS_EVERY, scale = sd_simulation_state(sim)->box_scale;
   between(scale - (1.0 - most), -1e-15, 1e-15, "one change at the full rate");
   advance(sim, 3992);
-  between(compress_fraction(m, sd_simulation_state(sim)) - 0.6, -1e-12, 1e-12, "fraction reached");
+  between(compress_fraction(engine_of(sim)) - 0.6, -1e-12, 1e-12, "fraction reached");
   advance(sim, 4000);
   const sd_state *s = sd_simulation_state(sim);
-  between(compress_fraction(m, s) - 0.5, -1e-12, 1e-12, "fraction reached from above");
+  between(compress_fraction(engine_of(sim)) - 0.5, -1e-12, 1e-12, "fraction reached from above");
   between(s->box_scale - sqrt(start / 0.5), -1e-12, 1e-12, "scale");
   end_run(sim, m);
 }
@@ -103,7 +103,7 @@ static double recorded_pressure(sd_simulation *sim) {
   const sd_state *s = sd_simulation_state(sim);
   assert_int_equal(resultants_take(&r, m, s, engine_slots(engine_of(sim)), false, NULL), SD_OK);
   const double p = r.pressure;
-  assert_true(fabs(r.fraction / compress_fraction(m, s) - 1.0) < 1e-13);
+  assert_true(fabs(r.fraction / compress_fraction(engine_of(sim)) - 1.0) < 1e-13);
   resultants_free(&r);
   return p;
 }
@@ -156,8 +156,8 @@ static void test_pressure_of_a_lattice(void **unused) {
       &t, "phases = ( { steps = 10; }, { steps = 10; compress = { pressure = 1; rate = 1e-3; }; } );");
   sd_simulation *sim = begin_run(m, 1);
   between(compress_pressure(engine_of(sim)) / (3.0 * d / spacing), 1.0 - 1e-11, 1.0 + 1e-11, "lattice");
-  between(compress_fraction(m, sd_simulation_state(sim)) / (M_PI / 4.0 / (spacing * spacing)), 1.0 - 1e-12,
-          1.0 + 1e-12, "fraction");
+  between(compress_fraction(engine_of(sim)) / (M_PI / 4.0 / (spacing * spacing)), 1.0 - 1e-12, 1.0 + 1e-12,
+          "fraction");
   end_run(sim, m);
 }
 

@@ -39,9 +39,9 @@ static void assert_first(const sd_state *s, const char *words) {
 static sd_simulation *start_threads(sd_model *m, int threads) {
   sd_simulation *first = system_start(m), *s = NULL;
   sd_simulation_free(first);
-  assert_int_equal(
-      simulation_new(m, threads, threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL, &s, NULL),
-      SD_OK);
+  assert_int_equal(simulation_new(m, threads, threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL,
+                                  NULL, &s, NULL),
+                   SD_OK);
   return s;
 }
 
@@ -121,7 +121,7 @@ static void forms_of_the_step(void **unused) {
       for (int threads = 1; threads <= (i == 1 ? 2 : 1); threads++) { /* 1: in a lane, 2: the general step */
         sd_simulation *alone;
         assert_int_equal(simulation_new(model[i], 1, threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE,
-                                        NULL, &alone, NULL),
+                                        NULL, NULL, &alone, NULL),
                          SD_OK);
         system_advance(alone, STEPS);
         const sd_field *f = sd_state_difference(sd_simulation_state(alone), wide);

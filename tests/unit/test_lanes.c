@@ -25,7 +25,7 @@ static sd_simulation *start(const char *deck, const char *const *overrides, size
   sd_messages *m = sd_messages_new();
   sd_simulation *sim = NULL;
   if (sd_deck_load(path, n, overrides, model, m) != SD_OK ||
-      simulation_new(*model, 1, step, NULL, &sim, m) != SD_OK)
+      simulation_new(*model, 1, step, NULL, NULL, &sim, m) != SD_OK)
     sd_messages_print(m, stderr);
   sd_messages_free(m);
   assert_non_null(sim);
@@ -85,7 +85,7 @@ static void compare_text(const char *deck, const char *what, int64_t steps) {
       sd_messages *m = sd_messages_new();
       sim[k] = NULL;
       if (sd_deck_load_text(deck, "deck", 1, &integrators[i], &model[k], m) != SD_OK ||
-          simulation_new(model[k], 1, steps_to_take[k], NULL, &sim[k], m) != SD_OK)
+          simulation_new(model[k], 1, steps_to_take[k], NULL, NULL, &sim[k], m) != SD_OK)
         sd_messages_print(m, stderr);
       sd_messages_free(m);
       assert_non_null(sim[k]);

@@ -18,6 +18,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/comm.h"
 #include "base/clock.h"
 #include "base/memory.h"
 #include "app/app.h"
@@ -28,9 +29,9 @@
 
 static void serve(void *user, size_t k, const session_progress *p) {
   scheduler *w = user;
-  if (comm_size() > 1) comm_serve(&w->queue);
+  if (comm_world()) comm_serve(&w->queue);
   sweep_tell(&w->workers[0].cells[k], p);
-  if (comm_size() == 1) sweep_draw(w);
+  if (!comm_world()) sweep_draw(w);
 }
 
 static void leave(void *user, size_t k, const sweep_end *end) {
@@ -39,7 +40,7 @@ static void leave(void *user, size_t k, const sweep_end *end) {
   cell *mine = &me->cells[k];
   sweep_tell_left(mine, end);
   me->told[k] = true;
-  if (comm_size() > 1) comm_serve(&w->queue);
+  if (comm_world()) comm_serve(&w->queue);
   sweep_account(w, end->point, end->ran, mine->text, mine, clock_seconds() - me->started);
 }
 
@@ -111,9 +112,9 @@ static size_t find_todo(scheduler *w, size_t *todo, sd_messages *messages) {
 static size_t agree_on_todo(scheduler *w, size_t *todo) {
   size_t places = w->s->deck.n_points + 1;
   sd_messages *messages = sd_messages_new();
-  if (comm_rank() == 0) todo[places - 1] = find_todo(w, todo, messages);
+  if (comm_rank(comm_world()) == 0) todo[places - 1] = find_todo(w, todo, messages);
   sd_messages_free(messages);
-  comm_share(todo, places * sizeof *todo);
+  comm_share(comm_world(), todo, places * sizeof *todo);
   return todo[places - 1];
 }
 
@@ -167,16 +168,16 @@ static void count_all(scheduler *w) {
 }
 
 static size_t count_workers(const scheduler *w) {
-  return w->c->workers > 0 ? w->n_workers : (size_t)comm_size();
+  return w->c->workers > 0 ? w->n_workers : (size_t)comm_size(comm_world());
 }
 
 static void run_round(scheduler *w, const size_t *todo, size_t n) {
   sweep_groups_free(&w->groups);
   sweep_groups_make(&w->groups, w, todo, n, count_workers(w));
-  if (w->round++ == 0 && comm_rank() == 0 && !w->c->quiet) sweep_show_start(w);
+  if (w->round++ == 0 && comm_rank(comm_world()) == 0 && !w->c->quiet) sweep_show_start(w);
   if (w->c->workers > 0)
     sweep_run_workers(w);
-  else if (comm_size() > 1)
+  else if (comm_world())
     run_ranks(w);
   else
     run_one_after_the_other(w);
@@ -187,10 +188,10 @@ static int run_all(scheduler *w, size_t *todo) {
   if (n == REFUSED) return SD_ERROR_USER;
   do {
     run_round(w, todo, n);
-    n = comm_size() > 1 || app_stop || w->worst == SD_ERROR_IO ? 0 : find_abandoned(w, todo);
+    n = comm_world() || app_stop || w->worst == SD_ERROR_IO ? 0 : find_abandoned(w, todo);
   } while (n > 0);
   /* one rank judges: the others may see the files of their neighbours late */
-  if (comm_rank() != 0) return w->worst;
+  if (comm_rank(comm_world()) != 0) return w->worst;
   sweep_make_tables(w, true);
   count_all(w);
   sweep_show_end(w);
@@ -202,7 +203,7 @@ static int check(scheduler *w) {
   sd_messages *messages = sd_messages_new();
   size_t usable = 0;
   int status = sweep_precheck(w->s, w->steps, w->kinds, &usable, messages);
-  if (comm_rank() == 0) {
+  if (comm_rank(comm_world()) == 0) {
     if (!w->c->quiet || status != SD_OK) sd_messages_print(messages, stderr);
     if (status != SD_OK && usable > 0)
       fprintf(stderr,
@@ -222,7 +223,7 @@ static int prepare_and_run(scheduler *w, size_t *todo) {
   status = sweep_prepare(w->s, messages);
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
-  if (status != SD_OK && comm_size() > 1) comm_abort(status);
+  if (status != SD_OK && comm_world()) comm_abort(comm_world(), status);
   return status == SD_OK ? run_all(w, todo) : status;
 }
 
@@ -269,7 +270,7 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
   if (status != SD_OK) return status;
-  if (comm_size() > 1) app_begin_saving(); /* a rank that is gone would be waited for */
+  if (comm_world()) app_begin_saving(); /* a rank that is gone would be waited for */
   scheduler w = {.s = s,
                  .c = c,
                  .end = s->deck.n_points,
@@ -287,8 +288,8 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   free_scheduler(&w);
   free(todo);
   if (c->workers == 0) {
-    status = comm_max(status);
-    comm_share(&w.in_doubt, sizeof w.in_doubt);
+    status = comm_max(comm_world(), status);
+    comm_share(comm_world(), &w.in_doubt, sizeof w.in_doubt);
     comm_end();
   }
   return status == SD_OK && w.in_doubt ? SD_DOUBTFUL : status;

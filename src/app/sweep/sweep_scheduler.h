@@ -6,7 +6,7 @@
 #include <sys/types.h>
 
 #include "app/sweep/sweep.h"
-#include "base/comm.h"
+#include "base/comm_queue.h"
 
 /* Progress and outcome of a point, in shared memory where another process runs it. */
 typedef struct cell {

@@ -5,11 +5,19 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/exact_sum.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
 #include "physics/system/box.h"
 #include "physics/system/clumps.h"
 #include "physics/system/halo.h"
+
+/* A sum over disks and contacts for each member of sd_energy. They are exact, so that sums of the ranks' sums are those
+ * of one process. */
+enum { ENERGY_SUMS = sizeof(sd_energy) / sizeof(double) };
+typedef struct energy_sums {
+  exact_sum of[ENERGY_SUMS];
+} energy_sums;
 
 /* The sum that a member of sd_energy has. */
 #define ADD(sum, member, x) exact_sum_add(&(sum)->of[offsetof(sd_energy, member) / sizeof(double)], x)
@@ -64,7 +72,7 @@ static void add_contacts(const engine *e, energy_sums *sum) {
   }
 }
 
-void energy_add_up(const engine *e, energy_sums *sum) {
+static void add_up(const engine *e, energy_sums *sum) {
   sd_energy rigid = {0};
   memset(sum, 0, sizeof *sum);
   add_disks(e, sum);
@@ -73,13 +81,7 @@ void energy_add_up(const engine *e, energy_sums *sum) {
   for (size_t k = 0; k < ENERGY_SUMS; k++) exact_sum_add(&sum->of[k], ((const double *)&rigid)[k]);
 }
 
-sd_energy energy_of(const engine *e) {
-  energy_sums sum;
-  energy_add_up(e, &sum);
-  return energy_of_sums(e->state, &sum);
-}
-
-sd_energy energy_of_sums(const sd_state *s, const energy_sums *exact) {
+static sd_energy budget_of(const sd_state *s, const energy_sums *exact) {
   sd_energy sum = {0};
   for (size_t k = 0; k < ENERGY_SUMS; k++) ((double *)&sum)[k] = exact_sum_value(&exact->of[k]);
   sum.start = s->energy_start;
@@ -93,4 +95,18 @@ sd_energy energy_of_sums(const sd_state *s, const energy_sums *exact) {
   double rounding = 1e-9 * (sum.elastic_normal + sum.elastic_tangential + fabs(sum.external));
   sum.scale = fmax(done, fmax(sum.kinetic_translation + sum.kinetic_rotation, rounding));
   return sum;
+}
+
+sd_energy energy_of_part(const engine *e) {
+  energy_sums sum;
+  add_up(e, &sum);
+  return budget_of(e->state, &sum);
+}
+
+sd_energy energy_of(engine *e) {
+  energy_sums sum;
+  if (e->halo) halo_refresh(e, NULL);
+  add_up(e, &sum);
+  comm_total_exact(e->comm, sum.of, ENERGY_SUMS);
+  return budget_of(e->state, &sum);
 }

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/comm.h"
 #include "base/memory.h"
 #include "physics/system/bodies.h"
 
@@ -15,18 +16,17 @@ static const double LEVEL_FACTOR = 2.5, CELL_SIZE = 1.0, CELLS_PER_DISK = 4.0;
 
 /* --- levels ---------------------------------------------------------------------------------------------- */
 
-size_t grid_levels_of(const double *radius, size_t n, double factor, double (*most)(double),
-                      double top[GRID_LEVELS]) {
+size_t grid_levels_of(const double *radius, size_t n, double factor, const comm *c, double top[GRID_LEVELS]) {
   double least = HUGE_VAL, below = HUGE_VAL;
   size_t count = 0;
   assert(factor > 1.0);
   for (size_t i = 0; i < n; i++) least = radius[i] < least ? radius[i] : least;
-  if (most) least = -most(-least);
+  least = -comm_largest(c, -least);
   while (count < GRID_LEVELS) {
     double largest = 0.0;
     for (size_t i = 0; i < n; i++)
       if (radius[i] < below && radius[i] > largest) largest = radius[i];
-    if (most) largest = most(largest);
+    largest = comm_largest(c, largest);
     if (largest == 0.0) break;
     top[count++] = largest;
     below = largest / factor;

@@ -8,6 +8,7 @@
 #ifndef PHYSICS_GRID_H
 #define PHYSICS_GRID_H
 
+#include "base/comm.h"
 #include "physics/system/work.h"
 
 enum { GRID_LEVELS = 16 };
@@ -53,7 +54,6 @@ void grid_around(const grid *g, const grid_level *l, const double at[2], double 
 void grid_along(const grid_level *l, const grid_line *line, double reach, grid_runs *found);
 /* Radii of the levels: writes the largest of each, descending, and returns how many there are. most: the largest of a value on all
  * ranks, which then call together; NULL: of this one. */
-size_t grid_levels_of(const double *radius, size_t n, double factor, double (*most)(double),
-                      double top[GRID_LEVELS]);
+size_t grid_levels_of(const double *radius, size_t n, double factor, const comm *c, double top[GRID_LEVELS]);
 
 #endif

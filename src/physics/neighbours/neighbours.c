@@ -246,7 +246,7 @@ static void note_cell(engine *e) {
   neighbours_deform(e, step);
 }
 
-sd_status neighbours_rescale(engine *e, double f, sd_messages *messages) {
+bool neighbours_rescale(engine *e, double f) {
   work *w = &e->work;
   assert(f > 0.0);
   double corner[2] = {box_corner(e->model, SD_X), box_corner(e->model, SD_Y)};
@@ -260,7 +260,7 @@ sd_status neighbours_rescale(engine *e, double f, sd_messages *messages) {
   bool stale = limit < 0.225 * w->skin;
   w->moved_limit2 = limit * limit;
   for (uint32_t i = 0; i < e->state->n_bodies && !stale; i++) stale = neighbours_moved(e, i);
-  return stale ? neighbours_build(e, messages) : SD_OK;
+  return !stale;
 }
 
 /* A wider skin costs candidates in every step, a narrower one lists: making one costs per disk as much as TUNE_BALANCE

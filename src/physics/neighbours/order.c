@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/comm.h"
 #include "base/memory.h"
 #include "physics/neighbours/grid.h"
 
@@ -28,14 +29,14 @@ static bool in_play(const sd_state *s, size_t i) {
   return s->activity[i] == SD_IN_PLAY || s->activity[i] == SD_OUTSIDE;
 }
 
-static range range_of(const sd_state *s, const double *at, double (*most)(double)) {
+static range range_of(const sd_state *s, const double *at, const comm *c) {
   range x = {HUGE_VAL, -HUGE_VAL};
   for (size_t i = 0; i < s->n_free; i++) {
     if (!in_play(s, i)) continue;
     x.low = fmin(x.low, at[i]);
     x.high = fmax(x.high, at[i]);
   }
-  if (most) x = (range){-most(-x.low), most(x.high)};
+  x = (range){-comm_largest(c, -x.low), comm_largest(c, x.high)};
   return x;
 }
 
@@ -53,11 +54,11 @@ static uint64_t strip_of(double at, range x, double width, bool folded) {
  * first. So the partners of a disk stand near it, but for larger ones, which are few and last. */
 static const double LEVEL_FACTOR = 4.0;
 
-static void fill_places(const sd_model *m, const sd_state *s, double (*most)(double), order_place *list) {
-  const range x = range_of(s, s->x, most), y = range_of(s, s->y, most);
+static void fill_places(const sd_model *m, const sd_state *s, const comm *c, order_place *list) {
+  const range x = range_of(s, s->x, c), y = range_of(s, s->y, c);
   const bool along_x = x.high - x.low >= y.high - y.low;
   double top[GRID_LEVELS];
-  const size_t levels = grid_levels_of(s->radius, s->n_free, LEVEL_FACTOR, most, top);
+  const size_t levels = grid_levels_of(s->radius, s->n_free, LEVEL_FACTOR, c, top);
   for (uint32_t i = 0; i < s->n_free; i++) {
     list[i] = (order_place){.strip = UINT64_MAX, .id = s->id[i], .slot = i};
     if (!in_play(s, i)) continue;
@@ -174,13 +175,13 @@ sd_status order_contacts(const sd_model *m, sd_state *s) {
   return SD_OK;
 }
 
-sd_status order_part(const sd_model *m, sd_state *s, double (*most)(double), order_place *list) {
+sd_status order_part(const sd_model *m, sd_state *s, const comm *c, order_place *list) {
   size_t row = s->n_means ? SD_MEAN_BINS * sizeof(double) : sizeof(double);
   uint32_t *from;
   void *scratch;
   if (!memory_rows(2, (memory_column[]){{&from, s->n_free, sizeof *from}, {&scratch, s->n_free, row}}))
     return SD_ERROR_IO;
-  fill_places(m, s, most, list);
+  fill_places(m, s, c, list);
   if (s->n_free > 1) qsort(list, s->n_free, sizeof *list, order_by_place);
   for (size_t k = 0; k < s->n_free; k++) from[k] = list[k].slot;
   for (size_t k = 1; k < s->n_free; k++) assert(order_by_place(&list[k - 1], &list[k]) < 0);

@@ -74,7 +74,7 @@ static void check_poses(const engine *e) {
 }
 
 static void check_energies(const engine *e) {
-  const sd_energy sum = energy_of(e);
+  const sd_energy sum = energy_of_part(e);
   assert(sum.kinetic_translation >= 0.0 && sum.kinetic_rotation >= 0.0);
   assert(sum.elastic_normal >= 0.0 && sum.elastic_tangential >= 0.0);
   assert(isfinite(sum.external) && isfinite(sum.residual) && isfinite(sum.scale));

@@ -123,7 +123,6 @@ static inline void engine_fail(engine *e, const char *what) {
 static inline void engine_end(engine *e, sd_status status) { e->work.status = status; }
 /* By how much lists reach further than contacts. */
 static inline double engine_skin(const engine *e) { return e->work.skin; }
-static inline void engine_use_skin(engine *e, double skin) { e->work.skin = skin; }
 /* Would a free disk or a wall leave the lists in one step? */
 bool engine_outruns(engine *e);
 /* The skin that no free disk outruns in one step. */

@@ -317,7 +317,7 @@ sd_status contacts_follow(engine *e) {
   const sd_state *s = e->state;
   halo_wait *ghosts;
   if (!memory_rows(1, &(memory_column){&ghosts, s->n_ghosts, sizeof *ghosts})) {
-    comm_fail("no memory"); /* after the ranks have agreed on how they go on */
+    comm_fail(e->halo->comm, "no memory"); /* after the ranks have agreed on how they go on */
     return SD_ERROR_IO;
   }
   halo_refresh(e, ghosts);
@@ -332,7 +332,7 @@ sd_status contacts_follow(engine *e) {
   for (size_t n = 0; n < wrapped->count; n++) follow_wrap(e, wrapped->item[n].index, wrapped->item[n].turn);
   h->rebased.count = wrapped->count = 0;
   free(ghosts);
-  if (status != SD_OK) comm_fail("no memory");
+  if (status != SD_OK) comm_fail(e->halo->comm, "no memory");
   return status;
 }
 

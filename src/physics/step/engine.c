@@ -26,6 +26,7 @@
 #include "physics/neighbours/order.h"
 #include "physics/contact/pairs.h"
 #include "physics/step/speed.h"
+#include "physics/step/step.h"
 #include "physics/step/sweep.h"
 #include "physics/contact/walls.h"
 
@@ -335,30 +336,8 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   return build_lists(e, messages);
 }
 
-void engine_drop_lists(engine *e) {
-  work *w = &e->work;
-  const sd_state *s = e->state;
-  neighbours_free(e);
-  fill_laws(e->model, w);
-  double *column[FREE_COLUMNS];
-  free_columns(w, column);
-  for (size_t k = 0; k < FREE_COLUMNS; k++) arena_release(w->arena, column[k], s->n_free * sizeof(double));
-}
-
-sd_status engine_make_lists(engine *e, sd_messages *messages) {
-  assert(e->work.pairs.count == 0 && !e->halo);
-  box_update(e);
-  cell_attach(e);
-  cell_pose(e, e->state->step);
-  bodies_fill_constants(e);
-  if (motion_resume(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
-  return build_lists(e, messages);
-}
-
-sd_status engine_build_again(engine *e, sd_messages *messages) {
-  const int threads = engine_threads(e);
-  engine_free(e);
-  return engine_build(e, threads, messages);
+sd_status engine_renew(engine *e, sd_messages *messages) {
+  return e->renew ? e->renew(e, messages) : neighbours_build(e, messages);
 }
 
 void engine_free(engine *e) {
@@ -399,14 +378,15 @@ static size_t drop_apart(engine *e) {
   return dropped;
 }
 
-void engine_warn_of_dropped(const sd_model *model, size_t kept, sd_messages *messages) {
+static void warn_of_dropped(const sd_model *model, size_t kept, sd_messages *messages) {
   const size_t n = model->n_memories + model->tiles.n_kept;
   if (kept < n)
     sd_warn(messages, "%zu of %zu contacts of the packing do not touch at the start: they are dropped",
             n - kept, n);
 }
 
-sd_status engine_start_part(engine *e, size_t *kept, sd_messages *messages) {
+/* kept: contacts of the packing that go on. */
+static sd_status start_part(engine *e, size_t *kept, sd_messages *messages) {
   sd_state *s = e->state;
   work *w = &e->work;
   assert(s->step == 0);
@@ -433,9 +413,14 @@ sd_status engine_start_part(engine *e, size_t *kept, sd_messages *messages) {
 
 sd_status engine_start(engine *e, sd_messages *messages) {
   size_t kept;
-  const sd_status status = engine_start_part(e, &kept, messages);
-  engine_warn_of_dropped(e->model, kept, messages);
+  sd_status status = comm_agree(e->comm, start_part(e, &kept, messages));
+  if (e->halo && status == SD_OK) {
+    step_agree(e, false); /* contacts with ghosts follow */
+    status = comm_agree(e->comm, engine_status(e));
+  }
+  if (status != SD_OK) return status;
+  warn_of_dropped(e->model, (size_t)comm_total(e->comm, (double)kept), messages);
   const sd_energy now = energy_of(e);
   e->state->energy_start = energy_total(&now);
-  return status;
+  return SD_OK;
 }

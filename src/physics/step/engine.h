@@ -15,23 +15,19 @@ void engine_fill_contact(sd_state *state, const sd_contact_memory *contact);
 /* Work for e->model and e->state (both set, the rest zero), up to the lists; contacts come from the state. */
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
 void engine_free(engine *e);
-/* The same without lists, contacts and constants of bodies, of which the state needs to have its kept columns only; gives
- * their memory back, once contacts and motions are in the state; and makes them from there. */
+/* The same without lists, contacts and constants of bodies, of which the state needs to have its kept columns only. */
 sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages);
 /* Where the disks of the state stand, when it has them in another order. */
 void engine_find_slots(engine *e);
-void engine_drop_lists(engine *e);
-sd_status engine_make_lists(engine *e, sd_messages *messages);
-/* Everything anew, of a state that has other disks than before. */
-sd_status engine_build_again(engine *e, sd_messages *messages);
-static inline bool engine_has_lists(const engine *e) { return e->work.pairs.capacity > 0; }
 
 /* At step 0, once the first phase's motions run: contacts that are closed at the start begin (lambda* =
  * lambda) or, where the packing brings them along, go on; accelerations follow from the forces, and the energy
- * is noted. Contacts of the packing that do not touch are dropped, with a warning. */
+ * is noted. Contacts of the packing that do not touch are dropped, with a warning. Collective; all ranks get the same
+ * status. */
 sd_status engine_start(engine *e, sd_messages *messages);
-/* The same of one rank of several, all at once, but for energy and warning. kept: contacts of the packing that touch and count here. */
-sd_status engine_start_part(engine *e, size_t *kept, sd_messages *messages);
-void engine_warn_of_dropped(const sd_model *model, size_t kept, sd_messages *messages);
+
+/* New lists between steps, after disks were put elsewhere, have set out or are gone. Where ranks share them each disk
+ * goes to its rank. Collective; all ranks get the same status. */
+sd_status engine_renew(engine *e, sd_messages *messages);
 
 #endif

@@ -8,9 +8,16 @@
 #include "base/memory.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
+#include "physics/step/contacts.h"
 #include "physics/step/engine.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/system/halo.h"
+
+/* A disk that has left; order: its slot among those of all ranks. */
+typedef struct outside_left {
+  uint32_t order, disk, slot;
+  double x, y;
+} outside_left;
 
 /* Infinite limits stay infinite. Of a clump its centre counts, for all of its disks. */
 static bool beyond(const engine *e, size_t i) {
@@ -25,13 +32,6 @@ static bool beyond(const engine *e, size_t i) {
     if (at[c] < corner + scale * (b->lower[c] - corner) || at[c] > corner + scale * (b->upper[c] - corner))
       return true;
   }
-  return false;
-}
-
-bool outside_is_due(const engine *e) {
-  const sd_state *s = e->state;
-  for (size_t i = 0; i < s->n_free; i++)
-    if (body_in_play(s, i) && beyond(e, i) != (s->activity[i] == SD_OUTSIDE)) return true;
   return false;
 }
 
@@ -50,7 +50,8 @@ static void take_out(engine *e, size_t i) {
   }
 }
 
-sd_status outside_find(engine *e, outside_left **list, size_t *n) {
+/* Disks that are back are in play; *list, to be freed, has those that have left since the last look. */
+static sd_status find_left(engine *e, outside_left **list, size_t *n) {
   sd_state *s = e->state;
   size_t capacity = 0;
   *list = NULL;
@@ -74,7 +75,8 @@ sd_status outside_find(engine *e, outside_left **list, size_t *n) {
   return SD_OK;
 }
 
-sd_status outside_tell(engine *e, const outside_left *list, size_t n, sd_messages *messages) {
+/* Counts disks of all ranks, in their order, and warns of them. */
+static sd_status tell_left(engine *e, const outside_left *list, size_t n, sd_messages *messages) {
   sd_state *s = e->state;
   const sd_outside how = e->model->bounds.outside;
   const long long step = (long long)s->step;
@@ -98,28 +100,78 @@ sd_status outside_tell(engine *e, const outside_left *list, size_t n, sd_message
   return SD_OK;
 }
 
-void outside_mark(engine *e, const outside_left *list, size_t n) {
+/* Those of this rank are outside, or taken out. */
+static void mark_left(engine *e, const outside_left *list, size_t n) {
   for (size_t k = 0; k < n; k++) {
     e->state->activity[list[k].slot] = SD_OUTSIDE;
     if (e->model->bounds.outside == SD_OUTSIDE_REMOVE) take_out(e, list[k].slot);
   }
 }
 
-sd_status outside_look(engine *e, sd_messages *messages) {
-  const bool removes = e->model->bounds.outside == SD_OUTSIDE_REMOVE;
-  outside_left *list;
-  size_t n;
-  sd_status status = outside_find(e, &list, &n);
-  if (status != SD_OK) return sd_fail(messages, status, "out of memory for disks that have left the bounds");
-  const sd_energy before = n > 0 && removes ? energy_of(e) : (sd_energy){0};
-  if (n > 0) status = outside_tell(e, list, n, messages);
-  if (status == SD_OK) outside_mark(e, list, n);
-  free(list);
-  if (status != SD_OK || n == 0 || !removes) return status;
+static int by_order(const void *one, const void *two) {
+  const outside_left *p = one, *q = two;
+  return p->order < q->order ? -1 : p->order > q->order;
+}
+
+/* Those of all ranks on every rank, in their order; to be freed. */
+static sd_status gather_left(const comm *c, const outside_left *mine, size_t n, outside_left **list,
+                             size_t *all) {
+  int *counts = memory_new((size_t)comm_size(c), sizeof *counts);
+  comm_gather_counts(c, (int)n, counts);
+  *all = 0;
+  for (int q = 0; q < comm_size(c); q++) *all += (size_t)counts[q];
+  const bool there = memory_rows(1, &(memory_column){list, *all, sizeof **list});
+  const sd_status status = comm_agree(c, there ? SD_OK : SD_ERROR_IO);
+  if (status == SD_OK) comm_gather(c, mine, *list, counts, sizeof *mine);
+  if (status == SD_OK && *all > 1) qsort(*list, *all, sizeof **list, by_order);
+  free(counts);
+  return status;
+}
+
+/* Contacts of disks that are taken out, here and as ghosts. */
+static sd_status end_contacts(engine *e, const outside_left *list, size_t n) {
+  const size_t slots = e->state->n_free + e->state->n_ghosts;
+  bool *gone;
+  if (!memory_rows(1, &(memory_column){&gone, slots, sizeof *gone})) return SD_ERROR_IO;
+  for (size_t k = 0; k < n; k++) {
+    const size_t slot = engine_slot(e, list[k].disk);
+    if (slot < slots && e->state->id[slot] == list[k].disk) gone[slot] = true;
+  }
+  const sd_status status = contacts_end(e, gone);
+  free(gone);
+  return status;
+}
+
+/* The energy that they take along is booked. */
+static sd_status remove_left(engine *e, const outside_left *mine, size_t n, const outside_left *all,
+                             size_t n_all, sd_messages *messages) {
+  const sd_energy before = energy_of(e);
+  sd_status status = end_contacts(e, all, n_all);
+  if (status != SD_OK) sd_fail(messages, status, "out of memory for contacts of disks that are taken out");
+  status = comm_agree(e->comm, status);
+  if (status != SD_OK) return status;
+  mark_left(e, mine, n);
   bodies_fill_constants(e);
-  status = neighbours_build(e, messages);
+  status = engine_renew(e, messages);
+  if (status != SD_OK) return status;
   const sd_energy after = energy_of(e);
   e->state->energy_start += energy_total(&after) - energy_total(&before);
+  return SD_OK;
+}
+
+sd_status outside_look(engine *e, sd_messages *messages) {
+  outside_left *mine, *all = NULL;
+  size_t n, n_all = 0;
+  sd_status status = comm_agree(e->comm, find_left(e, &mine, &n));
+  if (status == SD_OK) status = gather_left(e->comm, mine, n, &all, &n_all);
+  if (status != SD_OK) sd_fail(messages, status, "out of memory for disks that have left the bounds");
+  if (status == SD_OK && n_all > 0) status = tell_left(e, all, n_all, messages);
+  if (status == SD_OK && n_all > 0 && e->model->bounds.outside == SD_OUTSIDE_REMOVE)
+    status = remove_left(e, mine, n, all, n_all, messages);
+  else if (status == SD_OK)
+    mark_left(e, mine, n);
+  free(all);
+  free(mine);
   return status;
 }
 

@@ -20,10 +20,13 @@
 #include "physics/step/access.h"
 #include "physics/step/cell.h"
 #include "physics/step/contacts.h"
+#include "physics/step/engine.h"
+#include "physics/step/step.h"
 #include "physics/step/sweep.h"
 #include "physics/system/bodies.h"
 #include "physics/system/body_forces.h"
 #include "physics/system/clumps.h"
+#include "physics/system/halo.h"
 
 static void scale_column(double *x, size_t n, double corner, double f) {
   for (size_t i = 0; i < n; i++) x[i] = corner + f * (x[i] - corner);
@@ -58,8 +61,13 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
   const sd_state *s = e->state;
   pairs *p = &w->pairs;
   double *before;
-  if (!memory_rows(1, &(memory_column){&before, 2 * p->count, sizeof *before}))
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  if (e->halo) halo_refresh(e, NULL);
+  const bool there = memory_rows(1, &(memory_column){&before, 2 * p->count, sizeof *before});
+  if (!there) sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  if (comm_or(e->comm, !there)) {
+    free(before);
+    return SD_ERROR_IO;
+  }
   for (size_t k = 0; k < p->count; k++) {
     before[k] = PAIR(p, k, viscous);
     before[p->count + k] = PAIR(p, k, nonconservative_work);
@@ -80,7 +88,8 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
   for (int k = 0; k < SD_COORDINATES; k++)
     for (size_t i = 0; i < s->n_free; i++) engine_accelerate(e, k, i, w->columns[k].force[i]);
   clumps_accelerate(e);
-  return status;
+  if (e->halo) step_agree(e, false);
+  return comm_agree(e->comm, status);
 }
 
 sd_status rescale(engine *e, double f, sd_messages *messages) {
@@ -100,8 +109,9 @@ sd_status rescale(engine *e, double f, sd_messages *messages) {
   box_update(e);
   clumps_place_all(e); /* they keep their size */
   walls_pose(e);
-  sd_status status = neighbours_rescale(e, f, messages);
+  const bool stale = comm_or(e->comm, !neighbours_rescale(e, f)) != 0;
+  sd_status status = stale ? engine_renew(e, messages) : SD_OK;
   if (status == SD_OK) status = renew_contacts(e, messages);
-  if (validity_due(s->step) && status == SD_OK) validity_check_step(e);
+  if (validity_due(e->state->step) && status == SD_OK) validity_check_step(e);
   return status;
 }

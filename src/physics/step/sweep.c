@@ -7,6 +7,7 @@
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
 #include "physics/neighbours/rows.h"
+#include "physics/system/bodies.h"
 #include "physics/system/halo.h"
 #include "physics/system/kernels.h"
 
@@ -88,6 +89,13 @@ void sweep_ghosts(engine *e, int t) {
   w->kernels->pairs(e, &w->threads[t], p->first_ghost + PAIR_BLOCK * from, p->first_ghost + PAIR_BLOCK * to);
 }
 
+/* Rows of plain laws have no R omega, but contacts that begin with a ghost look there. */
+static void pack_spins(engine *e) {
+  const sd_state *s = e->state;
+  for (size_t i = s->n_free; i < s->n_free + s->n_ghosts; i++)
+    e->work.packed[PACKED_ROW * e->work.row[i] + PACKED_SPIN] = body_spin(s, i);
+}
+
 void sweep_forces(engine *e, sweep_kind kind) {
   work *w = &e->work;
   const chunks *c = &w->chunks;
@@ -95,6 +103,7 @@ void sweep_forces(engine *e, sweep_kind kind) {
   for (size_t k = 0; k < c->count; k++) c->packed[k] = INT64_MIN;
   pairs_clear_single(e);
   w->kernels->pack(e, n_free, n_bodies);
+  pack_spins(e);
   for (int t = 0; t < w->n_threads; t++)
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
       for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) pack(e, c->need[n], INT64_MAX);

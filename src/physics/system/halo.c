@@ -49,7 +49,7 @@ sd_status halo_connect(halo *h, const int *to, const int *from) {
     assert(h->send_slot[k] < h->n_own);
     h->sent[h->send_slot[k]] = true;
   }
-  h->links = comm_links_new(h->send, to, h->receive, from, row);
+  h->links = comm_links_new(h->comm, h->send, to, h->receive, from, row);
   return SD_OK;
 }
 
@@ -68,7 +68,7 @@ sd_status halo_wait_for(halo_waits *list, halo_wait wait) {
 unsigned halo_agree(halo *h) {
   const double began = clock_seconds();
   if (h->rebased.count + h->wrapped.count > 0) h->bits |= HALO_WAITS;
-  const unsigned all = comm_or(h->bits);
+  const unsigned all = comm_or(h->comm, h->bits);
   h->bits = 0;
   h->waited += clock_seconds() - began;
   return all;
@@ -120,8 +120,8 @@ enum {
   POSE_VX,
   POSE_VY,
   POSE_OMEGA,
-  POSE_IMAGES, /* two integers */
-  POSE_BEFORE_X,
+  POSE_IMAGES,   /* two integers */
+  POSE_BEFORE_X, /* or, where that is not asked for, accelerations */
   POSE_BEFORE_Y,
   POSE_ROW
 };
@@ -142,9 +142,9 @@ void halo_refresh(engine *e, halo_wait *change) {
     row[POSE_OMEGA] = s->omega[i];
     const int32_t images[2] = {s->image_x[i], s->image_y[i]};
     memcpy(&row[POSE_IMAGES], images, sizeof images);
-    row[POSE_BEFORE_X] = s->x[i];
-    row[POSE_BEFORE_Y] = s->y[i];
-    for (size_t n = 0; n < h->shifted.count; n++) {
+    row[POSE_BEFORE_X] = change ? s->x[i] : s->x2[i];
+    row[POSE_BEFORE_Y] = change ? s->y[i] : s->y2[i];
+    for (size_t n = 0; change && n < h->shifted.count; n++) {
       if (h->shifted.item[n].index != i) continue;
       row[POSE_BEFORE_X] = h->shifted.item[n].x;
       row[POSE_BEFORE_Y] = h->shifted.item[n].y;
@@ -158,6 +158,10 @@ void halo_refresh(engine *e, halo_wait *change) {
     if (change)
       change[i - h->n_own] = (halo_wait){
           .index = i, .turn = row[POSE_TURN] - s->turn[i], .x = row[POSE_BEFORE_X], .y = row[POSE_BEFORE_Y]};
+    if (!change) {
+      h->x2[i - h->n_own] = row[POSE_BEFORE_X];
+      h->y2[i - h->n_own] = row[POSE_BEFORE_Y];
+    }
     s->x[i] = row[POSE_X];
     s->y[i] = row[POSE_Y];
     s->theta[i] = row[POSE_THETA];
@@ -218,10 +222,11 @@ sd_status halo_list_prescribed(engine *e) {
   const size_t bodies = e->state->n_bodies - first_of(e), mine = count_rows(e);
   free_rows(r);
   r->n_mine = mine;
-  r->counts = memory_new((size_t)comm_size(), sizeof *r->counts);
-  comm_gather_counts((int)mine, r->counts);
+  const comm *c = e->halo->comm;
+  r->counts = memory_new((size_t)comm_size(c), sizeof *r->counts);
+  comm_gather_counts(c, (int)mine, r->counts);
   size_t all = 0;
-  for (int k = 0; k < comm_size(); k++) all += (size_t)r->counts[k];
+  for (int k = 0; k < comm_size(c); k++) all += (size_t)r->counts[k];
   row_key *key, *every;
   if (!memory_rows(7, (memory_column[]){{&key, mine, sizeof *key},
                                         {&every, all, sizeof *every},
@@ -230,11 +235,11 @@ sd_status halo_list_prescribed(engine *e) {
                                         {&r->mine, mine, SUM_ROW * sizeof *r->mine},
                                         {&r->all, all, SUM_ROW * sizeof *r->all},
                                         {&r->mine_at, mine, sizeof *r->mine_at}})) {
-    comm_fail("no memory");
+    comm_fail(c, "no memory");
     return SD_ERROR_IO;
   }
   fill_keys(e, key, r->mine_at);
-  comm_gather(key, every, r->counts, sizeof *key);
+  comm_gather(c, key, every, r->counts, sizeof *key);
   for (size_t k = 0; k < all; k++) {
     every[k].from = (uint32_t)k;
     r->start[every[k].body + 1]++;
@@ -254,7 +259,7 @@ void halo_gather_prescribed(engine *e) {
   for (size_t k = 0; k < r->n_mine; k++)
     memcpy(r->mine + SUM_ROW * k, e->work.sums.row + SUM_ROW * (size_t)r->mine_at[k],
            SUM_ROW * sizeof *r->mine);
-  comm_gather(r->mine, r->all, r->counts, SUM_ROW * sizeof *r->mine);
+  comm_gather(h->comm, r->mine, r->all, r->counts, SUM_ROW * sizeof *r->mine);
   h->waited += clock_seconds() - began;
 }
 

@@ -12,7 +12,7 @@
 #ifndef PHYSICS_HALO_H
 #define PHYSICS_HALO_H
 
-#include "base/comm_data.h"
+#include "base/comm.h"
 #include "physics/system/clumps.h"
 #include "physics/system/work.h"
 
@@ -42,6 +42,7 @@ typedef struct halo_rows {
 } halo_rows;
 
 struct halo {
+  const comm *comm;
   double skin; /* of the lists, the same on all ranks */
   size_t n_own, n_ghosts;
   uint32_t *order; /* [n_own + n_ghosts] slots in the whole, of own disks and of ghosts each ascending */
@@ -72,8 +73,9 @@ static inline bool halo_is_free(const engine *e, size_t slot) {
 static inline bool halo_is_ghost(const engine *e, size_t slot) {
   return slot >= e->state->n_free && slot < e->state->n_free + e->state->n_ghosts;
 }
-/* Slot in the whole of a free disk, of the slots that follow behind all of them. */
+/* Slot in the whole, without a halo the slot itself: of a free disk, and of the slots that follow behind all of them. */
 static inline uint64_t halo_order(const engine *e, size_t slot) {
+  if (!e->halo) return slot;
   return halo_is_free(e, slot) ? e->halo->order[slot] : (uint64_t)UINT32_MAX + slot;
 }
 /* A contact that another rank counts, too: it belongs to the disk of the lower order. */
@@ -99,7 +101,7 @@ unsigned halo_agree(halo *h);
 void halo_start(engine *e);
 void halo_progress(halo *h);
 void halo_finish(engine *e);
-/* Poses and velocities of own disks in the state to those of the ghosts. change: [n_ghosts] by how much their turn has changed, and
+/* Poses and velocities of own disks in the state to those of the ghosts, with their accelerations when change is NULL. change: [n_ghosts] by how much their turn has changed, and
  * where they were before they went round the box; or NULL. */
 void halo_refresh(engine *e, halo_wait *change);
 /* After new lists: where rows of forces on prescribed bodies go. */

@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/comm.h"
 #include "base/team.h"
 #include "slipdisk/contact.h"
 #include "model/model.h"
@@ -304,9 +305,12 @@ typedef struct work {
 struct engine {
   const sd_model *model;
   sd_state *state;
-  fields *fields; /* NULL: none */
-  halo *halo;     /* NULL: this process has all disks */
-  pool *pool;     /* of work.n_threads or fewer, of the owner; NULL: one thread does it all */
+  fields *fields;   /* NULL: none */
+  halo *halo;       /* NULL: this process has all disks */
+  const comm *comm; /* whose ranks have the other disks; NULL: a rank alone */
+  sd_status (*renew)(engine *e,
+                     sd_messages *messages); /* engine_renew of one of several ranks; NULL: of one alone */
+  pool *pool; /* of work.n_threads or fewer, of the owner; NULL: one thread does it all */
   work work;
 };
 

@@ -1,0 +1,187 @@
+/* comm_mpi.c: the ranks of an MPI job; see comm.h. Empty in builds without MPI. */
+#ifdef SD_HAVE_MPI
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE
+#endif
+#include "base/comm_mpi.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "base/memory.h"
+/* NOLINTBEGIN(clang-analyzer-optin.mpi.*): the analyser takes MPI_Wait for the end of a request, but not MPI_Test */
+
+MPI_Comm comm_ranks;
+
+static void end_all(const comm *c, int status) {
+  (void)c;
+  MPI_Abort(comm_ranks, status);
+}
+
+void comm_rest(long *ns) {
+  *ns = *ns == 0 ? 20000 : *ns < 2500000 ? 2 * *ns : 5000000;
+  struct timespec t = {.tv_nsec = *ns};
+  nanosleep(&t, NULL);
+}
+
+void comm_await(MPI_Request *request) {
+  int done = 0;
+  for (long ns = 0; MPI_Test(request, &done, MPI_STATUS_IGNORE), !done;) comm_rest(&ns);
+}
+
+static int max(const comm *c, int value) {
+  (void)c;
+  int most = value;
+  MPI_Request request;
+  MPI_Iallreduce(&value, &most, 1, MPI_INT, MPI_MAX, comm_ranks, &request);
+  comm_await(&request);
+  return most;
+}
+
+/* In pieces, since MPI counts with an int. */
+static void share(const comm *c, void *data, size_t bytes) {
+  (void)c;
+  const size_t most = (size_t)1 << 24;
+  for (size_t at = 0; at < bytes; at += most) {
+    MPI_Request request;
+    MPI_Ibcast((char *)data + at, (int)(bytes - at < most ? bytes - at : most), MPI_BYTE, 0, comm_ranks,
+               &request);
+    comm_await(&request);
+  }
+}
+
+static unsigned any(const comm *c, unsigned bits) {
+  (void)c;
+  unsigned all = bits;
+  MPI_Allreduce(&bits, &all, 1, MPI_UNSIGNED, MPI_BOR, comm_ranks);
+  return all;
+}
+
+static double largest(const comm *c, double value) {
+  (void)c;
+  double all = value;
+  MPI_Allreduce(&value, &all, 1, MPI_DOUBLE, MPI_MAX, comm_ranks);
+  return all;
+}
+
+static void add(const comm *c, int64_t *values, size_t n) {
+  (void)c;
+  MPI_Allreduce(MPI_IN_PLACE, values, (int)n, MPI_INT64_T, MPI_SUM, comm_ranks);
+}
+
+static MPI_Datatype row_of(size_t size) {
+  MPI_Datatype row;
+  assert(size > 0 && size < 1u << 20);
+  MPI_Type_contiguous((int)size, MPI_BYTE, &row);
+  MPI_Type_commit(&row);
+  return row;
+}
+
+static void exchange(const comm *c, const void *send, const int *to, void *receive, const int *from,
+                     size_t size) {
+  MPI_Datatype row = row_of(size);
+  int *out = comm_starts(c, to), *in = comm_starts(c, from);
+  MPI_Alltoallv(send, to, out, row, receive, from, in, row, comm_ranks);
+  free(out);
+  free(in);
+  MPI_Type_free(&row);
+}
+
+static void gather(const comm *c, const void *send, void *receive, const int *counts, size_t size) {
+  MPI_Datatype row = row_of(size);
+  int *in = comm_starts(c, counts);
+  MPI_Allgatherv(send, counts[c->rank], row, receive, counts, in, row, comm_ranks);
+  free(in);
+  MPI_Type_free(&row);
+}
+
+/* --- persistent messages ------------------------------------------------------------------------------------ */
+
+typedef struct mpi_links {
+  comm_links base;
+  MPI_Datatype row;
+  MPI_Request *request;
+  int n;
+} mpi_links;
+
+static comm_links *links_new(const comm *c, const void *send, const int *to, void *receive, const int *from,
+                             size_t size) {
+  enum { TAG = 1 }; /* 0: comm_queue.c */
+  mpi_links *l = memory_new(1, sizeof *l);
+  l->base.comm = c;
+  l->request = memory_new(2 * (size_t)c->size, sizeof *l->request);
+  l->row = row_of(size);
+  const char *out = send;
+  char *in = receive;
+  for (int k = 0; k < c->size; k++) {
+    assert(k != c->rank || (to[k] == 0 && from[k] == 0));
+    if (from[k] > 0) MPI_Recv_init(in, from[k], l->row, k, TAG, comm_ranks, &l->request[l->n++]);
+    if (to[k] > 0) MPI_Send_init(out, to[k], l->row, k, TAG, comm_ranks, &l->request[l->n++]);
+    in += size * (size_t)from[k];
+    out += size * (size_t)to[k];
+  }
+  return &l->base;
+}
+
+static mpi_links *mpi_of(comm_links *l) { return (mpi_links *)(void *)l; }
+
+static void links_start(comm_links *l) { MPI_Startall(mpi_of(l)->n, mpi_of(l)->request); }
+
+static void links_progress(comm_links *l) {
+  int all_done;
+  MPI_Testall(mpi_of(l)->n, mpi_of(l)->request, &all_done, MPI_STATUSES_IGNORE);
+}
+
+static void links_wait(comm_links *l) { MPI_Waitall(mpi_of(l)->n, mpi_of(l)->request, MPI_STATUSES_IGNORE); }
+
+static void links_free(comm_links *links) {
+  mpi_links *l = mpi_of(links);
+  for (int k = 0; k < l->n; k++) MPI_Request_free(&l->request[k]);
+  MPI_Type_free(&l->row);
+  free(l->request);
+  free(l);
+}
+
+/* --- the job -------------------------------------------------------------------------------------------------- */
+
+static const comm_kind kind = {.abort = end_all,
+                               .max = max,
+                               .share = share,
+                               .any = any,
+                               .largest = largest,
+                               .add = add,
+                               .exchange = exchange,
+                               .gather = gather,
+                               .links_new = links_new,
+                               .links_start = links_start,
+                               .links_progress = links_progress,
+                               .links_wait = links_wait,
+                               .links_free = links_free};
+
+sd_status comm_start_mpi(const comm **world, sd_messages *messages) {
+  static comm job = {.kind = &kind};
+  int given;
+  *world = NULL;
+  if (MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &given) != MPI_SUCCESS)
+    return sd_fail(messages, SD_ERROR_IO, "MPI does not start");
+  if (given < MPI_THREAD_FUNNELED) {
+    MPI_Finalize();
+    return sd_fail(messages, SD_ERROR_IO, "this MPI does not allow threads (MPI_THREAD_FUNNELED)");
+  }
+  MPI_Comm_dup(MPI_COMM_WORLD, &comm_ranks);
+  MPI_Comm_rank(comm_ranks, &job.rank);
+  MPI_Comm_size(comm_ranks, &job.size);
+  if (job.size > 1) *world = &job;
+  return SD_OK;
+}
+
+void comm_finish_mpi(void) {
+  MPI_Comm_free(&comm_ranks);
+  MPI_Finalize();
+}
+
+/* NOLINTEND(clang-analyzer-optin.mpi.*) */
+#else
+typedef int comm_mpi_none; /* ISO C wants a declaration */
+#endif

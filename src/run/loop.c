@@ -1,0 +1,231 @@
+/* loop.c: see loop.h. */
+#include "run/loop.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "base/subnormal.h"
+#include "measure/disks.h"
+#include "measure/sample.h"
+#include "pack/compress.h"
+#include "pack/rain.h"
+#include "pack/relax.h"
+#include "pack/settle.h"
+#include "physics/motion/motion.h"
+#include "physics/neighbours/neighbours.h"
+#include "physics/neighbours/order.h"
+#include "physics/step/access.h"
+#include "physics/step/cell.h"
+#include "physics/step/contacts.h"
+#include "physics/step/engine.h"
+#include "physics/step/outside.h"
+#include "physics/step/step.h"
+#include "physics/system/halo.h"
+#include "run/lanes_loop.h"
+#include "run/phase.h"
+#include "run/ranks.h"
+
+bool loop_finished(const engine *e) { return e->state->phase >= (int64_t)e->model->n_phases; }
+
+static const sd_phase *phase_of(const engine *e) { return &e->model->phases[e->state->phase]; }
+
+/* --- work ------------------------------------------------------------------------------------------------ */
+
+sd_status loop_build(engine *e, bool small, int threads, sd_messages *messages) {
+  sd_status status = engine_build(e, small ? 1 : threads, messages);
+  if (status == SD_OK && small && lanes_new(true, 1, &e, engine_lanes_place(e)) != SD_OK)
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
+  return status;
+}
+
+void loop_release(engine *e) {
+  lanes_free(engine_lanes(e));
+  engine_free(e);
+}
+
+sd_status loop_rebuild(engine *e, bool small, sd_messages *messages) {
+  const int threads = engine_threads(e);
+  loop_release(e);
+  sd_status status = loop_build(e, small, threads, messages);
+  engine_tell(e, messages);
+  return status;
+}
+
+/* Where the disks have gone since they were put in order. All that can be recomputed is made anew. */
+static sd_status order_again(engine *e, sd_messages *messages) {
+  if (e->comm) return ranks_order_again(e);
+  if (e->state->n_free < ORDER_LEAST) return SD_OK;
+  if (contacts_store(e) != SD_OK || order_disks(e->model, e->state) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the order of the disks");
+  return loop_rebuild(e, engine_lanes(e), messages);
+}
+
+/* --- phases ---------------------------------------------------------------------------------------------- */
+
+sd_status loop_begin_phase(engine *e, sd_messages *messages) {
+  if (loop_finished(e)) return SD_OK;
+  relax_begin(e);
+  cell_begin(e);
+  const bool there = motion_begin_phase(e) == SD_OK;
+  if (!there) sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  return comm_agree(e->comm, there ? SD_OK : SD_ERROR_IO);
+}
+
+sd_status loop_start(engine *e, sd_messages *messages) {
+  sd_status status = rain_next(e, -1) == 0 ? rain_release(e, messages) : SD_OK;
+  if (status == SD_OK) status = engine_start(e, messages);
+  if (status != SD_OK) return status;
+  motion_begin_run(e);
+  if (phase_measures(e)) phase_measure_begin(e);
+  return SD_OK;
+}
+
+static sd_status end_phase(engine *e, sd_messages *messages) {
+  const bool settles = phase_of(e)->settle.asked;
+  const settle_measure rest = settles ? settle_look(e) : (settle_measure){0};
+  phase_end(e, settles ? &rest : NULL);
+  if (loop_finished(e)) return SD_OK;
+  sd_status status = order_again(e, messages);
+  if (status == SD_OK) status = loop_begin_phase(e, messages);
+  if (status == SD_OK && phase_measures(e)) phase_measure_begin(e);
+  return status;
+}
+
+/* --- what is done between steps ----------------------------------------------------------------------- */
+
+static bool has_goal(const engine *e) {
+  return e->model->until.asked && e->state->phase + 1 == (int64_t)e->model->n_phases;
+}
+
+static int64_t nearer(int64_t stop, int64_t step, int64_t every) {
+  int64_t next = (step / every + 1) * every;
+  return next < stop ? next : stop;
+}
+
+/* The phase's next step after which the run pauses: it ends, or something is looked at or done. */
+static int64_t next_stop(const engine *e) {
+  const sd_phase *p = phase_of(e);
+  int64_t now = e->state->phase_step, stop = has_goal(e) ? sd_goal_look(e->model, now) : p->steps;
+  if (p->settle.asked) stop = nearer(stop, now, p->settle.every);
+  if (p->compress.asked) stop = nearer(stop, now, COMPRESS_EVERY);
+  if (p->cell.asked) stop = nearer(stop, now, CELL_EVERY);
+  /* rain and looks at the bounds count steps since the start */
+  int64_t step = e->state->step, next = rain_next(e, step);
+  if (e->model->bounds.given) next = nearer(next, step, OUTSIDE_EVERY);
+  return next - step < stop - now ? now + (next - step) : stop;
+}
+
+static bool rain_is_due(const engine *e) { return rain_next(e, e->state->step - 1) == e->state->step; }
+
+static sd_status between_steps(engine *e, sd_messages *messages) {
+  const sd_phase *p = phase_of(e);
+  int64_t now = e->state->phase_step;
+  sd_status status = SD_OK;
+  if (e->model->bounds.given && e->state->step % OUTSIDE_EVERY == 0) status = outside_look(e, messages);
+  if (status == SD_OK && rain_is_due(e)) status = rain_release(e, messages);
+  if (status == SD_OK && p->compress.asked && now % COMPRESS_EVERY == 0) status = compress_step(e, messages);
+  if (status == SD_OK && p->cell.asked && now % CELL_EVERY == 0) status = cell_change(e, messages);
+  return status;
+}
+
+static bool settled(const engine *e) {
+  if (!phase_settles(e)) return false;
+  const settle_measure now = settle_look(e);
+  return settle_reached(e, &now);
+}
+
+static bool goal_is_due(const engine *e) {
+  const int64_t now = e->state->phase_step;
+  return has_goal(e) && now == sd_goal_look(e->model, now - 1);
+}
+
+static bool phase_is_over(const engine *e) {
+  const sd_phase *p = phase_of(e);
+  if (e->state->phase_step == p->steps) return true;
+  if (settled(e) && (!p->compress.asked || compress_done(e))) return true;
+  return goal_is_due(e) && sd_goal_of(e->model, e->state).reached;
+}
+
+int64_t loop_room(const engine *e) {
+  int64_t room = next_stop(e) - e->state->phase_step;
+  assert(room > 0 && e->state->phase_step + room <= phase_of(e)->steps);
+  return room;
+}
+
+sd_status loop_pause(engine *e, int64_t from, sd_messages *messages) {
+  assert(from <= e->state->step);
+  e->state->phase_step += e->state->step - from;
+  assert(e->state->phase_step <= phase_of(e)->steps);
+  sd_status status = comm_agree(e->comm, engine_status(e));
+  if (status == SD_OK) status = between_steps(e, messages);
+  if (status != SD_OK || !phase_is_over(e)) return status;
+  if (e->model->bounds.given) status = outside_look(e, messages);
+  return status == SD_OK ? end_phase(e, messages) : status;
+}
+
+/* --- steps -------------------------------------------------------------------------------------------------- */
+
+typedef struct steps_task {
+  engine *e;
+  int64_t until;
+  bool measure;
+  relax_sums *sums; /* one a thread; NULL: the phase does not relax */
+  const volatile sig_atomic_t *stop;
+  unsigned *bits;
+} steps_task;
+
+static bool may_step(const steps_task *a, const team *t) {
+  const int64_t step = a->e->state->step;
+  if (!a->e->comm) return step < a->until;
+  if (t->rank == 0) *a->bits = step_agree(a->e, a->stop && *a->stop);
+  team_wait(t);
+  if (*a->bits & (HALO_STALE | HALO_FAILED) || step == a->until) return false;
+  return !(*a->bits & HALO_STOP) || step + 1 == a->until;
+}
+
+/* One member's share of the steps. A rank that has failed goes on with the sums of all. */
+static void take_steps(const steps_task *a, const team *t) {
+  engine *e = a->e;
+  const int64_t measured = e->state->measured, from = e->state->step;
+  for (int64_t step = from; may_step(a, t); step++) {
+    step_once(e, t);
+    team_wait(t);
+    const bool failed = engine_status(e) != SD_OK;
+    if (failed && !e->comm) return;
+    if (a->sums) relax_step(e, t, a->sums);
+    if (!a->measure || failed) continue;
+    disks_step(e, t, measured + (step - from) + 1);
+    if (t->rank == 0) sample_step(e);
+    team_wait(t);
+  }
+}
+
+static void member(const team *t, void *with) {
+  const steps_task *a = with;
+  unsigned mode = subnormal_off();
+  if (engine_lanes(a->e))
+    lanes_loop(engine_lanes(a->e), a->until - a->e->state->step, a->measure);
+  else
+    take_steps(a, t);
+  subnormal_restore(mode);
+}
+
+void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atomic_t *stop, unsigned *bits) {
+  steps_task task = {.e = e, .until = until, .measure = phase_measures(e), .stop = stop, .bits = bits};
+  if (phase_of(e)->relax) task.sums = memory_new((size_t)engine_threads(e), sizeof *task.sums);
+  if (until > e->state->step) step_begin(e, until - e->state->step);
+  pool_run(threads, member, &task);
+  free(task.sums);
+}
+
+sd_status loop_advance(engine *e, int64_t n, sd_messages *messages) {
+  const int64_t from = e->state->step;
+  assert(n > 0 && n <= loop_room(e));
+  if (e->comm)
+    ranks_steps(e, n);
+  else
+    loop_steps(e, e->pool, from + n, NULL, NULL);
+  assert(e->state->step >= from && e->state->step <= from + n);
+  return loop_pause(e, from, messages);
+}

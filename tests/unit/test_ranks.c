@@ -1,0 +1,155 @@
+/* test_ranks.c: runs over ranks that are threads of this process end with the bits of one process: states, energies,
+ * messages, and the step of a failure. Ranks of an MPI job: tests/program/test_ranks_*.py. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "base/comm_threads.h"
+#include "deck_runs.h"
+#include "run/model_share.h"
+#include "run/ranks.h"
+
+#define HEAD                                                                                                 \
+  "integrator = \"verlet\"; dt = 1e-3;\n"                                                                    \
+  "materials = ( { name = \"grain\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n"
+#define PACKING                                                                                              \
+  "packings = ( { type = \"square\"; jitter = 0.5; count = 120; x = (0, 12); y = (0, 12); density = 1.27;\n" \
+  "  group = \"grains\"; sizes = \"uniform\"; lower = 0.4; upper = 0.5; } );\n"
+
+typedef struct deck_case {
+  const char *name, *text;
+} deck_case;
+
+static const deck_case DECKS[] = {
+    {"free", HEAD PACKING "gravity = { g = 1; }; container = { type = \"box\"; width = 40; height = 20; };\n"
+                          "phases = ( { steps = 1500; } );"},
+    {"gear", "integrator = \"gear5\"; dt = 5e-4;\n"
+             "materials = ( { name = \"grain\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n" PACKING
+             "gravity = { g = 1; tilt = 0.4; }; box = { x = (0, 12); periodic = \"x\"; };\n"
+             "walls = ( { type = \"line\"; points = ((0, 0), (12, 0)); } );\n"
+             "phases = ( { steps = 2000; measure = true; } ); measure = { disks = true; };"},
+    {"compress to a pressure", HEAD PACKING
+     "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
+     "phases = ( { steps = 3000; compress = { pressure = 20; rate = 0.2; }; }, { steps = 200; } );"},
+    {"compress to a fraction, relaxing",
+     HEAD PACKING "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
+                  "phases = ( { steps = 2000; relax = true; compress = { fraction = 0.8; rate = 0.2; }; }, { "
+                  "steps = 200; } );"},
+    {"relax in a box", HEAD PACKING
+     "gravity = { g = 1; }; container = { type = \"box\"; width = 26; height = 20; };\n"
+     "phases = ( { steps = 800; }, { steps = 1500; relax = true; settle = { unbalanced = 1e-3; every = "
+     "50; }; }, { steps = 300; } );"},
+    {"lid", HEAD PACKING
+     "gravity = { g = 1; }; box = { x = (0, 12); periodic = \"x\"; };\n"
+     "walls = ( { type = \"line\"; points = ((0, 0), (12, 0)); },\n"
+     "          { name = \"lid\"; type = \"line\"; points = ((0, 14), (12, 14)); } );\n"
+     "motions = ( { name = \"press\"; wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = -40; "
+     "speed = 1; } );\n"
+     "phases = ( { steps = 2500; settle = { kinetic = 1e-3; every = 100; }; }, { steps = 300; } );"},
+    {"bounds",
+     HEAD PACKING "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
+                  "bounds = { x = (-2, 14); y = (-3, 30); outside = \"remove\"; };\n"
+                  "phases = ( { steps = 3000; } );"},
+};
+
+/* --- one run over ranks -------------------------------------------------------------------------------------------- */
+
+typedef struct run {
+  const char *deck;
+  int64_t steps; /* at a time */
+  int threads;   /* of a rank */
+  sd_state *end; /* as rank 0 has it */
+  sd_model *model;
+  sd_energy energy;
+  sd_status status;
+  sd_messages *messages;
+} run;
+
+static void lead(const comm *c, run *r) {
+  sd_model *none;
+  sd_simulation *sim = NULL;
+  r->status = model_share(c, r->model, &none, r->messages);
+  if (r->status == SD_OK)
+    r->status = simulation_new(r->model, r->threads, SIMULATION_GENERAL, c, NULL, &sim, r->messages);
+  while (r->status == SD_OK && !sd_simulation_finished(sim))
+    r->status = sd_simulation_advance(sim, r->steps, r->messages);
+  if (sim) {
+    r->energy = sd_simulation_energy(sim);
+    r->end = copy_of(r->model, sd_simulation_state(sim));
+  }
+  ranks_dismiss(c, r->status);
+  sd_simulation_free(sim);
+}
+
+static void serve(const comm *c) {
+  sd_model *model;
+  model_share(c, NULL, &model, NULL);
+  ranks *r = ranks_new(c, model, NULL);
+  ranks_serve(r);
+  ranks_free(r);
+  sd_model_free(model);
+}
+
+static void rank(const comm *c, void *with) {
+  if (comm_rank(c) == 0)
+    lead(c, with);
+  else
+    serve(c);
+}
+
+static void go(run *r, int size) {
+  r->model = model_of(r->deck);
+  r->messages = sd_messages_new();
+  comm_threads_run(size, rank, r);
+}
+
+static void end(run *r) {
+  sd_state_free(r->end);
+  sd_model_free(r->model);
+  sd_messages_free(r->messages);
+}
+
+static void same_messages(const sd_messages *a, const sd_messages *b) {
+  assert_int_equal(sd_messages_count(a), sd_messages_count(b));
+  for (size_t k = 0; k < sd_messages_count(a); k++)
+    assert_string_equal(sd_messages_text(a, k), sd_messages_text(b, k));
+}
+
+static void same_runs(const run *a, const run *b, const char *what) {
+  same_messages(a->messages, b->messages);
+  assert_int_equal(a->status, b->status);
+  assert_non_null(a->end);
+  assert_non_null(b->end);
+  same_states(a->end, b->end, what);
+  assert_memory_equal(&a->energy, &b->energy, sizeof a->energy);
+}
+
+static void test_same_bits(void **unused) {
+  (void)unused;
+  static const int size[] = {2, 3, 7};
+  for (size_t d = 0; d < sizeof DECKS / sizeof *DECKS; d++) {
+    run alone = {.deck = DECKS[d].text, .steps = 1000, .threads = 1};
+    go(&alone, 1);
+    for (size_t k = 0; k < sizeof size / sizeof *size; k++) {
+      char what[100];
+      snprintf(what, sizeof what, "%s, %d ranks", DECKS[d].name, size[k]);
+      run shared = {.deck = DECKS[d].text, .steps = 170 * size[k], .threads = 1 + (size[k] == 3)};
+      go(&shared, size[k]);
+      same_runs(&alone, &shared, what);
+      end(&shared);
+    }
+    end(&alone);
+  }
+}
+
+static void tell(const char *why) { fprintf(stderr, "a rank fails: %s\n", why); }
+
+int main(void) {
+  comm_on_fail(tell);
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_same_bits)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
