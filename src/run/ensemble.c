@@ -31,12 +31,11 @@ bool ensemble_takes(const sd_model *model) { return lanes_suit(model); }
 bool ensemble_alike(const sd_model *a, const sd_model *b) { return lanes_alike(a, b); }
 size_t ensemble_in_lanes(const ensemble *e) { return e->in_lanes; }
 
-sd_status ensemble_new(size_t n, sd_simulation *const *members, ensemble **out, sd_messages *messages) {
-  (void)messages;
-  *out = memory_new(1, sizeof **out);
-  (*out)->n = n;
-  (*out)->members = memory_copy(members, n * sizeof(sd_simulation *));
-  return SD_OK;
+ensemble *ensemble_new(size_t n, sd_simulation *const *members) {
+  ensemble *e = memory_new(1, sizeof *e);
+  e->n = n;
+  e->members = memory_copy(members, n * sizeof(sd_simulation *));
+  return e;
 }
 
 void ensemble_free(ensemble *e) {

@@ -44,13 +44,11 @@ static sd_status put_summary(h5_file *file, sd_simulation *sim, const sd_state *
   const sd_energy energy = energy_of(&sim->engine);
   summary found = {0};
   provenance origin = {0};
-  sd_status status = provenance_new(&origin, model, messages);
-  if (status == SD_OK)
-    status = provenance_refresh(&origin, 1, engine_threads(&sim->engine), engine_kernels(&sim->engine)->name,
-                                messages);
-  if (status == SD_OK) status = summary_collect(&found, model, state, NULL, NULL, &energy, NAN, messages);
-  if (status == SD_OK)
-    status = summary_disks_collect(&found.packing, model, state, engine_threads(&sim->engine), messages);
+  provenance_new(&origin, model);
+  provenance_refresh(&origin, 1, engine_threads(&sim->engine), engine_kernels(&sim->engine)->name);
+  summary_collect(&found, model, state, NULL, NULL, &energy, NAN);
+  const sd_status status =
+      summary_disks_collect(&found.packing, model, state, engine_threads(&sim->engine), messages);
   if (status == SD_OK) {
     provenance_write(&origin, file);
     summary_write(&found, file);
@@ -137,8 +135,8 @@ static sd_status get_image(const h5_file *file, sd_model **out, sd_messages *mes
 
 static sd_status get_deck(const h5_file *file, sd_model **out, sd_messages *messages) {
   provenance origin;
-  sd_status status = provenance_read(&origin, file, messages);
-  if (status == SD_OK) status = simulation_model_of(&origin, out, messages);
+  provenance_read(&origin, file);
+  sd_status status = simulation_model_of(&origin, out, messages);
   if (status == SD_OK && origin.inputs != 0 && origin.inputs != provenance_inputs(*out))
     status =
         sd_fail(messages, SD_ERROR_USER, "the files that the deck reads have changed since the run began");

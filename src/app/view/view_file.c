@@ -60,9 +60,9 @@ static sd_status note_first(job *j, sd_messages *messages) {
 }
 
 static sd_status describe(job *j, sd_messages *messages) {
-  provenance origin = {0};
-  sd_status status = provenance_read(&origin, j->f.base, messages);
-  if (status == SD_OK) status = summary_read(&j->found, j->f.base, messages);
+  provenance origin;
+  provenance_read(&origin, j->f.base);
+  sd_status status = summary_read(&j->found, j->f.base, messages);
   if (status == SD_OK) status = summary_disks_read_all(&j->found.packing, j->f.base, messages);
   if (status == SD_OK)
     status = checkpoint_complete(j->f.base, j->f.path, j->f.constants, &j->found.packing, messages);
