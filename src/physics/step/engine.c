@@ -305,9 +305,8 @@ sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
     w->slot[e->state->n_bodies + k] = (uint32_t)e->state->n_bodies + k;
   if (clumps_new(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the clumps");
   if (body_forces_new(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the fields");
-  sd_status status = motion_new(e, messages);
-  if (status == SD_OK && motion_resume(e) != SD_OK)
-    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  const sd_status status = motion_new(e, messages);
+  if (status == SD_OK) motion_resume(e);
   return status;
 }
 
@@ -351,7 +350,7 @@ sd_status engine_make_lists(engine *e, sd_messages *messages) {
   cell_attach(e);
   cell_pose(e, e->state->step);
   bodies_fill_constants(e);
-  if (motion_resume(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  motion_resume(e);
   return build_lists(e, messages);
 }
 
