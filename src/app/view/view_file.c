@@ -84,7 +84,8 @@ static sd_status write_frames(job *j, view_page *page, sd_messages *messages) {
     status = read_wanted(j, k, &frame, messages);
     if (app_stop) status = SD_INTERRUPTED;
     if (status == SD_OK) {
-      view_frame(&c, j->f.constants, &frame, j->first, true);
+      view_turns(&frame, j->f.constants, j->first);
+      view_frame(&c, j->f.constants, &frame, true);
       status = view_page_add(page, "frame", &c, messages);
     }
     frame_data_free(&frame);
