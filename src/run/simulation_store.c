@@ -26,15 +26,11 @@ static void put_image(h5_file *file, const sd_model *model) {
   size_t size = 0;
   void *bytes = image_of_model(model, &size);
   const size_t n = (size + 3) / 4;
-  uint32_t *words = NULL;
-  if (bytes) memory_rows(1, (memory_column[]){{&words, n, sizeof *words}});
-  if (h5_have(file, words, IMAGE)) {
-    memcpy(words, bytes, size);
-    h5_put(file, IMAGE, SD_U32, 1, &n, words, true);
+  if (h5_have(file, bytes, IMAGE)) {
+    h5_put(file, IMAGE, SD_U32, 1, &n, bytes, true);
     h5_attr_i64(file, IMAGE, "bytes", (int64_t)size);
     h5_attr_text(file, IMAGE, "description", "the model, for this version of the library");
   }
-  free(words);
   free(bytes);
 }
 

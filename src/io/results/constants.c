@@ -448,7 +448,7 @@ sd_status constants_read(const h5_file *file, const char *path, sd_model **out, 
   *out = NULL;
   if (!h5_exists(file, MODEL "/laws")) return read_deck(file, path, out, messages);
   sd_model *m = sd_model_new();
-  sd_status status = m ? read_file(file, m, messages) : sd_fail(messages, SD_ERROR_IO, "no memory");
+  const sd_status status = read_file(file, m, messages);
   if (status == SD_OK)
     *out = m;
   else
