@@ -59,7 +59,7 @@ typedef struct sweep_result {
   size_t n_differences; /* of another deck */
   sweep_difference *differences;
 } sweep_result;
-/* What cannot be read is a state of the point. */
+/* A result that cannot be read is a state of the point. */
 void sweep_look(const sweep *s, size_t point, sweep_result *result);
 void sweep_result_free(sweep_result *result);
 /* The status only, without reading results: whatever result is there counts as done. */
