@@ -77,7 +77,7 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_m
   if (status == SD_OK && means == MEANS_ALL)
     status = summary_disks_read_all(&f->found.packing, file, messages);
   if (status == SD_OK && means == MEANS_ALL) complete_means(f, file, messages);
-  if (status == SD_OK) status = provenance_read(&f->origin, file, messages);
+  if (status == SD_OK) provenance_read(&f->origin, file);
   if (status == SD_OK) status = h5_visit(file, add_dataset, f->datasets, messages);
   if (status == SD_OK) {
     f->parts = f->finished ? -1 : checkpoint_get_parts(file);

@@ -44,7 +44,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   }
   if (status == SD_OK) status = place_open_checkpoint(&p, &file, &checkpoint, messages);
   if (status == SD_OK) status = checkpoint_check_format(file, checkpoint, messages);
-  if (status == SD_OK) status = provenance_read(&origin, file, messages);
+  if (status == SD_OK) provenance_read(&origin, file);
   h5_close(file, NULL);
   if (status == SD_OK && comm_rank(comm_world()) == 0)
     status = simulation_model_of(&origin, &model, messages);

@@ -7,10 +7,7 @@
 
 #include "base/memory.h"
 
-sd_status runs_new(runs *r, size_t n) {
-  *r = (runs){.heap = memory_new(n, sizeof *r->heap)};
-  return SD_OK;
-}
+void runs_new(runs *r, size_t n) { *r = (runs){.heap = memory_new(n, sizeof *r->heap)}; }
 
 void runs_free(runs *r) {
   free(r->heap);

@@ -9,8 +9,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "slipdisk/status.h"
-
 typedef struct runs_head {
   int64_t key;
   size_t run;
@@ -21,8 +19,8 @@ typedef struct runs {
   size_t n; /* runs that have not ended */
 } runs;
 
-/* Makes room for n runs. It never fails. */
-sd_status runs_new(runs *r, size_t n);
+/* Makes room for n runs. */
+void runs_new(runs *r, size_t n);
 void runs_free(runs *r);
 void runs_add(runs *r, size_t run, int64_t key);
 /* The run with the least key; of equal ones the lowest run. */

@@ -485,7 +485,7 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
                    frame->n_disks, frame->n_bodies - frame->n_disks, constants->n_disks, constants->n_walls);
   uint32_t *renumbered = NULL;
   sd_model *m = c->model = sd_model_new();
-  sd_status status = m ? new_bodies(c, frame, &renumbered) : SD_ERROR_IO;
+  sd_status status = new_bodies(c, frame, &renumbered);
   if (status == SD_OK) {
     fill_constants(c, constants, frame);
     fill_bodies(c, constants, frame, renumbered);

@@ -33,9 +33,12 @@ static size_t grid_cell(const grid *g, const double at[2]) {
   return cell[1] * g->cells[0] + cell[0];
 }
 
-static sd_status grid_fill(grid *g, double reach) {
+/* Along a side, for n disks: a few of them each. */
+static size_t most_cells(size_t n) { return (size_t)(2.0 * sqrt((double)n)) + 1; }
+
+static void grid_fill(grid *g, double reach) {
   for (int k = 0; k < 2; k++) {
-    double most = 2.0 * sqrt((double)g->n) + 1.0;
+    const double most = (double)most_cells(g->n);
     g->cells[k] = (size_t)fmax(fmin(floor(g->width[k] / reach), most), 1.0);
     if (g->wraps[k] && g->cells[k] < 3) g->cells[k] = 1; /* else a cell is its neighbour twice */
     g->inverse[k] = g->wraps[k] ? 1.0 / g->width[k] : 0.0;
@@ -43,7 +46,6 @@ static sd_status grid_fill(grid *g, double reach) {
   }
   if (g->offset != 0.0 && g->cells[1] == 1) g->cells[0] = 1;
   size_t cells = g->cells[0] * g->cells[1];
-  if (!memory_rows(1, &(memory_column){&g->start, cells + 2, sizeof *g->start})) return SD_ERROR_IO;
   for (size_t i = 0; i < g->n; i++) g->start[grid_cell(g, g->at[i]) + 2]++;
   for (size_t c = 0; c < cells; c++) g->start[c + 2] += g->start[c + 1];
   for (size_t i = 0; i < g->n; i++) {
@@ -51,7 +53,6 @@ static sd_status grid_fill(grid *g, double reach) {
     g->x[k] = g->at[i][0];
     g->y[k] = g->at[i][1];
   }
-  return SD_OK;
 }
 
 static void grid_free(grid *g) {
@@ -189,9 +190,11 @@ static void count_pairs(const grid *g, gsl_histogram *h, double reach) {
 static sd_status fill_window(grid *g, const configuration *c, const region *r) {
   const sd_model *m = c->model;
   double upper[2], low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+  const size_t most = most_cells(m->n_disks);
   const memory_column rows[] = {{&g->at, m->n_disks, sizeof *g->at},
                                 {&g->x, m->n_disks, sizeof *g->x},
-                                {&g->y, m->n_disks, sizeof *g->y}};
+                                {&g->y, m->n_disks, sizeof *g->y},
+                                {&g->start, most * most + 2, sizeof *g->start}};
   if (!memory_rows(sizeof rows / sizeof *rows, rows)) return SD_ERROR_IO;
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
@@ -226,18 +229,16 @@ static sd_status correlate(correlation *t, const configuration *c, const region 
     double area = g.width[0] * g.width[1], n = (double)g.n;
     t->density = n / area;
     t->pairs = histogram_new(bins, t->reach);
-    status = grid_fill(&g, t->reach);
-    if (status == SD_OK) count_pairs(&g, t->pairs, t->reach);
-    for (size_t k = 0; status == SD_OK && k < bins; k++) {
+    grid_fill(&g, t->reach);
+    count_pairs(&g, t->pairs, t->reach);
+    for (size_t k = 0; k < bins; k++) {
       double low, high;
       gsl_histogram_get_range(t->pairs, k, &low, &high);
       t->pairs->bin[k] /= n * (n - 1.0) / (area * area) * M_PI * (high * high - low * low);
     }
-    if (status == SD_OK) {
-      size_t top = gsl_histogram_max_bin(t->pairs);
-      t->peak = gsl_histogram_get(t->pairs, top);
-      t->peak_r = 0.5 * (t->pairs->range[top] + t->pairs->range[top + 1]);
-    }
+    size_t top = gsl_histogram_max_bin(t->pairs);
+    t->peak = gsl_histogram_get(t->pairs, top);
+    t->peak_r = 0.5 * (t->pairs->range[top] + t->pairs->range[top + 1]);
   }
   grid_free(&g);
   return status;

@@ -33,15 +33,28 @@ static exact_sum *disks_of(const resultants *r, const sd_model *m) {
   return groups_of(r, m) + ROW * m->n_groups;
 }
 
+struct resultant_disk {
+  uint32_t disk;
+  size_t row;
+};
+
+static int by_disk(const void *one, const void *two) {
+  const struct resultant_disk *p = one, *q = two;
+  if (p->disk != q->disk) return p->disk < q->disk ? -1 : 1;
+  return p->row < q->row ? -1 : p->row > q->row;
+}
+
 sd_status resultants_new(resultants *r, const sd_model *m, sd_messages *messages) {
   *r = (resultants){.n_sums = WHOLE + ROW * (m->n_walls + m->n_groups + m->n_contact_disks)};
   r->wall = memory_new(m->n_walls, sizeof *r->wall);
   r->group = memory_new(m->n_groups, sizeof *r->group);
   r->disk = memory_new(m->n_contact_disks, sizeof *r->disk);
   r->sums = memory_new(r->n_sums, sizeof *r->sums);
-  if (!memory_rows(1, &(memory_column){&r->chosen, m->n_disks, sizeof *r->chosen}))
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the series");
-  for (size_t k = 0; k < m->n_contact_disks; k++) r->chosen[m->contact_disks[k]] = (uint32_t)k + 1;
+  r->chosen = memory_new(m->n_contact_disks, sizeof *r->chosen);
+  for (size_t k = 0; k < m->n_contact_disks; k++)
+    r->chosen[k] = (struct resultant_disk){m->contact_disks[k], k};
+  qsort(r->chosen, m->n_contact_disks, sizeof *r->chosen, by_disk);
+  (void)messages;
   return SD_OK;
 }
 
@@ -79,7 +92,15 @@ static size_t group_of(const resultants *r, const part *p, uint32_t body) {
 }
 
 static size_t chosen_of(const resultants *r, const part *p, uint32_t body) {
-  return body < p->model->n_disks && r->chosen[body] ? r->chosen[body] - 1 : NONE;
+  size_t after = 0, end = p->model->n_contact_disks;
+  while (after < end) {
+    const size_t middle = after + (end - after) / 2;
+    if (r->chosen[middle].disk <= body)
+      after = middle + 1;
+    else
+      end = middle;
+  }
+  return after > 0 && r->chosen[after - 1].disk == body ? r->chosen[after - 1].row : NONE;
 }
 
 static void add_contacts(const resultants *r, const part *p, exact_sum *rows, owner_of *owner) {

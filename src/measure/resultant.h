@@ -27,12 +27,12 @@ typedef struct resultants {
   resultant *wall, *group, *disk; /* of the model's walls, groups, contact_disks */
   double width, height;           /* of the region, NAN: there is none */
   double stress[4], kinetic[4];   /* as in stress.h */
-  uint32_t *chosen;               /* [n_disks] 1 + place in contact_disks, 0: none */
+  struct resultant_disk *chosen;  /* contact_disks, by their numbers */
   exact_sum *sums;                /* scratch */
   size_t n_sums;
 } resultants;
 
-/* resultants_free also when it fails. */
+/* SD_OK always. */
 sd_status resultants_new(resultants *r, const sd_model *model, sd_messages *messages);
 void resultants_free(resultants *r);
 /* slots[body] in the state. Only what the model asks for is computed. shared: every rank calls, with the part of the state that it

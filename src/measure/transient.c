@@ -28,7 +28,6 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "base/shortage.h"
 #include "measure/error_bar.h"
 #include "measure/sums.h"
 #include "model/state.h"
@@ -131,17 +130,14 @@ transient transient_of(const double *x, size_t n) {
   size_t m = n / batch, last = m / 2, best = 0, start = n - m * batch; /* whole batches up to the end */
   if (m < 4) return transient_none(x, n);
 
-  double few[SD_BINS], *square = few;
-  if (last >= SD_BINS && !memory_rows(1, &(memory_column){&square, last + 1, sizeof *square})) {
-    shortage_note();
-    return (transient){.inside = false, .rest = {.error = NAN, .correlation = NAN}};
-  }
+  /* some for the fewest batches, some for the root of n: small */
+  double *square = memory_new(last + 1, sizeof *square);
   naive(x + start, batch, m, last, square);
   double whole = square[0], goal = enough * enough * whole;
   for (size_t d = 1; d <= last && square[best] > goal; d++)
     if (square[d] < square[best]) best = d;
   bool quiet = square[best] <= quiet_at * quiet_at * whole;
-  if (square != few) free(square);
+  free(square);
   transient found = {.length = start + best * batch, .inside = best < last || quiet, .quiet = quiet};
   if (quiet) {
     found.rest = error_bar_of(x + found.length, n - found.length);

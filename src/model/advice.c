@@ -398,7 +398,7 @@ sd_status advice_overlap(const sd_model *m, first_overlap *worst) {
   search s = {.m = m};
   sd_status status = list_pairs(&s);
   if (status == SD_OK) status = overlaps_of_disks(m, note_overlap, &s);
-  if (status == SD_OK) status = overlaps_with_walls(m, note_overlap, &s);
+  if (status == SD_OK) overlaps_with_walls(m, note_overlap, &s);
   free(s.pairs);
   *worst = s.worst;
   if (status != SD_OK || !(worst->depth > 0)) return status;

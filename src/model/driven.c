@@ -27,19 +27,24 @@ static void free_the_led(sd_model *m) {
   for (size_t i = 0; walls && i < m->n_disks; i++) free_one(m, i);
 }
 
-sd_status model_find_driven(sd_model *m) {
-  unsigned char *held;
-  if (!memory_rows(1, (memory_column[]){{&held, m->n_disks, 1}})) return SD_ERROR_IO;
-  for (size_t i = 0; i < m->n_disks; i++)
-    for (int c = 0; c < 3; c++)
-      if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);
+unsigned char *model_moved(const sd_model *m) {
+  unsigned char *moved;
+  if (!memory_rows(1, (memory_column[]){{&moved, m->n_disks, 1}})) return NULL;
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       uint32_t body = m->motions[k].bodies[b];
-      if (body < m->n_disks) held[body] |= (unsigned char)(1u << m->motions[k].coordinate);
+      if (body < m->n_disks) moved[body] |= (unsigned char)(1u << m->motions[k].coordinate);
     }
+  return moved;
+}
+
+sd_status model_find_driven(sd_model *m) {
+  unsigned char *held = model_moved(m);
+  if (!held) return SD_ERROR_IO;
   m->n_free = 0;
   for (size_t i = 0; i < m->n_disks; i++) {
+    for (int c = 0; c < 3; c++)
+      if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);
     if (held[i] == 7) m->disks[i].driven = true;
     m->n_free += !m->disks[i].driven;
   }

@@ -263,6 +263,7 @@ static void *bytes_of(const sd_model *model, bool of_rank, size_t *size) {
   transfer(&im, m, sizeof *m);
   walk(&im, m);
   *size = im.n;
+  transfer(&im, &(uint32_t){0}, sizeof(uint32_t));
   if (!failed(&im)) return im.bytes;
   free(im.bytes);
   return NULL;

@@ -315,7 +315,7 @@ static double depth_in_wall(const sd_model *m, const wall_tree *t, const double 
   return deepest;
 }
 
-sd_status overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) {
+void overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) {
   for (uint32_t w = 0; w < m->n_walls; w++) {
     wall_tree tree = make_tree(&m->walls[w]);
     for (uint32_t i = 0; i < m->n_disks; i++) {
@@ -328,7 +328,6 @@ sd_status overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *u
     free(tree.low);
     free(tree.high);
   }
-  return SD_OK;
 }
 
 /* --- two bodies ------------------------------------------------------------------------------------------ */

@@ -17,7 +17,7 @@ typedef bool overlap_visitor(void *user, const overlap *found);
 /* Pairs of disks, periodic images included: each once, whatever holds them. SD_ERROR_IO: no memory. */
 sd_status overlaps_of_disks(const sd_model *model, overlap_visitor *visit, void *user);
 /* Free disks in play and walls, without periodic images. */
-sd_status overlaps_with_walls(const sd_model *model, overlap_visitor *visit, void *user);
+void overlaps_with_walls(const sd_model *model, overlap_visitor *visit, void *user);
 
 /* Distance between the surfaces of a disk, moved to x, and another disk or wall, moved by `pose` (x, y, angle: where its
  * centre or pivot is, and how far it has turned); < 0: they overlap. Nearest image of a periodic box. */

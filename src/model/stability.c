@@ -15,6 +15,7 @@
 
 #include "base/memory.h"
 #include "base/shortage.h"
+#include "model/bodies.h"
 #include "model/clumps.h"
 #include "model/field_kinds.h"
 #include "model/laws.h"
@@ -68,24 +69,13 @@ static double longest(const sd_model *m, double w2, double c) {
   return s > 0.0 ? 2.0 / s : HUGE_VAL;
 }
 
-static void note_moved(const sd_model *m, unsigned char *moved) {
-  for (size_t k = 0; k < m->n_motions; k++)
-    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
-      uint32_t body = m->motions[k].bodies[b];
-      if (body < m->n_disks) moved[body] |= (unsigned char)(1u << m->motions[k].coordinate);
-    }
-}
-
 sd_step_limit sd_model_step_limit(const sd_model *m) {
   sd_step_limit limit = {.dt = HUGE_VAL};
   size_t laws = m->n_materials * m->n_materials;
   double *tsuji = memory_new(laws, sizeof *tsuji);
   law_use *use = memory_new(m->n_materials, sizeof *use);
-  unsigned char *moved;
-  if (memory_rows(1, (memory_column[]){{&moved, m->n_disks, 1}}))
-    note_moved(m, moved);
-  else
-    shortage_note();
+  unsigned char *moved = model_moved(m);
+  if (!moved) shortage_note();
   laws_count_uses(m, use);
   for (size_t k = 0; k < laws; k++) tsuji[k] = law_tsuji(&m->laws[k]);
   for (uint32_t i = 0; i < m->n_disks; i++)

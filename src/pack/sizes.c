@@ -108,15 +108,14 @@ static void draw_list(const sizes *s, size_t n, double *radius) {
   free(order);
 }
 
-sd_status sizes_draw(const sizes *s, gsl_rng *rng, size_t n, double *radius) {
+void sizes_draw(const sizes *s, gsl_rng *rng, size_t n, double *radius) {
   if (s->kind == SD_SIZES_LIST) {
     draw_list(s, n, radius);
     if (n > 1) gsl_ran_shuffle(rng, radius, n, sizeof *radius);
-    return SD_OK;
+    return;
   }
   for (size_t k = 0; k < n; k++)
     radius[k] = s->kind == SD_SIZES_MONO ? s->radius : sizes_quantile(s, gsl_rng_uniform(rng));
-  return SD_OK;
 }
 
 gsl_rng *sizes_random(uint64_t seed, size_t packing) {

@@ -27,8 +27,8 @@ double sizes_kept(const sizes *s);
 /* Mean of pi R^2. */
 double sizes_mean_area(const sizes *s);
 /* Writes n radii. Of a list each radius comes as often as its weight says, to within one disk (largest
- * remainders), in random order. It never fails. */
-sd_status sizes_draw(const sizes *s, gsl_rng *rng, size_t n, double *radius);
+ * remainders), in random order. */
+void sizes_draw(const sizes *s, gsl_rng *rng, size_t n, double *radius);
 
 /* A generator of random numbers, for packing number `packing` of a deck with this seed. It is never
  * NULL. */

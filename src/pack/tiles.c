@@ -45,12 +45,12 @@ static sd_status fill_slab(const sd_model *m, size_t tile, gsl_rng *rng, const t
 }
 
 /* Of rain: the first row is `spacing` above the lower edge. */
-static sd_status make_waiting(const sd_tiles *t, size_t tile, gsl_rng *rng, const tiles_fill *how, size_t n,
-                              double *radius, double (*position)[2], size_t *placed) {
+static void make_waiting(const sd_tiles *t, size_t tile, gsl_rng *rng, const tiles_fill *how, size_t n,
+                         double *radius, double (*position)[2], size_t *placed) {
   place_waiting(t->lower[0], t->upper[0], t->lower[1] + t->spacing, t->spacing, model_tile_begin(t, tile), n,
                 position);
   *placed = n;
-  return sizes_draw(how->sizes, rng, n, radius);
+  sizes_draw(how->sizes, rng, n, radius);
 }
 
 static sd_status make_disks(const sd_model *m, size_t tile, size_t n, double *radius, double (*position)[2],
@@ -68,9 +68,11 @@ static sd_status make_disks(const sd_model *m, size_t tile, size_t n, double *ra
   const tiles_fill how = {t->kind, &drawn, t->spacing, t->jitter};
   gsl_rng *rng = sizes_random(m->seed, stream_of(t, tile));
   *placed = 0;
-  const sd_status status = t->kind == SD_PACKING_RAIN
-                               ? make_waiting(t, tile, rng, &how, n, radius, position, placed)
-                               : fill_slab(m, tile, rng, &how, n, radius, position, placed);
+  sd_status status = SD_OK;
+  if (t->kind == SD_PACKING_RAIN)
+    make_waiting(t, tile, rng, &how, n, radius, position, placed);
+  else
+    status = fill_slab(m, tile, rng, &how, n, radius, position, placed);
   gsl_rng_free(rng);
   return status;
 }

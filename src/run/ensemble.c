@@ -32,12 +32,11 @@ bool ensemble_takes(const sd_model *model) { return lanes_suit(model); }
 bool ensemble_alike(const sd_model *a, const sd_model *b) { return lanes_alike(a, b); }
 size_t ensemble_in_lanes(const ensemble *e) { return e->in_lanes; }
 
-sd_status ensemble_new(size_t n, sd_simulation *const *members, ensemble **out, sd_messages *messages) {
-  (void)messages;
-  *out = memory_new(1, sizeof **out);
-  (*out)->n = n;
-  (*out)->members = memory_copy(members, n * sizeof(sd_simulation *));
-  return SD_OK;
+ensemble *ensemble_new(size_t n, sd_simulation *const *members) {
+  ensemble *e = memory_new(1, sizeof *e);
+  e->n = n;
+  e->members = memory_copy(members, n * sizeof(sd_simulation *));
+  return e;
 }
 
 void ensemble_free(ensemble *e) {
@@ -79,21 +78,19 @@ static lanes *lanes_for(ensemble *e, size_t n, engine *const *systems) {
   lanes_free(e->lanes);
   e->n_together = n;
   memcpy(e->together, systems, n * sizeof(engine *));
-  return lanes_new(false, n, systems, &e->lanes) == SD_OK ? e->lanes : NULL;
+  lanes_new(false, n, systems, &e->lanes);
+  return e->lanes;
 }
 
-/* Takes the steps; false: there is no memory for the lanes. */
-static bool go_together(ensemble *e, size_t n, engine *const *systems, int64_t steps) {
+static void go_together(ensemble *e, size_t n, engine *const *systems, int64_t steps) {
   const sd_state *s = systems[0]->state;
   bool measure = systems[0]->model->phases[s->phase].measure;
   lanes *l = lanes_for(e, n, systems);
-  if (!l) return false;
   for (size_t k = 0; k < n; k++) motion_store(systems[k]); /* who was alone until now */
   unsigned mode = subnormal_off();
   lanes_loop(l, steps, measure);
   subnormal_restore(mode);
   if (n > e->in_lanes) e->in_lanes = n;
-  return true;
 }
 
 /* Advances the first that is left with whoever can go along, up to the next pause; returns their pauses' results. */
@@ -107,12 +104,13 @@ static void advance_some(ensemble *e, share *shares, size_t first, sd_status *st
     systems[k] = shares[who[k]].engine;
     from[k] = systems[k]->state->step;
   }
-  if (n < 2 || !go_together(e, n, systems, steps)) {
+  if (n < 2) {
     share *alone = &shares[first];
     status[first] = sd_simulation_advance(e->members[first], alone->left, messages[first]);
     alone->engine = NULL;
     return;
   }
+  go_together(e, n, systems, steps);
   for (size_t k = 0; k < n; k++) {
     share *s = &shares[who[k]];
     assert(systems[k]->state->step - from[k] <= s->left);

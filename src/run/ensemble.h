@@ -20,8 +20,8 @@ bool ensemble_alike(const sd_model *a, const sd_model *b);
 
 /* Members stay the caller's, and must outlive the ensemble. They need not stand at the same step,
  * nor be alike: what does not fit together is advanced one by one. Simulations of one thread
- * only. SD_OK always. */
-sd_status ensemble_new(size_t n, sd_simulation *const *members, ensemble **out, sd_messages *messages);
+ * only. */
+ensemble *ensemble_new(size_t n, sd_simulation *const *members);
 void ensemble_free(ensemble *e);
 
 /* Advances every member by n steps, as sd_simulation_advance would; each has its own status and messages. One that

@@ -128,12 +128,8 @@ sd_status route_columns(route *r, const route_column *column, size_t n, const ui
 sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {
   const size_t ranks = (size_t)comm_size(r->comm);
   size_t *at = memory_new(2 * ranks, sizeof *at), *end = at + ranks, begin = 0;
-  runs heads = {0};
-  if (runs_new(&heads, ranks) != SD_OK) {
-    free(at);
-    comm_fail(r->comm, "no memory"); /* the others wait */
-    return SD_ERROR_IO;
-  }
+  runs heads;
+  runs_new(&heads, ranks);
   for (size_t q = 0; q < ranks; begin = end[q++]) {
     at[q] = begin;
     end[q] = begin + (size_t)r->from[q];

@@ -135,11 +135,10 @@ static sd_status describe(session *s, const sd_state *state, const summary_conta
   double per_step = state->step > 0 ? 1e9 * s->origin.step_seconds / (double)state->step : NAN;
   summary_free(&s->found);
   s->has_found = false;
-  sd_status status = summary_collect(&s->found, s->model, state, contacts, lost, &energy, per_step, messages);
-  if (status == SD_OK && state->n_means < SUMMARY_LATER) status = collect_disks(s, state, messages);
-  if (status == SD_OK)
-    status = provenance_refresh(&s->origin, comm_size(s->options.comm), sd_simulation_threads(s->simulation),
-                                sd_simulation_path(s->simulation), messages);
+  summary_collect(&s->found, s->model, state, contacts, lost, &energy, per_step);
+  const sd_status status = state->n_means < SUMMARY_LATER ? collect_disks(s, state, messages) : SD_OK;
+  provenance_refresh(&s->origin, comm_size(s->options.comm), sd_simulation_threads(s->simulation),
+                     sd_simulation_path(s->simulation));
   s->has_found = status == SD_OK;
   return status;
 }

@@ -120,7 +120,7 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
   h5_file *file = NULL;
   sd_status status = h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages);
   if (status == SD_OK) status = checkpoint_check_format(file, path, messages);
-  if (status == SD_OK) status = provenance_read(&s->origin, file, messages);
+  if (status == SD_OK) provenance_read(&s->origin, file);
   s->was_finished = status == SD_OK && strcmp(finished, s->origin.run_id) == 0;
   if (status == SD_OK && !s->was_finished) status = read_checkpoint(s, file, path, state, messages);
   if (status == SD_OK && shortage_seen())
@@ -195,8 +195,8 @@ static void warn_of_ranks(const session *s, sd_messages *messages) {
 static sd_status begin_fresh(session *s, const char *there, sd_messages *messages) {
   s->fresh = true;
   s->replaces = memory_text(there);
+  provenance_new(&s->origin, s->model);
   sd_status status = folder_empty(&s->parts_folder, messages);
-  if (status == SD_OK) status = provenance_new(&s->origin, s->model, messages);
   if (status == SD_OK)
     status = simulation_new(s->model, s->options.threads, SIMULATION_SUITABLE, s->options.comm,
                             s->options.stop, &s->simulation, messages);

@@ -57,7 +57,7 @@ static void leave(group *g, size_t member, sd_status status) {
 }
 
 static void put_in_lanes(group *g) {
-  if (g->n > 1) ensemble_new(g->n, g->simulations, &g->lanes, NULL);
+  if (g->n > 1) g->lanes = ensemble_new(g->n, g->simulations);
 }
 
 /* Lets those go who have come to their ends. */

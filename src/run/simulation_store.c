@@ -26,15 +26,11 @@ static void put_image(h5_file *file, const sd_model *model) {
   size_t size = 0;
   void *bytes = image_of_model(model, &size);
   const size_t n = (size + 3) / 4;
-  uint32_t *words = NULL;
-  if (bytes) memory_rows(1, (memory_column[]){{&words, n, sizeof *words}});
-  if (h5_have(file, words, IMAGE)) {
-    memcpy(words, bytes, size);
-    h5_put(file, IMAGE, SD_U32, 1, &n, words, true);
+  if (h5_have(file, bytes, IMAGE)) {
+    h5_put(file, IMAGE, SD_U32, 1, &n, bytes, true);
     h5_attr_i64(file, IMAGE, "bytes", (int64_t)size);
     h5_attr_text(file, IMAGE, "description", "the model, for this version of the library");
   }
-  free(words);
   free(bytes);
 }
 
@@ -44,13 +40,11 @@ static sd_status put_summary(h5_file *file, sd_simulation *sim, const sd_state *
   const sd_energy energy = energy_of(&sim->engine);
   summary found = {0};
   provenance origin = {0};
-  sd_status status = provenance_new(&origin, model, messages);
-  if (status == SD_OK)
-    status = provenance_refresh(&origin, 1, engine_threads(&sim->engine), engine_kernels(&sim->engine)->name,
-                                messages);
-  if (status == SD_OK) status = summary_collect(&found, model, state, NULL, NULL, &energy, NAN, messages);
-  if (status == SD_OK)
-    status = summary_disks_collect(&found.packing, model, state, engine_threads(&sim->engine), messages);
+  provenance_new(&origin, model);
+  provenance_refresh(&origin, 1, engine_threads(&sim->engine), engine_kernels(&sim->engine)->name);
+  summary_collect(&found, model, state, NULL, NULL, &energy, NAN);
+  const sd_status status =
+      summary_disks_collect(&found.packing, model, state, engine_threads(&sim->engine), messages);
   if (status == SD_OK) {
     provenance_write(&origin, file);
     summary_write(&found, file);
@@ -137,8 +131,8 @@ static sd_status get_image(const h5_file *file, sd_model **out, sd_messages *mes
 
 static sd_status get_deck(const h5_file *file, sd_model **out, sd_messages *messages) {
   provenance origin;
-  sd_status status = provenance_read(&origin, file, messages);
-  if (status == SD_OK) status = simulation_model_of(&origin, out, messages);
+  provenance_read(&origin, file);
+  sd_status status = simulation_model_of(&origin, out, messages);
   if (status == SD_OK && origin.inputs != 0 && origin.inputs != provenance_inputs(*out))
     status =
         sd_fail(messages, SD_ERROR_USER, "the files that the deck reads have changed since the run began");

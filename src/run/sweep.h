@@ -59,8 +59,8 @@ typedef struct sweep_result {
   size_t n_differences; /* of another deck */
   sweep_difference *differences;
 } sweep_result;
-/* SD_OK always: what cannot be read is a state of the point. */
-sd_status sweep_look(const sweep *s, size_t point, sweep_result *result, sd_messages *messages);
+/* A result that cannot be read is a state of the point. */
+void sweep_look(const sweep *s, size_t point, sweep_result *result);
 void sweep_result_free(sweep_result *result);
 /* The status only, without reading results: whatever result is there counts as done. */
 sweep_status sweep_peek(const sweep *s, size_t point);
@@ -90,8 +90,7 @@ typedef struct sweep_contents {
   size_t results, parts, failures; /* of points that this sweep does not have: .h5, .h5.parts, .failed */
   char *example;                   /* name of such a point; NULL: there are none */
 } sweep_contents;
-/* SD_OK always. */
-sd_status sweep_list(const sweep *s, sweep_contents *out, sd_messages *messages);
+void sweep_list(const sweep *s, sweep_contents *out);
 /* "FOLDER has 9 results and 1 unfinished run of points that this sweep does not have, such as tilt=0", to be freed; NULL:
  * it has not. */
 char *sweep_strangers_text(const sweep *s, const sweep_contents *c);
@@ -133,8 +132,7 @@ void sweep_note(const sweep *s, size_t point, const char *text);
 void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messages);
 
 /* Which patterns of `collect` are columns of the table, when a point with this model is done; true ones stay. */
-sd_status sweep_columns(const sweep *s, size_t point, const sd_model *model, bool *collected,
-                        sd_messages *messages);
+void sweep_columns(const sweep *s, size_t point, const sd_model *model, bool *collected);
 /* Writes table.csv, table.h5 and means.csv from what the folder knows: sweep_table.c. One process does so at a time:
  * waits for another for so many seconds at most, after which it is SD_ERROR_USER. mix: also when there are points of
  * another deck, which else is SD_ERROR_USER, too. */

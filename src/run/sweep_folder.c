@@ -44,8 +44,7 @@ static void sort_in(sweep_contents *c, char *name, const named *names, size_t n)
   if (!c->example) c->example = memory_text(name);
 }
 
-sd_status sweep_list(const sweep *s, sweep_contents *out, sd_messages *messages) {
-  (void)messages;
+void sweep_list(const sweep *s, sweep_contents *out) {
   size_t n = s->deck.n_points;
   char *path = format_text("%s/points", s->folder);
   named *names = memory_new(n, sizeof *names);
@@ -57,7 +56,6 @@ sd_status sweep_list(const sweep *s, sweep_contents *out, sd_messages *messages)
   if (folder) closedir(folder);
   free(names);
   free(path);
-  return SD_OK;
 }
 
 void sweep_contents_free(sweep_contents *c) {

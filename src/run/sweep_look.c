@@ -100,7 +100,7 @@ static void look_at_result(const sweep *s, size_t point, sweep_result *r) {
   sd_messages *mine = sd_messages_new();
   sd_status status = h5_open(path, &file, mine);
   if (status == SD_OK) status = checkpoint_check_origin(file, path, mine);
-  if (status == SD_OK) status = provenance_read(&origin, file, mine);
+  if (status == SD_OK) provenance_read(&origin, file);
   if (status == SD_OK) status = summary_read(&r->found, file, mine);
   if (status != SD_OK) {
     r->status = SWEEP_DAMAGED;
@@ -128,8 +128,10 @@ static void look_at_checkpoint(const sweep *s, size_t point, sweep_result *r) {
   if (path && h5_open_sealed(-1, path, &file, NULL, NULL) == SD_OK) {
     provenance origin = {0};
     r->has_found = summary_read(&r->found, file, NULL) == SD_OK;
-    if (r->status != SWEEP_RUNNING && provenance_read(&origin, file, NULL) == SD_OK)
+    if (r->status != SWEEP_RUNNING) {
+      provenance_read(&origin, file);
       compare_decks(s, point, &origin, false, r);
+    }
     provenance_free(&origin);
   }
   h5_close(file, NULL);
@@ -155,15 +157,13 @@ static char *read_failure(const sweep *s, size_t point) {
   return text_clean(text);
 }
 
-sd_status sweep_look(const sweep *s, size_t point, sweep_result *r, sd_messages *messages) {
-  (void)messages;
+void sweep_look(const sweep *s, size_t point, sweep_result *r) {
   *r = (sweep_result){.status = sweep_peek(s, point)};
   if (r->status == SWEEP_DONE) look_at_result(s, point, r);
   if (r->status == SWEEP_RUNNING || r->status == SWEEP_STOPPED || r->status == SWEEP_FAILED)
     look_at_checkpoint(s, point, r);
   if (r->status == SWEEP_FAILED) r->message = read_failure(s, point);
   if (!r->message) r->message = memory_text("");
-  return SD_OK;
 }
 
 void sweep_result_free(sweep_result *r) {

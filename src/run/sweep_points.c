@@ -33,7 +33,7 @@ static void tell_progress(void *user, const session_progress *p) {
 static sd_status leave_finished(const sweep *s, size_t point, sweep_status *status, sd_messages *messages) {
   sweep_result r;
   sd_status looked = SD_OK;
-  sweep_look(s, point, &r, messages);
+  sweep_look(s, point, &r);
   *status = r.status;
   if (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED)
     looked = sd_fail(messages, SD_ERROR_USER,

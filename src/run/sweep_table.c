@@ -83,23 +83,19 @@ static void put_result(result_table *t, size_t row, const summary *f) {
   put_columns(t, row, "", &outcome_observables, f, 1, 0);
 }
 
-sd_status sweep_columns(const sweep *s, size_t point, const sd_model *model, bool *collected,
-                        sd_messages *messages) {
+void sweep_columns(const sweep *s, size_t point, const sd_model *model, bool *collected) {
   result_table t = {.n_rows = 1};
   sweep_result blank = {.message = (char[]){""}};
-  sd_status status = summary_new(&blank.found, model, messages);
+  summary_new(&blank.found, model);
   blank.found.packing.n = model->measure_disks ? model->n_free : 0;
-  if (status == SD_OK) {
-    put_point(&t, s, 0, point, &blank);
-    put_result(&t, 0, &blank.found);
-  }
+  put_point(&t, s, 0, point, &blank);
+  put_result(&t, 0, &blank.found);
   for (size_t p = 0; p < s->deck.n_collect; p++)
     for (size_t k = 0; k < t.n_columns && !collected[p]; k++)
       collected[p] = fnmatch(s->deck.collect[p], t.columns[k].name, 0) == 0;
   blank.found.packing = (summary_disks){0};
   summary_free(&blank.found);
   result_table_free(&t);
-  return status;
 }
 
 /* --- a row per set ----------------------------------------------------------------------------------------- */
@@ -208,7 +204,7 @@ static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
   if (!memory_rows(1, (memory_column[]){{&results, s->deck.n_points, sizeof *results}}))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the table");
   for (size_t k = 0; k < s->deck.n_points; k++) {
-    sweep_look(s, k, &results[k], messages);
+    sweep_look(s, k, &results[k]);
     put_point(&t, s, k, k, &results[k]);
     if (!mix) sweep_tally_add(&others, &results[k]);
   }

@@ -187,7 +187,7 @@ static void advance(bench_case *c, int64_t steps) {
 
 /* Puts the members [from, from + n) of the case together. */
 static void join(bench_case *c, size_t from, size_t n) {
-  if (ensemble_new(n, c->simulation + from, &c->ensemble, NULL) != SD_OK) give_up("out of memory", NULL);
+  c->ensemble = ensemble_new(n, c->simulation + from);
 }
 
 /* Settled simulations of each system, made when they are first asked for. */

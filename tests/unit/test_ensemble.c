@@ -76,7 +76,7 @@ static size_t same(const variety *v, size_t n, const int64_t *pieces) {
   crowd together = gather(v, n), alone = gather(v, n);
   size_t in_lanes = 0;
   ensemble *e;
-  assert_int_equal(ensemble_new(n, together.simulation, &e, NULL), SD_OK);
+  e = ensemble_new(n, together.simulation);
   int64_t sum = 0;
   for (size_t p = 0; pieces[p]; p++) {
     ensemble_advance(e, pieces[p], together.status, together.messages);

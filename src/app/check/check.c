@@ -176,7 +176,7 @@ static double probe_lanes(const sd_model *m, size_t width) {
     messages[k] = sd_messages_new();
     good = sd_simulation_new(m, 1, &all[k], messages[k]) == SD_OK;
   }
-  good = good && ensemble_new(width, all, &e, NULL) == SD_OK;
+  if (good) e = ensemble_new(width, all);
   double start = clock_seconds(), spent = 0;
   for (int64_t chunk = 16; good && !sd_simulation_finished(all[0]) && spent < probe_seconds;) {
     ensemble_advance(e, chunk, status, messages);

@@ -126,32 +126,29 @@ static void print_counts(const sweep *s, const size_t *count) {
 
 /* list: all points; else how many of each kind, and those of which there is more to tell: not of those that are done without
  * doubts, that are waiting, that are another deck's. */
-static sd_status print_points(const sweep *s, bool list, sd_messages *messages) {
+static void print_points(const sweep *s, bool list) {
   size_t count[SWEEP_STATUSES] = {0}, doubted[DOUBT_KINDS] = {0};
   bool stars = false;
-  sd_status status = SD_OK;
   sweep_tally others = {0};
-  for (size_t k = 0; k < s->deck.n_points && status == SD_OK; k++) {
+  for (size_t k = 0; k < s->deck.n_points; k++) {
     sweep_result r;
-    status = sweep_look(s, k, &r, messages);
+    sweep_look(s, k, &r);
     count[r.status]++;
     sweep_count_doubts(r.doubts, doubted);
     bool plain =
         (r.status == SWEEP_DONE && !r.doubts) || r.status == SWEEP_WAITING || r.status == SWEEP_OTHER;
-    if (status == SD_OK && (list || !plain)) stars = print_point(s, k, &r) || stars;
+    if (list || !plain) stars = print_point(s, k, &r) || stars;
     sweep_tally_add(&others, &r);
     sweep_result_free(&r);
   }
   if (stars) printf("*: the error bar is not reliable yet\n");
-  if (status == SD_OK && !list) print_counts(s, count);
-  if (status == SD_OK) {
-    sweep_show_doubts(stdout, doubted);
-    print_tally(&others);
-    sweep_show_strangers(stdout, s);
-  }
+  if (!list) print_counts(s, count);
+  sweep_show_doubts(stdout, doubted);
+  print_tally(&others);
+  sweep_show_strangers(stdout, s);
   sweep_tally_free(&others);
-  return status;
 }
+
 /* --- one point --------------------------------------------------------------------------------------------- */
 
 typedef struct note {
@@ -169,16 +166,16 @@ static void keep_note(void *user, const sd_messages *messages) {
 static sd_status look_first(const sweep *s, size_t point, bool quiet, bool *done, sd_messages *messages) {
   sweep_result r;
   const char *name = s->deck.points[point].name;
-  sd_status status = sweep_look(s, point, &r, messages);
+  sweep_look(s, point, &r);
   *done = r.status == SWEEP_DONE;
-  bool in_doubt = *done && r.doubts;
-  if (status == SD_OK && *done && !quiet) fprintf(stderr, "point %zu, %s, is done already\n", point, name);
-  if (status == SD_OK && (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED))
+  sd_status status = *done && r.doubts ? SD_DOUBTFUL : SD_OK;
+  if (*done && !quiet) fprintf(stderr, "point %zu, %s, is done already\n", point, name);
+  if (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED)
     status =
         sd_fail(messages, SD_ERROR_USER, "point %zu, %s, is there already: %s: %s; --force runs it again",
                 point, name, sweep_status_names[r.status], r.message);
   sweep_result_free(&r);
-  return status == SD_OK && in_doubt ? SD_DOUBTFUL : status;
+  return status;
 }
 
 static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages) {
@@ -217,11 +214,11 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
 /* --- command ----------------------------------------------------------------------------------------------- */
 
 static sd_status write_table(const sweep *s, bool mix, sd_messages *messages) {
-  sweep_contents there = {0};
+  sweep_contents there;
   if (!file_is_folder(s->folder))
     return sd_fail(messages, SD_ERROR_USER, "there is no folder %s: no point has been run yet", s->folder);
-  sd_status status = sweep_list(s, &there, messages);
-  if (status == SD_OK && !mix) status = sweep_refuse_strangers(s, &there, "no table is written", messages);
+  sweep_list(s, &there);
+  sd_status status = mix ? SD_OK : sweep_refuse_strangers(s, &there, "no table is written", messages);
   if (status == SD_OK) status = sweep_write_tables(s, TABLE_PATIENCE, mix, messages);
   if (status == SD_OK) {
     app_line(stdout, "%s/table.csv, table.h5, means.csv", s->folder);
@@ -239,17 +236,16 @@ static sd_status check_points(const sweep *s, sd_messages *messages) {
 
 /* Without running any. */
 static sd_status tell(const sweep *s, const sweep_command *c, sd_messages *messages) {
-  sd_status status = SD_OK;
+  sd_status status = SD_OK, told = SD_OK;
   if (c->table) return write_table(s, c->mix, messages);
-  if (c->status && c->json) return sweep_print_json(s, messages);
-  if (c->status) return print_points(s, false, messages);
-  if (!c->skip) status = check_points(s, messages);
-  if (c->list) {
-    sd_status listed = c->json ? sweep_print_json(s, messages) : print_points(s, true, messages);
-    return status == SD_OK ? listed : status;
-  }
-  if (status == SD_OK) printf("%zu\n", s->deck.n_points);
-  return status;
+  if (!c->status && !c->skip) status = check_points(s, messages);
+  if ((c->status || c->list) && c->json)
+    told = sweep_print_json(s);
+  else if (c->status || c->list)
+    print_points(s, !c->status);
+  else if (status == SD_OK)
+    printf("%zu\n", s->deck.n_points);
+  return status == SD_OK ? told : status;
 }
 
 static int command(sweep_command *c, const char *where, sd_messages *messages) {

@@ -36,7 +36,7 @@ void sweep_count_doubts(unsigned doubts, size_t count[DOUBT_KINDS]);
 void sweep_show_doubts(FILE *out, const size_t count[DOUBT_KINDS]);
 
 /* All points of the folder, as JSON. */
-sd_status sweep_print_json(const sweep *s, sd_messages *messages);
+sd_status sweep_print_json(const sweep *s);
 
 /* Checks all points before any of them runs: mistakes, and a warning when time steps are too large. steps[n_points]:
  * their lengths (with `until` the longest), 0 for those with mistakes; kinds[n_points]: points of the same kind

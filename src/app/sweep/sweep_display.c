@@ -19,7 +19,8 @@ const char *sweep_finding(const sweep_result *r, char *text, size_t size) {
 
 void sweep_show_strangers(FILE *out, const sweep *s) {
   sweep_contents there;
-  char *text = sweep_list(s, &there, NULL) == SD_OK ? sweep_strangers_text(s, &there) : NULL;
+  sweep_list(s, &there);
+  char *text = sweep_strangers_text(s, &there);
   if (text) fprintf(out, "%s\n", text);
   free(text);
   sweep_contents_free(&there);

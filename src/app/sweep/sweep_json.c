@@ -51,21 +51,21 @@ static json_t *others_json(const sweep_tally *t) {
 
 static json_t *strangers_json(const sweep *s) {
   sweep_contents there;
-  char *text = sweep_list(s, &there, NULL) == SD_OK ? sweep_strangers_text(s, &there) : NULL;
+  sweep_list(s, &there);
+  char *text = sweep_strangers_text(s, &there);
   json_t *value = text ? json_text(text) : json_null();
   free(text);
   sweep_contents_free(&there);
   return value;
 }
 
-sd_status sweep_print_json(const sweep *s, sd_messages *messages) {
+sd_status sweep_print_json(const sweep *s) {
   size_t count[SWEEP_STATUSES] = {0};
   sweep_tally others = {0};
   json_t *points = json_array(), *counts = json_object();
-  sd_status status = SD_OK;
-  for (size_t k = 0; k < s->deck.n_points && status == SD_OK; k++) {
+  for (size_t k = 0; k < s->deck.n_points; k++) {
     sweep_result r;
-    status = sweep_look(s, k, &r, messages);
+    sweep_look(s, k, &r);
     count[r.status]++;
     json_array_append_new(points, point_json(s, k, &r));
     sweep_tally_add(&others, &r);
@@ -76,7 +76,7 @@ sd_status sweep_print_json(const sweep *s, sd_messages *messages) {
   json_t *root =
       json_pack("{s:o, s:o, s:o, s:o, s:o}", "folder", json_text(s->folder), "count", counts, "other_decks",
                 others_json(&others), "strangers", strangers_json(s), "points", points);
-  if (status == SD_OK) status = json_print(root);
+  const sd_status status = json_print(root);
   json_decref(root);
   sweep_tally_free(&others);
   return status;

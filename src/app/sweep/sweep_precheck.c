@@ -71,7 +71,7 @@ static bool visit(void *user, size_t point, sd_model *model) {
   precheck *v = user;
   v->steps[point] = sd_model_steps(model);
   look_at_advice(v, point, model);
-  sweep_columns(v->s, point, model, v->collected, NULL);
+  sweep_columns(v->s, point, model, v->collected);
   return find_kind(v, model, &v->kinds[point]);
 }
 
@@ -133,7 +133,7 @@ static sd_status look_at_sample(const sweep *s, const sweep_contents *there, siz
   for (size_t k = 0; k < s->deck.n_points; k++) {
     if (!there->has[k] || (k >= first && k < end) || met++ % every != 0) continue;
     sweep_result r;
-    sweep_look(s, k, &r, NULL);
+    sweep_look(s, k, &r);
     sweep_tally_add(&others, &r);
     sweep_result_free(&r);
   }
@@ -144,10 +144,10 @@ static sd_status look_at_sample(const sweep *s, const sweep_contents *there, siz
 
 sd_status sweep_guard(const sweep *s, const sweep_command *c, size_t first, size_t end,
                       sd_messages *messages) {
-  sweep_contents there = {0};
+  sweep_contents there;
   if (c->mix) return SD_OK;
-  sd_status status = sweep_list(s, &there, messages);
-  if (status == SD_OK) status = sweep_refuse_strangers(s, &there, "nothing is run", messages);
+  sweep_list(s, &there);
+  sd_status status = sweep_refuse_strangers(s, &there, "nothing is run", messages);
   if (status == SD_OK && !c->force) status = look_at_sample(s, &there, first, end, messages);
   sweep_contents_free(&there);
   return status;

@@ -89,7 +89,7 @@ static size_t find_todo(scheduler *w, size_t *todo, sd_messages *messages) {
   if (sweep_guard(w->s, w->c, w->first, w->end, messages) != SD_OK) return refuse(messages);
   for (size_t k = w->first; k < w->end && !app_stop; k++) {
     sweep_result r = {.status = SWEEP_WAITING};
-    if (!w->c->force) sweep_look(w->s, k, &r, NULL);
+    if (!w->c->force) sweep_look(w->s, k, &r);
     if (r.status == SWEEP_DONE) {
       sweep_remember(w, k, &r);
     } else if (r.status > SWEEP_FAILED) {
@@ -141,7 +141,7 @@ static sweep_status final_status(scheduler *w, size_t k) {
   if ((now == SWEEP_WAITING || now == SWEEP_STOPPED) && seen == SWEEP_FAILED) return SWEEP_FAILED;
   if (now != SWEEP_DONE || seen == SWEEP_DONE) return now;
   sweep_result r;
-  sweep_look(w->s, k, &r, NULL);
+  sweep_look(w->s, k, &r);
   now = r.status;
   w->doubts[k] = (unsigned char)r.doubts;
   sweep_result_free(&r);

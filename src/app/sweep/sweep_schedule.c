@@ -57,7 +57,7 @@ void sweep_remember(scheduler *w, size_t point, const sweep_result *r) {
 void sweep_account(scheduler *w, size_t point, sd_status status, const char *text, const cell *ran,
                    double seconds) {
   sweep_result r;
-  sd_status looked = sweep_look(w->s, point, &r, NULL);
+  sweep_look(w->s, point, &r);
   if ((r.status == SWEEP_WAITING || r.status == SWEEP_STOPPED) && status != SD_INTERRUPTED) {
     /* not even the reason could be kept */
     r.status = SWEEP_FAILED;
@@ -71,7 +71,7 @@ void sweep_account(scheduler *w, size_t point, sd_status status, const char *tex
   sweep_remember(w, point, &r);
   if (r.status == SWEEP_FAILED) sweep_worsen(w, SD_ERROR_NUMERIC);
   if (r.status > SWEEP_FAILED) sweep_worsen(w, SD_ERROR_USER);
-  if (status == SD_ERROR_IO || looked != SD_OK) sweep_worsen(w, SD_ERROR_IO);
+  if (status == SD_ERROR_IO) sweep_worsen(w, SD_ERROR_IO);
   if (r.status == SWEEP_RUNNING)
     w->steps_total -= (double)w->steps[point];
   else

@@ -34,6 +34,7 @@ static void put_frame(live *l, const sd_state *state) {
     live_frame_release(f);
     return;
   }
+  view_turns(&f->data, l->model, NULL);
   live_frame *old = l->frame;
   l->frame = f;
   live_frame_release(old);
@@ -149,11 +150,8 @@ bool live_rows(live *l, int64_t *from, view_chunk *c) {
 
 static sd_status prepare(live *l, const char *source, sd_messages *messages) {
   const sd_model *m = l->model;
-  if (!memory_rows(1, (memory_column[]){{&l->first, m->n_disks, sizeof *l->first}}))
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the page");
   l->meta = view_meta(m, "live", m->title, source);
   view_series_each(m, l->meta, NULL, NULL);
-  for (size_t k = 0; k < m->n_disks; k++) l->first[k] = m->disks[k].position[SD_THETA];
   double from = 0;
   for (size_t k = 0; k < m->n_phases; k++) {
     double to = from + (double)m->phases[k].steps * m->dt;
@@ -197,6 +195,5 @@ void live_close(live *l) {
   record_free(&l->rows);
   pthread_mutex_destroy(&l->lock);
   json_decref(l->meta);
-  free(l->first);
   free(l);
 }

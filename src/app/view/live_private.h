@@ -27,7 +27,6 @@ enum { LIVE_TOKEN = 32 }; /* hexadecimal digits */
 struct live {
   const sd_model *model;
   json_t *meta; /* not changed after live_open, like what is above */
-  double *first;
   char token[LIVE_TOKEN + 1], address[96];
   struct live_server *server;
   struct stranger *oldest, *newest; /* connections that have not shown the key; of the server's thread */

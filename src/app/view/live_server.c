@@ -89,7 +89,7 @@ static answer get_meta(live *l, connection *c) {
 static answer get_static(live *l, connection *c) {
   (void)c;
   view_chunk chunk;
-  view_static(&chunk, l->model, l->first, NULL, false);
+  view_static(&chunk, l->model, NULL, NULL, false);
   return of_chunk(&chunk);
 }
 
@@ -106,7 +106,7 @@ static answer get_frame(live *l, connection *c) {
   atomic_store(&l->wanted, true);
   if (!f) return (answer){.status = MHD_HTTP_NO_CONTENT};
   view_chunk chunk;
-  view_frame(&chunk, l->model, &f->data, l->first, false);
+  view_frame(&chunk, l->model, &f->data, false);
   live_frame_release(f);
   return of_chunk(&chunk);
 }

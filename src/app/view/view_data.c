@@ -145,6 +145,10 @@ static void add_means(view_chunk *c, size_t n, const summary_disks *found, doubl
   view_chunk_add(c, "omega_error", VIEW_REAL, SD_F64, error, n, 1);
 }
 
+static double first_angle(const sd_model *m, const double *first, size_t k) {
+  return first ? first[k] : m->disks[k].position[SD_THETA];
+}
+
 void view_static(view_chunk *c, const sd_model *m, const double *first, const summary_disks *found,
                  bool shuffle) {
   view_chunk_begin(c, shuffle);
@@ -167,7 +171,7 @@ void view_static(view_chunk *c, const sd_model *m, const double *first, const su
       view_chunk_add(c, names[column], VIEW_WHOLE, SD_I32, whole, n, 1);
   }
   /* the mark of a disk stands where it does after whole turns */
-  for (size_t k = 0; k < n; k++) real[k] = remainder(first[k], 2 * M_PI);
+  for (size_t k = 0; k < n; k++) real[k] = remainder(first_angle(m, first, k), 2 * M_PI);
   view_chunk_add(c, "angle", VIEW_REAL, SD_F64, real, n, 1);
   if (found && found->n > 0 && found->disks) add_means(c, n, found, real, error);
   free(real);
@@ -175,14 +179,8 @@ void view_static(view_chunk *c, const sd_model *m, const double *first, const su
   free(whole);
 }
 
-static void add_turned(view_chunk *c, const frame_data *f, const double *first, size_t n) {
-  double *turned = NULL;
-  c->failed |= !memory_resize(1, (memory_column[]){{&turned, n, sizeof *turned}});
-  for (size_t k = 0; turned && k < n; k++) turned[k] = f->angle[k] - first[k];
-  /* a thousandth of a radian can be seen */
-  c->grain = n > VIEW_FEW ? 0x1p-10 : 0;
-  if (turned) view_chunk_add(c, "turned", VIEW_REAL, SD_F64, turned, n, 1);
-  free(turned);
+void view_turns(frame_data *f, const sd_model *m, const double *first) {
+  for (size_t k = 0; k < m->n_disks; k++) f->angle[k] -= first_angle(m, first, k);
 }
 
 static void add_contacts(view_chunk *c, const frame_data *f, view_form form) {
@@ -196,7 +194,7 @@ static void add_contacts(view_chunk *c, const frame_data *f, view_form form) {
   view_chunk_add(c, "contact_sliding", VIEW_WHOLE, SD_I32, f->slide, n, 1);
 }
 
-void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, const double *first, bool shuffle) {
+void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, bool shuffle) {
   view_chunk_begin(c, shuffle);
   json_t *head =
       json_pack("{s:o, s:I, s:o, s:o, s:o, s:o}", "time", json_number(f->time), "step", (json_int_t)f->step,
@@ -208,7 +206,9 @@ void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, const dou
   c->grain = grain(m);
   view_chunk_add(c, "x", VIEW_REAL, SD_F64, &f->position[0][0], n, 2);
   view_chunk_add(c, "y", VIEW_REAL, SD_F64, &f->position[0][1], n, 2);
-  add_turned(c, f, first, n);
+  /* a thousandth of a radian can be seen */
+  c->grain = n > VIEW_FEW ? 0x1p-10 : 0;
+  view_chunk_add(c, "turned", VIEW_REAL, SD_F64, f->angle, n, 1);
   c->grain = 0;
   view_chunk_add(c, "spin", form, SD_F64, f->spin, n, 1);
   view_chunk_add(c, "vx", form, SD_F64, &f->velocity[0][0], n, 2);

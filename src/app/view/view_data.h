@@ -16,10 +16,13 @@ void view_meta_phase(json_t *meta, const char *name, double from, double to);
 /* Phases, means of watched disks, and the residual of the budget. */
 void view_meta_summary(json_t *meta, const summary *found);
 
-/* Columns that do not change. first: angles of the first frame; found (may be NULL): with means of every disk. */
+/* Columns that do not change. first: angles of the first frame, NULL: those of the deck; found
+ * (may be NULL): with means of every disk. */
 void view_static(view_chunk *c, const sd_model *model, const double *first, const summary_disks *found,
                  bool shuffle);
-void view_frame(view_chunk *c, const sd_model *model, const frame_data *frame, const double *first,
-                bool shuffle);
+/* Angles of the frame's disks become turns since the first frame, or since the deck. */
+void view_turns(frame_data *frame, const sd_model *model, const double *first);
+/* A frame with turns instead of angles. */
+void view_frame(view_chunk *c, const sd_model *model, const frame_data *frame, bool shuffle);
 
 #endif

@@ -69,7 +69,7 @@ static sd_status find_overlaps(start *s, sd_messages *messages) {
   s->last = UINT32_MAX;
   sd_status status = overlaps_of_disks(s->m, see, s);
   s->last = UINT32_MAX;
-  if (status == SD_OK) status = overlaps_with_walls(s->m, see, s);
+  if (status == SD_OK) overlaps_with_walls(s->m, see, s);
   return status == SD_OK ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to look for overlaps");
 }
 
@@ -158,17 +158,18 @@ static json_t *describe(const sd_model *m, const start *s, const char *source, c
   return meta;
 }
 
-static sd_status write_page(const char *path, const sd_model *m, const frame_data *f, const json_t *meta,
+static sd_status write_page(const char *path, const sd_model *m, frame_data *f, const json_t *meta,
                             sd_messages *messages) {
   view_page page;
   view_chunk c;
   sd_status status = view_page_open(&page, path, meta, messages);
   if (status == SD_OK) {
-    view_static(&c, m, f->angle, NULL, true);
+    view_static(&c, m, NULL, NULL, true);
     status = view_page_add(&page, "static", &c, messages);
   }
   if (status == SD_OK) {
-    view_frame(&c, m, f, f->angle, true);
+    view_turns(f, m, NULL);
+    view_frame(&c, m, f, true);
     status = view_page_add(&page, "frame", &c, messages);
   }
   return view_page_close(&page, status, messages);

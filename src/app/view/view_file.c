@@ -60,9 +60,9 @@ static sd_status note_first(job *j, sd_messages *messages) {
 }
 
 static sd_status describe(job *j, sd_messages *messages) {
-  provenance origin = {0};
-  sd_status status = provenance_read(&origin, j->f.base, messages);
-  if (status == SD_OK) status = summary_read(&j->found, j->f.base, messages);
+  provenance origin;
+  provenance_read(&origin, j->f.base);
+  sd_status status = summary_read(&j->found, j->f.base, messages);
   if (status == SD_OK) status = summary_disks_read_all(&j->found.packing, j->f.base, messages);
   if (status == SD_OK)
     status = checkpoint_complete(j->f.base, j->f.path, j->f.constants, &j->found.packing, messages);
@@ -84,7 +84,8 @@ static sd_status write_frames(job *j, view_page *page, sd_messages *messages) {
     status = read_wanted(j, k, &frame, messages);
     if (app_stop) status = SD_INTERRUPTED;
     if (status == SD_OK) {
-      view_frame(&c, j->f.constants, &frame, j->first, true);
+      view_turns(&frame, j->f.constants, j->first);
+      view_frame(&c, j->f.constants, &frame, true);
       status = view_page_add(page, "frame", &c, messages);
     }
     frame_data_free(&frame);

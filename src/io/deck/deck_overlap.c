@@ -75,7 +75,7 @@ void deck_check_overlaps(deck *d) {
   check_inside(d);
   sd_status status = overlaps_of_disks(d->model, tell_disks, &disks);
   tell_rest(d, disks.found, "disks overlap others too much");
-  if (status == SD_OK) status = overlaps_with_walls(d->model, tell_wall, &walls);
+  if (status == SD_OK) overlaps_with_walls(d->model, tell_wall, &walls);
   if (status != SD_OK) longjmp(d->out_of_memory, 1);
   tell_rest(d, walls.found, "disks sit too deep in a wall");
 }

@@ -316,7 +316,7 @@ static void check_species(reader *r, const sd_model *m, int species) {
 static char **read_names(reader *r, const char *path, size_t n) {
   if (r->status != SD_OK || !h5_exists(r->file, path)) return NULL;
   char **names = rows_new(r, n, sizeof *names, "names");
-  if (names) r->status = members_read_lines(r->file, path, n, names, r->messages);
+  if (names) members_read_lines(r->file, path, n, names);
   for (size_t k = 0; names && k < n; k++) {
     if (!names[k] || *names[k]) continue;
     free(names[k]);
@@ -448,7 +448,7 @@ sd_status constants_read(const h5_file *file, const char *path, sd_model **out, 
   *out = NULL;
   if (!h5_exists(file, MODEL "/laws")) return read_deck(file, path, out, messages);
   sd_model *m = sd_model_new();
-  sd_status status = m ? read_file(file, m, messages) : sd_fail(messages, SD_ERROR_IO, "no memory");
+  const sd_status status = read_file(file, m, messages);
   if (status == SD_OK)
     *out = m;
   else

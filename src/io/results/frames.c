@@ -276,13 +276,15 @@ static sd_status frame_element(const h5_file *file, const char *name, size_t row
 static sd_status first_contact(const h5_file *file, size_t row, int64_t *first, sd_messages *messages) {
   if (h5_exists(file, "/contacts/first"))
     return h5_get_values(file, "/contacts/first", SD_I64, row, 1, 1, first, messages);
-  int64_t *counts;
-  if (!memory_rows(1, &(memory_column){&counts, row, sizeof *counts}))
-    return sd_fail(messages, SD_ERROR_IO, "no memory to read a frame");
-  sd_status status = h5_get_values(file, "/contacts/count", SD_I64, 0, row, 1, counts, messages);
+  enum { BLOCK = 4096 };
+  int64_t counts[BLOCK];
+  sd_status status = SD_OK;
   *first = 0;
-  for (size_t k = 0; status == SD_OK && k < row; k++) *first += counts[k];
-  free(counts);
+  for (size_t at = 0; status == SD_OK && at < row; at += BLOCK) {
+    const size_t n = row - at < BLOCK ? row - at : BLOCK;
+    status = h5_get_values(file, "/contacts/count", SD_I64, at, n, 1, counts, messages);
+    for (size_t k = 0; status == SD_OK && k < n; k++) *first += counts[k];
+  }
   return status;
 }
 

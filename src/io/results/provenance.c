@@ -145,8 +145,7 @@ int64_t provenance_inputs(const sd_model *model) {
   return (sum = sum_packing(sum, model)) ? (int64_t)sum : 1;
 }
 
-sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *messages) {
-  (void)messages;
+void provenance_new(provenance *p, const sd_model *model) {
   *p = (provenance){.seed = (int64_t)model->seed, .inputs = provenance_inputs(model)};
   char id[33], time[32], author[256], directory[4096];
   make_run_id(id);
@@ -167,12 +166,9 @@ sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *mess
                {&p->deck_full, sd_model_deck(model)->full},
                {&p->deck_bodies, sd_model_deck(model)->bodies}};
   for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) set(texts[k].at, texts[k].text);
-  return SD_OK;
 }
 
-sd_status provenance_refresh(provenance *p, int ranks, int threads, const char *cpu_path,
-                             sd_messages *messages) {
-  (void)messages;
+void provenance_refresh(provenance *p, int ranks, int threads, const char *cpu_path) {
   char host[256] = "unknown", time[32], hdf5[32];
   gethostname(host, sizeof host - 1);
   now(time, sizeof time);
@@ -191,7 +187,6 @@ sd_status provenance_refresh(provenance *p, int ranks, int threads, const char *
                {&p->libconfig, SD_LIBCONFIG_VERSION},
                {&p->cpu_path, cpu_path}};
   for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) set(texts[k].at, texts[k].text);
-  return SD_OK;
 }
 
 char *provenance_deck(const char *deck, const char *directory) {
@@ -229,8 +224,7 @@ void provenance_write(const provenance *p, h5_file *file) {
   members_write_attrs(file, "/parameters", &provenance_observables, p);
 }
 
-sd_status provenance_read(provenance *p, const h5_file *file, sd_messages *messages) {
-  (void)messages;
+void provenance_read(provenance *p, const h5_file *file) {
   *p = (provenance){0};
   for (size_t k = 0; k < provenance_text_count; k++) {
     char *text = h5_get_attr_text(file, "/parameters", provenance_texts[k].name);
@@ -247,5 +241,4 @@ sd_status provenance_read(provenance *p, const h5_file *file, sd_messages *messa
   p->seed = h5_get_attr_i64(file, "/parameters", "seed", 0);
   p->inputs = h5_get_attr_i64(file, "/parameters", "inputs", 0);
   members_read_attrs(file, "/parameters", &provenance_observables, p);
-  return SD_OK;
 }

@@ -24,16 +24,15 @@ typedef struct provenance {
 /* A number that stands for what a model may have from files and the full deck does not spell out: constants
  * of the disks, tables of the motions, contacts of a packing and the walls that came with them. Never 0. */
 int64_t provenance_inputs(const sd_model *model);
-/* Describes a run that starts now. It does not fail. */
-sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *messages);
+/* Describes a run that starts now. */
+void provenance_new(provenance *p, const sd_model *model);
 /* Brings machine, versions, ranks and threads up to this process; cpu_path as sd_simulation_path
- * says. It does not fail. */
-sd_status provenance_refresh(provenance *p, int ranks, int threads, const char *cpu_path,
-                             sd_messages *messages);
+ * says. */
+void provenance_refresh(provenance *p, int ranks, int threads, const char *cpu_path);
 void provenance_free(provenance *p);
 void provenance_write(const provenance *p, h5_file *file);
-/* Absent texts are "". It does not fail. */
-sd_status provenance_read(provenance *p, const h5_file *file, sd_messages *messages);
+/* Absent texts are "". */
+void provenance_read(provenance *p, const h5_file *file);
 
 /* The deck's path as it was given, or from the folder in which the run was started when that is
  * another; to be freed, never NULL. */

@@ -16,14 +16,12 @@ sd_status record_new(record *r, const sd_model *model, bool shared, sd_messages 
   for (int k = 0; k < RECORD_TABLES; k++) r->tables[k] = tables[k];
   if (!memory_rows(1, &(memory_column){&r->slots, sd_model_bodies(model), sizeof *r->slots}))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
-  sd_status status = resultants_new(&r->sums, model, messages);
-  if (status == SD_OK) status = series_new(&r->series, model, messages);
-  if (status == SD_OK) status = trajectory_new_bodies(&r->disks, model, false, shared, messages);
-  if (status == SD_OK) status = trajectory_new_bodies(&r->walls, model, true, false, messages);
-  if (status == SD_OK)
-    status = trajectory_new_contacts(&r->contact_index, &r->contact_rows, shared, messages);
-  if (status == SD_OK) status = trajectory_new_clumps(&r->clumps, model, messages);
-  return status;
+  series_new(&r->series, model);
+  trajectory_new_bodies(&r->disks, model, false, shared);
+  trajectory_new_bodies(&r->walls, model, true, false);
+  trajectory_new_contacts(&r->contact_index, &r->contact_rows, shared);
+  trajectory_new_clumps(&r->clumps, model);
+  return resultants_new(&r->sums, model, messages);
 }
 
 void record_free(record *r) {

@@ -11,28 +11,26 @@
 /* Keys of one moment are less than this, see checkpoint_order. */
 static const int64_t MOMENT = INT64_C(1) << 33;
 
-static sd_status add_columns(table *t, const sd_model *model, const observable_list *list, const char *group,
-                             const char *ending, sd_messages *messages) {
+static void add_columns(table *t, const sd_model *model, const observable_list *list, const char *group,
+                        const char *ending) {
   t->compress = true;
-  sd_status status = table_add(t, "key", SD_I64, 0, NULL, "1", "order", messages);
-  for (size_t k = 0; status == SD_OK && k < list->n; k++) {
+  table_add(t, "key", SD_I64, 0, NULL, "1", "order");
+  for (size_t k = 0; k < list->n; k++) {
     const observable *o = &list->rows[k];
     if (o->when && !o->when(model)) continue;
     const size_t width = o->width;
     char *path = format_text("%s/%s%s", group, o->name, ending);
-    status = table_add(t, path, observable_stored(o), width > 1, &width, o->unit, o->meaning, messages);
+    table_add(t, path, observable_stored(o), width > 1, &width, o->unit, o->meaning);
     free(path);
   }
-  return status;
 }
 
 sd_status record_share_new(record_share *r, const sd_model *model, sd_messages *messages) {
+  (void)messages;
   *r = (record_share){.model = model};
-  sd_status status =
-      add_columns(&r->disks, model, &frame_observables, "/disks/particles/disks", "/value", messages);
-  if (status == SD_OK)
-    status = add_columns(&r->contacts, model, &contact_observables, "/contacts/contacts", "", messages);
-  return status;
+  add_columns(&r->disks, model, &frame_observables, "/disks/particles/disks", "/value");
+  add_columns(&r->contacts, model, &contact_observables, "/contacts/contacts", "");
+  return SD_OK;
 }
 
 void record_share_free(record_share *r) {

@@ -8,17 +8,16 @@
 #include "base/text.h"
 #include "io/store/members.h"
 
-sd_status series_new(table *t, const sd_model *model, sd_messages *messages) {
-  sd_status status = table_add_clock(t, "/observables/kinetic_translation", messages);
+void series_new(table *t, const sd_model *model) {
+  table_add_clock(t, "/observables/kinetic_translation");
   const observable_list *lists[] = {&energy_observables, &series_observables};
   for (size_t l = 0; l < 2; l++)
-    for (size_t k = 0; status == SD_OK && k < lists[l]->n; k++) {
+    for (size_t k = 0; k < lists[l]->n; k++) {
       const observable *o = &lists[l]->rows[k];
       if (o->when && !o->when(model)) continue;
       size_t n = o->width == 1 ? 0 : observable_width(o, model);
-      status = table_add_observable(t, "/observables", o, "/value", n, messages);
+      table_add_observable(t, "/observables", o, "/value", n);
     }
-  return status;
 }
 
 sd_status series_sample(table *t, const moment *now, sd_messages *messages) {

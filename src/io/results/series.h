@@ -5,7 +5,7 @@
 #include "io/store/table.h"
 #include "measure/observable.h"
 
-sd_status series_new(table *t, const sd_model *model, sd_messages *messages);
+void series_new(table *t, const sd_model *model);
 /* One row. */
 sd_status series_sample(table *t, const moment *now, sd_messages *messages);
 /* Which disks, walls and groups the columns with a number for each are about. */

@@ -188,8 +188,7 @@ static void collect_until(summary *s, const sd_model *model, const sd_state *sta
 }
 
 /* Sizes and names, from the model alone. */
-sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages) {
-  (void)messages;
+void summary_new(summary *s, const sd_model *model) {
   *s = (summary){.steps = sd_model_steps(model),
                  .dt = model->dt,
                  .phases = (int64_t)model->n_phases,
@@ -220,7 +219,6 @@ sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages) 
     const char *name = model->phases[k].name;
     s->stage_names[k] = name ? memory_text(name) : format_text("%zu", k);
   }
-  return SD_OK;
 }
 
 static summary_contacts contacts_of(const sd_state *state) {
@@ -229,12 +227,12 @@ static summary_contacts contacts_of(const sd_state *state) {
   return contacts;
 }
 
-sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state,
-                          const summary_contacts *contacts, const summary_lost *lost, const sd_energy *energy,
-                          double step_nanoseconds, sd_messages *messages) {
+void summary_collect(summary *s, const sd_model *model, const sd_state *state,
+                     const summary_contacts *contacts, const summary_lost *lost, const sd_energy *energy,
+                     double step_nanoseconds) {
   const summary_lost own = lost ? *lost : summary_lost_of(state);
   const summary_contacts all = contacts ? *contacts : contacts_of(state);
-  summary_new(s, model, messages);
+  summary_new(s, model);
   s->step = state->step;
   s->phase = state->phase;
   s->measured = state->measured;
@@ -253,7 +251,6 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
   collect_lost(s, model, state, &own);
   summary_disks_announce(&s->packing, model, state);
   summary_judge(s, &model->limits, model, state, all.overlap);
-  return SD_OK;
 }
 
 void summary_free(summary *s) {
@@ -351,8 +348,7 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
     size_t n = *count_of(s, g);
     if (status != SD_OK || n == 0) continue;
     status = members_read(file, g->path, g->list, *rows_of(s, g), g->stride, n, messages);
-    if (status == SD_OK)
-      status = members_read_lines(file, g->names_path, g->each * n, *names_of(s, g), messages);
+    if (status == SD_OK) members_read_lines(file, g->names_path, g->each * n, *names_of(s, g));
   }
   if (status == SD_OK) status = read_until(s, file, messages);
   if (status == SD_OK) status = summary_disks_read(&s->packing, file, messages);

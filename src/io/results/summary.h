@@ -59,8 +59,8 @@ extern const observable_list outcome_observables; /* of summary */
 extern const observable_list until_observables;   /* of summary */
 extern const observable_list phase_observables;   /* of summary_phase */
 
-/* Sizes and names, from the model alone; no values. It does not fail. */
-sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages);
+/* Sizes and names, from the model alone; no values. */
+void summary_new(summary *s, const sd_model *model);
 /* Closed contacts of a state whose rows may be elsewhere. */
 typedef struct summary_contacts {
   size_t n;
@@ -80,10 +80,10 @@ typedef struct summary_lost {
 summary_lost summary_lost_of(const sd_state *state);
 
 /* All but the means of every disk: summary_disks_collect. contacts, lost NULL: those that stand
- * in the state. It does not fail. */
-sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state,
-                          const summary_contacts *contacts, const summary_lost *lost, const sd_energy *energy,
-                          double step_nanoseconds, sd_messages *messages);
+ * in the state. */
+void summary_collect(summary *s, const sd_model *model, const sd_state *state,
+                     const summary_contacts *contacts, const summary_lost *lost, const sd_energy *energy,
+                     double step_nanoseconds);
 void summary_free(summary *s);
 /* Is this a column of the tables of sweeps: of a point, or (of_body) behind the name of a watched disk or contact? */
 bool summary_is_column(const char *name, bool of_body);

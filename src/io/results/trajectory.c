@@ -22,16 +22,12 @@ static void put_cell(const moment *now, double edges[2][2], double gradient[SD_C
   cell_gradient_of(m, now->state, gradient);
 }
 
-static sd_status add_cell(table *t, bool walls, sd_messages *messages) {
+static void add_cell(table *t, bool walls) {
   const size_t square[2] = {2, 2}, three = SD_CELL_COMPONENTS;
   const char *edges = walls ? "/particles/walls/box/edges/value" : "/particles/disks/box/edges/value";
   const char *rate = walls ? "/particles/walls/box/rate/value" : "/particles/disks/box/rate/value";
-  sd_status status =
-      table_add(t, edges, SD_F64, 2, square, "length", "edges of the periodic box, one a row", messages);
-  if (status == SD_OK)
-    status =
-        table_add(t, rate, SD_F64, 1, &three, "1/time", "velocity gradient of the box: xx, yy, xy", messages);
-  return status;
+  table_add(t, edges, SD_F64, 2, square, "length", "edges of the periodic box, one a row");
+  table_add(t, rate, SD_F64, 1, &three, "1/time", "velocity gradient of the box: xx, yy, xy");
 }
 
 /* Walls neither wait nor leave. */
@@ -39,30 +35,24 @@ static bool has_row(const observable *o, const sd_model *model, bool walls) {
   return !o->when || (!walls && o->when(model));
 }
 
-sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, bool shared,
-                                sd_messages *messages) {
+void trajectory_new_bodies(table *t, const sd_model *model, bool walls, bool shared) {
   const char *group = walls ? "/particles/walls" : "/particles/disks";
   const size_t n = walls ? model->n_walls : model->n_disks, two = 2;
   t->compress = true;
-  if (n == 0) return SD_OK;
-  sd_status status =
-      table_add_clock(t, walls ? "/particles/walls/position" : "/particles/disks/position", messages);
-  for (size_t k = 0; status == SD_OK && k < frame_observables.n && !shared; k++) {
+  if (n == 0) return;
+  table_add_clock(t, walls ? "/particles/walls/position" : "/particles/disks/position");
+  for (size_t k = 0; k < frame_observables.n && !shared; k++) {
     const observable *o = &frame_observables.rows[k];
-    if (has_row(o, model, walls)) status = table_add_observable(t, group, o, "/value", n, messages);
+    if (has_row(o, model, walls)) table_add_observable(t, group, o, "/value", n);
   }
-  if (!series_compresses(model)) return status;
+  if (!series_compresses(model)) return;
   const char *edges = walls ? "/particles/walls/box/edges/value" : "/particles/disks/box/edges/value";
   const char *scale = walls ? "/particles/walls/box/scale/value" : "/particles/disks/box/scale/value";
-  if (status == SD_OK && cell_deforms(model))
-    status = add_cell(t, walls, messages);
-  else if (status == SD_OK)
-    status = table_add(t, edges, SD_F64, 1, &two, "length", "lengths of the periodic box, 0 where it is open",
-                       messages);
-  if (status == SD_OK)
-    status =
-        table_add(t, scale, SD_F64, 0, NULL, "1", "lengths of the region over those of the deck", messages);
-  return status;
+  if (cell_deforms(model))
+    add_cell(t, walls);
+  else
+    table_add(t, edges, SD_F64, 1, &two, "length", "lengths of the periodic box, 0 where it is open");
+  table_add(t, scale, SD_F64, 0, NULL, "1", "lengths of the region over those of the deck");
 }
 
 sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, bool shared,
@@ -99,14 +89,12 @@ sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, bool
 
 /* --- clumps --------------------------------------------------------------------------------------- */
 
-sd_status trajectory_new_clumps(table *t, const sd_model *model, sd_messages *messages) {
+void trajectory_new_clumps(table *t, const sd_model *model) {
   t->compress = true;
-  if (model->n_clumps == 0) return SD_OK;
-  sd_status status = table_add_clock(t, "/particles/clumps/position", messages);
-  for (size_t k = 0; status == SD_OK && k < clump_observables.n; k++)
-    status = table_add_observable(t, "/particles/clumps", &clump_observables.rows[k], "/value",
-                                  model->n_clumps, messages);
-  return status;
+  if (model->n_clumps == 0) return;
+  table_add_clock(t, "/particles/clumps/position");
+  for (size_t k = 0; k < clump_observables.n; k++)
+    table_add_observable(t, "/particles/clumps", &clump_observables.rows[k], "/value", model->n_clumps);
 }
 
 sd_status trajectory_sample_clumps(table *t, const moment *now, sd_messages *messages) {
@@ -125,15 +113,12 @@ sd_status trajectory_sample_clumps(table *t, const moment *now, sd_messages *mes
 
 /* --- contacts ------------------------------------------------------------------------------------- */
 
-sd_status trajectory_new_contacts(table *index, table *rows, bool shared, sd_messages *messages) {
+void trajectory_new_contacts(table *index, table *rows, bool shared) {
   rows->compress = true;
-  sd_status status = table_add_clock(index, "/contacts", messages);
-  if (status == SD_OK)
-    status =
-        table_add(index, "/contacts/count", SD_I64, 0, NULL, "1", "closed contacts at this step", messages);
-  for (size_t k = 0; status == SD_OK && k < contact_observables.n && !shared; k++)
-    status = table_add_observable(rows, "/contacts", &contact_observables.rows[k], "", 0, messages);
-  return status;
+  table_add_clock(index, "/contacts");
+  table_add(index, "/contacts/count", SD_I64, 0, NULL, "1", "closed contacts at this step");
+  for (size_t k = 0; k < contact_observables.n && !shared; k++)
+    table_add_observable(rows, "/contacts", &contact_observables.rows[k], "", 0);
 }
 
 sd_status trajectory_sample_contacts(table *index, table *rows, const moment *now, size_t count,

@@ -14,16 +14,15 @@
 
 /* With no disks (no walls) the table has no columns and no rows. The edges of the box, and the scale of the region, are
  * columns when some phase compresses, else constants (constants.h). */
-sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, bool shared,
-                                sd_messages *messages);
+void trajectory_new_bodies(table *t, const sd_model *model, bool walls, bool shared);
 sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, bool shared,
                                    sd_messages *messages);
 
 /* The same of clumps: the rows of clump_observables. */
-sd_status trajectory_new_clumps(table *t, const sd_model *model, sd_messages *messages);
+void trajectory_new_clumps(table *t, const sd_model *model);
 sd_status trajectory_sample_clumps(table *t, const moment *now, sd_messages *messages);
 
-sd_status trajectory_new_contacts(table *index, table *rows, bool shared, sd_messages *messages);
+void trajectory_new_contacts(table *index, table *rows, bool shared);
 /* count: of the moment's contacts. */
 sd_status trajectory_sample_contacts(table *index, table *rows, const moment *now, size_t count,
                                      sd_messages *messages);

@@ -150,9 +150,9 @@ static sd_status read_keys(h5_shares *s, shared_group *g, const char *keys, size
 }
 
 /* Places take the room of the keys. */
-static sd_status merge_keys(const h5_shares *s, shared_group *g) {
+static void merge_keys(const h5_shares *s, shared_group *g) {
   runs heads;
-  if (runs_new(&heads, s->n) != SD_OK) return no_memory(s);
+  runs_new(&heads, s->n);
   size_t *at = memory_new(s->n, sizeof *at);
   assert(g->rows && g->place);
   for (size_t k = 0; k < s->n; k++)
@@ -167,7 +167,6 @@ static sd_status merge_keys(const h5_shares *s, shared_group *g) {
   }
   runs_free(&heads);
   free(at);
-  return SD_OK;
 }
 
 static sd_status order_group(h5_shares *s, shared_group *g) {
@@ -178,7 +177,8 @@ static sd_status order_group(h5_shares *s, shared_group *g) {
   for (size_t k = 0; status == SD_OK && k < s->n; k++) status = read_keys(s, g, keys, k);
   if (status == SD_OK && s->n > 0) g->each = (size_t)h5_get_attr_i64(s->file[0], keys, "each", 0);
   free(keys);
-  return status == SD_OK ? merge_keys(s, g) : status;
+  if (status == SD_OK) merge_keys(s, g);
+  return status;
 }
 
 /* --- datasets -------------------------------------------------------------------------------------------- */

@@ -136,16 +136,13 @@ void members_write_lines(h5_file *file, const char *path, size_t n, char *const 
   free(text);
 }
 
-sd_status members_read_lines(const h5_file *file, const char *path, size_t n, char **lines,
-                             sd_messages *messages) {
+void members_read_lines(const h5_file *file, const char *path, size_t n, char **lines) {
   char *text = h5_get_text(file, path);
   const char *at = text ? text : "";
-  (void)messages;
   for (size_t k = 0; k < n; k++) {
     size_t length = strcspn(at, "\n");
     lines[k] = format_text("%.*s", (int)length, at);
     at += length + (at[length] != 0);
   }
   free(text);
-  return SD_OK;
 }

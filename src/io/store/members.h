@@ -23,9 +23,8 @@ char *members_path(const h5_file *file, const char *path);
 /* A dataset in a group, with unit and description. data NULL: there was no memory for it. */
 void members_put(h5_file *file, const char *group, const char *name, sd_type type, int rank,
                  const size_t *dims, const void *data, bool compress, const char *unit, const char *meaning);
-/* Lines of one text. Reading: missing ones become empty; each is to be freed; it never fails. */
+/* Lines of one text. Reading: missing ones become empty; each is to be freed. */
 void members_write_lines(h5_file *file, const char *path, size_t n, char *const *lines);
-sd_status members_read_lines(const h5_file *file, const char *path, size_t n, char **lines,
-                             sd_messages *messages);
+void members_read_lines(const h5_file *file, const char *path, size_t n, char **lines);
 
 #endif

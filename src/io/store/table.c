@@ -19,10 +19,9 @@ void table_free(table *t) {
   *t = (table){0};
 }
 
-sd_status table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims, const char *unit,
-                    const char *meaning, sd_messages *messages) {
+void table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims, const char *unit,
+               const char *meaning) {
   assert(t->n_rows == 0 && rank >= 0 && rank <= 2 && (rank == 0 || dims));
-  (void)messages;
   t->columns = memory_grow(t->columns, t->n_columns + 1, sizeof *t->columns);
   table_column *c = &t->columns[t->n_columns++];
   *c = (table_column){.type = type, .rank = rank, .width = 1, .dims = {1, 1}};
@@ -33,26 +32,22 @@ sd_status table_add(table *t, const char *path, sd_type type, int rank, const si
   c->path = memory_text(path);
   c->unit = memory_text(unit);
   c->meaning = memory_text(meaning);
-  return SD_OK;
 }
 
-sd_status table_add_clock(table *t, const char *element, sd_messages *messages) {
+void table_add_clock(table *t, const char *element) {
   char *step = format_text("%s/step", element), *time = format_text("%s/time", element);
-  table_add(t, step, SD_I64, 0, NULL, "1", "steps since the start", messages);
-  table_add(t, time, SD_F64, 0, NULL, "time", "step * dt", messages);
+  table_add(t, step, SD_I64, 0, NULL, "1", "steps since the start");
+  table_add(t, time, SD_F64, 0, NULL, "time", "step * dt");
   free(step);
   free(time);
-  return SD_OK;
 }
 
-sd_status table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n,
-                               sd_messages *messages) {
+void table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n) {
   const size_t dims[2] = {n, o->width};
   int rank = n == 0 ? 0 : o->width == 1 || o->width >= OBSERVABLE_CHOSEN ? 1 : 2;
   char *path = format_text("%s/%s%s", group, o->name, ending);
-  table_add(t, path, observable_stored(o), rank, dims, o->unit, o->meaning, messages);
+  table_add(t, path, observable_stored(o), rank, dims, o->unit, o->meaning);
   free(path);
-  return SD_OK;
 }
 
 static size_t row_bytes(const table_column *c) { return c->width * sd_type_size(c->type); }

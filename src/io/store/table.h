@@ -29,14 +29,13 @@ typedef struct table {
 
 void table_free(table *t);
 /* Adds a column to a table without rows; rank 0: a number per row. The order of the calls is the order of the
- * columns. Those that add columns never fail. */
-sd_status table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims, const char *unit,
-                    const char *meaning, sd_messages *messages);
+ * columns. */
+void table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims, const char *unit,
+               const char *meaning);
 /* Columns step and time of the element at this path. */
-sd_status table_add_clock(table *t, const char *element, sd_messages *messages);
+void table_add_clock(table *t, const char *element);
 /* The column of an observable in a group: a value for each row, or one for each of n things. ending: "/value" or "". */
-sd_status table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n,
-                               sd_messages *messages);
+void table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n);
 /* Room for n more rows. SD_ERROR_IO: no memory. */
 sd_status table_reserve(table *t, size_t n, sd_messages *messages);
 /* Where the column's value in the row to be added stands; fill all columns, then table_commit. */

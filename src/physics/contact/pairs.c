@@ -5,6 +5,7 @@
 
 #include "base/arena.h"
 #include "base/memory.h"
+#include "physics/system/list.h"
 
 /* --- room -------------------------------------------------------------------------------------------- */
 
@@ -92,13 +93,9 @@ void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record) {
 /* --- rare events ----------------------------------------------------------------------------------------- */
 
 event *event_add(event_list *list, uint32_t index) {
-  if (list->count == list->capacity) {
-    const size_t capacity = 2 * list->capacity + 16;
-    if (!memory_resize(1, &(memory_column){&list->item, capacity, sizeof *list->item})) {
-      list->failed = true;
-      return NULL;
-    }
-    list->capacity = capacity;
+  if (!list_room(&list->item, list->count, &list->capacity, sizeof *list->item)) {
+    list->failed = true;
+    return NULL;
   }
   assert(list->count < list->capacity);
   list->item[list->count] = (event){.index = index};
@@ -106,15 +103,10 @@ event *event_add(event_list *list, uint32_t index) {
 }
 
 void crossing_add(crossing_list *list, const crossing *c) {
-  if (list->count == list->capacity) {
-    const size_t capacity = 2 * list->capacity + 64;
-    if (!memory_resize(1, &(memory_column){&list->item, capacity, sizeof *list->item})) {
-      list->failed = true;
-      return;
-    }
-    list->capacity = capacity;
-  }
-  list->item[list->count++] = *c;
+  if (list_room(&list->item, list->count, &list->capacity, sizeof *list->item))
+    list->item[list->count++] = *c;
+  else
+    list->failed = true;
 }
 
 void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed, double dropped) {

@@ -15,9 +15,16 @@
 #include "physics/system/bodies.h"
 #include "physics/system/kernels.h"
 
+/* A motion of a place: SD_MOVED slot + coordinate. */
+typedef struct addend {
+  size_t place, motion;
+} addend;
+
 struct motions {
   signals signals;
   int64_t first; /* step of the batch's first value */
+  size_t n_addends;
+  addend *addends; /* of motions that run or begin to, by places, then in the deck's order */
   size_t n_prescribed;
   prescribed *prescribed;
   const signal_values **terms;
@@ -132,7 +139,8 @@ sd_status motion_new(engine *e, sd_messages *messages) {
   const size_t most = SD_MOVED * model_movables(m);
   size_t terms = 0;
   for (size_t k = 0; k < m->n_motions; k++) terms += m->motions[k].n_bodies;
-  if (!memory_rows(3, (memory_column[]){{&q->prescribed, most < terms ? most : terms, sizeof *q->prescribed},
+  if (!memory_rows(4, (memory_column[]){{&q->prescribed, most < terms ? most : terms, sizeof *q->prescribed},
+                                        {&q->addends, terms, sizeof *q->addends},
                                         {&q->terms, terms, sizeof *q->terms},
                                         {&q->term_motions, terms, sizeof *q->term_motions}}))
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
@@ -145,6 +153,7 @@ void motion_free(engine *e) {
   if (!q) return;
   signals_free(e, &q->signals);
   free(q->prescribed);
+  free(q->addends);
   free(q->terms);
   free(q->term_motions);
   feedback_free(&q->feedbacks);
@@ -152,14 +161,38 @@ void motion_free(engine *e) {
   e->work.motions = NULL;
 }
 
-static void prescribe(engine *e, prescribed *p, size_t c, size_t first, size_t count) {
-  size_t slot = c / SD_MOVED, k = c % SD_MOVED;
+static size_t place_of(const engine *e, const sd_motion *m, size_t b) {
+  const size_t slot = e->work.slot[m->bodies[b]];
+  assert(slot < movers_of(e->state));
+  return SD_MOVED * slot + (size_t)m->coordinate;
+}
+
+static int by_place(const void *one, const void *two) {
+  const addend *p = one, *q = two;
+  if (p->place != q->place) return p->place < q->place ? -1 : 1;
+  return p->motion < q->motion ? -1 : p->motion > q->motion;
+}
+
+/* begins: motions that are to run; NULL: those that do. */
+static void list_addends(engine *e, const bool *begins) {
+  const sd_model *m = e->model;
+  motions *q = e->work.motions;
+  q->n_addends = 0;
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0;
+         (e->state->motion_start[k] >= 0 || (begins && begins[k])) && b < m->motions[k].n_bodies; b++)
+      q->addends[q->n_addends++] = (addend){place_of(e, &m->motions[k], b), k};
+  if (q->n_addends > 1) qsort(q->addends, q->n_addends, sizeof *q->addends, by_place);
+}
+
+static void prescribe(engine *e, prescribed *p, size_t place, size_t first) {
+  size_t slot = place / SD_MOVED, k = place % SD_MOVED;
   const mover b = mover_of(e->state, slot);
-  assert(count > 0 && b.at[k]);
+  assert(b.at[k]);
   p->slot = (uint32_t)slot;
   p->coordinate = (int)k;
   p->first = first;
-  p->count = count;
+  p->count = 0;
   p->at = b.at[k];
   p->last = *p->at;
   p->speed = b.speed[k];
@@ -167,57 +200,41 @@ static void prescribe(engine *e, prescribed *p, size_t c, size_t first, size_t c
 }
 
 /* Coordinates with a running motion, by slot and coordinate; terms in the deck's order. */
-static sd_status list_prescribed(engine *e) {
-  const sd_model *m = e->model;
+static void list_prescribed(engine *e) {
+  const sd_state *s = e->state;
   motions *q = e->work.motions;
-  size_t n = SD_MOVED * movers_of(e->state), terms = 0;
-  size_t *count, *at;
+  size_t terms = 0, last = SIZE_MAX;
   q->n_prescribed = 0;
   q->moves_walls = q->drives_free = false;
-  if (!memory_rows(2, (memory_column[]){{&count, n, sizeof *count}, {&at, n, sizeof *at}}))
-    return SD_ERROR_IO;
-  for (int pass = 0; pass < 2; pass++) {
-    for (size_t k = 0; k < m->n_motions; k++) {
-      if (e->state->motion_start[k] < 0) continue;
-      for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
-        uint32_t slot = e->work.slot[m->motions[k].bodies[b]];
-        assert(slot < movers_of(e->state));
-        size_t c = SD_MOVED * (size_t)slot + (size_t)m->motions[k].coordinate;
-        if (slot >= e->state->n_disks && slot < e->state->n_bodies && m->motions[k].coordinate != SD_SURFACE)
-          q->moves_walls = true;
-        if (slot < e->state->n_free) q->drives_free = true;
-        if (motion_is_feedback(&m->motions[k])) continue;
-        if (pass == 0) {
-          count[c]++;
-        } else {
-          q->terms[at[c]] = &q->signals.item[k].now;
-          q->term_motions[at[c]++] = k;
-        }
-      }
-    }
-    for (size_t c = 0; pass == 0 && c < n; c++) {
-      if (!count[c]) continue;
-      prescribe(e, &q->prescribed[q->n_prescribed++], c, terms, count[c]);
-      at[c] = terms;
-      terms += count[c];
-    }
+  list_addends(e, NULL);
+  for (const addend *a = q->addends; a < q->addends + q->n_addends; a++) {
+    const size_t slot = a->place / SD_MOVED;
+    if (slot >= s->n_disks && slot < s->n_bodies && a->place % SD_MOVED != SD_SURFACE) q->moves_walls = true;
+    if (slot < s->n_free) q->drives_free = true;
+    if (motion_is_feedback(&e->model->motions[a->motion])) continue;
+    if (a->place != last) prescribe(e, &q->prescribed[q->n_prescribed++], a->place, terms);
+    last = a->place;
+    q->prescribed[q->n_prescribed - 1].count++;
+    q->terms[terms] = &q->signals.item[a->motion].now;
+    q->term_motions[terms++] = a->motion;
   }
-  for (size_t k = 0, first = 0; k < q->n_prescribed; first += q->prescribed[k++].count)
-    assert(q->prescribed[k].first == first &&
-           at[SD_MOVED * q->prescribed[k].slot + (size_t)q->prescribed[k].coordinate] ==
-               first + q->prescribed[k].count);
   feedback_list(e, &q->feedbacks);
-  free(count);
-  free(at);
-  return SD_OK;
 }
 
-/* How many running motions add to each coordinate of each body (by SD_MOVED slot + coordinate): counts motion k in
- * (by = 1) or out (by = -1). */
-static void count_mover(const engine *e, int32_t *movers, size_t k, int by) {
-  const sd_motion *m = &e->model->motions[k];
-  for (size_t b = 0; b < m->n_bodies; b++)
-    movers[SD_MOVED * (size_t)e->work.slot[m->bodies[b]] + (size_t)m->coordinate] += by;
+/* Does a motion run there? */
+static bool is_moved(const engine *e, size_t place) {
+  const motions *q = e->work.motions;
+  size_t k = 0, end = q->n_addends;
+  while (k < end) {
+    const size_t middle = k + (end - k) / 2;
+    if (q->addends[middle].place < place)
+      k = middle + 1;
+    else
+      end = middle;
+  }
+  for (; k < q->n_addends && q->addends[k].place == place; k++)
+    if (e->state->motion_start[q->addends[k].motion] >= 0) return true;
+  return false;
 }
 
 /* Stands still where the base and the images say. */
@@ -231,7 +248,7 @@ static void rest(engine *e, uint32_t slot, int coordinate) {
 
 /* The last value stays in the base; a motion that never took a step displaced nothing. What no other motion
  * moves comes to rest. */
-static void switch_off(engine *e, int32_t *movers, size_t k) {
+static void switch_off(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
   const motions *q = e->work.motions;
   sd_state *s = e->state;
@@ -245,19 +262,13 @@ static void switch_off(engine *e, int32_t *movers, size_t k) {
           q->signals.item[k].now.u[s->step - q->first];
   }
   s->motion_start[k] = -1;
-  count_mover(e, movers, k, -1);
-  for (size_t b = 0; b < m->n_bodies; b++) {
-    uint32_t slot = e->work.slot[m->bodies[b]];
-    const int32_t left = movers[SD_MOVED * (size_t)slot + (size_t)m->coordinate];
-    assert(left >= 0);
-    if (left == 0) rest(e, slot, m->coordinate);
-  }
+  for (size_t b = 0; b < m->n_bodies; b++)
+    if (!is_moved(e, place_of(e, m, b))) rest(e, e->work.slot[m->bodies[b]], m->coordinate);
 }
 
-static void switch_on(engine *e, int32_t *movers, size_t k) {
+static void switch_on(engine *e, size_t k) {
   assert(e->state->motion_start[k] < 0);
   e->state->motion_start[k] = e->state->step;
-  count_mover(e, movers, k, 1);
   if (motion_source(&e->model->motions[k]) == SIGNAL_RANDOM)
     signals_start_random(e, &e->work.motions->signals, k);
   if (motion_is_feedback(&e->model->motions[k])) feedback_begin(e, k);
@@ -269,18 +280,15 @@ sd_status motion_begin_phase(engine *e) {
   assert(s->phase >= 0 && (size_t)s->phase < m->n_phases);
   motion_store(e);
   const bool *active = m->phases[s->phase].active;
-  int32_t *movers;
-  if (!memory_rows(1, &(memory_column){&movers, SD_MOVED * movers_of(s), sizeof *movers})) return SD_ERROR_IO;
-  for (size_t k = 0; k < m->n_motions; k++)
-    if (s->motion_start[k] >= 0) count_mover(e, movers, k, 1);
+  list_addends(e, active);
   if (e->work.motions->first < 0) fill(e, s->step); /* the last values are not known */
   for (size_t k = 0; k < m->n_motions; k++) {
     bool on = s->motion_start[k] >= 0;
-    if (on && !active[k]) switch_off(e, movers, k);
-    if (!on && active[k]) switch_on(e, movers, k);
+    if (on && !active[k]) switch_off(e, k);
+    if (!on && active[k]) switch_on(e, k);
   }
-  free(movers);
-  return motion_resume(e);
+  motion_resume(e);
+  return SD_OK;
 }
 
 void motion_reload(engine *e) {
@@ -290,9 +298,9 @@ void motion_reload(engine *e) {
   for (size_t k = 0; k < q->n_prescribed; k++) q->prescribed[k].last = *q->prescribed[k].at;
 }
 
-sd_status motion_resume(engine *e) {
+void motion_resume(engine *e) {
   motion_reload(e);
-  return list_prescribed(e);
+  list_prescribed(e);
 }
 
 void motion_store(engine *e) {

@@ -35,11 +35,10 @@ void motion_free(engine *e);
 /* The forces of step 0 are known now: loads and servos that run begin with them. */
 void motion_begin_run(engine *e);
 /* A phase begins (state->phase): switches motions on and off, freezing what they displaced into
- * the base. SD_ERROR_IO: there is no memory for tables by body. */
+ * the base. SD_OK always. */
 sd_status motion_begin_phase(engine *e);
-/* The lists of running motions, from the state; called after loading a state.
- * SD_ERROR_IO: there is no memory for tables by body. */
-sd_status motion_resume(engine *e);
+/* The lists of running motions, from the state; called after loading a state. */
+void motion_resume(engine *e);
 /* The state went on by other means while the same motions run: what was computed ahead is forgotten. */
 void motion_reload(engine *e);
 /* Brings the oscillators in the state to the step that is completed. */
@@ -88,8 +87,8 @@ typedef struct pose_batch pose_batch;
 enum { POSE_X, POSE_Y, POSE_THETA, POSE_VX, POSE_VY, POSE_OMEGA, POSES };
 enum { POSE_STEPS = MOTION_BATCH + 1 }; /* the step before the batch, and the batch */
 
-/* Lanes beyond n <= width repeat system 0. Always SD_OK: this is small. */
-sd_status pose_batch_new(size_t width, size_t n, engine *const *systems, pose_batch **out);
+/* Lanes beyond n <= width repeat system 0. */
+pose_batch *pose_batch_new(size_t width, size_t n, engine *const *systems);
 void pose_batch_free(pose_batch *b);
 /* Takes running motions, oscillators and poses from the states, where motion_store has brought them. */
 void pose_batch_load(pose_batch *b);

@@ -72,8 +72,8 @@ static void set_signal(pose_batch *m, size_t k) {
   }
 }
 
-sd_status pose_batch_new(size_t width, size_t n, engine *const *systems, pose_batch **out) {
-  pose_batch *m = *out = memory_new(1, sizeof *m);
+pose_batch *pose_batch_new(size_t width, size_t n, engine *const *systems) {
+  pose_batch *m = memory_new(1, sizeof *m);
   const sd_state *s = systems[0]->state;
   const sd_model *model = systems[0]->model;
   size_t n_motions = model->n_motions, terms = 0;
@@ -100,7 +100,7 @@ sd_status pose_batch_new(size_t width, size_t n, engine *const *systems, pose_ba
     assert(alone <= m->alone + terms);
     m->signals[k].alone = alone;
   }
-  return SD_OK;
+  return m;
 }
 
 void pose_batch_free(pose_batch *m) {

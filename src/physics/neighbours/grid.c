@@ -155,11 +155,10 @@ static sd_status make_cells(grid_task *f, int threads) {
     cells += (size_t)(l->cells[0] * l->cells[1]);
   }
   if (cells >= UINT32_MAX) return SD_ERROR_IO;
-  const memory_column counts = {&g->start, cells + 2 * g->count, sizeof *g->start};
-  const memory_column by_disk[] = {{&f->cell, n_disks, sizeof *f->cell},
-                                   {&g->disks, n_disks, sizeof *g->disks}};
-  /* only the counts begin at zero */
-  if (!memory_rows(1, &counts) || !memory_resize(2, by_disk)) return SD_ERROR_IO;
+  if (!memory_rows(3, (memory_column[]){{&g->start, cells + 2 * g->count, sizeof *g->start},
+                                        {&f->cell, n_disks, sizeof *f->cell},
+                                        {&g->disks, n_disks, sizeof *g->disks}}))
+    return SD_ERROR_IO;
   uint32_t *start = g->start, *disks = g->disks;
   for (size_t k = 0; k < g->count; k++) {
     grid_level *l = &g->level[k];

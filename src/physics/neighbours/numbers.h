@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "base/memory.h"
+#include "physics/system/list.h"
 
 /* Begins with {0}; goes with free(at). */
 typedef struct numbers {
@@ -14,13 +14,8 @@ typedef struct numbers {
 } numbers;
 
 static inline void numbers_add(numbers *l, size_t k) {
-  if (l->n == l->capacity) {
-    const size_t capacity = 2 * l->capacity + 64;
-    l->failed = l->failed || !memory_resize(1, &(memory_column){&l->at, capacity, sizeof *l->at});
-    if (l->failed) return;
-    l->capacity = capacity;
-  }
-  l->at[l->n++] = (uint32_t)k;
+  l->failed = l->failed || !list_room(&l->at, l->n, &l->capacity, sizeof *l->at);
+  if (!l->failed) l->at[l->n++] = (uint32_t)k;
 }
 
 #endif

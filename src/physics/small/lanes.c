@@ -95,7 +95,8 @@ sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out
       l->watched[2 * k + side] =
           (uint8_t)find_pair(l, slot[m->slides[k].disk], slot[m->slides[k].partner[side]]);
   lay_rows(l);
-  return alone ? SD_OK : pose_batch_new(width, count, system, &l->motion);
+  if (!alone) l->motion = pose_batch_new(width, count, system);
+  return SD_OK;
 }
 
 void lanes_free(lanes *l) {

@@ -304,11 +304,10 @@ sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
   engine_find_slots(e);
   for (uint32_t k = 0; k < e->state->n_clumps; k++)
     w->slot[e->state->n_bodies + k] = (uint32_t)e->state->n_bodies + k;
-  if (clumps_new(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the clumps");
-  if (body_forces_new(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the fields");
-  sd_status status = motion_new(e, messages);
-  if (status == SD_OK && motion_resume(e) != SD_OK)
-    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  if (clumps_new(e) != SD_OK || body_forces_new(e) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
+  const sd_status status = motion_new(e, messages);
+  if (status == SD_OK) motion_resume(e);
   return status;
 }
 

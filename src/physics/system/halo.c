@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/comm.h"
 #include "base/memory.h"
+#include "physics/system/list.h"
 
 static void free_rows(halo_rows *r) {
   free(r->start);
@@ -54,11 +55,7 @@ sd_status halo_connect(halo *h, const int *to, const int *from) {
 }
 
 sd_status halo_wait_for(halo_waits *list, halo_wait wait) {
-  if (list->count == list->capacity) {
-    const size_t capacity = 2 * list->capacity + 16;
-    if (!memory_resize(1, &(memory_column){&list->item, capacity, sizeof *list->item})) return SD_ERROR_IO;
-    list->capacity = capacity;
-  }
+  if (!list_room(&list->item, list->count, &list->capacity, sizeof *list->item)) return SD_ERROR_IO;
   list->item[list->count++] = wait;
   return SD_OK;
 }
