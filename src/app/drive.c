@@ -301,11 +301,8 @@ static int open_log(teller *t, const char *path) {
 static int serve(void) {
   sd_model *model;
   model_share(comm_world(), NULL, &model, NULL);
-  ranks *r = model ? ranks_new(comm_world(), model, &app_stop) : NULL;
-  if (!r) {
-    comm_fail(comm_world(), "no memory");
-    return SD_ERROR_IO;
-  }
+  if (!model) return SD_ERROR_IO; /* the job ends */
+  ranks *r = ranks_new(comm_world(), model, &app_stop);
   const int status = ranks_serve(r);
   ranks_free(r);
   sd_model_free(model);
@@ -320,8 +317,9 @@ int drive_begin(const drive_options *options, sd_messages *messages) {
   int status = comm_begin(messages);
   comm_on_fail(tell_end);
   if (status == SD_OK && comm_world() && options->live)
-    status = sd_fail(messages, SD_ERROR_USER,
-                     "--live shows the disks of one process; expected a run without mpirun, or without --live");
+    status =
+        sd_fail(messages, SD_ERROR_USER,
+                "--live shows the disks of one process; expected a run without mpirun, or without --live");
   if (status != SD_OK && comm_rank(comm_world()) == 0) sd_messages_print(messages, stderr);
   if (comm_world()) app_begin_saving(); /* a rank that is gone would be waited for */
   return status;

@@ -44,7 +44,7 @@ static int by_disk(const void *one, const void *two) {
   return p->row < q->row ? -1 : p->row > q->row;
 }
 
-sd_status resultants_new(resultants *r, const sd_model *m, sd_messages *messages) {
+void resultants_new(resultants *r, const sd_model *m) {
   *r = (resultants){.n_sums = WHOLE + ROW * (m->n_walls + m->n_groups + m->n_contact_disks)};
   r->wall = memory_new(m->n_walls, sizeof *r->wall);
   r->group = memory_new(m->n_groups, sizeof *r->group);
@@ -54,8 +54,6 @@ sd_status resultants_new(resultants *r, const sd_model *m, sd_messages *messages
   for (size_t k = 0; k < m->n_contact_disks; k++)
     r->chosen[k] = (struct resultant_disk){m->contact_disks[k], k};
   qsort(r->chosen, m->n_contact_disks, sizeof *r->chosen, by_disk);
-  (void)messages;
-  return SD_OK;
 }
 
 void resultants_free(resultants *r) {

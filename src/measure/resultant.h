@@ -33,7 +33,7 @@ typedef struct resultants {
 } resultants;
 
 /* SD_OK always. */
-sd_status resultants_new(resultants *r, const sd_model *model, sd_messages *messages);
+void resultants_new(resultants *r, const sd_model *model);
 void resultants_free(resultants *r);
 /* slots[body] in the state. Only what the model asks for is computed. shared: every rank calls, with the part of the state that it
  * has, contacts stored; then all know the sums, and a rank without memory ends the job. */

@@ -78,7 +78,7 @@ static lanes *lanes_for(ensemble *e, size_t n, engine *const *systems) {
   lanes_free(e->lanes);
   e->n_together = n;
   memcpy(e->together, systems, n * sizeof(engine *));
-  lanes_new(false, n, systems, &e->lanes);
+  e->lanes = lanes_new(false, n, systems);
   return e->lanes;
 }
 

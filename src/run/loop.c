@@ -34,8 +34,7 @@ static const sd_phase *phase_of(const engine *e) { return &e->model->phases[e->s
 
 sd_status loop_build(engine *e, bool small, int threads, sd_messages *messages) {
   sd_status status = engine_build(e, small ? 1 : threads, messages);
-  if (status == SD_OK && small && lanes_new(true, 1, &e, engine_lanes_place(e)) != SD_OK)
-    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
+  if (status == SD_OK && small) *engine_lanes_place(e) = lanes_new(true, 1, &e);
   return status;
 }
 
@@ -63,13 +62,11 @@ static sd_status order_again(engine *e, sd_messages *messages) {
 
 /* --- phases ---------------------------------------------------------------------------------------------- */
 
-sd_status loop_begin_phase(engine *e, sd_messages *messages) {
-  if (loop_finished(e)) return SD_OK;
+void loop_begin_phase(engine *e) {
+  if (loop_finished(e)) return;
   relax_begin(e);
   cell_begin(e);
-  const bool there = motion_begin_phase(e) == SD_OK;
-  if (!there) sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
-  return comm_agree(e->comm, there ? SD_OK : SD_ERROR_IO);
+  motion_begin_phase(e);
 }
 
 sd_status loop_start(engine *e, sd_messages *messages) {
@@ -86,10 +83,11 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   const settle_measure rest = settles ? settle_look(e) : (settle_measure){0};
   phase_end(e, settles ? &rest : NULL);
   if (loop_finished(e)) return SD_OK;
-  sd_status status = order_again(e, messages);
-  if (status == SD_OK) status = loop_begin_phase(e, messages);
-  if (status == SD_OK && phase_measures(e)) phase_measure_begin(e);
-  return status;
+  const sd_status status = order_again(e, messages);
+  if (status != SD_OK) return status;
+  loop_begin_phase(e);
+  if (phase_measures(e)) phase_measure_begin(e);
+  return SD_OK;
 }
 
 /* --- what is done between steps ----------------------------------------------------------------------- */

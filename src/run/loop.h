@@ -15,7 +15,7 @@ sd_status loop_build(engine *e, bool small, int threads, sd_messages *messages);
 sd_status loop_rebuild(engine *e, bool small, sd_messages *messages);
 void loop_release(engine *e);
 /* state->phase is new: motions are switched. */
-sd_status loop_begin_phase(engine *e, sd_messages *messages);
+void loop_begin_phase(engine *e);
 /* Step 0, once the first phase has begun. */
 sd_status loop_start(engine *e, sd_messages *messages);
 /* Steps until something is looked at or done between steps. Not when it is finished. */

@@ -89,11 +89,9 @@ ranks *ranks_new(const comm *c, const sd_model *model, volatile sig_atomic_t *st
                .messages = sd_messages_new(),
                .collected = -1,
                .balance.excess = NAN};
-  if (record_share_new(&r->rows, model, r->messages) == SD_OK &&
-      resultants_new(&r->sums, model, r->messages) == SD_OK)
-    return r;
-  ranks_free(r);
-  return NULL;
+  record_share_new(&r->rows, model);
+  resultants_new(&r->sums, model);
+  return r;
 }
 
 static void drop_part(ranks *r) {
@@ -279,7 +277,6 @@ static sd_status spread(ranks *r, const engine *whole, bool tiles) {
   if (comm_all_well(r->comm, status)) status = move_first_cut(r->model, r->cuts, from);
   r->balance.cuts++;
   if (r->threads > 1 && !r->pool) r->pool = pool_new(r->threads);
-  if (r->threads > 1 && !r->pool) status = SD_ERROR_IO;
   if (comm_all_well(r->comm, status))
     status = take_part(r, from, tiles);
   else if (status != SD_OK && sd_messages_count(r->messages) == 0)

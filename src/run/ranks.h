@@ -28,7 +28,7 @@ typedef struct ranks_balance {
 } ranks_balance;
 
 /* c: its ranks. stop: becomes true where this rank gets a signal, and then on rank 0,
- * too. NULL: no memory for the rows of results. */
+ * too. */
 ranks *ranks_new(const comm *c, const sd_model *model, volatile sig_atomic_t *stop);
 void ranks_free(ranks *r);
 

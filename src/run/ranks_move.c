@@ -81,7 +81,8 @@ static sd_status find_owners(shares *p) {
 /* Finds places of the rows that come, so that all ascend by this column. found: room for it. */
 static sd_status come_in_order(route *r, const uint32_t *order, uint32_t *found, uint32_t *place) {
   const sd_status status = route_columns(r, &(route_column){order, found, sizeof *order}, 1, NULL);
-  return status == SD_OK ? route_merge(r, found, place) : status;
+  if (status == SD_OK) route_merge(r, found, place);
+  return status;
 }
 
 /* Who comes here, and what ghosts are chosen by. */

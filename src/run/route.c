@@ -125,7 +125,7 @@ sd_status route_columns(route *r, const route_column *column, size_t n, const ui
   return SD_OK;
 }
 
-sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {
+void route_merge(const route *r, const uint32_t *order, uint32_t *place) {
   const size_t ranks = (size_t)comm_size(r->comm);
   size_t *at = memory_new(2 * ranks, sizeof *at), *end = at + ranks, begin = 0;
   runs heads;
@@ -145,5 +145,4 @@ sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {
   }
   runs_free(&heads);
   free(at);
-  return SD_OK;
 }

@@ -36,6 +36,6 @@ void route_free(route *r);
  * (comm_fail). */
 sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place);
 /* The rows of each rank come in ascending order: place[k] is where row k stands among all. */
-sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place);
+void route_merge(const route *r, const uint32_t *order, uint32_t *place);
 
 #endif

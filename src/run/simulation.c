@@ -68,8 +68,7 @@ static bool is_finished(const sd_model *model, sd_messages *messages) {
 /* Lists are made where the steps of the present phase are: on the ranks, or here. */
 static sd_status build_work(sd_simulation *sim, bool small, int threads, sd_messages *messages) {
   engine *e = &sim->engine;
-  if (threads > 1 && !(e->pool = pool_new(threads)))
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for the threads");
+  if (threads > 1) e->pool = pool_new(threads);
   if (sim->ranks) return engine_build_bodies(e, threads, messages);
   if (state_bring(e->state) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "cannot read the state");
   state_spread(e->state, e->pool);
@@ -88,11 +87,9 @@ static sd_status create(const sd_model *model, sd_state *state, int threads, sim
   sd_simulation *sim = memory_lines(sizeof *sim);
   *sim = (sd_simulation){.engine = {.model = model, .state = state}};
   const bool small = step == SIMULATION_SUITABLE && lanes_suit(model) && all_in_play(state);
-  sd_status status = SD_OK;
   assert(!c || !small); /* ranks_suit */
-  if (c && !(sim->ranks = ranks_new(c, model, stop)))
-    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the ranks");
-  if (status == SD_OK) status = build_work(sim, small, small ? 1 : choose_threads(model, threads), messages);
+  if (c) sim->ranks = ranks_new(c, model, stop);
+  const sd_status status = build_work(sim, small, small ? 1 : choose_threads(model, threads), messages);
   if (status != SD_OK) return fail_new(sim, out, status);
   *out = sim;
   return SD_OK;
@@ -152,9 +149,8 @@ sd_status simulation_new(const sd_model *model, int threads, simulation_step ste
   if (status != SD_OK) return status;
   assert(*out);
   engine *e = &(*out)->engine;
-  status = loop_begin_phase(e, messages);
-  if (status == SD_OK)
-    status = (*out)->ranks ? ranks_start((*out)->ranks, e, messages) : loop_start(e, messages);
+  loop_begin_phase(e);
+  status = (*out)->ranks ? ranks_start((*out)->ranks, e, messages) : loop_start(e, messages);
   return status == SD_OK ? SD_OK : fail_new(*out, out, status);
 }
 

@@ -25,12 +25,10 @@ static void add_columns(table *t, const sd_model *model, const observable_list *
   }
 }
 
-sd_status record_share_new(record_share *r, const sd_model *model, sd_messages *messages) {
-  (void)messages;
+void record_share_new(record_share *r, const sd_model *model) {
   *r = (record_share){.model = model};
   add_columns(&r->disks, model, &frame_observables, "/disks/particles/disks", "/value");
   add_columns(&r->contacts, model, &contact_observables, "/contacts/contacts", "");
-  return SD_OK;
 }
 
 void record_share_free(record_share *r) {

@@ -12,7 +12,7 @@ typedef struct record_share {
 } record_share;
 
 /* record_share_free also when it fails. */
-sd_status record_share_new(record_share *r, const sd_model *model, sd_messages *messages);
+void record_share_new(record_share *r, const sd_model *model);
 void record_share_free(record_share *r);
 /* Adds what the bits ask for: frame number `frame` of the part that is to be sealed, of the slots [0, n_free) and from `driven` to
  * n_disks, slots[body], and contacts of moment `moment_number`, whose places are `order`. */

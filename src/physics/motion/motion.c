@@ -274,7 +274,7 @@ static void switch_on(engine *e, size_t k) {
   if (motion_is_feedback(&e->model->motions[k])) feedback_begin(e, k);
 }
 
-sd_status motion_begin_phase(engine *e) {
+void motion_begin_phase(engine *e) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
   assert(s->phase >= 0 && (size_t)s->phase < m->n_phases);
@@ -288,7 +288,6 @@ sd_status motion_begin_phase(engine *e) {
     if (!on && active[k]) switch_on(e, k);
   }
   motion_resume(e);
-  return SD_OK;
 }
 
 void motion_reload(engine *e) {

@@ -35,8 +35,8 @@ void motion_free(engine *e);
 /* The forces of step 0 are known now: loads and servos that run begin with them. */
 void motion_begin_run(engine *e);
 /* A phase begins (state->phase): switches motions on and off, freezing what they displaced into
- * the base. SD_OK always. */
-sd_status motion_begin_phase(engine *e);
+ * the base. */
+void motion_begin_phase(engine *e);
 /* The lists of running motions, from the state; called after loading a state. */
 void motion_resume(engine *e);
 /* The state went on by other means while the same motions run: what was computed ahead is forgotten. */

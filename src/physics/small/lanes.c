@@ -60,13 +60,13 @@ static void lay_rows(lanes *l) {
   l->least = rows_at(l, ROWS_LEAST);
 }
 
-sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out) {
+lanes *lanes_new(bool alone, size_t count, engine *const *system) {
   const size_t width = alone ? 2 : system[0]->work.kernels->lane_width;
   assert(count >= 1 && count <= width && width <= LANES_MOST && (!alone || count == 1));
   for (size_t k = 0; k < count; k++)
     assert(system[k]->work.n_threads == 1 && lanes_suit(system[k]->model) &&
            lanes_alike(system[0]->model, system[k]->model));
-  lanes *l = *out = memory_new(1, sizeof *l);
+  lanes *l = memory_new(1, sizeof *l);
   l->memory = memory_lines((size_t)ROWS_ALL * LANES_MOST * sizeof(double));
   l->width = width;
   l->count = count;
@@ -96,7 +96,7 @@ sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out
           (uint8_t)find_pair(l, slot[m->slides[k].disk], slot[m->slides[k].partner[side]]);
   lay_rows(l);
   if (!alone) l->motion = pose_batch_new(width, count, system);
-  return SD_OK;
+  return l;
 }
 
 void lanes_free(lanes *l) {

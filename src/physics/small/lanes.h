@@ -144,8 +144,8 @@ bool lanes_alike(const sd_model *a, const sd_model *b);
 bool lanes_in_step(const engine *a, const engine *b);
 
 /* alone: one system, with its own motions; else up to the kernels' lane_width of them. Systems of one thread, alike and
- * in step; the rows are not loaded. Always SD_OK: this is small. */
-sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out);
+ * in step; the rows are not loaded. */
+lanes *lanes_new(bool alone, size_t count, engine *const *system);
 void lanes_free(lanes *l);
 /* Rows from the states and the contact memory of the systems, and back. What went wrong stays as it is. */
 void lanes_load(lanes *l);

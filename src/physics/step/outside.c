@@ -12,6 +12,7 @@
 #include "physics/step/engine.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/system/halo.h"
+#include "physics/system/list.h"
 
 /* A disk that has left; order: its slot among those of all ranks. */
 typedef struct outside_left {
@@ -61,13 +62,10 @@ static sd_status find_left(engine *e, outside_left **list, size_t *n) {
     const bool out = beyond(e, i);
     if (!out) s->activity[i] = SD_IN_PLAY;
     if (!out || s->activity[i] == SD_OUTSIDE) continue;
-    if (*n == capacity) {
-      capacity = 2 * capacity + 16;
-      if (!memory_resize(1, &(memory_column){list, capacity, sizeof **list})) {
-        free(*list);
-        *list = NULL;
-        return SD_ERROR_IO;
-      }
+    if (!list_room(list, *n, &capacity, sizeof **list)) {
+      free(*list);
+      *list = NULL;
+      return SD_ERROR_IO;
     }
     const uint32_t order = e->halo ? e->halo->order[i] : (uint32_t)i;
     (*list)[(*n)++] = (outside_left){order, s->id[i], (uint32_t)i, s->x[i], s->y[i]};
