@@ -123,11 +123,18 @@ typedef struct result_size {
   size_t most_contacts;             /* assumed in each table */
   bool at_most;                     /* the run may end early */
   double bytes;
+  double memory;  /* of a run in one process, at its peak, with so many contacts; bytes, within a quarter */
+  double unsaved; /* at most so much of it is rows that wait for a checkpoint */
 } result_size;
 /* SD_ERROR_IO: no memory. */
 sd_status size_find(result_size *size, const sd_model *model, sd_messages *messages);
 /* Warns of more than the disk of this folder has room for, and of very large ones. */
 void size_warn(const result_size *size, const char *folder, sd_messages *messages);
+/* Bytes of it beside those of the program itself and of rows that wait. */
+double size_memory(const sd_model *model);
+/* SD_ERROR_IO, with a message: a run in one process needs more memory than it can have, whatever contacts it will have
+ * (state_refuse). Warns where it does by the estimate. */
+sd_status size_refuse(const sd_model *model, const result_size *size, sd_messages *messages);
 /* "1.2 GB"; written into text[size]. */
 const char *size_text(double bytes, char *text, size_t size);
 

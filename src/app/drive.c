@@ -219,13 +219,16 @@ static void warn_of_threads(const sd_model *model, int asked, sd_messages *messa
             asked, SIMULATION_DISKS_PER_THREAD, model->n_free, best);
 }
 
-/* Where the result will lie. */
-static void warn_of_size(const sd_model *model, const char *result, sd_messages *messages) {
+/* Memory, and the disk where the result will lie. Ranks have memory of their own, of which the first does not know. */
+static sd_status check_size(const sd_model *model, const char *result, sd_messages *messages) {
   result_size size;
+  if (size_find(&size, model, NULL) != SD_OK) return SD_OK;
+  if (!comm_world() && size_refuse(model, &size, messages) != SD_OK) return SD_ERROR_IO;
   const char *slash = strrchr(result, '/');
   char *folder = slash ? format_text("%.*s", (int)(slash - result) + 1, result) : format_text(".");
-  if (size_find(&size, model, NULL) == SD_OK) size_warn(&size, folder, messages);
+  size_warn(&size, folder, messages);
   free(folder);
+  return SD_OK;
 }
 
 /* For drive_describe_saved. */
@@ -255,9 +258,9 @@ static int run_session(const sd_model *model, const drive_options *options, tell
                          .user = t};
   session *s;
   sd_model_advise(model, messages);
-  warn_of_size(model, options->result, messages);
+  sd_status status = check_size(model, options->result, messages);
   warn_of_threads(model, (int)options->threads, messages);
-  sd_status status = session_open(model, &how, &s, messages);
+  if (status == SD_OK) status = session_open(model, &how, &s, messages);
   tell_messages(t, messages);
   if (status == SD_INTERRUPTED && t->screen) app_tell_no_start();
   if (status != SD_OK) {

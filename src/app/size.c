@@ -10,9 +10,12 @@
 
 #include "slipdisk/deck.h"
 #include "app/app.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/results/record.h"
 #include "io/results/summary.h"
+#include "model/state.h"
+#include "run/session.h"
 
 /* HDF5's own: headers and attributes of each dataset, about 640 bytes. */
 static const double FILE_BYTES = 160e3, WALLS_BYTES = 40e3;
@@ -67,22 +70,10 @@ static double row_bytes(const table *t, double left) {
   return bytes;
 }
 
-static double state_bytes(const sd_model *m, size_t contacts) {
-  const sd_state s = {.n_free = m->n_free,
-                      .n_disks = m->n_disks,
-                      .n_bodies = sd_model_bodies(m),
-                      .n_contacts = contacts,
-                      .n_motions = m->n_motions,
-                      .n_phases = m->n_phases,
-                      .n_rotations = m->n_rotations,
-                      .n_slides = m->n_slides,
-                      .n_means = m->measure_disks ? m->n_free : 0,
-                      .n_visits = m->measure_configurations ? m->n_slides : 0,
-                      .n_clumps = m->n_clumps};
-  double bytes = (double)(s.n_means * disk_observables.n * sizeof(double));
-  for (size_t k = 0; k < sd_field_count; k++)
-    bytes += (double)(sd_extent_size(&s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
-  return bytes;
+/* With the means of every disk that readers compute from its columns. */
+static double stored_bytes(const sd_model *m, size_t contacts) {
+  const size_t means = m->measure_disks ? m->n_free : 0;
+  return state_bytes(m, contacts) + (double)(means * disk_observables.n * sizeof(double));
 }
 
 static double result_bytes(const sd_model *m, const record *r, const rows *n) {
@@ -90,12 +81,29 @@ static double result_bytes(const sd_model *m, const record *r, const rows *n) {
   const char *const texts[] = {sd_model_deck(m)->text, sd_model_deck(m)->full, sd_model_deck(m)->bodies};
   double bytes = FILE_BYTES + (m->n_walls ? WALLS_BYTES : 0) + BODY_BYTES * (double)sd_model_bodies(m);
   for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) bytes += texts[k] ? (double)strlen(texts[k]) : 0;
-  bytes += state_bytes(m, contacts) + (double)n->series * row_bytes(&r->series, 1);
+  bytes += stored_bytes(m, contacts) + (double)n->series * row_bytes(&r->series, 1);
   bytes += (double)n->frames * (row_bytes(&r->disks, NOISE_LEFT) + row_bytes(&r->clumps, NOISE_LEFT));
   /* walls move regularly, or not at all */
   bytes += (double)n->contacts *
            (row_bytes(&r->contact_index, 1) + (double)contacts * row_bytes(&r->contact_rows, FORCE_LEFT));
   return bytes;
+}
+
+/* Measured from 1e4 to 1e6 disks, in gases and packings: libraries and buffers; lists, forces and rows of a disk, with one
+ * frame and contact table; what stands in memory of each byte of rows, as they are and as a part that is written. */
+static const double PROGRAM_BYTES = 25e6, WORK_BYTES = 600, ROWS_TWICE = 1.85;
+
+double size_memory(const sd_model *m) {
+  return stored_bytes(m, most_contacts(m)) + (WORK_BYTES + sizeof(sd_disk)) * (double)m->n_disks;
+}
+
+/* Rows that wait for the next part or checkpoint, beside two moments that every run has. */
+static double unsaved_bytes(const sd_model *m, const record *r, const rows *n) {
+  const double tables = (double)most_contacts(m) * row_bytes(&r->contact_rows, 1);
+  const double disk_rows = row_bytes(&r->disks, 1) + row_bytes(&r->clumps, 1);
+  const double all = (double)n->series * row_bytes(&r->series, 1) + (double)(n->frames - 2) * disk_rows +
+                     (double)(n->contacts - 2) * tables;
+  return ROWS_TWICE * fmin(all, SESSION_ROWS_BYTES);
 }
 
 const char *size_text(double bytes, char *text, size_t size) {
@@ -119,9 +127,22 @@ sd_status size_find(result_size *size, const sd_model *m, sd_messages *messages)
     size->frames = n.frames;
     size->contacts = n.contacts;
     size->bytes = result_bytes(m, &r, &n);
+    size->unsaved = unsaved_bytes(m, &r, &n);
+    size->memory = PROGRAM_BYTES + size_memory(m) + size->unsaved;
   }
   record_free(&r);
   return status;
+}
+
+sd_status size_refuse(const sd_model *m, const result_size *size, sd_messages *messages) {
+  const double limit = memory_limit(1);
+  char need[40], there[40];
+  if (state_refuse(m, messages) != SD_OK) return SD_ERROR_IO;
+  if (size->memory > limit)
+    sd_warn(messages,
+            "the run needs about %s of memory, and this process can have %s: it may be killed before it ends",
+            size_text(size->memory, need, sizeof need), size_text(limit, there, sizeof there));
+  return SD_OK;
 }
 
 /* A result larger than this is seldom meant. */

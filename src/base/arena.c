@@ -7,6 +7,8 @@
 #include <string.h>
 #include <sys/mman.h>
 
+#include "base/memory.h"
+
 enum { LINE = 64, PAGE = 4096, APART = 3 * LINE, LARGE_PAGE = 1 << 21, LARGE = 2 * LARGE_PAGE };
 
 /* Stands before the room, whose start is on a line. */
@@ -62,6 +64,7 @@ void arena_release(void *room, void *at, size_t bytes) {
 
 void *arena_for(size_t n, size_t size) {
   arena_plan plan = {0};
+  if (!memory_fits((double)n * (double)size)) return NULL;
   arena_column(&plan, n * size);
   return arena_new(&plan);
 }

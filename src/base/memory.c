@@ -4,14 +4,21 @@
 #endif
 #include "base/memory.h"
 
+#include <limits.h>
+#include <math.h>
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/sysinfo.h>
 #include <unistd.h>
 
 #include "slipdisk/status.h"
+
+/* Smaller arrays are not compared with the memory that there is. */
+static const double LARGE = 1 << 26;
 
 static _Atomic(sd_memory_handler *) handler;
 static atomic_flag called = ATOMIC_FLAG_INIT;
@@ -64,8 +71,90 @@ void *memory_copy(const void *from, size_t bytes) {
 
 char *memory_text(const char *text) { return memory_copy(text, text ? strlen(text) + 1 : 0); }
 
+/* --- what there is ------------------------------------------------------------------------------- */
+
+/* The number in a file of a control group; HUGE_VAL: no such file, or "max". */
+static double group_number(const char *root, const char *folder, const char *name) {
+  char path[PATH_MAX + 80];
+  double number = HUGE_VAL;
+  snprintf(path, sizeof path, "%s%s/%s", root, folder, name);
+  FILE *file = fopen(path, "r");
+  if (!file) return HUGE_VAL;
+  if (fscanf(file, "%lf", &number) != 1) number = HUGE_VAL;
+  fclose(file);
+  return number;
+}
+
+/* Bytes of one group, memory and swap space. The first version limits their sum as well. */
+static double group_limit(bool first_version, const char *folder, double swap) {
+  static const char root[] = "/sys/fs/cgroup", old_root[] = "/sys/fs/cgroup/memory";
+  if (!first_version)
+    return group_number(root, folder, "memory.max") +
+           fmin(swap, group_number(root, folder, "memory.swap.max"));
+  return fmin(group_number(old_root, folder, "memory.limit_in_bytes") + swap,
+              group_number(old_root, folder, "memory.memsw.limit_in_bytes"));
+}
+
+/* The least limit of a group and of all above it. In a container paths may lead nowhere: then only the limit at the root
+ * counts, which is its own. */
+static double groups_limit(bool first_version, char *folder, double swap) {
+  double least = HUGE_VAL;
+  for (;;) {
+    least = fmin(least, group_limit(first_version, folder, swap));
+    char *slash = strrchr(folder, '/');
+    if (!slash) return least;
+    *slash = 0;
+  }
+}
+
+/* Of all control groups of this process; lines are "number:controllers:path", of version 2 "0::path". */
+static double control_groups_limit(double swap) {
+  char line[PATH_MAX];
+  double least = HUGE_VAL;
+  FILE *file = fopen("/proc/self/cgroup", "r");
+  while (file && fgets(line, sizeof line, file)) {
+    char *controllers = strchr(line, ':'), *path = controllers ? strchr(controllers + 1, ':') : NULL;
+    if (!path) continue;
+    *path++ = 0;
+    path[strcspn(path, "\n")] = 0;
+    const bool second = strcmp(line, "0:") == 0, first = strstr(controllers, ":memory") != NULL;
+    if (first || second) least = fmin(least, groups_limit(first, path, swap));
+  }
+  if (file) fclose(file);
+  return least;
+}
+
+static double resource_limit(int resource) {
+  struct rlimit most;
+  return getrlimit((__rlimit_resource_t)resource, &most) == 0 && most.rlim_cur != RLIM_INFINITY
+             ? (double)most.rlim_cur
+             : HUGE_VAL;
+}
+
+double memory_limit(size_t processes) {
+  struct sysinfo machine;
+  double shared = HUGE_VAL, swap = 0;
+  if (sysinfo(&machine) == 0) {
+    swap = (double)machine.totalswap * machine.mem_unit;
+    shared = (double)machine.totalram * machine.mem_unit + swap;
+  }
+  shared = fmin(shared, control_groups_limit(swap));
+  return fmin(shared / (double)processes, fmin(resource_limit(RLIMIT_AS), resource_limit(RLIMIT_DATA)));
+}
+
+/* Linux gives memory that it does not have, and kills the process that writes into it. */
+bool memory_fits(double bytes) { return bytes < LARGE || bytes <= memory_limit(1); }
+
+/* --- rows ---------------------------------------------------------------------------------------- */
+
+static double bytes_of(size_t n_columns, const memory_column *columns) {
+  double bytes = 0;
+  for (size_t k = 0; k < n_columns; k++) bytes += (double)columns[k].n * (double)columns[k].size;
+  return bytes;
+}
+
 bool memory_rows(size_t n_columns, const memory_column *columns) {
-  bool enough = true;
+  bool enough = memory_fits(bytes_of(n_columns, columns));
   for (size_t k = 0; k < n_columns; k++) {
     const memory_column *c = &columns[k];
     void *made = enough ? calloc(c->n > 0 ? c->n : 1, c->size) : NULL;
@@ -82,6 +171,8 @@ bool memory_rows(size_t n_columns, const memory_column *columns) {
 }
 
 bool memory_resize(size_t n_columns, const memory_column *columns) {
+  /* arrays that grow by doubling may need half of it */
+  if (!memory_fits(bytes_of(n_columns, columns) / 2)) return false;
   for (size_t k = 0; k < n_columns; k++) {
     void *old;
     memcpy(&old, columns[k].at, sizeof old);

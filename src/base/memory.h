@@ -34,12 +34,20 @@ typedef struct memory_column {
   size_t n, size;
 } memory_column;
 
+/* Bytes that each of so many processes side by side can have at all, whatever others use: its share of
+ * the machine's memory and swap space, or of what control groups allow (versions 1 and 2, all levels),
+ * and no more than the limits of its address space and data (ulimit -v, -d). */
+double memory_limit(size_t processes);
+/* False: more bytes than one process can have. Less than 64 MiB are not compared. */
+bool memory_fits(double bytes);
+
 /* Sets the pointers of n_columns arrays to zeroed memory; none is NULL then, also with n = 0.
- * False: there is not enough memory, and all of them are NULL. Free each with free(). */
+ * False: there is not enough memory, or together they do not fit (memory_fits), and all of
+ * them are NULL. Free each with free(). */
 bool memory_rows(size_t n_columns, const memory_column *columns);
 /* Changes the arrays to n elements each and keeps the elements that both have; what is new is not
  * set. False: there is not enough memory; each pointer still has at least the elements that it
- * had, if n is not below. */
+ * had, if n is not below. The half of it is compared with memory_fits. */
 bool memory_resize(size_t n_columns, const memory_column *columns);
 
 #endif

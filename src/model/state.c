@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "slipdisk/deck.h"
 #include "base/arena.h"
 #include "base/memory.h"
 #include "model/cell.h"
@@ -276,7 +277,7 @@ static void **field_pointer(sd_state *s, const sd_field *f) {
 /* Of contacts: padded to whole 64-byte vectors, and zero. */
 static void *column_new(size_t n, sd_type type) {
   size_t bytes = (n * sd_type_size(type) + 127) / 64 * 64;
-  void *p = aligned_alloc(64, bytes);
+  void *p = memory_fits((double)bytes) ? aligned_alloc(64, bytes) : NULL;
   if (p) memset(p, 0, bytes);
   return p;
 }
@@ -330,8 +331,7 @@ void state_spread(sd_state *s, pool *c) {
 
 sd_state *sd_state_new(const sd_model *m) { return state_new_part(m, m->n_free, 0); }
 
-sd_state *state_new_part(const sd_model *m, size_t n_free, size_t n_ghosts) {
-  sd_state *s = memory_new(1, sizeof *s);
+static void set_extents(sd_state *s, const sd_model *m, size_t n_free, size_t n_ghosts) {
   s->n_free = n_free;
   s->n_ghosts = n_ghosts;
   s->n_disks = n_free + n_ghosts + (m->n_disks - m->n_free);
@@ -349,6 +349,54 @@ sd_state *state_new_part(const sd_model *m, size_t n_free, size_t n_ghosts) {
   s->n_visits = m->measure_configurations ? m->n_slides : 0;
   s->n_fielded = m->n_fields ? n_free : 0;
   s->law_columns = (laws_features(m) & LAW_GENERAL) != 0;
+}
+
+static double bytes_of(const sd_state *s) {
+  double bytes = 0;
+  for (size_t k = 0; k < sd_field_count; k++)
+    bytes += (double)(sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
+  return bytes;
+}
+
+double state_bytes(const sd_model *m, size_t contacts) {
+  sd_state s = {.n_contacts = contacts};
+  set_extents(&s, m, m->n_free, 0);
+  return bytes_of(&s);
+}
+
+size_t state_disk_bytes(bool free) {
+  size_t bytes = sizeof(sd_disk);
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    if (f->extent == SD_PER_BODY || (free && f->extent == SD_PER_FREE)) bytes += sd_type_size(f->type);
+  }
+  return bytes;
+}
+
+double state_least_bytes(const sd_model *m) {
+  sd_state s = {0};
+  bool measured = false;
+  set_extents(&s, m, m->n_free, 0);
+  for (size_t k = 0; k < m->n_phases; k++) measured |= m->phases[k].measure;
+  if (!measured) s.n_means = 0; /* nothing is written there */
+  return (double)(m->n_disks * sizeof(sd_disk)) + bytes_of(&s);
+}
+
+sd_status state_refuse(const sd_model *m, sd_messages *messages) {
+  const double needed = state_least_bytes(m);
+  if (memory_fits(needed)) return SD_OK;
+  const char *path = m->deck ? m->deck->path : NULL;
+  return sd_fail(messages, SD_ERROR_IO,
+                 "%s%sthe run needs at least %.3g GB of memory (%zu disks%s), and this process can have %.3g "
+                 "GB; expected "
+                 "fewer disks, another machine, or ranks of several machines (docs/cluster.md)",
+                 path ? path : "", path ? ": " : "", 1e-9 * needed, m->n_disks,
+                 m->measure_disks ? ", measure.disks = true" : "", 1e-9 * memory_limit(1));
+}
+
+sd_state *state_new_part(const sd_model *m, size_t n_free, size_t n_ghosts) {
+  sd_state *s = memory_new(1, sizeof *s);
+  set_extents(s, m, n_free, n_ghosts);
   s->bin_steps = s->mean_bin_steps = 1;
   s->box_scale = 1.0;
   s->fast_step = s->fast_disk = -1;

@@ -188,6 +188,15 @@ const void *state_rows(const sd_state *state, const sd_field *f, void **own);
 size_t state_contact_count(const sd_state *state); /* here or in the source */
 /* Takes all that is in the source; then there is none. */
 sd_status state_bring(sd_state *state);
+/* Bytes of its columns with so many contacts. */
+double state_bytes(const sd_model *model, size_t contacts);
+/* No simulation in one process takes fewer bytes: the model's disks, and columns without contacts. Columns that stay 0, of
+ * derivatives or losses, need no memory, but lists and forces, which are not counted, need more than these. */
+double state_least_bytes(const sd_model *model);
+/* So much of it is a single disk's, whatever the model. */
+size_t state_disk_bytes(bool free);
+/* SD_ERROR_IO, with a message: these do not fit (memory_fits). */
+sd_status state_refuse(const sd_model *model, sd_messages *messages);
 /* As sd_state_new for a part of the free disks, with places for ghosts; prescribed bodies are those of the model. */
 sd_state *state_new_part(const sd_model *model, size_t n_free, size_t n_ghosts);
 /* Columns of bodies move to pages that the threads have touched first, each its share, so that they stand near it. Without

@@ -37,6 +37,9 @@ typedef struct session_progress {
   const session_rest *rest; /* of the present phase; NULL: it does not settle */
 } session_progress;
 
+/* Rows beyond these bytes are sealed at once: memory stays bounded whatever the cadence. */
+enum { SESSION_ROWS_BYTES = 64 << 20 };
+
 typedef struct session_options {
   const char *result; /* path of the file to be made */
   int threads;        /* 0: chosen from the system's size */

@@ -13,8 +13,6 @@
 
 /* Steps are taken in chunks of about this much wall time, so that signals and progress do not wait. */
 static const double CHUNK_SECONDS = 0.05;
-/* Rows beyond this are sealed at once: memory stays bounded whatever the cadence. */
-static const size_t MOST_BYTES = (size_t)64 << 20;
 
 typedef struct group {
   session_member *members; /* the caller's */
@@ -189,7 +187,7 @@ void session_group_run(size_t n, session_member *members, session_left *left, vo
              .status = memory_new(n, sizeof *g.status),
              .waits = memory_new(n, sizeof *g.waits),
              .chunk = 1,
-             .most_bytes = MOST_BYTES / (n > 0 ? n : 1),
+             .most_bytes = SESSION_ROWS_BYTES / (n > 0 ? n : 1),
              .left = left,
              .user = user};
   run_group(&g, n);

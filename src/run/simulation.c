@@ -134,6 +134,8 @@ sd_status simulation_new(const sd_model *model, int threads, simulation_step ste
                          volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages) {
   *out = NULL;
   if (!is_finished(model, messages)) return SD_ERROR_USER;
+  /* of ranks each has the rows of its own disks */
+  if (!c && state_refuse(model, messages) != SD_OK) return SD_ERROR_IO;
   const sd_status apart = refuse_coincident(model, messages);
   if (apart != SD_OK) return apart;
   sd_state *state = sd_state_new(model);

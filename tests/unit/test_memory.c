@@ -138,6 +138,23 @@ static void rows_are_all_or_none(void **state) {
   }
 }
 
+/* Each alone would be given: Linux finds out when they are written. */
+static void rows_beyond_the_machine_are_refused(void **state) {
+  (void)state;
+  const double limit = memory_limit(1);
+  const size_t half = (size_t)(0.6 * limit);
+  char *one = NULL, *two = NULL;
+  assert_true(limit > 0 && limit < 1e16);
+  assert_true(memory_limit(3) <= limit && memory_limit(3) >= limit / 4);
+  assert_true(memory_fits(0.99 * limit));
+  assert_false(memory_fits(1.01 * limit));
+  assert_true(memory_fits(1000)); /* small ones are never compared */
+  assert_false(memory_rows(2, (memory_column[]){{&one, half, 1}, {&two, half, 1}}));
+  assert_true(!one && !two);
+  assert_false(memory_resize(2, (memory_column[]){{&one, 2 * half, 1}, {&two, 2 * half, 1}}));
+  assert_true(!one && !two);
+}
+
 int main(void) {
   calls = mmap(NULL, sizeof *calls, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   const struct CMUnitTest tests[] = {
@@ -145,6 +162,7 @@ int main(void) {
       cmocka_unit_test(without_handler_the_process_aborts),
       cmocka_unit_test(small_things_are_there),
       cmocka_unit_test(rows_are_all_or_none),
+      cmocka_unit_test(rows_beyond_the_machine_are_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

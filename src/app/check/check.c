@@ -241,7 +241,7 @@ static sd_status look_at_sweep(const options *o, check_found *f, sd_messages *me
   int64_t *steps = memory_new(n, sizeof *steps);
   int *kinds = memory_new(n, sizeof *kinds);
   entry *entries = memory_new(n, sizeof *entries);
-  if (status == SD_OK) status = sweep_precheck(&s, steps, kinds, &usable, messages);
+  if (status == SD_OK) status = sweep_precheck(&s, 1, steps, kinds, &usable, messages);
   pace p = {.alone = speed > 0 ? 1 / speed : 0, .width = ensemble_width()};
   if (status == SD_OK && speed > 0 && p.width > 1 && n > 1 && ensemble_takes(f->model))
     p.together = probe_lanes(f->model, p.width);
@@ -259,6 +259,7 @@ static sd_status find(const options *o, check_found *f, sd_messages *messages) {
   sd_model_advise(m, messages);
   if (advice_overlap(m, &f->overlap) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "no memory");
   sd_status status = size_find(&f->size, m, messages);
+  if (status == SD_OK) status = size_refuse(m, &f->size, messages);
   if (status == SD_OK) size_warn(&f->size, ".", messages);
   if (status == SD_OK && !o->no_probe) status = probe(f, messages);
   if (status == SD_OK && sd_model_deck(m)->sweep_points > 0) status = look_at_sweep(o, f, messages);

@@ -125,9 +125,9 @@ static json_t *restitution_json(const sd_model *m) {
 }
 
 static json_t *size_json(const result_size *s) {
-  return json_pack("{s:I, s:I, s:I, s:o, s:b}", "series", (json_int_t)s->series, "frames",
+  return json_pack("{s:I, s:I, s:I, s:o, s:o, s:b}", "series", (json_int_t)s->series, "frames",
                    (json_int_t)s->frames, "contacts", (json_int_t)s->contacts, "bytes", json_number(s->bytes),
-                   "at_most", (int)s->at_most);
+                   "memory", json_number(s->memory), "at_most", (int)s->at_most);
 }
 
 static json_t *speed_json(const check_found *f) {

@@ -174,6 +174,11 @@ static void print_size(const check_found *f) {
          size_text(s->bytes, bytes, sizeof bytes));
   if (s->contacts > 2) printf(" when there are %zu contacts", s->most_contacts);
   printf(", and as much again while it is put together\n");
+  printf("# memory      about %s in one process", size_text(s->memory, bytes, sizeof bytes));
+  if (s->most_contacts > 0) printf(" when there are %zu contacts", s->most_contacts);
+  if (s->unsaved > 0.1 * s->memory)
+    printf(", up to %s of it rows that are not saved yet", size_text(s->unsaved, bytes, sizeof bytes));
+  printf("\n");
 }
 
 static void print_speed(const check_found *f) {

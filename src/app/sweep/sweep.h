@@ -40,9 +40,11 @@ sd_status sweep_print_json(const sweep *s);
 
 /* Checks all points before any of them runs: mistakes, and a warning when time steps are too large. steps[n_points]:
  * their lengths (with `until` the longest), 0 for those with mistakes; kinds[n_points]: points of the same kind
- * can share lanes, those that are SWEEP_ALONE cannot (ensemble.h); usable: sets of values without mistakes. */
+ * can share lanes, those that are SWEEP_ALONE cannot (ensemble.h); usable: sets of values without mistakes. SD_ERROR_IO: a point
+ * needs more memory than there is, or so many workers side by side do. */
 enum { SWEEP_ALONE = -1 };
-sd_status sweep_precheck(const sweep *s, int64_t *steps, int *kinds, size_t *usable, sd_messages *messages);
+sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *kinds, size_t *usable,
+                         sd_messages *messages);
 
 /* Runs what is not done yet: here or in the ranks of an MPI job, or (workers > 0) in processes of its own. */
 int sweep_run_all(const sweep *s, const sweep_command *c);

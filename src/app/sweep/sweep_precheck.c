@@ -1,5 +1,6 @@
 /* sweep_precheck.c: what can be said of a sweep's points before any of them runs: mistakes, lengths, time steps, columns
  * of the table that there will not be. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,6 +8,7 @@
 #include "app/app.h"
 #include "app/sweep/sweep.h"
 #include "model/advice.h"
+#include "model/state.h"
 #include "run/ensemble.h"
 
 /* More kinds of systems than this in one sweep are not looked for: what comes later runs alone. */
@@ -21,6 +23,15 @@ typedef struct advice {
   char *warning;
 } advice;
 
+/* What points need of memory, in bytes. */
+typedef struct needs {
+  double least, most; /* of any, in any case; of the largest, by the estimate */
+  size_t largest;     /* this point */
+  size_t refused;     /* sets of values that one process has no memory for */
+  size_t first;       /* a point of these, ... */
+  char *why;          /* ... and its message */
+} needs;
+
 typedef struct precheck {
   const sweep *s;
   int64_t *steps;
@@ -28,7 +39,8 @@ typedef struct precheck {
   int n_kinds;
   sd_model *models[MOST_KINDS]; /* one of each */
   advice *advice;               /* [advice_count] */
-  bool *collected;              /* [n_collect]: the pattern is a column of some point */
+  needs needs;
+  bool *collected; /* [n_collect]: the pattern is a column of some point */
 } precheck;
 
 /* --- points -------------------------------------------------------------------------------------------------- */
@@ -67,10 +79,26 @@ static void look_at_advice(precheck *v, size_t point, const sd_model *model) {
   }
 }
 
+static void look_at_memory(needs *n, size_t point, const sd_model *model) {
+  const double usual = size_memory(model);
+  sd_messages *mine = sd_messages_new();
+  n->least = fmin(n->least, state_least_bytes(model));
+  if (usual > n->most) {
+    n->most = usual;
+    n->largest = point;
+  }
+  if (state_refuse(model, mine) != SD_OK && n->refused++ == 0) {
+    n->first = point;
+    n->why = memory_text(sd_messages_text(mine, 0));
+  }
+  sd_messages_free(mine);
+}
+
 static bool visit(void *user, size_t point, sd_model *model) {
   precheck *v = user;
   v->steps[point] = sd_model_steps(model);
   look_at_advice(v, point, model);
+  look_at_memory(&v->needs, point, model);
   sweep_columns(v->s, point, model, v->collected);
   return find_kind(v, model, &v->kinds[point]);
 }
@@ -91,10 +119,43 @@ static void conclude(const precheck *v, bool all, sd_messages *messages) {
     if (!v->collected[k]) sd_warn(messages, "collect: \"%s\" will be no column of the table", d->collect[k]);
 }
 
-sd_status sweep_precheck(const sweep *s, int64_t *steps, int *kinds, size_t *usable, sd_messages *messages) {
+/* Points that run side by side share the memory of the machine. */
+static sd_status conclude_memory(const needs *n, const sweep *s, size_t workers, sd_messages *messages) {
+  const deck_sweep *d = &s->deck;
+  char need[40], there[40];
+  if (n->refused > 0)
+    return sd_fail(messages, SD_ERROR_IO, "%s (point %zu, %s; %zu of %zu sets of values)", n->why, n->first,
+                   d->points[n->first].name, n->refused, d->n_sets);
+  size_t side_by_side = 0;
+  for (size_t k = 0; k < d->n_points && side_by_side < workers; k++) {
+    const sweep_status there_is = sweep_peek(s, k);
+    side_by_side += there_is != SWEEP_DONE && there_is != SWEEP_RUNNING;
+  }
+  if (side_by_side < 2) return SD_OK;
+  const double limit = memory_limit(side_by_side);
+  if (n->most <= limit) return SD_OK;
+  size_t fewer = side_by_side;
+  while (fewer > 1 && n->most > memory_limit(fewer)) fewer--;
+  size_text(limit, there, sizeof there);
+  if (n->least > limit)
+    return sd_fail(messages, SD_ERROR_IO,
+                   "-j %zu: each point needs at least %s of memory, and each of %zu processes can have %s; "
+                   "expected -j %zu at most",
+                   workers, size_text(n->least, need, sizeof need), side_by_side, there, fewer);
+  sd_warn(messages,
+          "-j %zu: point %zu, %s, needs about %s of memory, and each of %zu processes can have %s: they may "
+          "be killed; expected -j %zu at most",
+          workers, n->largest, d->points[n->largest].name, size_text(n->most, need, sizeof need),
+          side_by_side, there, fewer);
+  return SD_OK;
+}
+
+sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *kinds, size_t *usable,
+                         sd_messages *messages) {
   precheck v = {.s = s,
                 .steps = steps,
                 .kinds = kinds,
+                .needs.least = HUGE_VAL,
                 .collected = memory_new(s->deck.n_collect, sizeof *v.collected),
                 .advice = memory_new(advice_count, sizeof *v.advice)};
   size_t *first = memory_new(s->deck.n_sets, sizeof *first);
@@ -112,6 +173,11 @@ sd_status sweep_precheck(const sweep *s, int64_t *steps, int *kinds, size_t *usa
     kinds[k] = kinds[*mine];
   }
   conclude(&v, status == SD_OK, messages);
+  *usable -= v.needs.refused;
+  const sd_status room = conclude_memory(&v.needs, s, workers, messages);
+  if (room != SD_OK && v.needs.refused == 0) *usable = 0; /* of all together */
+  if (status == SD_OK) status = room;
+  free(v.needs.why);
   for (int k = 0; k < v.n_kinds; k++) sd_model_free(v.models[k]);
   for (size_t k = 0; k < advice_count; k++) free(v.advice[k].warning);
   free(v.advice);

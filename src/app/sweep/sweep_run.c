@@ -202,7 +202,8 @@ static int run_all(scheduler *w, size_t *todo) {
 static int check(scheduler *w) {
   sd_messages *messages = sd_messages_new();
   size_t usable = 0;
-  int status = sweep_precheck(w->s, w->steps, w->kinds, &usable, messages);
+  const size_t all = w->end - w->first, workers = w->n_workers < all ? w->n_workers : all;
+  int status = sweep_precheck(w->s, workers, w->steps, w->kinds, &usable, messages);
   if (comm_rank(comm_world()) == 0) {
     if (!w->c->quiet || status != SD_OK) sd_messages_print(messages, stderr);
     if (status != SD_OK && usable > 0)

@@ -195,7 +195,7 @@ sd_status deck_open(const char *text, const char *path, size_t n_settings, const
   if (setjmp(d->out_of_memory) == 0)
     status = open_and_use(d, &t);
   else
-    status = sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+    status = d->lacks_told ? SD_ERROR_IO : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
   deck_report_rest(d);
   if (status != SD_OK) sd_model_free(d->model);
   deck_parse_free(d);

@@ -193,6 +193,8 @@ deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) 
   values v = read_common(&g, &t);
   v.broken = d->reported > before;
   t.first = d->model->n_disks;
+  deck_need(d, node, table == &deck_disk_rows ? "rows" : "file", (double)(t.first + t.n_rows),
+            deck_disk_bytes(false), "disks");
   for (size_t r = 0; r < t.n_rows; r++) add_row_disk(d, &t, r, v);
   return t;
 }

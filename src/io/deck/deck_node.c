@@ -5,10 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/comm.h"
 #include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/deck/deck_tree.h"
+#include "model/state.h"
 
 enum { CHUNK = 64 * 1024 };
 
@@ -24,7 +26,7 @@ void *deck_alloc(deck *d, size_t n, size_t size) {
   size_t need = (n * size + 15) & ~(size_t)15;
   if (!d->memory || d->memory->size - d->memory->used < need) {
     size_t capacity = need > CHUNK ? need : CHUNK;
-    deck_chunk *chunk = malloc(sizeof *chunk + capacity);
+    deck_chunk *chunk = memory_fits((double)capacity) ? malloc(sizeof *chunk + capacity) : NULL;
     if (!chunk) longjmp(d->out_of_memory, 1);
     *chunk = (deck_chunk){.next = d->memory, .size = capacity};
     d->memory = chunk;
@@ -225,6 +227,18 @@ void deck_fail_key(deck *d, const deck_node *group, const char *key, const char 
   va_start(args, format);
   report(d, node ? node->place : group->place, head, format, args);
   va_end(args);
+}
+
+size_t deck_disk_bytes(bool free) { return comm_world() ? sizeof(sd_disk) : state_disk_bytes(free); }
+
+void deck_need(deck *d, const deck_node *group, const char *key, double n, size_t bytes, const char *what) {
+  const double needed = n * (double)bytes;
+  if (memory_fits(needed)) return;
+  d->lacks_told = true;
+  deck_fail_key(d, group, key,
+                "%.10g %s need at least %.3g GB of memory, and this process can have %.3g GB; expected fewer",
+                n, what, 1e-9 * needed, 1e-9 * memory_limit(1));
+  longjmp(d->out_of_memory, 1);
 }
 
 void deck_fail_place(deck *d, deck_place place, const char *format, ...) {

@@ -204,6 +204,8 @@ typedef struct bench {
   sd_status status;
 } bench;
 
+enum { BENCH_BYTES = sizeof(double[3]) }; /* of a disk */
+
 static bench open_bench(const packing *p, double capacity) {
   deck *d = p->g.d;
   bench b = {.capacity = (size_t)capacity};
@@ -247,6 +249,7 @@ static void make_lattice(packing *p) {
                   LIMIT_DISKS);
     return;
   }
+  if (p->v.count == 0) deck_need(d, g->node, "spacing", rint(sites), BENCH_BYTES, "sites");
   bench b = open_bench(p, p->v.count > 0 ? fmin((double)p->v.count, sites) : sites);
   const tiles_fill how = {p->v.kind, p->sizes, spacing, p->v.jitter};
   if (b.status == SD_OK)
@@ -291,8 +294,9 @@ static void make_random(packing *p) {
 /* Without count there are more disks than can fit. */
 static void make_front(packing *p) {
   deck *d = p->g.d;
-  double target = 1.05 * p->area + p->mean_area;
-  bench b = open_bench(p, p->v.count > 0 ? (double)p->v.count : 2 * target / p->mean_area + 100);
+  double target = 1.05 * p->area + p->mean_area, most = 2 * target / p->mean_area + 100;
+  if (p->v.count == 0) deck_need(d, p->g.node, "type", rint(most), BENCH_BYTES, "disks");
+  bench b = open_bench(p, p->v.count > 0 ? (double)p->v.count : most);
   size_t placed = 0;
   b.n = b.capacity;
   if (p->v.count > 0)
@@ -508,6 +512,10 @@ static void make_packing(packing *p) {
   if (p->v.fraction > 0 && count < 1)
     deck_fail_key(d, p->g.node, "fraction", "less than one disk in a region of area %g", p->area);
   if (d->reported > before) return;
+  const bool away = d->leave_tiles && p->last && p->v.tiles > 1;
+  if (!away)
+    deck_need(d, p->g.node, p->v.count > 0 ? "count" : "fraction", (double)d->model->n_disks + count,
+              deck_disk_bytes(true), "disks");
   if (p->v.tiles == 0 || rain) {
     make[p->v.kind](p);
     return;

@@ -347,6 +347,10 @@ deck_result *deck_result_read(deck *d, const deck_node *node, const char *path, 
   const rows_of_file rows = rows_asked(d, r->n_disks);
   r->first = rows.first;
   r->n_rows = rows.n;
+  if (!in.failed && !memory_fits((double)r->n_rows * (double)deck_disk_bytes(false))) {
+    h5_close(in.file, NULL);
+    deck_need(d, node->parent, node->name, (double)r->n_rows, deck_disk_bytes(false), "disks");
+  }
   const double *scale = column(&in, "box_scale", SD_F64, 1);
   if (!in.failed && d->asked.contacts)
     read_walls(&in, r);
