@@ -71,7 +71,7 @@ int comm_rank(const comm *c) { return c ? c->rank : 0; }
 int comm_size(const comm *c) { return c ? c->size : 1; }
 
 void comm_abort(const comm *c, int status) {
-  if (c) c->kind->abort(c, status);
+  if (c) c->kind->end(c, status);
 }
 
 void comm_on_fail(void (*call)(const char *why)) { tell = call; }

@@ -23,7 +23,7 @@
 #undef comm_gather_one
 
 typedef struct comm_kind {
-  void (*abort)(const comm *c, int status);
+  void (*end)(const comm *c, int status);
   int (*max)(const comm *c, int value);
   void (*share)(const comm *c, void *data, size_t bytes);
   unsigned (*any)(const comm *c, unsigned bits);

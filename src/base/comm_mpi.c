@@ -145,7 +145,7 @@ static void links_free(comm_links *links) {
 
 /* --- the job -------------------------------------------------------------------------------------------------- */
 
-static const comm_kind kind = {.abort = end_all,
+static const comm_kind kind = {.end = end_all,
                                .max = max,
                                .share = share,
                                .any = any,

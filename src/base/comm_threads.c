@@ -180,7 +180,7 @@ static void links_free(comm_links *links) {
 
 /* --- threads ------------------------------------------------------------------------------------------------------ */
 
-static const comm_kind kind = {.abort = end_all,
+static const comm_kind kind = {.end = end_all,
                                .max = max,
                                .share = share,
                                .any = any,
