@@ -55,8 +55,8 @@ int app_run(int argc, char **argv) {
     output = a.output ? memory_text(a.output) : app_default_name(a.deck, "h5");
     again = format_text("resume %s", output);
     if (comm_rank(comm_world()) == 0)
-      status = (comm_world() ? deck_load_for_ranks : sd_deck_load)(a.deck, a.overrides.n, a.overrides.item, &model,
-                                                             messages);
+      status = (comm_world() ? deck_load_for_ranks : sd_deck_load)(a.deck, a.overrides.n, a.overrides.item,
+                                                                   &model, messages);
     status = drive_agree(model, status, messages);
     if (status == SD_OK && comm_rank(comm_world()) == 0 && sd_model_deck(model)->sweep_points > 0)
       sd_warn(messages,
