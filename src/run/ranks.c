@@ -217,10 +217,10 @@ static sd_status advance(ranks *r, int64_t n) {
   sd_status status = SD_OK;
   engine_ready(e, r->messages);
   r->bits = 0;
-  for (const int64_t end = e->state->step + n;
-       status == SD_OK && e->state->step < end && !loop_finished(e) && !(r->bits & HALO_STOP);) {
-    const int64_t left = end - e->state->step, room = loop_room(e);
-    status = loop_advance(e, left < room ? left : room, r->messages);
+  while (status == SD_OK && n > 0 && !loop_finished(e) && !(r->bits & HALO_STOP)) {
+    const int64_t from = e->state->step, room = loop_room(e);
+    status = loop_advance(e, n < room ? n : room, r->messages);
+    n -= e->state->step - from;
   }
   return status;
 }

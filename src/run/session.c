@@ -118,7 +118,7 @@ static record *full_rows(session *s) {
 }
 
 static sd_status seal(session *s, sd_messages *messages) {
-  record *rows = full_rows(s);
+  record *rows = session_leads(s) ? full_rows(s) : NULL;
   int32_t what[2] = {rows != NULL, rows == &s->shared};
   comm_share(s->options.comm, what, sizeof what);
   if (!what[0]) return SD_OK;
@@ -352,7 +352,8 @@ sd_status session_stop(session *s, sd_messages *messages) {
 
 /* Rows of all ranks take more than so many bytes. */
 static bool is_full(session *s, size_t most_bytes) {
-  int32_t full = record_bytes(&s->rows) + record_bytes(&s->shared) + s->shared_bytes > most_bytes;
+  int32_t full =
+      session_leads(s) && record_bytes(&s->rows) + record_bytes(&s->shared) + s->shared_bytes > most_bytes;
   comm_share(s->options.comm, &full, sizeof full);
   return full != 0;
 }

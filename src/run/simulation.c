@@ -225,9 +225,10 @@ static sd_status advance_all(sd_simulation *sim, int64_t n, sd_messages *message
   if (sim->ranks) return ranks_advance(sim->ranks, whole_of(sim), n, messages);
   if (!e->fields) e->state->field_power = 0.0;
   engine_ready(e, messages);
-  for (const int64_t end = e->state->step + n; e->state->step < end && !loop_finished(e);) {
-    const int64_t left = end - e->state->step, room = observers_room(sim, loop_room(e));
-    sd_status status = loop_advance(e, left < room ? left : room, messages);
+  while (n > 0 && !loop_finished(e)) {
+    const int64_t from = e->state->step, room = observers_room(sim, loop_room(e));
+    sd_status status = loop_advance(e, n < room ? n : room, messages);
+    n -= e->state->step - from;
     sim->door.broken = pool_forked(e->pool);
     if (sim->door.broken)
       status = sd_fail(messages, SD_ERROR_USER,

@@ -81,7 +81,6 @@ static void test_tiles_that_stay(void **state) {
   static const char *const more[] = {
       "measure = { disks = true; };",
       "measure = { contacts = (1, 3000); };",
-      "integrator = \"verlet\"; phases = ( { steps = 10; relax = true; } );",
       "forces = ( { group = \"grains\"; force = (1, 0); } );",
       "locks = ( { group = \"grains\"; coordinates = \"theta\"; } );",
       "fields = ( { type = \"drag\"; gamma = 1; group = \"grains\"; } );",
