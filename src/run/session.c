@@ -96,10 +96,10 @@ static void remove_shares(const session *s, const char *path, size_t n) {
   for (size_t k = 0; k < n; k++) checkpoint_remove_share(s->parts_folder.at, path, k);
 }
 
-/* With the rows of the ranks, when those of this one are shared. */
-static sd_status seal_rows(session *s, record *rows, const char *path, sd_messages *messages) {
+/* rows: on rank 0. shared: with those of the ranks. */
+static sd_status seal_rows(session *s, record *rows, bool shared, const char *path, sd_messages *messages) {
   const record_link link = {.run_id = s->origin.run_id, .number = s->parts + 1, .after = s->last_part};
-  const size_t n = rows->shared ? (size_t)comm_size(s->options.comm) : 0;
+  const size_t n = shared ? (size_t)comm_size(s->options.comm) : 0;
   int64_t *seals = memory_new(n, sizeof *seals);
   sd_status status = SD_OK;
   if (n > 0) status = ranks_seal(s->simulation->ranks, path, seals, messages);
@@ -119,13 +119,12 @@ static record *full_rows(session *s) {
 
 static sd_status seal(session *s, sd_messages *messages) {
   record *rows = session_leads(s) ? full_rows(s) : NULL;
-  int32_t what[2] = {rows != NULL, rows == &s->shared};
+  int32_t what[2] = {rows != NULL, rows == &s->shared}; /* all ranks seal, or none */
   comm_share(s->options.comm, what, sizeof what);
   if (!what[0]) return SD_OK;
-  if (!session_leads(s)) rows = what[1] ? &s->shared : &s->rows;
   char *path = session_leads(s) ? folder_part(s->parts_folder.path, s->parts + 1) : NULL;
   sd_status status = agree(s, session_leads(s) ? folder_check(&s->parts_folder, messages) : SD_OK);
-  if (status == SD_OK) status = seal_rows(s, rows, path, messages);
+  if (status == SD_OK) status = seal_rows(s, rows, what[1] != 0, path, messages);
   if (status == SD_OK) s->parts++;
   if (status == SD_OK) s->shared_bytes = 0;
   free(path);
