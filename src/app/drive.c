@@ -246,45 +246,51 @@ int drive_describe_saved(char *text, size_t size) {
   return n < 0 ? 0 : n < (int)size ? n : (int)size - 1;
 }
 
-static int run_session(const sd_model *model, const drive_options *options, teller *t,
+/* status: of what was done before. */
+static int run_session(const sd_model *model, const drive_options *options, teller *t, sd_status status,
                        sd_messages *messages) {
+  const bool leads = comm_rank(comm_world()) == 0;
   session_options how = {.result = options->result,
                          .threads = (int)options->threads,
                          .force = options->force,
                          .stop = &app_stop,
                          .comm = comm_world(),
-                         .progress = show,
+                         .progress = leads ? show : NULL,
                          .look = options->live ? look : NULL,
                          .user = t};
   session *s;
-  sd_model_advise(model, messages);
-  sd_status status = check_size(model, options->result, messages);
-  warn_of_threads(model, (int)options->threads, messages);
+  if (leads) {
+    sd_model_advise(model, messages);
+    if (status == SD_OK) status = check_size(model, options->result, messages);
+    warn_of_threads(model, (int)options->threads, messages);
+  }
+  status = comm_agree(comm_world(), status);
   if (status == SD_OK) status = session_open(model, &how, &s, messages);
-  tell_messages(t, messages);
+  if (leads) tell_messages(t, messages);
   if (status == SD_INTERRUPTED && t->screen) app_tell_no_start();
   if (status != SD_OK) {
-    if (options->failed && status != SD_INTERRUPTED) options->failed(options->user, messages);
+    if (leads && options->failed && status != SD_INTERRUPTED) options->failed(options->user, messages);
     return status;
   }
   continues_with = options->again;
   running = s;
-  tell_start(t, options, model, s);
+  if (leads) tell_start(t, options, model, s);
   if (options->live && !session_was_finished(s)) open_page(t, model, options->result);
   sd_messages *later = sd_messages_new();
   status = session_run(s, later);
   live_close(t->page);
-  bool in_doubt = status == SD_OK && !session_was_finished(s) && warn_of_doubts(s, later);
-  tell_messages(t, later);
-  if (status != SD_OK && status != SD_INTERRUPTED && options->failed) options->failed(options->user, later);
+  bool in_doubt = leads && status == SD_OK && !session_was_finished(s) && warn_of_doubts(s, later);
+  if (leads) tell_messages(t, later);
+  if (leads && status != SD_OK && status != SD_INTERRUPTED && options->failed)
+    options->failed(options->user, later);
   sd_messages_free(later);
-  if (status == SD_INTERRUPTED) tell_stop(t, options, s);
+  if (status == SD_INTERRUPTED && leads) tell_stop(t, options, s);
   if (status == SD_OK && t->screen) {
     end_line(t);
     tell_result(stdout, s, options->result);
   }
   if (status == SD_OK && t->log) tell_result(t->log, s, options->result);
-  if (options->verbose) tell_balance(t, s);
+  if (options->verbose && leads) tell_balance(t, s);
   running = NULL;
   session_close(s);
   return in_doubt ? SD_DOUBTFUL : status;
@@ -298,18 +304,6 @@ static int open_log(teller *t, const char *path) {
   app_line(stderr, "error: cannot write %s: %s", path, link ? "it is a symbolic link" : file_trouble(errno));
   if (fd >= 0) close(fd);
   return link ? SD_ERROR_USER : SD_ERROR_IO;
-}
-
-/* The ranks beside the first, till that has finished. */
-static int serve(void) {
-  sd_model *model;
-  model_share(comm_world(), NULL, &model, NULL);
-  if (!model) return SD_ERROR_IO; /* the job ends */
-  ranks *r = ranks_new(comm_world(), model, &app_stop);
-  const int status = ranks_serve(r);
-  ranks_free(r);
-  sd_model_free(model);
-  return status;
 }
 
 static void tell_end(const char *why) {
@@ -339,27 +333,27 @@ int drive_agree(const sd_model *model, int status, sd_messages *messages) {
   return comm_max(comm_world(), status);
 }
 
-static int drive_alone(const sd_model *model, const drive_options *options, sd_messages *messages);
-
-int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
-  if (comm_rank(comm_world()) > 0) return serve();
-  sd_model *none;
-  int status = model_share(comm_world(), model, &none, messages);
-  if (status == SD_OK) status = drive_alone(model, options, messages);
-  ranks_dismiss(comm_world(), status);
-  return status;
-}
-
-static int drive_alone(const sd_model *model, const drive_options *options, sd_messages *messages) {
+/* On every rank; model: the whole on the first, on the others what they need of it. */
+static int drive_model(const sd_model *model, const drive_options *options, sd_messages *messages) {
+  const bool leads = comm_rank(comm_world()) == 0;
   int status = SD_OK;
   app_begin_saving();
   double now = clock_seconds();
-  teller t = {.screen = options->quiet ? NULL : stderr,
+  teller t = {.screen = options->quiet || !leads ? NULL : stderr,
               .terminal = isatty(STDERR_FILENO),
               .began = now,
               .told_at = now};
-  if (options->log && (status = open_log(&t, options->log)) != SD_OK) return status;
-  status = run_session(model, options, &t, messages);
+  if (options->log && leads) status = open_log(&t, options->log);
+  status = run_session(model, options, &t, status, messages);
   if (t.log) fclose(t.log);
+  comm_share(comm_world(), &status, sizeof status);
+  return status;
+}
+
+int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
+  sd_model *mine = NULL;
+  int status = model_share(comm_world(), model, &mine, messages);
+  if (status == SD_OK) status = drive_model(mine ? mine : model, options, messages);
+  sd_model_free(mine);
   return status;
 }

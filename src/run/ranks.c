@@ -54,33 +54,6 @@ struct ranks {
 static const double IMBALANCE = 0.1;
 enum { CUT_LEAST = 200 }; /* steps */
 
-/* The word of rank 0. */
-typedef enum word {
-  SPREAD,
-  START,
-  REST,
-  ADVANCE,
-  COLLECT,
-  ENERGY,
-  SERIES,
-  WRITE,
-  SAMPLE,
-  SEAL,
-  DISMISS
-} word;
-typedef struct order {
-  int64_t word, n, tiles;
-} order;
-
-/* The same call on rank 0 and on those who serve. */
-static void pass(const comm *c, void *data, size_t bytes) { comm_share(c, data, bytes); }
-
-static void say(const comm *c, word w, int64_t n, bool tiles) {
-  order o = {w, n, tiles};
-  assert(comm_rank(c) == 0);
-  pass(c, &o, sizeof o);
-}
-
 ranks *ranks_new(const comm *c, const sd_model *model, volatile sig_atomic_t *stop) {
   ranks *r = memory_new(1, sizeof *r);
   *r = (ranks){.comm = c,
@@ -254,51 +227,45 @@ static sd_status advance(ranks *r, int64_t n) {
 
 /* Ends work of every rank: all agree on its status, and rank 0 hears what was said. */
 static sd_status tell(ranks *r, sd_status status, sd_messages *messages) {
-  return ranks_tell(r->comm, comm_agree(r->comm, status), r->messages, messages);
+  return ranks_tell(r->comm, comm_agree(r->comm, status), r->messages,
+                    comm_rank(r->comm) == 0 ? messages : NULL);
 }
 
-/* --- rank 0 ------------------------------------------------------------------------------------------------------ */
+/* --- begin, advance --------------------------------------------------------------------------------------------- */
 
 /* tiles: each rank makes its own. */
-static sd_status spread(ranks *r, const engine *whole, bool tiles) {
+static sd_status spread(ranks *r, engine *whole, bool tiles) {
   engine made = {0};
   const engine *from = tiles ? &made : whole;
+  if (whole) motion_store(whole);
   double skin[1] = {whole ? engine_skin(whole) : 0.0};
-  int64_t step[1] = {whole ? whole->state->step : 0};
+  int64_t step[1] = {whole ? whole->state->step : 0}, threads[1] = {whole ? engine_threads(whole) : 0};
   comm_share(r->comm, skin, sizeof skin);
   comm_share(r->comm, step, sizeof step);
+  comm_share(r->comm, threads, sizeof threads);
   r->skin = skin[0];
   r->cut_step = step[0];
-  r->busy = 0.0;
-  if (!r->cuts) r->cuts = comm_cuts_new(r->comm); /* all ranks at once: rank 0 may have finished without */
-  sd_status status = r->cuts ? SD_OK : SD_ERROR_IO;
-  if (comm_all_well(r->comm, status) && tiles)
-    status = ranks_tiles_new(r->comm, r->model, whole, &made, r->messages);
-  if (comm_all_well(r->comm, status)) status = move_first_cut(r->model, r->cuts, from);
+  r->threads = (int)threads[0];
+  r->cuts = comm_cuts_new(r->comm);
+  sd_status status = comm_agree(r->comm, r->cuts ? SD_OK : SD_ERROR_IO);
+  if (status == SD_OK && tiles)
+    status = comm_agree(r->comm, ranks_tiles_new(r->comm, r->model, whole, &made, r->messages));
+  if (status == SD_OK) status = comm_agree(r->comm, move_first_cut(r->model, r->cuts, from));
   r->balance.cuts++;
-  if (r->threads > 1 && !r->pool) r->pool = pool_new(r->threads);
-  if (comm_all_well(r->comm, status))
-    status = take_part(r, from, tiles);
-  else if (status != SD_OK && sd_messages_count(r->messages) == 0)
-    sd_fail(r->messages, SD_ERROR_IO, "cannot spread the disks over the ranks");
+  if (r->threads > 1) r->pool = pool_new(r->threads);
+  if (status == SD_OK) status = comm_agree(r->comm, take_part(r, from, tiles));
+  if (status != SD_OK && sd_messages_count(r->messages) == 0)
+    sd_fail(r->messages, status, "cannot spread the disks over the ranks");
   ranks_tiles_free(&made);
   if (whole && tiles) state_release_rows(whole->state);
   return status;
 }
 
-static sd_status spread_whole(ranks *r, engine *whole, bool tiles, sd_messages *messages) {
-  motion_store(whole);
-  r->threads = engine_threads(whole);
-  say(r->comm, SPREAD, r->threads, tiles);
-  const sd_status status = spread(r, whole, tiles);
-  return tell(r, status, messages);
-}
-
 sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages) {
-  return spread_whole(r, whole, false, messages);
+  return tell(r, spread(r, whole, false), messages);
 }
 
-/* The same; the whole (NULL on the other ranks) learns what is no disk's and no contact's. */
+/* The same; the whole learns what is no disk's and no contact's. */
 static sd_status end_work(ranks *r, engine *whole, sd_status status, sd_messages *messages) {
   status = tell(r, status, messages);
   r->collected = -1;
@@ -306,25 +273,16 @@ static sd_status end_work(ranks *r, engine *whole, sd_status status, sd_messages
   return status;
 }
 
-settle_measure ranks_rest(ranks *r) {
-  say(r->comm, REST, 0, false);
-  return settle_look(&r->part);
-}
-
 /* Of equal ones, as they are found from both sides of a border, that of the first rank. */
 static void share_deepest(ranks *r, const first_overlap *mine) {
   const size_t n = (size_t)comm_size(r->comm);
-  int *counts = memory_new(n, sizeof *counts);
   first_overlap *all = memory_new(n, sizeof *all);
-  for (size_t k = 0; k < n; k++) counts[k] = 1;
-  comm_gather(r->comm, mine, all, counts, sizeof *mine);
+  comm_gather_one(r->comm, mine, all, sizeof *mine);
   for (size_t k = 0; k < n; k++)
     if (all[k].relative > r->deepest.relative) r->deepest = all[k];
-  free(counts);
   free(all);
 }
 
-/* On every rank. */
 static sd_status start_part(ranks *r) {
   engine *e = &r->part;
   /* parts of a file were looked at one by one */
@@ -338,168 +296,91 @@ static sd_status start_part(ranks *r) {
 }
 
 sd_status ranks_start(ranks *r, engine *whole, sd_messages *messages) {
-  sd_status status = spread_whole(r, whole, r->model->tiles.away, messages);
+  sd_status status = tell(r, spread(r, whole, r->model->tiles.away), messages);
   if (status != SD_OK) return status;
-  say(r->comm, START, 0, false);
   status = end_work(r, whole, start_part(r), messages);
-  if (status == SD_OK) advice_tell_overlap(r->model, &r->deepest, messages);
+  if (status == SD_OK && whole) advice_tell_overlap(r->model, &r->deepest, messages);
   return status;
 }
 
 sd_status ranks_advance(ranks *r, engine *whole, int64_t n, sd_messages *messages) {
-  if (r->collected >= 0) state_release_rows(whole->state);
-  say(r->comm, ADVANCE, n, false);
+  if (r->collected >= 0 && whole) state_release_rows(whole->state);
   const sd_status status = end_work(r, whole, advance(r, n), messages);
   if (r->bits & HALO_STOP && r->stop) *r->stop = 1;
-  engine_end(whole, status);
   return status;
 }
 
-/* On every rank. */
-static sd_status collect(ranks *r, sd_state *whole) {
-  const sd_status status = comm_agree(r->comm, store_part(r));
-  return status == SD_OK ? move_together(&r->part, whole) : status;
-}
+engine *ranks_part(ranks *r) { return &r->part; }
+
+/* --- results ----------------------------------------------------------------------------------------------------- */
 
 sd_status ranks_collect(ranks *r, engine *whole) {
-  if (r->collected == whole->state->step) return SD_OK;
-  say(r->comm, COLLECT, 0, false);
-  const sd_status status = collect(r, whole->state);
+  if (r->collected == r->part.state->step) return SD_OK;
+  sd_status status = comm_agree(r->comm, store_part(r));
+  if (status == SD_OK) status = comm_agree(r->comm, move_together(&r->part, whole ? whole->state : NULL));
   if (status != SD_OK) return status;
-  engine_find_slots(whole);
-  r->collected = whole->state->step;
+  if (whole) engine_find_slots(whole);
+  r->collected = r->part.state->step;
   return SD_OK;
 }
 
-sd_energy ranks_energy(ranks *r) {
-  say(r->comm, ENERGY, 0, false);
-  return energy_of(&r->part);
-}
-
-/* On every rank. */
-static sd_status add_resultants(ranks *r, sd_messages *messages) {
+const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
   const sd_status status = comm_agree(r->comm, store_rows(r));
   if (status == SD_OK)
     resultants_take(&r->sums, r->model, r->part.state, engine_slots(&r->part), r->comm, r->messages);
-  return tell(r, status, messages);
+  return tell(r, status, messages) == SD_OK ? &r->sums : NULL;
 }
 
-const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
-  say(r->comm, SERIES, 0, false);
-  return add_resultants(r, messages) == SD_OK ? &r->sums : NULL;
+/* The path that rank 0 has, on all; to be freed. */
+static char *share_path(const comm *c, const char *path) {
+  uint64_t length[1] = {path ? strlen(path) + 1 : 0};
+  comm_share(c, length, sizeof length);
+  char *same = path ? memory_text(path) : memory_new((size_t)length[0], 1);
+  comm_share(c, same, (size_t)length[0]);
+  return same;
 }
 
-/* On every rank: writes its share of a checkpoint, or (rows) of a part. */
-static sd_status write_share(ranks *r, bool rows, const char *whole, int64_t *seals, sd_messages *messages) {
+/* Each rank writes its share of a checkpoint, or (rows) of a part. */
+static sd_status write_share(ranks *r, bool rows, const char *path, int64_t *seals, sd_messages *messages) {
   int64_t sum = 0;
-  char *path = h5_share_path(whole, (size_t)comm_rank(r->comm));
-  sd_status status = rows ? SD_OK : store_part(r);
-  if (comm_all_well(r->comm, status))
-    status = rows ? record_share_seal(&r->rows, path, &sum, r->messages)
-                  : ranks_write_share(&r->part, path, &sum, r->messages);
-  free(path);
-  status = comm_agree(r->comm, status);
+  char *head = share_path(r->comm, path), *share = h5_share_path(head, (size_t)comm_rank(r->comm));
+  sd_status status = comm_agree(r->comm, rows ? SD_OK : store_part(r));
+  if (status == SD_OK)
+    status = comm_agree(r->comm, rows ? record_share_seal(&r->rows, share, &sum, r->messages)
+                                      : ranks_write_share(&r->part, share, &sum, r->messages));
   if (status == SD_OK)
     ranks_gather_sums(r->comm, sum, seals);
   else
-    checkpoint_remove_share(-1, whole, (size_t)comm_rank(r->comm));
+    checkpoint_remove_share(-1, head, (size_t)comm_rank(r->comm));
+  free(share);
+  free(head);
   return tell(r, status, messages);
-}
-
-static void say_path(const comm *c, word w, const char *path) {
-  const size_t length = strlen(path) + 1;
-  say(c, w, (int64_t)length, false);
-  pass(c, (char *)(uintptr_t)path, length);
 }
 
 sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, summary_contacts *contacts,
                       summary_lost *lost, sd_messages *messages) {
-  say_path(r->comm, WRITE, path);
   const sd_status status = write_share(r, false, path, seals, messages);
-  if (status == SD_OK) *contacts = ranks_add_contacts(&r->part);
-  if (status == SD_OK) *lost = ranks_add_lost(&r->part);
-  if (status == SD_OK) move_common(&r->part, whole->state);
-  return status;
+  if (status != SD_OK) return status;
+  *contacts = ranks_add_contacts(&r->part);
+  *lost = ranks_add_lost(&r->part);
+  move_common(&r->part, whole ? whole->state : NULL);
+  return SD_OK;
 }
 
 sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages) {
-  say_path(r->comm, SEAL, path);
   return write_share(r, true, path, seals, messages);
-}
-
-/* Of the order SAMPLE: frame and columns, and the size of the rows that it made. */
-typedef struct sampling {
-  int64_t what, frame, moment_number;
-  size_t contacts, bytes;
-} sampling;
-
-/* On every rank. */
-static sd_status sample(ranks *r, sampling *s, sd_messages *messages) {
-  sd_status status = store_rows(r);
-  if (comm_all_well(r->comm, status))
-    status =
-        ranks_sample_share(&r->part, (unsigned)s->what, s->frame, s->moment_number, &r->rows, r->messages);
-  status = tell(r, status, messages);
-  if (status != SD_OK) return status;
-  s->contacts = ranks_count_contacts(&r->part);
-  s->bytes = (size_t)comm_total(r->comm, (double)record_share_bytes(&r->rows));
-  return SD_OK;
 }
 
 sd_status ranks_sample(ranks *r, engine *whole, unsigned what, int64_t frame, int64_t moment_number,
                        size_t *n_contacts, size_t *bytes, sd_messages *messages) {
-  sampling s = {.what = what, .frame = frame, .moment_number = moment_number};
-  say(r->comm, SAMPLE, 0, false);
-  pass(r->comm, &s, sizeof s);
-  const sd_status status = sample(r, &s, messages);
-  *n_contacts = s.contacts;
-  *bytes = s.bytes;
-  if (status == SD_OK) move_common(&r->part, whole->state);
-  return status;
-}
-
-void ranks_dismiss(const comm *c, int status) {
-  if (c) say(c, DISMISS, status, false);
-}
-
-/* --- the others -------------------------------------------------------------------------------------------------- */
-
-static void serve_write(ranks *r, bool rows, size_t length) {
-  char *path = memory_new(length, 1);
-  pass(r->comm, path, length);
-  if (write_share(r, rows, path, NULL, NULL) == SD_OK && !rows) {
-    ranks_add_contacts(&r->part);
-    ranks_add_lost(&r->part);
-    move_common(&r->part, NULL);
-  }
-  free(path);
-}
-
-static void serve_sample(ranks *r) {
-  sampling s = {0};
-  pass(r->comm, &s, sizeof s);
-  if (sample(r, &s, NULL) == SD_OK) move_common(&r->part, NULL);
-}
-
-int ranks_serve(ranks *r) {
-  for (;;) {
-    order o = {0};
-    pass(r->comm, &o, sizeof o);
-    switch ((word)o.word) {
-      case SPREAD:
-        r->threads = (int)o.n;
-        tell(r, spread(r, NULL, o.tiles != 0), NULL);
-        break;
-      case START: end_work(r, NULL, start_part(r), NULL); break;
-      case REST: settle_look(&r->part); break;
-      case ADVANCE: end_work(r, NULL, advance(r, o.n), NULL); break;
-      case COLLECT: collect(r, NULL); break;
-      case ENERGY: energy_of(&r->part); break;
-      case SERIES: add_resultants(r, NULL); break;
-      case WRITE:
-      case SEAL: serve_write(r, o.word == SEAL, (size_t)o.n); break;
-      case SAMPLE: serve_sample(r); break;
-      case DISMISS: return (int)o.n;
-    }
-  }
+  int64_t at[2] = {frame, moment_number};
+  comm_share(r->comm, at, sizeof at);
+  sd_status status = comm_agree(r->comm, store_rows(r));
+  if (status == SD_OK) status = ranks_sample_share(&r->part, what, at[0], at[1], &r->rows, r->messages);
+  status = tell(r, status, messages);
+  if (status != SD_OK) return status;
+  *n_contacts = ranks_count_contacts(&r->part);
+  *bytes = (size_t)comm_total(r->comm, (double)record_share_bytes(&r->rows));
+  move_common(&r->part, whole ? whole->state : NULL);
+  return SD_OK;
 }

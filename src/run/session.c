@@ -12,6 +12,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "slipdisk/deck.h"
 #include "base/clock.h"
 #include "base/comm.h"
 #include "base/memory.h"
@@ -79,41 +80,51 @@ static int64_t most_steps(const sd_model *model, sd_stage now) {
 
 /* --- writing -------------------------------------------------------------------------------------- */
 
-static const sd_state *have_state(const sd_state *state, sd_messages *messages) {
-  if (!state) sd_fail(messages, SD_ERROR_IO, "no memory for the contacts of the state");
-  return state;
+bool session_leads(const session *s) { return comm_rank(s->options.comm) == 0; }
+
+/* The state of the whole; of several ranks the others than the first have none. */
+static sd_status bring_state(session *s, const sd_state **state, sd_messages *messages) {
+  const sd_status status = simulation_bring(s->simulation);
+  *state = simulation_engine(s->simulation)->state;
+  return status == SD_OK ? SD_OK : sd_fail(messages, status, "no memory for the contacts of the state");
 }
 
-static const sd_state *present_state(session *s, sd_messages *messages) {
-  return have_state(sd_simulation_state(s->simulation), messages);
-}
+/* What rank 0 alone does with files, with a status for all. */
+static sd_status agree(const session *s, sd_status status) { return comm_agree(s->options.comm, status); }
 
 static void remove_shares(const session *s, const char *path, size_t n) {
   for (size_t k = 0; k < n; k++) checkpoint_remove_share(s->parts_folder.at, path, k);
 }
 
-/* With the rows of the ranks, when those of this one are shared. */
-static sd_status seal_rows(session *s, record *rows, const char *path, sd_messages *messages) {
+/* rows: on rank 0. shared: with those of the ranks. */
+static sd_status seal_rows(session *s, record *rows, bool shared, const char *path, sd_messages *messages) {
   const record_link link = {.run_id = s->origin.run_id, .number = s->parts + 1, .after = s->last_part};
-  const size_t n = rows->shared ? (size_t)comm_size(s->options.comm) : 0;
+  const size_t n = shared ? (size_t)comm_size(s->options.comm) : 0;
   int64_t *seals = memory_new(n, sizeof *seals);
   sd_status status = SD_OK;
   if (n > 0) status = ranks_seal(s->simulation->ranks, path, seals, messages);
-  if (status == SD_OK) {
+  if (status == SD_OK && session_leads(s)) {
     status = record_seal(rows, s->parts_folder.at, path, &link, n, seals, &s->last_part, messages);
     if (status != SD_OK) remove_shares(s, path, n);
   }
   free(seals);
-  return status;
+  return agree(s, status);
+}
+
+/* Rows of rank 0 that are to be sealed; NULL: none. */
+static record *full_rows(session *s) {
+  if (!record_empty(&s->shared) && !record_has_shares(&s->shared)) record_take_series(&s->rows, &s->shared);
+  return !record_empty(&s->shared) ? &s->shared : !record_empty(&s->rows) ? &s->rows : NULL;
 }
 
 static sd_status seal(session *s, sd_messages *messages) {
-  if (!record_empty(&s->shared) && !record_has_shares(&s->shared)) record_take_series(&s->rows, &s->shared);
-  record *rows = record_empty(&s->shared) ? &s->rows : &s->shared;
-  if (record_empty(rows)) return SD_OK;
-  char *path = folder_part(s->parts_folder.path, s->parts + 1);
-  sd_status status = folder_check(&s->parts_folder, messages);
-  if (status == SD_OK) status = seal_rows(s, rows, path, messages);
+  record *rows = session_leads(s) ? full_rows(s) : NULL;
+  int32_t what[2] = {rows != NULL, rows == &s->shared}; /* all ranks seal, or none */
+  comm_share(s->options.comm, what, sizeof what);
+  if (!what[0]) return SD_OK;
+  char *path = session_leads(s) ? folder_part(s->parts_folder.path, s->parts + 1) : NULL;
+  sd_status status = agree(s, session_leads(s) ? folder_check(&s->parts_folder, messages) : SD_OK);
+  if (status == SD_OK) status = seal_rows(s, rows, what[1] != 0, path, messages);
   if (status == SD_OK) s->parts++;
   if (status == SD_OK) s->shared_bytes = 0;
   free(path);
@@ -129,46 +140,55 @@ static sd_status collect_disks(session *s, const sd_state *state, sd_messages *m
 static sd_status describe(session *s, const sd_state *state, const summary_contacts *contacts,
                           const summary_lost *lost, sd_messages *messages) {
   const sd_energy energy = sd_simulation_energy(s->simulation);
-  double now = clock_seconds();
-  s->origin.wall_seconds += now - s->wall_mark;
-  s->wall_mark = now;
-  double per_step = state->step > 0 ? 1e9 * s->origin.step_seconds / (double)state->step : NAN;
-  summary_free(&s->found);
-  s->has_found = false;
-  summary_collect(&s->found, s->model, state, contacts, lost, &energy, per_step);
-  const sd_status status = state->n_means < SUMMARY_LATER ? collect_disks(s, state, messages) : SD_OK;
-  provenance_refresh(&s->origin, comm_size(s->options.comm), sd_simulation_threads(s->simulation),
-                     sd_simulation_path(s->simulation));
+  sd_status status = SD_OK;
+  if (session_leads(s)) {
+    double now = clock_seconds();
+    s->origin.wall_seconds += now - s->wall_mark;
+    s->wall_mark = now;
+    double per_step = state->step > 0 ? 1e9 * s->origin.step_seconds / (double)state->step : NAN;
+    summary_free(&s->found);
+    summary_collect(&s->found, s->model, state, contacts, lost, &energy, per_step);
+    status = state->n_means < SUMMARY_LATER ? collect_disks(s, state, messages) : SD_OK;
+    provenance_refresh(&s->origin, comm_size(s->options.comm), sd_simulation_threads(s->simulation),
+                       sd_simulation_path(s->simulation));
+  }
+  status = agree(s, status);
   s->has_found = status == SD_OK;
   return status;
 }
 
+/* A file of the folder; shares NULL: with the rows of the state. */
+static sd_status write_head(session *s, const sd_state *state, const checkpoint_shares *shares,
+                            const char *path, sd_messages *messages) {
+  checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
+  sd_status status = session_leads(s) ? folder_check(&s->parts_folder, messages) : SD_OK;
+  if (status == SD_OK && session_leads(s))
+    status =
+        checkpoint_write(s->parts_folder.at, path, state, &parts, shares, &s->origin, &s->found, messages);
+  return agree(s, status);
+}
+
 /* The state, as a file of the folder. */
 static sd_status write_state(session *s, const sd_state *state, const char *path, sd_messages *messages) {
-  checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
-  sd_status status = describe(s, state, NULL, NULL, messages);
-  if (status == SD_OK) status = folder_check(&s->parts_folder, messages);
-  if (status != SD_OK) return status;
-  return checkpoint_write(s->parts_folder.at, path, state, &parts, NULL, &s->origin, &s->found, messages);
+  const sd_status status = describe(s, state, NULL, NULL, messages);
+  return status == SD_OK ? write_head(s, state, NULL, path, messages) : status;
 }
 
 /* The same by all ranks: the whole state is nowhere. Its summary has sums of the ranks' sums. */
 static sd_status write_shares(session *s, const char *path, sd_messages *messages) {
-  engine *e = simulation_engine(s->simulation);
-  checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
+  engine *e = session_leads(s) ? simulation_engine(s->simulation) : NULL;
+  const sd_state *state = e ? e->state : NULL;
   checkpoint_shares shares = {.n = (size_t)comm_size(s->options.comm)};
   summary_contacts contacts = {0};
   summary_lost lost = {0};
   shares.sums = memory_new(shares.n, sizeof *shares.sums);
-  sd_status status = folder_check(&s->parts_folder, messages);
+  sd_status status = agree(s, e ? folder_check(&s->parts_folder, messages) : SD_OK);
   if (status == SD_OK)
     status = ranks_write(s->simulation->ranks, e, path, shares.sums, &contacts, &lost, messages);
   shares.n_contacts = contacts.n;
-  if (status == SD_OK) status = describe(s, e->state, &contacts, &lost, messages);
-  if (status == SD_OK)
-    status = checkpoint_write(s->parts_folder.at, path, e->state, &parts, &shares, &s->origin, &s->found,
-                              messages);
-  if (status != SD_OK) remove_shares(s, path, shares.n);
+  if (status == SD_OK) status = describe(s, state, &contacts, &lost, messages);
+  if (status == SD_OK) status = write_head(s, state, &shares, path, messages);
+  if (status != SD_OK && e) remove_shares(s, path, shares.n);
   free(shares.sums);
   return status;
 }
@@ -181,18 +201,19 @@ static bool is_shared(const session *s) {
 /* Part first, then the checkpoint that counts it, then older checkpoints go: at every moment the newest
  * checkpoint on disk has its parts. */
 sd_status session_checkpoint(session *s, sd_messages *messages) {
-  const bool shared = is_shared(s);
-  const sd_state *state = shared ? NULL : present_state(s, messages);
+  const bool shared = is_shared(s), leads = session_leads(s);
   const int64_t step = sd_simulation_step(s->simulation);
-  if (!shared && !state) return SD_ERROR_IO;
-  char *path = folder_checkpoint(s->parts_folder.path, step);
-  sd_status status = seal(s, messages);
+  const sd_state *state = NULL;
+  sd_status status = shared ? SD_OK : bring_state(s, &state, messages);
+  if (status != SD_OK) return status;
+  char *path = leads ? folder_checkpoint(s->parts_folder.path, step) : NULL;
+  status = seal(s, messages);
   if (status == SD_OK)
     status = shared ? write_shares(s, path, messages) : write_state(s, state, path, messages);
   if (status == SD_OK) {
     s->saved_step = step;
     s->saved_at = clock_seconds();
-    status = folder_prune(&s->parts_folder, 2, messages);
+    status = agree(s, leads ? folder_prune(&s->parts_folder, 2, messages) : SD_OK);
   }
   free(path);
   return status;
@@ -200,18 +221,19 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
 
 /* The state in which something went wrong, for inspection; the good checkpoints stay. */
 static void keep_emergency(session *s, sd_messages *messages) {
-  const sd_state *state = present_state(s, messages);
-  if (!state) return;
-  char *path = folder_emergency(s->parts_folder.path, state->step);
-  if (write_state(s, state, path, messages) == SD_OK)
-    sd_warn(messages, "the state at step %" PRId64 " is kept as %s; the last good one is step %" PRId64,
-            state->step, path, s->saved_step);
+  const sd_state *state;
+  if (bring_state(s, &state, messages) != SD_OK) return;
+  const int64_t step = sd_simulation_step(s->simulation);
+  char *path = session_leads(s) ? folder_emergency(s->parts_folder.path, step) : NULL;
+  if (write_state(s, state, path, messages) == SD_OK && path)
+    sd_warn(messages, "the state at step %" PRId64 " is kept as %s; the last good one is step %" PRId64, step,
+            path, s->saved_step);
   free(path);
 }
 
 /* Each rank keeps frames and contacts of its own disks, and adds them up for the series. */
 static sd_status sample_shares(session *s, unsigned what, sd_messages *messages) {
-  engine *e = simulation_engine(s->simulation);
+  engine *e = session_leads(s) ? simulation_engine(s->simulation) : NULL;
   record *r = &s->shared;
   const unsigned rows = what & (RECORD_FRAMES | RECORD_CONTACTS);
   sd_status status = SD_OK;
@@ -225,17 +247,14 @@ static sd_status sample_shares(session *s, unsigned what, sd_messages *messages)
     now.others = ranks_resultants(s->simulation->ranks, messages);
     if (!now.others) return SD_ERROR_IO;
   }
-  return record_sample(r, what, e->state, &now, messages);
+  return agree(s, e ? record_sample(r, what, e->state, &now, messages) : SD_OK);
 }
 
 sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
   if (what == 0) return SD_OK;
-  const bool spread = simulation_is_spread(s->simulation);
-  sd_status status = record_empty(spread ? &s->rows : &s->shared) ? SD_OK : seal(s, messages);
-  if (status != SD_OK) return status;
-  if (spread) return sample_shares(s, what, messages);
-  const sd_state *state = have_state(simulation_row_state(s->simulation), messages);
-  if (!state) return SD_ERROR_IO;
+  if (simulation_is_spread(s->simulation)) return sample_shares(s, what, messages);
+  const sd_state *state = simulation_row_state(s->simulation);
+  if (!state) return sd_fail(messages, SD_ERROR_IO, "no memory for the contacts of the state");
   record_sums now = {0};
   if (what & RECORD_SERIES) now.energy = sd_simulation_energy(s->simulation);
   return record_sample(&s->rows, what, state, &now, messages);
@@ -270,12 +289,14 @@ static session_rest rest_of(const session *s, const sd_settle *asked) {
 }
 
 void session_report(session *s, bool always) {
-  if (!s->options.progress) return;
   double now = clock_seconds(), passed = now - s->told_at;
   sd_stage stage = sd_simulation_stage(s->simulation);
   bool finished = is_over(s->model, stage);
   bool new_phase = !finished && stage.phase != s->told_phase;
-  if (!always && !new_phase && passed < fmax(PROGRESS_SECONDS, s->tell_every)) return;
+  int32_t tells =
+      s->options.progress && (always || new_phase || passed >= fmax(PROGRESS_SECONDS, s->tell_every));
+  comm_share(s->options.comm, &tells, sizeof tells);
+  if (!tells) return;
 
   /* an average over the last few seconds */
   if (passed > 0 && s->step > s->told_step) {
@@ -299,15 +320,26 @@ void session_report(session *s, bool always) {
       .rate = s->rate,
       .seconds_left = s->rate > 0 ? (double)(expected - s->step) / s->rate : NAN,
       .at_most = !finished && may_settle(s->model, stage),
-      .waiting = finished ? 0 : rain_waiting(s->model, simulation_engine(s->simulation)->state),
+      .waiting = finished ? 0 : rain_waiting(s->model, simulation_part(s->simulation)->state),
       .energy = &energy,
       .goal = asked ? &goal : NULL,
       .rest = settle && settle->asked ? &rest : NULL};
-  s->options.progress(s->options.user, &progress);
+  if (session_leads(s)) s->options.progress(s->options.user, &progress);
   s->told_at = now;
   s->tell_every = fmin(PROGRESS_COST * (clock_seconds() - now), PROGRESS_LATEST);
   s->told_step = s->step;
   if (!finished) s->told_phase = stage.phase;
+}
+
+/* --- the world ------------------------------------------------------------------------------------- */
+
+bool session_is_stopped(const session *s) { return s->options.stop && *s->options.stop; }
+
+void session_look(session *s, int64_t chunk) {
+  s->world = (session_world){.chunk = chunk, .stopped = session_is_stopped(s)};
+  if (session_leads(s))
+    s->world.save = clock_seconds() - s->saved_at >= sd_model_deck(s->model)->checkpoint_seconds;
+  comm_share(s->options.comm, &s->world, sizeof s->world);
 }
 
 /* --- steps in the life of a run ------------------------------------------------------------------- */
@@ -317,12 +349,19 @@ sd_status session_stop(session *s, sd_messages *messages) {
   return status == SD_OK ? SD_INTERRUPTED : status;
 }
 
+/* Rows of all ranks take more than so many bytes. */
+static bool is_full(session *s, size_t most_bytes) {
+  int32_t full =
+      session_leads(s) && record_bytes(&s->rows) + record_bytes(&s->shared) + s->shared_bytes > most_bytes;
+  comm_share(s->options.comm, &full, sizeof full);
+  return full != 0;
+}
+
 sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messages *messages) {
+  const unsigned due = status == SD_OK ? session_due(s->model, sd_simulation_stage(s->simulation)) : 0;
   if (status == SD_ERROR_NUMERIC) keep_emergency(s, messages);
-  if (status == SD_OK)
-    status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
-  if (status == SD_OK && record_bytes(&s->rows) + record_bytes(&s->shared) + s->shared_bytes > most_bytes)
-    status = seal(s, messages);
+  if (status == SD_OK) status = session_sample(s, due, messages);
+  if (status == SD_OK && due && is_full(s, most_bytes)) status = seal(s, messages);
   if (status == SD_OK) session_report(s, false);
   if (status == SD_OK && s->options.look) s->options.look(s->options.user, s->simulation);
   return status;
@@ -359,36 +398,43 @@ static sd_status merge_from(session *s, const sd_state *state, const h5_file *ch
 
 /* The whole state is nowhere but in the last checkpoint. */
 static sd_status merge_spread(session *s, sd_messages *messages) {
-  const sd_state *state = simulation_engine(s->simulation)->state;
-  char *path = folder_checkpoint(s->parts_folder.path, s->saved_step);
+  const bool leads = session_leads(s);
+  const sd_state *state = leads ? simulation_engine(s->simulation)->state : NULL;
+  char *path = leads ? folder_checkpoint(s->parts_folder.path, s->saved_step) : NULL;
   h5_file *file = NULL;
-  sd_status status = h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages);
+  sd_status status = leads ? h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages) : SD_OK;
   summary_contacts contacts = {0};
-  if (status == SD_OK && !s->has_found) status = checkpoint_get_contacts(file, &contacts, messages);
+  if (status == SD_OK && leads && !s->has_found) status = checkpoint_get_contacts(file, &contacts, messages);
+  status = agree(s, status);
   if (status == SD_OK && !s->has_found) status = describe(s, state, &contacts, NULL, messages);
-  if (status == SD_OK) status = merge_from(s, NULL, file, messages);
+  if (status == SD_OK && leads) status = merge_from(s, NULL, file, messages);
   h5_close(file, NULL);
   free(path);
-  return status;
+  return agree(s, status);
 }
 
 static sd_status merge_here(session *s, sd_messages *messages) {
-  const sd_state *state = present_state(s, messages);
-  sd_status status = state ? SD_OK : SD_ERROR_IO;
+  const sd_state *state;
+  sd_status status = bring_state(s, &state, messages);
   /* a run that goes on after its end has none */
-  if (state && !s->has_found) status = describe(s, state, NULL, NULL, messages);
-  if (status == SD_OK && s->found.packing.n > 0 && !s->found.packing.disks)
-    status = collect_disks(s, state, messages);
-  return status == SD_OK ? merge_from(s, state, NULL, messages) : status;
+  if (status == SD_OK && !s->has_found) status = describe(s, state, NULL, NULL, messages);
+  if (status == SD_OK && session_leads(s)) {
+    if (s->found.packing.n > 0 && !s->found.packing.disks) status = collect_disks(s, state, messages);
+    if (status == SD_OK) status = merge_from(s, state, NULL, messages);
+  }
+  return agree(s, status);
 }
 
 /* The last checkpoint is a finished state, so a merge that is cut short is all that is left to do. */
 static sd_status merge(session *s, sd_messages *messages) {
   /* never a second one of the same step: its shares would take the place of those that the first one names */
   sd_status status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
-  if (status == SD_OK) status = session_may_publish(s, SD_ERROR_IO, messages);
+  if (status == SD_OK)
+    status = agree(s, session_leads(s) ? session_may_publish(s, SD_ERROR_IO, messages) : SD_OK);
   if (status == SD_OK) status = is_shared(s) ? merge_spread(s, messages) : merge_here(s, messages);
-  return status == SD_OK ? folder_remove(&s->parts_folder, messages) : status;
+  if (status == SD_OK)
+    status = agree(s, session_leads(s) ? folder_remove(&s->parts_folder, messages) : SD_OK);
+  return status;
 }
 
 /* A run that ends without its goal is a finished run, but not what was hoped for. */
@@ -440,7 +486,7 @@ static void warn_of_phases(const session *s, sd_messages *messages) {
 sd_status session_finish(session *s, sd_messages *messages) {
   session_report(s, true);
   sd_status status = merge(s, messages);
-  if (status != SD_OK) return status;
+  if (status != SD_OK || !session_leads(s)) return status;
   warn_of_goal(s, messages);
   warn_of_phases(s, messages);
   return SD_OK;

@@ -192,38 +192,43 @@ static void warn_of_ranks(const session *s, sd_messages *messages) {
 }
 
 /* there: identity of the file that may be replaced in the end; "": none. */
-static sd_status begin_fresh(session *s, const char *there, sd_messages *messages) {
+static sd_status prepare_fresh(session *s, const char *there, sd_messages *messages) {
   s->fresh = true;
   s->replaces = memory_text(there);
-  provenance_new(&s->origin, s->model);
   sd_status status = folder_empty(&s->parts_folder, messages);
-  if (status == SD_OK)
-    status = simulation_new(s->model, s->options.threads, SIMULATION_SUITABLE, s->options.comm,
-                            s->options.stop, &s->simulation, messages);
-  if (status == SD_OK) warn_of_ranks(s, messages);
-  /* of a large system the first checkpoint takes long: there is nothing in it yet that a stop could lose */
-  if (status == SD_OK && s->options.stop && *s->options.stop) status = SD_INTERRUPTED;
-  if (status == SD_OK)
-    status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
+  if (status == SD_OK) provenance_new(&s->origin, s->model);
   s->origin.sessions = 1;
-  /* at once: so that a full disk or a missing permission shows now, and the deck is safe */
-  if (status == SD_OK) status = session_checkpoint(s, messages);
   return status;
 }
 
-static sd_status begin_again(session *s, sd_state *state, sd_messages *messages) {
-  s->began = s->step = s->saved_step = s->told_step = state->step;
+/* On every rank. */
+static sd_status begin_fresh(session *s, sd_messages *messages) {
+  sd_status status = simulation_new(s->model, s->options.threads, SIMULATION_SUITABLE, s->options.comm,
+                                    s->options.stop, &s->simulation, messages);
+  if (status != SD_OK) return status;
+  if (session_leads(s)) warn_of_ranks(s, messages);
+  /* of a large system the first checkpoint takes long: there is nothing in it yet that a stop could lose */
+  int32_t stopped = session_is_stopped(s);
+  comm_share(s->options.comm, &stopped, sizeof stopped);
+  if (stopped) return SD_INTERRUPTED;
+  status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
+  /* at once: so that a full disk or a missing permission shows now, and the deck is safe */
+  return status == SD_OK ? session_checkpoint(s, messages) : status;
+}
+
+static sd_status prepare_again(session *s, sd_messages *messages) {
   s->origin.sessions++;
   /* now, and not when all is computed */
   sd_status status = session_may_publish(s, SD_ERROR_USER, messages);
-  if (status == SD_OK) status = folder_clean(&s->parts_folder, s->parts, messages);
-  if (status != SD_OK) {
-    sd_state_free(state);
-    return status;
-  }
-  status = simulation_resume(s->model, state, s->options.threads, SIMULATION_SUITABLE, s->options.comm,
-                             s->options.stop, &s->simulation, messages);
-  if (status == SD_OK) warn_of_ranks(s, messages);
+  return status == SD_OK ? folder_clean(&s->parts_folder, s->parts, messages) : status;
+}
+
+/* On every rank; state: on rank 0. */
+static sd_status begin_again(session *s, sd_state *state, sd_messages *messages) {
+  const sd_status status = simulation_resume(s->model, state, s->options.threads, SIMULATION_SUITABLE,
+                                             s->options.comm, s->options.stop, &s->simulation, messages);
+  if (status == SD_OK) s->began = s->step = s->saved_step = s->told_step = sd_simulation_step(s->simulation);
+  if (status == SD_OK && session_leads(s)) warn_of_ranks(s, messages);
   h5_close(s->resumed, NULL);
   s->resumed = NULL;
   return status;
@@ -252,29 +257,43 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
   return status;
 }
 
-static sd_status begin(session *s, sd_messages *messages) {
-  sd_state *state = NULL;
+/* What there is to do: FINISHED: nothing. */
+typedef enum beginning { FINISHED, AGAIN, FRESH } beginning;
+
+/* All that concerns files, on rank 0. */
+static sd_status find_beginning(session *s, beginning *how, sd_state **state, sd_messages *messages) {
   char *there = NULL;
   sd_status status = prepare(s, &there, messages);
-  if (status != SD_OK) {
-    free(there);
-    return status;
-  }
-  assert(there);
-  if (!s->options.force) {
-    status = find_checkpoint(s, there, &state, messages);
+  if (status == SD_OK && !s->options.force) {
+    assert(there);
+    status = find_checkpoint(s, there, state, messages);
     /* without a checkpoint nothing was begun */
-    s->was_finished = s->was_finished || (status == SD_OK && !state && is_result(there));
+    s->was_finished = s->was_finished || (status == SD_OK && !*state && is_result(there));
   }
-  if (status == SD_OK && s->was_finished)
-    status = folder_remove(&s->parts_folder, messages);
-  else if (status == SD_OK && state)
-    status = begin_again(s, state, messages);
-  else if (status == SD_OK)
+  *how = s->was_finished ? FINISHED : *state ? AGAIN : FRESH;
+  if (status == SD_OK && *how == FINISHED) status = folder_remove(&s->parts_folder, messages);
+  if (status == SD_OK && *how == AGAIN) status = prepare_again(s, messages);
+  if (status == SD_OK && *how == FRESH)
     status =
-        !s->options.force && *there ? refuse_existing(s, there, messages) : begin_fresh(s, there, messages);
+        !s->options.force && *there ? refuse_existing(s, there, messages) : prepare_fresh(s, there, messages);
   free(there);
   return status;
+}
+
+static sd_status begin(session *s, sd_messages *messages) {
+  sd_state *state = NULL;
+  beginning found = FINISHED;
+  sd_status status = session_leads(s) ? find_beginning(s, &found, &state, messages) : SD_OK;
+  int32_t how[1] = {found};
+  status = comm_agree(s->options.comm, status);
+  comm_share(s->options.comm, how, sizeof how);
+  if (status != SD_OK) {
+    if (state) sd_state_free(state);
+    return status;
+  }
+  s->was_finished = how[0] == FINISHED;
+  if (how[0] == AGAIN) return begin_again(s, state, messages);
+  return how[0] == FRESH ? begin_fresh(s, messages) : SD_OK;
 }
 
 sd_status session_open(const sd_model *model, const session_options *options, session **out,

@@ -31,11 +31,9 @@ typedef struct group {
 
 static session *session_of(const group *g, size_t k) { return g->members[g->which[k]].session; }
 
-static bool is_stopped(const session *s) { return s->options.stop && *s->options.stop; }
-
 static bool is_leaving(const group *g, size_t k) {
   const session *s = session_of(g, k);
-  return g->status[k] != SD_OK || sd_simulation_finished(s->simulation) || is_stopped(s);
+  return g->status[k] != SD_OK || sd_simulation_finished(s->simulation) || s->world.stopped;
 }
 
 /* The end of a session, good or bad. */
@@ -45,7 +43,8 @@ static void leave(group *g, size_t member, sd_status status) {
   if (status == SD_OK && !s->was_finished)
     status =
         sd_simulation_finished(s->simulation) ? session_finish(s, m->messages) : session_stop(s, m->messages);
-  if (status == SD_ERROR_IO && s->saved_step >= 0 && folder_check(&s->parts_folder, NULL) == SD_OK)
+  if (status == SD_ERROR_IO && session_leads(s) && s->saved_step >= 0 &&
+      folder_check(&s->parts_folder, NULL) == SD_OK)
     sd_fail(m->messages, SD_ERROR_IO,
             "files that were written before are left as they were: with them the run can continue from step "
             "%" PRId64,
@@ -143,16 +142,20 @@ static bool can_be_saved(const group *g, size_t k) {
 /* Checkpoints of all when it is time for one of them: after a kill they are at the same step again. */
 static void save(group *g) {
   bool due = false;
-  for (size_t k = 0; k < g->n; k++) {
-    const session *s = session_of(g, k);
-    due = due || (can_be_saved(g, k) &&
-                  clock_seconds() - s->saved_at >= sd_model_deck(s->model)->checkpoint_seconds);
-  }
+  for (size_t k = 0; k < g->n; k++) due = due || (can_be_saved(g, k) && session_of(g, k)->world.save);
   if (!due) return;
   for (size_t k = 0; k < g->n; k++)
     if (can_be_saved(g, k)) g->status[k] = session_checkpoint(session_of(g, k), g->messages[k]);
   /* the time that all of them took is not counted */
   for (size_t k = 0; k < g->n; k++) session_of(g, k)->saved_at = clock_seconds();
+}
+
+/* Signals and the clock, which only rank 0 asks. */
+static void look(group *g) {
+  for (size_t k = 0; k < g->n; k++) {
+    session_look(session_of(g, k), g->chunk);
+    if (session_of(g, k)->options.comm) g->chunk = session_of(g, k)->world.chunk;
+  }
 }
 
 static void enter(group *g, size_t member) {
@@ -173,7 +176,7 @@ static void enter(group *g, size_t member) {
 static void run_group(group *g, size_t n) {
   for (size_t k = 0; k < n; k++) enter(g, k);
   put_in_lanes(g);
-  while (sort_out(g), g->n > 0) {
+  while (look(g), sort_out(g), g->n > 0) {
     advance(g);
     save(g);
   }

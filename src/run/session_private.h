@@ -7,6 +7,12 @@
 #include "io/results/record.h"
 #include "run/session.h"
 
+/* What depends on the world: rank 0 says it to the others, once before each chunk of steps. */
+typedef struct session_world {
+  int64_t chunk; /* steps */
+  int32_t stopped, save;
+} session_world;
+
 struct session {
   const sd_model *model;
   session_options options; /* its strings are ours */
@@ -30,8 +36,12 @@ struct session {
   double told_at, rate; /* progress */
   double tell_every;    /* s, see session_report */
   int64_t told_step, told_phase;
+  session_world world;
 };
 
+/* This is rank 0, or alone: it has the files. Functions below are collective but for session_due, _next, _identity and
+ * _may_publish. */
+bool session_leads(const session *s);
 /* Rows to be recorded now, and the next step at which some may be due; the run is not over. */
 unsigned session_due(const sd_model *model, sd_stage now);
 int64_t session_next(const sd_model *model, sd_stage now);
@@ -42,6 +52,10 @@ sd_status session_identity(const session *s, char **id, sd_messages *messages);
 /* May the result get its name? Not when another file has appeared there than the one that is to be replaced. `kind` is the
  * status of a refusal. */
 sd_status session_may_publish(const session *s, sd_status kind, sd_messages *messages);
+/* A signal has come to this rank. */
+bool session_is_stopped(const session *s);
+/* Fills s->world, with this chunk. */
+void session_look(session *s, int64_t chunk);
 /* Tells how far it is, when it is time again, or always. */
 void session_report(session *s, bool always);
 

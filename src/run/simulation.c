@@ -130,42 +130,64 @@ static sd_status refuse_coincident(const sd_model *model, sd_messages *messages)
   return c.found ? SD_ERROR_USER : SD_OK;
 }
 
-sd_status simulation_new(const sd_model *model, int threads, simulation_step step, const comm *c,
-                         volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages) {
+/* State and bodies at step 0; *out is NULL after a failure. */
+static sd_status make(const sd_model *model, int threads, simulation_step step, const comm *c,
+                      volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages) {
   *out = NULL;
   if (!is_finished(model, messages)) return SD_ERROR_USER;
-  /* of ranks each has the rows of its own disks */
-  if (!c && state_refuse(model, messages) != SD_OK) return SD_ERROR_IO;
   const sd_status apart = refuse_coincident(model, messages);
   if (apart != SD_OK) return apart;
+  /* of ranks each has the rows of its own disks */
+  if (!c && state_refuse(model, messages) != SD_OK) return SD_ERROR_IO;
   sd_state *state = sd_state_new(model);
-  if (!state) {
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for the state");
-  }
+  if (!state) return sd_fail(messages, SD_ERROR_IO, "out of memory for the state");
   if (engine_fill_state(model, state) != SD_OK) {
     sd_state_free(state);
-    *out = NULL;
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   }
-  sd_status status = create(model, state, threads, step, c, stop, out, messages);
-  if (status != SD_OK) return status;
-  assert(*out);
-  engine *e = &(*out)->engine;
-  loop_begin_phase(e);
-  status = (*out)->ranks ? ranks_start((*out)->ranks, e, messages) : loop_start(e, messages);
+  const sd_status status = create(model, state, threads, step, c, stop, out, messages);
+  if (status == SD_OK) loop_begin_phase(&(*out)->engine);
+  return status;
+}
+
+/* A rank beside the first, which gets its disks from there. */
+static sd_simulation *join(const sd_model *model, const comm *c, volatile sig_atomic_t *stop) {
+  sd_simulation *sim = memory_lines(sizeof *sim);
+  *sim = (sd_simulation){.engine = {.model = model}, .ranks = ranks_new(c, model, stop)};
+  return sim;
+}
+
+/* The whole, on rank 0; NULL on the others. */
+static engine *whole_of(sd_simulation *sim) { return sim->engine.state ? &sim->engine : NULL; }
+
+sd_status simulation_new(const sd_model *model, int threads, simulation_step step, const comm *c,
+                         volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages) {
+  sd_status status = SD_OK;
+  if (comm_rank(c) == 0)
+    status = make(model, threads, step, c, stop, out, messages);
+  else
+    *out = join(model, c, stop);
+  status = comm_agree(c, status);
+  if (status == SD_OK)
+    status = (*out)->ranks ? ranks_start((*out)->ranks, whole_of(*out), messages)
+                           : loop_start(&(*out)->engine, messages);
   return status == SD_OK ? SD_OK : fail_new(*out, out, status);
 }
 
 sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
                             const comm *c, volatile sig_atomic_t *stop, sd_simulation **out,
                             sd_messages *messages) {
-  sd_status status = create(model, state, threads, step, c, stop, out, messages);
-  if (status != SD_OK) return status;
-  assert(*out);
-  sd_simulation *sim = *out;
-  if (sim->ranks) status = ranks_spread(sim->ranks, &sim->engine, messages);
-  state->source = NULL; /* what it read may go */
-  return status == SD_OK ? SD_OK : fail_new(sim, out, status);
+  sd_status status = SD_OK;
+  *out = NULL;
+  if (comm_rank(c) == 0)
+    status = create(model, state, threads, step, c, stop, out, messages);
+  else
+    *out = join(model, c, stop);
+  status = comm_agree(c, status);
+  if (status == SD_OK && (*out)->ranks) status = ranks_spread((*out)->ranks, whole_of(*out), messages);
+  if (status != SD_OK) return fail_new(*out, out, status);
+  if (state) state->source = NULL; /* what it read may go */
+  return SD_OK;
 }
 
 sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threads, sd_simulation **out,
@@ -188,17 +210,19 @@ engine *simulation_engine(sd_simulation *sim) { return &sim->engine; }
 
 bool simulation_is_small(const sd_simulation *sim) { return engine_lanes(&sim->engine); }
 
-bool simulation_is_spread(const sd_simulation *sim) { return sim->ranks != NULL; }
-
-settle_measure simulation_rest(sd_simulation *sim) {
-  return simulation_is_spread(sim) ? ranks_rest(sim->ranks) : settle_look(&sim->engine);
+engine *simulation_part(const sd_simulation *sim) {
+  return sim->ranks ? ranks_part(sim->ranks) : (engine *)(uintptr_t)&sim->engine;
 }
 
-bool simulation_finished(const sd_simulation *sim) { return loop_finished(&sim->engine); }
+bool simulation_is_spread(const sd_simulation *sim) { return sim->ranks != NULL; }
+
+settle_measure simulation_rest(sd_simulation *sim) { return settle_look(simulation_part(sim)); }
+
+bool simulation_finished(const sd_simulation *sim) { return loop_finished(simulation_part(sim)); }
 
 static sd_status advance_all(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
-  if (sim->ranks) return ranks_advance(sim->ranks, e, n, messages);
+  if (sim->ranks) return ranks_advance(sim->ranks, whole_of(sim), n, messages);
   if (!e->fields) e->state->field_power = 0.0;
   engine_ready(e, messages);
   while (n > 0 && !loop_finished(e)) {

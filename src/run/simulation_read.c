@@ -16,11 +16,15 @@ const sd_model *sd_simulation_model(const sd_simulation *sim) {
   return model;
 }
 
+sd_status simulation_bring(sd_simulation *sim) {
+  engine *e = &sim->engine;
+  if (sim->ranks) return ranks_collect(sim->ranks, e->state ? e : NULL);
+  motion_store(e);
+  return contacts_store(e);
+}
+
 const sd_state *simulation_state(sd_simulation *sim) {
-  if (simulation_is_spread(sim))
-    return ranks_collect(sim->ranks, &sim->engine) == SD_OK ? sim->engine.state : NULL;
-  motion_store(&sim->engine);
-  return contacts_store(&sim->engine) == SD_OK ? sim->engine.state : NULL;
+  return simulation_bring(sim) == SD_OK ? sim->engine.state : NULL;
 }
 
 const sd_state *sd_simulation_state(sd_simulation *sim) {
@@ -37,9 +41,12 @@ const sd_state *simulation_row_state(sd_simulation *sim) {
   return contacts_store_rows(&sim->engine) == SD_OK ? sim->engine.state : NULL;
 }
 
+/* Numbers of the run, which every rank has alike. */
+static const sd_state *run_state(const sd_simulation *sim) { return simulation_part(sim)->state; }
+
 int64_t sd_simulation_step(const sd_simulation *sim) {
   if (!simulation_read_begin(sim)) return -1;
-  const int64_t step = sim->engine.state->step;
+  const int64_t step = run_state(sim)->step;
   simulation_read_end(sim);
   return step;
 }
@@ -70,7 +77,7 @@ bool sd_simulation_column(sd_simulation *sim, const char *name, sd_column *out) 
 
 double sd_simulation_time(const sd_simulation *sim) {
   if (!simulation_read_begin(sim)) return NAN;
-  const double time = (double)sim->engine.state->step * sim->engine.model->dt;
+  const double time = (double)run_state(sim)->step * sim->engine.model->dt;
   simulation_read_end(sim);
   return time;
 }
@@ -84,7 +91,7 @@ bool sd_simulation_finished(const sd_simulation *sim) {
 
 sd_stage sd_simulation_stage(const sd_simulation *sim) {
   if (!simulation_read_begin(sim)) return (sd_stage){-1, -1, -1, -1};
-  const sd_state *s = sim->engine.state;
+  const sd_state *s = run_state(sim);
   const sd_stage stage = {.step = s->step,
                           .phase = s->phase,
                           .phase_step = s->phase_step,
@@ -95,7 +102,7 @@ sd_stage sd_simulation_stage(const sd_simulation *sim) {
 
 sd_goal sd_simulation_goal(const sd_simulation *sim) {
   if (!simulation_read_begin(sim)) return (sd_goal){.value = NAN, .error = NAN, .goal = NAN, .measured = NAN};
-  const sd_goal goal = sd_goal_of(sim->engine.model, sim->engine.state);
+  const sd_goal goal = sd_goal_of(sim->engine.model, run_state(sim));
   simulation_read_end(sim);
   return goal;
 }
@@ -108,7 +115,7 @@ sd_energy sd_simulation_energy(sd_simulation *sim) {
     for (size_t k = 0; k < sizeof energy / sizeof *numbers; k++) numbers[k] = NAN;
     return energy;
   }
-  energy = simulation_is_spread(sim) ? ranks_energy(sim->ranks) : energy_of(&sim->engine);
+  energy = energy_of(simulation_part(sim));
   simulation_leave(sim, outer);
   return energy;
 }
@@ -137,14 +144,14 @@ double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
 
 int sd_simulation_threads(const sd_simulation *sim) {
   if (!simulation_read_begin(sim)) return -1;
-  const int threads = engine_threads(&sim->engine);
+  const int threads = engine_threads(simulation_part(sim));
   simulation_read_end(sim);
   return threads;
 }
 
 const char *sd_simulation_path(const sd_simulation *sim) {
   if (!simulation_read_begin(sim)) return "";
-  const char *path = engine_kernels(&sim->engine)->name;
+  const char *path = engine_kernels(simulation_part(sim))->name;
   simulation_read_end(sim);
   return path;
 }

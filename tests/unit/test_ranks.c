@@ -69,36 +69,29 @@ typedef struct run {
   sd_messages *messages;
 } run;
 
-static void lead(const comm *c, run *r) {
-  sd_model *none;
-  sd_simulation *sim = NULL;
-  r->status = model_share(c, r->model, &none, r->messages);
-  if (r->status == SD_OK)
-    r->status = simulation_new(r->model, r->threads, SIMULATION_GENERAL, c, NULL, &sim, r->messages);
-  while (r->status == SD_OK && !sd_simulation_finished(sim))
-    r->status = sd_simulation_advance(sim, r->steps, r->messages);
-  if (sim) {
-    r->energy = sd_simulation_energy(sim);
-    r->end = copy_of(r->model, sd_simulation_state(sim));
-  }
-  ranks_dismiss(c, r->status);
-  sd_simulation_free(sim);
-}
-
-static void serve(const comm *c) {
-  sd_model *model;
-  model_share(c, NULL, &model, NULL);
-  ranks *r = ranks_new(c, model, NULL);
-  ranks_serve(r);
-  ranks_free(r);
-  sd_model_free(model);
-}
-
+/* On every rank; the first has the model, the messages and the whole state. */
 static void rank(const comm *c, void *with) {
-  if (comm_rank(c) == 0)
-    lead(c, with);
-  else
-    serve(c);
+  run *r = with;
+  const bool first = comm_rank(c) == 0;
+  sd_model *mine = NULL;
+  sd_simulation *sim = NULL;
+  sd_messages *messages = first ? r->messages : sd_messages_new();
+  sd_status status = model_share(c, first ? r->model : NULL, &mine, messages);
+  if (status == SD_OK)
+    status = simulation_new(mine ? mine : r->model, r->threads, SIMULATION_GENERAL, c, NULL, &sim, messages);
+  while (status == SD_OK && !sd_simulation_finished(sim))
+    status = sd_simulation_advance(sim, r->steps, messages);
+  const sd_energy energy = sim ? sd_simulation_energy(sim) : (sd_energy){0};
+  const sd_status there = sim ? simulation_bring(sim) : SD_ERROR_IO;
+  if (first) {
+    r->status = status;
+    r->energy = energy;
+    r->end = there == SD_OK ? copy_of(r->model, simulation_engine(sim)->state) : NULL;
+  } else {
+    sd_messages_free(messages);
+  }
+  sd_simulation_free(sim);
+  sd_model_free(mine);
 }
 
 static void go(run *r, int size) {
