@@ -94,7 +94,7 @@ typedef struct drive_options {
  * refuses what ranks do not share, prints what went wrong and returns the largest status of all ranks. comm_end is the caller's. */
 int drive_begin(const drive_options *options, sd_messages *messages);
 int drive_agree(const sd_model *model, int status, sd_messages *messages);
-/* messages: of the loader, printed first. Takes neither over. Ranks beside the first have no model; they serve till the run is done. */
+/* messages: of the loader, printed first. Takes neither over. Ranks beside the first have no model: they get what they need of it. */
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
 
 /* Writes into text[size] from which step the run of this process goes on, "; everything until

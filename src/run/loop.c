@@ -23,7 +23,6 @@
 #include "physics/step/step.h"
 #include "physics/system/halo.h"
 #include "run/lanes_loop.h"
-#include "run/phase.h"
 #include "run/ranks.h"
 
 bool loop_finished(const engine *e) { return e->state->phase >= (int64_t)e->model->n_phases; }
@@ -62,6 +61,49 @@ static sd_status order_again(engine *e, sd_messages *messages) {
 
 /* --- phases ---------------------------------------------------------------------------------------------- */
 
+static bool measures(const engine *e) {
+  return e->state->phase < (int64_t)e->model->n_phases && e->model->phases[e->state->phase].measure;
+}
+
+static void measure_begin(engine *e) {
+  sample_begin(e);
+  disks_begin(e);
+}
+
+/* The settle criteria are looked at after this step, if there are any. */
+static bool settle_is_due(const engine *e) {
+  const sd_settle *asked = &e->model->phases[e->state->phase].settle;
+  return asked->asked && e->state->phase_step % asked->every == 0;
+}
+
+static void note_goals(const engine *e, const settle_measure *rest) {
+  sd_state *s = e->state;
+  const sd_phase *p = &e->model->phases[s->phase];
+  s->phase_steps[s->phase] = s->phase_step;
+  if (rest) {
+    s->phase_kinetic[s->phase] = rest->kinetic;
+    s->phase_unbalanced[s->phase] = rest->unbalanced;
+  }
+  if (p->compress.asked)
+    s->phase_target[s->phase] = p->compress.pressure > 0.0 ? compress_pressure(e) : compress_fraction(e);
+  s->phase_reached[s->phase] = (!rest || settle_reached(e, rest)) && (!p->compress.asked || compress_done(e));
+}
+
+/* Stops measuring, notes the goals of the phase and its values at the end. rest: NULL: it has no settle criteria. */
+static void close_phase(engine *e, const settle_measure *rest) {
+  sd_state *s = e->state;
+  assert(s->phase_step > 0 && s->phase_steps[s->phase] == 0);
+  assert((rest != NULL) == e->model->phases[s->phase].settle.asked);
+  if (measures(e)) {
+    sample_end(e);
+    disks_end(e);
+  }
+  motion_store(e);
+  note_goals(e, rest);
+  s->phase++;
+  s->phase_step = 0;
+}
+
 void loop_begin_phase(engine *e) {
   if (loop_finished(e)) return;
   relax_begin(e);
@@ -74,19 +116,19 @@ sd_status loop_start(engine *e, sd_messages *messages) {
   if (status == SD_OK) status = engine_start(e, messages);
   if (status != SD_OK) return status;
   motion_begin_run(e);
-  if (phase_measures(e)) phase_measure_begin(e);
+  if (measures(e)) measure_begin(e);
   return SD_OK;
 }
 
 static sd_status end_phase(engine *e, sd_messages *messages) {
   const bool settles = phase_of(e)->settle.asked;
   const settle_measure rest = settles ? settle_look(e) : (settle_measure){0};
-  phase_end(e, settles ? &rest : NULL);
+  close_phase(e, settles ? &rest : NULL);
   if (loop_finished(e)) return SD_OK;
   const sd_status status = order_again(e, messages);
   if (status != SD_OK) return status;
   loop_begin_phase(e);
-  if (phase_measures(e)) phase_measure_begin(e);
+  if (measures(e)) measure_begin(e);
   return SD_OK;
 }
 
@@ -128,7 +170,7 @@ static sd_status between_steps(engine *e, sd_messages *messages) {
 }
 
 static bool settled(const engine *e) {
-  if (!phase_settles(e)) return false;
+  if (!settle_is_due(e)) return false;
   const settle_measure now = settle_look(e);
   return settle_reached(e, &now);
 }
@@ -210,7 +252,7 @@ static void member(const team *t, void *with) {
 }
 
 void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atomic_t *stop, unsigned *bits) {
-  steps_task task = {.e = e, .until = until, .measure = phase_measures(e), .stop = stop, .bits = bits};
+  steps_task task = {.e = e, .until = until, .measure = measures(e), .stop = stop, .bits = bits};
   if (phase_of(e)->relax) task.sums = memory_new((size_t)engine_threads(e), sizeof *task.sums);
   if (until > e->state->step) step_begin(e, until - e->state->step);
   pool_run(threads, member, &task);
