@@ -2,6 +2,7 @@
 #ifdef SD_HAVE_MPI
 #include "base/comm_cuts_zoltan.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -96,6 +97,7 @@ int zoltan_cuts_owner(const zoltan_cuts *c, double x, double y) {
   double at[3] = {x, y, 0.0};
   int rank = 0, part = 0;
   if (Zoltan_LB_Point_PP_Assign(c->zoltan, at, &rank, &part) != ZOLTAN_OK) rank = 0;
+  assert(rank >= 0 && rank < comm_size(comm_world()));
   return rank;
 }
 
