@@ -274,12 +274,17 @@ disk_files = ( {{ file = "t.h5"; dataset = "t"; columns = ("x", "y"); radius = 0
                          "and the busiest worked [0-9]+ % longer than the mean")
 
     def test_relaxes(self):
-        """Phases that relax, on all ranks."""
-        deck = self.folder / "relax.cfg"
-        deck.write_text(DECKS["pressed"].replace('name = "hold";', 'name = "hold"; relax = true;'))
-        self.ok(0, "run", deck, "--quiet", "-o", self.result)
-        self.ok(3, "run", deck, "--quiet", "-o", self.folder / "three.h5")
-        assert_same(self, self.result, self.folder / "three.h5")
+        """Phases that relax and compress, on all ranks, also of disks that they make themselves."""
+        cases = {"pressed": DECKS["pressed"].replace('name = "hold";', 'name = "hold"; relax = true;'),
+                 "levels": DECKS["levels"].replace("steps = 400;", "steps = 200; relax = true; compress = { fraction = 0.5; rate = 0.5; };")}
+        for name, text in cases.items():
+            with self.subTest(name):
+                deck, one, three = (self.folder / f"relaxed-{name}{end}" for end in (".cfg", ".h5", "-3.h5"))
+                deck.write_text(text)
+                self.ok(0, "run", deck, "--quiet", "-o", one)
+                _, err = self.ok(3, "run", deck, "--quiet", "-o", three)
+                self.assertNotIn("one rank makes all", err)
+                assert_same(self, one, three)
 
     def test_refused(self):
         """What ranks do not share: told at the start, with what to do; nothing is written. One process runs it."""
