@@ -139,10 +139,48 @@ static void test_same_bits(void **unused) {
   }
 }
 
+/* Found by one rank, or by rank 0 alone: all stop, with the message and at the step of one process. */
+static void test_failures(void **unused) {
+  (void)unused;
+  static const deck_case decks[] = {
+      {"too deep in a compression",
+       HEAD PACKING "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; }; max_overlap = 0.03;\n"
+                    "phases = ( { steps = 3000; compress = { fraction = 0.97; rate = 0.5; }; } );"},
+      {"too deep in a step",
+       HEAD PACKING "gravity = { g = 300; }; container = { type = \"box\"; width = 26; height = 20; };\n"
+                    "max_overlap = 0.05; phases = ( { steps = 3000; } );"},
+      {"no room for rain",
+       HEAD "gravity = { g = 1; }; container = { type = \"box\"; width = 12; height = 9; };\n"
+            "walls = ( { name = \"roof\"; type = \"line\"; points = ((-6, 9), (6, 9)); } );\n"
+            "packings = ( { type = \"rain\"; count = 120; sizes = \"uniform\"; lower = 0.4; upper = 0.5; "
+            "density = 1; } );\n"
+            "phases = ( { steps = 30000; } );"},
+      {"out of bounds",
+       HEAD PACKING "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
+                    "bounds = { x = (-1, 13); y = (-3, 30); outside = \"stop\"; };\n"
+                    "phases = ( { steps = 9000; } );"}};
+  for (size_t d = 0; d < sizeof decks / sizeof *decks; d++)
+    for (int size = 2; size <= 3; size++) {
+      run alone = {.deck = decks[d].text, .steps = 100000, .threads = 1};
+      run shared = {.deck = decks[d].text, .steps = 100000, .threads = 1};
+      go(&alone, 1);
+      go(&shared, size);
+      print_message("  %s: %s\n", decks[d].name,
+                    sd_messages_count(alone.messages) ? sd_messages_text(alone.messages, 0) : "no message");
+      assert_int_equal(alone.status, SD_ERROR_NUMERIC);
+      assert_int_equal(shared.status, SD_ERROR_NUMERIC);
+      same_messages(alone.messages, shared.messages);
+      assert_non_null(shared.end);
+      assert_int_equal(alone.end->step, shared.end->step);
+      end(&alone);
+      end(&shared);
+    }
+}
+
 static void tell(const char *why) { fprintf(stderr, "a rank fails: %s\n", why); }
 
 int main(void) {
   comm_on_fail(tell);
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_same_bits)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_same_bits), cmocka_unit_test(test_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
