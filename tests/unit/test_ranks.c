@@ -26,22 +26,22 @@ typedef struct deck_case {
 
 static const deck_case DECKS[] = {
     {"free", HEAD PACKING "gravity = { g = 1; }; container = { type = \"box\"; width = 40; height = 20; };\n"
-                          "phases = ( { steps = 1500; } );"},
+                          "phases = ( { steps = 700; } );"},
     {"gear", "integrator = \"gear5\"; dt = 5e-4;\n"
              "materials = ( { name = \"grain\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n" PACKING
              "gravity = { g = 1; tilt = 0.4; }; box = { x = (0, 12); periodic = \"x\"; };\n"
              "walls = ( { type = \"line\"; points = ((0, 0), (12, 0)); } );\n"
-             "phases = ( { steps = 2000; measure = true; } ); measure = { disks = true; };"},
+             "phases = ( { steps = 900; measure = true; } ); measure = { disks = true; };"},
     {"compress to a pressure", HEAD PACKING
      "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
-     "phases = ( { steps = 3000; compress = { pressure = 20; rate = 0.2; }; }, { steps = 200; } );"},
+     "phases = ( { steps = 1200; compress = { pressure = 20; rate = 0.5; }; }, { steps = 200; } );"},
     {"compress to a fraction, relaxing",
      HEAD PACKING "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
-                  "phases = ( { steps = 2000; relax = true; compress = { fraction = 0.8; rate = 0.2; }; }, { "
+                  "phases = ( { steps = 800; relax = true; compress = { fraction = 0.8; rate = 0.2; }; }, { "
                   "steps = 200; } );"},
     {"relax in a box", HEAD PACKING
      "gravity = { g = 1; }; container = { type = \"box\"; width = 26; height = 20; };\n"
-     "phases = ( { steps = 800; }, { steps = 1500; relax = true; settle = { unbalanced = 1e-3; every = "
+     "phases = ( { steps = 500; }, { steps = 600; relax = true; settle = { unbalanced = 1e-3; every = "
      "50; }; }, { steps = 300; } );"},
     {"lid", HEAD PACKING
      "gravity = { g = 1; }; box = { x = (0, 12); periodic = \"x\"; };\n"
@@ -49,7 +49,7 @@ static const deck_case DECKS[] = {
      "          { name = \"lid\"; type = \"line\"; points = ((0, 14), (12, 14)); } );\n"
      "motions = ( { name = \"press\"; wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = -40; "
      "speed = 1; } );\n"
-     "phases = ( { steps = 2500; settle = { kinetic = 1e-3; every = 100; }; }, { steps = 300; } );"},
+     "phases = ( { steps = 1200; settle = { kinetic = 1e-3; every = 100; }; }, { steps = 300; } );"},
     {"bounds",
      HEAD PACKING "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
                   "bounds = { x = (-2, 14); y = (-3, 30); outside = \"remove\"; };\n"
@@ -128,6 +128,7 @@ static void test_same_bits(void **unused) {
     run alone = {.deck = DECKS[d].text, .steps = 1000, .threads = 1};
     go(&alone, 1);
     for (size_t k = 0; k < sizeof size / sizeof *size; k++) {
+      if (size[k] == 7 && d % 3 != 0) continue; /* threads that wait for each other are slow */
       char what[100];
       snprintf(what, sizeof what, "%s, %d ranks", DECKS[d].name, size[k]);
       run shared = {.deck = DECKS[d].text, .steps = 170 * size[k], .threads = 1 + (size[k] == 3)};
