@@ -16,7 +16,7 @@ BUILD = ROOT / "build" / "coverage"
 
 # Room -> its files below src/; the first that fits counts.
 ROOMS = {
-    # this build has no MPI: one rank, which has no shares
+    # this build has no MPI: test_ranks has ranks that are threads, and no shares
     "ranks": r"base/comm|run/(ranks|route|model_share)|io/(results/record_share|store/h5_shares)",
     "deck reader": r"io/deck",
     "checkpoint": r"io/(results/checkpoint|store/file|store/folder|store/members)",
@@ -33,7 +33,7 @@ LEAST = {"deck reader": 88, "checkpoint": 70, "merge": 80}  # per cent of branch
 TESTS = (r"^test_(deck|deck_.*|packings_(deck|mistakes|check)|tiles|sweep_(deck|mistakes|folder)|check_sweep|checkpoint|restart"
          r"|rows|configuration|configuration_frames|measure_command|disk_files|disk_results|results|large_files"
          r"|session_group|settle|settle_runs|ensemble|compress|compress_results|watch|bounds|walls|rain|relax|generators|motion"
-         r"|lanes_motion|neighbours|theory_command|random|until|expressions|mistakes|advice|library|library_more|json|export|h5md|cell_readers|clump_decks)$")
+         r"|lanes_motion|neighbours|ranks|theory_command|random|until|expressions|mistakes|advice|library|library_more|json|export|h5md|cell_readers|clump_decks)$")
 # The modes that lead into branches of failures, and their sizes
 FAULTS = {"faults": "brief", "memory": "small", "altered": "brief"}
 
