@@ -259,12 +259,12 @@ static int run_session(const sd_model *model, const drive_options *options, tell
                          .look = options->live ? look : NULL,
                          .user = t};
   session *s;
-  if (leads) {
+  if (leads && status == SD_OK) {
     sd_model_advise(model, messages);
-    if (status == SD_OK) status = check_size(model, options->result, messages);
+    status = check_size(model, options->result, messages);
     warn_of_threads(model, (int)options->threads, messages);
   }
-  status = comm_agree(comm_world(), status);
+  status = comm_wait(comm_world(), status);
   if (status == SD_OK) status = session_open(model, &how, &s, messages);
   if (leads) tell_messages(t, messages);
   if (status == SD_INTERRUPTED && t->screen) app_tell_no_start();

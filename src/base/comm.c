@@ -135,6 +135,8 @@ sd_status comm_agree(const comm *c, sd_status status) {
   return c ? (sd_status)(int)comm_largest(c, (double)status) : status;
 }
 
+sd_status comm_wait(const comm *c, sd_status status) { return (sd_status)comm_max(c, (int)status); }
+
 bool comm_all_well(const comm *c, sd_status status) { return comm_or(c, status != SD_OK) == 0; }
 
 double comm_largest(const comm *c, double value) {

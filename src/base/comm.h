@@ -49,6 +49,8 @@ void comm_share(const comm *c, void *data, size_t bytes);
 unsigned comm_or(const comm *c, unsigned bits);
 /* The status on which all ranks agree: SD_OK when it is that of each. */
 sd_status comm_agree(const comm *c, sd_status status);
+/* The same where one rank has worked for long while the others waited: waits sleep, they do not spin. */
+sd_status comm_wait(const comm *c, sd_status status);
 /* No rank has failed. */
 bool comm_all_well(const comm *c, sd_status status);
 /* Largest value, and the sum, of all ranks. */
@@ -81,7 +83,7 @@ void comm_links_wait(comm_links *links);
 void comm_links_free(comm_links *links);
 
 #ifdef SD_CHECK
-/* Where this thread calls the next collective function. */
+/* Notes the place from which this thread calls the next collective function. */
 #define COMM_TEXT(line) #line
 #define COMM_LINE(line) COMM_TEXT(line)
 #define COMM_HERE comm_at(__FILE__ ":" COMM_LINE(__LINE__))
@@ -90,6 +92,7 @@ void comm_at(const char *place);
 #define comm_share(...) (COMM_HERE, comm_share(__VA_ARGS__))
 #define comm_or(...) (COMM_HERE, comm_or(__VA_ARGS__))
 #define comm_agree(...) (COMM_HERE, comm_agree(__VA_ARGS__))
+#define comm_wait(...) (COMM_HERE, comm_wait(__VA_ARGS__))
 #define comm_all_well(...) (COMM_HERE, comm_all_well(__VA_ARGS__))
 #define comm_largest(...) (COMM_HERE, comm_largest(__VA_ARGS__))
 #define comm_total(...) (COMM_HERE, comm_total(__VA_ARGS__))

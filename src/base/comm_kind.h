@@ -11,6 +11,7 @@
 #undef comm_share
 #undef comm_or
 #undef comm_agree
+#undef comm_wait
 #undef comm_all_well
 #undef comm_largest
 #undef comm_total
@@ -50,7 +51,7 @@ struct comm_links {
   const comm *comm;
 };
 
-/* Where the rows of each rank begin, to be freed. */
+/* The first row of each rank, to be freed. */
 int *comm_starts(const comm *c, const int *counts);
 
 /* comm_mpi.c, or in builds without MPI comm.c: *world is the job's; NULL: alone. */

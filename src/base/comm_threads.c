@@ -43,7 +43,7 @@ static void wait_for_all(const comm *c) {
   pthread_mutex_unlock(&m->lock);
 }
 
-/* What each rank shows, until `wait_for_all`. */
+/* Shows data to the others, and returns what each rank shows, until `wait_for_all`. */
 static const void *const *show(const comm *c, const void *data) {
   meeting *m = meeting_of(c);
   m->shown[c->rank] = data;

@@ -1,23 +1,16 @@
 /* cell.c: see cell.h. */
 #include "model/cell.h"
+#include "model/laws.h"
 
 #include <math.h>
 
 #define FAIL(...) sd_fail(msg, SD_ERROR_USER, __VA_ARGS__)
 
-/* Gap over which a law attracts. */
-static double reach_of(const sd_contact_law *law) {
-  return law->cohesion == SD_COHESION_BRIDGE     ? law->rupture
-         : law->cohesion == SD_COHESION_CONSTANT ? law->range
-                                                 : 0.0;
-}
-
 /* Lists of neighbours look 1.2 times as far as disks touch, and at all pairs as far as any law attracts. */
 double cell_least_length(const sd_model *m, double *reach) {
-  double largest = 0.0, farthest = 0.0;
+  const double farthest = laws_reach(m);
+  double largest = 0.0;
   for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
-  for (size_t k = 0; m->laws && k < m->n_materials * m->n_materials; k++)
-    farthest = fmax(farthest, reach_of(&m->laws[k]));
   if (reach) *reach = farthest;
   return 4.0 * largest * 1.2 + 2.0 * farthest;
 }

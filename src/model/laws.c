@@ -114,6 +114,20 @@ unsigned law_features(const sd_contact_law *law) {
   return f;
 }
 
+/* Gap over which a law attracts. */
+static double reach_of(const sd_contact_law *law) {
+  return law->cohesion == SD_COHESION_BRIDGE     ? law->rupture
+         : law->cohesion == SD_COHESION_CONSTANT ? law->range
+                                                 : 0.0;
+}
+
+double laws_reach(const sd_model *m) {
+  double farthest = 0.0;
+  for (size_t k = 0; m->laws && k < m->n_materials * m->n_materials; k++)
+    farthest = fmax(farthest, reach_of(&m->laws[k]));
+  return farthest;
+}
+
 unsigned laws_features(const sd_model *m) {
   unsigned f = 0;
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++) f |= law_features(&m->laws[k]);

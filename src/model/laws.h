@@ -33,4 +33,7 @@ void laws_count_uses(const sd_model *model, law_use *use);
  * to move. False: no more. */
 bool laws_find_missing(const sd_model *model, const law_use *use, size_t *a, size_t *b);
 
+/* The gap over which disks of any two materials attract each other, at most. */
+double laws_reach(const sd_model *model);
+
 #endif

@@ -8,6 +8,7 @@
 
 #include "base/comm.h"
 #include "model/cell.h"
+#include "model/laws.h"
 #include "pack/rain.h"
 #include "physics/system/bodies.h"
 #include "physics/contact/energy.h"
@@ -62,7 +63,7 @@ typedef struct virial {
   double pressure, stiffness; /* stiffness: of an affine change of the centres, - dp/d ln(length) */
 } virial;
 
-/* Of the contacts of all ranks. */
+/* Sums over the contacts of all ranks. */
 static virial virial_of(const engine *e) {
   const sd_state *s = e->state;
   const double twice = 2.0 * compress_area(e->model, s);
@@ -125,10 +126,10 @@ static double factor(const engine *e) {
 /* As at the start (cell_least_length): the nearest image must be unique. */
 static sd_status check_width(const engine *e, double f, sd_messages *messages) {
   const sd_state *s = e->state;
-  double largest = 0.0, reach;
+  const double reach = laws_reach(e->model);
+  double largest = 0.0;
   for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
   largest = comm_largest(e->comm, largest);
-  cell_least_length(e->model, &reach);
   for (int c = 0; c < 2; c++)
     if (e->model->periodic[c] && !(f * engine_length(e, c) > 4.0 * largest * 1.2 + 2.0 * reach))
       return sd_fail(messages, SD_ERROR_NUMERIC,
@@ -147,10 +148,11 @@ sd_status compress_step(engine *e, sd_messages *messages) {
   if (f == 1.0 || rain_waits(e)) return SD_OK;
   if (check_width(e, f, messages) != SD_OK) return SD_ERROR_NUMERIC;
   sd_energy before = energy_of(e);
-  sd_status status = rescale(e, f, messages);
+  const sd_status status = rescale(e, f, messages);
+  if (status != SD_OK) return status;
   sd_energy after = energy_of(e);
   e->state->work_driven += (potential(&after) - potential(&before)) + (after.friction - before.friction) +
                            (after.opening - before.opening) + (after.rolling - before.rolling) +
                            (after.bridge - before.bridge);
-  return status;
+  return SD_OK;
 }

@@ -18,7 +18,6 @@
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
 #include "physics/step/engine.h"
-#include "physics/neighbours/neighbours.h"
 #include "physics/contact/walls.h"
 
 /* Part of a row's width that disks take, at most; between two rows this part of the higher one's radius is left. */
@@ -48,7 +47,7 @@ int64_t rain_waiting(const sd_model *m, const sd_state *s) {
 
 bool rain_waits(const engine *e) { return rain_waiting(e->model, e->state) > 0; }
 
-/* Where a disk of a batch goes; leads: the first of its grain. */
+/* The place of a disk of a batch; leads: the first of its grain. */
 typedef struct rain_drop {
   uint32_t disk, leads;
   double x, y;

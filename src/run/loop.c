@@ -50,7 +50,7 @@ sd_status loop_rebuild(engine *e, bool small, sd_messages *messages) {
   return status;
 }
 
-/* Where the disks have gone since they were put in order. All that can be recomputed is made anew. */
+/* Follows the disks where they have gone since they were put in order; all that can be recomputed is made anew. */
 static sd_status order_again(engine *e, sd_messages *messages) {
   if (e->comm) return ranks_order_again(e);
   if (e->state->n_free < ORDER_LEAST) return SD_OK;
@@ -224,17 +224,27 @@ static bool may_step(const steps_task *a, const team *t) {
   return !(*a->bits & HALO_STOP) || step + 1 == a->until;
 }
 
-/* One member's share of the steps. A rank that has failed goes on with the sums of all. */
+/* After a step. Ranks ask each other before they steer, which they do together. */
+static bool has_failed(const steps_task *a, const team *t) {
+  const bool failed = engine_status(a->e) != SD_OK;
+  if (!a->e->comm || !a->sums) return failed;
+  if (t->rank == 0) *a->bits = comm_or(a->e->comm, failed);
+  team_wait(t);
+  return *a->bits != 0;
+}
+
+/* One member's share of the steps. */
 static void take_steps(const steps_task *a, const team *t) {
   engine *e = a->e;
   const int64_t measured = e->state->measured, from = e->state->step;
   for (int64_t step = from; may_step(a, t); step++) {
     step_once(e, t);
     team_wait(t);
-    const bool failed = engine_status(e) != SD_OK;
+    const bool failed = has_failed(a, t);
     if (failed && !e->comm) return;
+    if (failed) continue; /* the ranks agree on it first */
     if (a->sums) relax_step(e, t, a->sums);
-    if (!a->measure || failed) continue;
+    if (!a->measure) continue;
     disks_step(e, t, measured + (step - from) + 1);
     if (t->rank == 0) sample_step(e);
     team_wait(t);

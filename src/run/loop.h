@@ -1,5 +1,6 @@
 /* loop.h: the loop of steps, and what is done between them, of one engine: a whole system, or the part of one rank of
- * several. Functions are collective: all ranks call alike, and get the same status. */
+ * several. Functions that return a status are collective but for loop_build and loop_rebuild: all ranks call alike, and get the
+ * same. */
 #ifndef RUN_LOOP_H
 #define RUN_LOOP_H
 

@@ -13,7 +13,6 @@
 #include "io/results/checkpoint.h"
 #include "io/results/record_share.h"
 #include "model/advice.h"
-#include "physics/contact/energy.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/neighbours/order.h"
@@ -107,6 +106,8 @@ static sd_status take_part(ranks *r, const engine *from, bool made) {
   if (status == SD_OK) status = engine_build(&r->part, r->threads, r->messages);
   /* together, or not at all: the others would wait */
   if (comm_all_well(r->comm, status) && halo_list_prescribed(&r->part) != SD_OK) status = SD_ERROR_IO;
+  if (status != SD_OK && sd_messages_errors(r->messages) == 0)
+    sd_fail(r->messages, status, "no memory for the disks of this rank");
   engine_ready(&r->part, r->messages);
   engine_end(&r->part, status);
   return status;
@@ -273,7 +274,7 @@ static sd_status end_work(ranks *r, engine *whole, sd_status status, sd_messages
   return status;
 }
 
-/* Of equal ones, as they are found from both sides of a border, that of the first rank. */
+/* Equal ones are found from both sides of a border: that of the first rank stands. */
 static void share_deepest(ranks *r, const first_overlap *mine) {
   const size_t n = (size_t)comm_size(r->comm);
   first_overlap *all = memory_new(n, sizeof *all);
@@ -291,16 +292,15 @@ static sd_status start_part(ranks *r) {
     const sd_status apart = comm_agree(r->comm, contacts_check_start(e, &deepest, r->messages));
     if (apart != SD_OK) return apart;
     share_deepest(r, &deepest);
+    advice_tell_overlap(r->model, &r->deepest, r->messages);
   }
   return loop_start(e, r->messages);
 }
 
 sd_status ranks_start(ranks *r, engine *whole, sd_messages *messages) {
-  sd_status status = tell(r, spread(r, whole, r->model->tiles.away), messages);
+  const sd_status status = tell(r, spread(r, whole, r->model->tiles.away), messages);
   if (status != SD_OK) return status;
-  status = end_work(r, whole, start_part(r), messages);
-  if (status == SD_OK && whole) advice_tell_overlap(r->model, &r->deepest, messages);
-  return status;
+  return end_work(r, whole, start_part(r), messages);
 }
 
 sd_status ranks_advance(ranks *r, engine *whole, int64_t n, sd_messages *messages) {

@@ -4,7 +4,7 @@
  * loop (loop.h). Rank 0 also keeps the state of the whole as far as heads of files need it: `whole`, NULL on the other ranks,
  * which is as old as the last ranks_collect. Nothing of it changes a bit.
  *
- * All functions that return a status are collective, and all ranks return the same one; rank 0 has the messages of all. Without
+ * All functions that return a status are collective, and all ranks return the same one; rank 0 hears what the others had to say. Without
  * memory, a rank says so and ends the job.
  */
 #ifndef SLIPDISK_RUN_RANKS_H

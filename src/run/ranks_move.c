@@ -9,6 +9,7 @@
 #include "base/comm.h"
 #include "base/memory.h"
 #include "model/cell.h"
+#include "model/laws.h"
 #include "physics/neighbours/order.h"
 #include "physics/step/access.h"
 #include "run/ranks_columns.h"
@@ -133,17 +134,6 @@ static sd_status add_send(sends *l, uint32_t row, int rank) {
   return SD_OK;
 }
 
-/* Largest distance beyond the radii at which bodies act on each other. */
-static double law_reach(const sd_model *m) {
-  double reach = 0.0;
-  for (size_t k = 0; k < m->n_materials * m->n_materials; k++) {
-    const sd_contact_law *l = &m->laws[k];
-    if (l->cohesion == SD_COHESION_CONSTANT) reach = fmax(reach, l->range);
-    if (l->cohesion == SD_COHESION_BRIDGE) reach = fmax(reach, l->rupture);
-  }
-  return reach;
-}
-
 /* This rank's rectangle, as far as the periodic box goes, and that box. */
 typedef struct box {
   double low[2], high[2], lower[2], upper[2], length[2]; /* 0: open */
@@ -199,7 +189,7 @@ static box box_of(const shares *p, const sd_state *s) {
 static sd_status choose_ghosts(shares *p, const sd_state *common, double skin) {
   sends list = {0};
   const box b = box_of(p, common);
-  const double reach = p->model->largest_radius + (skin + law_reach(p->model)) * (1.0 + 1e-9);
+  const double reach = p->model->largest_radius + (skin + laws_reach(p->model)) * (1.0 + 1e-9);
   int *ranks = memory_new((size_t)comm_size(p->comm), sizeof *ranks);
   uint8_t *seen = memory_new((size_t)comm_size(p->comm), 1);
   sd_status status = SD_OK;

@@ -89,8 +89,8 @@ static sd_status bring_state(session *s, const sd_state **state, sd_messages *me
   return status == SD_OK ? SD_OK : sd_fail(messages, status, "no memory for the contacts of the state");
 }
 
-/* What rank 0 alone does with files, with a status for all. */
-static sd_status agree(const session *s, sd_status status) { return comm_agree(s->options.comm, status); }
+/* Ends what rank 0 alone does with files: its status, on all ranks. */
+static sd_status agree(const session *s, sd_status status) { return comm_wait(s->options.comm, status); }
 
 static void remove_shares(const session *s, const char *path, size_t n) {
   for (size_t k = 0; k < n; k++) checkpoint_remove_share(s->parts_folder.at, path, k);
@@ -145,6 +145,7 @@ static sd_status describe(session *s, const sd_state *state, const summary_conta
     double now = clock_seconds();
     s->origin.wall_seconds += now - s->wall_mark;
     s->wall_mark = now;
+    assert(state);
     double per_step = state->step > 0 ? 1e9 * s->origin.step_seconds / (double)state->step : NAN;
     summary_free(&s->found);
     summary_collect(&s->found, s->model, state, contacts, lost, &energy, per_step);
@@ -324,7 +325,7 @@ void session_report(session *s, bool always) {
       .energy = &energy,
       .goal = asked ? &goal : NULL,
       .rest = settle && settle->asked ? &rest : NULL};
-  if (session_leads(s)) s->options.progress(s->options.user, &progress);
+  if (s->options.progress) s->options.progress(s->options.user, &progress);
   s->told_at = now;
   s->tell_every = fmin(PROGRESS_COST * (clock_seconds() - now), PROGRESS_LATEST);
   s->told_step = s->step;

@@ -208,9 +208,7 @@ static sd_status begin_fresh(session *s, sd_messages *messages) {
   if (status != SD_OK) return status;
   if (session_leads(s)) warn_of_ranks(s, messages);
   /* of a large system the first checkpoint takes long: there is nothing in it yet that a stop could lose */
-  int32_t stopped = session_is_stopped(s);
-  comm_share(s->options.comm, &stopped, sizeof stopped);
-  if (stopped) return SD_INTERRUPTED;
+  if (comm_max(s->options.comm, session_is_stopped(s))) return SD_INTERRUPTED;
   status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
   /* at once: so that a full disk or a missing permission shows now, and the deck is safe */
   return status == SD_OK ? session_checkpoint(s, messages) : status;
@@ -257,7 +255,7 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
   return status;
 }
 
-/* What there is to do: FINISHED: nothing. */
+/* The work that is left; FINISHED: none. */
 typedef enum beginning { FINISHED, AGAIN, FRESH } beginning;
 
 /* All that concerns files, on rank 0. */
@@ -285,7 +283,7 @@ static sd_status begin(session *s, sd_messages *messages) {
   beginning found = FINISHED;
   sd_status status = session_leads(s) ? find_beginning(s, &found, &state, messages) : SD_OK;
   int32_t how[1] = {found};
-  status = comm_agree(s->options.comm, status);
+  status = comm_wait(s->options.comm, status);
   comm_share(s->options.comm, how, sizeof how);
   if (status != SD_OK) {
     if (state) sd_state_free(state);

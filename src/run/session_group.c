@@ -1,5 +1,4 @@
 /* session_group.c: the loop of runs, one or several side by side; see session_group.h. */
-#include "slipdisk/deck.h"
 #include "run/session_group.h"
 
 #include <assert.h>

@@ -7,7 +7,7 @@
 #include "io/results/record.h"
 #include "run/session.h"
 
-/* What depends on the world: rank 0 says it to the others, once before each chunk of steps. */
+/* Facts of the world, which rank 0 tells the others once before each chunk of steps. */
 typedef struct session_world {
   int64_t chunk; /* steps */
   int32_t stopped, save;
@@ -39,8 +39,8 @@ struct session {
   session_world world;
 };
 
-/* This is rank 0, or alone: it has the files. Functions below are collective but for session_due, _next, _identity and
- * _may_publish. */
+/* This is rank 0, or alone: it has the files. Functions below that return a status are collective but for
+ * session_identity and session_may_publish, and so are session_look and session_report. */
 bool session_leads(const session *s);
 /* Rows to be recorded now, and the next step at which some may be due; the run is not over. */
 unsigned session_due(const sd_model *model, sd_stage now);

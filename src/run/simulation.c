@@ -2,32 +2,16 @@
 #include "slipdisk/simulation.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/memory.h"
-#include "base/subnormal.h"
-#include "measure/disks.h"
-#include "measure/sample.h"
-#include "model/cell.h"
 #include "model/overlaps.h"
-#include "pack/compress.h"
-#include "pack/rain.h"
-#include "pack/relax.h"
 #include "pack/settle.h"
-#include "physics/step/cell.h"
-#include "physics/step/contacts.h"
-#include "physics/contact/energy.h"
 #include "physics/step/access.h"
 #include "physics/step/engine.h"
-#include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
-#include "physics/neighbours/order.h"
-#include "physics/step/outside.h"
-#include "physics/step/step.h"
 #include "physics/system/fields.h"
-#include "run/lanes_loop.h"
+#include "physics/small/lanes.h"
 #include "run/loop.h"
 #include "run/simulation_private.h"
 
@@ -65,7 +49,7 @@ static bool is_finished(const sd_model *model, sd_messages *messages) {
   return model->finished;
 }
 
-/* Lists are made where the steps of the present phase are: on the ranks, or here. */
+/* Of several ranks each makes its lists. */
 static sd_status build_work(sd_simulation *sim, bool small, int threads, sd_messages *messages) {
   engine *e = &sim->engine;
   if (threads > 1) e->pool = pool_new(threads);
@@ -167,10 +151,11 @@ sd_status simulation_new(const sd_model *model, int threads, simulation_step ste
     status = make(model, threads, step, c, stop, out, messages);
   else
     *out = join(model, c, stop);
-  status = comm_agree(c, status);
-  if (status == SD_OK)
-    status = (*out)->ranks ? ranks_start((*out)->ranks, whole_of(*out), messages)
-                           : loop_start(&(*out)->engine, messages);
+  status = comm_wait(c, status);
+  if (status != SD_OK) return fail_new(*out, out, status);
+  assert(*out);
+  status = (*out)->ranks ? ranks_start((*out)->ranks, whole_of(*out), messages)
+                         : loop_start(&(*out)->engine, messages);
   return status == SD_OK ? SD_OK : fail_new(*out, out, status);
 }
 
@@ -183,7 +168,8 @@ sd_status simulation_resume(const sd_model *model, sd_state *state, int threads,
     status = create(model, state, threads, step, c, stop, out, messages);
   else
     *out = join(model, c, stop);
-  status = comm_agree(c, status);
+  status = comm_wait(c, status);
+  assert(status != SD_OK || *out);
   if (status == SD_OK && (*out)->ranks) status = ranks_spread((*out)->ranks, whole_of(*out), messages);
   if (status != SD_OK) return fail_new(*out, out, status);
   if (state) state->source = NULL; /* what it read may go */

@@ -7,7 +7,7 @@
 
 /* All terms from state and live contacts, of the disks of all ranks. Collective. */
 sd_energy energy_of(engine *e);
-/* Of the disks and contacts that this rank counts. Not collective. */
+/* The terms of those disks and contacts that this rank counts. Not collective. */
 sd_energy energy_of_part(const engine *e);
 
 /* What the system holds now: kinetic, elastic and external. */

@@ -117,9 +117,6 @@ static inline void engine_ready(engine *e, sd_messages *messages) {
   e->work.status = SD_OK;
 }
 static inline void engine_tell(engine *e, sd_messages *messages) { e->work.messages = messages; }
-static inline void engine_fail(engine *e, const char *what) {
-  e->work.status = sd_fail(e->work.messages, SD_ERROR_IO, "%s", what);
-}
 static inline void engine_end(engine *e, sd_status status) { e->work.status = status; }
 /* By how much lists reach further than contacts. */
 static inline double engine_skin(const engine *e) { return e->work.skin; }

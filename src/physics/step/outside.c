@@ -10,7 +10,6 @@
 #include "physics/step/access.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
-#include "physics/neighbours/neighbours.h"
 #include "physics/system/halo.h"
 #include "physics/system/list.h"
 

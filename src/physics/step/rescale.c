@@ -89,7 +89,7 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
     for (size_t i = 0; i < s->n_free; i++) engine_accelerate(e, k, i, w->columns[k].force[i]);
   clumps_accelerate(e);
   if (e->halo) step_agree(e, false);
-  return comm_agree(e->comm, status);
+  return comm_agree(e->comm, status != SD_OK ? status : engine_status(e));
 }
 
 sd_status rescale(engine *e, double f, sd_messages *messages) {

@@ -116,7 +116,10 @@ static void predict_and_check(engine *e, const team *t) {
 unsigned step_agree(engine *e, bool stop) {
   work *w = &e->work;
   halo *h = e->halo;
-  if (w->status == SD_OK && (any_stale(w) || motion_outruns(e))) h->bits |= HALO_STALE;
+  /* where velocities have changed since the correction looked, it is looked again */
+  if (w->status == SD_OK && (any_stale(w) || motion_outruns(e) ||
+                             (w->predict_all && w->kernels->stale(e, 0, e->state->n_free, true))))
+    h->bits |= HALO_STALE;
   if (w->status != SD_OK) h->bits |= HALO_FAILED;
   if (stop) h->bits |= HALO_STOP;
   const unsigned all = halo_agree(h);
