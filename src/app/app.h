@@ -90,11 +90,13 @@ typedef struct drive_options {
         "append progress and result to a file"                                                               \
   }
 
-/* Starts MPI where the program was built with it. All ranks call it; the first loads the model (the others: NULL); then drive_agree
- * refuses what ranks do not share, prints what went wrong and returns the largest status of all ranks. comm_end is the caller's. */
+/* Starts MPI where the program was built with it. All ranks call it; the first loads the model
+ * (the others: NULL); then drive_agree refuses what ranks do not share, prints what went wrong
+ * and returns the largest status of all ranks. comm_end is the caller's. */
 int drive_begin(const drive_options *options, sd_messages *messages);
 int drive_agree(const sd_model *model, int status, sd_messages *messages);
-/* messages: of the loader, printed first. Takes neither over. Ranks beside the first have no model: they get what they need of it. */
+/* messages: of the loader, printed first. Takes neither over. Ranks beside the first have no
+ * model: they get what they need of it. */
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
 
 /* Writes into text[size] from which step the run of this process goes on, "; everything until
@@ -132,8 +134,8 @@ sd_status size_find(result_size *size, const sd_model *model, sd_messages *messa
 void size_warn(const result_size *size, const char *folder, sd_messages *messages);
 /* Bytes of it beside those of the program itself and of rows that wait. */
 double size_memory(const sd_model *model);
-/* SD_ERROR_IO, with a message: a run in one process needs more memory than it can have, whatever contacts it will have
- * (state_refuse). Warns where it does by the estimate. */
+/* SD_ERROR_IO, with a message: a run in one process needs more memory than it can have, whatever
+ * contacts it will have (state_refuse). Warns where it does by the estimate. */
 sd_status size_refuse(const sd_model *model, const result_size *size, sd_messages *messages);
 /* "1.2 GB"; written into text[size]. */
 const char *size_text(double bytes, char *text, size_t size);

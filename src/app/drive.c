@@ -219,7 +219,8 @@ static void warn_of_threads(const sd_model *model, int asked, sd_messages *messa
             asked, SIMULATION_DISKS_PER_THREAD, model->n_free, best);
 }
 
-/* Memory, and the disk where the result will lie. Ranks have memory of their own, of which the first does not know. */
+/* Memory, and the disk where the result will lie. Ranks have memory of their own, of which the
+ * first does not know. */
 static sd_status check_size(const sd_model *model, const char *result, sd_messages *messages) {
   result_size size;
   if (size_find(&size, model, NULL) != SD_OK) return SD_OK;

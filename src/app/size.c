@@ -89,8 +89,9 @@ static double result_bytes(const sd_model *m, const record *r, const rows *n) {
   return bytes;
 }
 
-/* Measured from 1e4 to 1e6 disks, in gases and packings: libraries and buffers; lists, forces and rows of a disk, with one
- * frame and contact table; what stands in memory of each byte of rows, as they are and as a part that is written. */
+/* Measured from 1e4 to 1e6 disks, in gases and packings: libraries and buffers; lists, forces and
+ * rows of a disk, with one frame and contact table; what stands in memory of each byte of rows,
+ * as they are and as a part that is written. */
 static const double PROGRAM_BYTES = 25e6, WORK_BYTES = 600, ROWS_TWICE = 1.85;
 
 double size_memory(const sd_model *m) {

@@ -1,15 +1,15 @@
 /* comm.h: ranks that work together on one run, or on the points of one sweep.
  *
- * A comm is the ranks of an MPI job (comm_world), or threads of this process (comm_threads.h). NULL is a rank
- * alone: every function takes it, and then there is nothing to agree on, so that a run over ranks and a run of
- * one process are the same text.
+ * A comm is the ranks of an MPI job (comm_world), or threads of this process (comm_threads.h).
+ * NULL is a rank alone: every function takes it, and then there is nothing to agree on, so that a
+ * run over ranks and a run of one process are the same text.
  *
- * Functions are collective where that is not denied: every rank calls them, in the same order, each from one
- * thread at a time. Builds with SLIPDISK_CHECK compare the places of the calls, and a rank that is elsewhere ends
- * the job with a message instead of a wait for ever.
+ * Functions are collective where that is not denied: every rank calls them, in the same order,
+ * each from one thread at a time. Builds with SLIPDISK_CHECK compare the places of the calls, and
+ * a rank that is elsewhere ends the job with a message instead of a wait for ever.
  *
- * A row is `size` bytes. Counts are rows per rank [comm_size()]; rows to and from ranks stand one rank after the
- * other.
+ * A row is `size` bytes. Counts are rows per rank [comm_size()]; rows to and from ranks stand one
+ * rank after the other.
  */
 #ifndef BASE_COMM_H
 #define BASE_COMM_H
@@ -23,9 +23,10 @@
 
 typedef struct comm comm;
 
-/* Starts MPI, from the thread that then makes all calls for comm_world. A process that forks workers does so
- * before, or does not call it. SD_ERROR_USER: a launcher started several processes that do not know of each other,
- * since this is a build without MPI or for another MPI. SD_ERROR_IO: MPI does not start. */
+/* Starts MPI, from the thread that then makes all calls for comm_world. A process that forks
+ * workers does so before, or does not call it. SD_ERROR_USER: a launcher started several
+ * processes that do not know of each other, since this is a build without MPI or for another MPI.
+ * SD_ERROR_IO: MPI does not start. */
 sd_status comm_begin(sd_messages *messages);
 /* Waits for all ranks. Does nothing when comm_begin was not called or failed. */
 void comm_end(void);
@@ -35,21 +36,24 @@ const comm *comm_world(void);
 /* Not collective. */
 int comm_rank(const comm *c);
 int comm_size(const comm *c);
-/* Ends the processes of all ranks of the job at once with this exit status, after an error that leaves the others
- * waiting for ever. With one rank it does nothing: to end the process is the caller's affair. Not collective. */
+/* Ends the processes of all ranks of the job at once with this exit status, after an error that
+ * leaves the others waiting for ever. With one rank it does nothing: to end the process is the
+ * caller's affair. Not collective. */
 void comm_abort(const comm *c, int status);
 /* The same with SD_ERROR_IO, after what comm_on_fail was given has told why. Not collective. */
 void comm_fail(const comm *c, const char *why);
 void comm_on_fail(void (*tell)(const char *why));
 
-/* The largest value of all ranks, and what rank 0 has at data, on all ranks. Waits sleep, they do not spin. */
+/* The largest value of all ranks, and what rank 0 has at data, on all ranks. Waits sleep, they do
+ * not spin. */
 int comm_max(const comm *c, int value);
 void comm_share(const comm *c, void *data, size_t bytes);
 /* Bits that any rank has set. */
 unsigned comm_or(const comm *c, unsigned bits);
 /* The status on which all ranks agree: SD_OK when it is that of each. */
 sd_status comm_agree(const comm *c, sd_status status);
-/* The same where one rank has worked for long while the others waited: waits sleep, they do not spin. */
+/* The same where one rank has worked for long while the others waited: waits sleep, they do not
+ * spin. */
 sd_status comm_wait(const comm *c, sd_status status);
 /* No rank has failed. */
 bool comm_all_well(const comm *c, sd_status status);
@@ -65,15 +69,17 @@ void comm_counts(const comm *c, const int *to, int *from);
 /* Rows to each rank, and from each. */
 void comm_exchange(const comm *c, const void *send, const int *to, void *receive, const int *from,
                    size_t size);
-/* The rows of all ranks on every rank. mine: how many this one has; counts: filled by comm_gather_counts. */
+/* The rows of all ranks on every rank. mine: how many this one has; counts: filled by
+ * comm_gather_counts. */
 void comm_gather_counts(const comm *c, int mine, int *counts);
 void comm_gather(const comm *c, const void *send, void *receive, const int *counts, size_t size);
 /* One row of each rank. receive: [comm_size()] rows. */
 void comm_gather_one(const comm *c, const void *send, void *receive, size_t size);
 
-/* Persistent messages: the same rows from and to the same places again and again. comm_links_start reads `send`,
- * and until comm_links_wait has returned neither may be touched. MPI moves long messages only while it is called:
- * comm_links_progress does that, never waits, and is not collective. */
+/* Persistent messages: the same rows from and to the same places again and again.
+ * comm_links_start reads `send`, and until comm_links_wait has returned neither may be touched.
+ * MPI moves long messages only while it is called: comm_links_progress does that, never waits,
+ * and is not collective. */
 typedef struct comm_links comm_links;
 comm_links *comm_links_new(const comm *c, const void *send, const int *to, void *receive, const int *from,
                            size_t size);

@@ -47,7 +47,8 @@ void comm_cuts_free(comm_cuts *cuts) {
 
 const comm *comm_cuts_comm(const comm_cuts *cuts) { return cuts->c; }
 
-/* --- bisection of points that every rank knows ------------------------------------------------------------------ */
+/* --- bisection of points that every rank knows
+ * ------------------------------------------------------------------ */
 
 typedef struct point {
   double at[2], weight;
@@ -116,7 +117,9 @@ static point *gather_points(const comm *c, size_t n, const double *x, const doub
   return all;
 }
 
-/* --- all --------------------------------------------------------------------------------------------------------- */
+/* --- all
+ * ---------------------------------------------------------------------------------------------------------
+ * */
 
 sd_status comm_cuts_make(comm_cuts *cuts, size_t n, const double *x, const double *y, const float *weight) {
   size_t n_all;

@@ -1,4 +1,5 @@
-/* comm_cuts_zoltan.c: rectangles of the ranks of an MPI job; see comm_cuts.h. Empty in builds without MPI. */
+/* comm_cuts_zoltan.c: rectangles of the ranks of an MPI job; see comm_cuts.h. Empty in builds
+ * without MPI. */
 #ifdef SD_HAVE_MPI
 #include "base/comm_cuts_zoltan.h"
 
@@ -19,7 +20,8 @@ struct zoltan_cuts {
   const float *weight;
 };
 
-/* --- what Zoltan asks for -------------------------------------------------------------------------------- */
+/* --- what Zoltan asks for
+ * -------------------------------------------------------------------------------- */
 
 static int count_points(void *data, int *error) {
   *error = ZOLTAN_OK;

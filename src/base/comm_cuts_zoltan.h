@@ -1,4 +1,5 @@
-/* comm_cuts_zoltan.h: Zoltan's recursive bisection, for comm_cuts.c only. Functions are as those of comm_cuts.h. */
+/* comm_cuts_zoltan.h: Zoltan's recursive bisection, for comm_cuts.c only. Functions are as those
+ * of comm_cuts.h. */
 #ifndef BASE_COMM_CUTS_ZOLTAN_H
 #define BASE_COMM_CUTS_ZOLTAN_H
 

@@ -1,4 +1,5 @@
-/* comm_kind.h: what ranks of an MPI job and ranks of threads do each in their own way; for base/comm*.c only.
+/* comm_kind.h: what ranks of an MPI job and ranks of threads do each in their own way; for
+ * base/comm*.c only.
  *
  * Functions are as those of comm.h, of two ranks or more.
  */

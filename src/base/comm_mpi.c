@@ -10,7 +10,8 @@
 #include <time.h>
 
 #include "base/memory.h"
-/* NOLINTBEGIN(clang-analyzer-optin.mpi.*): the analyser takes MPI_Wait for the end of a request, but not MPI_Test */
+/* NOLINTBEGIN(clang-analyzer-optin.mpi.*): the analyser takes MPI_Wait for the end of a request,
+ * but not MPI_Test */
 
 MPI_Comm comm_ranks;
 
@@ -96,7 +97,8 @@ static void gather(const comm *c, const void *send, void *receive, const int *co
   MPI_Type_free(&row);
 }
 
-/* --- persistent messages ------------------------------------------------------------------------------------ */
+/* --- persistent messages
+ * ------------------------------------------------------------------------------------ */
 
 typedef struct mpi_links {
   comm_links base;
@@ -143,7 +145,9 @@ static void links_free(comm_links *links) {
   free(l);
 }
 
-/* --- the job -------------------------------------------------------------------------------------------------- */
+/* --- the job
+ * --------------------------------------------------------------------------------------------------
+ * */
 
 static const comm_kind kind = {.end = end_all,
                                .max = max,

@@ -5,7 +5,8 @@
  *   to rank 0:    ASK -> a task or NONE        STOP, LEAVE (in comm_queue_end, STOP may follow), END (last)
  *   from rank 0:  STOP                         END (all have left) -> END
  *
- * Both last words are END, and a barrier follows, so that none of a queue's words meets the next queue.
+ * Both last words are END, and a barrier follows, so that none of a queue's words meets the next
+ * queue.
  */
 #include "base/comm_queue.h"
 
@@ -23,11 +24,13 @@ static int ranks(void) { return comm_size(comm_world()); }
 
 enum { NONE = -1, STOP = -2, ASK = -3, LEAVE = -4, END = -5 };
 
-/* Words that may be under way from one rank to another at the same time; each needs a place of its own. */
+/* Words that may be under way from one rank to another at the same time; each needs a place of
+ * its own. */
 enum { ANSWER, SIGNAL, FAREWELL, PLACES };
 
 #ifdef SD_HAVE_MPI
-/* NOLINTBEGIN(clang-analyzer-optin.mpi.*): the analyser takes MPI_Wait for the end of a request, but not MPI_Test */
+/* NOLINTBEGIN(clang-analyzer-optin.mpi.*): the analyser takes MPI_Wait for the end of a request,
+ * but not MPI_Test */
 
 typedef struct comm_letters {
   struct {

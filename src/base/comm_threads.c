@@ -1,7 +1,7 @@
 /* comm_threads.c: see comm_threads.h.
  *
- * Every collective function is the same three moves: each rank shows where its data is, all wait, each reads from
- * the others, all wait.
+ * Every collective function is the same three moves: each rank shows where its data is, all wait,
+ * each reads from the others, all wait.
  */
 #include "base/comm_threads.h"
 
@@ -98,7 +98,9 @@ static void add(const comm *c, int64_t *values, size_t n) {
   free(mine);
 }
 
-/* --- rows ----------------------------------------------------------------------------------------------------- */
+/* --- rows
+ * -----------------------------------------------------------------------------------------------------
+ * */
 
 typedef struct parcel {
   const char *rows;
@@ -136,7 +138,8 @@ static void gather(const comm *c, const void *send, void *receive, const int *co
   wait_for_all(c);
 }
 
-/* --- persistent messages ---------------------------------------------------------------------------------------- */
+/* --- persistent messages
+ * ---------------------------------------------------------------------------------------- */
 
 typedef struct thread_links {
   comm_links base;
@@ -178,7 +181,9 @@ static void links_free(comm_links *links) {
   free(l);
 }
 
-/* --- threads ------------------------------------------------------------------------------------------------------ */
+/* --- threads
+ * ------------------------------------------------------------------------------------------------------
+ * */
 
 static const comm_kind kind = {.end = end_all,
                                .max = max,

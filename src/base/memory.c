@@ -71,7 +71,8 @@ void *memory_copy(const void *from, size_t bytes) {
 
 char *memory_text(const char *text) { return memory_copy(text, text ? strlen(text) + 1 : 0); }
 
-/* --- what there is ------------------------------------------------------------------------------- */
+/* --- what there is
+ * ------------------------------------------------------------------------------- */
 
 /* The number in a file of a control group; HUGE_VAL: no such file, or "max". */
 static double group_number(const char *root, const char *folder, const char *name) {
@@ -95,8 +96,8 @@ static double group_limit(bool first_version, const char *folder, double swap) {
               group_number(old_root, folder, "memory.memsw.limit_in_bytes"));
 }
 
-/* The least limit of a group and of all above it. In a container paths may lead nowhere: then only the limit at the root
- * counts, which is its own. */
+/* The least limit of a group and of all above it. In a container paths may lead nowhere: then
+ * only the limit at the root counts, which is its own. */
 static double groups_limit(bool first_version, char *folder, double swap) {
   double least = HUGE_VAL;
   for (;;) {
@@ -107,7 +108,8 @@ static double groups_limit(bool first_version, char *folder, double swap) {
   }
 }
 
-/* Of all control groups of this process; lines are "number:controllers:path", of version 2 "0::path". */
+/* The least of all control groups of this process; lines are "number:controllers:path", of version 2
+ * "0::path". */
 static double control_groups_limit(double swap) {
   char line[PATH_MAX];
   double least = HUGE_VAL;
@@ -145,7 +147,8 @@ double memory_limit(size_t processes) {
 /* Linux gives memory that it does not have, and kills the process that writes into it. */
 bool memory_fits(double bytes) { return bytes < LARGE || bytes <= memory_limit(1); }
 
-/* --- rows ---------------------------------------------------------------------------------------- */
+/* --- rows
+ * ---------------------------------------------------------------------------------------- */
 
 static double bytes_of(size_t n_columns, const memory_column *columns) {
   double bytes = 0;

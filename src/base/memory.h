@@ -34,9 +34,9 @@ typedef struct memory_column {
   size_t n, size;
 } memory_column;
 
-/* Bytes that each of so many processes side by side can have at all, whatever others use: its share of
- * the machine's memory and swap space, or of what control groups allow (versions 1 and 2, all levels),
- * and no more than the limits of its address space and data (ulimit -v, -d). */
+/* Bytes that each of so many processes side by side can have at all, whatever others use: its
+ * share of the machine's memory and swap space, or of what control groups allow (versions 1 and
+ * 2, all levels), and no more than the limits of its address space and data (ulimit -v, -d). */
 double memory_limit(size_t processes);
 /* False: more bytes than one process can have. Less than 64 MiB are not compared. */
 bool memory_fits(double bytes);

@@ -190,8 +190,9 @@ size_t state_contact_count(const sd_state *state); /* here or in the source */
 sd_status state_bring(sd_state *state);
 /* Bytes of its columns with so many contacts. */
 double state_bytes(const sd_model *model, size_t contacts);
-/* No simulation in one process takes fewer bytes: the model's disks, and columns without contacts. Columns that stay 0, of
- * derivatives or losses, need no memory, but lists and forces, which are not counted, need more than these. */
+/* No simulation in one process takes fewer bytes: the model's disks, and columns without
+ * contacts. Columns that stay 0, of derivatives or losses, need no memory, but lists and forces,
+ * which are not counted, need more than these. */
 double state_least_bytes(const sd_model *model);
 /* So much of it is a single disk's, whatever the model. */
 size_t state_disk_bytes(bool free);

@@ -17,9 +17,9 @@
 /* Steps between two changes of the lengths. */
 enum { COMPRESS_EVERY = 8 };
 
-/* One change towards the running phase's target, between steps, on one thread of each rank; nothing while disks wait. The
- * potential energy that it puts in is booked in state->work_driven. SD_ERROR_NUMERIC: a periodic box has become
- * too narrow, an overlap is beyond the limit. */
+/* One change towards the running phase's target, between steps, on one thread of each rank;
+ * nothing while disks wait. The potential energy that it puts in is booked in state->work_driven.
+ * SD_ERROR_NUMERIC: a periodic box has become too narrow, an overlap is beyond the limit. */
 sd_status compress_step(engine *e, sd_messages *messages);
 /* The running phase's target is reached within its tolerance. */
 bool compress_done(const engine *e);

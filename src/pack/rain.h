@@ -11,8 +11,9 @@
 
 /* The first step after `step` at which a batch is due; INT64_MAX: none. */
 int64_t rain_next(const engine *e, int64_t step);
-/* Releases what is due at state->step, between steps, on one thread of each rank; collective. The energy that the disks
- * bring is booked in state->energy_start. SD_ERROR_NUMERIC: a wall or the end of the bounds is where a disk should be. */
+/* Releases what is due at state->step, between steps, on one thread of each rank; collective. The
+ * energy that the disks bring is booked in state->energy_start. SD_ERROR_NUMERIC: a wall or the
+ * end of the bounds is where a disk should be. */
 sd_status rain_release(engine *e, sd_messages *messages);
 /* Some disk waits. */
 bool rain_waits(const engine *e);

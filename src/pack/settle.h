@@ -4,10 +4,10 @@
 
 #include "physics/system/work.h"
 
-/* Over the free disks in play and within the bounds: kinetic energy per disk, of translation and rotation; mean
- * resultant force on one (contacts, gravity, body forces; coordinates that are free) over the mean normal force of
- * the closed contacts, 0 when there is neither, infinite without contacts. Both infinite when all are beyond.
- * settle_look is collective. */
+/* Over the free disks in play and within the bounds: kinetic energy per disk, of translation and
+ * rotation; mean resultant force on one (contacts, gravity, body forces; coordinates that are
+ * free) over the mean normal force of the closed contacts, 0 when there is neither, infinite
+ * without contacts. Both infinite when all are beyond. settle_look is collective. */
 typedef struct settle_measure {
   double kinetic, unbalanced;
 } settle_measure;

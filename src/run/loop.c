@@ -29,7 +29,9 @@ bool loop_finished(const engine *e) { return e->state->phase >= (int64_t)e->mode
 
 static const sd_phase *phase_of(const engine *e) { return &e->model->phases[e->state->phase]; }
 
-/* --- work ------------------------------------------------------------------------------------------------ */
+/* --- work
+ * ------------------------------------------------------------------------------------------------
+ * */
 
 sd_status loop_build(engine *e, bool small, int threads, sd_messages *messages) {
   sd_status status = engine_build(e, small ? 1 : threads, messages);
@@ -50,7 +52,8 @@ sd_status loop_rebuild(engine *e, bool small, sd_messages *messages) {
   return status;
 }
 
-/* Follows the disks where they have gone since they were put in order; all that can be recomputed is made anew. */
+/* Follows the disks where they have gone since they were put in order; all that can be recomputed
+ * is made anew. */
 static sd_status order_again(engine *e, sd_messages *messages) {
   if (e->comm) return ranks_order_again(e);
   if (e->state->n_free < ORDER_LEAST) return SD_OK;
@@ -59,7 +62,9 @@ static sd_status order_again(engine *e, sd_messages *messages) {
   return loop_rebuild(e, engine_lanes(e), messages);
 }
 
-/* --- phases ---------------------------------------------------------------------------------------------- */
+/* --- phases
+ * ----------------------------------------------------------------------------------------------
+ * */
 
 static bool measures(const engine *e) {
   return e->state->phase < (int64_t)e->model->n_phases && e->model->phases[e->state->phase].measure;
@@ -89,7 +94,8 @@ static void note_goals(const engine *e, const settle_measure *rest) {
   s->phase_reached[s->phase] = (!rest || settle_reached(e, rest)) && (!p->compress.asked || compress_done(e));
 }
 
-/* Stops measuring, notes the goals of the phase and its values at the end. rest: NULL: it has no settle criteria. */
+/* Stops measuring, notes the goals of the phase and its values at the end. rest: NULL: it has no
+ * settle criteria. */
 static void close_phase(engine *e, const settle_measure *rest) {
   sd_state *s = e->state;
   assert(s->phase_step > 0 && s->phase_steps[s->phase] == 0);
@@ -132,7 +138,8 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   return SD_OK;
 }
 
-/* --- what is done between steps ----------------------------------------------------------------------- */
+/* --- what is done between steps
+ * ----------------------------------------------------------------------- */
 
 static bool has_goal(const engine *e) {
   return e->model->until.asked && e->state->phase + 1 == (int64_t)e->model->n_phases;
@@ -204,7 +211,9 @@ sd_status loop_pause(engine *e, int64_t from, sd_messages *messages) {
   return status == SD_OK ? end_phase(e, messages) : status;
 }
 
-/* --- steps -------------------------------------------------------------------------------------------------- */
+/* --- steps
+ * --------------------------------------------------------------------------------------------------
+ * */
 
 typedef struct steps_task {
   engine *e;

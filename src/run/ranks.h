@@ -1,11 +1,12 @@
 /* ranks.h: one simulation over several ranks.
  *
- * Each rank has an engine of its part of the disks (halo.h), and all go through the same session (session.h) and the same
- * loop (loop.h). Rank 0 also keeps the state of the whole as far as heads of files need it: `whole`, NULL on the other ranks,
- * which is as old as the last ranks_collect. Nothing of it changes a bit.
+ * Each rank has an engine of its part of the disks (halo.h), and all go through the same session
+ * (session.h) and the same loop (loop.h). Rank 0 also keeps the state of the whole as far as
+ * heads of files need it: `whole`, NULL on the other ranks, which is as old as the last
+ * ranks_collect. Nothing of it changes a bit.
  *
- * All functions that return a status are collective, and all ranks return the same one; rank 0 hears what the others had to say. Without
- * memory, a rank says so and ends the job.
+ * All functions that return a status are collective, and all ranks return the same one; rank 0
+ * hears what the others had to say. Without memory, a rank says so and ends the job.
  */
 #ifndef SLIPDISK_RUN_RANKS_H
 #define SLIPDISK_RUN_RANKS_H
@@ -39,25 +40,28 @@ engine *ranks_part(ranks *r);
 sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages);
 /* The same at step 0, once the first phase's motions run; then loop_start. */
 sd_status ranks_start(ranks *r, engine *whole, sd_messages *messages);
-/* n steps at most, and what is done between them; state->step tells how many. Fewer after a failure or a stop, which then all
- * ranks know of. */
+/* n steps at most, and what is done between them; state->step tells how many. Fewer after a
+ * failure or a stop, which then all ranks know of. */
 sd_status ranks_advance(ranks *r, engine *whole, int64_t n, sd_messages *messages);
 /* Brings whole->state up to date, contacts too. SD_ERROR_IO: no memory. */
 sd_status ranks_collect(ranks *r, engine *whole);
 /* All that a row of the series sums up beside energies; NULL: no memory. */
 const resultants *ranks_resultants(ranks *r, sd_messages *messages);
-/* Each rank writes its disks and contacts as a share (h5.h) of the checkpoint `path`, which rank 0 says; whole->state then
- * has the rest. seals [comm_size()], on rank 0: their sums. contacts, lost: of all ranks. When any fails none is left. */
+/* Each rank writes its disks and contacts as a share (h5.h) of the checkpoint `path`, which rank
+ * 0 says; whole->state then has the rest. seals [comm_size()], on rank 0: their sums. contacts,
+ * lost: of all ranks. When any fails none is left. */
 sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, summary_contacts *contacts,
                       summary_lost *lost, sd_messages *messages);
-/* Each rank keeps its rows of frame `frame`, or of the contacts of moment `moment_number` (rank 0 says which), of the next
- * part; whole->state then has the rest, as above. n_contacts, bytes: of all ranks, now and since the last part. */
+/* Each rank keeps its rows of frame `frame`, or of the contacts of moment `moment_number` (rank 0
+ * says which), of the next part; whole->state then has the rest, as above. n_contacts, bytes: of
+ * all ranks, now and since the last part. */
 sd_status ranks_sample(ranks *r, engine *whole, unsigned what, int64_t frame, int64_t moment_number,
                        size_t *n_contacts, size_t *bytes, sd_messages *messages);
 /* Each writes them as a share of the part `path`. */
 sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages);
 
-/* --- of loop.c ------------------------------------------------------------------------------------------- */
+/* --- of loop.c
+ * ------------------------------------------------------------------------------------------- */
 /* n steps, or fewer when a rank fails or is to stop: engine_status of each, state->step. */
 void ranks_steps(engine *part, int64_t n);
 /* Puts the disks into the order that a phase begins with. */

@@ -207,7 +207,8 @@ static sd_status begin_fresh(session *s, sd_messages *messages) {
                                     s->options.stop, &s->simulation, messages);
   if (status != SD_OK) return status;
   if (session_leads(s)) warn_of_ranks(s, messages);
-  /* of a large system the first checkpoint takes long: there is nothing in it yet that a stop could lose */
+  /* of a large system the first checkpoint takes long: there is nothing in it yet that a stop
+   * could lose */
   if (comm_max(s->options.comm, session_is_stopped(s))) return SD_INTERRUPTED;
   status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
   /* at once: so that a full disk or a missing permission shows now, and the deck is safe */

@@ -49,7 +49,7 @@ static bool is_finished(const sd_model *model, sd_messages *messages) {
   return model->finished;
 }
 
-/* Of several ranks each makes its lists. */
+/* Each of several ranks makes its own lists. */
 static sd_status build_work(sd_simulation *sim, bool small, int threads, sd_messages *messages) {
   engine *e = &sim->engine;
   if (threads > 1) e->pool = pool_new(threads);

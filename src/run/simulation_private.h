@@ -30,9 +30,10 @@ struct sd_simulation {
   simulation_observer *observers;
 };
 
-/* sd_simulation_new and sd_simulation_resume with a choice. threads: of the general step; that of small systems has one.
- * c: its ranks share the steps of the general step; all call, rank 0 with the whole model or (resume) the state, the others
- * with what model_share gave them, and all get the same status. stop: see ranks_new. */
+/* sd_simulation_new and sd_simulation_resume with a choice. threads: of the general step; that of
+ * small systems has one. c: its ranks share the steps of the general step; all call, rank 0 with
+ * the whole model or (resume) the state, the others with what model_share gave them, and all get
+ * the same status. stop: see ranks_new. */
 sd_status simulation_new(const sd_model *model, int threads, simulation_step step, const comm *c,
                          volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages);
 sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
@@ -40,12 +41,14 @@ sd_status simulation_resume(const sd_model *model, sd_state *state, int threads,
                             sd_messages *messages);
 /* sd_simulation_free while no call is under way. */
 void simulation_free(sd_simulation *simulation);
-/* Brings the state up to date, of several ranks that of rank 0; collective. SD_ERROR_IO: no memory. */
+/* Brings the state up to date, of several ranks that of rank 0; collective. SD_ERROR_IO: no
+ * memory. */
 sd_status simulation_bring(sd_simulation *simulation);
 /* sd_simulation_state and sd_simulation_finished within a call. */
 const sd_state *simulation_state(sd_simulation *simulation);
 bool simulation_finished(const sd_simulation *simulation);
-/* True: its disks are on other ranks, too, and its engine knows only their state, as it was; of ranks beside the first it has none. */
+/* True: its disks are on other ranks, too, and its engine knows only their state, as it was; of
+ * ranks beside the first it has none. */
 bool simulation_is_spread(const sd_simulation *simulation);
 /* How near its disks are to rest, also of a spread one. */
 settle_measure simulation_rest(sd_simulation *simulation);

@@ -1,5 +1,6 @@
-/* test_ranks.c: runs over ranks that are threads of this process end with the bits of one process: states, energies,
- * messages, and the step of a failure. Ranks of an MPI job: tests/program/test_ranks_*.py. */
+/* test_ranks.c: runs over ranks that are threads of this process end with the bits of one
+ * process: states, energies, messages, and the step of a failure. Ranks of an MPI job:
+ * tests/program/test_ranks_*.py. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -56,7 +57,8 @@ static const deck_case DECKS[] = {
                   "phases = ( { steps = 3000; } );"},
 };
 
-/* --- one run over ranks -------------------------------------------------------------------------------------------- */
+/* --- one run over ranks
+ * -------------------------------------------------------------------------------------------- */
 
 typedef struct run {
   const char *deck;
@@ -140,7 +142,8 @@ static void test_same_bits(void **unused) {
   }
 }
 
-/* Found by one rank, or by rank 0 alone: all stop, with the message and at the step of one process. */
+/* Found by one rank, or by rank 0 alone: all stop, with the message and at the step of one
+ * process. */
 static void test_failures(void **unused) {
   (void)unused;
   static const deck_case decks[] = {

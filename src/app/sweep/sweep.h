@@ -38,10 +38,11 @@ void sweep_show_doubts(FILE *out, const size_t count[DOUBT_KINDS]);
 /* All points of the folder, as JSON. */
 sd_status sweep_print_json(const sweep *s);
 
-/* Checks all points before any of them runs: mistakes, and a warning when time steps are too large. steps[n_points]:
- * their lengths (with `until` the longest), 0 for those with mistakes; kinds[n_points]: points of the same kind
- * can share lanes, those that are SWEEP_ALONE cannot (ensemble.h); usable: sets of values without mistakes. SD_ERROR_IO: a point
- * needs more memory than there is, or so many workers side by side do. */
+/* Checks all points before any of them runs: mistakes, and a warning when time steps are too
+ * large. steps[n_points]: their lengths (with `until` the longest), 0 for those with mistakes;
+ * kinds[n_points]: points of the same kind can share lanes, those that are SWEEP_ALONE cannot
+ * (ensemble.h); usable: sets of values without mistakes. SD_ERROR_IO: a point needs more memory
+ * than there is, or so many workers side by side do. */
 enum { SWEEP_ALONE = -1 };
 sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *kinds, size_t *usable,
                          sd_messages *messages);

@@ -23,7 +23,7 @@ typedef struct advice {
   char *warning;
 } advice;
 
-/* What points need of memory, in bytes. */
+/* Bytes of memory that points need. */
 typedef struct needs {
   double least, most; /* of any, in any case; of the largest, by the estimate */
   size_t largest;     /* this point */

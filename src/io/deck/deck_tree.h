@@ -182,10 +182,11 @@ const char *deck_number_text(double x, char text[32]);
 void deck_fail(deck *d, const deck_node *node, const char *format, ...) SD_PRINTF(3, 4);
 /* One error about a key of a group, there or missing: "file:line: path: ...". */
 void deck_fail_key(deck *d, const deck_node *group, const char *key, const char *format, ...) SD_PRINTF(4, 5);
-/* Before n things are made that take so many bytes each: if they cannot fit it tells so at the key, and goes to
- * out_of_memory. */
+/* Before n things are made that take so many bytes each: if they cannot fit it tells so at the
+ * key, and goes to out_of_memory. */
 void deck_need(deck *d, const deck_node *group, const char *key, double n, size_t bytes, const char *what);
-/* Bytes of a disk of the deck, at least: beyond these there is no run in this process. Ranks share the state. */
+/* Bytes of a disk of the deck, at least: beyond these there is no run in this process. Ranks
+ * share the state. */
 size_t deck_disk_bytes(bool free);
 void deck_fail_place(deck *d, deck_place place, const char *format, ...) SD_PRINTF(3, 4);
 /* "file:line", "file: row 3", "file: disk 3", as messages begin. */

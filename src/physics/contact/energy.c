@@ -12,8 +12,8 @@
 #include "physics/system/clumps.h"
 #include "physics/system/halo.h"
 
-/* A sum over disks and contacts for each member of sd_energy. They are exact, so that sums of the ranks' sums are those
- * of one process. */
+/* A sum over disks and contacts for each member of sd_energy. They are exact, so that sums of the
+ * ranks' sums are those of one process. */
 enum { ENERGY_SUMS = sizeof(sd_energy) / sizeof(double) };
 typedef struct energy_sums {
   exact_sum of[ENERGY_SUMS];

@@ -17,8 +17,8 @@ sd_status neighbours_build(engine *e, sd_messages *messages);
  * influence on the bits, and so is this. Nothing where the model gives the skin. */
 void neighbours_tune(engine *e);
 void neighbours_free(engine *e);
-/* All lengths have just changed by the factor f, and the box with them. False: what was too far to be a candidate
- * may touch now, lists are to be made anew. */
+/* All lengths have just changed by the factor f, and the box with them. False: what was too far
+ * to be a candidate may touch now, lists are to be made anew. */
 bool neighbours_rescale(engine *e, double f);
 /* Lists that were built for a box at rest, which has not changed since, go on in one that deforms. */
 void neighbours_follow(engine *e);

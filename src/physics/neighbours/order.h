@@ -25,8 +25,9 @@ typedef struct order_place {
   uint32_t level;    /* of size, the smallest first */
 } order_place;
 int order_by_place(const void *one, const void *two);
-/* Puts the free disks of a part without contacts in this order, and says where they stand in that of all parts: list[n_free]. c: the ranks of
- * all parts, which call together; NULL: this part is all. SD_ERROR_IO: no memory. */
+/* Puts the free disks of a part without contacts in this order, and says where they stand in that
+ * of all parts: list[n_free]. c: the ranks of all parts, which call together; NULL: this part is
+ * all. SD_ERROR_IO: no memory. */
 sd_status order_part(const sd_model *model, sd_state *state, const comm *c, order_place *list);
 /* The contacts in the state, however they stand, as the lists have them: the disk in the lower slot first, round ones
  * before those with pieces of straight walls, by slots. SD_ERROR_IO: no memory, nothing is changed. */

@@ -15,19 +15,20 @@ void engine_fill_contact(sd_state *state, const sd_contact_memory *contact);
 /* Work for e->model and e->state (both set, the rest zero), up to the lists; contacts come from the state. */
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
 void engine_free(engine *e);
-/* The same without lists, contacts and constants of bodies, of which the state needs to have its kept columns only. */
+/* The same without lists, contacts and constants of bodies, of which the state needs to have its
+ * kept columns only. */
 sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages);
 /* Where the disks of the state stand, when it has them in another order. */
 void engine_find_slots(engine *e);
 
-/* At step 0, once the first phase's motions run: contacts that are closed at the start begin (lambda* =
- * lambda) or, where the packing brings them along, go on; accelerations follow from the forces, and the energy
- * is noted. Contacts of the packing that do not touch are dropped, with a warning. Collective; all ranks get the same
- * status. */
+/* At step 0, once the first phase's motions run: contacts that are closed at the start begin
+ * (lambda* = lambda) or, where the packing brings them along, go on; accelerations follow from
+ * the forces, and the energy is noted. Contacts of the packing that do not touch are dropped,
+ * with a warning. Collective; all ranks get the same status. */
 sd_status engine_start(engine *e, sd_messages *messages);
 
-/* New lists between steps, after disks were put elsewhere, have set out or are gone. Where ranks share them each disk
- * goes to its rank. Collective; all ranks get the same status. */
+/* New lists between steps, after disks were put elsewhere, have set out or are gone. Where ranks
+ * share them each disk goes to its rank. Collective; all ranks get the same status. */
 sd_status engine_renew(engine *e, sd_messages *messages);
 
 #endif

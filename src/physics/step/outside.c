@@ -50,7 +50,8 @@ static void take_out(engine *e, size_t i) {
   }
 }
 
-/* Disks that are back are in play; *list, to be freed, has those that have left since the last look. */
+/* Disks that are back are in play; *list, to be freed, has those that have left since the last
+ * look. */
 static sd_status find_left(engine *e, outside_left **list, size_t *n) {
   sd_state *s = e->state;
   size_t capacity = 0;

@@ -73,7 +73,8 @@ static inline bool halo_is_free(const engine *e, size_t slot) {
 static inline bool halo_is_ghost(const engine *e, size_t slot) {
   return slot >= e->state->n_free && slot < e->state->n_free + e->state->n_ghosts;
 }
-/* Slot in the whole, without a halo the slot itself: of a free disk, and of the slots that follow behind all of them. */
+/* Slot in the whole, without a halo the slot itself: of a free disk, and of the slots that follow
+ * behind all of them. */
 static inline uint64_t halo_order(const engine *e, size_t slot) {
   if (!e->halo) return slot;
   return halo_is_free(e, slot) ? e->halo->order[slot] : (uint64_t)UINT32_MAX + slot;
@@ -101,8 +102,9 @@ unsigned halo_agree(halo *h);
 void halo_start(engine *e);
 void halo_progress(halo *h);
 void halo_finish(engine *e);
-/* Poses and velocities of own disks in the state to those of the ghosts, with their accelerations when change is NULL. change: [n_ghosts] by how much their turn has changed, and
- * where they were before they went round the box; or NULL. */
+/* Poses and velocities of own disks in the state to those of the ghosts, with their accelerations
+ * when change is NULL. change: [n_ghosts] by how much their turn has changed, and where they were
+ * before they went round the box; or NULL. */
 void halo_refresh(engine *e, halo_wait *change);
 /* After new lists: where rows of forces on prescribed bodies go. */
 sd_status halo_list_prescribed(engine *e);
