@@ -10,8 +10,7 @@ static const comm *world;
 static bool begun;
 static void (*tell)(const char *why);
 
-/* --- the job
- * ---------------------------------------------------------------------------------------- */
+/* --- the job ---------------------------------------------------------------------------------- */
 
 #ifndef SD_HAVE_MPI
 sd_status comm_start_mpi(const comm **job, sd_messages *messages) {
@@ -82,8 +81,7 @@ void comm_fail(const comm *c, const char *why) {
   comm_abort(c, SD_ERROR_IO);
 }
 
-/* --- the same place
- * ----------------------------------------------------------------------------------- */
+/* --- the same place --------------------------------------------------------------------------- */
 
 #ifdef SD_CHECK
 static _Thread_local const char *here = "";
@@ -113,8 +111,7 @@ static void meet(const comm *c) {
 static void meet(const comm *c) { (void)c; }
 #endif
 
-/* --- sums and bits
- * -------------------------------------------------------------------------------------- */
+/* --- sums and bits ---------------------------------------------------------------------------- */
 
 int comm_max(const comm *c, int value) {
   if (!c) return value;
@@ -222,8 +219,7 @@ void comm_gather_counts(const comm *c, int mine, int *counts) {
   comm_gather_one(c, &mine, counts, sizeof mine);
 }
 
-/* --- persistent messages
- * ------------------------------------------------------------------------------------ */
+/* --- persistent messages ---------------------------------------------------------------------- */
 
 comm_links *comm_links_new(const comm *c, const void *send, const int *to, void *receive, const int *from,
                            size_t size) {

@@ -47,8 +47,7 @@ void comm_cuts_free(comm_cuts *cuts) {
 
 const comm *comm_cuts_comm(const comm_cuts *cuts) { return cuts->c; }
 
-/* --- bisection of points that every rank knows
- * ------------------------------------------------------------------ */
+/* --- bisection of points that every rank knows ------------------------------------------------ */
 
 typedef struct point {
   double at[2], weight;

@@ -20,8 +20,7 @@ struct zoltan_cuts {
   const float *weight;
 };
 
-/* --- what Zoltan asks for
- * -------------------------------------------------------------------------------- */
+/* --- what Zoltan asks for --------------------------------------------------------------------- */
 
 static int count_points(void *data, int *error) {
   *error = ZOLTAN_OK;

@@ -97,8 +97,7 @@ static void gather(const comm *c, const void *send, void *receive, const int *co
   MPI_Type_free(&row);
 }
 
-/* --- persistent messages
- * ------------------------------------------------------------------------------------ */
+/* --- persistent messages ---------------------------------------------------------------------- */
 
 typedef struct mpi_links {
   comm_links base;

@@ -138,8 +138,7 @@ static void gather(const comm *c, const void *send, void *receive, const int *co
   wait_for_all(c);
 }
 
-/* --- persistent messages
- * ---------------------------------------------------------------------------------------- */
+/* --- persistent messages ---------------------------------------------------------------------- */
 
 typedef struct thread_links {
   comm_links base;

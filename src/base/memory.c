@@ -71,8 +71,7 @@ void *memory_copy(const void *from, size_t bytes) {
 
 char *memory_text(const char *text) { return memory_copy(text, text ? strlen(text) + 1 : 0); }
 
-/* --- what there is
- * ------------------------------------------------------------------------------- */
+/* --- what there is ---------------------------------------------------------------------------- */
 
 /* The number in a file of a control group; HUGE_VAL: no such file, or "max". */
 static double group_number(const char *root, const char *folder, const char *name) {
@@ -147,8 +146,7 @@ double memory_limit(size_t processes) {
 /* Linux gives memory that it does not have, and kills the process that writes into it. */
 bool memory_fits(double bytes) { return bytes < LARGE || bytes <= memory_limit(1); }
 
-/* --- rows
- * ---------------------------------------------------------------------------------------- */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 static double bytes_of(size_t n_columns, const memory_column *columns) {
   double bytes = 0;

@@ -138,8 +138,7 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   return SD_OK;
 }
 
-/* --- what is done between steps
- * ----------------------------------------------------------------------- */
+/* --- what is done between steps --------------------------------------------------------------- */
 
 static bool has_goal(const engine *e) {
   return e->model->until.asked && e->state->phase + 1 == (int64_t)e->model->n_phases;

@@ -60,8 +60,7 @@ sd_status ranks_sample(ranks *r, engine *whole, unsigned what, int64_t frame, in
 /* Each writes them as a share of the part `path`. */
 sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages);
 
-/* --- of loop.c
- * ------------------------------------------------------------------------------------------- */
+/* --- of loop.c -------------------------------------------------------------------------------- */
 /* n steps, or fewer when a rank fails or is to stop: engine_status of each, state->step. */
 void ranks_steps(engine *part, int64_t n);
 /* Puts the disks into the order that a phase begins with. */

@@ -332,8 +332,7 @@ void session_report(session *s, bool always) {
   if (!finished) s->told_phase = stage.phase;
 }
 
-/* --- the world
- * ------------------------------------------------------------------------------------- */
+/* --- the world -------------------------------------------------------------------------------- */
 
 bool session_is_stopped(const session *s) { return s->options.stop && *s->options.stop; }
 
