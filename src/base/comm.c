@@ -168,9 +168,7 @@ void comm_add(const comm *c, int64_t *values, size_t n) {
   c->kind->add(c, values, n);
 }
 
-/* --- rows
- * -------------------------------------------------------------------------------------------------
- * */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 int *comm_starts(const comm *c, const int *counts) {
   int *starts = memory_new((size_t)c->size, sizeof *starts);

@@ -116,9 +116,7 @@ static point *gather_points(const comm *c, size_t n, const double *x, const doub
   return all;
 }
 
-/* --- all
- * ---------------------------------------------------------------------------------------------------------
- * */
+/* --- all -------------------------------------------------------------------------------------- */
 
 sd_status comm_cuts_make(comm_cuts *cuts, size_t n, const double *x, const double *y, const float *weight) {
   size_t n_all;

@@ -29,9 +29,7 @@ bool loop_finished(const engine *e) { return e->state->phase >= (int64_t)e->mode
 
 static const sd_phase *phase_of(const engine *e) { return &e->model->phases[e->state->phase]; }
 
-/* --- work
- * ------------------------------------------------------------------------------------------------
- * */
+/* --- work ------------------------------------------------------------------------------------- */
 
 sd_status loop_build(engine *e, bool small, int threads, sd_messages *messages) {
   sd_status status = engine_build(e, small ? 1 : threads, messages);
@@ -62,9 +60,7 @@ static sd_status order_again(engine *e, sd_messages *messages) {
   return loop_rebuild(e, engine_lanes(e), messages);
 }
 
-/* --- phases
- * ----------------------------------------------------------------------------------------------
- * */
+/* --- phases ----------------------------------------------------------------------------------- */
 
 static bool measures(const engine *e) {
   return e->state->phase < (int64_t)e->model->n_phases && e->model->phases[e->state->phase].measure;
@@ -210,9 +206,7 @@ sd_status loop_pause(engine *e, int64_t from, sd_messages *messages) {
   return status == SD_OK ? end_phase(e, messages) : status;
 }
 
-/* --- steps
- * --------------------------------------------------------------------------------------------------
- * */
+/* --- steps ------------------------------------------------------------------------------------ */
 
 typedef struct steps_task {
   engine *e;

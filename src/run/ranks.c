@@ -232,9 +232,7 @@ static sd_status tell(ranks *r, sd_status status, sd_messages *messages) {
                     comm_rank(r->comm) == 0 ? messages : NULL);
 }
 
-/* --- begin, advance
- * ---------------------------------------------------------------------------------------------
- * */
+/* --- begin, advance --------------------------------------------------------------------------- */
 
 /* tiles: each rank makes its own. */
 static sd_status spread(ranks *r, engine *whole, bool tiles) {
@@ -314,9 +312,7 @@ sd_status ranks_advance(ranks *r, engine *whole, int64_t n, sd_messages *message
 
 engine *ranks_part(ranks *r) { return &r->part; }
 
-/* --- results
- * -----------------------------------------------------------------------------------------------------
- * */
+/* --- results ---------------------------------------------------------------------------------- */
 
 sd_status ranks_collect(ranks *r, engine *whole) {
   if (r->collected == r->part.state->step) return SD_OK;
