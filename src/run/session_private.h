@@ -40,8 +40,7 @@ struct session {
 };
 
 /* This is rank 0, or alone: it has the files. Functions below that return a status are collective
- * but for session_identity and session_may_publish, and so are session_look and session_report.
- * */
+ * but for session_identity and session_may_publish; so are session_look and session_report. */
 bool session_leads(const session *s);
 /* Rows to be recorded now, and the next step at which some may be due; the run is not over. */
 unsigned session_due(const sd_model *model, sd_stage now);
