@@ -1,7 +1,8 @@
 /* ranks_suit.c: see ranks_suit.h. */
 #include "run/ranks_suit.h"
 
-#include "model/cell.h"
+#include <stdio.h>
+
 #include "physics/small/lanes.h"
 
 /* The first motion that does; n_motions: none. */
@@ -24,17 +25,22 @@ sd_status ranks_suit(const sd_model *m, sd_messages *messages) {
   const size_t motion = moves_free_disk(m);
   char name[100];
   if (lanes_suit(m))
-    return sd_fail(messages, SD_ERROR_USER,
-                   "%zu free disk%s: so few are for one process; run it without mpirun, or the points of a "
-                   "sweep under it",
-                   m->n_free, m->n_free == 1 ? "" : "s");
+    return sd_fail(
+        messages, SD_ERROR_USER,
+        "disks: %zu free disk%s, so few are for one process; run it without mpirun, or the points of a "
+        "sweep under it",
+        m->n_free, m->n_free == 1 ? "" : "s");
   if (m->n_clumps > 0) refuse(messages, "clumps", "rigid bodies of several disks");
-  if (cell_deforms(m)) refuse(messages, "phases.cell", "a box that deforms");
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (m->phases[k].cell.asked) {
+      snprintf(name, sizeof name, "phases[%zu].cell", k);
+      refuse(messages, name, "a box that deforms");
+    }
   if (m->n_rotations > 0) refuse(messages, "measure.rotation", "means of single disks (() watches none)");
   if (m->n_slides > 0) refuse(messages, "measure.sliding", "contacts of single disks that are watched");
   if (motion < m->n_motions)
     sd_fail(messages, SD_ERROR_USER,
-            "motions: %s moves a free disk, which ranks do not share; fix the disk, or run it without mpirun",
+            "%s: it moves a free disk, which ranks do not share; fix the disk, or run it without mpirun",
             model_motion_name(m, motion, name, sizeof name));
   return sd_messages_errors(messages) > before ? SD_ERROR_USER : SD_OK;
 }

@@ -294,17 +294,17 @@ disk_files = ( {{ file = "t.h5"; dataset = "t"; columns = ("x", "y"); radius = 0
         box = 'box = { x = (-10, 130); y = (-10, 20); periodic = "xy"; };'
         cases = {
             "clumps: rigid bodies": many + 'clumps = ( { disk = (3, 4); } );',
-            "phases.cell: a box that deforms": many.replace("steps = 10;", "steps = 16; cell = { rate_xy = 0.1; };") + box,
+            "phases[0].cell: a box that deforms": many.replace("steps = 10;", "steps = 16; cell = { rate_xy = 0.1; };") + box,
             "measure.rotation: means of single disks": many + "measure = { rotation = (3, 4); };",
-            'motions: motion "push" moves a free disk': many + 'motions = ( { name = "push"; disk = 2; coordinate = "x"; type = "velocity"; velocity = 1; } );',
-            "1 free disk: so few are for one process": few % "" + 'walls = ( { type = "line"; points = ((-5, -1), (5, -1)); } );'}
+            'motions[0]: it moves a free disk': many + 'motions = ( { name = "push"; disk = 2; coordinate = "x"; type = "velocity"; velocity = 1; } );',
+            "disks: 1 free disk, so few are for one process": few % "" + 'walls = ( { type = "line"; points = ((-5, -1), (5, -1)); } );'}
         for message, text in cases.items():
             with self.subTest(message=message):
                 deck, result = self.folder / "refused.cfg", self.folder / "refused.h5"
                 deck.write_text(text)
                 status, out, err = run(2, "run", deck, "--quiet", "-o", result)
                 self.assertEqual((status, err.count("error: ")), (2, 1), err)
-                self.assertIn("error: " + message, err)
+                self.assertIn(f"error: {deck}:1: {message}", err)
                 self.assertIn("without mpirun", err)
                 self.assertEqual(list(self.folder.glob("refused.h5*")), [])
                 self.ok(0, "run", deck, "--quiet", "-o", result)

@@ -39,7 +39,7 @@ static sd_model *for_ranks(const char *text, size_t *held) {
   fputs(text, file);
   fclose(file);
   sd_messages_clear(messages);
-  const sd_status status = deck_load_for_ranks(path, 0, NULL, &m, messages);
+  const sd_status status = deck_load_for_ranks(path, 0, NULL, NULL, &m, messages);
   *held = m ? model_held(m) : 0;
   if (m) check(status, messages);
   return m;
@@ -349,7 +349,7 @@ static void test_results_of_ranks(void **state) {
     sd_model_free(m);
   }
   const char *const overrides[] = {"dt=2e-3", "steps=5"};
-  check(deck_load_for_ranks(path, 2, overrides, &m, messages), messages);
+  check(deck_load_for_ranks(path, 2, overrides, NULL, &m, messages), messages);
   assert_true(m->tiles.away && m->dt == 2e-3);
   sd_model_free(m);
   static const char *const wrong[] = {

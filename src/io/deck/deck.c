@@ -152,10 +152,12 @@ static char *join_settings(size_t n, const deck_setting *settings) {
   return text;
 }
 
-static sd_status finish(deck *d) {
+/* suits: what else is asked of the model; NULL: nothing. */
+static sd_status finish(deck *d, deck_suits *suits) {
   if (d->reported > 0) return SD_ERROR_USER;
   d->found = sd_messages_new();
   sd_status status = sd_model_finish(d->model, d->found);
+  if (status == SD_OK && suits) status = suits(d->model, d->found);
   deck_tell(d, d->found);
   if (status != SD_OK) return status;
   char *unstable = advice_unstable(d->model);
@@ -210,6 +212,7 @@ typedef struct model_task {
   const deck_setting *settings;
   bool point, unfinished; /* wanted even so */
   bool leave_tiles;
+  deck_suits *suits;
   sd_model *model;
 } model_task;
 
@@ -222,7 +225,7 @@ static sd_status make_model(deck *d, void *user) {
   own->text = memory_text(d->text);
   own->overrides = join_settings(t->n_settings, t->settings);
   read_all(d, t->point);
-  sd_status status = finish(d);
+  sd_status status = finish(d, t->suits);
   bool given = status == SD_OK || (t->unfinished && d->readable);
   t->model = given ? d->model : NULL;
   if (given) d->model = NULL;
@@ -361,9 +364,9 @@ static const char *leave_tiles(sd_model *m, const sd_messages *told) {
 }
 
 sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
-                              sd_model **out, sd_messages *messages) {
+                              deck_suits *suits, sd_model **out, sd_messages *messages) {
   sd_messages *own = sd_messages_new();
-  load(path, n_overrides, overrides, (model_task){.leave_tiles = true}, out, own);
+  load(path, n_overrides, overrides, (model_task){.leave_tiles = true, .suits = suits}, out, own);
   /* a disk that is not there is a mistake where the deck speaks of it */
   const char *why = *out ? leave_tiles(*out, own) : "the deck speaks of single disks of it";
   for (size_t k = 0; !why && k < sd_messages_count(own); k++)
@@ -372,7 +375,7 @@ sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *
   if (!why) return SD_OK;
   sd_model_free(*out);
   *out = NULL;
-  const sd_status status = sd_deck_load(path, n_overrides, overrides, out, messages);
+  const sd_status status = load(path, n_overrides, overrides, (model_task){.suits = suits}, out, messages);
   if (*out) warn_of_tiles(&(*out)->tiles, why, messages);
   return status;
 }

@@ -72,9 +72,11 @@ bool deck_compare(const char *there, const char *here, bool any_title, deck_diff
 sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
                     sd_messages *messages);
 
-/* As sd_deck_load, for a run that ranks share: *out may lack disks that they make (model/tiles.h). */
+/* Asks more of a finished model; its messages begin with their subject, as those of the model do (deck_locate.c). */
+typedef sd_status deck_suits(const sd_model *model, sd_messages *messages);
+/* As sd_deck_load, for a run that ranks share: *out may lack disks that they make (model/tiles.h). suits may be NULL. */
 sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
-                              sd_model **out, sd_messages *messages);
+                              deck_suits *suits, sd_model **out, sd_messages *messages);
 
 /* The disks of one part of model->tiles, of a file, and their places in it (model_tile_begin says how many); inputs: their part of
  * tiles.inputs. SD_ERROR_IO, SD_ERROR_USER: it cannot be read, or has changed. */
