@@ -27,7 +27,7 @@ ROOMS = {
     "physics": r"physics/", "model": r"model/", "base": r"base/",
 }
 # Percent of branches below which a room must not fall; 95 is the aim of the first three.
-LEAST = {"deck reader": 88, "checkpoint": 70, "merge": 80}  # per cent of branches
+LEAST = {"deck reader": 88, "checkpoint": 70, "merge": 82}  # per cent of branches
 
 # The tests that reach most in a second: no tests of numbers and of speed, none that run for long.
 TESTS = (r"^test_(deck|deck_.*|packings_(deck|mistakes|check)|tiles|sweep_(deck|mistakes|folder)|check_sweep|checkpoint|restart"
