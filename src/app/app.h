@@ -90,11 +90,11 @@ typedef struct drive_options {
         "append progress and result to a file"                                                               \
   }
 
-/* Starts MPI where the program was built with it. All ranks call it; the first loads the model
- * (the others: NULL); then drive_agree refuses what ranks do not share, prints what went wrong
- * and returns the largest status of all ranks. comm_end is the caller's. */
+/* Starts MPI where the program was built with it. All ranks call it; the first loads the model; then
+ * drive_agree prints what went wrong and returns the largest status of all ranks. comm_end is the
+ * caller's. */
 int drive_begin(const drive_options *options, sd_messages *messages);
-int drive_agree(const sd_model *model, int status, sd_messages *messages);
+int drive_agree(int status, sd_messages *messages);
 /* messages: of the loader, printed first. Takes neither over. Ranks beside the first have no
  * model: they get what they need of it. */
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
@@ -125,7 +125,7 @@ typedef struct result_size {
   size_t most_contacts;             /* assumed in each table */
   bool at_most;                     /* the run may end early */
   double bytes;
-  double memory;  /* of a run in one process, at its peak, with so many contacts; bytes, within a quarter */
+  double memory;  /* bytes of a run in one process at its peak, with so many contacts; within 25 % */
   double unsaved; /* at most so much of it is rows that wait for a checkpoint */
 } result_size;
 /* SD_ERROR_IO: no memory. */

@@ -20,7 +20,6 @@
 #include "io/store/file.h"
 #include "run/model_share.h"
 #include "run/ranks.h"
-#include "run/ranks_suit.h"
 #include "run/session.h"
 #include "run/simulation_private.h"
 
@@ -323,9 +322,7 @@ int drive_begin(const drive_options *options, sd_messages *messages) {
   return status;
 }
 
-int drive_agree(const sd_model *model, int status, sd_messages *messages) {
-  if (status == SD_OK && comm_world() && model) status = ranks_suit(model, messages);
-
+int drive_agree(int status, sd_messages *messages) {
   int first = status;
   comm_share(comm_world(), &first, sizeof first);
   if (status != SD_OK && (comm_rank(comm_world()) == 0 || first == SD_OK))

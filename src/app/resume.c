@@ -9,6 +9,7 @@
 #include "app/app.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
+#include "run/ranks_suit.h"
 #include "run/simulation_private.h"
 
 typedef struct arguments {
@@ -48,7 +49,8 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   h5_close(file, NULL);
   if (status == SD_OK && comm_rank(comm_world()) == 0)
     status = simulation_model_of(&origin, &model, messages);
-  status = drive_agree(model, status, messages);
+  if (status == SD_OK && comm_world() && model) status = ranks_suit(model, messages);
+  status = drive_agree(status, messages);
   if (status == SD_OK) {
     again = format_text("resume %s", p.result);
     drive->result = p.result;

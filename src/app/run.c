@@ -59,7 +59,7 @@ int app_run(int argc, char **argv) {
       status = comm_world() ? deck_load_for_ranks(a.deck, a.overrides.n, a.overrides.item, ranks_suit, &model,
                                                   messages)
                             : sd_deck_load(a.deck, a.overrides.n, a.overrides.item, &model, messages);
-    status = drive_agree(model, status, messages);
+    status = drive_agree(status, messages);
     if (status == SD_OK && comm_rank(comm_world()) == 0 && sd_model_deck(model)->sweep_points > 0)
       sd_warn(messages,
               "%s has a sweep of %zu point%s, which `slipdisk sweep` runs; this is the deck as it stands",

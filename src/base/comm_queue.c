@@ -2,8 +2,8 @@
  *
  * Ranks talk to rank 0 only, in words of 64 bits, all with one tag, so that they arrive in order:
  *
- *   to rank 0:    ASK -> a task or NONE        STOP, LEAVE (in comm_queue_end, STOP may follow), END (last)
- *   from rank 0:  STOP                         END (all have left) -> END
+ *   to rank 0:    ASK -> a task or NONE   STOP   LEAVE (in comm_queue_end, STOP may follow)   END
+ *   from rank 0:  STOP                    END (all have left) -> END
  *
  * Both last words are END, and a barrier follows, so that none of a queue's words meets the next
  * queue.
@@ -170,5 +170,6 @@ void comm_queue_end(comm_queue *q) {
     for (long ns = 0; comm_serve(q), q->away > 0;) comm_rest(&ns);
   }
   end_letters(q);
-  comm_max(comm_world(), 0); /* no rank begins the next queue while rank 0 waits for the END of others */
+  /* no rank begins the next queue while rank 0 waits for the END of others */
+  comm_max(comm_world(), 0);
 }

@@ -4,8 +4,8 @@
 
 #include "base/comm.h"
 
-/* Runs task(c, with) on n ranks, each a thread, and returns when all have returned. A rank that
- * fails (comm_abort) ends the process with abort(). */
+/* Runs task(c, with) on n ranks, each a thread, and returns when all have returned. Without memory, or
+ * after comm_abort, the process ends as memory_lacks says. */
 void comm_threads_run(int n, void (*task)(const comm *c, void *with), void *with);
 
 #endif

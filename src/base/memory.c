@@ -107,7 +107,7 @@ static double groups_limit(bool first_version, char *folder, double swap) {
   }
 }
 
-/* The least of all control groups of this process; lines are "number:controllers:path", of version 2
+/* The least of all control groups of this process. Lines are "number:controllers:path", in version 2
  * "0::path". */
 static double control_groups_limit(double swap) {
   char line[PATH_MAX];

@@ -45,8 +45,8 @@ struct ranks {
   double busy;           /* seconds of work since the last cut */
   int64_t cut_step;
   ranks_balance balance;
-  first_overlap
-      deepest; /* at the start, of all ranks, where the deck's check did not see all pairs; relative 0: none */
+  /* at the start, of all ranks, where the deck's check did not see all pairs; relative 0: none */
+  first_overlap deepest;
 };
 
 /* Cut anew when the busiest rank works by so much more than the mean, but not more often. */

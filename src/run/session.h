@@ -46,7 +46,8 @@ typedef struct session_options {
   bool force;         /* start over, whatever is there; an old result stays until the new one replaces it */
   /* may be NULL; when it becomes true, on any rank, the run stops at a checkpoint */
   volatile sig_atomic_t *stop;
-  const comm *comm; /* whose ranks share the disks, and all run this session; NULL: one process has them */
+  /* its ranks share the disks, and all run this session; NULL: one process has them */
+  const comm *comm;
   void (*progress)(void *user, const session_progress *progress); /* may be NULL; about 5 times a second */
   void (*look)(void *user, sd_simulation *simulation); /* may be NULL; between pieces of steps; reads only */
   void *user;

@@ -309,6 +309,17 @@ disk_files = ( {{ file = "t.h5"; dataset = "t"; columns = ("x", "y"); radius = 0
                 self.assertEqual(list(self.folder.glob("refused.h5*")), [])
                 self.ok(0, "run", deck, "--quiet", "-o", result)
                 result.unlink()
+        # begun by one process, it is not continued by two
+        deck, result = self.folder / "begun.cfg", self.folder / "begun.h5"
+        deck.write_text(cases["measure.rotation: means of single disks"].replace("steps = 10;", "steps = 1000000000;"))
+        process = start(0, "run", deck, "--quiet", "-o", result)
+        wait_for(lambda: list(self.folder.glob("begun.h5.parts/checkpoint-*.h5")))
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=LONG)
+        self.assertEqual(process.returncode, 75)
+        status, out, err = run(2, "resume", result, "--quiet")
+        self.assertEqual((status, err.count("error: ")), (2, 1), err)
+        self.assertIn("error: measure.rotation: means of single disks", err)
         status, out, err = run(2, "run", self.deck("pressed"), "--live", "--quiet", "-o", self.folder / "live.h5")
         self.assertEqual((status, err.count("error: ")), (2, 1), err)
         self.assertIn("--live shows the disks of one process", err)

@@ -72,9 +72,11 @@ bool deck_compare(const char *there, const char *here, bool any_title, deck_diff
 sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
                     sd_messages *messages);
 
-/* Asks more of a finished model; its messages begin with their subject, as those of the model do (deck_locate.c). */
+/* Asks more of a finished model; its messages begin with their subject, as those of the model do
+ * (deck_locate.c). */
 typedef sd_status deck_suits(const sd_model *model, sd_messages *messages);
-/* As sd_deck_load, for a run that ranks share: *out may lack disks that they make (model/tiles.h). suits may be NULL. */
+/* Loads a deck like sd_deck_load, for a run that ranks share: *out may lack disks that they make
+ * (model/tiles.h). suits may be NULL. */
 sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
                               deck_suits *suits, sd_model **out, sd_messages *messages);
 

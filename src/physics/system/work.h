@@ -308,8 +308,8 @@ struct engine {
   fields *fields;   /* NULL: none */
   halo *halo;       /* NULL: this process has all disks */
   const comm *comm; /* whose ranks have the other disks; NULL: a rank alone */
-  sd_status (*renew)(engine *e,
-                     sd_messages *messages); /* engine_renew of one of several ranks; NULL: of one alone */
+  /* engine_renew of one of several ranks; NULL: of one alone */
+  sd_status (*renew)(engine *e, sd_messages *messages);
   pool *pool; /* of work.n_threads or fewer, of the owner; NULL: one thread does it all */
   work work;
 };
