@@ -56,12 +56,6 @@ void arena_free(void *room) {
     free(h.memory);
 }
 
-void arena_release(void *room, void *at, size_t bytes) {
-  const uintptr_t from = ((uintptr_t)at + PAGE - 1) / PAGE * PAGE, to = ((uintptr_t)at + bytes) / PAGE * PAGE;
-  if (((header *)(void *)((char *)room - LINE))->bytes > 0 && from < to)
-    madvise((void *)from, to - from, MADV_DONTNEED);
-}
-
 void *arena_for(size_t n, size_t size) {
   arena_plan plan = {0};
   if (!memory_fits((double)n * (double)size)) return NULL;

@@ -20,8 +20,6 @@ size_t arena_column(arena_plan *plan, size_t bytes);
 /* Zeroed; NULL without memory. */
 void *arena_new(const arena_plan *plan);
 void arena_free(void *room);
-/* Gives whole pages of a large room back to the system, [at, at + bytes): what stood there is lost. */
-void arena_release(void *room, void *at, size_t bytes);
 /* A room for one column, which begins at its start; NULL without memory. */
 void *arena_for(size_t n, size_t size);
 

@@ -190,12 +190,13 @@ static void fill_neighbours(sd_disk_totals *t, const sd_state *state, const sd_d
   if (pairs > 0 && t->omega_rms > 0) t->neighbours = sum / pairs / (t->omega_rms * t->omega_rms);
 }
 
-static void fill_contacts(sd_disk_totals *t, const sd_model *model, const sample *q) {
+static void fill_contacts(sd_disk_totals *t, const sd_state *state, const sd_disk_mean *means,
+                          const sample *q) {
   double n = (double)q->n;
   double contacts = 0, sliding = 0, force = 0, diameter = 0;
   for (size_t k = 0; k < q->n; k++) {
     const sd_disk_mean *d = q->disk[k];
-    diameter += 2 * model->disks[d->disk].radius / n;
+    diameter += 2 * state->radius[d - means] / n;
     contacts += d->coordination;
     /* a disk that was never touched has no fraction and no force */
     sliding += d->coordination > 0 ? d->sliding * d->coordination : 0;
@@ -220,6 +221,7 @@ static void fill_powers(sd_disk_totals *t, const sample *q) {
 }
 
 sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, const sd_disk_mean *means) {
+  (void)model;
   sd_disk_totals t;
   for (size_t k = 0; k < sizeof t / sizeof(double); k++) ((double *)&t)[k] = NAN;
   size_t most = state->n_means;
@@ -240,7 +242,7 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, c
     fill_omega(&t, &q);
     fill_significance(&t, &q);
     fill_neighbours(&t, state, means, q.slot);
-    fill_contacts(&t, model, &q);
+    fill_contacts(&t, state, means, &q);
     fill_powers(&t, &q);
   }
   free(q.disk);

@@ -351,6 +351,12 @@ static void set_extents(sd_state *s, const sd_model *m, size_t n_free, size_t n_
   s->law_columns = (laws_features(m) & LAW_GENERAL) != 0;
 }
 
+sd_state state_sizes(const sd_model *m) {
+  sd_state s = {0};
+  set_extents(&s, m, m->n_free, 0);
+  return s;
+}
+
 static double bytes_of(const sd_state *s) {
   double bytes = 0;
   for (size_t k = 0; k < sd_field_count; k++)
@@ -359,8 +365,8 @@ static double bytes_of(const sd_state *s) {
 }
 
 double state_bytes(const sd_model *m, size_t contacts) {
-  sd_state s = {.n_contacts = contacts};
-  set_extents(&s, m, m->n_free, 0);
+  sd_state s = state_sizes(m);
+  s.n_contacts = contacts;
   return bytes_of(&s);
 }
 
@@ -374,9 +380,8 @@ size_t state_disk_bytes(bool free) {
 }
 
 double state_least_bytes(const sd_model *m) {
-  sd_state s = {0};
+  sd_state s = state_sizes(m);
   bool measured = false;
-  set_extents(&s, m, m->n_free, 0);
   for (size_t k = 0; k < m->n_phases; k++) measured |= m->phases[k].measure;
   if (!measured) s.n_means = 0; /* nothing is written there */
   return (double)(m->n_disks * sizeof(sd_disk)) + bytes_of(&s);
@@ -414,76 +419,6 @@ void sd_state_free(sd_state *s) {
     if (state_of_contacts(sd_fields[k].extent)) free(*field_pointer(s, &sd_fields[k]));
   arena_free(s->columns);
   free(s);
-}
-
-bool state_keeps(const sd_field *f) {
-  static const size_t kept[] = {offsetof(sd_state, id), offsetof(sd_state, x), offsetof(sd_state, y),
-                                offsetof(sd_state, radius), offsetof(sd_state, activity)};
-  for (size_t k = 0; k < sizeof kept / sizeof *kept; k++)
-    if (kept[k] == f->offset) return true;
-  return false;
-}
-
-const sd_field *state_field(size_t offset) {
-  size_t k = 0;
-  while (sd_fields[k].offset != offset) k++;
-  assert(k < sd_field_count);
-  return &sd_fields[k];
-}
-
-/* Elements of the rows of free disks, or of contacts. */
-static size_t elements_of(const sd_state *s, const sd_field *f) {
-  if (f->extent == SD_PER_BODY) return s->n_free;
-  if (f->extent == SD_PER_LAW_CONTACT) return s->law_columns * state_contact_count(s);
-  return f->extent == SD_PER_CONTACT ? state_contact_count(s) : sd_extent_size(s, f->extent);
-}
-
-static bool has_rows(const sd_field *f) {
-  return f->extent == SD_PER_BODY || state_of_free(f->extent) || state_of_contacts(f->extent);
-}
-
-void state_release_rows(sd_state *s) {
-  s->n_contacts = s->contact_capacity = 0;
-  for (size_t k = 0; k < sd_field_count; k++) {
-    const sd_field *f = &sd_fields[k];
-    void **column = field_pointer(s, f);
-    if (state_of_contacts(f->extent)) {
-      free(*column);
-      *column = NULL;
-    } else if (has_rows(f) && !state_keeps(f)) {
-      const size_t bytes = elements_of(s, f) * sd_type_size(f->type);
-#ifdef SD_CHECK /* so that tests find who reads them */
-      memset(*column, 0x55, bytes);
-#endif
-      arena_release(s->columns, *column, bytes);
-    }
-  }
-}
-
-size_t state_contact_count(const sd_state *s) { return s->source ? s->source->n_contacts : s->n_contacts; }
-
-const void *state_rows(const sd_state *s, const sd_field *f, void **own) {
-  const size_t n = elements_of(s, f);
-  *own = NULL;
-  if (!s->source || state_keeps(f)) return sd_field_data(s, f);
-  if (!memory_resize(1, (memory_column[]){{own, n, sd_type_size(f->type)}})) return NULL;
-  if (s->source->read(s->source->with, f, n, *own) == SD_OK) return *own;
-  free(*own);
-  *own = NULL;
-  return NULL;
-}
-
-sd_status state_bring(sd_state *s) {
-  if (!s->source) return SD_OK;
-  if (sd_state_reserve_contacts(s, s->source->n_contacts) != SD_OK) return SD_ERROR_IO;
-  sd_status status = SD_OK;
-  for (size_t k = 0; status == SD_OK && k < sd_field_count; k++)
-    if (has_rows(&sd_fields[k]) && !state_keeps(&sd_fields[k]))
-      status = s->source->read(s->source->with, &sd_fields[k], elements_of(s, &sd_fields[k]),
-                               sd_field_data(s, &sd_fields[k]));
-  s->n_contacts = s->source->n_contacts;
-  s->source = NULL;
-  return status;
 }
 
 sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {

@@ -6,14 +6,6 @@
 #include "model/model.h"
 #include "slipdisk/state.h"
 
-/* Where the rows of free disks and the contacts are, of a state that has only the kept columns (state_keeps): in a file. */
-typedef struct state_source {
-  /* The first n elements of a column. */
-  sd_status (*read)(void *with, const sd_field *f, size_t n, void *column);
-  void *with;
-  size_t n_contacts;
-} state_source;
-
 /* contact_slide is larger by this, until step 0, if the contact is force_carried
  * (sd_contact_memory) */
 enum { SD_FORCE_CARRIED = 4 };
@@ -41,8 +33,7 @@ struct sd_state {
   int64_t fast_disk;        /* its body number */
   double fast_displacement; /* its speed times dt, in radii */
 
-  const state_source *source; /* NULL: all rows are here */
-  void *columns;              /* what the columns but those of contacts stand in */
+  void *columns; /* what the columns but those of contacts stand in */
 
   /* extents */
   size_t n_free, n_disks, n_bodies;
@@ -178,16 +169,8 @@ static inline bool state_of_contacts(sd_extent extent) {
 
 /* A state with every column zero and sized for the model, no contacts. NULL: no memory. */
 sd_state *sd_state_new(const sd_model *model);
-/* Gives the memory of most rows of free disks, and of the contacts, back until they are written anew: they hold anything. Kept: id, x, y, radius,
- * activity. Of a state with a source all stays there. */
-void state_release_rows(sd_state *state);
-bool state_keeps(const sd_field *f);
-const sd_field *state_field(size_t offset); /* the column of this member of sd_state */
-/* The rows of free disks, or of contacts, of a column; *own: read from the source, to be freed, or NULL. NULL: cannot be read. */
-const void *state_rows(const sd_state *state, const sd_field *f, void **own);
-size_t state_contact_count(const sd_state *state); /* here or in the source */
-/* Takes all that is in the source; then there is none. */
-sd_status state_bring(sd_state *state);
+/* Its extents alone, of all disks of the model. */
+sd_state state_sizes(const sd_model *model);
 /* Bytes of its columns with so many contacts. */
 double state_bytes(const sd_model *model, size_t contacts);
 /* No simulation in one process takes fewer bytes: the model's disks, and columns without

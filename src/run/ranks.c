@@ -3,7 +3,6 @@
 
 #include <assert.h>
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,12 +20,11 @@
 #include "physics/step/engine.h"
 #include "physics/system/halo.h"
 #include "run/loop.h"
-#include "run/ranks_contacts.h"
+#include "run/ranks_first.h"
 #include "run/ranks_failure.h"
 #include "run/ranks_move.h"
 #include "run/ranks_order.h"
 #include "run/ranks_share.h"
-#include "run/ranks_tiles.h"
 
 struct ranks {
   const comm *comm;
@@ -35,13 +33,12 @@ struct ranks {
   pool *pool;
   volatile sig_atomic_t *stop;
   comm_cuts *cuts;
-  engine part; /* of this rank; state NULL: not spread */
+  engine *part; /* of this rank; state NULL: not spread */
   double skin;
   unsigned bits;         /* of all ranks, after the last step */
   sd_messages *messages; /* of this rank */
   record_share rows;     /* of this rank, since the last part */
   resultants sums;       /* of all ranks, for a row of the series */
-  int64_t collected;     /* step of the whole state */
   double busy;           /* seconds of work since the last cut */
   int64_t cut_step;
   ranks_balance balance;
@@ -53,26 +50,26 @@ struct ranks {
 static const double IMBALANCE = 0.1;
 enum { CUT_LEAST = 200 }; /* steps */
 
-ranks *ranks_new(const comm *c, const sd_model *model, volatile sig_atomic_t *stop) {
+ranks *ranks_new(const comm *c, engine *part, volatile sig_atomic_t *stop) {
   ranks *r = memory_new(1, sizeof *r);
   *r = (ranks){.comm = c,
-               .model = model,
+               .model = part->model,
+               .part = part,
                .stop = stop,
                .messages = sd_messages_new(),
-               .collected = -1,
                .balance.excess = NAN};
-  record_share_new(&r->rows, model);
-  resultants_new(&r->sums, model);
+  record_share_new(&r->rows, r->model);
+  resultants_new(&r->sums, r->model);
   return r;
 }
 
 static void drop_part(ranks *r) {
-  if (!r->part.state) return;
-  halo *h = r->part.halo;
-  engine_free(&r->part);
+  if (!r->part->state) return;
+  halo *h = r->part->halo;
+  engine_free(r->part);
   halo_free(h);
-  sd_state_free(r->part.state);
-  r->part = (engine){0};
+  sd_state_free(r->part->state);
+  *r->part = (engine){.model = r->model};
 }
 
 void ranks_free(ranks *r) {
@@ -88,61 +85,47 @@ void ranks_free(ranks *r) {
 
 ranks_balance ranks_balance_of(const ranks *r) { return r->balance; }
 
-static ranks *ranks_of(engine *part) { return (ranks *)(void *)((char *)part - offsetof(ranks, part)); }
-
 /* --- parts --------------------------------------------------------------------------------------------------- */
 
 static sd_status renew_part(engine *e, sd_messages *messages);
 
-/* made: disks of tiles at the start, whose contacts may be in a file. */
-static sd_status take_part(ranks *r, const engine *from, bool made) {
-  engine next = {.comm = r->comm, .renew = renew_part, .model = r->model, .pool = r->pool};
-  sd_status status = move_parts(r->model, r->cuts, from, r->skin, &next.state, &next.halo);
-  if (made && r->model->tiles.n_contacts > 0 && comm_all_well(r->comm, status))
-    status = ranks_contacts_take(r->comm, r->model, next.state, r->messages);
-  if (status == SD_OK && from && !from->halo) state_release_rows(from->state);
+/* first: see move_parts. */
+static sd_status take_part(ranks *r, const engine *from, bool first) {
+  engine next = {.comm = r->comm, .renew = renew_part, .ranks = r, .model = r->model, .pool = r->pool};
+  sd_status status = move_parts(r->cuts, from, first, r->skin, &next.state, &next.halo);
   drop_part(r);
-  r->part = next;
-  if (status == SD_OK) status = engine_build(&r->part, r->threads, r->messages);
+  *r->part = next;
+  if (status == SD_OK) status = engine_build(r->part, r->threads, r->messages);
   /* together, or not at all: the others would wait */
-  if (comm_all_well(r->comm, status) && halo_list_prescribed(&r->part) != SD_OK) status = SD_ERROR_IO;
+  if (comm_all_well(r->comm, status) && halo_list_prescribed(r->part) != SD_OK) status = SD_ERROR_IO;
   if (status != SD_OK && sd_messages_errors(r->messages) == 0)
     sd_fail(r->messages, status, "no memory for the disks of this rank");
-  engine_ready(&r->part, r->messages);
-  engine_end(&r->part, status);
+  engine_ready(r->part, r->messages);
+  engine_end(r->part, status);
   return status;
 }
 
-static sd_status tell_stored(ranks *r, sd_status status) {
+/* The part as a state that can be sent; or for rows of results alone. */
+static sd_status store_part(ranks *r, bool rows) {
+  engine *e = r->part;
+  halo_refresh(e, NULL);
+  motion_store(e);
+  const sd_status status = rows ? contacts_store_rows(e) : contacts_store(e);
   return status == SD_OK ? SD_OK : sd_fail(r->messages, SD_ERROR_IO, "out of memory for the contacts");
-}
-
-/* The part as a state that can be sent. */
-static sd_status store_part(ranks *r) {
-  halo_refresh(&r->part, NULL);
-  motion_store(&r->part);
-  return tell_stored(r, contacts_store(&r->part));
-}
-
-/* The same, for rows of results. */
-static sd_status store_rows(ranks *r) {
-  halo_refresh(&r->part, NULL);
-  motion_store(&r->part);
-  return tell_stored(r, contacts_store_rows(&r->part));
 }
 
 /* engine_renew of a part. */
 static sd_status renew_part(engine *e, sd_messages *messages) {
-  ranks *r = ranks_of(e);
+  ranks *r = e->ranks;
   (void)messages; /* this rank has a list of its own */
-  const sd_status status = comm_agree(r->comm, store_part(r));
+  const sd_status status = comm_agree(r->comm, store_part(r, false));
   return status == SD_OK ? comm_agree(r->comm, take_part(r, e, false)) : status;
 }
 
 /* On every rank: its disks in the order that a phase begins with. */
 sd_status ranks_order_again(engine *e) {
-  ranks *r = ranks_of(e);
-  sd_status status = comm_agree(r->comm, store_part(r));
+  ranks *r = e->ranks;
+  sd_status status = comm_agree(r->comm, store_part(r, false));
   if (status != SD_OK || r->model->n_free < ORDER_LEAST) return status;
   status = ranks_order(r->comm, r->model, e->state, e->halo->order);
   engine_find_slots(e);
@@ -152,7 +135,7 @@ sd_status ranks_order_again(engine *e) {
 /* Collective. */
 static void note_balance(ranks *r) {
   const double mean = comm_total(r->comm, r->busy) / comm_size(r->comm),
-               disks = (double)r->part.state->n_free;
+               disks = (double)r->part->state->n_free;
   r->balance.excess = mean > 0.0 ? comm_largest(r->comm, r->busy) / mean - 1.0 : 0.0;
   r->balance.most = (int64_t)comm_largest(r->comm, disks);
   r->balance.least = (int64_t)-comm_largest(r->comm, -disks);
@@ -160,7 +143,7 @@ static void note_balance(ranks *r) {
 
 /* New lists, disks that have left the rectangle to their new ranks, new ghosts. */
 static sd_status renew(ranks *r) {
-  engine *e = &r->part;
+  engine *e = r->part;
   const int64_t step = e->state->step;
   sd_status status = neighbours_check_finite(e, step, r->messages);
   if (!comm_all_well(r->comm, status)) return status;
@@ -169,7 +152,7 @@ static sd_status renew(ranks *r) {
   if (step - r->cut_step >= CUT_LEAST) {
     note_balance(r);
     if (r->balance.excess > IMBALANCE) {
-      status = move_cut_again(r->cuts, &r->part, r->busy);
+      status = move_cut_again(r->cuts, r->part, r->busy);
       r->balance.cuts++;
     }
     r->cut_step = step;
@@ -178,22 +161,22 @@ static sd_status renew(ranks *r) {
   }
   /* wider, until no disk or wall outruns the lists in one step; what is not finite outruns any */
   for (;;) {
-    status = store_part(r);
-    if (comm_all_well(r->comm, status)) status = take_part(r, &r->part, false);
+    status = store_part(r, false);
+    if (comm_all_well(r->comm, status)) status = take_part(r, r->part, false);
     if (!comm_all_well(r->comm, status)) return status;
-    if (!comm_or(r->comm, engine_outruns(&r->part))) return SD_OK;
-    status = neighbours_check_next(&r->part, r->messages);
+    if (!comm_or(r->comm, engine_outruns(r->part))) return SD_OK;
+    status = neighbours_check_next(r->part, r->messages);
     if (!comm_all_well(r->comm, status)) return status;
     if (!isfinite(r->skin))
       return sd_fail(r->messages, SD_ERROR_NUMERIC, "step %lld: a wall is not finite", (long long)step + 1);
-    r->skin = fmax(1.5 * r->skin, comm_largest(r->comm, engine_outrun_skin(&r->part)));
+    r->skin = fmax(1.5 * r->skin, comm_largest(r->comm, engine_outrun_skin(r->part)));
   }
 }
 
 /* --- steps ----------------------------------------------------------------------------------------------------- */
 
 void ranks_steps(engine *e, int64_t n) {
-  ranks *r = ranks_of(e);
+  ranks *r = e->ranks;
   int64_t until = e->state->step + n;
   do {
     const double began = clock_seconds();
@@ -214,7 +197,7 @@ void ranks_steps(engine *e, int64_t n) {
 
 /* On every rank: n steps, or fewer when one fails or is to stop, and what is done between them. */
 static sd_status advance(ranks *r, int64_t n) {
-  engine *e = &r->part;
+  engine *e = r->part;
   sd_status status = SD_OK;
   engine_ready(e, r->messages);
   r->bits = 0;
@@ -234,44 +217,51 @@ static sd_status tell(ranks *r, sd_status status, sd_messages *messages) {
 
 /* --- begin, advance --------------------------------------------------------------------------- */
 
-/* tiles: each rank makes its own. */
-static sd_status spread(ranks *r, engine *whole, bool tiles) {
-  engine made = {0};
-  const engine *from = tiles ? &made : whole;
-  if (whole) motion_store(whole);
-  double skin[1] = {whole ? engine_skin(whole) : 0.0};
-  int64_t step[1] = {whole ? whole->state->step : 0}, threads[1] = {whole ? engine_threads(whole) : 0};
-  comm_share(r->comm, skin, sizeof skin);
-  comm_share(r->comm, step, sizeof step);
-  comm_share(r->comm, threads, sizeof threads);
-  r->skin = skin[0];
-  r->cut_step = step[0];
-  r->threads = (int)threads[0];
+static sd_status spread(ranks *r, sd_state *state, uint32_t *order, int threads) {
+  halo unconnected = {.comm = r->comm, .n_own = state->n_free, .order = order};
+  const engine first = {.comm = r->comm, .model = r->model, .state = state, .halo = &unconnected};
+  int32_t of_each[1] = {threads};
+  comm_share(r->comm, of_each, sizeof of_each);
+  r->threads = of_each[0];
+  r->skin = engine_first_skin(r->model);
+  r->cut_step = state->step;
   r->cuts = comm_cuts_new(r->comm);
   sd_status status = comm_agree(r->comm, r->cuts ? SD_OK : SD_ERROR_IO);
-  if (status == SD_OK && tiles)
-    status = comm_agree(r->comm, ranks_tiles_new(r->comm, r->model, whole, &made, r->messages));
-  if (status == SD_OK) status = comm_agree(r->comm, move_first_cut(r->model, r->cuts, from));
+  if (status == SD_OK) status = comm_agree(r->comm, move_first_cut(r->cuts, state));
   r->balance.cuts++;
   if (r->threads > 1) r->pool = pool_new(r->threads);
-  if (status == SD_OK) status = comm_agree(r->comm, take_part(r, from, tiles));
+  if (status == SD_OK) status = comm_agree(r->comm, take_part(r, &first, true));
   if (status != SD_OK && sd_messages_count(r->messages) == 0)
     sd_fail(r->messages, status, "cannot spread the disks over the ranks");
-  ranks_tiles_free(&made);
-  if (whole && tiles) state_release_rows(whole->state);
   return status;
 }
 
-sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages) {
-  return tell(r, spread(r, whole, false), messages);
+sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads, sd_messages *messages) {
+  const sd_status status = tell(r, spread(r, state, order, threads), messages);
+  sd_state_free(state);
+  free(order);
+  return status;
 }
 
-/* The same; the whole learns what is no disk's and no contact's. */
-static sd_status end_work(ranks *r, engine *whole, sd_status status, sd_messages *messages) {
-  status = tell(r, status, messages);
-  r->collected = -1;
-  move_common(&r->part, whole ? whole->state : NULL);
-  return status;
+/* The first body that was too fast, of all ranks, and the fastest of that step: on each of them. */
+static void share_fast(ranks *r) {
+  typedef struct fast {
+    int64_t step, disk;
+    double displacement;
+  } fast;
+  sd_state *s = r->part->state;
+  const fast mine = {s->fast_step, s->fast_disk, s->fast_displacement};
+  const size_t n = (size_t)comm_size(r->comm);
+  fast *all = memory_new(n, sizeof *all), first = mine;
+  comm_gather_one(r->comm, &mine, all, sizeof mine);
+  for (size_t q = 0; q < n; q++) {
+    const bool earlier = all[q].step >= 0 && (first.step < 0 || all[q].step < first.step);
+    if (earlier || (all[q].step == first.step && all[q].displacement > first.displacement)) first = all[q];
+  }
+  s->fast_step = first.step;
+  s->fast_disk = first.disk;
+  s->fast_displacement = first.displacement;
+  free(all);
 }
 
 /* Equal ones are found from both sides of a border: that of the first rank stands. */
@@ -285,7 +275,7 @@ static void share_deepest(ranks *r, const first_overlap *mine) {
 }
 
 static sd_status start_part(ranks *r) {
-  engine *e = &r->part;
+  engine *e = r->part;
   /* parts of a file were looked at one by one */
   if (r->model->tiles.away && r->model->tiles.of_file) {
     first_overlap deepest;
@@ -294,40 +284,37 @@ static sd_status start_part(ranks *r) {
     share_deepest(r, &deepest);
     advice_tell_overlap(r->model, &r->deepest, r->messages);
   }
+  loop_begin_phase(e);
   return loop_start(e, r->messages);
 }
 
-sd_status ranks_start(ranks *r, engine *whole, sd_messages *messages) {
-  const sd_status status = tell(r, spread(r, whole, r->model->tiles.away), messages);
-  if (status != SD_OK) return status;
-  return end_work(r, whole, start_part(r), messages);
+sd_status ranks_start(ranks *r, int threads, sd_messages *messages) {
+  sd_state *state;
+  uint32_t *order;
+  sd_status status = comm_agree(r->comm, ranks_first_new(r->comm, r->model, &state, &order, r->messages));
+  if (status == SD_OK) status = spread(r, state, order, threads);
+  sd_state_free(state);
+  free(order);
+  if (status == SD_OK) status = start_part(r);
+  return tell(r, status, messages);
 }
 
-sd_status ranks_advance(ranks *r, engine *whole, int64_t n, sd_messages *messages) {
-  if (r->collected >= 0 && whole) state_release_rows(whole->state);
-  const sd_status status = end_work(r, whole, advance(r, n), messages);
+sd_status ranks_advance(ranks *r, int64_t n, sd_messages *messages) {
+  const sd_status status = tell(r, advance(r, n), messages);
+  share_fast(r);
   if (r->bits & HALO_STOP && r->stop) *r->stop = 1;
   return status;
 }
 
-engine *ranks_part(ranks *r) { return &r->part; }
-
 /* --- results ---------------------------------------------------------------------------------- */
 
-sd_status ranks_collect(ranks *r, engine *whole) {
-  if (r->collected == r->part.state->step) return SD_OK;
-  sd_status status = comm_agree(r->comm, store_part(r));
-  if (status == SD_OK) status = comm_agree(r->comm, move_together(&r->part, whole ? whole->state : NULL));
-  if (status != SD_OK) return status;
-  if (whole) engine_find_slots(whole);
-  r->collected = r->part.state->step;
-  return SD_OK;
+sd_status ranks_store(ranks *r, bool rows, sd_messages *messages) {
+  return tell(r, store_part(r, rows), messages);
 }
 
 const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
-  const sd_status status = comm_agree(r->comm, store_rows(r));
-  if (status == SD_OK)
-    resultants_take(&r->sums, r->model, r->part.state, engine_slots(&r->part), r->comm, r->messages);
+  const sd_status status =
+      resultants_take(&r->sums, r->model, r->part->state, engine_slots(r->part), r->comm, r->messages);
   return tell(r, status, messages) == SD_OK ? &r->sums : NULL;
 }
 
@@ -344,10 +331,8 @@ static char *share_path(const comm *c, const char *path) {
 static sd_status write_share(ranks *r, bool rows, const char *path, int64_t *seals, sd_messages *messages) {
   int64_t sum = 0;
   char *head = share_path(r->comm, path), *share = h5_share_path(head, (size_t)comm_rank(r->comm));
-  sd_status status = comm_agree(r->comm, rows ? SD_OK : store_part(r));
-  if (status == SD_OK)
-    status = comm_agree(r->comm, rows ? record_share_seal(&r->rows, share, &sum, r->messages)
-                                      : ranks_write_share(&r->part, share, &sum, r->messages));
+  const sd_status status = comm_agree(r->comm, rows ? record_share_seal(&r->rows, share, &sum, r->messages)
+                                                    : ranks_write_share(r->part, share, &sum, r->messages));
   if (status == SD_OK)
     ranks_gather_sums(r->comm, sum, seals);
   else
@@ -357,30 +342,22 @@ static sd_status write_share(ranks *r, bool rows, const char *path, int64_t *sea
   return tell(r, status, messages);
 }
 
-sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, summary_contacts *contacts,
-                      summary_lost *lost, sd_messages *messages) {
-  const sd_status status = write_share(r, false, path, seals, messages);
-  if (status != SD_OK) return status;
-  *contacts = ranks_add_contacts(&r->part);
-  *lost = ranks_add_lost(&r->part);
-  move_common(&r->part, whole ? whole->state : NULL);
-  return SD_OK;
+sd_status ranks_write(ranks *r, const char *path, int64_t *seals, sd_messages *messages) {
+  return write_share(r, false, path, seals, messages);
 }
 
 sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages) {
   return write_share(r, true, path, seals, messages);
 }
 
-sd_status ranks_sample(ranks *r, engine *whole, unsigned what, int64_t frame, int64_t moment_number,
-                       size_t *n_contacts, size_t *bytes, sd_messages *messages) {
+sd_status ranks_sample(ranks *r, unsigned what, int64_t frame, int64_t moment_number, size_t *n_contacts,
+                       size_t *bytes, sd_messages *messages) {
   int64_t at[2] = {frame, moment_number};
   comm_share(r->comm, at, sizeof at);
-  sd_status status = comm_agree(r->comm, store_rows(r));
-  if (status == SD_OK) status = ranks_sample_share(&r->part, what, at[0], at[1], &r->rows, r->messages);
-  status = tell(r, status, messages);
+  const sd_status status =
+      tell(r, ranks_sample_share(r->part, what, at[0], at[1], &r->rows, r->messages), messages);
   if (status != SD_OK) return status;
-  *n_contacts = ranks_count_contacts(&r->part);
+  *n_contacts = ranks_count_contacts(r->part);
   *bytes = (size_t)comm_total(r->comm, (double)record_share_bytes(&r->rows));
-  move_common(&r->part, whole ? whole->state : NULL);
   return SD_OK;
 }

@@ -1,9 +1,7 @@
 /* ranks.h: one simulation over several ranks.
  *
  * Each rank has an engine of its part of the disks (halo.h), and all go through the same session
- * (session.h) and the same loop (loop.h). Rank 0 also keeps the state of the whole as far as
- * heads of files need it: `whole`, NULL on the other ranks, which is as old as the last
- * ranks_collect. Nothing of it changes a bit.
+ * (session.h) and the same loop (loop.h). Nothing of it changes a bit.
  *
  * All functions that return a status are collective, and all ranks return the same one; rank 0
  * hears what the others had to say. Without memory, a rank says so and ends the job.
@@ -14,7 +12,6 @@
 #include <signal.h>
 
 #include "base/comm.h"
-#include "io/results/summary.h"
 #include "measure/resultant.h"
 #include "physics/system/work.h"
 #include "slipdisk/simulation.h"
@@ -28,35 +25,35 @@ typedef struct ranks_balance {
   int64_t least, most; /* disks of a rank */
 } ranks_balance;
 
-/* c: its ranks. stop: becomes true where this rank gets a signal, and after steps on all ranks. */
-ranks *ranks_new(const comm *c, const sd_model *model, volatile sig_atomic_t *stop);
+/* part: the engine of this rank, whose model is set. c: its ranks. stop: becomes true where this rank
+ * gets a signal, and after steps on all ranks. */
+ranks *ranks_new(const comm *c, engine *part, volatile sig_atomic_t *stop);
 void ranks_free(ranks *r);
 
 ranks_balance ranks_balance_of(const ranks *r);
-/* The engine of this rank. */
-engine *ranks_part(ranks *r);
 
-/* Shares out the disks, whose contacts stand in whole->state. */
-sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages);
-/* The same at step 0, once the first phase's motions run; then loop_start. */
-sd_status ranks_start(ranks *r, engine *whole, sd_messages *messages);
+/* Shares out the disks. Each rank has some of them, wherever they lie, with some of the contacts
+ * (state), whose slots in the whole ascend (order). Both are taken over. threads: of each, as rank 0
+ * says. */
+sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads, sd_messages *messages);
+/* Disks of step 0 (ranks_first.h), shared out; then loop_begin_phase and loop_start. */
+sd_status ranks_start(ranks *r, int threads, sd_messages *messages);
 /* n steps at most, and what is done between them; state->step tells how many. Fewer after a
  * failure or a stop, which then all ranks know of. */
-sd_status ranks_advance(ranks *r, engine *whole, int64_t n, sd_messages *messages);
-/* Brings whole->state up to date, contacts too. SD_ERROR_IO: no memory. */
-sd_status ranks_collect(ranks *r, engine *whole);
-/* All that a row of the series sums up beside energies; NULL: no memory. */
+sd_status ranks_advance(ranks *r, int64_t n, sd_messages *messages);
+/* Contacts, motions and poses of ghosts to the states of all ranks, whole or for rows of results. */
+sd_status ranks_store(ranks *r, bool rows, sd_messages *messages);
+/* All that a row of the series sums up beside energies; NULL: no memory. The states are stored. */
 const resultants *ranks_resultants(ranks *r, sd_messages *messages);
 /* Each rank writes its disks and contacts as a share (h5.h) of the checkpoint `path`, which rank
- * 0 says; whole->state then has the rest. seals [comm_size()], on rank 0: their sums. contacts,
- * lost: of all ranks. When any fails none is left. */
-sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, summary_contacts *contacts,
-                      summary_lost *lost, sd_messages *messages);
+ * 0 says. seals [comm_size()], on rank 0: their sums. When any fails none is left. The states are
+ * stored. */
+sd_status ranks_write(ranks *r, const char *path, int64_t *seals, sd_messages *messages);
 /* Each rank keeps its rows of frame `frame`, or of the contacts of moment `moment_number` (rank 0
- * says which), of the next part; whole->state then has the rest, as above. n_contacts, bytes: of
- * all ranks, now and since the last part. */
-sd_status ranks_sample(ranks *r, engine *whole, unsigned what, int64_t frame, int64_t moment_number,
-                       size_t *n_contacts, size_t *bytes, sd_messages *messages);
+ * says which), of the next part. n_contacts, bytes: of all ranks, now and since the last part. The
+ * states are stored. */
+sd_status ranks_sample(ranks *r, unsigned what, int64_t frame, int64_t moment_number, size_t *n_contacts,
+                       size_t *bytes, sd_messages *messages);
 /* Each writes them as a share of the part `path`. */
 sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages);
 

@@ -42,29 +42,12 @@ static size_t common_part(const sd_state *s, const sd_field *f, char **at) {
   return size * (s->n_bodies - first);
 }
 
-size_t common_bytes(const sd_state *s) {
-  size_t bytes = 0;
-  char *at;
-  for (size_t k = 0; k < sd_field_count; k++) bytes += common_part(s, &sd_fields[k], &at);
-  return bytes;
-}
-
-void common_copy(const sd_state *s, char *buffer, bool to) {
-  for (size_t k = 0; k < sd_field_count; k++) {
-    char *at;
-    const size_t bytes = common_part(s, &sd_fields[k], &at);
-    if (bytes == 0) continue;
-    memcpy(to ? at : buffer, to ? buffer : at, bytes);
-    buffer += bytes;
-  }
-}
-
 void common_take(const sd_state *from, sd_state *to) {
-  assert(common_bytes(from) == common_bytes(to));
   for (size_t k = 0; k < sd_field_count; k++) {
     char *source, *target;
     const size_t bytes = common_part(from, &sd_fields[k], &source);
-    common_part(to, &sd_fields[k], &target);
+    const size_t room = common_part(to, &sd_fields[k], &target);
+    assert(bytes == room);
     if (bytes > 0) memcpy(target, source, bytes);
   }
 }
@@ -87,33 +70,22 @@ void moving_contacts(moving *m) {
   for (size_t k = 0; k < sd_field_count; k++) add(m, &sd_fields[k], contact_row(m->to, &sd_fields[k]));
 }
 
-/* Where the rows of column k are; *own: read here, to be freed. */
-static const void *rows_of(const moving *m, size_t k, void **own) {
-  *own = NULL;
-  if (!m->from) return NULL;
-  const void *rows = state_rows(m->from, m->field[k], own);
-  if (!rows && state_contact_count(m->from) > 0)
-    comm_fail(m->route->comm, "cannot read the checkpoint"); /* the others wait */
-  return rows;
-}
-
 static bool is_zero(const char *data, size_t bytes) {
   assert(data || bytes == 0);
   return bytes == 0 || (data[0] == 0 && memcmp(data, data + 1, bytes - 1) == 0);
 }
 
-/* Of a whole at its start most columns are zero, as those of new parts are. */
-static void leave_zeros(const moving *m, size_t n, route_column *list, size_t *left) {
-  int32_t zero[MOVING_NARROW] = {0};
-  for (size_t k = 0; m->from && k < n; k++) {
-    const size_t rows =
-        state_of_contacts(m->field[0]->extent) ? state_contact_count(m->from) : m->from->n_free;
-    zero[k] = is_zero(list[k].from, rows * list[k].size);
-  }
-  comm_share(m->route->comm, zero, sizeof zero);
-  *left = 0;
+/* At the start most columns are zero on all ranks, as those of new parts are. */
+static size_t leave_zeros(const moving *m, size_t n, route_column *list) {
+  const size_t rows = state_of_contacts(m->field[0]->extent) ? m->from->n_contacts : m->from->n_free;
+  int64_t has[MOVING_NARROW];
+  size_t left = 0;
+  assert(n <= MOVING_NARROW);
+  for (size_t k = 0; k < n; k++) has[k] = !is_zero(list[k].from, rows * list[k].size);
+  comm_add(m->route->comm, has, n);
   for (size_t k = 0; k < n; k++)
-    if (!zero[k]) list[(*left)++] = list[k];
+    if (has[k]) list[left++] = list[k];
+  return left;
 }
 
 sd_status moving_send(const moving *m, const uint32_t *place) {
@@ -121,15 +93,13 @@ sd_status moving_send(const moving *m, const uint32_t *place) {
   sd_status status = SD_OK;
   for (size_t k = 0; k < m->n && status == SD_OK; k += most) {
     route_column list[MOVING_MOST];
-    void *own[MOVING_MOST];
-    const size_t n = m->n - k < most ? m->n - k : most;
-    size_t left = n;
-    for (size_t c = 0; c < n; c++)
-      list[c] = (route_column){rows_of(m, k + c, &own[c]),
-                               m->to ? sd_field_data(m->to, m->field[k + c]) : NULL, m->size[k + c]};
-    if (m->fresh) leave_zeros(m, n, list, &left);
-    if (left > 0) status = route_columns(m->route, list, left, place);
-    for (size_t c = 0; c < n; c++) free(own[c]);
+    size_t n = m->n - k < most ? m->n - k : most;
+    for (size_t c = 0; c < n; c++) {
+      const sd_field *f = m->field[k + c];
+      list[c] = (route_column){sd_field_data(m->from, f), sd_field_data(m->to, f), m->size[k + c]};
+    }
+    if (m->narrow) n = leave_zeros(m, n, list);
+    if (n > 0) status = route_columns(m->route, list, n, place);
   }
   return status;
 }

@@ -12,6 +12,7 @@
 #include "model/laws.h"
 #include "physics/neighbours/order.h"
 #include "physics/step/access.h"
+#include "run/directory.h"
 #include "run/ranks_columns.h"
 #include "run/route.h"
 
@@ -23,9 +24,8 @@ typedef struct shares {
   const sd_model *model;
   const comm_cuts *cuts;
   const engine *from;
-  size_t n_from, n_known; /* own disks, and with ghosts */
-  int *owner;             /* [n_known] */
-  uint32_t *source;       /* [n_from]: what the whole has in slot i, it has as order i */
+  bool first;
+  int *owner; /* [own disks and ghosts] */
   route disks, ghosts, contacts;
   uint32_t *place;       /* of disks that come */
   uint32_t *order;       /* [own + ghosts] */
@@ -39,7 +39,6 @@ static void part_free(shares *p) {
   route_free(&p->ghosts);
   route_free(&p->contacts);
   free(p->owner);
-  free(p->source);
   free(p->place);
   free(p->order);
   free(p->ghost_place);
@@ -59,17 +58,13 @@ static sd_status need(const comm *c, bool memory) {
 /* Disks that wait are wherever there is memory: no rectangle has many more than another. */
 static sd_status find_owners(shares *p) {
   double low[2], high[2];
-  const sd_state *s = p->from ? p->from->state : NULL;
-  p->n_from = s ? s->n_free : 0;
-  p->n_known = s ? s->n_free + s->n_ghosts : 0;
-  const memory_column arrays[] = {{&p->owner, p->n_known, sizeof *p->owner},
-                                  {&p->source, p->n_from, sizeof *p->source}};
-  if (need(p->comm, memory_resize(sizeof arrays / sizeof *arrays, arrays)) != SD_OK) return SD_ERROR_IO;
-  if (!s) return SD_OK; /* a rank that has no disks yet */
-  for (uint32_t i = 0; i < p->n_from; i++) p->source[i] = p->from->halo ? p->from->halo->order[i] : i;
+  const sd_state *s = p->from->state;
+  const size_t n = s->n_free + s->n_ghosts;
+  if (need(p->comm, memory_resize(1, (memory_column[]){{&p->owner, n, sizeof *p->owner}})) != SD_OK)
+    return SD_ERROR_IO;
   comm_cuts_mine(p->cuts, low, high);
-  for (size_t i = 0; i < p->n_known; i++) {
-    if (i < p->n_from && s->activity[i] == SD_WAITING) {
+  for (size_t i = 0; i < n; i++) {
+    if (i < s->n_free && s->activity[i] == SD_WAITING) {
       p->owner[i] = (int)(s->id[i] % (uint32_t)comm_size(p->comm));
       continue;
     }
@@ -88,10 +83,11 @@ static sd_status come_in_order(route *r, const uint32_t *order, uint32_t *found,
 
 /* Who comes here, and what ghosts are chosen by. */
 static sd_status call_disks(shares *p) {
-  const sd_state *s = p->from ? p->from->state : NULL;
+  const sd_state *s = p->from->state;
+  const uint32_t *order = p->from->halo->order;
   route *r = &p->disks;
   uint32_t *found = NULL;
-  if (need(p->comm, route_new(r, p->comm, p->n_from, NULL, p->owner) == SD_OK) != SD_OK) return SD_ERROR_IO;
+  if (need(p->comm, route_new(r, p->comm, s->n_free, NULL, p->owner) == SD_OK) != SD_OK) return SD_ERROR_IO;
   route_count(r);
   const size_t n = r->n_receive;
   const memory_column arrays[] = {{&p->place, n, sizeof *p->place},   {&p->order, n, sizeof *p->order},
@@ -99,16 +95,14 @@ static sd_status call_disks(shares *p) {
                                   {&p->radius, n, sizeof *p->radius}, {&p->activity, n, sizeof *p->activity},
                                   {&found, n, sizeof *found}};
   sd_status status = need(p->comm, memory_resize(sizeof arrays / sizeof *arrays, arrays));
-  const route_column known[] = {{p->source, p->order, sizeof *p->source},
-                                {s ? s->x : NULL, p->x, sizeof *p->x},
-                                {s ? s->y : NULL, p->y, sizeof *p->y},
-                                {s ? s->radius : NULL, p->radius, sizeof *p->radius},
-                                {s ? s->activity : NULL, p->activity, sizeof *p->activity}};
-  if (status == SD_OK) status = come_in_order(r, p->source, found, p->place);
+  const route_column known[] = {{order, p->order, sizeof *order},
+                                {s->x, p->x, sizeof *p->x},
+                                {s->y, p->y, sizeof *p->y},
+                                {s->radius, p->radius, sizeof *p->radius},
+                                {s->activity, p->activity, sizeof *p->activity}};
+  if (status == SD_OK) status = come_in_order(r, order, found, p->place);
   if (status == SD_OK) status = route_columns(r, known, sizeof known / sizeof *known, p->place);
   free(found);
-  free(p->source);
-  p->source = NULL;
   return status;
 }
 
@@ -175,8 +169,7 @@ static box box_of(const shares *p, const sd_state *s) {
   comm_cuts_mine(p->cuts, b.low, b.high);
   for (int c = 0; c < 2; c++) {
     if (!p->model->periodic[c]) continue;
-    const double upper =
-        p->model->lower[c] + (s ? s->box_scale : 1.0) * (p->model->upper[c] - p->model->lower[c]);
+    const double upper = p->model->lower[c] + s->box_scale * (p->model->upper[c] - p->model->lower[c]);
     b.lower[c] = p->model->lower[c];
     b.upper[c] = upper;
     b.length[c] = upper - b.lower[c];
@@ -186,9 +179,9 @@ static box box_of(const shares *p, const sd_state *s) {
   return b;
 }
 
-static sd_status choose_ghosts(shares *p, const sd_state *common, double skin) {
+static sd_status choose_ghosts(shares *p, double skin) {
   sends list = {0};
-  const box b = box_of(p, common);
+  const box b = box_of(p, p->from->state);
   const double reach = p->model->largest_radius + (skin + laws_reach(p->model)) * (1.0 + 1e-9);
   int *ranks = memory_new((size_t)comm_size(p->comm), sizeof *ranks);
   uint8_t *seen = memory_new((size_t)comm_size(p->comm), 1);
@@ -225,69 +218,85 @@ static sd_status place_ghosts(shares *p) {
 
 /* --- contacts ------------------------------------------------------------------------------------------------- */
 
+/* Owners of the disks of contacts, the first ones and then the second ones, by a directory: here
+ * are other disks than those of the contacts. A prescribed body has the owner of the disk. */
+static int32_t *look_up_owners(const shares *p) {
+  const sd_state *s = p->from->state;
+  const size_t n = s->n_contacts, disks = p->model->n_disks;
+  directory d;
+  int32_t *mine = route_room(p->comm, s->n_free, sizeof *mine),
+          *found = route_room(p->comm, 2 * n, sizeof *found);
+  uint32_t *number = route_room(p->comm, 2 * n, sizeof *number);
+  for (size_t i = 0; i < s->n_free; i++) mine[i] = 1 + p->owner[i];
+  for (size_t k = 0; k < n; k++) {
+    number[k] = s->contact_a[k];
+    number[n + k] = s->contact_b[k] < disks ? s->contact_b[k] : s->contact_a[k];
+  }
+  directory_new(&d, p->comm, disks, sizeof *mine);
+  directory_put(&d, s->n_free, s->id, mine);
+  directory_get(&d, 2 * n, number, found);
+  directory_free(&d);
+  for (size_t k = 0; k < n; k++) {
+    found[k] -= 1;
+    found[n + k] = found[n + k] > 0 ? found[n + k] - 1 : found[k];
+  }
+  free(mine);
+  free(number);
+  return found;
+}
+
+/* The same where all disks of the contacts are here, or are ghosts. */
+static int32_t *find_contact_owners(const shares *p) {
+  const sd_state *s = p->from->state;
+  const size_t n = s->n_contacts, known = s->n_free + s->n_ghosts;
+  int32_t *found = route_room(p->comm, 2 * n, sizeof *found);
+  for (size_t k = 0; k < n; k++) {
+    const uint32_t a = engine_slot(p->from, s->contact_a[k]), b = engine_slot(p->from, s->contact_b[k]);
+    assert(a < known && s->id[a] == s->contact_a[k] && s->id[b] == s->contact_b[k]);
+    found[k] = p->owner[a];
+    found[n + k] = b < known ? p->owner[b] : p->owner[a];
+  }
+  return found;
+}
+
 /* To the ranks of both disks. */
 static sd_status call_contacts(shares *p) {
   sends list = {0};
   sd_status status = SD_OK;
-  const sd_state *s = p->from ? p->from->state : NULL;
-  void *own[2] = {NULL, NULL};
-  const uint32_t *first_of = s ? state_rows(s, state_field(offsetof(sd_state, contact_a)), &own[0]) : NULL,
-                 *second_of = s ? state_rows(s, state_field(offsetof(sd_state, contact_b)), &own[1]) : NULL;
-  const size_t n = s ? state_contact_count(s) : 0;
-  if (n > 0 && !(first_of && second_of)) status = SD_ERROR_IO;
+  const size_t n = p->from->state->n_contacts;
+  int32_t *owner = p->first ? look_up_owners(p) : find_contact_owners(p);
   for (uint32_t k = 0; k < n && status == SD_OK; k++) {
-    const uint32_t a = engine_slot(p->from, first_of[k]), b = engine_slot(p->from, second_of[k]);
-    assert(a < p->n_known && s->id[a] == first_of[k] && s->id[b] == second_of[k]);
-    const int first = p->owner[a], second = b < p->n_known ? p->owner[b] : first;
-    status = add_send(&list, k, first);
-    if (second != first && status == SD_OK) status = add_send(&list, k, second);
+    status = add_send(&list, k, owner[k]);
+    if (owner[n + k] != owner[k] && status == SD_OK) status = add_send(&list, k, owner[n + k]);
   }
   if (status == SD_OK) status = route_new(&p->contacts, p->comm, list.n, list.row, list.rank);
   status = need(p->comm, status == SD_OK);
   if (status == SD_OK) route_count(&p->contacts);
   free(list.row);
   free(list.rank);
-  free(own[0]);
-  free(own[1]);
+  free(owner);
   return status;
 }
 
-static sd_status take_contacts(route *r, const sd_state *from, bool whole, sd_state *to) {
+static sd_status take_contacts(shares *p, sd_state *to) {
+  route *r = &p->contacts;
   to->n_contacts = 0;
   const sd_status status = need(r->comm, sd_state_reserve_contacts(to, r->n_receive) == SD_OK);
   to->n_contacts = r->n_receive;
-  moving m = {.route = r, .from = from, .to = to, .narrow = whole};
+  moving m = {.route = r, .from = p->from->state, .to = to, .narrow = p->first};
   moving_contacts(&m);
   return status == SD_OK ? moving_send(&m, NULL) : status;
 }
 
 /* --- to parts ------------------------------------------------------------------------------------------------- */
 
-static sd_status take_disks(shares *p, bool whole, sd_state *to) {
-  const sd_state *from = p->from ? p->from->state : NULL;
-  moving disks = {.route = &p->disks, .from = from, .to = to, .narrow = whole, .fresh = whole},
+static sd_status take_disks(shares *p, sd_state *to) {
+  moving disks = {.route = &p->disks, .from = p->from->state, .to = to, .narrow = p->first},
          ghosts = {.route = &p->ghosts, .from = to, .to = to};
   moving_disks(&disks, p->model, false);
   moving_disks(&ghosts, p->model, true);
   const sd_status status = moving_send(&disks, p->place);
   return status == SD_OK ? moving_send(&ghosts, p->ghost_place) : status;
-}
-
-sd_status move_take_common(const comm *c, const engine *from, bool whole, sd_state *to) {
-  if (!whole) {
-    assert(from);
-    common_take(from->state, to);
-    return SD_OK;
-  }
-  const size_t bytes = common_bytes(to);
-  char *buffer = NULL;
-  if (need(c, memory_resize(1, (memory_column[]){{&buffer, bytes, 1}})) != SD_OK) return SD_ERROR_IO;
-  assert(!from || common_bytes(from->state) == bytes);
-  if (from) common_copy(from->state, buffer, false);
-  comm_share(c, buffer, bytes);
-  common_copy(to, buffer, true);
-  free(buffer);
-  return SD_OK;
 }
 
 static sd_status make_halo(shares *p, double skin, halo **out) {
@@ -304,26 +313,23 @@ static sd_status make_halo(shares *p, double skin, halo **out) {
   return halo_connect(h, p->ghosts.to, p->ghosts.from);
 }
 
-sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine *from, double skin,
-                     sd_state **state, halo **h) {
+sd_status move_parts(const comm_cuts *cuts, const engine *from, bool first, double skin, sd_state **state,
+                     halo **h) {
   const comm *c = comm_cuts_comm(cuts);
-  const bool whole = comm_or(c, from && from->halo) == 0;
-  shares p = {.comm = c, .model = model, .cuts = cuts, .from = from};
+  const sd_model *model = from->model;
+  shares p = {.comm = c, .model = model, .cuts = cuts, .from = from, .first = first};
   *state = NULL;
   *h = NULL;
-  double scale[1] = {from ? from->state->box_scale : 1.0};
-  if (whole) comm_share(c, scale, sizeof scale);
-  const sd_state common = {.box_scale = scale[0]};
   sd_status status = find_owners(&p);
   if (status == SD_OK) status = call_disks(&p);
-  if (status == SD_OK) status = choose_ghosts(&p, &common, skin);
+  if (status == SD_OK) status = choose_ghosts(&p, skin);
   if (status == SD_OK) status = place_ghosts(&p);
   if (status == SD_OK) *state = state_new_part(model, p.disks.n_receive, p.ghosts.n_receive);
   if (status == SD_OK) status = need(c, *state);
-  if (status == SD_OK) status = take_disks(&p, whole, *state);
+  if (status == SD_OK) status = take_disks(&p, *state);
   if (status == SD_OK) status = call_contacts(&p);
-  if (status == SD_OK) status = take_contacts(&p.contacts, from ? from->state : NULL, whole, *state);
-  if (status == SD_OK) status = move_take_common(c, from, whole, *state);
+  if (status == SD_OK) status = take_contacts(&p, *state);
+  if (status == SD_OK) common_take(from->state, *state);
   if (status == SD_OK) status = make_halo(&p, skin, h);
   part_free(&p);
   if (status == SD_OK) status = order_contacts(model, *state);
@@ -335,49 +341,15 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
 /* Of disks that are not in play, in place of 1: all of them together count for little. */
 static const float IDLE = 1e-6f;
 
-static sd_status cut_rows(comm_cuts *cuts, size_t n, const double *x, const double *y,
-                          const int32_t *activity) {
+sd_status move_first_cut(comm_cuts *cuts, const sd_state *s) {
   const comm *c = comm_cuts_comm(cuts);
   float *weight = NULL;
-  const bool there = memory_resize(1, (memory_column[]){{&weight, n, sizeof *weight}});
-  for (size_t i = 0; there && i < n; i++) weight[i] = activity[i] == SD_IN_PLAY ? 1.0f : IDLE;
+  const bool there = memory_resize(1, (memory_column[]){{&weight, s->n_free, sizeof *weight}});
+  for (size_t i = 0; there && i < s->n_free; i++) weight[i] = s->activity[i] == SD_IN_PLAY ? 1.0f : IDLE;
   sd_status status = there ? SD_OK : SD_ERROR_IO;
-  if (comm_or(c, status != SD_OK) == 0) status = comm_cuts_make(cuts, n, x, y, weight);
+  if (comm_or(c, status != SD_OK) == 0) status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
   free(weight);
   return status;
-}
-
-/* Each rank looks at as many of the disks. */
-static sd_status cut_whole(const sd_model *model, comm_cuts *cuts, const sd_state *s) {
-  const comm *c = comm_cuts_comm(cuts);
-  const size_t n_ranks = (size_t)comm_size(c), all = model->n_free, here = (size_t)comm_rank(c),
-               n = all * (here + 1) / n_ranks - all * here / n_ranks;
-  int *to = memory_new(2 * n_ranks, sizeof *to), *from = to + n_ranks;
-  double *x = NULL, *y = NULL;
-  int32_t *activity = NULL;
-  const memory_column arrays[] = {{&x, n, sizeof *x}, {&y, n, sizeof *y}, {&activity, n, sizeof *activity}};
-  assert(!s || s->n_free == all);
-  sd_status status = memory_resize(sizeof arrays / sizeof *arrays, arrays) ? SD_OK : SD_ERROR_IO;
-  if (comm_or(c, status != SD_OK) == 0 && status == SD_OK) {
-    for (size_t q = 0; s && q < n_ranks; q++) to[q] = (int)(all * (q + 1) / n_ranks - all * q / n_ranks);
-    from[0] = (int)n;
-    comm_exchange(c, s ? s->x : NULL, to, x, from, sizeof *x);
-    comm_exchange(c, s ? s->y : NULL, to, y, from, sizeof *y);
-    comm_exchange(c, s ? s->activity : NULL, to, activity, from, sizeof *activity);
-    status = cut_rows(cuts, n, x, y, activity);
-  }
-  free(to);
-  free(x);
-  free(y);
-  free(activity);
-  return status;
-}
-
-sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *from) {
-  const sd_state *s = from ? from->state : NULL;
-  if (comm_or(comm_cuts_comm(cuts), from && from->halo) == 0) return cut_whole(model, cuts, s);
-  assert(s);
-  return cut_rows(cuts, s->n_free, s->x, s->y, s->activity);
 }
 
 /* A rank that had to wait for its processor is no reason to take all disks from it. */
@@ -396,68 +368,5 @@ sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
                 (s->activity[i] == SD_IN_PLAY ? 1.0f : IDLE);
   if (comm_or(c, status != SD_OK) == 0) status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
   free(weight);
-  return status;
-}
-
-/* --- together -------------------------------------------------------------------------------------------------- */
-
-/* The first disk that was too fast, the fastest of that step. */
-static void merge_fast(const comm *c, const sd_state *part, sd_state *whole) {
-  typedef struct fast {
-    int64_t step, disk;
-    double displacement;
-  } fast;
-  const fast mine = {part->fast_step, part->fast_disk, part->fast_displacement};
-  const size_t ranks = (size_t)comm_size(c);
-  fast *all = memory_new(ranks, sizeof *all);
-  comm_gather_one(c, &mine, all, sizeof mine);
-  fast first = all[0];
-  for (size_t q = 1; q < ranks; q++) {
-    const bool earlier = all[q].step >= 0 && (first.step < 0 || all[q].step < first.step);
-    if (earlier || (all[q].step == first.step && all[q].displacement > first.displacement)) first = all[q];
-  }
-  if (whole) {
-    whole->fast_step = first.step;
-    whole->fast_disk = first.disk;
-    whole->fast_displacement = first.displacement;
-  }
-  free(all);
-}
-
-static sd_status put_disks(route *r, const engine *part, sd_state *whole) {
-  uint32_t *place;
-  if (need(r->comm, memory_rows(1, (memory_column[]){{&place, r->n_receive, sizeof *place}})) != SD_OK)
-    return SD_ERROR_IO;
-  sd_status status = route_columns(r, &(route_column){part->halo->order, place, sizeof *place}, 1, NULL);
-  moving m = {.route = r, .from = part->state, .to = whole, .narrow = true};
-  moving_disks(&m, part->model, false);
-  if (status == SD_OK) status = moving_send(&m, place);
-  free(place);
-  return status;
-}
-
-void move_common(const engine *part, sd_state *whole) {
-  if (whole) common_take(part->state, whole);
-  merge_fast(part->comm, part->state, whole);
-}
-
-sd_status move_together(const engine *part, sd_state *whole) {
-  const sd_state *s = part->state;
-  sd_state nothing = {.law_columns = s->law_columns}; /* the others send only */
-  route disks = {0}, contacts = {0};
-  const comm *c = part->comm;
-  sd_status status = route_new(&disks, c, s->n_free, NULL, NULL);
-  if (status == SD_OK) status = route_new(&contacts, c, s->n_contacts, NULL, NULL);
-  status = need(c, status == SD_OK);
-  if (status == SD_OK) {
-    route_count(&disks);
-    route_count(&contacts);
-    status = put_disks(&disks, part, whole);
-  }
-  if (status == SD_OK) status = take_contacts(&contacts, s, true, whole ? whole : &nothing);
-  if (status == SD_OK) move_common(part, whole);
-  route_free(&disks);
-  route_free(&contacts);
-  if (whole && status == SD_OK) status = order_contacts(part->model, whole);
   return status;
 }

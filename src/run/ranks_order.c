@@ -64,39 +64,19 @@ static void number_places(order_place *came, size_t n, size_t first, uint32_t *n
   for (size_t k = 0; k < n; k++) number[came[k].slot] = (uint32_t)(first + k);
 }
 
-/* Numbers of places go back to the ranks that these came from. rank: room for as many. */
-static sd_status send_back(const route *r, const uint32_t *number, int *rank, uint32_t *order) {
-  const comm *c = r->comm;
-  route back = {0};
-  size_t k = 0;
-  for (int q = 0; q < comm_size(c); q++)
-    for (int n = 0; n < r->from[q]; n++) rank[k++] = q;
-  sd_status status = route_new(&back, c, r->n_receive, NULL, rank);
-  if (status != SD_OK) comm_fail(c, "no memory");
-  if (status == SD_OK) {
-    route_count(&back);
-    assert(back.n_receive == r->n_send);
-    status = route_columns(&back, &(route_column){number, order, sizeof *order}, 1, NULL);
-  }
-  route_free(&back);
-  return status;
-}
-
 /* Slots in the whole of the places of this rank, which ascend. rank: room for n. Collective. */
 static sd_status find_order(const comm *c, const order_place *list, size_t n, int *rank, uint32_t *order) {
   buckets b = {0};
   route r = {0};
   order_place *came = NULL;
   uint32_t *number = NULL;
-  int *back = NULL;
   sd_status status = count_buckets(c, list, n, &b);
   for (size_t k = 0; status == SD_OK && k < n; k++) rank[k] = keeper_of(c, &b, bucket_of(&b, &list[k]));
   if (status == SD_OK) status = route_new(&r, c, n, NULL, rank);
   if (status != SD_OK) comm_fail(c, "no memory");
   if (status == SD_OK) route_count(&r);
   const size_t n_came = r.n_receive;
-  const memory_column arrays[] = {
-      {&came, n_came, sizeof *came}, {&number, n_came, sizeof *number}, {&back, n_came, sizeof *back}};
+  const memory_column arrays[] = {{&came, n_came, sizeof *came}, {&number, n_came, sizeof *number}};
   if (status == SD_OK && !memory_resize(sizeof arrays / sizeof *arrays, arrays)) {
     comm_fail(c, "no memory");
     status = SD_ERROR_IO;
@@ -104,14 +84,13 @@ static sd_status find_order(const comm *c, const order_place *list, size_t n, in
   if (status == SD_OK) status = route_columns(&r, &(route_column){list, came, sizeof *came}, 1, NULL);
   if (status == SD_OK) {
     number_places(came, n_came, first_kept(c, &b), number);
-    status = send_back(&r, number, back, order);
+    route_answer(&r, (route_column){number, order, sizeof *order});
   }
   for (size_t k = 1; k < n && status == SD_OK; k++) assert(order[k - 1] < order[k]);
   route_free(&r);
   free(b.begin);
   free(came);
   free(number);
-  free(back);
   return status;
 }
 

@@ -99,36 +99,37 @@ size_t ranks_count_contacts(const engine *part) {
   return (size_t)comm_total(part->comm, (double)part->state->n_contacts);
 }
 
-summary_contacts ranks_add_contacts(const engine *part) {
-  exact_sum overlap = {0};
-  for (size_t c = 0; c < part->state->n_contacts; c++)
-    exact_sum_add(&overlap, part->state->contact_overlap[c]);
-  comm_total_exact(part->comm, &overlap, 1);
-  return (summary_contacts){ranks_count_contacts(part), exact_sum_value(&overlap)};
-}
-
 static int by_order(const void *one, const void *two) {
   const struct summary_lost_disk *p = one, *q = two;
   return p->order < q->order ? -1 : p->order > q->order;
 }
 
 /* The first of each rank, and of these the first. */
-summary_lost ranks_add_lost(const engine *part) {
-  summary_lost lost = summary_lost_of(part->state);
+static void add_lost(const engine *part, summary_lost *lost) {
   int *counts = memory_new((size_t)comm_size(part->comm), sizeof *counts);
   struct summary_lost_disk *all = memory_new((size_t)comm_size(part->comm) * SUMMARY_LOST, sizeof *all);
-  for (size_t k = 0; k < lost.told; k++) lost.first[k].order = part->halo->order[lost.first[k].order];
-  lost.n = (int64_t)comm_total(part->comm, (double)lost.n);
+  for (size_t k = 0; k < lost->told; k++) lost->first[k].order = part->halo->order[lost->first[k].order];
+  lost->n = (int64_t)comm_total(part->comm, (double)lost->n);
   size_t n = 0;
-  comm_gather_counts(part->comm, (int)lost.told, counts);
+  comm_gather_counts(part->comm, (int)lost->told, counts);
   for (int q = 0; q < comm_size(part->comm); q++) n += (size_t)counts[q];
   if (n > 0) {
-    comm_gather(part->comm, lost.first, all, counts, sizeof *all);
+    comm_gather(part->comm, lost->first, all, counts, sizeof *all);
     qsort(all, n, sizeof *all, by_order);
-    lost.told = n < SUMMARY_LOST ? n : SUMMARY_LOST;
-    memcpy(lost.first, all, lost.told * sizeof *all);
+    lost->told = n < SUMMARY_LOST ? n : SUMMARY_LOST;
+    memcpy(lost->first, all, lost->told * sizeof *all);
   }
   free(counts);
   free(all);
-  return lost;
+}
+
+summary_sums ranks_summary_sums(const engine *e) {
+  summary_sums s = summary_sums_of(e->state);
+  if (!e->halo) return s;
+  s.contacts = ranks_count_contacts(e);
+  comm_total_exact(e->comm, &s.overlap, 1);
+  s.farthest = comm_largest(e->comm, s.farthest);
+  s.not_finite = comm_or(e->comm, s.not_finite);
+  add_lost(e, &s.lost);
+  return s;
 }

@@ -15,9 +15,10 @@ sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame, i
 /* Collective: sums of all ranks to `all` of rank 0 (the others: NULL). */
 void ranks_gather_sums(const comm *c, int64_t sum, int64_t *all);
 
-/* Collective sums over the disks and contacts that each rank counts, without rounding. */
+/* Collective: closed contacts that each rank counts. */
 size_t ranks_count_contacts(const engine *part);
-summary_contacts ranks_add_contacts(const engine *part);
-summary_lost ranks_add_lost(const engine *part);
+/* Collective: over the disks and contacts of all ranks, without rounding; contacts are stored. Of a
+ * rank alone: of its state. */
+summary_sums ranks_summary_sums(const engine *part);
 
 #endif

@@ -9,6 +9,13 @@
 #include "base/memory.h"
 #include "base/runs.h"
 
+void *route_room(const comm *c, size_t n, size_t size) {
+  void *rows;
+  assert(comm_size(c) > 1);
+  while (!memory_rows(1, (memory_column[]){{&rows, n, size}})) comm_fail(c, "no memory");
+  return rows;
+}
+
 void route_free(route *r) {
   free(r->to);
   free(r->from);
@@ -123,6 +130,16 @@ sd_status route_columns(route *r, const route_column *column, size_t n, const ui
   offset = 0;
   for (size_t k = 0; k < n; offset += column[k++].size) unpack(r, &column[k], offset, all, place);
   return SD_OK;
+}
+
+void route_answer(const route *r, route_column column) {
+  route back = {
+      .comm = r->comm, .n_send = r->n_receive, .n_receive = r->n_send, .to = r->from, .from = r->to};
+  back.row = route_room(r->comm, back.n_send, sizeof *back.row);
+  for (size_t k = 0; k < back.n_send; k++) back.row[k] = (uint32_t)k;
+  route_columns(&back, &column, 1, r->row);
+  back.to = back.from = NULL; /* they are r's */
+  route_free(&back);
 }
 
 void route_merge(const route *r, const uint32_t *order, uint32_t *place) {

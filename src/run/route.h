@@ -26,6 +26,9 @@ typedef struct route_column {
   size_t size; /* bytes of a row */
 } route_column;
 
+/* n rows that are all zero, to be freed. Without memory the job ends: the other ranks would wait. */
+void *route_room(const comm *c, size_t n, size_t size);
+
 /* Row row[k] goes to rank[k]; row NULL: row k; rank NULL: all go to rank 0. SD_ERROR_IO: no memory.
  * Then, on every rank, route_count. */
 sd_status route_new(route *r, const comm *c, size_t n, const uint32_t *row, const int *rank);
@@ -35,6 +38,9 @@ void route_free(route *r);
 /* Collective. Rows that come, numbered rank by rank, go to rows place[k] of the columns; place NULL: rows k. Without memory the job ends
  * (comm_fail). */
 sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place);
+/* Collective: row k of those that came goes back to where it came from, to the row that it was
+ * there. Without memory the job ends. */
+void route_answer(const route *r, route_column column);
 /* The rows of each rank come in ascending order: place[k] is where row k stands among all. */
 void route_merge(const route *r, const uint32_t *order, uint32_t *place);
 

@@ -20,6 +20,7 @@
 #include "io/results/merge.h"
 #include "pack/rain.h"
 #include "pack/settle.h"
+#include "run/ranks_share.h"
 #include "run/session_private.h"
 #include "run/simulation_private.h"
 
@@ -82,13 +83,6 @@ static int64_t most_steps(const sd_model *model, sd_stage now) {
 
 bool session_leads(const session *s) { return comm_rank(s->options.comm) == 0; }
 
-/* The state of the whole; of several ranks the others than the first have none. */
-static sd_status bring_state(session *s, const sd_state **state, sd_messages *messages) {
-  const sd_status status = simulation_bring(s->simulation);
-  *state = simulation_engine(s->simulation)->state;
-  return status == SD_OK ? SD_OK : sd_fail(messages, status, "no memory for the contacts of the state");
-}
-
 /* Ends what rank 0 alone does with files: its status, on all ranks. */
 static sd_status agree(const session *s, sd_status status) { return comm_wait(s->options.comm, status); }
 
@@ -131,25 +125,30 @@ static sd_status seal(session *s, sd_messages *messages) {
   return status;
 }
 
-static sd_status collect_disks(session *s, const sd_state *state, sd_messages *messages) {
-  return summary_disks_collect(&s->found.packing, s->model, state, sd_simulation_threads(s->simulation),
+static const sd_state *state_of(const session *s) { return simulation_engine(s->simulation)->state; }
+
+static sd_status collect_disks(session *s, sd_messages *messages) {
+  return summary_disks_collect(&s->found.packing, s->model, state_of(s), sd_simulation_threads(s->simulation),
                                messages);
 }
 
-/* Summary and provenance as of now; a result has the means of every disk, however many there are. */
-static sd_status describe(session *s, const sd_state *state, const summary_contacts *contacts,
-                          const summary_lost *lost, sd_messages *messages) {
+/* Summary and provenance as of now; a result has the means of every disk, however many there are,
+ * checkpoints those of few disks, on one rank. The state is stored. */
+static sd_status describe(session *s, sd_messages *messages) {
   const sd_energy energy = sd_simulation_energy(s->simulation);
+  const summary_sums all = ranks_summary_sums(simulation_engine(s->simulation));
   sd_status status = SD_OK;
   if (session_leads(s)) {
+    const sd_state *state = state_of(s);
     double now = clock_seconds();
     s->origin.wall_seconds += now - s->wall_mark;
     s->wall_mark = now;
-    assert(state);
     double per_step = state->step > 0 ? 1e9 * s->origin.step_seconds / (double)state->step : NAN;
     summary_free(&s->found);
-    summary_collect(&s->found, s->model, state, contacts, lost, &energy, per_step);
-    status = state->n_means < SUMMARY_LATER ? collect_disks(s, state, messages) : SD_OK;
+    summary_collect(&s->found, s->model, state, &all, &energy, per_step);
+    s->n_contacts = all.contacts;
+    if (!simulation_is_spread(s->simulation) && state->n_means < SUMMARY_LATER)
+      status = collect_disks(s, messages);
     provenance_refresh(&s->origin, comm_size(s->options.comm), sd_simulation_threads(s->simulation),
                        sd_simulation_path(s->simulation));
   }
@@ -158,59 +157,41 @@ static sd_status describe(session *s, const sd_state *state, const summary_conta
   return status;
 }
 
-/* A file of the folder; shares NULL: with the rows of the state. */
-static sd_status write_head(session *s, const sd_state *state, const checkpoint_shares *shares,
-                            const char *path, sd_messages *messages) {
-  checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
-  sd_status status = session_leads(s) ? folder_check(&s->parts_folder, messages) : SD_OK;
-  if (status == SD_OK && session_leads(s))
-    status =
-        checkpoint_write(s->parts_folder.at, path, state, &parts, shares, &s->origin, &s->found, messages);
-  return agree(s, status);
+/* seals: of the shares; NULL: there are none. */
+static sd_status write_head(session *s, int64_t *seals, const char *path, sd_messages *messages) {
+  const checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
+  const checkpoint_shares shares = {s->model, (size_t)comm_size(s->options.comm), seals, s->n_contacts};
+  const sd_status status = folder_check(&s->parts_folder, messages);
+  if (status != SD_OK) return status;
+  return checkpoint_write(s->parts_folder.at, path, state_of(s), &parts, seals ? &shares : NULL, &s->origin,
+                          &s->found, messages);
 }
 
-/* The state, as a file of the folder. */
-static sd_status write_state(session *s, const sd_state *state, const char *path, sd_messages *messages) {
-  const sd_status status = describe(s, state, NULL, NULL, messages);
-  return status == SD_OK ? write_head(s, state, NULL, path, messages) : status;
-}
-
-/* The same by all ranks: the whole state is nowhere. Its summary has sums of the ranks' sums. */
-static sd_status write_shares(session *s, const char *path, sd_messages *messages) {
-  engine *e = session_leads(s) ? simulation_engine(s->simulation) : NULL;
-  const sd_state *state = e ? e->state : NULL;
-  checkpoint_shares shares = {.n = (size_t)comm_size(s->options.comm)};
-  summary_contacts contacts = {0};
-  summary_lost lost = {0};
-  shares.sums = memory_new(shares.n, sizeof *shares.sums);
-  sd_status status = agree(s, e ? folder_check(&s->parts_folder, messages) : SD_OK);
-  if (status == SD_OK)
-    status = ranks_write(s->simulation->ranks, e, path, shares.sums, &contacts, &lost, messages);
-  shares.n_contacts = contacts.n;
-  if (status == SD_OK) status = describe(s, state, &contacts, &lost, messages);
-  if (status == SD_OK) status = write_head(s, state, &shares, path, messages);
-  if (status != SD_OK && e) remove_shares(s, path, shares.n);
-  free(shares.sums);
+/* The state, which is stored, as a file of the folder: of one rank all, of several first the shares
+ * and then a head with the rest. */
+static sd_status write_state(session *s, const char *path, sd_messages *messages) {
+  const bool leads = session_leads(s), shared = simulation_is_spread(s->simulation);
+  const size_t n = shared ? (size_t)comm_size(s->options.comm) : 0;
+  int64_t *seals = shared ? memory_new(n, sizeof *seals) : NULL;
+  sd_status status = agree(s, leads ? folder_check(&s->parts_folder, messages) : SD_OK);
+  if (status == SD_OK && shared) status = ranks_write(s->simulation->ranks, path, seals, messages);
+  if (status == SD_OK) status = describe(s, messages);
+  if (status == SD_OK) status = agree(s, leads ? write_head(s, seals, path, messages) : SD_OK);
+  if (status != SD_OK && leads) remove_shares(s, path, n);
+  free(seals);
   return status;
-}
-
-/* Means of every disk are summed up by one rank. */
-static bool is_shared(const session *s) {
-  return simulation_is_spread(s->simulation) && !s->model->measure_disks;
 }
 
 /* Part first, then the checkpoint that counts it, then older checkpoints go: at every moment the newest
  * checkpoint on disk has its parts. */
 sd_status session_checkpoint(session *s, sd_messages *messages) {
-  const bool shared = is_shared(s), leads = session_leads(s);
+  const bool leads = session_leads(s);
   const int64_t step = sd_simulation_step(s->simulation);
-  const sd_state *state = NULL;
-  sd_status status = shared ? SD_OK : bring_state(s, &state, messages);
+  sd_status status = simulation_store(s->simulation, false, messages);
   if (status != SD_OK) return status;
   char *path = leads ? folder_checkpoint(s->parts_folder.path, step) : NULL;
   status = seal(s, messages);
-  if (status == SD_OK)
-    status = shared ? write_shares(s, path, messages) : write_state(s, state, path, messages);
+  if (status == SD_OK) status = write_state(s, path, messages);
   if (status == SD_OK) {
     s->saved_step = step;
     s->saved_at = clock_seconds();
@@ -222,43 +203,36 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
 
 /* The state in which something went wrong, for inspection; the good checkpoints stay. */
 static void keep_emergency(session *s, sd_messages *messages) {
-  const sd_state *state;
-  if (bring_state(s, &state, messages) != SD_OK) return;
+  if (simulation_store(s->simulation, false, messages) != SD_OK) return;
   const int64_t step = sd_simulation_step(s->simulation);
   char *path = session_leads(s) ? folder_emergency(s->parts_folder.path, step) : NULL;
-  if (write_state(s, state, path, messages) == SD_OK && path)
+  if (write_state(s, path, messages) == SD_OK && path)
     sd_warn(messages, "the state at step %" PRId64 " is kept as %s; the last good one is step %" PRId64, step,
             path, s->saved_step);
   free(path);
 }
 
-/* Each rank keeps frames and contacts of its own disks, and adds them up for the series. */
-static sd_status sample_shares(session *s, unsigned what, sd_messages *messages) {
-  engine *e = session_leads(s) ? simulation_engine(s->simulation) : NULL;
+/* Each rank keeps frames and contacts of its own disks. */
+static sd_status sample_shares(session *s, unsigned rows, sd_messages *messages) {
   record *r = &s->shared;
-  const unsigned rows = what & (RECORD_FRAMES | RECORD_CONTACTS);
-  sd_status status = SD_OK;
-  if (rows)
-    status = ranks_sample(s->simulation->ranks, e, rows, (int64_t)r->disks.n_rows,
-                          (int64_t)r->contact_index.n_rows, &r->n_contacts, &s->shared_bytes, messages);
-  if (status != SD_OK) return status;
-  record_sums now = {0};
-  if (what & RECORD_SERIES) {
-    now.energy = sd_simulation_energy(s->simulation);
-    now.others = ranks_resultants(s->simulation->ranks, messages);
-    if (!now.others) return SD_ERROR_IO;
-  }
-  return agree(s, e ? record_sample(r, what, e->state, &now, messages) : SD_OK);
+  return ranks_sample(s->simulation->ranks, rows, (int64_t)r->disks.n_rows, (int64_t)r->contact_index.n_rows,
+                      &r->n_contacts, &s->shared_bytes, messages);
 }
 
 sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
   if (what == 0) return SD_OK;
-  if (simulation_is_spread(s->simulation)) return sample_shares(s, what, messages);
-  const sd_state *state = simulation_row_state(s->simulation);
-  if (!state) return sd_fail(messages, SD_ERROR_IO, "no memory for the contacts of the state");
+  const bool spread = simulation_is_spread(s->simulation);
+  const unsigned rows = what & (RECORD_FRAMES | RECORD_CONTACTS);
   record_sums now = {0};
-  if (what & RECORD_SERIES) now.energy = sd_simulation_energy(s->simulation);
-  return record_sample(&s->rows, what, state, &now, messages);
+  sd_status status = simulation_store(s->simulation, true, messages);
+  if (status == SD_OK && spread && rows) status = sample_shares(s, rows, messages);
+  if (status != SD_OK) return status;
+  if (what & RECORD_SERIES) {
+    now.energy = sd_simulation_energy(s->simulation);
+    if (spread && !(now.others = ranks_resultants(s->simulation->ranks, messages))) return SD_ERROR_IO;
+  }
+  record *r = spread ? &s->shared : &s->rows;
+  return agree(s, session_leads(s) ? record_sample(r, what, state_of(s), &now, messages) : SD_OK);
 }
 
 /* --- progress ------------------------------------------------------------------------------------- */
@@ -311,20 +285,19 @@ void session_report(session *s, bool always) {
   int64_t expected = expected_end(s, stage, asked ? &goal : NULL);
   const sd_settle *settle = finished ? NULL : &s->model->phases[stage.phase].settle;
   session_rest rest = settle && settle->asked ? rest_of(s, settle) : (session_rest){0};
-  session_progress progress = {
-      .step = s->step,
-      .steps = finished ? s->steps : most_steps(s->model, stage),
-      .expected = expected,
-      .time = (double)s->step * s->model->dt,
-      .phase = name ? name : "",
-      .new_phase = new_phase,
-      .rate = s->rate,
-      .seconds_left = s->rate > 0 ? (double)(expected - s->step) / s->rate : NAN,
-      .at_most = !finished && may_settle(s->model, stage),
-      .waiting = finished ? 0 : rain_waiting(s->model, simulation_part(s->simulation)->state),
-      .energy = &energy,
-      .goal = asked ? &goal : NULL,
-      .rest = settle && settle->asked ? &rest : NULL};
+  session_progress progress = {.step = s->step,
+                               .steps = finished ? s->steps : most_steps(s->model, stage),
+                               .expected = expected,
+                               .time = (double)s->step * s->model->dt,
+                               .phase = name ? name : "",
+                               .new_phase = new_phase,
+                               .rate = s->rate,
+                               .seconds_left = s->rate > 0 ? (double)(expected - s->step) / s->rate : NAN,
+                               .at_most = !finished && may_settle(s->model, stage),
+                               .waiting = finished ? 0 : rain_waiting(s->model, state_of(s)),
+                               .energy = &energy,
+                               .goal = asked ? &goal : NULL,
+                               .rest = settle && settle->asked ? &rest : NULL};
   if (s->options.progress) s->options.progress(s->options.user, &progress);
   s->told_at = now;
   s->tell_every = fmin(PROGRESS_COST * (clock_seconds() - now), PROGRESS_LATEST);
@@ -399,31 +372,22 @@ static sd_status merge_from(session *s, const sd_state *state, const h5_file *ch
 
 /* The whole state is nowhere but in the last checkpoint. */
 static sd_status merge_spread(session *s, sd_messages *messages) {
-  const bool leads = session_leads(s);
-  const sd_state *state = leads ? simulation_engine(s->simulation)->state : NULL;
-  char *path = leads ? folder_checkpoint(s->parts_folder.path, s->saved_step) : NULL;
+  char *path = folder_checkpoint(s->parts_folder.path, s->saved_step);
   h5_file *file = NULL;
-  sd_status status = leads ? h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages) : SD_OK;
-  summary_contacts contacts = {0};
-  if (status == SD_OK && leads && !s->has_found) status = checkpoint_get_contacts(file, &contacts, messages);
-  status = agree(s, status);
-  if (status == SD_OK && !s->has_found) status = describe(s, state, &contacts, NULL, messages);
-  if (status == SD_OK && leads) status = merge_from(s, NULL, file, messages);
+  sd_status status = h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages);
+  if (status == SD_OK && s->found.packing.n > 0)
+    status = checkpoint_collect_disks(file, s->model, &s->found.packing, sd_simulation_threads(s->simulation),
+                                      messages);
+  if (status == SD_OK) status = merge_from(s, NULL, file, messages);
   h5_close(file, NULL);
   free(path);
-  return agree(s, status);
+  return status;
 }
 
 static sd_status merge_here(session *s, sd_messages *messages) {
-  const sd_state *state;
-  sd_status status = bring_state(s, &state, messages);
-  /* a run that goes on after its end has none */
-  if (status == SD_OK && !s->has_found) status = describe(s, state, NULL, NULL, messages);
-  if (status == SD_OK && session_leads(s)) {
-    if (s->found.packing.n > 0 && !s->found.packing.disks) status = collect_disks(s, state, messages);
-    if (status == SD_OK) status = merge_from(s, state, NULL, messages);
-  }
-  return agree(s, status);
+  sd_status status = SD_OK;
+  if (s->found.packing.n > 0 && !s->found.packing.disks) status = collect_disks(s, messages);
+  return status == SD_OK ? merge_from(s, state_of(s), NULL, messages) : status;
 }
 
 /* The last checkpoint is a finished state, so a merge that is cut short is all that is left to do. */
@@ -432,7 +396,12 @@ static sd_status merge(session *s, sd_messages *messages) {
   sd_status status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
   if (status == SD_OK)
     status = agree(s, session_leads(s) ? session_may_publish(s, SD_ERROR_IO, messages) : SD_OK);
-  if (status == SD_OK) status = is_shared(s) ? merge_spread(s, messages) : merge_here(s, messages);
+  if (status == SD_OK) status = simulation_store(s->simulation, false, messages);
+  /* a run that goes on after its end has no summary */
+  if (status == SD_OK && !s->has_found) status = describe(s, messages);
+  if (status == SD_OK && session_leads(s))
+    status = simulation_is_spread(s->simulation) ? merge_spread(s, messages) : merge_here(s, messages);
+  status = agree(s, status);
   if (status == SD_OK)
     status = agree(s, session_leads(s) ? folder_remove(&s->parts_folder, messages) : SD_OK);
   return status;

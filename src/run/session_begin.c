@@ -20,8 +20,11 @@
 #include "io/results/merge.h"
 #include "model/tiles.h"
 #include "run/deck_diff.h"
+#include "run/ranks_failure.h"
 #include "run/session_private.h"
 #include "run/simulation_private.h"
+
+enum { CHECKED_AT_ONCE = 4096 }; /* disks */
 
 /* run_id of a finished result, to be freed; NULL when there is no readable one. */
 static char *finished_id(const char *result) {
@@ -61,47 +64,64 @@ static sd_status refuse_existing(const session *s, const char *there, sd_message
                  s->result);
 }
 
-/* The deck of the checkpoint must be this one, and so must the files that it names. */
-static sd_status check_deck(const session *s, const provenance *origin, const sd_state *state,
-                            const double *mass, sd_messages *messages) {
+/* The deck of the checkpoint must be this one. */
+static sd_status check_deck(const session *s, sd_messages *messages) {
+  const provenance *origin = &s->origin;
   const char *full = sd_model_deck(s->model)->full;
-  if (!deck_same(origin->deck_full, full)) {
-    sd_fail(messages, SD_ERROR_USER,
-            "%s is an unfinished run of another deck (started %s); --force starts over, -o writes elsewhere",
-            s->result, origin->started);
-    deck_diff(origin->deck_full, full, messages);
-    return SD_ERROR_USER;
+  if (deck_same(origin->deck_full, full)) return SD_OK;
+  sd_fail(messages, SD_ERROR_USER,
+          "%s is an unfinished run of another deck (started %s); --force starts over, -o writes elsewhere",
+          s->result, origin->started);
+  deck_diff(origin->deck_full, full, messages);
+  return SD_ERROR_USER;
+}
+
+/* Disks in slots [first, first + n) of the checkpoint are those of the model. */
+static sd_status check_disks(const session *s, const h5_file *file, size_t first, size_t n,
+                             sd_messages *messages) {
+  uint32_t id[CHECKED_AT_ONCE];
+  double radius[CHECKED_AT_ONCE], mass[CHECKED_AT_ONCE];
+  assert(n <= CHECKED_AT_ONCE);
+  sd_status status = h5_get_values(file, "/state/id", SD_U32, first, n, 1, id, messages);
+  if (status == SD_OK) status = h5_get_values(file, "/state/radius", SD_F64, first, n, 1, radius, messages);
+  if (status == SD_OK) status = h5_get_values(file, "/state/mass", SD_F64, first, n, 1, mass, messages);
+  for (size_t k = 0; status == SD_OK && k < n; k++) {
+    if (id[k] >= model_held(s->model)) continue;
+    const sd_disk *disk = &s->model->disks[id[k]];
+    if (disk->radius == radius[k] && disk->mass == mass[k]) continue;
+    status =
+        sd_fail(messages, SD_ERROR_USER,
+                "disk %u is not the one that %s was started with: a file that the deck names has changed",
+                id[k], s->result);
   }
-  for (size_t slot = 0; state && slot < state->n_bodies; slot++) {
-    uint32_t body = state->id[slot];
-    if (body >= model_held(s->model)) continue;
-    const sd_disk *disk = &s->model->disks[body];
-    if (disk->radius == state->radius[slot] && disk->mass == mass[slot]) continue;
-    return sd_fail(messages, SD_ERROR_USER,
-                   "disk %u is not the one that %s was started with: a file that the deck names has changed",
-                   body, s->result);
-  }
-  if (state && origin->inputs != 0 && origin->inputs != provenance_inputs(s->model))
+  return status;
+}
+
+/* So must the files that it names. */
+static sd_status check_inputs(const session *s, const h5_file *file, sd_messages *messages) {
+  const size_t bodies = sd_model_bodies(s->model);
+  sd_status status = SD_OK;
+  for (size_t at = 0; status == SD_OK && at < bodies; at += CHECKED_AT_ONCE)
+    status =
+        check_disks(s, file, at, bodies - at < CHECKED_AT_ONCE ? bodies - at : CHECKED_AT_ONCE, messages);
+  if (status == SD_OK && s->origin.inputs != 0 && s->origin.inputs != provenance_inputs(s->model))
     return sd_fail(
         messages, SD_ERROR_USER,
         "a file that the deck names, of disks or of a motion's table, is not the one that %s was started "
         "with; --force starts over, -o writes elsewhere",
         s->result);
-  return SD_OK;
+  return status;
 }
 
-/* Checks deck, state and parts of a checkpoint in an open file, and takes them over. */
+/* Checks deck, state and parts of a checkpoint in an open file, and takes them over; the state only where
+ * this process is alone. */
 static sd_status read_checkpoint(session *s, const h5_file *file, const char *path, sd_state **state,
                                  sd_messages *messages) {
-  sd_status status = check_deck(s, &s->origin, NULL, NULL, messages);
-  if (status == SD_OK && s->options.comm && h5_has_shares(file))
-    status = checkpoint_get_kept(file, s->model, &s->source, state, messages);
-  else if (status == SD_OK)
-    status = checkpoint_get_state(file, s->model, state, messages);
-  double *mass =
-      status == SD_OK ? h5_column(file, "/state/mass", SD_F64, (*state)->n_bodies, &status, messages) : NULL;
-  if (status == SD_OK) status = check_deck(s, &s->origin, *state, mass, messages);
-  free(mass);
+  sd_status status = check_deck(s, messages);
+  if (status == SD_OK)
+    status = s->options.comm ? checkpoint_check_state(file, s->model, messages)
+                             : checkpoint_get_state(file, s->model, state, messages);
+  if (status == SD_OK) status = check_inputs(s, file, messages);
   if (status != SD_OK) return status;
   s->parts = checkpoint_get_parts(file);
   s->last_part = checkpoint_get_last_part(file);
@@ -130,10 +150,8 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
     *state = NULL;
     provenance_free(&s->origin);
   }
-  if (status == SD_OK)
-    s->resumed = file;
-  else
-    h5_close(file, NULL);
+  if (status == SD_OK && !s->was_finished) s->saved_step = step;
+  h5_close(file, NULL);
   free(path);
   return status;
 }
@@ -147,7 +165,7 @@ static void step_back(session *s, const int64_t *steps, size_t n, const sd_messa
           steps[0], steps[n]);
 }
 
-/* The newest checkpoint that is good, with its parts; *state stays NULL when there is none, and of a run that is finished.
+/* The newest checkpoint that is good, with its parts; saved_step stays -1 when there is none, and of a run that is finished.
  * As long as another stands in for it a damaged one is a warning; without memory none can be told to be damaged. */
 static sd_status find_checkpoint(session *s, const char *finished, sd_state **state, sd_messages *messages) {
   int64_t *steps;
@@ -222,14 +240,29 @@ static sd_status prepare_again(session *s, sd_messages *messages) {
   return status == SD_OK ? folder_clean(&s->parts_folder, s->parts, messages) : status;
 }
 
-/* On every rank; state: on rank 0. */
+/* Each of several ranks reads some of the rows. */
+static sd_status read_some(session *s, sd_state **state, uint32_t **order, sd_messages *messages) {
+  const comm *c = s->options.comm;
+  char *parts = format_text("%s.parts", s->result), *path = folder_checkpoint(parts, s->saved_step);
+  sd_messages *mine = sd_messages_new();
+  const sd_status status = comm_agree(
+      c, checkpoint_get_some(path, s->model, (size_t)comm_rank(c), (size_t)comm_size(c), state, order, mine));
+  ranks_tell(c, status, mine, session_leads(s) ? messages : NULL);
+  sd_messages_free(mine);
+  free(path);
+  free(parts);
+  return status;
+}
+
+/* On every rank; state: where this process is alone. */
 static sd_status begin_again(session *s, sd_state *state, sd_messages *messages) {
-  const sd_status status = simulation_resume(s->model, state, s->options.threads, SIMULATION_SUITABLE,
-                                             s->options.comm, s->options.stop, &s->simulation, messages);
-  if (status == SD_OK) s->began = s->step = s->saved_step = s->told_step = sd_simulation_step(s->simulation);
+  uint32_t *order = NULL;
+  sd_status status = s->options.comm ? read_some(s, &state, &order, messages) : SD_OK;
+  if (status == SD_OK)
+    status = simulation_resume(s->model, state, order, s->options.threads, SIMULATION_SUITABLE,
+                               s->options.comm, s->options.stop, &s->simulation, messages);
+  if (status == SD_OK) s->began = s->step = s->told_step = s->saved_step;
   if (status == SD_OK && session_leads(s)) warn_of_ranks(s, messages);
-  h5_close(s->resumed, NULL);
-  s->resumed = NULL;
   return status;
 }
 
@@ -267,9 +300,9 @@ static sd_status find_beginning(session *s, beginning *how, sd_state **state, sd
     assert(there);
     status = find_checkpoint(s, there, state, messages);
     /* without a checkpoint nothing was begun */
-    s->was_finished = s->was_finished || (status == SD_OK && !*state && is_result(there));
+    s->was_finished = s->was_finished || (status == SD_OK && s->saved_step < 0 && is_result(there));
   }
-  *how = s->was_finished ? FINISHED : *state ? AGAIN : FRESH;
+  *how = s->was_finished ? FINISHED : s->saved_step >= 0 ? AGAIN : FRESH;
   if (status == SD_OK && *how == FINISHED) status = folder_remove(&s->parts_folder, messages);
   if (status == SD_OK && *how == AGAIN) status = prepare_again(s, messages);
   if (status == SD_OK && *how == FRESH)
@@ -283,7 +316,7 @@ static sd_status begin(session *s, sd_messages *messages) {
   sd_state *state = NULL;
   beginning found = FINISHED;
   sd_status status = session_leads(s) ? find_beginning(s, &found, &state, messages) : SD_OK;
-  int32_t how[1] = {found};
+  int64_t how[2] = {found, s->saved_step};
   status = comm_wait(s->options.comm, status);
   comm_share(s->options.comm, how, sizeof how);
   if (status != SD_OK) {
@@ -291,6 +324,7 @@ static sd_status begin(session *s, sd_messages *messages) {
     return status;
   }
   s->was_finished = how[0] == FINISHED;
+  s->saved_step = how[1];
   if (how[0] == AGAIN) return begin_again(s, state, messages);
   return how[0] == FRESH ? begin_fresh(s, messages) : SD_OK;
 }
@@ -323,7 +357,6 @@ void session_close(session *s) {
   sd_simulation_free(s->simulation);
   record_free(&s->rows);
   record_free(&s->shared);
-  h5_close(s->resumed, NULL);
   provenance_free(&s->origin);
   summary_free(&s->found);
   folder_close(&s->parts_folder);

@@ -21,10 +21,9 @@ struct session {
   folder parts_folder; /* lock < 0: not open */
   record rows, shared; /* shared: sampled while the disks are spread over ranks; one of them is empty */
   size_t shared_bytes; /* of the ranks' rows of shared */
-  h5_file *resumed;    /* while it begins: the checkpoint, whose rows may be read late */
-  state_source source; /* of that */
   provenance origin;
   summary found;
+  size_t n_contacts; /* closed, of all ranks, as of `found` */
   bool has_found;
   bool was_finished;
   bool fresh;                             /* nothing to continue was found */

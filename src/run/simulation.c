@@ -49,34 +49,26 @@ static bool is_finished(const sd_model *model, sd_messages *messages) {
   return model->finished;
 }
 
-/* Each of several ranks makes its own lists. */
+static sd_simulation *blank(const sd_model *model) {
+  sd_simulation *sim = memory_lines(sizeof *sim);
+  *sim = (sd_simulation){.engine = {.model = model}};
+  return sim;
+}
+
 static sd_status build_work(sd_simulation *sim, bool small, int threads, sd_messages *messages) {
   engine *e = &sim->engine;
   if (threads > 1) e->pool = pool_new(threads);
-  if (sim->ranks) return engine_build_bodies(e, threads, messages);
-  if (state_bring(e->state) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "cannot read the state");
   state_spread(e->state, e->pool);
   return loop_build(e, small, threads, messages);
 }
 
-/* All but what is done once at step 0, and lists that are made on the ranks. */
+/* All but what is done once at step 0. */
 static sd_status create(const sd_model *model, sd_state *state, int threads, simulation_step step,
-                        const comm *c, volatile sig_atomic_t *stop, sd_simulation **out,
-                        sd_messages *messages) {
-  *out = NULL;
-  if (!is_finished(model, messages)) {
-    sd_state_free(state);
-    return SD_ERROR_USER;
-  }
-  sd_simulation *sim = memory_lines(sizeof *sim);
-  *sim = (sd_simulation){.engine = {.model = model, .state = state}};
+                        sd_simulation **out, sd_messages *messages) {
+  sd_simulation *sim = *out = blank(model);
+  sim->engine.state = state;
   const bool small = step == SIMULATION_SUITABLE && lanes_suit(model) && all_in_play(state);
-  assert(!c || !small); /* ranks_suit */
-  if (c) sim->ranks = ranks_new(c, model, stop);
-  const sd_status status = build_work(sim, small, small ? 1 : choose_threads(model, threads), messages);
-  if (status != SD_OK) return fail_new(sim, out, status);
-  *out = sim;
-  return SD_OK;
+  return build_work(sim, small, small ? 1 : choose_threads(model, threads), messages);
 }
 
 typedef struct coincidence {
@@ -114,71 +106,59 @@ static sd_status refuse_coincident(const sd_model *model, sd_messages *messages)
   return c.found ? SD_ERROR_USER : SD_OK;
 }
 
-/* State and bodies at step 0; *out is NULL after a failure. */
-static sd_status make(const sd_model *model, int threads, simulation_step step, const comm *c,
-                      volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages) {
-  *out = NULL;
-  if (!is_finished(model, messages)) return SD_ERROR_USER;
-  const sd_status apart = refuse_coincident(model, messages);
-  if (apart != SD_OK) return apart;
-  /* of ranks each has the rows of its own disks */
-  if (!c && state_refuse(model, messages) != SD_OK) return SD_ERROR_IO;
+static sd_status start(const sd_model *model, int threads, simulation_step step, sd_simulation **out,
+                       sd_messages *messages) {
+  sd_status status = refuse_coincident(model, messages);
+  if (status == SD_OK) status = state_refuse(model, messages);
+  if (status != SD_OK) return status;
   sd_state *state = sd_state_new(model);
   if (!state) return sd_fail(messages, SD_ERROR_IO, "out of memory for the state");
   if (engine_fill_state(model, state) != SD_OK) {
     sd_state_free(state);
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   }
-  const sd_status status = create(model, state, threads, step, c, stop, out, messages);
-  if (status == SD_OK) loop_begin_phase(&(*out)->engine);
-  return status;
+  status = create(model, state, threads, step, out, messages);
+  if (status != SD_OK) return status;
+  loop_begin_phase(&(*out)->engine);
+  return loop_start(&(*out)->engine, messages);
 }
 
-/* A rank beside the first, which gets its disks from there. */
+/* One of several ranks. */
 static sd_simulation *join(const sd_model *model, const comm *c, volatile sig_atomic_t *stop) {
-  sd_simulation *sim = memory_lines(sizeof *sim);
-  *sim = (sd_simulation){.engine = {.model = model}, .ranks = ranks_new(c, model, stop)};
+  sd_simulation *sim = blank(model);
+  sim->ranks = ranks_new(c, &sim->engine, stop);
   return sim;
 }
 
-/* The whole, on rank 0; NULL on the others. */
-static engine *whole_of(sd_simulation *sim) { return sim->engine.state ? &sim->engine : NULL; }
-
 sd_status simulation_new(const sd_model *model, int threads, simulation_step step, const comm *c,
                          volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages) {
-  sd_status status = SD_OK;
-  if (comm_rank(c) == 0)
-    status = make(model, threads, step, c, stop, out, messages);
-  else
-    *out = join(model, c, stop);
-  status = comm_wait(c, status);
-  if (status != SD_OK) return fail_new(*out, out, status);
-  assert(*out);
-  status = (*out)->ranks ? ranks_start((*out)->ranks, whole_of(*out), messages)
-                         : loop_start(&(*out)->engine, messages);
+  *out = NULL;
+  if (!is_finished(model, messages)) return SD_ERROR_USER;
+  if (c) *out = join(model, c, stop);
+  const sd_status status = c ? ranks_start((*out)->ranks, choose_threads(model, threads), messages)
+                             : start(model, threads, step, out, messages);
   return status == SD_OK ? SD_OK : fail_new(*out, out, status);
 }
 
-sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
-                            const comm *c, volatile sig_atomic_t *stop, sd_simulation **out,
-                            sd_messages *messages) {
-  sd_status status = SD_OK;
+sd_status simulation_resume(const sd_model *model, sd_state *state, uint32_t *order, int threads,
+                            simulation_step step, const comm *c, volatile sig_atomic_t *stop,
+                            sd_simulation **out, sd_messages *messages) {
   *out = NULL;
-  if (comm_rank(c) == 0)
-    status = create(model, state, threads, step, c, stop, out, messages);
-  else
-    *out = join(model, c, stop);
-  status = comm_wait(c, status);
-  assert(status != SD_OK || *out);
-  if (status == SD_OK && (*out)->ranks) status = ranks_spread((*out)->ranks, whole_of(*out), messages);
-  if (status != SD_OK) return fail_new(*out, out, status);
-  if (state) state->source = NULL; /* what it read may go */
-  return SD_OK;
+  if (!is_finished(model, messages)) {
+    sd_state_free(state);
+    free(order);
+    return SD_ERROR_USER;
+  }
+  if (c) *out = join(model, c, stop);
+  const sd_status status =
+      c ? ranks_spread((*out)->ranks, state, order, choose_threads(model, threads), messages)
+        : create(model, state, threads, step, out, messages);
+  return status == SD_OK ? SD_OK : fail_new(*out, out, status);
 }
 
 sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threads, sd_simulation **out,
                                sd_messages *messages) {
-  return simulation_resume(model, state, threads, SIMULATION_SUITABLE, NULL, NULL, out, messages);
+  return simulation_resume(model, state, NULL, threads, SIMULATION_SUITABLE, NULL, NULL, out, messages);
 }
 
 void simulation_free(sd_simulation *sim) {
@@ -196,19 +176,15 @@ engine *simulation_engine(sd_simulation *sim) { return &sim->engine; }
 
 bool simulation_is_small(const sd_simulation *sim) { return engine_lanes(&sim->engine); }
 
-engine *simulation_part(const sd_simulation *sim) {
-  return sim->ranks ? ranks_part(sim->ranks) : (engine *)(uintptr_t)&sim->engine;
-}
-
 bool simulation_is_spread(const sd_simulation *sim) { return sim->ranks != NULL; }
 
-settle_measure simulation_rest(sd_simulation *sim) { return settle_look(simulation_part(sim)); }
+settle_measure simulation_rest(sd_simulation *sim) { return settle_look(&sim->engine); }
 
-bool simulation_finished(const sd_simulation *sim) { return loop_finished(simulation_part(sim)); }
+bool simulation_finished(const sd_simulation *sim) { return loop_finished(&sim->engine); }
 
 static sd_status advance_all(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
-  if (sim->ranks) return ranks_advance(sim->ranks, whole_of(sim), n, messages);
+  if (sim->ranks) return ranks_advance(sim->ranks, n, messages);
   if (!e->fields) e->state->field_power = 0.0;
   engine_ready(e, messages);
   while (n > 0 && !loop_finished(e)) {

@@ -31,32 +31,28 @@ struct sd_simulation {
 };
 
 /* sd_simulation_new and sd_simulation_resume with a choice. threads: of the general step; that of
- * small systems has one. c: its ranks share the steps of the general step; all call, rank 0 with
- * the whole model or (resume) the state, the others with what model_share gave them, and all get
- * the same status. stop: see ranks_new. */
+ * small systems has one. c: its ranks share the steps of the general step; all call, rank 0 with the
+ * whole model, the others with what model_share gave them; state and order: as ranks_spread takes
+ * them over; NULL: alone, order is NULL. stop: see ranks_new. */
 sd_status simulation_new(const sd_model *model, int threads, simulation_step step, const comm *c,
                          volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages);
-sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
-                            const comm *c, volatile sig_atomic_t *stop, sd_simulation **out,
-                            sd_messages *messages);
+sd_status simulation_resume(const sd_model *model, sd_state *state, uint32_t *order, int threads,
+                            simulation_step step, const comm *c, volatile sig_atomic_t *stop,
+                            sd_simulation **out, sd_messages *messages);
 /* sd_simulation_free while no call is under way. */
 void simulation_free(sd_simulation *simulation);
-/* Brings the state up to date, of several ranks that of rank 0; collective. SD_ERROR_IO: no
- * memory. */
-sd_status simulation_bring(sd_simulation *simulation);
+/* Brings the state of each rank up to date, all of it or for rows of results: then sums of losses of bodies
+ * are older. Collective. SD_ERROR_IO: no memory. */
+sd_status simulation_store(sd_simulation *simulation, bool rows, sd_messages *messages);
 /* sd_simulation_state and sd_simulation_finished within a call. */
 const sd_state *simulation_state(sd_simulation *simulation);
 bool simulation_finished(const sd_simulation *simulation);
-/* True: its disks are on other ranks, too, and its engine knows only their state, as it was; of
- * ranks beside the first it has none. */
+/* Other ranks have disks of it, too. */
 bool simulation_is_spread(const sd_simulation *simulation);
 /* How near its disks are to rest, also of a spread one. */
 settle_measure simulation_rest(sd_simulation *simulation);
-/* The state of one that is not, for rows of results: its sums of losses of bodies are older. NULL: no memory. */
-const sd_state *simulation_row_state(sd_simulation *simulation);
+/* Of this rank. */
 engine *simulation_engine(sd_simulation *simulation);
-/* The engine that takes the steps: of this rank, or of the whole. */
-engine *simulation_part(const sd_simulation *simulation);
 bool simulation_is_small(const sd_simulation *simulation); /* takes the step of small systems */
 
 /* --- simulation_extend.c ----------------------------------------------------------------------------- */

@@ -16,15 +16,16 @@ const sd_model *sd_simulation_model(const sd_simulation *sim) {
   return model;
 }
 
-sd_status simulation_bring(sd_simulation *sim) {
+sd_status simulation_store(sd_simulation *sim, bool rows, sd_messages *messages) {
   engine *e = &sim->engine;
-  if (sim->ranks) return ranks_collect(sim->ranks, e->state ? e : NULL);
+  if (sim->ranks) return ranks_store(sim->ranks, rows, messages);
   motion_store(e);
-  return contacts_store(e);
+  const sd_status status = rows ? contacts_store_rows(e) : contacts_store(e);
+  return status == SD_OK ? SD_OK : sd_fail(messages, status, "no memory for the contacts of the state");
 }
 
 const sd_state *simulation_state(sd_simulation *sim) {
-  return simulation_bring(sim) == SD_OK ? sim->engine.state : NULL;
+  return simulation_store(sim, false, NULL) == SD_OK ? sim->engine.state : NULL;
 }
 
 const sd_state *sd_simulation_state(sd_simulation *sim) {
@@ -35,14 +36,8 @@ const sd_state *sd_simulation_state(sd_simulation *sim) {
   return state;
 }
 
-const sd_state *simulation_row_state(sd_simulation *sim) {
-  assert(!simulation_is_spread(sim));
-  motion_store(&sim->engine);
-  return contacts_store_rows(&sim->engine) == SD_OK ? sim->engine.state : NULL;
-}
-
 /* Numbers of the run, which every rank has alike. */
-static const sd_state *run_state(const sd_simulation *sim) { return simulation_part(sim)->state; }
+static const sd_state *run_state(const sd_simulation *sim) { return sim->engine.state; }
 
 int64_t sd_simulation_step(const sd_simulation *sim) {
   if (!simulation_read_begin(sim)) return -1;
@@ -115,7 +110,7 @@ sd_energy sd_simulation_energy(sd_simulation *sim) {
     for (size_t k = 0; k < sizeof energy / sizeof *numbers; k++) numbers[k] = NAN;
     return energy;
   }
-  energy = energy_of(simulation_part(sim));
+  energy = energy_of(&sim->engine);
   simulation_leave(sim, outer);
   return energy;
 }
@@ -144,14 +139,14 @@ double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
 
 int sd_simulation_threads(const sd_simulation *sim) {
   if (!simulation_read_begin(sim)) return -1;
-  const int threads = engine_threads(simulation_part(sim));
+  const int threads = engine_threads(&sim->engine);
   simulation_read_end(sim);
   return threads;
 }
 
 const char *sd_simulation_path(const sd_simulation *sim) {
   if (!simulation_read_begin(sim)) return "";
-  const char *path = engine_kernels(simulation_part(sim))->name;
+  const char *path = engine_kernels(&sim->engine)->name;
   simulation_read_end(sim);
   return path;
 }

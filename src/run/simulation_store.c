@@ -42,7 +42,7 @@ static sd_status put_summary(h5_file *file, sd_simulation *sim, const sd_state *
   provenance origin = {0};
   provenance_new(&origin, model);
   provenance_refresh(&origin, 1, engine_threads(&sim->engine), engine_kernels(&sim->engine)->name);
-  summary_collect(&found, model, state, NULL, NULL, &energy, NAN);
+  summary_collect(&found, model, state, NULL, &energy, NAN);
   const sd_status status =
       summary_disks_collect(&found.packing, model, state, engine_threads(&sim->engine), messages);
   if (status == SD_OK) {

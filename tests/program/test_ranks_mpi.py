@@ -84,7 +84,8 @@ class Ranks(Folder):
             status, _, err = run(ranks, "run", self.deck("lost"), "--quiet", "-o", result)
             self.assertEqual(status, 3, err)
             self.assertEqual([line for line in err.splitlines() if line.startswith("error: ")], errors)
-            self.assertEqual(len(list(self.folder.glob(f"{ranks}.h5.parts/emergency-*.h5"))), 1)
+            kept = sorted(p.name for p in self.folder.glob(f"{ranks}.h5.parts/emergency-*.h5"))
+            self.assertEqual(len(kept), 1 + ranks, kept)
 
     def test_rain(self):
         for ranks in some((2, 3), (3,)):

@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -246,6 +247,12 @@ class Ranks(Folder):
                 assert_same(self, self.result, whole)
                 self.result.unlink()
 
+    def numbers(self, state):
+        """What info says of it, but for costs and names."""
+        out, _ = self.run_ok("info", "--json", state)
+        found = json.loads(out)
+        return {key: found[key] for key in ("step", "time", "contacts", "energy", "disks", "doubts") if key in found}
+
     def test_numerical_error(self):
         """Found by one rank: the message and the state are those of one process."""
         for what in ("max_overlap=0.01",):
@@ -258,9 +265,11 @@ class Ranks(Folder):
                 self.assertTrue(errors)
                 for line in errors:
                     self.assertIn(line, self.said())
-                kept = list(self.parts.glob("emergency-*.h5"))
+                kept = [p for p in self.parts.glob("emergency-*.h5") if re.fullmatch(r"emergency-\d+", p.stem)]
                 self.assertEqual(len(kept), 1)
-                self.run_ok("info", kept[0])
+                self.assertEqual(len(list(self.parts.glob(f"{kept[0].stem}-*.h5"))), 3)
+                there = next((self.folder / "alone.h5.parts").glob("emergency-*.h5"))
+                self.assertEqual(self.numbers(there), self.numbers(kept[0]))
 
 
 if __name__ == "__main__":

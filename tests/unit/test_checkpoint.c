@@ -36,7 +36,7 @@ static void write_state(sd_simulation *simulation, sd_messages *messages) {
   summary found;
   provenance_new(&origin, model);
   provenance_refresh(&origin, 1, 1, sd_simulation_path(simulation));
-  summary_collect(&found, model, state, NULL, NULL, &energy, NAN);
+  summary_collect(&found, model, state, NULL, &energy, NAN);
   check(summary_disks_collect(&found.packing, model, state, 2, messages), messages);
   checkpoint_parts parts = {.n = 3, .last = 7, .replaces = ""};
   check(checkpoint_write(-1, path, state, &parts, NULL, &origin, &found, messages), messages);

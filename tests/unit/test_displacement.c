@@ -141,7 +141,7 @@ static void forms_of_the_step(void **unused) {
 /* --- the summary ------------------------------------------------------------------------------------------- */
 
 static size_t doubts_of(const sd_model *m, const sd_state *state, sd_energy energy, summary *found) {
-  summary_collect(found, m, state, NULL, NULL, &energy, 1);
+  summary_collect(found, m, state, NULL, &energy, 1);
   return summary_doubts(found);
 }
 

@@ -13,10 +13,7 @@
 #include "base/team.h"
 #include "io/results/constants.h"
 
-static const struct extent {
-  const char *name;
-  size_t offset; /* of the size_t in sd_state */
-} extents[] = {
+const checkpoint_extent checkpoint_extents[CHECKPOINT_EXTENTS] = {
     {"n_disks", offsetof(sd_state, n_disks)},         {"n_bodies", offsetof(sd_state, n_bodies)},
     {"n_free", offsetof(sd_state, n_free)},           {"n_motions", offsetof(sd_state, n_motions)},
     {"n_rotations", offsetof(sd_state, n_rotations)}, {"n_slides", offsetof(sd_state, n_slides)},
@@ -24,7 +21,6 @@ static const struct extent {
     {"n_visits", offsetof(sd_state, n_visits)},       {"n_clumps", offsetof(sd_state, n_clumps)},
     {"n_surfaces", offsetof(sd_state, n_surfaces)},
 };
-enum { EXTENTS = sizeof extents / sizeof *extents };
 
 const char *checkpoint_column(const h5_file *file, const char *name) {
   static const char *const renamed[][2] = {{"contact_lambda_ref", "contact_lambda"},
@@ -38,10 +34,10 @@ const char *checkpoint_column(const h5_file *file, const char *name) {
   return name;
 }
 
-static size_t extent_of(const sd_state *state, size_t k) {
-  assert(k < EXTENTS);
+size_t checkpoint_extent_of(const sd_state *sizes, size_t k) {
+  assert(k < CHECKPOINT_EXTENTS);
   size_t n;
-  memcpy(&n, (const char *)state + extents[k].offset, sizeof n);
+  memcpy(&n, (const char *)sizes + checkpoint_extents[k].offset, sizeof n);
   return n;
 }
 
@@ -63,26 +59,26 @@ static void put_columns(h5_file *file, const sd_state *state, bool shared) {
     const sd_field *f = &sd_fields[k];
     const char *data = sd_field_data(state, f);
     size_t n = sd_extent_size(state, f->extent), first = 0;
-    if (shared && f->extent == SD_PER_BODY) first = state->n_free;
+    if (shared && f->extent == SD_PER_BODY) first = state->n_free + state->n_ghosts;
     if (shared && (state_of_free(f->extent) || state_of_contacts(f->extent))) first = n;
     put_column(file, f, n - first, data ? data + first * sd_type_size(f->type) : NULL);
   }
 }
 
-static void put_extents(h5_file *file, const sd_state *state, size_t n_contacts) {
+static void put_extents(h5_file *file, const sd_state *sizes, size_t n_contacts) {
   h5_group(file, "/state");
   h5_attr_i64(file, "/state", "format", CHECKPOINT_FORMAT);
-  for (size_t k = 0; k < EXTENTS; k++)
-    h5_attr_i64(file, "/state", extents[k].name, (int64_t)extent_of(state, k));
+  for (size_t k = 0; k < CHECKPOINT_EXTENTS; k++)
+    h5_attr_i64(file, "/state", checkpoint_extents[k].name, (int64_t)checkpoint_extent_of(sizes, k));
   h5_attr_i64(file, "/state", "n_contacts", (int64_t)n_contacts);
 }
 
-static int64_t count_contacts(const h5_file *file) {
+int64_t checkpoint_count_contacts(const h5_file *file) {
   return h5_get_attr_i64(file, "/state", "n_contacts", -1);
 }
 
 /* As `hash`, by words: a tenth of the time. */
-static uint64_t sum_of(const sd_state *state) {
+uint64_t checkpoint_sum_of(const sd_state *state) {
   uint64_t sum = FILE_SUM;
   for (size_t k = 0; k < sd_field_count; k++)
     sum = file_sum(sum, sd_field_data(state, &sd_fields[k]),
@@ -95,7 +91,7 @@ static const char *hash_text(uint64_t hash, char text[20]) {
   return text;
 }
 
-static const char *hash_of(const sd_state *state, char text[20]) {
+const char *checkpoint_hash_of(const sd_state *state, char text[20]) {
   return hash_text(sd_state_hash(state), text);
 }
 
@@ -103,7 +99,7 @@ void checkpoint_put_state(h5_file *file, const sd_state *state) {
   char hash[20];
   put_extents(file, state, state->n_contacts);
   put_columns(file, state, false);
-  h5_attr_text(file, "/state", "hash", hash_of(state, hash));
+  h5_attr_text(file, "/state", "hash", checkpoint_hash_of(state, hash));
 }
 
 /* Below so many bytes of the state a copy costs less than pages. */
@@ -135,13 +131,14 @@ sd_status checkpoint_write(int folder, const char *path, const sd_state *state, 
   provenance_write(origin, file);
   summary_write(found, file);
   if (shares) {
-    put_extents(file, state, shares->n_contacts);
+    const sd_state sizes = state_sizes(shares->model);
+    put_extents(file, &sizes, shares->n_contacts);
     put_columns(file, state, true);
     h5_put_shares(file, shares->n, shares->sums);
   } else {
     put_extents(file, state, state->n_contacts);
     put_columns(file, state, false);
-    h5_attr_i64(file, "/state", "sum", (int64_t)sum_of(state));
+    h5_attr_i64(file, "/state", "sum", (int64_t)checkpoint_sum_of(state));
   }
   return h5_save(file, folder, path, NULL, messages);
 }
@@ -156,12 +153,14 @@ void checkpoint_remove_share(int folder, const char *path, size_t k) {
 /* Rows of a column in a group of a share; from[k] (NULL: k) is which of the state is row k. */
 static void put_rows(h5_file *file, const char *group, const sd_field *f, const void *data, size_t n,
                      const uint32_t *from, char *scratch) {
-  const size_t size = sd_type_size(f->type);
+  const size_t size = sd_type_size(f->type), bins[2] = {n, SD_MEAN_BINS};
   char *path = format_text("%s/state/%s", group, f->name);
   for (size_t k = 0; from && k < n; k++)
     memcpy(scratch + k * size, (const char *)data + from[k] * size, size);
   if (from)
     h5_put(file, path, f->type, 1, &n, scratch, false);
+  else if (f->extent == SD_PER_MEAN_BIN)
+    h5_put(file, path, f->type, 2, bins, data, false);
   else
     h5_lend(file, path, f->type, n, data);
   free(path);
@@ -183,7 +182,7 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state, const 
     const bool of_body = f->extent == SD_PER_BODY;
     const size_t n = of_body ? state->n_free : sd_extent_size(state, f->extent);
     if (n == 0) continue;
-    if (of_body || state_of_free(f->extent)) put_rows(file, "/disks", f, data, n, NULL, NULL);
+    if (of_body || state_of_free(f->extent)) put_rows(file, "/disks", f, data, state->n_free, NULL, NULL);
     if (state_of_contacts(f->extent)) put_rows(file, "/contacts", f, data, n, order->contact, scratch);
   }
   free(scratch);
@@ -197,7 +196,8 @@ static sd_status count_stored(const h5_file *checkpoint, const char *path, size_
   size_t dims[H5_MAX_RANK] = {0};
   int rank = 0;
   const sd_status status = h5_shape(checkpoint, path, &rank, dims, messages);
-  *n = rank == 0 ? 1 : dims[0];
+  *n = 1;
+  for (int k = 0; k < rank; k++) *n *= dims[k];
   return status;
 }
 
@@ -212,25 +212,14 @@ uint64_t checkpoint_stored_bytes(const h5_file *checkpoint) {
   return bytes;
 }
 
-sd_status checkpoint_get_contacts(const h5_file *checkpoint, summary_contacts *contacts,
-                                  sd_messages *messages) {
-  sd_status status = SD_OK;
-  contacts->n = (size_t)count_contacts(checkpoint);
-  double *overlap = h5_column(checkpoint, "/state/contact_overlap", SD_F64, contacts->n, &status, messages);
-  contacts->overlap = 0.0;
-  for (size_t c = 0; overlap && c < contacts->n; c++) contacts->overlap += overlap[c];
-  free(overlap);
-  return status;
-}
-
 sd_status checkpoint_copy_state(h5_file *file, const h5_file *checkpoint, sd_messages *messages) {
   uint64_t hash = STATE_HASH;
   sd_status status = SD_OK;
   h5_group(file, "/state");
   h5_attr_i64(file, "/state", "format", h5_get_attr_i64(checkpoint, "/state", "format", 0));
-  for (size_t k = 0; k < EXTENTS; k++)
-    h5_attr_i64(file, "/state", extents[k].name, h5_get_attr_i64(checkpoint, "/state", extents[k].name, 0));
-  h5_attr_i64(file, "/state", "n_contacts", count_contacts(checkpoint));
+  for (const checkpoint_extent *e = checkpoint_extents; e < checkpoint_extents + CHECKPOINT_EXTENTS; e++)
+    h5_attr_i64(file, "/state", e->name, h5_get_attr_i64(checkpoint, "/state", e->name, 0));
+  h5_attr_i64(file, "/state", "n_contacts", checkpoint_count_contacts(checkpoint));
   for (size_t k = 0; k < sd_field_count && status == SD_OK && !h5_failed(file); k++) {
     const sd_field *f = &sd_fields[k];
     size_t n;
@@ -248,140 +237,6 @@ sd_status checkpoint_copy_state(h5_file *file, const h5_file *checkpoint, sd_mes
 }
 
 /* GCOVR_EXCL_STOP */
-/* Sizes that must be those of the model. */
-static sd_status check_extents(const h5_file *file, const sd_state *state, sd_messages *messages) {
-  int64_t format = h5_get_attr_i64(file, "/state", "format", -1);
-  if (format != CHECKPOINT_FORMAT)
-    return sd_fail(messages, SD_ERROR_USER,
-                   "the state is stored in format %" PRId64 ", this program reads %d", format,
-                   CHECKPOINT_FORMAT);
-  sd_status status = SD_OK;
-  for (size_t k = 0; k < EXTENTS; k++) {
-    int64_t stored = h5_get_attr_i64(file, "/state", extents[k].name, -1);
-    if (stored != (int64_t)extent_of(state, k))
-      status = sd_fail(messages, SD_ERROR_USER,
-                       "the state does not belong to this deck: %s is %" PRId64 ", in the deck it is %zu",
-                       extents[k].name, stored, extent_of(state, k));
-  }
-  return status;
-}
-
-/* Elements [first, first + n) of a column; from 0 on: those that there are. */
-static sd_status read_column(const h5_file *file, const sd_field *f, size_t first, size_t n, void *column,
-                             sd_messages *messages) {
-  char *path = format_text("/state/%s", f->name);
-  sd_status status = f->extent == SD_PER_RUN
-                         ? h5_get(file, path, f->type, n, column, messages)
-                         : h5_get_values(file, path, f->type, first, n, 1, column, messages);
-  free(path);
-  return status;
-}
-
-/* Elements of a column in the file; and how many of the first are left there, of a state with a source. */
-static size_t stored_of(const sd_state *s, const sd_field *f, size_t *left) {
-  const size_t contacts = state_of_contacts(f->extent) ? state_contact_count(s) : 0,
-               n = f->extent == SD_PER_LAW_CONTACT ? s->law_columns * contacts
-                   : contacts > 0                  ? contacts
-                                                   : sd_extent_size(s, f->extent);
-  *left = 0;
-  if (!s->source || state_keeps(f)) return n;
-  if (state_of_free(f->extent) || state_of_contacts(f->extent)) *left = n;
-  if (f->extent == SD_PER_BODY) *left = s->n_free;
-  return n;
-}
-
-static sd_status read_columns(const h5_file *file, sd_state *state, sd_messages *messages) {
-  sd_status status = SD_OK;
-  for (size_t k = 0; status == SD_OK && k < sd_field_count; k++) {
-    const sd_field *f = &sd_fields[k];
-    size_t left;
-    const size_t n = stored_of(state, f, &left);
-    char *path = format_text("/state/%s", f->name);
-    status = h5_check(file, path, n, messages);
-    free(path);
-    if (status == SD_OK && left < n)
-      status = read_column(file, f, left, n - left,
-                           (char *)sd_field_data(state, f) + left * sd_type_size(f->type), messages);
-  }
-  return status;
-}
-
-/* Checkpoints have a sum, results and checkpoints of older versions a hash; those of shares have a sum for each instead. */
-static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messages *messages) {
-  if (h5_has_shares(file)) return SD_OK;
-  char found[20], *stored = h5_get_attr_text(file, "/state", "hash");
-  bool same = stored ? strcmp(stored, hash_of(state, found)) == 0
-                     : h5_has_attr(file, "/state", "sum") &&
-                           (uint64_t)h5_get_attr_i64(file, "/state", "sum", 0) == sum_of(state);
-  free(stored);
-  return same ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the state is damaged: its hash does not fit");
-}
-
-static sd_status get_state(const h5_file *file, const sd_model *model, state_source *source, sd_state **out,
-                           sd_messages *messages) {
-  *out = NULL;
-  sd_state *state = sd_state_new(model);
-  if (!state) shortage_note();
-  if (!state) return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
-  sd_status status = check_extents(file, state, messages);
-  const int64_t contacts = count_contacts(file);
-  /* a damaged number does not get to ask for all memory */
-  if (status == SD_OK &&
-      (contacts < 0 || h5_check(file, "/state/contact_a", (size_t)contacts, NULL) != SD_OK))
-    status = sd_fail(messages, SD_ERROR_IO, "the state is damaged: the number of contacts is missing");
-  if (source) source->n_contacts = (size_t)contacts;
-  state->source = source;
-  if (status == SD_OK && !source && sd_state_reserve_contacts(state, (size_t)contacts) != SD_OK) {
-    shortage_note();
-    status = sd_fail(messages, SD_ERROR_IO, "no memory for %" PRId64 " contacts", contacts);
-  }
-  if (status == SD_OK) {
-    state->n_contacts = source ? 0 : (size_t)contacts;
-    status = read_columns(file, state, messages);
-  }
-  if (status == SD_OK && !source) status = check_hash(file, state, messages);
-  if (status == SD_OK)
-    *out = state;
-  else
-    sd_state_free(state);
-  return status;
-}
-
-sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
-                               sd_messages *messages) {
-  return get_state(file, model, NULL, out, messages);
-}
-
-/* GCOVR_EXCL_START: over ranks only */
-/* state_source of an open file. */
-static sd_status read_rows(void *with, const sd_field *f, size_t n, void *column) {
-  return read_column(with, f, 0, n, column, NULL);
-}
-
-sd_status checkpoint_get_kept(const h5_file *file, const sd_model *model, state_source *source,
-                              sd_state **out, sd_messages *messages) {
-  *source = (state_source){.read = read_rows, .with = (void *)(uintptr_t)file};
-  return get_state(file, model, source, out, messages);
-}
-
-/* GCOVR_EXCL_STOP */
-
-sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model, summary_disks *s,
-                              sd_messages *messages) {
-  sd_model *own = NULL;
-  sd_state *state = NULL;
-  if (!s->later) return SD_OK;
-  if (checkpoint_get_parts(file) < 0) return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
-  sd_status status = checkpoint_check_format(file, path, messages);
-  if (status == SD_OK && !model) status = constants_read(file, path, &own, messages);
-  if (!model) model = own;
-  if (status == SD_OK) status = checkpoint_get_state(file, model, &state, messages);
-  if (status == SD_OK) status = summary_disks_collect(s, model, state, pool_most(), messages);
-  sd_state_free(state);
-  sd_model_free(own);
-  return status;
-}
-
 int64_t checkpoint_get_parts(const h5_file *file) {
   return h5_get_attr_i64(file, "/checkpoint", "parts", -1);
 }

@@ -27,6 +27,7 @@ typedef struct checkpoint_parts {
 
 /* Free disks and contacts stand in files of the ranks (shares, see h5.h), which are there already. */
 typedef struct checkpoint_shares {
+  const sd_model *model;
   size_t n;
   int64_t *sums;     /* [n] of their seals */
   size_t n_contacts; /* of all */
@@ -56,15 +57,20 @@ void checkpoint_put_state(h5_file *file, const sd_state *state);
 /* The same from a checkpoint, column by column, as it stands there: no state is needed. */
 sd_status checkpoint_copy_state(h5_file *file, const h5_file *checkpoint, sd_messages *messages);
 uint64_t checkpoint_stored_bytes(const h5_file *checkpoint); /* of all its columns */
-sd_status checkpoint_get_contacts(const h5_file *checkpoint, summary_contacts *contacts,
-                                  sd_messages *messages);
 /* The state in an open file, sized for the model; verified against its hash. SD_ERROR_USER: it belongs to
  * another model. */
 sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
                                sd_messages *messages);
-/* The same of a checkpoint in shares, with source for the rows that state_keeps leaves out: both must stay while it is used. */
-sd_status checkpoint_get_kept(const h5_file *file, const sd_model *model, state_source *source,
-                              sd_state **out, sd_messages *messages);
+/* SD_ERROR_USER: the state in an open file belongs to another model; SD_ERROR_IO: it is damaged. */
+sd_status checkpoint_check_state(const h5_file *file, const sd_model *model, sd_messages *messages);
+/* The rows of one of several ranks that go on with a checkpoint, as a state of its own: of prescribed bodies and the run all, of
+ * free disks and contacts the shares rank, rank + ranks ..., or of a file without shares as many rows. order[n_free]: places
+ * of the disks in the whole, ascending. Seals are checked. */
+sd_status checkpoint_get_some(const char *path, const sd_model *model, size_t rank, size_t ranks,
+                              sd_state **out, uint32_t **order, sd_messages *messages);
+/* Means of every disk (summary_disks_collect) from the state in a file, of which some disks are read at a time. */
+sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, summary_disks *s, int threads,
+                                   sd_messages *messages);
 /* Means of every disk that a checkpoint leaves to its readers (SUMMARY_LATER), from its state. path: of the file; model: of the
  * run, NULL: from its deck. */
 sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model, summary_disks *s,
@@ -77,5 +83,18 @@ char *checkpoint_get_replaces(const h5_file *file); /* to be freed; NULL: none *
 sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_messages *messages);
 /* And a checkpoint that it can go on from? */
 sd_status checkpoint_check_format(const h5_file *file, const char *path, sd_messages *messages);
+
+/* --- of checkpoint_read.c ----------------------------------------------------------------------------- */
+/* Sizes in a state, and their names as attributes of /state. */
+typedef struct checkpoint_extent {
+  const char *name;
+  size_t offset;
+} checkpoint_extent;
+enum { CHECKPOINT_EXTENTS = 11 };
+extern const checkpoint_extent checkpoint_extents[CHECKPOINT_EXTENTS];
+size_t checkpoint_extent_of(const sd_state *sizes, size_t k);
+int64_t checkpoint_count_contacts(const h5_file *file); /* -1: not there */
+uint64_t checkpoint_sum_of(const sd_state *state);
+const char *checkpoint_hash_of(const sd_state *state, char text[20]);
 
 #endif

@@ -37,7 +37,7 @@ sd_status record_sample(record *r, unsigned what, const sd_state *state, const r
                         sd_messages *messages) {
   sd_status status = SD_OK;
   const bool take = what & RECORD_SERIES && !sums->others;
-  assert(state->n_bodies == sd_model_bodies(r->model));
+  assert(r->shared || state->n_bodies == sd_model_bodies(r->model));
   if (take || what & (RECORD_FRAMES | RECORD_CONTACTS))
     for (size_t slot = 0; slot < state->n_bodies; slot++) r->slots[state->id[slot]] = (uint32_t)slot;
   const moment now = {r->model, state, &sums->energy, r->slots, take ? &r->sums : sums->others};

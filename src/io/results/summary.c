@@ -154,7 +154,7 @@ static void collect_stages(summary *s, const sd_model *model, const sd_state *st
   }
 }
 
-summary_lost summary_lost_of(const sd_state *state) {
+static summary_lost lost_of(const sd_state *state) {
   summary_lost lost = {.n = outside_count(state)};
   for (size_t i = 0; i < state->n_free && lost.told < SUMMARY_LOST; i++)
     if (state->activity[i] == SD_OUTSIDE || state->activity[i] == SD_REMOVED)
@@ -221,22 +221,23 @@ void summary_new(summary *s, const sd_model *model) {
   }
 }
 
-static summary_contacts contacts_of(const sd_state *state) {
-  summary_contacts contacts = {state->n_contacts, 0.0};
-  for (size_t c = 0; c < state->n_contacts; c++) contacts.overlap += state->contact_overlap[c];
-  return contacts;
+summary_sums summary_sums_of(const sd_state *state) {
+  summary_sums total = {.contacts = state->n_contacts,
+                        .farthest = summary_farthest(state),
+                        .not_finite = summary_not_finite(state),
+                        .lost = lost_of(state)};
+  for (size_t c = 0; c < state->n_contacts; c++) exact_sum_add(&total.overlap, state->contact_overlap[c]);
+  return total;
 }
 
-void summary_collect(summary *s, const sd_model *model, const sd_state *state,
-                     const summary_contacts *contacts, const summary_lost *lost, const sd_energy *energy,
-                     double step_nanoseconds) {
-  const summary_lost own = lost ? *lost : summary_lost_of(state);
-  const summary_contacts all = contacts ? *contacts : contacts_of(state);
+void summary_collect(summary *s, const sd_model *model, const sd_state *state, const summary_sums *total,
+                     const sd_energy *energy, double step_nanoseconds) {
+  const summary_sums all = total ? *total : summary_sums_of(state);
   summary_new(s, model);
   s->step = state->step;
   s->phase = state->phase;
   s->measured = state->measured;
-  s->contacts = (int64_t)all.n;
+  s->contacts = (int64_t)all.contacts;
   s->step_nanoseconds = step_nanoseconds;
   s->energy = *energy;
   bool running = state->phase >= 0 && (size_t)state->phase < model->n_phases;
@@ -248,9 +249,9 @@ void summary_collect(summary *s, const sd_model *model, const sd_state *state,
     s->configurations[k] = sd_configuration_of(model, state, k);
   collect_stages(s, model, state);
   collect_until(s, model, state);
-  collect_lost(s, model, state, &own);
+  collect_lost(s, model, state, &all.lost);
   summary_disks_announce(&s->packing, model, state);
-  summary_judge(s, &model->limits, model, state, all.overlap);
+  summary_judge(s, &model->limits, model, state, &all);
 }
 
 void summary_free(summary *s) {

@@ -4,6 +4,7 @@
 #ifndef SLIPDISK_IO_SUMMARY_H
 #define SLIPDISK_IO_SUMMARY_H
 
+#include "base/exact_sum.h"
 #include "io/store/h5.h"
 #include "io/results/summary_disks.h"
 #include "io/results/summary_doubts.h"
@@ -61,14 +62,8 @@ extern const observable_list phase_observables;   /* of summary_phase */
 
 /* Sizes and names, from the model alone; no values. */
 void summary_new(summary *s, const sd_model *model);
-/* Closed contacts of a state whose rows may be elsewhere. */
-typedef struct summary_contacts {
-  size_t n;
-  double overlap; /* sum */
-} summary_contacts;
-
 enum { SUMMARY_LOST = 8 }; /* told one by one */
-/* Disks of such a state that are beyond the bounds or taken out: how many, and the first of them in its order. */
+/* Disks that are beyond the bounds or taken out: how many, and the first of them in the order of slots. */
 typedef struct summary_lost {
   int64_t n;
   size_t told;
@@ -77,13 +72,21 @@ typedef struct summary_lost {
     double x, y;
   } first[SUMMARY_LOST];
 } summary_lost;
-summary_lost summary_lost_of(const sd_state *state);
 
-/* All but the means of every disk: summary_disks_collect. contacts, lost NULL: those that stand
- * in the state. */
-void summary_collect(summary *s, const sd_model *model, const sd_state *state,
-                     const summary_contacts *contacts, const summary_lost *lost, const sd_energy *energy,
-                     double step_nanoseconds);
+/* What a summary takes from all disks and contacts, which may be on several ranks. */
+typedef struct summary_sums {
+  size_t contacts;     /* closed */
+  exact_sum overlap;   /* theirs */
+  double farthest;     /* |x| + |y| + radius of a disk */
+  unsigned not_finite; /* bits of the columns that have such a number (summary_doubts.c) */
+  summary_lost lost;
+} summary_sums;
+summary_sums summary_sums_of(const sd_state *state);
+
+/* All but the means of every disk: summary_disks_collect. Of the state the rest is taken: of
+ * prescribed bodies, motions, the run. sums NULL: the state has all disks. */
+void summary_collect(summary *s, const sd_model *model, const sd_state *state, const summary_sums *sums,
+                     const sd_energy *energy, double step_nanoseconds);
 void summary_free(summary *s);
 /* Is this a column of the tables of sweeps: of a point, or (of_body) behind the name of a watched disk or contact? */
 bool summary_is_column(const char *name, bool of_body);

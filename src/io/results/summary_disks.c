@@ -61,8 +61,8 @@ static void means_together(const team *t, void *with) {
   for (size_t k = begin; k < end; k++) f->means[k] = sd_disk_mean_of(f->model, f->state, k);
 }
 
-static void collect_means(sd_disk_mean *means, size_t n, const sd_model *model, const sd_state *state,
-                          int threads) {
+void summary_disks_means(sd_disk_mean *means, size_t n, const sd_model *model, const sd_state *state,
+                         int threads) {
   enum { FEW = 1024 }; /* disks, not worth a thread */
   pool *c = threads > 1 && n > FEW ? pool_new(threads) : NULL;
   pool_run(c, means_together, &(means_task){means, n, model, state});
@@ -70,10 +70,23 @@ static void collect_means(sd_disk_mean *means, size_t n, const sd_model *model, 
 }
 
 void summary_disks_announce(summary_disks *s, const sd_model *model, const sd_state *state) {
-  *s = (summary_disks){.n = state->n_means,
+  *s = (summary_disks){.n = model->measure_disks ? model->n_free : 0,
                        .looks = state->mean_samples,
                        .bins = state->mean_bins,
                        .measured = (double)state->measured * model->dt};
+}
+
+sd_status summary_disks_take(summary_disks *s, const sd_model *model, const sd_state *state,
+                             const sd_disk_mean *means, sd_messages *messages) {
+  uint32_t *place;
+  const memory_column rows[] = {{&s->disks, s->n, sizeof *s->disks}, {&place, model->n_disks, sizeof *place}};
+  if (!memory_rows(sizeof rows / sizeof *rows, rows)) return no_memory(messages);
+  s->totals = sd_disk_totals_of(model, state, means);
+  sort_by_number(means, s->n, model->n_disks, place, s->disks);
+  free(place);
+  if (shortage_seen()) return no_memory(messages);
+  find_fastest(s);
+  return SD_OK;
 }
 
 sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state, int threads,
@@ -81,19 +94,11 @@ sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const s
   summary_disks_announce(s, model, state);
   if (s->n == 0) return SD_OK;
   sd_disk_mean *means;
-  uint32_t *place;
-  const memory_column rows[] = {{&s->disks, s->n, sizeof *s->disks},
-                                {&means, s->n, sizeof *means},
-                                {&place, model->n_disks, sizeof *place}};
-  if (!memory_rows(sizeof rows / sizeof *rows, rows)) return no_memory(messages);
-  collect_means(means, s->n, model, state, threads);
-  s->totals = sd_disk_totals_of(model, state, means);
-  sort_by_number(means, s->n, model->n_disks, place, s->disks);
+  if (!memory_rows(1, (memory_column[]){{&means, s->n, sizeof *means}})) return no_memory(messages);
+  summary_disks_means(means, s->n, model, state, threads);
+  const sd_status status = summary_disks_take(s, model, state, means, messages);
   free(means);
-  free(place);
-  if (shortage_seen()) return no_memory(messages);
-  find_fastest(s);
-  return SD_OK;
+  return status;
 }
 
 void summary_disks_free(summary_disks *s) {

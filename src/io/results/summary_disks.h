@@ -31,6 +31,12 @@ void summary_disks_announce(summary_disks *s, const sd_model *model, const sd_st
 /* summary_disks_free also when it fails. */
 sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state, int threads,
                                 sd_messages *messages);
+/* The same in two steps: means of the first n slots of a state with some disks; and from those of all, in the
+ * order of slots, with id, radius and contacts of the whole state. */
+void summary_disks_means(sd_disk_mean *means, size_t n, const sd_model *model, const sd_state *state,
+                         int threads);
+sd_status summary_disks_take(summary_disks *s, const sd_model *model, const sd_state *state,
+                             const sd_disk_mean *means, sd_messages *messages);
 void summary_disks_free(summary_disks *s);
 /* Writes nothing when there are no disks, and how many when no more is known. */
 void summary_disks_write(const summary_disks *s, h5_file *file);

@@ -35,18 +35,19 @@ static void doubt(summary *s, doubt_kind kind, double value, double limit, char 
   s->doubts[kind] = (summary_doubt){text, value, limit};
 }
 
-/* Elastic energy that rounded coordinates leave open: k_n times overlap times the rounding of a position. */
-static double rounding(const sd_model *model, const sd_state *state, double overlaps) {
-  double stiffest = 0, farthest = 0;
-  for (size_t k = 0; k < model->n_materials * model->n_materials; k++)
-    stiffest = fmax(stiffest, model->laws[k].k_n);
+double summary_farthest(const sd_state *state) {
+  double farthest = 0;
   for (size_t i = 0; i < state->n_disks; i++)
     farthest = fmax(farthest, fabs(state->x[i]) + fabs(state->y[i]) + state->radius[i]);
-  const sd_tiles *t = &model->tiles; /* of disks that are away the corners are known */
-  if (t->away)
-    farthest = fmax(farthest,
-                    fmax(fabs(t->lower[0]), fabs(t->upper[0])) + fmax(fabs(t->lower[1]), fabs(t->upper[1])));
-  return 4 * DBL_EPSILON * stiffest * farthest * overlaps;
+  return farthest;
+}
+
+/* Elastic energy that rounded coordinates leave open: k_n times overlap times the rounding of a position. */
+static double rounding(const sd_model *model, const summary_sums *sums) {
+  double stiffest = 0;
+  for (size_t k = 0; k < model->n_materials * model->n_materials; k++)
+    stiffest = fmax(stiffest, model->laws[k].k_n);
+  return 4 * DBL_EPSILON * stiffest * sums->farthest * exact_sum_value(&sums->overlap);
 }
 
 static void judge_residual(summary *s, double limit, double floor, const sd_model *model) {
@@ -157,14 +158,23 @@ static void judge_displacement(summary *s, double limit, const sd_model *model, 
                       name, state->fast_displacement, state->fast_step, limit));
 }
 
-/* The name of a number that is none, NULL when all are there. A mean is there from the first full bin on. */
-static const char *not_finite(const summary *s, const sd_state *state) {
-  const double *const columns[] = {state->vx,      state->vy,      state->omega,
-                                   state->force_x, state->force_y, state->torque};
-  static const char *const names[] = {"vx", "vy", "omega", "force_x", "force_y", "torque"};
-  for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
+static const char *const finite_columns[] = {"vx", "vy", "omega", "force_x", "force_y", "torque"};
+enum { FINITE_COLUMNS = sizeof finite_columns / sizeof *finite_columns };
+
+unsigned summary_not_finite(const sd_state *state) {
+  const double *const columns[FINITE_COLUMNS] = {state->vx,      state->vy,      state->omega,
+                                                 state->force_x, state->force_y, state->torque};
+  unsigned found = 0;
+  for (unsigned c = 0; c < FINITE_COLUMNS; c++)
     for (size_t i = 0; i < state->n_bodies; i++)
-      if (!isfinite(columns[c][i])) return names[c];
+      if (!isfinite(columns[c][i])) found |= 1u << c;
+  return found;
+}
+
+/* The name of a number that is none, NULL when all are there. A mean is there from the first full bin on. */
+static const char *not_finite(const summary *s, const sd_state *state, unsigned columns) {
+  for (unsigned c = 0; c < FINITE_COLUMNS; c++)
+    if (columns >> c & 1) return finite_columns[c];
   for (const observable *o = energy_observables.rows; o < energy_observables.rows + energy_observables.n; o++)
     if (!isfinite(observable_value(o, &s->energy, 0))) return o->name;
   for (size_t k = 0; k < s->n_rotations; k++)
@@ -174,8 +184,8 @@ static const char *not_finite(const summary *s, const sd_state *state) {
   return NULL;
 }
 
-static void judge_finite(summary *s, const sd_state *state) {
-  const char *name = not_finite(s, state);
+static void judge_finite(summary *s, const sd_state *state, unsigned columns) {
+  const char *name = not_finite(s, state, columns);
   if (name)
     doubt(s, DOUBT_FINITE, NAN, NAN,
           format_text("a number is not finite (%s): a smaller dt is needed", name));
@@ -193,13 +203,13 @@ static void judge_unstable(summary *s, const sd_model *model) {
 }
 
 void summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
-                   double overlaps) {
-  judge_residual(s, limits->residual, state ? rounding(model, state, overlaps) : 0, model);
+                   const summary_sums *sums) {
+  judge_residual(s, limits->residual, sums ? rounding(model, sums) : 0, model);
   judge_open(s, limits->open, model, state);
   judge_unstable(s, model);
-  if (!state) return;
+  if (!state || !sums) return;
   judge_displacement(s, limits->displacement, model, state);
-  judge_finite(s, state);
+  judge_finite(s, state, sums->not_finite);
 }
 
 size_t summary_doubts(const summary *s) {
@@ -243,7 +253,7 @@ sd_status summary_doubts_read(summary *s, const h5_file *file, sd_messages *mess
   const sd_limits before = {.residual = 0.01, .open = 0.99};
   int64_t n = h5_exists(file, "/summary/doubts") ? h5_get_attr_i64(file, "/summary/doubts", "count", -1) : -2;
   if (n == -2) {
-    summary_judge(s, &before, NULL, NULL, 0);
+    summary_judge(s, &before, NULL, NULL, NULL);
     return SD_OK;
   }
   for (size_t k = 0; k < DOUBT_KINDS; k++) {

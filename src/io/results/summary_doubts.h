@@ -24,9 +24,14 @@ typedef struct summary_doubt {
 } summary_doubt;
 
 typedef struct summary summary;
-/* Compares the summary with these limits; state: of the run, NULL where only the summary is known; overlaps: sum over its contacts. */
+struct summary_sums; /* summary.h */
+/* Compares the summary with these limits; model, state, sums: of the run, NULL where only the summary
+ * is known. */
 void summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
-                   double overlaps);
+                   const struct summary_sums *sums);
+/* Of a state: farthest and not_finite of summary_sums. */
+double summary_farthest(const sd_state *state);
+unsigned summary_not_finite(const sd_state *state);
 /* How many; and their texts, joined by "; ", to be freed, never NULL. */
 size_t summary_doubts(const summary *s);
 char *summary_doubts_text(const summary *s);

@@ -159,7 +159,7 @@ static sd_status check_sealed(const h5_file *file, const h5_mark *mark, sd_messa
                  "%s is damaged, or was changed by another program: its checksum is missing", file->path);
 }
 
-typedef enum trust { AGAIN, QUICK, WHOLE, SEALED } trust;
+typedef enum trust { AGAIN, QUICK, WHOLE, SEALED, HEAD } trust;
 
 static sd_status open_checked(int folder, const char *path, trust how, h5_file **out, uint64_t *sum,
                               sd_messages *messages) {
@@ -169,7 +169,7 @@ static sd_status open_checked(int folder, const char *path, trust how, h5_file *
   if (fd < 0) return SD_ERROR_IO;
   sd_status status = h5_read_mark(fd, path, &mark, messages);
   const bool whole =
-      mark.broken || how == SEALED || (mark.sealed && (how == WHOLE || mark.size <= CHECKED_WHOLE));
+      mark.broken || how >= SEALED || (mark.sealed && (how == WHOLE || mark.size <= CHECKED_WHOLE));
   /* the library crashes with some damaged files: it sees what a checksum or another process vouches for */
   if (status == SD_OK && whole && how != AGAIN)
     status = h5_check_whole(fd, path, &mark, messages);
@@ -177,7 +177,7 @@ static sd_status open_checked(int folder, const char *path, trust how, h5_file *
     status = h5_probe(fd, path, mark.sealed ? H5_PROBE_SMALL : H5_PROBE_QUICK, mark.small, messages);
   if (status == SD_OK) status = h5_open_descriptor(fd, path, out, messages);
   if (status == SD_OK && how != AGAIN) status = check_sealed(*out, &mark, messages);
-  if (status == SD_OK && h5_has_shares(*out)) status = h5_join(*out, folder, messages);
+  if (status == SD_OK && how != HEAD && h5_has_shares(*out)) status = h5_join(*out, folder, messages);
   if (status != SD_OK && *out) {
     h5_close(*out, NULL);
     *out = NULL;
@@ -197,6 +197,10 @@ sd_status h5_open_again(const char *path, h5_file **out, sd_messages *messages) 
 
 sd_status h5_open_whole(const char *path, h5_file **out, sd_messages *messages) {
   return open_checked(-1, path, WHOLE, out, NULL, messages);
+}
+
+sd_status h5_open_head(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, HEAD, out, NULL, messages);
 }
 
 sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum, sd_messages *messages) {

@@ -46,6 +46,8 @@ sd_status h5_open(const char *path, h5_file **out, sd_messages *messages);
 sd_status h5_open_whole(const char *path, h5_file **out, sd_messages *messages);
 /* Read only; SD_ERROR_IO when there is no seal or it does not fit. folder: see file.h; sum (may be NULL): of the seal. */
 sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum, sd_messages *messages);
+/* The same without its shares, if it has any. */
+sd_status h5_open_head(const char *path, h5_file **out, sd_messages *messages);
 /* h5_open of a file that was opened, and checked, before. */
 sd_status h5_open_again(const char *path, h5_file **out, sd_messages *messages);
 /* SD_ERROR_IO: all of the file does not fit its seal, or it is no HDF5 file. sealed: there is one. */

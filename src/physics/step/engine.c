@@ -80,22 +80,20 @@ static void fill_derivatives(const sd_model *m, sd_state *s) {
       column[k][slot] = m->derivatives[s->id[slot]][k];
 }
 
-static sd_status fill_contacts(const sd_model *m, sd_state *s) {
+sd_status engine_fill_memories(const sd_model *m, sd_state *s) {
+  fill_derivatives(m, s);
   if (m->n_memories == 0) return SD_OK;
   if (sd_state_reserve_contacts(s, m->n_memories) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < m->n_memories; k++) engine_fill_contact(s, &m->memories[k]);
   return order_contacts(m, s);
 }
 
-sd_status engine_fill_state(const sd_model *m, sd_state *s) {
+void engine_fill_prescribed(const sd_model *m, sd_state *s) {
   const size_t held = model_held(m);
-  uint32_t slot = 0;
-  for (int driven = 0; driven < 2; driven++) {
-    for (uint32_t i = 0; i < held; i++)
-      if (m->disks[i].driven == (driven != 0)) engine_fill_disk(s, &m->disks[i], i, slot++);
-    if (!driven) slot += (uint32_t)(m->n_disks - held);
-  }
-  assert(slot == s->n_disks && m->n_free == s->n_free);
+  uint32_t slot = (uint32_t)(s->n_free + s->n_ghosts);
+  for (uint32_t i = 0; i < held; i++)
+    if (m->disks[i].driven) engine_fill_disk(s, &m->disks[i], i, slot++);
+  assert(slot == s->n_disks);
   for (uint32_t k = 0; k < m->n_walls; k++, slot++) {
     const sd_wall *wall = &m->walls[k];
     s->id[slot] = (uint32_t)m->n_disks + k;
@@ -108,9 +106,22 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
   assert(slot == s->n_bodies);
   clumps_fill_state(m, s);
   for (size_t k = 0; k < s->n_motions; k++) s->motion_start[k] = -1;
-  if (s->n_free >= ORDER_LEAST && !m->tiles.away && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
-  fill_derivatives(m, s);
-  return fill_contacts(m, s);
+}
+
+size_t engine_fill_free(const sd_model *m, sd_state *s) {
+  const size_t held = model_held(m);
+  uint32_t slot = 0;
+  for (uint32_t i = 0; i < held; i++)
+    if (!m->disks[i].driven) engine_fill_disk(s, &m->disks[i], i, slot++);
+  return slot;
+}
+
+sd_status engine_fill_state(const sd_model *m, sd_state *s) {
+  const size_t n = engine_fill_free(m, s);
+  assert(n == s->n_free && n == m->n_free);
+  engine_fill_prescribed(m, s);
+  if (n >= ORDER_LEAST && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
+  return engine_fill_memories(m, s);
 }
 
 /* --- work -------------------------------------------------------------------------------------------- */
@@ -204,14 +215,15 @@ static void fill_limit(const engine *e, work *w) {
   assert(w->least_limit > 0.0);
 }
 
+double engine_first_skin(const sd_model *m) { return m->skin > 0.0 ? m->skin : 0.15 * m->mean_radius; }
+
 static void fill_skin(const engine *e, work *w) {
   const sd_model *m = e->model;
   const double mean = m->mean_radius;
   assert(mean > 0.0);
   w->mean_radius = mean;
   w->surface_unit = exp2(ceil(log2(mean)));
-  w->skin = m->skin > 0.0 ? m->skin : 0.15 * mean; /* to begin with: neighbours_tune */
-  if (e->halo && e->halo->skin > 0.0) w->skin = e->halo->skin;
+  w->skin = e->halo && e->halo->skin > 0.0 ? e->halo->skin : engine_first_skin(m);
 }
 
 static sd_status columns_new(engine *e) {
@@ -279,12 +291,12 @@ void engine_find_slots(engine *e) {
   const sd_state *s = e->state;
   for (uint32_t k = 0; k < s->n_bodies; k++) {
     assert(s->id[k] < sd_model_bodies(e->model));
-    /* rows without a disk are of those that another rank makes */
-    if (s->radius[k] != 0.0 || k >= s->n_free) e->work.slot[s->id[k]] = k;
+    e->work.slot[s->id[k]] = k;
   }
 }
 
-sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
+/* All but lists, contacts and constants of bodies. */
+static sd_status build_bodies(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
   assert(threads >= 1 && threads <= WORK_MAX_THREADS && !w->slot && e->model->dt > 0.0);
   if (allocate(e, threads) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
@@ -328,7 +340,7 @@ static sd_status build_lists(engine *e, sd_messages *messages) {
 }
 
 sd_status engine_build(engine *e, int threads, sd_messages *messages) {
-  sd_status status = engine_build_bodies(e, threads, messages);
+  sd_status status = build_bodies(e, threads, messages);
   if (status != SD_OK) return status;
   pool_run(e->pool, touch_first, e);
   bodies_fill_constants(e);

@@ -7,6 +7,12 @@
 /* Fills the state of step 0 from the model: poses, slots, and the contacts that the packing brings along.
  * SD_ERROR_IO: no memory for these. */
 sd_status engine_fill_state(const sd_model *model, sd_state *state);
+/* The same in three steps, for a rank whose state has some of the free disks only: those of the
+ * model that are here fill slots from 0 on, and it returns how many; prescribed bodies, motions;
+ * once all free disks stand in order, their derivatives and contacts. */
+size_t engine_fill_free(const sd_model *model, sd_state *state);
+void engine_fill_prescribed(const sd_model *model, sd_state *state);
+sd_status engine_fill_memories(const sd_model *model, sd_state *state);
 /* The columns of one disk, in its slot. */
 void engine_fill_disk(sd_state *state, const sd_disk *disk, uint32_t number, uint32_t slot);
 /* The next contact; there is room for it. */
@@ -15,9 +21,8 @@ void engine_fill_contact(sd_state *state, const sd_contact_memory *contact);
 /* Work for e->model and e->state (both set, the rest zero), up to the lists; contacts come from the state. */
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
 void engine_free(engine *e);
-/* The same without lists, contacts and constants of bodies, of which the state needs to have its
- * kept columns only. */
-sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages);
+/* By how much the first lists reach further than contacts; later ones: neighbours_tune. */
+double engine_first_skin(const sd_model *model);
 /* Where the disks of the state stand, when it has them in another order. */
 void engine_find_slots(engine *e);
 

@@ -308,8 +308,9 @@ struct engine {
   fields *fields;   /* NULL: none */
   halo *halo;       /* NULL: this process has all disks */
   const comm *comm; /* whose ranks have the other disks; NULL: a rank alone */
-  /* engine_renew of one of several ranks; NULL: of one alone */
+  /* engine_renew of one of several ranks, and what these know of the run; NULL: of one alone */
   sd_status (*renew)(engine *e, sd_messages *messages);
+  struct ranks *ranks;
   pool *pool; /* of work.n_threads or fewer, of the owner; NULL: one thread does it all */
   work work;
 };

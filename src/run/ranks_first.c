@@ -1,5 +1,5 @@
-/* ranks_tiles.c: see ranks_tiles.h. */
-#include "run/ranks_tiles.h"
+/* ranks_first.c: see ranks_first.h. */
+#include "run/ranks_first.h"
 
 #include <assert.h>
 #include <math.h>
@@ -11,9 +11,11 @@
 #include "io/deck/deck.h"
 #include "model/tiles.h"
 #include "pack/tiles.h"
+#include "physics/neighbours/order.h"
 #include "physics/step/engine.h"
-#include "run/ranks_move.h"
+#include "run/ranks_contacts.h"
 #include "run/ranks_order.h"
+#include "run/route.h"
 
 /* --- disks --------------------------------------------------------------------------------------------------- */
 
@@ -63,26 +65,22 @@ static bool is_mine(const comm *c, size_t part) {
   return part % (size_t)comm_size(c) == (size_t)comm_rank(c);
 }
 
-/* Rank 0 has the disks before them, from the deck. */
+/* Rank 0 has the disks of the deck that are not made in parts. */
 static size_t count_mine(const comm *c, const sd_model *m) {
   const size_t held = model_held(m);
   size_t n = 0;
   for (size_t i = 0; comm_rank(c) == 0 && i < held; i++) n += !m->disks[i].driven;
-  for (size_t k = 0; k < m->tiles.n; k++)
+  for (size_t k = 0; m->tiles.away && k < m->tiles.n; k++)
     if (is_mine(c, k)) n += count_part(&m->tiles, k);
   return n;
 }
 
-/* inputs: of what this rank has read. */
-static sd_status fill_disks(const comm *c, const sd_model *m, sd_state *s, int64_t *inputs,
+/* Free disks; inputs: of what this rank has read. */
+static sd_status fill_parts(const comm *c, const sd_model *m, sd_state *s, size_t slot, int64_t *inputs,
                             sd_messages *messages) {
-  const size_t held = model_held(m);
-  size_t slot = 0;
   made_part p = {0};
   if (!begin_part(m, &p)) comm_fail(c, "no memory for its tiles");
   sd_status status = SD_OK;
-  for (uint32_t i = 0; comm_rank(c) == 0 && i < held; i++)
-    if (!m->disks[i].driven) engine_fill_disk(s, &m->disks[i], i, (uint32_t)slot++);
   for (size_t k = 0; k < m->tiles.n && status == SD_OK; k++) {
     if (!is_mine(c, k)) continue;
     status = make_part(m, k, &p, messages);
@@ -95,38 +93,44 @@ static sd_status fill_disks(const comm *c, const sd_model *m, sd_state *s, int64
   return status;
 }
 
-/* --- together -------------------------------------------------------------------------------------------------- */
-
-static sd_status order_made(engine *made) {
-  halo *h = made->halo = memory_new(1, sizeof *h);
-  h->comm = made->comm;
-  h->n_own = made->state->n_free;
-  if (!memory_resize(1, (memory_column[]){{&h->order, h->n_own, sizeof *h->order}})) return SD_ERROR_IO;
-  return ranks_order(made->comm, made->model, made->state, h->order);
-}
-
-sd_status ranks_tiles_new(const comm *c, const sd_model *m, const engine *whole, engine *made,
-                          sd_messages *messages) {
-  *made = (engine){.comm = c, .model = m, .state = state_new_part(m, count_mine(c, m), 0)};
-  if (!made->state || move_take_common(c, whole, true, made->state) != SD_OK) {
-    comm_fail(c, "no memory for its tiles");
-    return SD_ERROR_IO;
-  }
+static sd_status fill_tiles(const comm *c, const sd_model *m, sd_state *s, size_t slot,
+                            sd_messages *messages) {
   int64_t inputs[1];
-  sd_status status = fill_disks(c, m, made->state, inputs, messages);
-  /* together, or not at all: the others would wait */
-  if (comm_or(c, status != SD_OK)) return status;
+  const sd_status status = fill_parts(c, m, s, slot, inputs, messages);
+  if (!comm_all_well(c, status)) return status;
   comm_add(c, inputs, 1);
   if (m->tiles.of_file && inputs[0] != m->tiles.inputs)
     return sd_fail(messages, SD_ERROR_IO, "disk_files[%zu].file has changed while it was read",
                    m->tiles.entry);
-  if (order_made(made) == SD_OK) return SD_OK;
-  comm_fail(c, "no memory for its tiles");
+  return SD_OK;
+}
+
+/* With few disks all stand in the order of the deck, on rank 0. */
+static sd_status find_order(const comm *c, const sd_model *m, sd_state *s, uint32_t *order) {
+  if (m->n_free >= ORDER_LEAST) return ranks_order(c, m, s, order);
+  for (size_t i = 0; i < s->n_free; i++) order[i] = (uint32_t)i;
+  return SD_OK;
+}
+
+static sd_status give_up(const comm *c, const char *why) {
+  comm_fail(c, why);
   return SD_ERROR_IO;
 }
 
-void ranks_tiles_free(engine *made) {
-  halo_free(made->halo);
-  sd_state_free(made->state);
-  *made = (engine){0};
+sd_status ranks_first_new(const comm *c, const sd_model *m, sd_state **state, uint32_t **order,
+                          sd_messages *messages) {
+  const bool leads = comm_rank(c) == 0;
+  sd_state *s = *state = state_new_part(m, count_mine(c, m), 0);
+  *order = route_room(c, s ? s->n_free : 0, sizeof **order);
+  if (!s) return give_up(c, "no memory for its disks");
+  const size_t n = leads ? engine_fill_free(m, s) : 0;
+  engine_fill_prescribed(m, s);
+  sd_status status = m->tiles.away ? fill_tiles(c, m, s, n, messages) : SD_OK;
+  /* together, or not at all: the others would wait */
+  if (!comm_all_well(c, status)) return status;
+  status = find_order(c, m, s, *order);
+  if (leads && status == SD_OK && engine_fill_memories(m, s) != SD_OK)
+    return give_up(c, "no memory for the contacts");
+  if (!comm_all_well(c, status)) return status;
+  return m->tiles.away && m->tiles.n_contacts > 0 ? ranks_contacts_read(c, m, s, messages) : SD_OK;
 }
