@@ -128,8 +128,7 @@ typedef struct result_size {
   double memory;  /* bytes of a run in one process at its peak, with so many contacts; within 25 % */
   double unsaved; /* at most so much of it is rows that wait for a checkpoint */
 } result_size;
-/* SD_ERROR_IO: no memory. */
-sd_status size_find(result_size *size, const sd_model *model, sd_messages *messages);
+void size_find(result_size *size, const sd_model *model);
 /* Warns of more than the disk of this folder has room for, and of very large ones. */
 void size_warn(const result_size *size, const char *folder, sd_messages *messages);
 /* Bytes of it beside those of the program itself and of rows that wait. */

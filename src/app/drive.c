@@ -222,7 +222,7 @@ static void warn_of_threads(const sd_model *model, int asked, sd_messages *messa
  * first does not know. */
 static sd_status check_size(const sd_model *model, const char *result, sd_messages *messages) {
   result_size size;
-  if (size_find(&size, model, NULL) != SD_OK) return SD_OK;
+  size_find(&size, model);
   if (!comm_world() && size_refuse(model, &size, messages) != SD_OK) return SD_ERROR_IO;
   const char *slash = strrchr(result, '/');
   char *folder = slash ? format_text("%.*s", (int)(slash - result) + 1, result) : format_text(".");

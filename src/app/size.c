@@ -117,22 +117,20 @@ const char *size_text(double bytes, char *text, size_t size) {
   return text;
 }
 
-sd_status size_find(result_size *size, const sd_model *m, sd_messages *messages) {
+void size_find(result_size *size, const sd_model *m) {
   record r;
-  sd_status status = record_new(&r, m, false, messages);
-  *size = (result_size){.most_contacts = most_contacts(m), .at_most = m->until.asked};
-  if (status == SD_OK) {
-    const rows n = count_rows(m);
-    for (size_t k = 0; k < m->n_phases; k++) size->at_most |= m->phases[k].settle.asked;
-    size->series = n.series;
-    size->frames = n.frames;
-    size->contacts = n.contacts;
-    size->bytes = result_bytes(m, &r, &n);
-    size->unsaved = unsaved_bytes(m, &r, &n);
-    size->memory = PROGRAM_BYTES + size_memory(m) + size->unsaved;
-  }
+  const rows n = count_rows(m);
+  record_new(&r, m, false);
+  *size = (result_size){.most_contacts = most_contacts(m),
+                        .at_most = m->until.asked,
+                        .series = n.series,
+                        .frames = n.frames,
+                        .contacts = n.contacts,
+                        .bytes = result_bytes(m, &r, &n),
+                        .unsaved = unsaved_bytes(m, &r, &n)};
+  for (size_t k = 0; k < m->n_phases; k++) size->at_most |= m->phases[k].settle.asked;
+  size->memory = PROGRAM_BYTES + size_memory(m) + size->unsaved;
   record_free(&r);
-  return status;
 }
 
 sd_status size_refuse(const sd_model *m, const result_size *size, sd_messages *messages) {

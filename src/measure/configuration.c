@@ -96,7 +96,7 @@ sd_status frame_data_of_state(frame_data *f, const sd_model *m, const sd_state *
 }
 
 sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *m, const sd_state *s,
-                             const uint32_t *slots, const comm *c, sd_messages *messages) {
+                             const slot_table *slots, const comm *c, sd_messages *messages) {
   *constants = *m;
   constants->n_disks = s->n_disks;
   constants->disks = NULL;
@@ -117,7 +117,7 @@ sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model 
                                     .driven = k >= s->n_free + s->n_ghosts};
   for (size_t k = 0; k < s->n_bodies; k++) fill_body(f, k, s, k);
   for (size_t k = 0; k < s->n_contacts; k++)
-    fill_contact(f, k, constants, s, slots[s->contact_a[k]], slots[s->contact_b[k]]);
+    fill_contact(f, k, constants, s, slot_of(slots, s->contact_a[k]), slot_of(slots, s->contact_b[k]));
   return SD_OK;
 }
 

@@ -14,10 +14,9 @@
 #include <math.h>
 
 #include "base/comm.h"
-#include "base/comm.h"
 #include "measure/region.h"
 #include "model/model.h"
-#include "model/state.h"
+#include "model/slot_table.h"
 
 /* A stored frame: one row per body of the run, in the order of body numbers (disks, walls). */
 typedef struct frame_data {
@@ -48,10 +47,10 @@ void frame_data_free(frame_data *f);
 /* The state as a frame, with its contacts. frame_data_free also when it fails. */
 sd_status frame_data_of_state(frame_data *f, const sd_model *model, const sd_state *state,
                               sd_messages *messages);
-/* The same of one rank's part, whose bodies have their slots as numbers; slots[body]. constants: a model of these bodies, of which
+/* The same of one rank's part, whose bodies have their slots as numbers. constants: a model of these bodies, of which
  * only `disks` is to be freed, also when it fails. */
 sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *model, const sd_state *part,
-                             const uint32_t *slots, const comm *c, sd_messages *messages);
+                             const slot_table *slots, const comm *c, sd_messages *messages);
 
 typedef struct config_contact {
   uint32_t a, b, part; /* a: a free disk; numbers of configuration.model */
@@ -131,11 +130,11 @@ static inline int configuration_material(const sd_model *m, uint32_t body) {
 static inline double configuration_tau_of(const sd_model *m, const sd_state *s, size_t c, int a, int b) {
   return 0.0 + (s->law_columns ? s->contact_tau[c] : 0.0 - sd_model_law(m, a, b)->k_t * s->contact_zeta[c]);
 }
-/* The model of a rank does not know the materials of all disks. slots[body] in the state */
-static inline double configuration_tau(const sd_model *m, const sd_state *s, const uint32_t *slots,
+/* The model of a rank does not know the materials of all disks. */
+static inline double configuration_tau(const sd_model *m, const sd_state *s, const slot_table *slots,
                                        size_t c) {
-  return configuration_tau_of(m, s, c, s->material[slots[s->contact_a[c]]],
-                              s->material[slots[s->contact_b[c]]]);
+  return configuration_tau_of(m, s, c, s->material[slot_of(slots, s->contact_a[c])],
+                              s->material[slot_of(slots, s->contact_b[c])]);
 }
 /* Is the disk one that this rank adds to sums? */
 static inline bool configuration_counts(const configuration *c, uint32_t disk) {

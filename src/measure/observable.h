@@ -89,7 +89,7 @@ typedef struct moment {
   const sd_model *model;
   const sd_state *state;
   const sd_energy *energy;
-  const uint32_t *slots; /* slots[body] in the state */
+  const slot_table *slots;
   const resultants *sums;
 } moment;
 extern const observable_list series_observables; /* beside the energies */
@@ -116,7 +116,7 @@ extern const observable_list clump_observables; /* of moment_clump */
 typedef struct moment_contact {
   const sd_model *model;
   const sd_state *state;
-  const uint32_t *slots;
+  const slot_table *slots;
   size_t contact;
 } moment_contact;
 extern const observable_list contact_observables; /* of moment_contact */

@@ -23,7 +23,7 @@ enum { FORCE_X, FORCE_Y, TORQUE, NORMAL, TANGENTIAL, ROW_CONTACTS, ROW_SLIDING, 
 typedef struct part {
   const sd_model *model;
   const sd_state *state;
-  const uint32_t *slots;
+  const slot_table *slots;
   const comm *comm; /* they are a part of those of its ranks; NULL: all */
 } part;
 
@@ -85,7 +85,7 @@ static size_t wall_of(const resultants *r, const part *p, uint32_t body) {
 
 static size_t group_of(const resultants *r, const part *p, uint32_t body) {
   (void)r;
-  const int32_t group = p->state->group[p->slots[body]];
+  const int32_t group = p->state->group[slot_of(p->slots, body)];
   return group >= 0 ? (size_t)group : NONE;
 }
 
@@ -119,9 +119,8 @@ static void add_contacts(const resultants *r, const part *p, exact_sum *rows, ow
 /* As the engine has it. */
 static void add_force(const part *p, exact_sum *row, uint32_t body) {
   const sd_state *s = p->state;
-  const uint32_t slot = p->slots[body];
-  if (slot >= s->n_bodies || s->id[slot] != body || !counts(p, slot))
-    return; /* slots of other ranks' disks are no such */
+  const uint32_t slot = slot_of(p->slots, body);
+  if (slot == SLOT_NONE || !counts(p, slot)) return;
   exact_sum_add(&row[FORCE_X], s->force_x[slot]);
   exact_sum_add(&row[FORCE_Y], s->force_y[slot]);
   exact_sum_add(&row[TORQUE], s->torque[slot]);
@@ -133,7 +132,8 @@ static void add_force(const part *p, exact_sum *row, uint32_t body) {
 static double virial_of(const part *p, size_t c) {
   const sd_state *s = p->state;
   const uint32_t a = s->contact_a[c], b = s->contact_b[c];
-  const double r = s->radius[p->slots[a]] + (b < p->model->n_disks ? s->radius[p->slots[b]] : 0.0);
+  const double r =
+      s->radius[slot_of(p->slots, a)] + (b < p->model->n_disks ? s->radius[slot_of(p->slots, b)] : 0.0);
   return s->contact_force[c] * (r - s->contact_overlap[c]);
 }
 
@@ -166,8 +166,8 @@ static void absolute(const configuration *c, const sd_state *s, uint32_t slot, d
 }
 
 /* Slots of the disks of a configuration: in parts their numbers. */
-static uint32_t slot_of(const part *p, const configuration *c, uint32_t disk) {
-  return p->comm ? c->number[disk] : p->slots[c->number[disk]];
+static uint32_t slot_in(const part *p, const configuration *c, uint32_t disk) {
+  return p->comm ? c->number[disk] : slot_of(p->slots, c->number[disk]);
 }
 
 /* Centres of mass: after `mass`, x and y. */
@@ -179,7 +179,7 @@ static void add_masses(exact_sum *sum, const part *p, const configuration *c) {
     const sd_disk *d = &c->model->disks[i];
     if (d->group < 0 || !configuration_counts(c, i)) continue;
     exact_sum *centre = sum + CENTRE * (size_t)d->group;
-    absolute(c, p->state, slot_of(p, c, i), at);
+    absolute(c, p->state, slot_in(p, c, i), at);
     exact_sum_add(&centre[MASS], d->mass);
     exact_sum_add(&centre[MASS_X], d->mass * at[0]);
     exact_sum_add(&centre[MASS_Y], d->mass * at[1]);
@@ -200,7 +200,7 @@ static void add_group_forces(exact_sum *rows, const double (*centre)[2], const p
       const double sign = x == 0 ? -1.0 : 1.0, fx = sign * q->fx, fy = sign * q->fy;
       const double *g = centre[group[x]];
       exact_sum *row = rows + ROW * (size_t)group[x];
-      absolute(c, p->state, slot_of(p, c, body[x]), at);
+      absolute(c, p->state, slot_in(p, c, body[x]), at);
       exact_sum_add(&row[FORCE_X], fx);
       exact_sum_add(&row[FORCE_Y], fy);
       const double turn = c->model->disks[body[x]].radius * q->tau - sign * q->couple;
@@ -278,7 +278,7 @@ static void round_all(resultants *r, const sd_model *m, const sd_state *s) {
   round_rows(r->disk, disks_of(r, m), m->n_contact_disks);
 }
 
-sd_status resultants_take(resultants *r, const sd_model *m, const sd_state *s, const uint32_t *slots,
+sd_status resultants_take(resultants *r, const sd_model *m, const sd_state *s, const slot_table *slots,
                           const comm *c, sd_messages *messages) {
   const part p = {m, s, slots, c};
   sd_status status = SD_OK;

@@ -12,7 +12,7 @@
 
 #include "base/comm.h"
 #include "base/exact_sum.h"
-#include "model/state.h"
+#include "model/slot_table.h"
 
 typedef struct resultant {
   double force_x, force_y, torque;
@@ -35,9 +35,9 @@ typedef struct resultants {
 /* SD_OK always. */
 void resultants_new(resultants *r, const sd_model *model);
 void resultants_free(resultants *r);
-/* slots[body] in the state. Only what the model asks for is computed. shared: every rank calls, with the part of the state that it
+/* Only what the model asks for is computed. shared: every rank calls, with the part of the state that it
  * has, contacts stored; then all know the sums, and a rank without memory ends the job. */
-sd_status resultants_take(resultants *r, const sd_model *model, const sd_state *state, const uint32_t *slots,
-                          const comm *c, sd_messages *messages);
+sd_status resultants_take(resultants *r, const sd_model *model, const sd_state *state,
+                          const slot_table *slots, const comm *c, sd_messages *messages);
 
 #endif

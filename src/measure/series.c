@@ -46,7 +46,7 @@ OBSERVABLE_GET(pressure, moment, at->sums->pressure)
 OBSERVABLE_GET(packing_fraction, moment, at->sums->fraction)
 OBSERVABLE_GET(outside, moment, (double)at->sums->outside)
 
-static uint32_t watched(const moment *now, size_t k) { return now->slots[now->model->rotations[k]]; }
+static uint32_t watched(const moment *now, size_t k) { return slot_of(now->slots, now->model->rotations[k]); }
 
 static double watched_angle(const void *row, size_t k) {
   const moment *now = row;

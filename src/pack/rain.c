@@ -252,7 +252,7 @@ static sd_status plan(const engine *e, const sd_rain *r, double top, const doubl
 /* Slot of a disk that waits here; n_free: it does on another rank. */
 static size_t slot_here(const engine *e, size_t disk) {
   const size_t slot = engine_slot(e, (uint32_t)disk);
-  return slot < e->state->n_free && e->state->id[slot] == disk ? slot : e->state->n_free;
+  return slot < e->state->n_free ? slot : e->state->n_free;
 }
 
 static void fill_radii(const engine *e, const sd_rain *r, double *radius) {

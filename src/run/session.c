@@ -20,6 +20,7 @@
 #include "io/results/merge.h"
 #include "pack/rain.h"
 #include "pack/settle.h"
+#include "physics/step/access.h"
 #include "run/ranks_share.h"
 #include "run/session_private.h"
 #include "run/simulation_private.h"
@@ -232,7 +233,10 @@ sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
     if (spread && !(now.others = ranks_resultants(s->simulation->ranks, messages))) return SD_ERROR_IO;
   }
   record *r = spread ? &s->shared : &s->rows;
-  return agree(s, session_leads(s) ? record_sample(r, what, state_of(s), &now, messages) : SD_OK);
+  if (session_leads(s))
+    status =
+        record_sample(r, what, state_of(s), engine_slots(simulation_engine(s->simulation)), &now, messages);
+  return agree(s, status);
 }
 
 /* --- progress ------------------------------------------------------------------------------------- */

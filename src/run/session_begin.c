@@ -251,6 +251,9 @@ static sd_status read_some(session *s, sd_state **state, uint32_t **order, sd_me
   sd_messages_free(mine);
   free(path);
   free(parts);
+  if (status == SD_OK) return SD_OK;
+  sd_state_free(*state);
+  free(*order);
   return status;
 }
 
@@ -283,8 +286,8 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
     status = refuse_existing(s, *there, messages);
   if (status == SD_OK) status = folder_open(parts, false, &s->parts_folder, messages);
   if (status == SD_OK) file_keep_mode(s->parts_folder.at, -1, s->result); /* parts are as private */
-  if (status == SD_OK) status = record_new(&s->rows, s->model, false, messages);
-  if (status == SD_OK) status = record_new(&s->shared, s->model, true, messages);
+  record_new(&s->rows, s->model, false);
+  record_new(&s->shared, s->model, true);
   free(parts);
   return status;
 }

@@ -115,7 +115,7 @@ sd_energy sd_simulation_energy(sd_simulation *sim) {
   return energy;
 }
 
-static uint32_t slot_of(const sd_simulation *sim, uint32_t body) {
+static uint32_t slot_in(const sd_simulation *sim, uint32_t body) {
   const sd_model *m = sim->engine.model;
   if (body >= SD_WALL(0) && body - SD_WALL(0) < m->n_walls) body = body - SD_WALL(0) + (uint32_t)m->n_disks;
   return body < sd_model_bodies(m) ? engine_slot(&sim->engine, body) : UINT32_MAX;
@@ -123,14 +123,14 @@ static uint32_t slot_of(const sd_simulation *sim, uint32_t body) {
 
 uint32_t sd_simulation_slot(const sd_simulation *sim, uint32_t body) {
   if (!simulation_read_begin(sim)) return UINT32_MAX;
-  const uint32_t slot = slot_of(sim, body);
+  const uint32_t slot = slot_in(sim, body);
   simulation_read_end(sim);
   return slot;
 }
 
 double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
   if (!simulation_read_begin(sim)) return NAN;
-  const uint32_t slot = slot_of(sim, body);
+  const uint32_t slot = slot_in(sim, body);
   const sd_state *s = sim->engine.state;
   const double angle = slot == UINT32_MAX ? NAN : s->turn[slot] + s->theta[slot];
   simulation_read_end(sim);

@@ -11,6 +11,7 @@
 #include "measure/stress.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
+#include "physics/step/access.h"
 #include "run/simulation_private.h"
 #include "system.h"
 
@@ -126,10 +127,9 @@ static void check_series(sd_simulation *s, int shape, size_t law, int variant) {
   const sd_model *m = sd_simulation_model(s);
   const system_body a = system_at(s, 0), b = system_at(s, 1);
   resultants r;
-  uint32_t slots[2];
-  for (uint32_t k = 0; k < 2; k++) slots[k] = (uint32_t)sd_simulation_slot(s, k);
   resultants_new(&r, m);
-  assert_int_equal(resultants_take(&r, m, sd_simulation_state(s), slots, NULL, NULL), SD_OK);
+  assert_int_equal(
+      resultants_take(&r, m, sd_simulation_state(s), engine_slots(simulation_engine(s)), NULL, NULL), SD_OK);
   const resultant *of_b = m->n_walls ? r.wall : &r.group[1];
   NEAR(r.group[0].force_x, a.force_x, "x of the group");
   NEAR(r.group[0].force_y, a.force_y, "y of the group");

@@ -111,7 +111,7 @@ static size_t check_lists(sd_simulation *sim) {
     }
     for (size_t g = 0; g < m->n_segments; g++) {
       bool near = to_piece(m, &m->segments[g], s->x[i], s->y[i]) < s->radius[i] + w->skin;
-      assert_int_equal(listed(e, i, w->slot[m->segments[g].body], g, false), near);
+      assert_int_equal(listed(e, i, slot_of(&w->slots, m->segments[g].body), g, false), near);
       expected += near;
     }
   }

@@ -258,8 +258,8 @@ static sd_status find(const options *o, check_found *f, sd_messages *messages) {
   const sd_model *m = f->model;
   sd_model_advise(m, messages);
   if (advice_overlap(m, &f->overlap) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "no memory");
-  sd_status status = size_find(&f->size, m, messages);
-  if (status == SD_OK) status = size_refuse(m, &f->size, messages);
+  size_find(&f->size, m);
+  sd_status status = size_refuse(m, &f->size, messages);
   if (status == SD_OK) size_warn(&f->size, ".", messages);
   if (status == SD_OK && !o->no_probe) status = probe(f, messages);
   if (status == SD_OK && sd_model_deck(m)->sweep_points > 0) status = look_at_sweep(o, f, messages);

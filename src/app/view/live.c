@@ -10,6 +10,8 @@
 #include "app/view/view_series.h"
 #include "base/clock.h"
 #include "base/memory.h"
+#include "physics/step/access.h"
+#include "run/simulation_private.h"
 
 /* Between two copies: so long, or so many times what the last one took. */
 static const double FRAME_SECONDS = 0.1, ROW_SECONDS = 0.2, ROW_SECONDS_ALONE = 1, COST = 300;
@@ -56,8 +58,8 @@ static void put_row(live *l, sd_simulation *s, const sd_state *state) {
   int64_t last = -1;
   if (t->n_rows > 0) memcpy(&last, t->columns[0].data + (t->n_rows - 1) * sizeof last, sizeof last);
   if (last == state->step) return;
-  const record_sums sums = {.energy = sd_simulation_energy(s)};
-  record_sample(&l->rows, RECORD_SERIES, state, &sums, NULL);
+  const record_sums now = {.energy = sd_simulation_energy(s)};
+  record_sample(&l->rows, RECORD_SERIES, state, engine_slots(simulation_engine(s)), &now, NULL);
   if (t->n_rows >= 2 * VIEW_MOST_ROWS) thin(t);
 }
 
@@ -148,7 +150,7 @@ bool live_rows(live *l, int64_t *from, view_chunk *c) {
 
 /* --- beginning and end ------------------------------------------------------------------------------ */
 
-static sd_status prepare(live *l, const char *source, sd_messages *messages) {
+static void prepare(live *l, const char *source) {
   const sd_model *m = l->model;
   l->meta = view_meta(m, "live", m->title, source);
   view_series_each(m, l->meta, NULL, NULL);
@@ -160,7 +162,7 @@ static sd_status prepare(live *l, const char *source, sd_messages *messages) {
   }
   json_object_set_new(l->meta, "frames", json_integer(0));
   l->status.steps = sd_model_steps(m);
-  return record_new(&l->rows, m, false, messages);
+  record_new(&l->rows, m, false);
 }
 
 sd_status live_open(const sd_model *model, const char *source, live **out, sd_messages *messages) {
@@ -169,8 +171,8 @@ sd_status live_open(const sd_model *model, const char *source, live **out, sd_me
   l->model = model;
   pthread_mutex_init(&l->lock, NULL);
   atomic_init(&l->asked, -HUGE_VAL);
-  sd_status status = prepare(l, source, messages);
-  if (status == SD_OK) status = live_server_start(l, messages);
+  prepare(l, source);
+  const sd_status status = live_server_start(l, messages);
   if (status == SD_OK)
     *out = l;
   else

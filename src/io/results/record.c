@@ -9,39 +9,33 @@
 #include "io/results/series.h"
 #include "io/results/trajectory.h"
 
-sd_status record_new(record *r, const sd_model *model, bool shared, sd_messages *messages) {
+void record_new(record *r, const sd_model *model, bool shared) {
   *r = (record){.model = model, .shared = shared};
   table *tables[RECORD_TABLES] = {&r->series,        &r->disks,        &r->walls,
                                   &r->contact_index, &r->contact_rows, &r->clumps};
   for (int k = 0; k < RECORD_TABLES; k++) r->tables[k] = tables[k];
-  if (!memory_rows(1, &(memory_column){&r->slots, sd_model_bodies(model), sizeof *r->slots}))
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
   series_new(&r->series, model);
   trajectory_new_bodies(&r->disks, model, false, shared);
   trajectory_new_bodies(&r->walls, model, true, false);
   trajectory_new_contacts(&r->contact_index, &r->contact_rows, shared);
   trajectory_new_clumps(&r->clumps, model);
   resultants_new(&r->sums, model);
-  return SD_OK;
 }
 
 void record_free(record *r) {
   for (int k = 0; k < RECORD_TABLES; k++)
     if (r->tables[k]) table_free(r->tables[k]);
-  free(r->slots);
   resultants_free(&r->sums);
   *r = (record){0};
 }
 
-sd_status record_sample(record *r, unsigned what, const sd_state *state, const record_sums *sums,
-                        sd_messages *messages) {
+sd_status record_sample(record *r, unsigned what, const sd_state *state, const slot_table *slots,
+                        const record_sums *sums, sd_messages *messages) {
   sd_status status = SD_OK;
   const bool take = what & RECORD_SERIES && !sums->others;
   assert(r->shared || state->n_bodies == sd_model_bodies(r->model));
-  if (take || what & (RECORD_FRAMES | RECORD_CONTACTS))
-    for (size_t slot = 0; slot < state->n_bodies; slot++) r->slots[state->id[slot]] = (uint32_t)slot;
-  const moment now = {r->model, state, &sums->energy, r->slots, take ? &r->sums : sums->others};
-  if (take) status = resultants_take(&r->sums, r->model, state, r->slots, false, messages);
+  const moment now = {r->model, state, &sums->energy, slots, take ? &r->sums : sums->others};
+  if (take) status = resultants_take(&r->sums, r->model, state, slots, NULL, messages);
   if (what & RECORD_SERIES && status == SD_OK) status = series_sample(&r->series, &now, messages);
   if (what & RECORD_FRAMES && status == SD_OK)
     status = trajectory_sample_bodies(&r->disks, &now, false, r->shared, messages);

@@ -12,14 +12,12 @@ typedef struct record {
   const sd_model *model;
   table series, disks, walls, contact_index, contact_rows, clumps;
   table *tables[RECORD_TABLES]; /* the above */
-  uint32_t *slots;              /* scratch: slot of each body */
   resultants sums;              /* scratch */
   bool shared;                  /* frames and contacts stand in shares (record_share.h) ... */
   size_t n_contacts;            /* ... and so many contacts in the last of these */
 } record;
 
-/* record_free also when it fails. */
-sd_status record_new(record *r, const sd_model *model, bool shared, sd_messages *messages);
+void record_new(record *r, const sd_model *model, bool shared);
 void record_free(record *r);
 /* Sums of a row of the series. */
 typedef struct record_sums {
@@ -27,8 +25,8 @@ typedef struct record_sums {
   const resultants *others; /* NULL: they are taken from the state */
 } record_sums;
 /* Adds what the bits ask for, of this moment; sums: for a row of the series. */
-sd_status record_sample(record *r, unsigned what, const sd_state *state, const record_sums *sums,
-                        sd_messages *messages);
+sd_status record_sample(record *r, unsigned what, const sd_state *state, const slot_table *slots,
+                        const record_sums *sums, sd_messages *messages);
 size_t record_bytes(const record *r);
 bool record_empty(const record *r);
 void record_clear(record *r);

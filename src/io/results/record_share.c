@@ -75,7 +75,7 @@ static sd_status put_disks(record_share *r, const sd_state *s, size_t driven, in
 }
 
 sd_status record_share_sample(record_share *r, unsigned what, const sd_state *s, size_t driven,
-                              const uint32_t *slots, const checkpoint_order *order, int64_t frame,
+                              const slot_table *slots, const checkpoint_order *order, int64_t frame,
                               int64_t moment_number, sd_messages *messages) {
   const int64_t n_disks = (int64_t)r->model->n_disks;
   sd_status status = SD_OK;

@@ -15,9 +15,9 @@ typedef struct record_share {
 void record_share_new(record_share *r, const sd_model *model);
 void record_share_free(record_share *r);
 /* Adds what the bits ask for: frame number `frame` of the part that is to be sealed, of the slots [0, n_free) and from `driven` to
- * n_disks, slots[body], and contacts of moment `moment_number`, whose places are `order`. */
+ * n_disks, and contacts of moment `moment_number`, whose places are `order`. */
 sd_status record_share_sample(record_share *r, unsigned what, const sd_state *state, size_t driven,
-                              const uint32_t *slots, const checkpoint_order *order, int64_t frame,
+                              const slot_table *slots, const checkpoint_order *order, int64_t frame,
                               int64_t moment_number, sd_messages *messages);
 /* Writes all rows and clears them, also when that fails; sum: of the seal. */
 sd_status record_share_seal(record_share *r, const char *path, int64_t *sum, sd_messages *messages);

@@ -67,7 +67,8 @@ sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, bool
     const observable *o = &frame_observables.rows[k];
     if (!has_row(o, model, walls)) continue;
     for (size_t i = 0; i < n; i++)
-      table_put(t, column, i, o, &(moment_body){now->state, now->slots[first + i]}, o->width);
+      table_put(t, column, i, o, &(moment_body){now->state, slot_of(now->slots, (uint32_t)(first + i))},
+                o->width);
     column++;
   }
   if (series_compresses(model)) {

@@ -93,7 +93,7 @@ static void pose_piece(engine *e, size_t k, wall_pose *wall) {
   const sd_segment *from = &e->model->segments[k];
   placed_segment *g = &e->work.segments[k];
   if (!wall->known || wall->body != from->body) {
-    const uint32_t b = e->work.slot[from->body];
+    const uint32_t b = slot_of(&e->work.slots, from->body);
     assert(b >= s->n_disks && b < s->n_bodies && s->radius[b] == 0.0);
     const double angle = s->theta[b] + s->turn[b];
     *wall = (wall_pose){from->body, true, s->x[b], s->y[b], cos(angle), sin(angle), s->box_scale};

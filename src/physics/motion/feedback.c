@@ -41,7 +41,7 @@ void feedback_list(engine *e, feedbacks *all) {
   all->count = 0;
   for (size_t k = 0; k < m->n_motions; k++) {
     if (s->motion_start[k] < 0 || !motion_is_feedback(&m->motions[k])) continue;
-    uint32_t slot = e->work.slot[m->motions[k].bodies[0]];
+    uint32_t slot = slot_of(&e->work.slots, m->motions[k].bodies[0]);
     assert(m->motions[k].n_bodies == 1 && slot >= s->n_disks && m->motions[k].coordinate != SD_THETA);
     bool x = m->motions[k].coordinate == SD_X;
     all->item[all->count++] = (feedback){.motion = k,
@@ -59,7 +59,7 @@ void feedback_begin(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
   assert(motion_is_feedback(m));
   sd_state *s = e->state;
-  uint32_t slot = e->work.slot[m->bodies[0]];
+  uint32_t slot = slot_of(&e->work.slots, m->bodies[0]);
   double force = m->coordinate == SD_X ? s->force_x[slot] : s->force_y[slot];
   s->motion_u0[k] = s->motion_v0[k] = 0.0;
   s->motion_u1[k] = m->kind == SD_MOTION_SERVO ? -force : 0.0;
@@ -69,7 +69,7 @@ void feedback_end(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
   assert(motion_is_feedback(m));
   sd_state *s = e->state;
-  (m->coordinate == SD_X ? s->base_x : s->base_y)[e->work.slot[m->bodies[0]]] += s->motion_u0[k];
+  (m->coordinate == SD_X ? s->base_x : s->base_y)[slot_of(&e->work.slots, m->bodies[0])] += s->motion_u0[k];
   s->motion_u0[k] = s->motion_v0[k] = s->motion_u1[k] = 0.0;
 }
 
@@ -80,7 +80,7 @@ static double displaced(const engine *e, uint32_t body, int c) {
   if (body == 0) return 0.0;
   const sd_model *m = e->model;
   const sd_state *s = e->state;
-  uint32_t slot = e->work.slot[body];
+  uint32_t slot = slot_of(&e->work.slots, body);
   double at = c == SD_X ? s->x[slot] + s->image_x[slot] * e->work.length[0]
                         : s->y[slot] + s->image_y[slot] * e->work.length[1];
   double corner = box_corner(m, c);

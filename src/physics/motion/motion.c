@@ -162,7 +162,7 @@ void motion_free(engine *e) {
 }
 
 static size_t place_of(const engine *e, const sd_motion *m, size_t b) {
-  const size_t slot = e->work.slot[m->bodies[b]];
+  const size_t slot = slot_of(&e->work.slots, m->bodies[b]);
   assert(slot < movers_of(e->state));
   return SD_MOVED * slot + (size_t)m->coordinate;
 }
@@ -258,12 +258,12 @@ static void switch_off(engine *e, size_t k) {
   else if (s->step > s->motion_start[k]) {
     assert(s->step >= q->first && s->step - q->first < MOTION_BATCH);
     for (size_t b = 0; b < m->n_bodies; b++)
-      *mover_of(s, e->work.slot[m->bodies[b]]).base[m->coordinate] +=
+      *mover_of(s, slot_of(&e->work.slots, m->bodies[b])).base[m->coordinate] +=
           q->signals.item[k].now.u[s->step - q->first];
   }
   s->motion_start[k] = -1;
   for (size_t b = 0; b < m->n_bodies; b++)
-    if (!is_moved(e, place_of(e, m, b))) rest(e, e->work.slot[m->bodies[b]], m->coordinate);
+    if (!is_moved(e, place_of(e, m, b))) rest(e, slot_of(&e->work.slots, m->bodies[b]), m->coordinate);
 }
 
 static void switch_on(engine *e, size_t k) {

@@ -353,7 +353,7 @@ static void copy_share(const search *q, const share *mine) {
       const size_t k = mine->pairs[list].at + n;
       const uint32_t found = mine->pairs[list].b.at[n];
       p->a[k] = (int32_t)mine->pairs[list].a.at[n];
-      p->b[k] = (int32_t)(q->pieces ? q->e->work.slot[q->e->model->segments[found].body] : found);
+      p->b[k] = (int32_t)(q->pieces ? slot_of(&q->e->work.slots, q->e->model->segments[found].body) : found);
       p->part[k] = q->pieces ? (int32_t)found : 0;
     }
 }

@@ -45,7 +45,8 @@ static void find_watched(engine *e) {
   const pairs *p = &e->work.pairs;
   for (size_t k = 0; k < 2 * e->model->n_slides; k++) {
     const sd_slide_watch *watch = &e->model->slides[k / 2];
-    int32_t d = (int32_t)e->work.slot[watch->disk], q = (int32_t)e->work.slot[watch->partner[k % 2]];
+    int32_t d = (int32_t)slot_of(&e->work.slots, watch->disk),
+            q = (int32_t)slot_of(&e->work.slots, watch->partner[k % 2]);
     e->work.watched[k] = -1;
     const incidence *n = &e->work.incidence;
     for (size_t at = n->start[d]; at < n->start[d + 1]; at++) {
@@ -111,7 +112,7 @@ static void note_reaches(const engine *e, const double low[2], const double high
   if (!(low[0] <= high[0])) return;
   for (size_t k = 0; k < e->model->n_segments; k++) {
     const placed_segment *g = &w->segments[k];
-    const uint32_t b = w->slot[e->model->segments[k].body];
+    const uint32_t b = slot_of(&w->slots, e->model->segments[k].body);
     const double x = g->x - s->x[b], y = g->y - s->y[b];
     const double end = isfinite(g->length) ? hypot(x + g->length * g->tx, y + g->length * g->ty) : HUGE_VAL;
     double *reach = &w->reach[b - s->n_disks];

@@ -8,6 +8,7 @@
 
 #include "base/comm.h"
 #include "base/memory.h"
+#include "model/slot_table.h"
 #include "physics/neighbours/grid.h"
 
 /* --- order of the disks ------------------------------------------------------------------------------ */
@@ -113,11 +114,11 @@ static int by_slots(const void *one, const void *two) {
   return p->part < q->part ? -1 : p->part > q->part;
 }
 
-/* The disk in the lower slot comes first; seen from the other one the contact's direction is reversed. slot: by body, from 1 on. */
-static void turn_contact(const sd_model *m, sd_state *s, size_t k, const uint32_t *slot) {
+/* The disk in the lower slot comes first; seen from the other one the contact's direction is reversed. */
+static void turn_contact(const sd_model *m, sd_state *s, size_t k, const slot_table *slots) {
   uint32_t a = s->contact_a[k], b = s->contact_b[k];
   assert(a < m->n_disks && b < sd_model_bodies(m) && a != b);
-  if (b >= m->n_disks || slot[a] < slot[b]) return;
+  if (b >= m->n_disks || slot_of(slots, a) < slot_of(slots, b)) return;
   s->contact_a[k] = b;
   s->contact_b[k] = a;
   s->contact_ex[k] = -s->contact_ex[k];
@@ -130,20 +131,20 @@ static void turn_contact(const sd_model *m, sd_state *s, size_t k, const uint32_
 
 /* Contacts that a packing brings along may be with disks that are out of reach here: these stand last, and are not listed. Returns how
  * many are. */
-static size_t list_contacts(const sd_model *m, sd_state *s, const uint32_t *slot, contact_place *list,
+static size_t list_contacts(const sd_model *m, sd_state *s, const slot_table *slots, contact_place *list,
                             uint32_t *from) {
   size_t n = 0, last = s->n_contacts;
   for (uint32_t k = 0; k < s->n_contacts; k++) {
-    if (slot[s->contact_a[k]] == 0 || slot[s->contact_b[k]] == 0) {
+    if (slot_of(slots, s->contact_a[k]) == SLOT_NONE || slot_of(slots, s->contact_b[k]) == SLOT_NONE) {
       from[--last] = k;
       continue;
     }
-    turn_contact(m, s, k, slot);
-    uint32_t b = s->contact_b[k];
-    bool piece = b >= m->n_disks && m->walls[b - m->n_disks].kind != SD_WALL_CIRCLE;
-    bool ghost = slot[b] > s->n_free && slot[b] <= s->n_free + s->n_ghosts;
-    assert(slot[s->contact_a[k]] < slot[b]);
-    list[n++] = (contact_place){piece ? 2 : ghost, slot[s->contact_a[k]], slot[b], s->contact_part[k], k};
+    turn_contact(m, s, k, slots);
+    const uint32_t body = s->contact_b[k], a = slot_of(slots, s->contact_a[k]), b = slot_of(slots, body);
+    const bool piece = body >= m->n_disks && m->walls[body - m->n_disks].kind != SD_WALL_CIRCLE,
+               ghost = b >= s->n_free && b < s->n_free + s->n_ghosts;
+    assert(a < b);
+    list[n++] = (contact_place){piece ? 2 : ghost, a, b, s->contact_part[k], k};
   }
   assert(n == last);
   return n;
@@ -152,25 +153,24 @@ static size_t list_contacts(const sd_model *m, sd_state *s, const uint32_t *slot
 sd_status order_contacts(const sd_model *m, sd_state *s) {
   size_t n = s->n_contacts;
   contact_place *list;
-  uint32_t *from, *slot;
+  slot_table slots;
+  uint32_t *from;
   double *scratch;
-  if (!memory_rows(4, (memory_column[]){{&list, n, sizeof *list},
+  if (!slot_table_new(&slots, s, sd_model_bodies(m))) return SD_ERROR_IO;
+  if (!memory_rows(3, (memory_column[]){{&list, n, sizeof *list},
                                         {&from, n, sizeof *from},
-                                        {&slot, sd_model_bodies(m), sizeof *slot},
-                                        {&scratch, n, sizeof *scratch}}))
+                                        {&scratch, n, sizeof *scratch}})) {
+    slot_table_free(&slots);
     return SD_ERROR_IO;
-  for (uint32_t k = 0; k < s->n_bodies; k++) {
-    assert(s->id[k] < sd_model_bodies(m) && slot[s->id[k]] == 0);
-    slot[s->id[k]] = k + 1;
   }
-  n = list_contacts(m, s, slot, list, from);
+  n = list_contacts(m, s, &slots, list, from);
   if (n > 1) qsort(list, n, sizeof *list, by_slots);
   for (size_t k = 0; k < n; k++) from[k] = list[k].from;
   permute_all(s, true, from, scratch);
   s->n_contacts = n;
   free(list);
   free(from);
-  free(slot);
+  slot_table_free(&slots);
   free(scratch);
   return SD_OK;
 }

@@ -32,7 +32,7 @@ static void check_slots(const engine *e) {
   assert(s->n_bodies - s->n_disks == sd_model_bodies(m) - m->n_disks);
   for (size_t slot = 0; slot < s->n_bodies; slot++) {
     const uint32_t id = s->id[slot];
-    assert(id < sd_model_bodies(m) && e->work.slot[id] == slot);
+    assert(id < sd_model_bodies(m) && slot_of(&e->work.slots, id) == slot);
     assert((id < m->n_disks) == (slot < s->n_disks));
     if (slot >= s->n_disks) continue;
     assert(m->disks[id].driven == (slot >= free_disks));

@@ -87,13 +87,13 @@ lanes *lanes_new(bool alone, size_t count, engine *const *system) {
     l->straight[k] = l->b[k] >= s->n_disks && wall_is_straight(&m->walls[l->b[k] - s->n_disks]);
     l->any_straight |= l->straight[k];
   }
-  const uint32_t *slot = system[0]->work.slot;
+  const slot_table *slots = &system[0]->work.slots;
   l->visits = m->measure_configurations;
-  for (size_t k = 0; k < l->n_slides; k++) l->watching[k] = (uint8_t)slot[m->slides[k].disk];
+  for (size_t k = 0; k < l->n_slides; k++) l->watching[k] = (uint8_t)slot_of(slots, m->slides[k].disk);
   for (size_t k = 0; k < l->n_slides; k++)
     for (size_t side = 0; side < 2; side++)
-      l->watched[2 * k + side] =
-          (uint8_t)find_pair(l, slot[m->slides[k].disk], slot[m->slides[k].partner[side]]);
+      l->watched[2 * k + side] = (uint8_t)find_pair(l, slot_of(slots, m->slides[k].disk),
+                                                    slot_of(slots, m->slides[k].partner[side]));
   lay_rows(l);
   if (!alone) l->motion = pose_batch_new(width, count, system);
   return l;

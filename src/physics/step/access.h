@@ -16,9 +16,9 @@
 
 /* --- bodies and box ------------------------------------------------------------------------------------ */
 
-/* Of a body that is here: */
-static inline uint32_t engine_slot(const engine *e, uint32_t body) { return e->work.slot[body]; }
-static inline const uint32_t *engine_slots(const engine *e) { return e->work.slot; } /* of all bodies */
+/* SLOT_NONE: the body is on another rank. */
+static inline uint32_t engine_slot(const engine *e, uint32_t body) { return slot_of(&e->work.slots, body); }
+static inline const slot_table *engine_slots(const engine *e) { return &e->work.slots; }
 /* Of the periodic box as it is now; 0 where it is open. */
 static inline double engine_length(const engine *e, int c) { return e->work.length[c]; }
 static inline double engine_lower(const engine *e, int c) { return e->work.lower[c]; }

@@ -459,7 +459,7 @@ static bool stands_before(const engine *e, size_t c, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   assert(s->contact_a[c] < e->model->n_disks && s->contact_b[c] < sd_model_bodies(e->model));
-  uint32_t a = e->work.slot[s->contact_a[c]], b = e->work.slot[s->contact_b[c]],
+  uint32_t a = slot_of(&e->work.slots, s->contact_a[c]), b = slot_of(&e->work.slots, s->contact_b[c]),
            n_disks = (uint32_t)s->n_disks;
   bool piece = b >= n_disks && e->model->walls[b - n_disks].kind != SD_WALL_CIRCLE;
   if (piece != pairs_is_segment(p, k)) return !piece;

@@ -258,8 +258,7 @@ static sd_status allocate(engine *e, int threads) {
   w->watched = memory_new(2 * m->n_slides, sizeof *w->watched);
   w->threads = memory_lines((size_t)threads * sizeof *w->threads);
   w->n_threads = threads;
-  const memory_column slots = {&w->slot, sd_model_bodies(m) + s->n_clumps, sizeof *w->slot};
-  return memory_rows(1, &slots) ? columns_new(e) : SD_ERROR_IO;
+  return slot_table_new(&w->slots, s, sd_model_bodies(m)) ? columns_new(e) : SD_ERROR_IO;
 }
 
 /* Columns with a row for each free disk. */
@@ -287,18 +286,12 @@ static void touch_first(const team *t, void *with) {
   for (size_t k = 0; k < FREE_COLUMNS; k++) memset(column[k] + from, 0, (to - from) * sizeof(double));
 }
 
-void engine_find_slots(engine *e) {
-  const sd_state *s = e->state;
-  for (uint32_t k = 0; k < s->n_bodies; k++) {
-    assert(s->id[k] < sd_model_bodies(e->model));
-    e->work.slot[s->id[k]] = k;
-  }
-}
+void engine_find_slots(engine *e) { slot_table_fill(&e->work.slots, e->state); }
 
 /* All but lists, contacts and constants of bodies. */
 static sd_status build_bodies(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
-  assert(threads >= 1 && threads <= WORK_MAX_THREADS && !w->slot && e->model->dt > 0.0);
+  assert(threads >= 1 && threads <= WORK_MAX_THREADS && !w->slots.slot && e->model->dt > 0.0);
   if (allocate(e, threads) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   fill_laws(e->model, w);
   w->dt = e->model->dt;
@@ -313,9 +306,6 @@ static sd_status build_bodies(engine *e, int threads, sd_messages *messages) {
   cell_pose(e, e->state->step);
   fill_skin(e, w);
   fill_limit(e, w);
-  engine_find_slots(e);
-  for (uint32_t k = 0; k < e->state->n_clumps; k++)
-    w->slot[e->state->n_bodies + k] = (uint32_t)e->state->n_bodies + k;
   if (clumps_new(e) != SD_OK || body_forces_new(e) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   const sd_status status = motion_new(e, messages);
@@ -363,7 +353,7 @@ void engine_free(engine *e) {
   }
   free(w->threads);
   free(w->laws);
-  free(w->slot);
+  slot_table_free(&w->slots);
   free(w->segments);
   free(w->pieces);
   free(w->watched);

@@ -21,10 +21,10 @@ void engine_fill_contact(sd_state *state, const sd_contact_memory *contact);
 /* Work for e->model and e->state (both set, the rest zero), up to the lists; contacts come from the state. */
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
 void engine_free(engine *e);
-/* By how much the first lists reach further than contacts; later ones: neighbours_tune. */
-double engine_first_skin(const sd_model *model);
 /* Where the disks of the state stand, when it has them in another order. */
 void engine_find_slots(engine *e);
+/* By how much the first lists reach further than contacts; later ones: neighbours_tune. */
+double engine_first_skin(const sd_model *model);
 
 /* At step 0, once the first phase's motions run: contacts that are closed at the start begin
  * (lambda* = lambda) or, where the packing brings them along, go on; accelerations follow from

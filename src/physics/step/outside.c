@@ -133,7 +133,7 @@ static sd_status end_contacts(engine *e, const outside_left *list, size_t n) {
   if (!memory_rows(1, &(memory_column){&gone, slots, sizeof *gone})) return SD_ERROR_IO;
   for (size_t k = 0; k < n; k++) {
     const size_t slot = engine_slot(e, list[k].disk);
-    if (slot < slots && e->state->id[slot] == list[k].disk) gone[slot] = true;
+    if (slot < slots) gone[slot] = true;
   }
   const sd_status status = contacts_end(e, gone);
   free(gone);

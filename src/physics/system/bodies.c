@@ -53,7 +53,7 @@ void bodies_fill_constants(engine *e) {
   }
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
-      uint32_t slot = w->slot[m->motions[k].bodies[b]];
+      uint32_t slot = slot_of(&w->slots, m->motions[k].bodies[b]);
       assert(slot < s->n_bodies + s->n_clumps && m->motions[k].coordinate >= 0 &&
              m->motions[k].coordinate < SD_MOVED);
       if (slot >= s->n_free) continue; /* also clumps: clumps_fill_constants */

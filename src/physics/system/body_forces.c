@@ -80,8 +80,8 @@ void body_forces_fill(engine *e) {
         r->weight[i] = r->turn_weight[i] = 0.0;
     }
     for (size_t n = 0; on && n < r->field->n_disks; n++) {
-      const uint32_t slot = e->work.slot[r->field->disks[n]];
-      if (slot < s->n_free && s->id[slot] == r->field->disks[n]) weigh(s, r, slot);
+      const uint32_t slot = slot_of(&e->work.slots, r->field->disks[n]);
+      if (slot < s->n_free) weigh(s, r, slot);
     }
     if (r->field->kind == SD_FIELD_DAMPING) take_damping(e, r);
   }

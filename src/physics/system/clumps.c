@@ -70,7 +70,7 @@ static void fill_members(engine *e) {
     for (size_t n = 0; n < m->clumps[k].n_disks; n++, at++) {
       const uint32_t disk = m->clumps[k].disks[n];
       const double *offset = m->clump_offsets[(m->clumps[k].disks - m->clump_disks) + (ptrdiff_t)n];
-      c->member[at] = e->work.slot[disk];
+      c->member[at] = slot_of(&e->work.slots, disk);
       assert(c->member[at] < s->n_free);
       c->offset_x[at] = offset[SD_X];
       c->offset_y[at] = offset[SD_Y];
@@ -144,7 +144,7 @@ void clumps_fill_constants(engine *e) {
   e->work.clumps.pushed = pushed;
   for (size_t n = 0; c->count && n < m->n_motions; n++)
     for (size_t b = 0; b < m->motions[n].n_bodies; b++) {
-      const uint32_t slot = e->work.slot[m->motions[n].bodies[b]];
+      const uint32_t slot = slot_of(&e->work.slots, m->motions[n].bodies[b]);
       if (slot >= s->n_bodies)
         ((double *)(uintptr_t)c->columns[m->motions[n].coordinate].inverse)[slot - s->n_bodies] = 0.0;
     }

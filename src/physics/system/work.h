@@ -15,6 +15,7 @@
 #include "base/team.h"
 #include "slipdisk/contact.h"
 #include "model/model.h"
+#include "model/slot_table.h"
 #include "model/state.h"
 
 /* Contact constants of one pair of materials, ready for the law. */
@@ -264,10 +265,8 @@ typedef struct work {
   bool nothing_constant[SD_COORDINATES];                     /* the same is 0 for all */
   columns columns[SD_COORDINATES];
   clumps clumps;
-  void *arena; /* columns of these, and poses when the lists were built */
-  /* [bodies + clumps of the model] slot of a body number; of clump k: bodies + k. Of a body that is not here: 0, so that most of it
-   * is never touched on a rank of many. */
-  uint32_t *slot;
+  void *arena;      /* columns of these, and poses when the lists were built */
+  slot_table slots; /* by body number; of clump k: bodies + k */
   const kernels *kernels;
   int n_threads;
 

@@ -1,0 +1,45 @@
+/* slot_table.c: see slot_table.h. */
+#include "model/slot_table.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+#include "base/memory.h"
+
+void slot_table_free(slot_table *t) {
+  free(t->slot);
+  free(t->body);
+  *t = (slot_table){0};
+}
+
+void slot_table_fill(slot_table *t, const sd_state *s) {
+  for (uint32_t k = 0; t->body && k <= t->mask; k++) t->body[k] = SLOT_NONE;
+  for (uint32_t i = 0; i < s->n_bodies; i++) {
+    uint32_t k = t->body ? s->id[i] & t->mask : s->id[i];
+    while (t->body && t->body[k] != SLOT_NONE) {
+      assert(t->body[k] != s->id[i]);
+      k = (k + 1) & t->mask;
+    }
+    if (t->body) t->body[k] = s->id[i];
+    t->slot[k] = i;
+  }
+  for (uint32_t c = 0; c < s->n_clumps; c++) t->slot[s->n_bodies + c] = (uint32_t)s->n_bodies + c;
+}
+
+bool slot_table_new(slot_table *t, const sd_state *s, size_t n_bodies) {
+  size_t n = n_bodies + s->n_clumps, entries = 0;
+  *t = (slot_table){0};
+  assert(s->n_bodies <= n_bodies && (s->n_bodies == n_bodies || s->n_clumps == 0));
+  if (s->n_bodies < n_bodies) {
+    for (n = 8; n < 2 * s->n_bodies; n *= 2) {}
+    entries = n;
+  }
+  if (!memory_resize(1, &(memory_column){&t->slot, n, sizeof *t->slot})) return false;
+  if (entries > 0 && !memory_resize(1, &(memory_column){&t->body, entries, sizeof *t->body})) {
+    slot_table_free(t);
+    return false;
+  }
+  t->mask = (uint32_t)(n - 1);
+  slot_table_fill(t, s);
+  return true;
+}
