@@ -7,28 +7,21 @@
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "io/results/trajectory.h"
 
 /* Keys of one moment are less than this, see checkpoint_order. */
 static const int64_t MOMENT = INT64_C(1) << 33;
 
-static void add_columns(table *t, const sd_model *model, const observable_list *list, const char *group,
-                        const char *ending) {
+static table *begin(table *t) {
   t->compress = true;
   table_add(t, "key", SD_I64, 0, NULL, "1", "order");
-  for (size_t k = 0; k < list->n; k++) {
-    const observable *o = &list->rows[k];
-    if (o->when && !o->when(model)) continue;
-    const size_t width = o->width;
-    char *path = format_text("%s/%s%s", group, o->name, ending);
-    table_add(t, path, observable_stored(o), width > 1, &width, o->unit, o->meaning);
-    free(path);
-  }
+  return t;
 }
 
 void record_share_new(record_share *r, const sd_model *model) {
   *r = (record_share){.model = model};
-  add_columns(&r->disks, model, &frame_observables, "/disks/particles/disks", "/value");
-  add_columns(&r->contacts, model, &contact_observables, "/contacts/contacts", "");
+  trajectory_add_bodies(begin(&r->disks), model, "/disks/particles/disks", false, 0);
+  trajectory_add_contacts(begin(&r->contacts), "/contacts/contacts");
 }
 
 void record_share_free(record_share *r) {
@@ -40,54 +33,54 @@ size_t record_share_bytes(const record_share *r) {
   return table_bytes(&r->disks) + table_bytes(&r->contacts);
 }
 
-static void put_row(table *t, const sd_model *model, const observable_list *list, int64_t key,
-                    const void *row) {
-  size_t column = 0;
-  memcpy(table_cell(t, column++), &key, sizeof key);
-  for (size_t k = 0; k < list->n; k++) {
-    const observable *o = &list->rows[k];
-    if (!o->when || o->when(model)) table_put(t, column++, 0, o, row, o->width > 1 ? o->width : 1);
-  }
-  assert(column == t->n_columns);
-  table_commit(t, 1);
-}
-
 static int by_number(const void *one, const void *two) {
   const uint64_t p = *(const uint64_t *)one, q = *(const uint64_t *)two;
   return p < q ? -1 : p > q;
 }
 
+static void put_key(table *t, size_t row, int64_t key) {
+  memcpy((int64_t *)table_cell(t, 0) + row, &key, sizeof key);
+}
+
 /* Keys ascend: disks go by their numbers. */
-static sd_status put_disks(record_share *r, const sd_state *s, size_t driven, int64_t first,
+static sd_status put_disks(record_share *r, const moment *now, size_t driven, int64_t first,
                            sd_messages *messages) {
+  const sd_state *s = now->state;
   uint64_t *list;
+  uint32_t *slots;
   size_t n = 0;
-  if (!memory_rows(1, &(memory_column){&list, s->n_disks, sizeof *list}))
+  if (!memory_rows(2,
+                   (memory_column[]){{&list, s->n_disks, sizeof *list}, {&slots, s->n_disks, sizeof *slots}}))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
   for (size_t slot = 0; slot < s->n_disks; slot++)
     if (slot < s->n_free || slot >= driven) list[n++] = (uint64_t)s->id[slot] << 32 | slot;
   qsort(list, n, sizeof *list, by_number);
-  for (size_t k = 0; k < n; k++)
-    put_row(&r->disks, r->model, &frame_observables, first + (int64_t)(list[k] >> 32),
-            &(moment_body){s, (uint32_t)list[k]});
+  for (size_t k = 0; k < n; k++) {
+    put_key(&r->disks, k, first + (int64_t)(list[k] >> 32));
+    slots[k] = (uint32_t)list[k];
+  }
+  trajectory_put_bodies(&r->disks, 1, now, false, n, slots);
+  table_commit(&r->disks, n);
   free(list);
+  free(slots);
   return SD_OK;
 }
 
 sd_status record_share_sample(record_share *r, unsigned what, const sd_state *s, size_t driven,
                               const slot_table *slots, const checkpoint_order *order, int64_t frame,
                               int64_t moment_number, sd_messages *messages) {
-  const int64_t n_disks = (int64_t)r->model->n_disks;
+  const moment now = {.model = r->model, .state = s, .slots = slots};
   sd_status status = SD_OK;
   if (what & RECORD_FRAMES) status = table_reserve(&r->disks, s->n_disks, messages);
   if (what & RECORD_CONTACTS && status == SD_OK)
     status = table_reserve(&r->contacts, s->n_contacts, messages);
-  if (status != SD_OK) return status;
-  if (what & RECORD_FRAMES) status = put_disks(r, s, driven, frame * n_disks, messages);
-  if (status != SD_OK) return status;
-  for (size_t c = 0; what & RECORD_CONTACTS && c < s->n_contacts; c++)
-    put_row(&r->contacts, r->model, &contact_observables, moment_number * MOMENT + order->contact_key[c],
-            &(moment_contact){r->model, s, slots, order->contact[c]});
+  if (what & RECORD_FRAMES && status == SD_OK)
+    status = put_disks(r, &now, driven, frame * (int64_t)r->model->n_disks, messages);
+  if (status != SD_OK || !(what & RECORD_CONTACTS) || s->n_contacts == 0) return status;
+  for (size_t c = 0; c < s->n_contacts; c++)
+    put_key(&r->contacts, c, moment_number * MOMENT + order->contact_key[c]);
+  trajectory_put_contacts(&r->contacts, 1, &now, s->n_contacts, order->contact);
+  table_commit(&r->contacts, s->n_contacts);
   return SD_OK;
 }
 

@@ -35,16 +35,35 @@ static bool has_row(const observable *o, const sd_model *model, bool walls) {
   return !o->when || (!walls && o->when(model));
 }
 
+void trajectory_add_bodies(table *t, const sd_model *model, const char *group, bool walls, size_t n) {
+  for (size_t k = 0; k < frame_observables.n; k++) {
+    const observable *o = &frame_observables.rows[k];
+    if (has_row(o, model, walls)) table_add_observable(t, group, o, "/value", n);
+  }
+}
+
+size_t trajectory_put_bodies(table *t, size_t column, const moment *now, bool walls, size_t n,
+                             const uint32_t *slots) {
+  const size_t first = walls ? now->model->n_disks : 0;
+  for (size_t k = 0; k < frame_observables.n; k++) {
+    const observable *o = &frame_observables.rows[k];
+    if (!has_row(o, now->model, walls)) continue;
+    for (size_t i = 0; i < n; i++) {
+      const uint32_t slot = slots ? slots[i] : slot_of(now->slots, (uint32_t)(first + i));
+      table_put(t, column, i, o, &(moment_body){now->state, slot}, o->width);
+    }
+    column++;
+  }
+  return column;
+}
+
 void trajectory_new_bodies(table *t, const sd_model *model, bool walls, bool shared) {
   const char *group = walls ? "/particles/walls" : "/particles/disks";
   const size_t n = walls ? model->n_walls : model->n_disks, two = 2;
   t->compress = true;
   if (n == 0) return;
   table_add_clock(t, walls ? "/particles/walls/position" : "/particles/disks/position");
-  for (size_t k = 0; k < frame_observables.n && !shared; k++) {
-    const observable *o = &frame_observables.rows[k];
-    if (has_row(o, model, walls)) table_add_observable(t, group, o, "/value", n);
-  }
+  if (!shared) trajectory_add_bodies(t, model, group, walls, n);
   if (!series_compresses(model)) return;
   const char *edges = walls ? "/particles/walls/box/edges/value" : "/particles/disks/box/edges/value";
   const char *scale = walls ? "/particles/walls/box/scale/value" : "/particles/disks/box/scale/value";
@@ -62,15 +81,8 @@ sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, bool
   if (status != SD_OK) return status;
   const sd_model *model = now->model;
   size_t column = table_put_clock(t, now->state->step, model->dt);
-  size_t first = walls ? model->n_disks : 0, n = walls ? model->n_walls : model->n_disks;
-  for (size_t k = 0; k < frame_observables.n && !shared; k++) {
-    const observable *o = &frame_observables.rows[k];
-    if (!has_row(o, model, walls)) continue;
-    for (size_t i = 0; i < n; i++)
-      table_put(t, column, i, o, &(moment_body){now->state, slot_of(now->slots, (uint32_t)(first + i))},
-                o->width);
-    column++;
-  }
+  if (!shared)
+    column = trajectory_put_bodies(t, column, now, walls, walls ? model->n_walls : model->n_disks, NULL);
   if (series_compresses(model)) {
     double edges[2][2], gradient[SD_CELL_COMPONENTS];
     const bool deforms = cell_deforms(model);
@@ -114,12 +126,23 @@ sd_status trajectory_sample_clumps(table *t, const moment *now, sd_messages *mes
 
 /* --- contacts ------------------------------------------------------------------------------------- */
 
+void trajectory_add_contacts(table *rows, const char *group) {
+  for (size_t k = 0; k < contact_observables.n; k++)
+    table_add_observable(rows, group, &contact_observables.rows[k], "", 0);
+}
+
+void trajectory_put_contacts(table *rows, size_t column, const moment *now, size_t n, const uint32_t *which) {
+  for (size_t k = 0; k < contact_observables.n; k++)
+    for (size_t c = 0; c < n; c++)
+      table_put(rows, column + k, c, &contact_observables.rows[k],
+                &(moment_contact){now->model, now->state, now->slots, which ? which[c] : c}, 1);
+}
+
 void trajectory_new_contacts(table *index, table *rows, bool shared) {
   rows->compress = true;
   table_add_clock(index, "/contacts");
   table_add(index, "/contacts/count", SD_I64, 0, NULL, "1", "closed contacts at this step");
-  for (size_t k = 0; k < contact_observables.n && !shared; k++)
-    table_add_observable(rows, "/contacts", &contact_observables.rows[k], "", 0);
+  if (!shared) trajectory_add_contacts(rows, "/contacts");
 }
 
 sd_status trajectory_sample_contacts(table *index, table *rows, const moment *now, size_t count,
@@ -131,10 +154,7 @@ sd_status trajectory_sample_contacts(table *index, table *rows, const moment *no
   const int64_t all = (int64_t)count;
   memcpy(table_cell(index, table_put_clock(index, now->state->step, now->model->dt)), &all, sizeof all);
   table_commit(index, 1);
-  for (size_t k = 0; n > 0 && k < contact_observables.n; k++)
-    for (size_t c = 0; c < n; c++)
-      table_put(rows, k, c, &contact_observables.rows[k],
-                &(moment_contact){now->model, now->state, now->slots, c}, 1);
+  if (n > 0) trajectory_put_contacts(rows, 0, now, n, NULL);
   table_commit(rows, n);
   return SD_OK;
 }

@@ -44,9 +44,10 @@ void table_add_clock(table *t, const char *element) {
 
 void table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n) {
   const size_t dims[2] = {n, o->width};
-  int rank = n == 0 ? 0 : o->width == 1 || o->width >= OBSERVABLE_CHOSEN ? 1 : 2;
+  const int values = o->width == 1 || o->width >= OBSERVABLE_CHOSEN ? 0 : 1,
+            rank = n > 0 ? 1 + values : values;
   char *path = format_text("%s/%s%s", group, o->name, ending);
-  table_add(t, path, observable_stored(o), rank, dims, o->unit, o->meaning);
+  table_add(t, path, observable_stored(o), rank, n > 0 ? dims : dims + 1, o->unit, o->meaning);
   free(path);
 }
 
