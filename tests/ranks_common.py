@@ -220,8 +220,8 @@ disks = ( {{ name = "big"; x = 29; y = 12; radius = 2; density = 1.27; fixed = t
 packings = ( {{ type = "front"; count = 8003; tiles = 7; y = (0.1, 50); sizes = "list"; radii = (0.2, 0.28); density = 1.27; group = "grains"; }} );
 motions = ( {{ wall = "floor"; coordinate = "y"; type = "harmonic"; amplitude = 0.05; frequency = 5; }} );
 phases = ( {{ name = "fall"; steps = 300; series = 50; frames = 100; contacts = 150; }},
-           {{ name = "more"; steps = 300; series = 50; frames = 300; }} );
-measure = {{ groups = true; walls = true; }};
+           {{ name = "more"; measure = true; steps = 300; series = 50; frames = 300; }} );
+measure = {{ disks = true; groups = true; walls = true; }};
 """
 LEVELS = f"""
 title = "levels"; integrator = "verlet"; dt = 2e-4; gravity = {{ g = 1; }}; checkpoint = 1e6;

@@ -48,8 +48,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   if (status == SD_OK) provenance_read(&origin, file);
   h5_close(file, NULL);
   if (status == SD_OK && comm_rank(comm_world()) == 0)
-    status = simulation_model_of(&origin, &model, messages);
-  if (status == SD_OK && comm_world() && model) status = ranks_suit(model, messages);
+    status = simulation_model_of(&origin, comm_world() ? ranks_suit : NULL, &model, messages);
   status = drive_agree(status, messages);
   if (status == SD_OK) {
     again = format_text("resume %s", p.result);

@@ -74,7 +74,6 @@ const char *model_needs_tiles(const sd_model *m) {
     return "other disks follow, or clumps";
   if (m->tiles.sample < FEW) return "tiles have fewer than 1000 disks";
   if (m->n_memories > 0) return "contacts come from a file";
-  if (m->measure_disks) return "measure.disks = true";
   if (names_disks(m)) return "the deck speaks of single disks of it";
   if (asks_all(m)) return "a motion depends on all disks";
   if (m->tiles.kind == SD_PACKING_RAIN && !(m->rains[m->n_rains - 1].batch < m->tiles.sample))

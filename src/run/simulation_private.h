@@ -2,6 +2,7 @@
 #ifndef SLIPDISK_RUN_SIMULATION_PRIVATE_H
 #define SLIPDISK_RUN_SIMULATION_PRIVATE_H
 
+#include "io/deck/deck.h"
 #include "io/results/provenance.h"
 #include "physics/system/work.h"
 #include "slipdisk/simulation.h"
@@ -62,8 +63,10 @@ int64_t observers_room(const sd_simulation *simulation, int64_t most);
 sd_status observers_call(sd_simulation *simulation, sd_messages *messages);
 
 /* --- simulation_store.c ------------------------------------------------------------------------------ */
-/* The model of the deck that a checkpoint or a result holds. */
-sd_status simulation_model_of(const provenance *origin, sd_model **out, sd_messages *messages);
+/* The model of the deck that a checkpoint or a result holds. suits: for ranks (deck_load_for_ranks); NULL:
+ * for one process. */
+sd_status simulation_model_of(const provenance *origin, deck_suits *suits, sd_model **out,
+                              sd_messages *messages);
 
 /* Below this many free disks a thread costs more than it does. */
 enum { SIMULATION_DISKS_PER_THREAD = 1000 };

@@ -103,12 +103,15 @@ static const char **split(char *text, size_t *n) {
   return list;
 }
 
-sd_status simulation_model_of(const provenance *origin, sd_model **out, sd_messages *messages) {
+sd_status simulation_model_of(const provenance *origin, deck_suits *suits, sd_model **out,
+                              sd_messages *messages) {
   char *path = provenance_deck(origin->deck_path, origin->directory),
        *lines = memory_text(origin->deck_overrides);
   size_t n = 0;
   const char **overrides = split(lines, &n);
-  sd_status status = sd_deck_load_text(origin->deck_text, path, n, overrides, out, messages);
+  const sd_status status =
+      suits ? deck_load_text_for_ranks(origin->deck_text, path, n, overrides, suits, out, messages)
+            : sd_deck_load_text(origin->deck_text, path, n, overrides, out, messages);
   free(overrides);
   free(lines);
   free(path);
@@ -132,7 +135,7 @@ static sd_status get_image(const h5_file *file, sd_model **out, sd_messages *mes
 static sd_status get_deck(const h5_file *file, sd_model **out, sd_messages *messages) {
   provenance origin;
   provenance_read(&origin, file);
-  sd_status status = simulation_model_of(&origin, out, messages);
+  sd_status status = simulation_model_of(&origin, NULL, out, messages);
   if (status == SD_OK && origin.inputs != 0 && origin.inputs != provenance_inputs(*out))
     status =
         sd_fail(messages, SD_ERROR_USER, "the files that the deck reads have changed since the run began");

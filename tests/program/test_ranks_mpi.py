@@ -320,7 +320,7 @@ disk_files = ( {{ file = "t.h5"; dataset = "t"; columns = ("x", "y"); radius = 0
         self.assertEqual(process.returncode, 75)
         status, out, err = run(2, "resume", result, "--quiet")
         self.assertEqual((status, err.count("error: ")), (2, 1), err)
-        self.assertIn("error: measure.rotation: means of single disks", err)
+        self.assertIn("begun.cfg:1: measure.rotation: means of single disks", err)
         status, out, err = run(2, "run", self.deck("pressed"), "--live", "--quiet", "-o", self.folder / "live.h5")
         self.assertEqual((status, err.count("error: ")), (2, 1), err)
         self.assertIn("--live shows the disks of one process", err)

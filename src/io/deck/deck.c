@@ -363,10 +363,11 @@ static const char *leave_tiles(sd_model *m, const sd_messages *told) {
   return NULL;
 }
 
-sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
-                              deck_suits *suits, sd_model **out, sd_messages *messages) {
+sd_status deck_load_text_for_ranks(const char *text, const char *path, size_t n_overrides,
+                                   const char *const *overrides, deck_suits *suits, sd_model **out,
+                                   sd_messages *messages) {
   sd_messages *own = sd_messages_new();
-  load(path, n_overrides, overrides, (model_task){.leave_tiles = true, .suits = suits}, out, own);
+  load_text(text, path, n_overrides, overrides, (model_task){.leave_tiles = true, .suits = suits}, out, own);
   /* a disk that is not there is a mistake where the deck speaks of it */
   const char *why = *out ? leave_tiles(*out, own) : "the deck speaks of single disks of it";
   for (size_t k = 0; !why && k < sd_messages_count(own); k++)
@@ -374,8 +375,19 @@ sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *
   sd_messages_free(own);
   if (!why) return SD_OK;
   sd_model_free(*out);
-  *out = NULL;
-  const sd_status status = load(path, n_overrides, overrides, (model_task){.suits = suits}, out, messages);
+  const sd_status status =
+      load_text(text, path, n_overrides, overrides, (model_task){.suits = suits}, out, messages);
   if (*out) warn_of_tiles(&(*out)->tiles, why, messages);
+  return status;
+}
+
+sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
+                              deck_suits *suits, sd_model **out, sd_messages *messages) {
+  sd_status status;
+  char *text = deck_file_text(path, messages, &status);
+  *out = NULL;
+  if (text)
+    status = deck_load_text_for_ranks(text, deck_source(path), n_overrides, overrides, suits, out, messages);
+  free(text);
   return status;
 }

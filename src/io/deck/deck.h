@@ -79,6 +79,10 @@ typedef sd_status deck_suits(const sd_model *model, sd_messages *messages);
  * (model/tiles.h). suits may be NULL. */
 sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
                               deck_suits *suits, sd_model **out, sd_messages *messages);
+/* As sd_deck_load_text, likewise. */
+sd_status deck_load_text_for_ranks(const char *text, const char *path, size_t n_overrides,
+                                   const char *const *overrides, deck_suits *suits, sd_model **out,
+                                   sd_messages *messages);
 
 /* The disks of one part of model->tiles, of a file, and their places in it (model_tile_begin says how many); inputs: their part of
  * tiles.inputs. SD_ERROR_IO, SD_ERROR_USER: it cannot be read, or has changed. */
