@@ -43,11 +43,12 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
     place_free(&p);
     return SD_OK;
   }
-  if (status == SD_OK) status = place_open_checkpoint(&p, &file, &checkpoint, messages);
-  if (status == SD_OK) status = checkpoint_check_format(file, checkpoint, messages);
-  if (status == SD_OK) provenance_read(&origin, file);
+  const bool leads = comm_rank(comm_world()) == 0;
+  if (status == SD_OK && leads) status = place_open_checkpoint(&p, &file, &checkpoint, messages);
+  if (status == SD_OK && leads) status = checkpoint_check_format(file, checkpoint, messages);
+  if (status == SD_OK && leads) provenance_read(&origin, file);
   h5_close(file, NULL);
-  if (status == SD_OK && comm_rank(comm_world()) == 0)
+  if (status == SD_OK && leads)
     status = simulation_model_of(&origin, comm_world() ? ranks_suit : NULL, &model, messages);
   status = drive_agree(status, messages);
   if (status == SD_OK) {
