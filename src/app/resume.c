@@ -31,37 +31,45 @@ const command_line app_resume_line = {
             "checkpoint in it. The deck is not needed.\n",
     .examples = "slipdisk resume deck.h5                 # without the deck, with all keys that it had\n"};
 
-static int resume(const char *name, drive_options *drive, sd_messages *messages) {
-  place p;
+/* What rank 0 alone looks at. model NULL: the run is finished. */
+static sd_status find_model(const place *p, sd_model **model, sd_messages *messages) {
   h5_file *file = NULL;
-  char *checkpoint = NULL, *again = NULL;
+  char *checkpoint = NULL;
   provenance origin = {0};
-  sd_model *model = NULL;
-  sd_status status = place_find(&p, name, messages);
-  if (status == SD_OK && !file_is_folder(p.folder)) {
-    if (!drive->quiet && comm_rank(comm_world()) == 0) app_line(stderr, "%s is finished already", p.result);
-    place_free(&p);
-    return SD_OK;
-  }
-  const bool leads = comm_rank(comm_world()) == 0;
-  if (status == SD_OK && leads) status = place_open_checkpoint(&p, &file, &checkpoint, messages);
-  if (status == SD_OK && leads) status = checkpoint_check_format(file, checkpoint, messages);
-  if (status == SD_OK && leads) provenance_read(&origin, file);
+  if (!file_is_folder(p->folder)) return SD_OK;
+  sd_status status = place_open_checkpoint(p, &file, &checkpoint, messages);
+  if (status == SD_OK) status = checkpoint_check_format(file, checkpoint, messages);
+  if (status == SD_OK) provenance_read(&origin, file);
   h5_close(file, NULL);
-  if (status == SD_OK && leads)
-    status = simulation_model_of(&origin, comm_world() ? ranks_suit : NULL, &model, messages);
+  if (status == SD_OK)
+    status = simulation_model_of(&origin, comm_world() ? ranks_suit : NULL, model, messages);
+  provenance_free(&origin);
+  free(checkpoint);
+  return status;
+}
+
+static int resume(const char *name, drive_options *drive, sd_messages *messages) {
+  const comm *c = comm_world();
+  const bool leads = comm_rank(c) == 0;
+  place p = {0};
+  sd_model *model = NULL;
+  int status = leads ? place_find(&p, name, messages) : SD_OK;
+  if (status == SD_OK && leads) status = find_model(&p, &model, messages);
+  int32_t finished[1] = {status == SD_OK && !model};
   status = drive_agree(status, messages);
-  if (status == SD_OK) {
-    again = format_text("resume %s", p.result);
-    drive->result = p.result;
+  comm_share(c, finished, sizeof finished);
+  if (status == SD_OK && finished[0]) {
+    if (!drive->quiet && leads) app_line(stderr, "%s is finished already", p.result);
+  } else if (status == SD_OK) {
+    char *result = comm_text(c, p.result), *again = format_text("resume %s", result);
+    drive->result = result;
     drive->again = again;
     status = drive_run(model, drive, messages);
+    free(result);
+    free(again);
   }
   sd_model_free(model);
-  provenance_free(&origin);
   place_free(&p);
-  free(checkpoint);
-  free(again);
   return status;
 }
 

@@ -125,6 +125,15 @@ void comm_share(const comm *c, void *data, size_t bytes) {
   c->kind->share(c, data, bytes);
 }
 
+char *comm_text(const comm *c, const char *text) {
+  const bool mine = comm_rank(c) == 0;
+  uint64_t bytes[1] = {mine ? strlen(text) + 1 : 0};
+  comm_share(c, bytes, sizeof bytes);
+  char *same = mine ? memory_text(text) : memory_new((size_t)bytes[0], 1);
+  comm_share(c, same, (size_t)bytes[0]);
+  return same;
+}
+
 unsigned comm_or(const comm *c, unsigned bits) {
   if (!c) return bits;
   meet(c);

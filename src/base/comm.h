@@ -48,6 +48,8 @@ void comm_on_fail(void (*tell)(const char *why));
  * not spin. */
 int comm_max(const comm *c, int value);
 void comm_share(const comm *c, void *data, size_t bytes);
+/* The text that rank 0 has, on all ranks, to be freed; others may give NULL. */
+char *comm_text(const comm *c, const char *text);
 /* Bits that any rank has set. */
 unsigned comm_or(const comm *c, unsigned bits);
 /* The status on which all ranks agree: SD_OK when it is that of each. */
@@ -96,6 +98,7 @@ void comm_links_free(comm_links *links);
 void comm_at(const char *place);
 #define comm_max(...) (COMM_HERE, comm_max(__VA_ARGS__))
 #define comm_share(...) (COMM_HERE, comm_share(__VA_ARGS__))
+#define comm_text(...) (COMM_HERE, comm_text(__VA_ARGS__))
 #define comm_or(...) (COMM_HERE, comm_or(__VA_ARGS__))
 #define comm_agree(...) (COMM_HERE, comm_agree(__VA_ARGS__))
 #define comm_wait(...) (COMM_HERE, comm_wait(__VA_ARGS__))

@@ -18,6 +18,7 @@
 #include "physics/step/access.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
+#include "physics/step/speed.h"
 #include "physics/system/halo.h"
 #include "run/loop.h"
 #include "run/ranks_first.h"
@@ -64,12 +65,12 @@ ranks *ranks_new(const comm *c, engine *part, volatile sig_atomic_t *stop) {
 }
 
 static void drop_part(ranks *r) {
-  if (!r->part->state) return;
-  halo *h = r->part->halo;
-  engine_free(r->part);
+  engine *e = r->part;
+  halo *h = e->halo;
+  if (e->state) engine_free(e);
   halo_free(h);
-  sd_state_free(r->part->state);
-  *r->part = (engine){.model = r->model};
+  sd_state_free(e->state);
+  *e = (engine){.model = r->model};
 }
 
 void ranks_free(ranks *r) {
@@ -243,25 +244,39 @@ sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads, 
   return status;
 }
 
-/* The first body that was too fast, of all ranks, and the fastest of that step: on each of them. */
-static void share_fast(ranks *r) {
-  typedef struct fast {
-    int64_t step, disk;
-    double displacement;
-  } fast;
-  sd_state *s = r->part->state;
-  const fast mine = {s->fast_step, s->fast_disk, s->fast_displacement};
-  const size_t n = (size_t)comm_size(r->comm);
-  fast *all = memory_new(n, sizeof *all), first = mine;
-  comm_gather_one(r->comm, &mine, all, sizeof mine);
-  for (size_t q = 0; q < n; q++) {
-    const bool earlier = all[q].step >= 0 && (first.step < 0 || all[q].step < first.step);
-    if (earlier || (all[q].step == first.step && all[q].displacement > first.displacement)) first = all[q];
-  }
-  s->fast_step = first.step;
-  s->fast_disk = first.disk;
-  s->fast_displacement = first.displacement;
+/* A body that was too fast. */
+typedef struct fast {
+  int64_t step, disk;
+  double displacement;
+  uint32_t order; /* of a free disk in the whole; prescribed bodies behind them */
+} fast;
+
+static fast fast_of(const engine *e) {
+  const sd_state *s = e->state;
+  const uint32_t slot = s->fast_step < 0 ? SLOT_NONE : engine_slot(e, (uint32_t)s->fast_disk);
+  return (fast){s->fast_step, s->fast_disk, s->fast_displacement,
+                slot < s->n_free ? e->halo->order[slot] : UINT32_MAX};
+}
+
+static bool is_before(const fast *a, const fast *b) {
+  if (a->step < 0 || b->step < 0) return a->step >= 0 && b->step < 0;
+  if (a->step != b->step) return a->step < b->step;
+  return a->displacement != b->displacement ? a->displacement > b->displacement : a->order < b->order;
+}
+
+/* The first of all ranks, of one step the fastest, on each of them; none is looked for any more then. */
+static void share_fast(engine *e) {
+  const fast mine = fast_of(e);
+  fast *all = memory_new((size_t)comm_size(e->comm), sizeof *all);
+  comm_gather_one(e->comm, &mine, all, sizeof mine);
+  fast first = all[0];
+  for (int q = 1; q < comm_size(e->comm); q++)
+    if (is_before(&all[q], &first)) first = all[q];
   free(all);
+  e->state->fast_step = first.step;
+  e->state->fast_disk = first.disk;
+  e->state->fast_displacement = first.displacement;
+  speed_begin(e);
 }
 
 /* Equal ones are found from both sides of a border: that of the first rank stands. */
@@ -285,7 +300,9 @@ static sd_status start_part(ranks *r) {
     advice_tell_overlap(r->model, &r->deepest, r->messages);
   }
   loop_begin_phase(e);
-  return loop_start(e, r->messages);
+  const sd_status status = loop_start(e, r->messages);
+  share_fast(e);
+  return status;
 }
 
 sd_status ranks_start(ranks *r, int threads, sd_messages *messages) {
@@ -301,7 +318,7 @@ sd_status ranks_start(ranks *r, int threads, sd_messages *messages) {
 
 sd_status ranks_advance(ranks *r, int64_t n, sd_messages *messages) {
   const sd_status status = tell(r, advance(r, n), messages);
-  share_fast(r);
+  share_fast(r->part);
   if (r->bits & HALO_STOP && r->stop) *r->stop = 1;
   return status;
 }
@@ -318,19 +335,10 @@ const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
   return tell(r, status, messages) == SD_OK ? &r->sums : NULL;
 }
 
-/* The path that rank 0 has, on all; to be freed. */
-static char *share_path(const comm *c, const char *path) {
-  uint64_t length[1] = {path ? strlen(path) + 1 : 0};
-  comm_share(c, length, sizeof length);
-  char *same = path ? memory_text(path) : memory_new((size_t)length[0], 1);
-  comm_share(c, same, (size_t)length[0]);
-  return same;
-}
-
 /* Each rank writes its share of a checkpoint, or (rows) of a part. */
 static sd_status write_share(ranks *r, bool rows, const char *path, int64_t *seals, sd_messages *messages) {
   int64_t sum = 0;
-  char *head = share_path(r->comm, path), *share = h5_share_path(head, (size_t)comm_rank(r->comm));
+  char *head = comm_text(r->comm, path), *share = h5_share_path(head, (size_t)comm_rank(r->comm));
   const sd_status status = comm_agree(r->comm, rows ? record_share_seal(&r->rows, share, &sum, r->messages)
                                                     : ranks_write_share(r->part, share, &sum, r->messages));
   if (status == SD_OK)

@@ -2,7 +2,6 @@
 #include "run/ranks_columns.h"
 
 #include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/comm.h"

@@ -2,9 +2,7 @@
 #include "run/ranks_first.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/comm.h"
 #include "base/memory.h"

@@ -4,11 +4,9 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/comm.h"
 #include "base/memory.h"
-#include "model/cell.h"
 #include "model/laws.h"
 #include "physics/neighbours/order.h"
 #include "physics/step/access.h"
@@ -237,6 +235,7 @@ static int32_t *look_up_owners(const shares *p) {
   directory_get(&d, 2 * n, number, found);
   directory_free(&d);
   for (size_t k = 0; k < n; k++) {
+    while (found[k] == 0) comm_fail(p->comm, "a contact is of no free disk");
     found[k] -= 1;
     found[n + k] = found[n + k] > 0 ? found[n + k] - 1 : found[k];
   }

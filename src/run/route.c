@@ -33,9 +33,9 @@ sd_status route_new(route *r, const comm *c, size_t n, const uint32_t *row, cons
                .from = memory_new(ranks, sizeof *r->from)};
   if (!memory_resize(1, (memory_column[]){{&r->row, n, sizeof *r->row}})) return SD_ERROR_IO;
   size_t *at = memory_new(ranks + 1, sizeof *at);
-  for (size_t k = 0; k < n; k++) r->to[rank ? rank[k] : 0]++;
+  for (size_t k = 0; k < n; k++) r->to[rank[k]]++;
   for (size_t q = 0; q < ranks; q++) at[q + 1] = at[q] + (size_t)r->to[q];
-  for (size_t k = 0; k < n; k++) r->row[at[rank ? rank[k] : 0]++] = row ? row[k] : (uint32_t)k;
+  for (size_t k = 0; k < n; k++) r->row[at[rank[k]]++] = row ? row[k] : (uint32_t)k;
   free(at);
   return SD_OK;
 }

@@ -29,7 +29,7 @@ typedef struct route_column {
 /* n rows that are all zero, to be freed. Without memory the job ends: the other ranks would wait. */
 void *route_room(const comm *c, size_t n, size_t size);
 
-/* Row row[k] goes to rank[k]; row NULL: row k; rank NULL: all go to rank 0. SD_ERROR_IO: no memory.
+/* Row row[k] goes to rank[k]; row NULL: row k. SD_ERROR_IO: no memory.
  * Then, on every rank, route_count. */
 sd_status route_new(route *r, const comm *c, size_t n, const uint32_t *row, const int *rank);
 void route_count(route *r);

@@ -20,7 +20,6 @@
 #include "io/results/merge.h"
 #include "pack/rain.h"
 #include "pack/settle.h"
-#include "physics/step/access.h"
 #include "run/ranks_share.h"
 #include "run/session_private.h"
 #include "run/simulation_private.h"
@@ -202,11 +201,24 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
   return status;
 }
 
+/* What an earlier try has left, perhaps with more ranks. */
+static void drop_emergency(const session *s, const char *path) {
+  bool there = true;
+  file_remove(s->parts_folder.at, path, NULL);
+  for (size_t k = 0; there; k++) {
+    char *share = h5_share_path(path, k);
+    there = file_exists(share);
+    if (there) file_remove(s->parts_folder.at, share, NULL);
+    free(share);
+  }
+}
+
 /* The state in which something went wrong, for inspection; the good checkpoints stay. */
 static void keep_emergency(session *s, sd_messages *messages) {
   if (simulation_store(s->simulation, false, messages) != SD_OK) return;
   const int64_t step = sd_simulation_step(s->simulation);
   char *path = session_leads(s) ? folder_emergency(s->parts_folder.path, step) : NULL;
+  if (path) drop_emergency(s, path);
   if (write_state(s, path, messages) == SD_OK && path)
     sd_warn(messages, "the state at step %" PRId64 " is kept as %s; the last good one is step %" PRId64, step,
             path, s->saved_step);
@@ -234,8 +246,7 @@ sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
   }
   record *r = spread ? &s->shared : &s->rows;
   if (session_leads(s))
-    status =
-        record_sample(r, what, state_of(s), engine_slots(simulation_engine(s->simulation)), &now, messages);
+    status = record_sample(r, what, state_of(s), simulation_slots(s->simulation), &now, messages);
   return agree(s, status);
 }
 

@@ -5,7 +5,6 @@
 #include <assert.h>
 #include <errno.h>
 #include <inttypes.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -23,8 +22,6 @@
 #include "run/ranks_failure.h"
 #include "run/session_private.h"
 #include "run/simulation_private.h"
-
-enum { CHECKED_AT_ONCE = 4096 }; /* disks */
 
 /* run_id of a finished result, to be freed; NULL when there is no readable one. */
 static char *finished_id(const char *result) {
@@ -76,34 +73,43 @@ static sd_status check_deck(const session *s, sd_messages *messages) {
   return SD_ERROR_USER;
 }
 
-/* Disks in slots [first, first + n) of the checkpoint are those of the model. */
-static sd_status check_disks(const session *s, const h5_file *file, size_t first, size_t n,
+/* Some disks of a checkpoint. */
+typedef struct some_disks {
+  uint32_t *id;
+  double *radius, *mass;
+} some_disks;
+
+/* Those in slots [first, first + n) are those of the model. */
+static sd_status check_disks(const session *s, const h5_file *file, size_t first, size_t n, some_disks *d,
                              sd_messages *messages) {
-  uint32_t id[CHECKED_AT_ONCE];
-  double radius[CHECKED_AT_ONCE], mass[CHECKED_AT_ONCE];
-  assert(n <= CHECKED_AT_ONCE);
-  sd_status status = h5_get_values(file, "/state/id", SD_U32, first, n, 1, id, messages);
-  if (status == SD_OK) status = h5_get_values(file, "/state/radius", SD_F64, first, n, 1, radius, messages);
-  if (status == SD_OK) status = h5_get_values(file, "/state/mass", SD_F64, first, n, 1, mass, messages);
+  sd_status status = h5_get_values(file, "/state/id", SD_U32, first, n, 1, d->id, messages);
+  if (status == SD_OK)
+    status = h5_get_values(file, "/state/radius", SD_F64, first, n, 1, d->radius, messages);
+  if (status == SD_OK) status = h5_get_values(file, "/state/mass", SD_F64, first, n, 1, d->mass, messages);
   for (size_t k = 0; status == SD_OK && k < n; k++) {
-    if (id[k] >= model_held(s->model)) continue;
-    const sd_disk *disk = &s->model->disks[id[k]];
-    if (disk->radius == radius[k] && disk->mass == mass[k]) continue;
+    if (d->id[k] >= model_held(s->model)) continue;
+    const sd_disk *disk = &s->model->disks[d->id[k]];
+    if (disk->radius == d->radius[k] && disk->mass == d->mass[k]) continue;
     status =
         sd_fail(messages, SD_ERROR_USER,
                 "disk %u is not the one that %s was started with: a file that the deck names has changed",
-                id[k], s->result);
+                d->id[k], s->result);
   }
   return status;
 }
 
 /* So must the files that it names. */
 static sd_status check_inputs(const session *s, const h5_file *file, sd_messages *messages) {
-  const size_t bodies = sd_model_bodies(s->model);
+  enum { AT_ONCE = 1 << 18 };
+  const size_t bodies = sd_model_bodies(s->model), most = bodies < AT_ONCE ? bodies : AT_ONCE;
+  some_disks d = {memory_new(most, sizeof *d.id), memory_new(most, sizeof *d.radius),
+                  memory_new(most, sizeof *d.mass)};
   sd_status status = SD_OK;
-  for (size_t at = 0; status == SD_OK && at < bodies; at += CHECKED_AT_ONCE)
-    status =
-        check_disks(s, file, at, bodies - at < CHECKED_AT_ONCE ? bodies - at : CHECKED_AT_ONCE, messages);
+  for (size_t at = 0; status == SD_OK && at < bodies; at += most)
+    status = check_disks(s, file, at, bodies - at < most ? bodies - at : most, &d, messages);
+  free(d.id);
+  free(d.radius);
+  free(d.mass);
   if (status == SD_OK && s->origin.inputs != 0 && s->origin.inputs != provenance_inputs(s->model))
     return sd_fail(
         messages, SD_ERROR_USER,
@@ -264,7 +270,7 @@ static sd_status begin_again(session *s, sd_state *state, sd_messages *messages)
   if (status == SD_OK)
     status = simulation_resume(s->model, state, order, s->options.threads, SIMULATION_SUITABLE,
                                s->options.comm, s->options.stop, &s->simulation, messages);
-  if (status == SD_OK) s->began = s->step = s->told_step = s->saved_step;
+  if (status == SD_OK) s->began = s->step = s->saved_step = s->told_step = sd_simulation_step(s->simulation);
   if (status == SD_OK && session_leads(s)) warn_of_ranks(s, messages);
   return status;
 }

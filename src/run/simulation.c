@@ -1,7 +1,6 @@
 /* simulation.c: phases, threads, and the way in and out of a running system; see slipdisk/simulation.h. */
 #include "slipdisk/simulation.h"
 
-#include <assert.h>
 #include <stdlib.h>
 
 #include "base/memory.h"
@@ -173,6 +172,8 @@ void simulation_free(sd_simulation *sim) {
 }
 
 engine *simulation_engine(sd_simulation *sim) { return &sim->engine; }
+
+const slot_table *simulation_slots(const sd_simulation *sim) { return engine_slots(&sim->engine); }
 
 bool simulation_is_small(const sd_simulation *sim) { return engine_lanes(&sim->engine); }
 

@@ -54,6 +54,7 @@ bool simulation_is_spread(const sd_simulation *simulation);
 settle_measure simulation_rest(sd_simulation *simulation);
 /* Of this rank. */
 engine *simulation_engine(sd_simulation *simulation);
+const slot_table *simulation_slots(const sd_simulation *simulation);
 bool simulation_is_small(const sd_simulation *simulation); /* takes the step of small systems */
 
 /* --- simulation_extend.c ----------------------------------------------------------------------------- */

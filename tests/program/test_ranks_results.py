@@ -33,8 +33,8 @@ container = {{ type = "box"; width = 0.9; height = 0.6; open = false; }};
 packings = ( {{ type = "random"; count = {COUNT}; density = 3.57; sizes = "list"; radii = (0.012, 0.015, 0.018); }} );
 motions = ( {{ wall = "floor"; coordinate = "y"; type = "harmonic"; acceleration = 2; frequency = 80; }} );
 phases = ( {{ name = "fall"; steps = {FALL}; series = 100; frames = 500; contacts = 500; }},
-           {{ name = "shake"; steps = {SHAKE}; series = 100; frames = 500; contacts = 500; }} );
-measure = {{ rotation = (); sliding = (); }};
+           {{ name = "shake"; steps = {SHAKE}; measure = true; series = 100; frames = 500; contacts = 500; }} );
+measure = {{ rotation = (); sliding = (); disks = true; }};
 """
 # A periodic box with a disk that turns, which all ranks have, and frames between the rows of the series.
 TURNING = f"""
@@ -234,7 +234,7 @@ class Ranks(Folder):
 
     def test_full_disk_of_one_rank(self):
         whole = self.reference()
-        for faulty, files, room in (0, "*/checkpoint-*", 250000), (2, "*/checkpoint-*", 150000), (1, "*/part-*", 60000):
+        for faulty, files, room in (0, "*/checkpoint-*", 900000), (2, "*/checkpoint-*", 600000), (1, "*/part-*", 60000):
             with self.subTest(faulty=faulty, files=files):
                 environment = (f"LD_PRELOAD={SHIM}", f"INJECT_BELOW={self.folder}", f"INJECT_NAME={files}",
                                f"INJECT_BYTES={room}")
@@ -251,7 +251,7 @@ class Ranks(Folder):
         """What info says of it, but for costs and names."""
         out, _ = self.run_ok("info", "--json", state)
         found = json.loads(out)
-        return {key: found[key] for key in ("step", "time", "contacts", "energy", "disks", "doubts") if key in found}
+        return {key: found[key] for key in ("step", "time", "contacts", "energy", "disks", "doubts")}
 
     def test_numerical_error(self):
         """Found by one rank: the message and the state are those of one process."""

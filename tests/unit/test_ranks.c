@@ -53,6 +53,9 @@ static const deck_case DECKS[] = {
      "motions = ( { name = \"press\"; wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = -40; "
      "speed = 1; } );\n"
      "phases = ( { steps = 1200; settle = { kinetic = 1e-3; every = 100; }; }, { steps = 300; } );"},
+    {"too fast at the start, and later",
+     HEAD PACKING "disks = ( { x = 11.6; y = 12.6; radius = 0.3; density = 1; vy = 4; } ); skin = 3.0;\n"
+                  "gravity = { g = 60; }; limits = { displacement = 0.01; }; phases = ( { steps = 300; } );"},
     {"bounds",
      HEAD PACKING "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
                   "bounds = { x = (-2, 14); y = (-3, 30); outside = \"remove\"; };\n"
@@ -166,6 +169,7 @@ static void test_same_bits(void **unused) {
   for (size_t d = 0; d < sizeof DECKS / sizeof *DECKS; d++) {
     run alone = {.deck = DECKS[d].text, .steps = 1000, .threads = 1};
     go(&alone, 1);
+    assert_int_equal(alone.end->fast_step, strstr(DECKS[d].name, "too fast") ? 0 : -1);
     for (size_t k = 0; k < sizeof size / sizeof *size; k++) {
       if (size[k] == 7 && d % 3 != 0) continue; /* threads that wait for each other are slow */
       char what[100];

@@ -10,7 +10,6 @@
 #include "app/view/view_series.h"
 #include "base/clock.h"
 #include "base/memory.h"
-#include "physics/step/access.h"
 #include "run/simulation_private.h"
 
 /* Between two copies: so long, or so many times what the last one took. */
@@ -59,7 +58,7 @@ static void put_row(live *l, sd_simulation *s, const sd_state *state) {
   if (t->n_rows > 0) memcpy(&last, t->columns[0].data + (t->n_rows - 1) * sizeof last, sizeof last);
   if (last == state->step) return;
   const record_sums now = {.energy = sd_simulation_energy(s)};
-  record_sample(&l->rows, RECORD_SERIES, state, engine_slots(simulation_engine(s)), &now, NULL);
+  record_sample(&l->rows, RECORD_SERIES, state, simulation_slots(s), &now, NULL);
   if (t->n_rows >= 2 * VIEW_MOST_ROWS) thin(t);
 }
 

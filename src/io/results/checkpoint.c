@@ -9,9 +9,6 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "base/shortage.h"
-#include "base/team.h"
-#include "io/results/constants.h"
 
 const checkpoint_extent checkpoint_extents[CHECKPOINT_EXTENTS] = {
     {"n_disks", offsetof(sd_state, n_disks)},         {"n_bodies", offsetof(sd_state, n_bodies)},
@@ -47,7 +44,7 @@ static void put_column(h5_file *file, const sd_field *f, size_t n, const void *d
   if (f->extent == SD_PER_RUN)
     h5_put(file, path, f->type, 0, &n, data, false);
   else
-    h5_lend(file, path, f->type, n, data);
+    h5_lend(file, path, f->type, 1, &n, data);
   h5_attr_text(file, path, "unit", f->unit);
   h5_attr_text(file, path, "description", f->meaning);
   free(path);
@@ -153,16 +150,14 @@ void checkpoint_remove_share(int folder, const char *path, size_t k) {
 /* Rows of a column in a group of a share; from[k] (NULL: k) is which of the state is row k. */
 static void put_rows(h5_file *file, const char *group, const sd_field *f, const void *data, size_t n,
                      const uint32_t *from, char *scratch) {
-  const size_t size = sd_type_size(f->type), bins[2] = {n, SD_MEAN_BINS};
+  const size_t size = sd_type_size(f->type), dims[2] = {n, SD_MEAN_BINS};
   char *path = format_text("%s/state/%s", group, f->name);
   for (size_t k = 0; from && k < n; k++)
     memcpy(scratch + k * size, (const char *)data + from[k] * size, size);
   if (from)
-    h5_put(file, path, f->type, 1, &n, scratch, false);
-  else if (f->extent == SD_PER_MEAN_BIN)
-    h5_put(file, path, f->type, 2, bins, data, false);
+    h5_put(file, path, f->type, 1, dims, scratch, false);
   else
-    h5_lend(file, path, f->type, n, data);
+    h5_lend(file, path, f->type, f->extent == SD_PER_MEAN_BIN ? 2 : 1, dims, data);
   free(path);
 }
 

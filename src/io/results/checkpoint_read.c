@@ -1,5 +1,4 @@
 /* checkpoint_read.c: states from checkpoints and results; see checkpoint.h. */
-#include <assert.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -304,6 +303,12 @@ sd_status checkpoint_get_some(const char *path, const sd_model *model, size_t ra
 /* GCOVR_EXCL_STOP */
 /* --- means ---------------------------------------------------------------------------------------- */
 
+static bool are_below(const uint32_t *list, size_t n, size_t end) {
+  bool good = list != NULL;
+  for (size_t k = 0; good && k < n; k++) good = list[k] < end;
+  return good;
+}
+
 /* What totals ask for beside the means. */
 static sd_status read_for_totals(const h5_file *file, sd_state *s, sd_messages *messages) {
   sd_status status = SD_OK;
@@ -312,32 +317,51 @@ static sd_status read_for_totals(const h5_file *file, sd_state *s, sd_messages *
   s->radius = h5_column(file, "/state/radius", SD_F64, s->n_bodies, &status, messages);
   s->contact_a = h5_column(file, "/state/contact_a", SD_U32, s->n_contacts, &status, messages);
   s->contact_b = h5_column(file, "/state/contact_b", SD_U32, s->n_contacts, &status, messages);
+  if (status != SD_OK) return status;
+  if (are_below(s->id, s->n_bodies, s->n_bodies) && are_below(s->id, s->n_means, s->n_disks) &&
+      are_below(s->contact_a, s->n_contacts, s->n_bodies) &&
+      are_below(s->contact_b, s->n_contacts, s->n_bodies))
+    return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "the state is damaged: there is no such body");
+}
+
+/* s: also looks at the contacts, bins and measured steps of the run. */
+static sd_status read_means(const h5_file *file, const sd_model *model, sd_state *s, sd_disk_mean *means,
+                            int threads, sd_messages *messages) {
+  enum { AT_ONCE = 1 << 16 };
+  sd_status status = SD_OK;
+  for (size_t at = 0; status == SD_OK && at < s->n_means; at += AT_ONCE) {
+    const size_t n = s->n_means - at < AT_ONCE ? s->n_means - at : AT_ONCE;
+    const piece some = {(h5_file *)(uintptr_t)file, "", "", at, n, 0, 0};
+    sd_state *part = NULL;
+    status = get_pieces(file, model->n_free, model, 1, &some, NULL, &part, messages);
+    if (status != SD_OK) break;
+    summary_disks_means(means + at, n, model, part, threads);
+    s->mean_samples = part->mean_samples;
+    s->mean_bins = part->mean_bins;
+    s->measured = part->measured;
+    sd_state_free(part);
+  }
   return status;
 }
 
 sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, summary_disks *s, int threads,
                                    sd_messages *messages) {
-  enum { AT_ONCE = 1 << 16 };
-  sd_state sizes = state_sizes(model);
+  sd_state all = state_sizes(model);
   sd_disk_mean *means = NULL;
-  const size_t n = sizes.n_means;
   sd_status status = checkpoint_check_state(file, model, messages);
-  if (status == SD_OK && !memory_rows(1, (memory_column[]){{&means, n, sizeof *means}}))
+  if (status == SD_OK && !memory_rows(1, (memory_column[]){{&means, all.n_means, sizeof *means}}))
     status = sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
-  for (size_t at = 0; status == SD_OK && at < n; at += AT_ONCE) {
-    const piece some = {(h5_file *)(uintptr_t)file, "", "", at, n - at < AT_ONCE ? n - at : AT_ONCE, 0, 0};
-    sd_state *part = NULL;
-    status = get_pieces(file, model->n_free, model, 1, &some, NULL, &part, messages);
-    if (status == SD_OK) summary_disks_means(means + at, some.n, model, part, threads);
-    if (status == SD_OK) summary_disks_announce(s, model, part);
-    sd_state_free(part);
+  if (status == SD_OK) status = read_for_totals(file, &all, messages);
+  if (status == SD_OK) status = read_means(file, model, &all, means, threads, messages);
+  if (status == SD_OK) {
+    summary_disks_announce(s, model, &all);
+    status = summary_disks_take(s, model, &all, means, messages);
   }
-  if (status == SD_OK) status = read_for_totals(file, &sizes, messages);
-  if (status == SD_OK) status = summary_disks_take(s, model, &sizes, means, messages);
-  free(sizes.id);
-  free(sizes.radius);
-  free(sizes.contact_a);
-  free(sizes.contact_b);
+  free(all.id);
+  free(all.radius);
+  free(all.contact_a);
+  free(all.contact_b);
   free(means);
   return status;
 }
@@ -345,9 +369,12 @@ sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, s
 sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model, summary_disks *s,
                               sd_messages *messages) {
   sd_model *own = NULL;
+  bool sealed;
   if (!s->later) return SD_OK;
   if (checkpoint_get_parts(file) < 0) return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
   sd_status status = checkpoint_check_format(file, path, messages);
+  /* all of it is read now; shares were checked when it was opened */
+  if (status == SD_OK && !h5_has_shares(file)) status = h5_verify(path, &sealed, NULL, messages);
   if (status == SD_OK && !model) status = constants_read(file, path, &own, messages);
   if (!model) model = own;
   if (status == SD_OK) status = checkpoint_collect_disks(file, model, s, pool_most(), messages);

@@ -1,7 +1,6 @@
 /* record_share.c: see record_share.h. The first column of a table is its key. */
 #include "io/results/record_share.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -395,15 +395,16 @@ void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_
   close_set(file, set, path);
 }
 
-void h5_lend(h5_file *file, const char *path, sd_type type, size_t n, const void *data) {
-  const size_t bytes = n * sd_type_size(type);
+void h5_lend(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data) {
+  size_t bytes = sd_type_size(type);
+  for (int k = 0; k < rank; k++) bytes *= dims[k];
   if (!file->borrows || bytes < H5_LOAN_LEAST || bytes % H5_LOAN_WORD != 0) {
-    h5_put(file, path, type, 1, &n, data, false);
+    h5_put(file, path, type, rank, dims, data, false);
     return;
   }
   if (file->failed) return;
   h5_loan *loans = file->loans = memory_grow(file->loans, file->n_loans + 1, sizeof *loans);
-  hid_t set = make(file, path, h5_native(type), 1, &n, LENT);
+  hid_t set = make(file, path, h5_native(type), rank, dims, LENT);
   if (set < 0) return;
   const haddr_t at = H5Dget_offset(set);
   check(file, at != HADDR_UNDEF && at % H5_LOAN_WORD == 0, path);

@@ -29,8 +29,8 @@ def join(head, shares, group):
         notes = {name: like.attrs[name] for name in KEPT if name in like.attrs}
         if path in head:
             notes.update({name: head[path].attrs[name] for name in KEPT if name in head[path].attrs})
-            if not each:
-                data = np.concatenate([data, head[path][:]])
+            if not each:  # rows of several numbers stand one after the other, as in a file without shares
+                data = np.concatenate([data.reshape(-1, *head[path].shape[1:]), head[path][:]])
             del head[path]
         head.create_dataset(path, data=data).attrs.update(notes)
         element = path.removesuffix("/value")
