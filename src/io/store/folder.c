@@ -148,10 +148,13 @@ static kind kind_of(const char *name, int64_t *number) {
   return FOREIGN;
 }
 
-/* Numbers of the files of a kind, unsorted, to be freed. */
-static sd_status list_numbers(const char *path, kind wanted, int64_t **numbers, size_t *n,
-                              sd_messages *messages) {
-  *numbers = NULL;
+static int newest_first(const void *a, const void *b) {
+  int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+  return x < y ? 1 : x > y ? -1 : 0;
+}
+
+sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_messages *messages) {
+  *steps = NULL;
   *n = 0;
   DIR *directory;
   do directory = opendir(path);
@@ -161,31 +164,13 @@ static sd_status list_numbers(const char *path, kind wanted, int64_t **numbers, 
   errno = 0;
   for (struct dirent *entry; (entry = readdir(directory)); errno = 0) {
     int64_t number;
-    if (kind_of(entry->d_name, &number) != wanted) continue;
-    *numbers = memory_grow(*numbers, *n + 1, sizeof **numbers);
-    (*numbers)[(*n)++] = number;
+    if (kind_of(entry->d_name, &number) != CHECKPOINT) continue;
+    *steps = memory_grow(*steps, *n + 1, sizeof **steps);
+    (*steps)[(*n)++] = number;
   }
   if (errno != 0) status = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
   closedir(directory);
-  return status;
-}
-
-static int newest_first(const void *a, const void *b) {
-  int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-  return x < y ? 1 : x > y ? -1 : 0;
-}
-
-static int ascending(const void *a, const void *b) { return newest_first(b, a); }
-
-sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_messages *messages) {
-  sd_status status = list_numbers(path, CHECKPOINT, steps, n, messages);
   if (*n > 0) qsort(*steps, *n, sizeof **steps, newest_first);
-  return status;
-}
-
-sd_status folder_parts(const char *path, int64_t **numbers, size_t *n, sd_messages *messages) {
-  sd_status status = list_numbers(path, PART, numbers, n, messages);
-  if (*n > 0) qsort(*numbers, *n, sizeof **numbers, ascending);
   return status;
 }
 

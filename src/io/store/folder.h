@@ -49,8 +49,6 @@ sd_status folder_clean(const folder *f, int64_t parts, sd_messages *messages);
 sd_status folder_prune(const folder *f, size_t keep, sd_messages *messages);
 /* Removes everything but the lock. */
 sd_status folder_empty(const folder *f, sd_messages *messages);
-/* Numbers of the parts there are, ascending, to be freed. */
-sd_status folder_parts(const char *path, int64_t **numbers, size_t *n, sd_messages *messages);
 /* Puts a damaged checkpoint out of the way. */
 void folder_set_aside(const folder *f, int64_t step);
 
