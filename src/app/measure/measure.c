@@ -194,7 +194,7 @@ static sd_status measure(const arguments *a, sd_messages *messages) {
   measure_list list = {0};
   bool quiet = a->json || a->output, file = a->output && strcmp(a->output, "-") != 0;
   sinks s = {.page = !quiet, .rows = !quiet && a->all, .list = quiet ? &list : NULL};
-  if (quiet) status = measure_list_open(&list, a->name, f.n, !file, file ? a->output : NULL, messages);
+  if (quiet) status = measure_list_open(&list, a->name, f.n, file ? a->output : NULL, messages);
   if (status == SD_OK && a->csv) {
     s.tables = &tables;
     status = measure_tables_open(&tables, a->csv, wanted, messages);

@@ -18,14 +18,14 @@ json_t *measure_json(const measurement *m);
 
 /* --- measure_json.c: all frames, one after the other -------------------------------------------------- */
 typedef struct measure_list {
-  FILE *out[2]; /* the screen, a file; NULL: not asked for */
+  FILE *out; /* of `file`, else the screen */
   char *name;
   file_stream file;
   size_t stored, n; /* frames in the file, and here */
 } measure_list;
 
-/* path (may be NULL): of the file, which gets its name when all is written. measure_list_close also when it fails. */
-sd_status measure_list_open(measure_list *l, const char *name, size_t stored, bool screen, const char *path,
+/* path (NULL: the screen): of the file, which gets its name when all is written. measure_list_close also when it fails. */
+sd_status measure_list_open(measure_list *l, const char *name, size_t stored, const char *path,
                             sd_messages *messages);
 void measure_list_add(measure_list *l, const measurement *m);
 sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *messages);

@@ -6,39 +6,25 @@
 #include "base/text.h"
 #include "io/store/file.h"
 
-sd_status measure_list_open(measure_list *l, const char *name, size_t stored, bool screen, const char *path,
+sd_status measure_list_open(measure_list *l, const char *name, size_t stored, const char *path,
                             sd_messages *messages) {
   char *shown = text_clean(format_text("%s", name));
   json_t *text = json_string(shown);
   free(shown);
-  *l = (measure_list){.stored = stored, .name = json_dumps(text, JSON_ENCODE_ANY)};
+  *l = (measure_list){.out = stdout, .stored = stored, .name = json_dumps(text, JSON_ENCODE_ANY)};
   json_decref(text);
-  if (screen) l->out[0] = stdout;
   if (!path) return SD_OK;
   /* else it is refused when all is done */
   if (file_is_special(path))
     return sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
   sd_status status = file_stream_open(path, &l->file, messages);
-  l->out[1] = l->file.out;
+  l->out = l->file.out;
   return status;
 }
 
-static void put(const measure_list *l, const char *text, size_t length) {
-  for (int k = 0; k < 2; k++)
-    if (l->out[k]) fwrite(text, 1, length, l->out[k]);
-}
-
-static void put_text(const measure_list *l, const char *text) { put(l, text, strlen(text)); }
-
 /* Nothing is written before there is something to tell. */
 static void put_head(const measure_list *l) {
-  char stored[32];
-  snprintf(stored, sizeof stored, "%zu", l->stored);
-  put_text(l, "{\n  \"file\": ");
-  put_text(l, l->name);
-  put_text(l, ",\n  \"stored\": ");
-  put_text(l, stored);
-  put_text(l, ",\n  \"frames\": [");
+  fprintf(l->out, "{\n  \"file\": %s,\n  \"stored\": %zu,\n  \"frames\": [", l->name, l->stored);
 }
 
 void measure_list_add(measure_list *l, const measurement *m) {
@@ -46,11 +32,10 @@ void measure_list_add(measure_list *l, const measurement *m) {
   char *text = json_dumps(frame, JSON_INDENT(2));
   json_decref(frame);
   if (l->n == 0) put_head(l);
-  put_text(l, l->n++ > 0 ? "," : "");
+  fputs(l->n++ > 0 ? "," : "", l->out);
   for (const char *at = text; *at;) {
     size_t length = strcspn(at, "\n");
-    put_text(l, "\n    ");
-    put(l, at, length);
+    fprintf(l->out, "\n    %.*s", (int)length, at);
     at += length + (at[length] == '\n');
   }
   free(text);
@@ -59,7 +44,7 @@ void measure_list_add(measure_list *l, const measurement *m) {
 sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *messages) {
   if (status == SD_OK) {
     if (l->n == 0) put_head(l);
-    put_text(l, l->n > 0 ? "\n  ]\n}\n" : "]\n}\n");
+    fputs(l->n > 0 ? "\n  ]\n}\n" : "]\n}\n", l->out);
   }
   status = file_stream_close(&l->file, status, messages);
   free(l->name);
