@@ -1,7 +1,6 @@
 /* measure_tables.c: CSV of slipdisk measure; columns: docs/measure.md. */
 #include <inttypes.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/text.h"
 #include "app/measure/measure.h"
@@ -141,14 +140,6 @@ void measure_tables_add(const measure_tables *t, const measurement *m) {
 
 /* --- means of the run --------------------------------------------------------------------------------- */
 
-/* Quoted where it needs to be. */
-static void name_cell(FILE *out, const char *name) {
-  bool quoted = strpbrk(name, ",\"");
-  fputs(quoted ? ",\"" : ",", out);
-  for (; *name; name++) fprintf(out, *name == '"' ? "\"\"" : "%c", *name);
-  if (quoted) fputc('"', out);
-}
-
 /* names (may be NULL): a column of them behind the number of the disk, the first row of the list. */
 static sd_status write_means(const char *folder, const char *file, size_t n_disks, const bool *wanted,
                              const observable_list *list, const void *first, size_t stride, size_t n,
@@ -165,7 +156,10 @@ static sd_status write_means(const char *folder, const char *file, size_t n_disk
     uint32_t disk = (uint32_t)observable_value(&list->rows[0], row, 0);
     if (wanted && (disk >= n_disks || !wanted[disk])) continue;
     fprintf(out, "%u", disk);
-    if (names) name_cell(out, names[i]);
+    if (names) {
+      fputc(',', out);
+      text_cell(out, names[i]);
+    }
     for (size_t k = 1; k < list->n; k++) number(out, observable_value(&list->rows[k], row, 0));
     fputc('\n', out);
   }
