@@ -22,8 +22,8 @@ typedef struct expansion {
   deck *d;
   deck_sweep *out;
   size_t capacity;
-  int64_t seed;           /* of the deck */
-  size_t *slots, n_slots; /* hash table of the points by name: number + 1, 0 where there is none */
+  int64_t seed;      /* of the deck */
+  deck_index points; /* numbers by name */
 } expansion;
 
 /* --- names and seeds --------------------------------------------------------------------------------------- */
@@ -176,13 +176,6 @@ static void point_free(sweep_point *p, size_t n_parameters) {
   free(p->name);
 }
 
-/* The place in the hash table of the point of this name: 0 there, when there is none yet. */
-static size_t *slot_of(const expansion *e, const char *name) {
-  size_t k = (size_t)file_sum(FILE_SUM, name, strlen(name)) % e->n_slots;
-  while (e->slots[k] && strcmp(e->out->points[e->slots[k] - 1].name, name) != 0) k = (k + 1) % e->n_slots;
-  return &e->slots[k];
-}
-
 /* Names are made from the values, but a letter that does not go into a file name is lost in them. */
 static bool same_values(const deck_sweep *s, const sweep_point *p, const sweep_point *q) {
   for (size_t k = 0; k < s->n_parameters; k++)
@@ -195,16 +188,16 @@ static void add_replicas(expansion *e, const grid *g, const size_t *place, int64
   size_t set = s->n_sets;
   for (int64_t r = 0; r < replicas; r++) {
     sweep_point *p = add_point(e, g, place, r);
-    size_t *slot = slot_of(e, p->name);
-    if (*slot) { /* an equal point of another grid: it stays */
-      if (g && !same_values(s, p, &s->points[*slot - 1]))
+    uint32_t other;
+    if (deck_index_find(&e->points, p->name, &other)) { /* an equal point of another grid: it stays */
+      if (g && !same_values(s, p, &s->points[other]))
         deck_fail(e->d, g->node, "two points would have the same name, %s", p->name);
-      set = s->points[*slot - 1].set;
+      set = s->points[other].set;
       point_free(p, s->n_parameters);
       s->n_points--;
       continue;
     }
-    *slot = s->n_points;
+    deck_index_add(e->d, &e->points, p->name, (uint32_t)(s->n_points - 1));
     p->set = set;
     if (g && !g->seed_varies) {
       p->seed = mixed(point_sum(p, p->replica, e->seed));
@@ -264,9 +257,6 @@ static size_t expand(deck *d, deck_grids all, size_t reported, deck_sweep *s) {
   s->written = all.n > 0;
   s->reads_files = names_files(d->root) || sets_files(&all);
   for (size_t k = 0; k < all.n; k++) add_parameters(&e, &all.grid[k]);
-  e.n_slots = 16;
-  for (size_t k = 0; k < all.n; k++) e.n_slots += 2 * deck_grid_points(&all.grid[k]);
-  e.slots = deck_alloc(d, e.n_slots, sizeof *e.slots);
   for (size_t k = 0; k < all.n; k++) add_grid(&e, &all.grid[k]);
   if (all.n == 0) add_replicas(&e, NULL, NULL, 1);
   s->collect = memory_new(all.n_collect, sizeof *s->collect);
