@@ -13,11 +13,8 @@
  */
 #include "theory/sliding.h"
 
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_roots.h>
 #include <math.h>
 
-#include "base/memory.h"
 #include "slipdisk/theory.h"
 
 static double rate_of(const sliding_system *y, const int s[2]) {
@@ -138,25 +135,10 @@ static double net(double omega, void *argument) {
   return sum;
 }
 
+/* Near zero tilt the root itself is near zero, and rounding scales with the support's velocity. */
 static bool solve(task *t, double *root) {
-  double lower = -1.001 * t->system->peak, upper = -lower;
-  gsl_function f = {net, t};
-  bool found = false;
-  gsl_error_handler_t *handler = gsl_set_error_handler_off();
-  gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
-  if (!solver) memory_lacks(0);
-  if (gsl_root_fsolver_set(solver, &f, lower, upper) == GSL_SUCCESS)
-    for (int k = 0; k < 200 && !found; k++) {
-      if (gsl_root_fsolver_iterate(solver) != GSL_SUCCESS) break;
-      lower = gsl_root_fsolver_x_lower(solver);
-      upper = gsl_root_fsolver_x_upper(solver);
-      *root = gsl_root_fsolver_root(solver);
-      /* near zero tilt the root itself is near zero, and rounding scales with the support's velocity */
-      found = upper - lower <= 1e-15 * t->system->peak || net(*root, t) == 0;
-    }
-  gsl_root_fsolver_free(solver);
-  gsl_set_error_handler(handler);
-  return found && !t->failed;
+  const double most = 1.001 * t->system->peak;
+  return sliding_root(net, t, -most, most, 1e-15 * t->system->peak, 0, root) && !t->failed;
 }
 
 /* --- public ------------------------------------------------------------------------------------------- */

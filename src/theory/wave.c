@@ -53,26 +53,34 @@ static double gap_at(double u, void *argument) {
   return sliding_wave(g->y, g->i, u) - (g->omega + g->rate * (u - g->u));
 }
 
-/* Root of the gap in [p, q], where it is monotone and changes sign. */
-static double root_between(gap *g, double p, double q) {
-  double fp = gap_at(p, g), fq = gap_at(q, g);
-  if (g->y->waveform == SD_PARABOLA || fp == 0 || fq == 0)
-    return fp == fq ? p : p + (q - p) * (fp / (fp - fq)); /* exact: the gap is straight */
-  gsl_function f = {gap_at, g};
-  double root = p, lower = p, upper = q;
+bool sliding_root(double (*of)(double, void *), void *with, double lower, double upper, double least,
+                  double part, double *root) {
+  gsl_function f = {of, with};
+  bool found = false;
+  *root = lower;
   gsl_error_handler_t *handler = gsl_set_error_handler_off();
   gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   if (!solver) memory_lacks(0);
-  if (gsl_root_fsolver_set(solver, &f, p, q) == GSL_SUCCESS)
-    for (int k = 0; k < 100; k++) {
+  if (gsl_root_fsolver_set(solver, &f, lower, upper) == GSL_SUCCESS)
+    for (int k = 0; k < 200 && !found; k++) {
       if (gsl_root_fsolver_iterate(solver) != GSL_SUCCESS) break;
-      root = gsl_root_fsolver_root(solver);
       lower = gsl_root_fsolver_x_lower(solver);
       upper = gsl_root_fsolver_x_upper(solver);
-      if (upper - lower <= 4e-16 * fmax(1, upper) || gap_at(root, g) == 0) break;
+      *root = gsl_root_fsolver_root(solver);
+      found = upper - lower <= fmax(least, part * upper) || of(*root, with) == 0;
     }
   gsl_root_fsolver_free(solver);
   gsl_set_error_handler(handler);
+  return found;
+}
+
+/* Root of the gap in [p, q], where it is monotone and changes sign. */
+static double root_between(gap *g, double p, double q) {
+  const double fp = gap_at(p, g), fq = gap_at(q, g), rounding = 4e-16;
+  double root;
+  if (g->y->waveform == SD_PARABOLA || fp == 0 || fq == 0)
+    return fp == fq ? p : p + (q - p) * (fp / (fp - fq)); /* exact: the gap is straight */
+  sliding_root(gap_at, g, p, q, rounding, rounding, &root);
   return root;
 }
 
