@@ -136,8 +136,7 @@ sd_status result_table_write_csv(const result_table *s, const char *path, sd_mes
     fputc('\n', out);
   }
   if (fclose(out) != 0) memory_lacks(0);
-  file_piece piece = {text, size};
-  sd_status status = file_write_atomic(-1, path, 1, &piece, messages);
+  sd_status status = file_write_atomic(path, text, size, messages);
   free(text);
   return status;
 }

@@ -119,9 +119,8 @@ sd_status sweep_prepare(const sweep *s, sd_messages *messages) {
 
 void sweep_note(const sweep *s, size_t point, const char *text) {
   char *path = sweep_point_path(s, point, ".failed");
-  file_piece piece = {text, text ? strlen(text) : 0};
   if (text)
-    file_write_atomic(-1, path, 1, &piece, NULL);
+    file_write_atomic(path, text, strlen(text), NULL);
   else if (file_exists(path))
     file_remove(-1, path, NULL);
   free(path);

@@ -157,15 +157,13 @@ static void test_damage_is_found(void **unused) {
   check(file_read(path, SIZE_MAX, &bytes, &size, messages), messages);
   for (size_t at = 0; at < size; at += BRIEF(97, 397)) {
     bytes[at] ^= 4;
-    file_piece piece = {bytes, size};
-    check(file_write_atomic(-1, path, 1, &piece, messages), messages);
+    check(file_write_atomic(path, bytes, size, messages), messages);
     assert_int_equal(h5_open_sealed(-1, path, &file, NULL, NULL), SD_ERROR_IO);
     bytes[at] ^= 4;
   }
   const size_t lengths[] = {0, 1, 23, 24, 25, size - 1, size / 2};
   for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++) {
-    file_piece piece = {bytes, lengths[k]};
-    check(file_write_atomic(-1, path, 1, &piece, messages), messages);
+    check(file_write_atomic(path, bytes, lengths[k], messages), messages);
     assert_int_equal(h5_open_sealed(-1, path, &file, NULL, NULL), SD_ERROR_IO);
   }
   free(bytes);
@@ -214,9 +212,8 @@ static void test_errors_are_told_once(void **unused) {
   assert_true(h5_failed(file));
   assert_int_equal(h5_save(file, -1, path, NULL, messages), SD_ERROR_IO);
   assert_int_equal(sd_messages_errors(messages), 1);
-  file_piece piece = {"x", 1};
-  assert_int_equal(file_write_atomic(-1, "/nonexistent/x", 1, &piece, messages), SD_ERROR_IO);
-  assert_int_equal(file_write_atomic(-1, "/dev/null/x", 1, &piece, messages), SD_ERROR_IO);
+  assert_int_equal(file_write_atomic("/nonexistent/x", "x", 1, messages), SD_ERROR_IO);
+  assert_int_equal(file_write_atomic("/dev/null/x", "x", 1, messages), SD_ERROR_IO);
   sd_messages_free(messages);
 }
 

@@ -211,8 +211,7 @@ static void spoil(const char *text) {
   unsigned char *at = text ? memmem(bytes, size, text, strlen(text)) : bytes + size / 2;
   assert_non_null(at);
   at[2] ^= 1;
-  file_piece all = {bytes, size};
-  assert_int_equal(file_write_atomic(-1, path, 1, &all, NULL), SD_OK);
+  assert_int_equal(file_write_atomic(path, bytes, size, NULL), SD_OK);
   free(bytes);
 }
 

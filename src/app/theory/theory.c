@@ -80,13 +80,12 @@ static sd_status table_close(table *t, const char *path, sd_status status, sd_me
   if (!t->out) return status;
   if (fclose(t->out) != 0) memory_lacks(t->size);
   struct stat what;
-  file_piece piece = {t->text, t->size};
   if (status == SD_OK && strcmp(path, "-") == 0)
     status = pour(t, NULL, messages);
   else if (status == SD_OK && stat(path, &what) == 0 && !S_ISREG(what.st_mode) && !S_ISDIR(what.st_mode))
     status = pour(t, path, messages);
   else if (status == SD_OK)
-    status = file_write_atomic(-1, path, 1, &piece, messages);
+    status = file_write_atomic(path, t->text, t->size, messages);
   free(t->text);
   return status;
 }

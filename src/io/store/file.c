@@ -21,7 +21,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 
-static sd_status fail(sd_messages *messages, const char *what, const char *path) {
+sd_status file_fail(sd_messages *messages, const char *what, const char *path) {
   return sd_fail(messages, SD_ERROR_IO, "cannot %s %s: %s", what, path, strerror(errno));
 }
 
@@ -123,14 +123,12 @@ sd_status file_make_folder(const char *path, sd_messages *messages) {
   if (errno == EEXIST && file_is_folder(path)) return SD_OK;
   int error = errno;
   sd_status status;
-  const char *slash = strrchr(path, '/');
-  char *above =
-      error == ENOENT && slash && slash > path ? format_text("%.*s", (int)(slash - path), path) : NULL;
-  if (above && !file_exists(above)) {
+  char *above = folder_of(path);
+  if (error == ENOENT && !file_exists(above)) {
     status = sd_fail(messages, SD_ERROR_USER, "there is no folder %s: make it, or name another place", above);
   } else {
     errno = error;
-    status = fail(messages, "make folder", path);
+    status = file_fail(messages, "make folder", path);
   }
   free(above);
   return status;
@@ -140,10 +138,10 @@ sd_status file_sync_folder(int folder, const char *path, sd_messages *messages) 
   char *above = folder_of(path);
   int fd = folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : folder;
   sd_status status = SD_OK;
-  if (fd < 0) status = fail(messages, "open folder", above);
+  if (fd < 0) status = file_fail(messages, "open folder", above);
   /* some file systems do not synchronise folders and say EINVAL; there is no more to be done there */
   else if (!sync_again(fd) && errno != EINVAL && errno != ENOTSUP)
-    status = fail(messages, "synchronise", above);
+    status = file_fail(messages, "synchronise", above);
   if (folder < 0 && fd >= 0) close(fd);
   free(above);
   return status;
@@ -153,7 +151,7 @@ sd_status file_remove(int folder, const char *path, sd_messages *messages) {
   const char *name;
   int base = base_of(folder, path, &name);
   if (unlinkat(base, name, 0) == 0 || errno == ENOENT) return SD_OK;
-  return fail(messages, "remove", path);
+  return file_fail(messages, "remove", path);
 }
 
 /* --- drafts --------------------------------------------------------------------------------------- */
@@ -161,10 +159,7 @@ sd_status file_remove(int folder, const char *path, sd_messages *messages) {
 enum { DRAFT_DIGITS = 16 };
 static const char draft_ending[] = ".tmp";
 
-bool file_is_draft(const char *name) {
-  size_t length = strlen(name), tail = strlen(draft_ending);
-  return length > tail && strcmp(name + length - tail, draft_ending) == 0;
-}
+bool file_is_draft(const char *name) { return text_ends(name, draft_ending); }
 
 /* Does a file stand there, or does a link lead to one? Its mode: who may read it may read what takes its place. */
 static bool mode_of(int base, const char *name, mode_t *mode) {
@@ -185,7 +180,7 @@ void file_keep_mode(int fd, int folder, const char *path) {
 }
 
 /* "NAME.h5.0123456789abcdef.tmp": an ending that cannot be foreseen, so that nothing can lie in wait there. */
-static char *draft_name(const char *name) {
+char *file_draft_name(const char *name) {
   uint64_t bits;
   if (getrandom(&bits, sizeof bits, GRND_NONBLOCK) != (ssize_t)sizeof bits) {
     struct timespec t;
@@ -201,7 +196,7 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
   /* a descriptor of its own, so that a draft outlives the caller's */
   out->folder =
       folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : fcntl(folder, F_DUPFD_CLOEXEC, 0);
-  sd_status status = out->folder < 0 ? fail(messages, "write to folder", above) : SD_OK;
+  sd_status status = out->folder < 0 ? file_fail(messages, "write to folder", above) : SD_OK;
   const char *last;
   mode_t mode;
   const int base = base_of(folder, path, &last);
@@ -209,11 +204,11 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
   for (int attempt = 0; status == SD_OK && out->fd < 0; attempt++) {
     free(out->name);
     free(out->path);
-    out->name = draft_name(last_component(path));
+    out->name = file_draft_name(last_component(path));
     out->path = format_text("%s/%s", above, out->name);
     out->fd =
         open_again(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, replaces ? 0600 : 0666);
-    if (out->fd < 0 && (errno != EEXIST || attempt > 8)) status = fail(messages, "create", out->path);
+    if (out->fd < 0 && (errno != EEXIST || attempt > 8)) status = file_fail(messages, "create", out->path);
   }
   if (out->fd >= 0 && replaces) file_keep_mode(out->fd, folder, path);
   free(above);
@@ -283,26 +278,13 @@ sd_status file_draft_publish(file_draft *draft, int folder, const char *path, fi
   /* to its own size: gives back what file_reserve took and the file does not use */
   else if (fstat(draft->fd, &facts) != 0 || !truncate_again(draft->fd, facts.st_size) ||
            !sync_again(draft->fd))
-    status = fail(messages, "write", path);
+    status = file_fail(messages, "write", path);
   else if (!finish_draft(draft, base, name, how))
     status = how == FILE_KEEP && errno == EEXIST
                  ? sd_fail(messages, SD_ERROR_IO, "%s has appeared meanwhile: it is not overwritten", path)
-                 : fail(messages, "write", path);
+                 : file_fail(messages, "write", path);
   file_draft_drop(draft);
   return status == SD_OK ? file_sync_folder(folder, path, messages) : status;
-}
-
-sd_status file_write_atomic(int folder, const char *path, size_t n_pieces, const file_piece *pieces,
-                            sd_messages *messages) {
-  file_draft draft;
-  sd_status status = file_draft_new(folder, path, &draft, messages);
-  bool good = status == SD_OK;
-  for (size_t k = 0; good && k < n_pieces; k++)
-    good = file_write_all(draft.fd, pieces[k].bytes, pieces[k].size);
-  if (good) return file_draft_publish(&draft, folder, path, FILE_REPLACE, messages);
-  if (status == SD_OK) status = fail(messages, "write", path);
-  file_draft_drop(&draft);
-  return status;
 }
 
 sd_status file_stream_open(const char *path, file_stream *s, sd_messages *messages) {
@@ -310,7 +292,7 @@ sd_status file_stream_open(const char *path, file_stream *s, sd_messages *messag
   sd_status status = file_draft_new(-1, path, &s->draft, messages);
   int fd = status == SD_OK ? fcntl(s->draft.fd, F_DUPFD_CLOEXEC, 0) : -1;
   s->out = fd < 0 ? NULL : fdopen(fd, "w");
-  if (status == SD_OK && !s->out) status = fail(messages, "write", path);
+  if (status == SD_OK && !s->out) status = file_fail(messages, "write", path);
   if (fd >= 0 && !s->out) close(fd);
   if (status != SD_OK) file_draft_drop(&s->draft);
   return status;
@@ -320,7 +302,7 @@ sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messa
   if (s->out) {
     bool bad = ferror(s->out) != 0;
     bad = fclose(s->out) != 0 || bad;
-    if (bad && status == SD_OK) status = fail(messages, "write", s->path);
+    if (bad && status == SD_OK) status = file_fail(messages, "write", s->path);
     if (status == SD_OK)
       status = file_draft_publish(&s->draft, -1, s->path, FILE_REPLACE, messages);
     else
@@ -331,9 +313,16 @@ sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messa
   return status;
 }
 
+sd_status file_write_atomic(const char *path, const void *bytes, size_t size, sd_messages *messages) {
+  file_stream s;
+  const sd_status status = file_stream_open(path, &s, messages);
+  if (status == SD_OK) fwrite(bytes, 1, size, s.out);
+  return file_stream_close(&s, status, messages);
+}
+
 sd_status file_remove_drafts(const char *folder, const char *base, sd_messages *messages) {
   DIR *directory = opendir(folder);
-  if (!directory) return fail(messages, "read", folder);
+  if (!directory) return file_fail(messages, "read", folder);
   sd_status worst = SD_OK;
   size_t length = strlen(base);
   for (struct dirent *entry; (entry = readdir(directory));) {
@@ -341,7 +330,8 @@ sd_status file_remove_drafts(const char *folder, const char *base, sd_messages *
     if (strncmp(name, base, length) != 0 || name[length] != '.' ||
         strlen(name) != length + 1 + DRAFT_DIGITS + sizeof draft_ending - 1 || !file_is_draft(name))
       continue;
-    if (unlinkat(dirfd(directory), name, 0) != 0 && errno != ENOENT) worst = fail(messages, "remove", name);
+    if (unlinkat(dirfd(directory), name, 0) != 0 && errno != ENOENT)
+      worst = file_fail(messages, "remove", name);
   }
   closedir(directory);
   return worst;
@@ -485,14 +475,14 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
   struct stat facts;
   sd_status status = SD_OK;
   if (fstat(fd, &facts) != 0) {
-    status = fail(messages, "read", path);
+    status = file_fail(messages, "read", path);
   } else {
     size_t want = (size_t)facts.st_size < n ? (size_t)facts.st_size : n, have = 0;
     unsigned char *buffer = NULL;
     if (!memory_resize(1, (memory_column[]){{&buffer, want, 1}}))
       status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
     else if (!file_read_at(fd, 0, buffer, want, &have))
-      status = fail(messages, "read", path);
+      status = file_fail(messages, "read", path);
     if (status == SD_OK) {
       *bytes = buffer;
       *size = have;
@@ -512,7 +502,7 @@ sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_me
   for (uint64_t at = 0; status == SD_OK && at < n;) {
     size_t want = n - at < PIECE ? (size_t)(n - at) : PIECE, have;
     if (!file_read_at(fd, at, buffer, want, &have))
-      status = fail(messages, "read", path);
+      status = file_fail(messages, "read", path);
     else if (have < want)
       status = sd_fail(messages, SD_ERROR_IO, "%s has become shorter while it was read", path);
     else

@@ -17,6 +17,9 @@
 
 #include "slipdisk/status.h"
 
+/* "cannot WHAT PATH: " and the reason in errno. */
+sd_status file_fail(sd_messages *messages, const char *what, const char *path);
+
 /* --- drafts --------------------------------------------------------------------------------------- */
 typedef struct file_draft {
   int folder, fd; /* -1: none */
@@ -37,14 +40,9 @@ sd_status file_draft_publish(file_draft *draft, int folder, const char *path, fi
                              sd_messages *messages);
 void file_draft_drop(file_draft *draft); /* removes it, if it is still a draft */
 
-typedef struct file_piece {
-  const void *bytes;
-  size_t size;
-} file_piece;
+/* The name of a draft of it, another one each time; to be freed. */
+char *file_draft_name(const char *name);
 
-/* Writes the pieces one after the other; replaces what is there. */
-sd_status file_write_atomic(int folder, const char *path, size_t n_pieces, const file_piece *pieces,
-                            sd_messages *messages);
 /* A file that is written with the functions of the C library. */
 typedef struct file_stream {
   FILE *out;
@@ -56,6 +54,8 @@ sd_status file_stream_open(const char *path, file_stream *s,
 /* Publishes what was written (replaces what is there) when `status`, the caller's, is SD_OK, else drops it. Returns the
  * first of what went wrong. */
 sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messages);
+/* A file of these bytes; replaces what is there. */
+sd_status file_write_atomic(const char *path, const void *bytes, size_t size, sd_messages *messages);
 /* A folder that gets its name when all files in it are written. */
 typedef struct file_folder {
   char *path, *draft;
@@ -73,6 +73,10 @@ int file_open_at(int folder, const char *name, int flags);
 void file_keep_mode(int fd, int folder, const char *path);
 /* All of it, through short writes and signals; false with errno set when it cannot be. */
 bool file_write_all(int fd, const void *bytes, size_t size);
+typedef struct file_piece {
+  const void *bytes;
+  size_t size;
+} file_piece;
 /* All pieces, of which all but the last are whole words; sum: file_sum of them all. False with errno set. */
 bool file_write_pieces(int fd, size_t n, const file_piece *pieces, uint64_t *sum);
 /* Removes drafts of the file `base` that a kill has left in the folder; for the holder of its lock. */

@@ -5,19 +5,13 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/text.h"
 #include "io/store/file.h"
-
-static sd_status fail(sd_messages *messages, const char *what, const char *path) {
-  return sd_fail(messages, SD_ERROR_IO, "cannot %s %s: %s", what, path, strerror(errno));
-}
 
 sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messages) {
   *f = (file_folder){0};
@@ -32,10 +26,7 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
     return sd_fail(messages, SD_ERROR_USER, "%s is there already: remove it, or name another", f->path);
   sd_status status = SD_ERROR_IO;
   for (int attempt = 0;; attempt++) {
-    uint64_t bits = (uint64_t)getpid();
-    ssize_t got = getrandom(&bits, sizeof bits, GRND_NONBLOCK);
-    (void)got; /* without it the process number has to do */
-    f->draft = format_text("%s.%016" PRIx64 ".tmp", f->path, bits);
+    f->draft = file_draft_name(f->path);
     if (mkdir(f->draft, mode) == 0) {
       if (there) (void)!chmod(f->draft, mode);
       return SD_OK;
@@ -53,7 +44,7 @@ FILE *file_folder_new(const file_folder *f, const char *name, sd_messages *messa
   char *path = format_text("%s/%s", f->draft, name);
   int fd = file_open_at(AT_FDCWD, path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW);
   FILE *out = fd < 0 ? NULL : fdopen(fd, "w");
-  if (!out) fail(messages, "write", path);
+  if (!out) file_fail(messages, "write", path);
   if (fd >= 0 && !out) close(fd);
   free(path);
   return out;
@@ -63,7 +54,7 @@ sd_status file_folder_end(const file_folder *f, FILE *out, sd_status status, sd_
   if (!out) return status;
   bool bad = ferror(out) != 0;
   bad = fclose(out) != 0 || bad;
-  return bad && status == SD_OK ? fail(messages, "write", f->path) : status;
+  return bad && status == SD_OK ? file_fail(messages, "write", f->path) : status;
 }
 
 /* Makes all files in it durable at once. */
@@ -85,7 +76,7 @@ static void remove_draft(const file_folder *f) {
 sd_status file_folder_close(file_folder *f, sd_status status, sd_messages *messages) {
   if (f->draft) {
     if (status == SD_OK && (!sync_all(f->draft) || rename(f->draft, f->path) != 0))
-      status = fail(messages, "write", f->path);
+      status = file_fail(messages, "write", f->path);
     if (status == SD_OK)
       status = file_sync_folder(-1, f->path, messages);
     else

@@ -108,8 +108,7 @@ int table_shape(const table_column *c, size_t n_rows, size_t dims[H5_MAX_RANK]) 
 
 /* Length of the path without "/value"; 0 when it ends otherwise. */
 static int element_of(const char *path) {
-  size_t length = strlen(path), tail = strlen("/value");
-  return length > tail && strcmp(path + length - tail, "/value") == 0 ? (int)(length - tail) : 0;
+  return text_ends(path, "/value") ? (int)(strlen(path) - strlen("/value")) : 0;
 }
 
 /* Units, meanings, and the links of the elements to the table's step and time. */
