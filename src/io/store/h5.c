@@ -221,12 +221,18 @@ sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *
   return status;
 }
 
-void h5_flush_sets(h5_file *file) {
+/* Remembers the first failure. */
+static void check(h5_file *file, bool good, const char *path) {
+  if (good || file->failed) return;
   char reason[200];
+  file->failed = true;
+  file->trouble = format_text("%s: %s", path, h5_reason(reason, sizeof reason));
+}
+
+void h5_flush_sets(h5_file *file) {
   for (size_t k = 0; k < file->n_sets && !file->failed; k++) {
-    if (h5_rows_flush(&file->sets[k].rows) && H5Dclose(file->sets[k].rows.set) >= 0) continue;
-    file->failed = true;
-    file->trouble = format_text("%s: %s", file->sets[k].path, h5_reason(reason, sizeof reason));
+    h5_rows *rows = &file->sets[k].rows;
+    check(file, h5_rows_flush(rows) && H5Dclose(rows->set) >= 0, file->sets[k].path);
   }
 }
 
@@ -275,14 +281,6 @@ void h5_no_memory(h5_file *file, const char *path) {
   if (file->failed) return;
   file->failed = true;
   file->trouble = format_text("no memory for %s", path);
-}
-
-/* Remembers the first failure. */
-static void check(h5_file *file, bool good, const char *path) {
-  if (good || file->failed) return;
-  char reason[200];
-  file->failed = true;
-  file->trouble = format_text("%s: %s", path, h5_reason(reason, sizeof reason));
 }
 
 /* Link creation with the groups on the way; text is UTF-8. */

@@ -81,16 +81,12 @@ static size_t element_of(hid_t type, size_t *each) {
 }
 
 /* Rows first ... first + n - 1 of a dataset as they are stored. */
-static bool read_rows(hid_t set, hid_t type, hid_t space, int rank, const hsize_t *dims, hsize_t first,
-                      hsize_t n, void *data) {
+static bool read_rows(hid_t set, hid_t type, int rank, const hsize_t *dims, hsize_t first, hsize_t n,
+                      void *data) {
   if (rank == 0) return H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
   hsize_t start[H5S_MAX_RANK] = {first}, count[H5S_MAX_RANK] = {n};
   for (int k = 1; k < rank; k++) count[k] = dims[k];
-  hid_t memory = H5Screate_simple(rank, count, NULL);
-  bool good = memory >= 0 && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
-              H5Dread(set, type, memory, space, H5P_DEFAULT, data) >= 0;
-  if (memory >= 0) H5Sclose(memory);
-  return good;
+  return h5_read_slab(set, type, start, count, data);
 }
 
 /* Number and sum of the elements of a dataset; false: it cannot be read. */
@@ -107,7 +103,7 @@ static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
   *elements = *sum = 0;
   for (hsize_t at = 0; good && row > 0 && at < rows; at += piece) {
     hsize_t n = rows - at < piece ? rows - at : piece;
-    good = read_rows(set, type, space, rank, dims, at, n, data);
+    good = read_rows(set, type, rank, dims, at, n, data);
     if (good) *sum += h5_sum(data, (size_t)n * row, element, *elements);
     *elements += n * row;
   }

@@ -139,6 +139,14 @@ sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *
   return status;
 }
 
+hid_t h5_open_image(const char *name, const void *bytes, size_t size, unsigned flags) {
+  hid_t id = H5I_INVALID_HID, access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_fapl_core(access, GROWTH, false);
+  if (H5Pset_file_image(access, (void *)(uintptr_t)bytes, size) >= 0) id = H5Fopen(name, flags, access);
+  H5Pclose(access);
+  return id;
+}
+
 sd_status h5_open_memory(const void *data, size_t size, h5_file **out, sd_messages *messages) {
   unsigned char seal[H5_SEAL_BYTES];
   const size_t body = size < H5_SEAL_BYTES ? 0 : size - H5_SEAL_BYTES;
@@ -149,11 +157,7 @@ sd_status h5_open_memory(const void *data, size_t size, h5_file **out, sd_messag
   char name[40];
   h5_memory_name(name, sizeof name);
   *out = h5_allocate(name);
-  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  H5Pset_fapl_core(access, GROWTH, false);
-  H5Pset_file_image(access, (void *)(uintptr_t)data, body);
-  (*out)->id = H5Fopen(name, H5F_ACC_RDONLY, access);
-  H5Pclose(access);
+  (*out)->id = h5_open_image(name, data, body, H5F_ACC_RDONLY);
   if ((*out)->id >= 0) return SD_OK;
   h5_release(*out);
   *out = NULL;

@@ -163,25 +163,33 @@ void *h5_column(const h5_file *file, const char *path, sd_type type, size_t n, s
   return NULL;
 }
 
+bool h5_read_slab(hid_t set, hid_t type, const hsize_t *start, const hsize_t *count, void *data) {
+  hid_t space = H5Dget_space(set);
+  hid_t memory = H5Screate_simple(H5Sget_simple_extent_ndims(space), count, NULL);
+  const bool good = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+                    H5Dread(set, type, memory, space, H5P_DEFAULT, data) >= 0;
+  H5Sclose(memory);
+  H5Sclose(space);
+  return good;
+}
+
 /* width: elements of a row, 0: as many as the dataset has. */
 static sd_status get_rows(const h5_file *file, const char *path, sd_type type, size_t first, size_t n,
                           size_t width, void *data, sd_messages *messages) {
   if (n == 0) return SD_OK;
   hid_t set = h5_open_data(file, path, messages);
   if (set < 0) return SD_ERROR_IO;
-  hsize_t start[H5S_MAX_RANK] = {0}, count[H5S_MAX_RANK] = {0};
+  const hsize_t start[H5S_MAX_RANK] = {first};
+  hsize_t count[H5S_MAX_RANK] = {0}, each = 1;
   hid_t space = H5Dget_space(set);
-  int rank = H5Sget_simple_extent_dims(space, count, NULL);
-  bool good = rank > 0 && first <= count[0] && n <= count[0] - first;
-  const h5_shared_set *shared = h5_shared_set_of(file, path);
-  start[0] = first;
-  count[0] = n;
-  hid_t memory = good ? H5Screate_simple(rank, count, NULL) : H5I_INVALID_HID;
-  good = good && (width == 0 || H5Sget_simple_extent_npoints(memory) == (hssize_t)n * (hssize_t)width) &&
-         (shared || (H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
-                     H5Dread(set, h5_native(type), memory, space, H5P_DEFAULT, data) >= 0));
-  if (memory >= 0) H5Sclose(memory);
+  const int rank = H5Sget_simple_extent_dims(space, count, NULL);
   H5Sclose(space);
+  for (int k = 1; k < rank; k++) each *= count[k];
+  const h5_shared_set *shared = h5_shared_set_of(file, path);
+  bool good =
+      rank > 0 && first <= count[0] && n <= count[0] - first && (width == 0 || each == (hsize_t)width);
+  count[0] = n;
+  good = good && (shared || h5_read_slab(set, h5_native(type), start, count, data));
   H5Oclose(set);
   if (good && shared) return h5_shared_rows(file, shared, type, first, n, data, messages);
   if (good) return SD_OK;

@@ -82,14 +82,11 @@ static sd_status take_image(h5_file *file, sd_messages *messages) {
   const ssize_t n = H5Fget_file_image(file->id, NULL, 0);
   void *image = NULL;
   const bool room = n > 0 && memory_resize(1, (memory_column[]){{&image, (size_t)n, 1}});
-  hid_t id = H5I_INVALID_HID, access = H5Pcreate(H5P_FILE_ACCESS);
+  hid_t id = H5I_INVALID_HID;
   char name[40];
   h5_memory_name(name, sizeof name);
-  H5Pset_fapl_core(access, (size_t)1 << 20, false);
-  if (room && H5Fget_file_image(file->id, image, (size_t)n) == n &&
-      H5Pset_file_image(access, image, (size_t)n) >= 0)
-    id = H5Fopen(name, H5F_ACC_RDWR, access);
-  H5Pclose(access);
+  if (room && H5Fget_file_image(file->id, image, (size_t)n) == n)
+    id = h5_open_image(name, image, (size_t)n, H5F_ACC_RDWR);
   free(image);
   if (id < 0) return sd_fail(messages, SD_ERROR_IO, "no memory to put %s together", file->path);
   H5Fclose(file->id);

@@ -101,15 +101,7 @@ static bool is_written(hid_t set, const hsize_t start[H5_MAX_RANK], const hsize_
 static const char *read_box(hid_t set, hid_t type, const hsize_t start[H5_MAX_RANK],
                             const hsize_t count[H5_MAX_RANK], double *data) {
   if (!is_written(set, start, count)) return "has values that were never written";
-  hid_t space = H5Dget_space(set);
-  hsize_t total = 1;
-  for (int k = 0; k < H5_MAX_RANK; k++) total *= count[k];
-  hid_t memory = H5Screate_simple(1, &total, NULL);
-  const bool good = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
-                    H5Dread(set, type, memory, space, H5P_DEFAULT, data) >= 0;
-  H5Sclose(memory);
-  H5Sclose(space);
-  return good ? NULL : "cannot be read as numbers";
+  return h5_read_slab(set, type, start, count, data) ? NULL : "cannot be read as numbers";
 }
 
 /* --- compound ------------------------------------------------------------------------------------- */
