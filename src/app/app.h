@@ -55,15 +55,11 @@ typedef struct drive_options {
 
 /* The options that run and resume share, as rows of a table. */
 #define DRIVE_OPTIONS(arguments, drive)                                                                      \
-  {                                                                                                          \
-      "quiet", 'q',  OPTION_FLAG, offsetof(arguments, drive.quiet), 0,                                       \
-      0,       NULL, NULL,        "errors and warnings only"},                                               \
+  {"quiet", 'q', OPTION_FLAG, offsetof(arguments, drive.quiet), NULL, NULL, "errors and warnings only"},     \
       {"verbose",                                                                                            \
        'v',                                                                                                  \
        OPTION_FLAG,                                                                                          \
        offsetof(arguments, drive.verbose),                                                                   \
-       0,                                                                                                    \
-       0,                                                                                                    \
        NULL,                                                                                                 \
        NULL,                                                                                                 \
        "also version, instruction set, threads and disks"},                                                  \
@@ -71,22 +67,18 @@ typedef struct drive_options {
        0,                                                                                                    \
        OPTION_NUMBER,                                                                                        \
        offsetof(arguments, drive.threads),                                                                   \
-       1,                                                                                                    \
-       4096,                                                                                                 \
-       " is not a number of threads",                                                                        \
+       &(option_limits){1, 4096, " is not a number of threads"},                                             \
        "N",                                                                                                  \
        "threads; by default as many as the number of disks is worth"},                                       \
       {"live",                                                                                               \
        0,                                                                                                    \
        OPTION_FLAG,                                                                                          \
        offsetof(arguments, drive.live),                                                                      \
-       0,                                                                                                    \
-       0,                                                                                                    \
        NULL,                                                                                                 \
        NULL,                                                                                                 \
        "show the run in a browser on this machine, at the address that is printed"},                         \
   {                                                                                                          \
-    "log", 0, OPTION_PATH, offsetof(arguments, drive.log), 0, 0, NULL, "FILE",                               \
+    "log", 0, OPTION_PATH, offsetof(arguments, drive.log), NULL, "FILE",                                     \
         "append progress and result to a file"                                                               \
   }
 

@@ -324,13 +324,12 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {
-    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL, NULL,
+    {"json", 0, OPTION_FLAG, offsetof(arguments, json), NULL, NULL,
      "for programs; of several files an array"},
-    {"deck", 0, OPTION_FLAG, offsetof(arguments, deck), 0, 0, NULL, NULL,
-     "the complete deck it was run with"},
-    {"deck-as-read", 0, OPTION_FLAG, offsetof(arguments, as_read), 0, 0, NULL, NULL,
+    {"deck", 0, OPTION_FLAG, offsetof(arguments, deck), NULL, NULL, "the complete deck it was run with"},
+    {"deck-as-read", 0, OPTION_FLAG, offsetof(arguments, as_read), NULL, NULL,
      "the deck as it was written, without -D and the point of a sweep"},
-    {"names", 0, OPTION_FLAG, offsetof(arguments, names), 0, 0, NULL, NULL,
+    {"names", 0, OPTION_FLAG, offsetof(arguments, names), NULL, NULL,
      "print the tables of all observables, and nothing else"},
 };
 const command_line app_info_line = {
@@ -342,7 +341,6 @@ const command_line app_info_line = {
     .optional = true,
     .operands = "FILE...",
     .summary = "Tells what a run has found, finished or not",
-    .more = NULL,
     .examples = "slipdisk info deck.h5                   # means with error bars, energy budget\n"
                 "slipdisk info deck.h5 --json\n"};
 

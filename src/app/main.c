@@ -71,9 +71,9 @@ typedef struct help_arguments {
 } help_arguments;
 
 static const option_row help_rows[] = {
-    {"man", 0, OPTION_FLAG, offsetof(help_arguments, man), 0, 0, NULL, NULL,
+    {"man", 0, OPTION_FLAG, offsetof(help_arguments, man), NULL, NULL,
      "as a page of the manual, for man -l -"},
-    {"bash", 0, OPTION_FLAG, offsetof(help_arguments, bash), 0, 0, NULL, NULL,
+    {"bash", 0, OPTION_FLAG, offsetof(help_arguments, bash), NULL, NULL,
      "completion for bash, to be read by its command source"},
 };
 static const command_line help_line = {

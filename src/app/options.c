@@ -125,7 +125,7 @@ static int take(const command_line *line, const option_row *row, const char *val
   bool good = true;
   switch (row->kind) {
     case OPTION_FLAG: *(bool *)field = true; break;
-    case OPTION_NUMBER: good = options_number(value, row->least, row->most, field); break;
+    case OPTION_NUMBER: good = options_number(value, row->limits->least, row->limits->most, field); break;
     case OPTION_REAL: {
       option_real *real = field;
       good = real->given = options_reals(value, 1, &real->value);
@@ -160,7 +160,7 @@ static int take(const command_line *line, const option_row *row, const char *val
       break;
     }
   }
-  return good ? 0 : app_misuse(line->name, "%s %s%s", shown, value, row->wrong);
+  return good ? 0 : app_misuse(line->name, "%s %s%s", shown, value, row->limits->wrong);
 }
 
 static int take_operand(const command_line *line, int argc, char **argv, void *arguments) {

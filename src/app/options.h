@@ -31,14 +31,19 @@ typedef struct option_list {
   const char **item; /* to be freed */
 } option_list;
 
+/* What a number may be; least and most of a whole one. */
+typedef struct option_limits {
+  long least, most;
+  const char *wrong; /* "--name VALUE" and this: what was expected */
+} option_limits;
+
 typedef struct option_row {
   const char *name; /* as in --name */
   char letter;      /* as in -l, which messages then use; 0: none */
   option_kind kind;
-  size_t offset; /* in the arguments of the command */
-  long least, most;
-  const char *wrong; /* "--name VALUE" and this: what was expected */
-  const char *value; /* name of its value in the help; NULL: a flag */
+  size_t offset;               /* in the arguments of the command */
+  const option_limits *limits; /* of a number */
+  const char *value;           /* name of its value in the help; NULL: a flag */
   const char *help;
 } option_row;
 

@@ -24,7 +24,6 @@ const command_line app_resume_line = {
     .rows = rows,
     .operand = OPERAND_RESULT,
     .offset = offsetof(arguments, name),
-    .optional = false,
     .operands = "FILE",
     .summary = "Continues a run from what it has stored",
     .more = "FILE is the name of the result, its folder FILE.parts, or a "

@@ -19,11 +19,11 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {
-    {"output", 'o', OPTION_RESULT, offsetof(arguments, output), 0, 0, NULL, "FILE",
+    {"output", 'o', OPTION_RESULT, offsetof(arguments, output), NULL, "FILE",
      "the result; by default NAME.h5 in the current folder for a deck NAME.cfg"},
-    {"define", 'D', OPTION_LIST, offsetof(arguments, overrides), 0, 0, NULL, "PATH=VALUE",
+    {"define", 'D', OPTION_LIST, offsetof(arguments, overrides), NULL, "PATH=VALUE",
      "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
-    {"force", 0, OPTION_FLAG, offsetof(arguments, drive.force), 0, 0, NULL, NULL,
+    {"force", 0, OPTION_FLAG, offsetof(arguments, drive.force), NULL, NULL,
      "begin anew, and replace a result that is finished"},
     DRIVE_OPTIONS(arguments, drive),
 };
@@ -33,7 +33,6 @@ const command_line app_run_line = {
     .rows = rows,
     .operand = OPERAND_DECK,
     .offset = offsetof(arguments, deck),
-    .optional = false,
     .operands = "DECK",
     .summary = "Runs a deck",
     .more =

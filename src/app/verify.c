@@ -20,10 +20,10 @@ typedef struct verifier {
 } verifier;
 
 static const option_row rows[] = {
-    {"quiet", 'q', OPTION_FLAG, offsetof(verifier, quiet), 0, 0, NULL, NULL, "errors only"},
-    {"seal", 0, OPTION_FLAG, offsetof(verifier, seal), 0, 0, NULL, NULL,
+    {"quiet", 'q', OPTION_FLAG, offsetof(verifier, quiet), NULL, NULL, "errors only"},
+    {"seal", 0, OPTION_FLAG, offsetof(verifier, seal), NULL, NULL,
      "make the checksum of a file anew that was changed on purpose"},
-    {"unsealed", 0, OPTION_FLAG, offsetof(verifier, unsealed), 0, 0, NULL, NULL,
+    {"unsealed", 0, OPTION_FLAG, offsetof(verifier, unsealed), NULL, NULL,
      "files without a checksum, of older versions, count as sound where they can be read"},
 };
 const command_line app_verify_line = {
@@ -32,7 +32,6 @@ const command_line app_verify_line = {
     .rows = rows,
     .operand = OPERAND_RESULTS,
     .offset = offsetof(verifier, first),
-    .optional = false,
     .operands = "FILE...",
     .summary = "Compares all bytes of results, unfinished runs or sweeps with their checksums",
     .more = "Exit status 4 when one is damaged.\n",

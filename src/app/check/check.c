@@ -31,13 +31,12 @@ typedef struct options {
 } options;
 
 static const option_row rows[] = {
-    {"define", 'D', OPTION_LIST, offsetof(options, overrides), 0, 0, NULL, "PATH=VALUE",
+    {"define", 'D', OPTION_LIST, offsetof(options, overrides), NULL, "PATH=VALUE",
      "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
-    {"brief", 0, OPTION_FLAG, offsetof(options, brief), 0, 0, NULL, NULL, "leave the full deck out"},
-    {"no-probe", 0, OPTION_FLAG, offsetof(options, no_probe), 0, 0, NULL, NULL, "do not measure the speed"},
-    {"json", 0, OPTION_FLAG, offsetof(options, json), 0, 0, NULL, NULL,
-     "all of it as JSON, messages included"},
-    {"keys", 0, OPTION_FLAG, offsetof(options, keys), 0, 0, NULL, NULL,
+    {"brief", 0, OPTION_FLAG, offsetof(options, brief), NULL, NULL, "leave the full deck out"},
+    {"no-probe", 0, OPTION_FLAG, offsetof(options, no_probe), NULL, NULL, "do not measure the speed"},
+    {"json", 0, OPTION_FLAG, offsetof(options, json), NULL, NULL, "all of it as JSON, messages included"},
+    {"keys", 0, OPTION_FLAG, offsetof(options, keys), NULL, NULL,
      "print the tables of all keys, and nothing else"},
 };
 const command_line app_check_line = {

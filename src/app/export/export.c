@@ -31,12 +31,12 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {
-    {"to", 0, OPTION_CHOICE, offsetof(arguments, format), 0, 0, NULL, FORMAT_NAMES,
+    {"to", 0, OPTION_CHOICE, offsetof(arguments, format), NULL, FORMAT_NAMES,
      "what it is written as; must be given"},
-    {"output", 'o', OPTION_PATH, offsetof(arguments, output), 0, 0, NULL, "OUT",
+    {"output", 'o', OPTION_PATH, offsetof(arguments, output), NULL, "OUT",
      "file, or folder of vtk and csv; by default the name of FILE with the format's ending, in the current "
      "folder"},
-    {"frames", 0, OPTION_TEXT, offsetof(arguments, frames), 0, 0, NULL, "RANGE",
+    {"frames", 0, OPTION_TEXT, offsetof(arguments, frames), NULL, "RANGE",
      "a frame (5, -1 the last) or FIRST:END:STEP as slices in Python; by default all, of lammps-data the "
      "last"},
 };
@@ -46,7 +46,6 @@ const command_line app_export_line = {
     .rows = rows,
     .operand = OPERAND_RESULT,
     .offset = offsetof(arguments, name),
-    .optional = false,
     .operands = "FILE",
     .summary = "Writes frames for other programs: MDAnalysis, LAMMPS, OVITO, ParaView, tables",
     .more = "  h5md3d       H5MD in three dimensions: MDAnalysis\n"

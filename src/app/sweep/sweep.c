@@ -14,33 +14,30 @@
 
 /* How long --table waits for another process that is writing the tables, s. */
 static const double TABLE_PATIENCE = 600;
-#define WHOLE " is no whole number from 1 to 4096"
+static const option_limits whole = {1, 4096, " is no whole number from 1 to 4096"};
 static const option_row rows[] = {
-    {"output", 'o', OPTION_PATH, offsetof(sweep_command, output), 0, 0, NULL, "FOLDER",
+    {"output", 'o', OPTION_PATH, offsetof(sweep_command, output), NULL, "FOLDER",
      "where the results go; by default NAME.sweep for a deck NAME.cfg"},
-    {"define", 'D', OPTION_LIST, offsetof(sweep_command, overrides), 0, 0, NULL, "PATH=VALUE",
+    {"define", 'D', OPTION_LIST, offsetof(sweep_command, overrides), NULL, "PATH=VALUE",
      "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
-    {"jobs", 'j', OPTION_NUMBER, offsetof(sweep_command, workers), 1, 4096, WHOLE, "N", "points at a time"},
-    {"threads", 0, OPTION_NUMBER, offsetof(sweep_command, threads), 1, 4096, WHOLE, "N",
-     "threads of each point"},
-    {"quiet", 'q', OPTION_FLAG, offsetof(sweep_command, quiet), 0, 0, NULL, NULL, "errors and warnings only"},
-    {"force", 0, OPTION_FLAG, offsetof(sweep_command, force), 0, 0, NULL, NULL, "run finished points again"},
-    {"skip", 0, OPTION_FLAG, offsetof(sweep_command, skip), 0, 0, NULL, NULL,
+    {"jobs", 'j', OPTION_NUMBER, offsetof(sweep_command, workers), &whole, "N", "points at a time"},
+    {"threads", 0, OPTION_NUMBER, offsetof(sweep_command, threads), &whole, "N", "threads of each point"},
+    {"quiet", 'q', OPTION_FLAG, offsetof(sweep_command, quiet), NULL, NULL, "errors and warnings only"},
+    {"force", 0, OPTION_FLAG, offsetof(sweep_command, force), NULL, NULL, "run finished points again"},
+    {"skip", 0, OPTION_FLAG, offsetof(sweep_command, skip), NULL, NULL,
      "mistakes of some points do not keep the others from being run"},
-    {"mix", 0, OPTION_FLAG, offsetof(sweep_command, mix), 0, 0, NULL, NULL,
+    {"mix", 0, OPTION_FLAG, offsetof(sweep_command, mix), NULL, NULL,
      "go on when points in the folder belong to another deck or sweep"},
-    {"no-lanes", 0, OPTION_FLAG, offsetof(sweep_command, no_lanes), 0, 0, NULL, NULL,
+    {"no-lanes", 0, OPTION_FLAG, offsetof(sweep_command, no_lanes), NULL, NULL,
      "run alike points of few disks one by one and not side by side in vectors, to the same results"},
-    {"point", 0, OPTION_TEXT, offsetof(sweep_command, range), 0, 0, NULL, "K[-L]", "run these points only"},
-    {"status", 0, OPTION_FLAG, offsetof(sweep_command, status), 0, 0, NULL, NULL, "tell how far it is"},
-    {"list", 0, OPTION_FLAG, offsetof(sweep_command, list), 0, 0, NULL, NULL,
+    {"point", 0, OPTION_TEXT, offsetof(sweep_command, range), NULL, "K[-L]", "run these points only"},
+    {"status", 0, OPTION_FLAG, offsetof(sweep_command, status), NULL, NULL, "tell how far it is"},
+    {"list", 0, OPTION_FLAG, offsetof(sweep_command, list), NULL, NULL,
      "tell all points, with their numbers"},
-    {"json", 0, OPTION_FLAG, offsetof(sweep_command, json), 0, 0, NULL, NULL,
+    {"json", 0, OPTION_FLAG, offsetof(sweep_command, json), NULL, NULL,
      "--status or --list of all points, for programs"},
-    {"count", 0, OPTION_FLAG, offsetof(sweep_command, count), 0, 0, NULL, NULL,
-     "tell how many points there are"},
-    {"table", 0, OPTION_FLAG, offsetof(sweep_command, table), 0, 0, NULL, NULL,
-     "write the table of what is there"},
+    {"count", 0, OPTION_FLAG, offsetof(sweep_command, count), NULL, NULL, "tell how many points there are"},
+    {"table", 0, OPTION_FLAG, offsetof(sweep_command, table), NULL, NULL, "write the table of what is there"},
 };
 const command_line app_sweep_line = {
     .name = "sweep",
@@ -48,7 +45,6 @@ const command_line app_sweep_line = {
     .rows = rows,
     .operand = OPERAND_DECK,
     .offset = offsetof(sweep_command, deck),
-    .optional = false,
     .operands = "DECK",
     .summary = "Runs all points of the deck's group `sweep`, and writes a table of the results",
     .more = "Given again it continues; points that failed are tried again. Under mpirun (in a build with "

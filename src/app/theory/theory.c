@@ -19,12 +19,12 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {
-    {"define", 'D', OPTION_LIST, offsetof(arguments, overrides), 0, 0, NULL, "PATH=VALUE",
+    {"define", 'D', OPTION_LIST, offsetof(arguments, overrides), NULL, "PATH=VALUE",
      "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
-    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL, NULL, "for programs"},
-    {"wave", 0, OPTION_STREAM, offsetof(arguments, wave), 0, 0, NULL, "FILE",
+    {"json", 0, OPTION_FLAG, offsetof(arguments, json), NULL, NULL, "for programs"},
+    {"wave", 0, OPTION_STREAM, offsetof(arguments, wave), NULL, "FILE",
      "the curves of one period as CSV; - is the standard output"},
-    {"csv", 0, OPTION_STREAM, offsetof(arguments, csv), 0, 0, NULL, "FILE",
+    {"csv", 0, OPTION_STREAM, offsetof(arguments, csv), NULL, "FILE",
      "a row per set of the sweep; - is the standard output"},
 };
 const command_line app_theory_line = {
@@ -33,7 +33,6 @@ const command_line app_theory_line = {
     .rows = rows,
     .operand = OPERAND_DECK,
     .offset = offsetof(arguments, deck),
-    .optional = false,
     .operands = "DECK",
     .summary = "Says what theory knows of a disk on two turning supports",
     .more = "Torques, periodic states, mean rotation. A DECK of - is the standard input.\n",

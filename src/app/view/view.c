@@ -14,17 +14,18 @@
 #include "io/store/h5.h"
 
 static const option_row rows[] = {
-    {"output", 'o', OPTION_PATH, offsetof(view_options, output), 0, 0, NULL, "PAGE.html",
+    {"output", 'o', OPTION_PATH, offsetof(view_options, output), NULL, "PAGE.html",
      "the page; by default NAME.html in the current folder, of a deck NAME.start.html"},
-    {"open", 0, OPTION_FLAG, offsetof(view_options, open), 0, 0, NULL, NULL, "open it in the browser"},
-    {"frames", 0, OPTION_TEXT, offsetof(view_options, frames), 0, 0, NULL, "RANGE",
+    {"open", 0, OPTION_FLAG, offsetof(view_options, open), NULL, NULL, "open it in the browser"},
+    {"frames", 0, OPTION_TEXT, offsetof(view_options, frames), NULL, "RANGE",
      "frames of a FILE, as slices in Python: 5, -1:, ::10; by default at most 501, evenly chosen"},
-    {"define", 'D', OPTION_LIST, offsetof(view_options, overrides), 0, 0, NULL, "PATH=VALUE",
+    {"define", 'D', OPTION_LIST, offsetof(view_options, overrides), NULL, "PATH=VALUE",
      "set a key of the DECK, as in -D gravity.tilt=0.1; may be repeated"},
-    {"live", 0, OPTION_FLAG, offsetof(view_options, live), 0, 0, NULL, NULL,
+    {"live", 0, OPTION_FLAG, offsetof(view_options, live), NULL, NULL,
      "run the DECK in memory, and show it as it goes, at the address that is printed"},
-    {"threads", 0, OPTION_NUMBER, offsetof(view_options, threads), 1, 4096, " is not a number of threads",
-     "N", "threads of the run; by default as many as the number of disks is worth"},
+    {"threads", 0, OPTION_NUMBER, offsetof(view_options, threads),
+     &(option_limits){1, 4096, " is not a number of threads"}, "N",
+     "threads of the run; by default as many as the number of disks is worth"},
 };
 const command_line app_view_line = {
     .name = "view",
@@ -32,7 +33,6 @@ const command_line app_view_line = {
     .rows = rows,
     .operand = OPERAND_RESULT,
     .offset = offsetof(view_options, name),
-    .optional = false,
     .operands = "FILE|DECK",
     .summary = "Makes a page that shows a run in a browser",
     .more = "Of a DECK it shows how it begins, with all bodies that overlap. "
