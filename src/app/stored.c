@@ -1,5 +1,6 @@
 /* stored.c: see app.h. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "app/app.h"
 #include "base/memory.h"
@@ -67,4 +68,29 @@ sd_status stored_count(const frames *f, bool alone, size_t *count, sd_messages *
   sd_status status = f->n > 0 ? frames_entry(f, f->n - 1, &newest, messages) : SD_OK;
   *count = f->n + !(alone || newest.step == f->state_step);
   return status;
+}
+
+sd_status stored_source(const frames *f, size_t k, h5_file **out, sd_messages *messages) {
+  const char *path = f->sources[k].path;
+  *out = f->base;
+  return strcmp(path, f->path) == 0 ? SD_OK : h5_open_again(path, out, messages);
+}
+
+void stored_release(const frames *f, h5_file *file) {
+  if (file != f->base) h5_close(file, NULL);
+}
+
+uint32_t stored_body(const sd_model *m, const h5_file *file, const observable *o, size_t k) {
+  bool watched = o->width == OBSERVABLE_WATCHED, chosen = o->width == OBSERVABLE_CHOSEN;
+  uint32_t body = UINT32_MAX;
+  if (o->width == OBSERVABLE_WALLS) return (uint32_t)(m->n_disks + k);
+  if (!watched && !chosen) return body;
+  const char *path = watched ? "/observables/watched_disks" : "/observables/contact_disks";
+  if (file && h5_exists(file, path)) {
+    h5_get_rows(file, path, SD_U32, k, 1, &body, NULL);
+    return body;
+  }
+  if (watched && k < m->n_rotations) body = m->rotations[k];
+  if (chosen && k < m->n_contact_disks) body = m->contact_disks[k];
+  return body;
 }

@@ -2,8 +2,8 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
+#include "app/app.h"
 #include "app/export/export.h"
 #include "app/measure/measure.h"
 #include "base/memory.h"
@@ -148,15 +148,7 @@ static void series_free(series *s) {
 static char *element_name(const export_job *job, const observable *o, size_t k) {
   const sd_model *m = job->m;
   char text[32];
-  uint32_t body = o->width == OBSERVABLE_WALLS ? (uint32_t)(m->n_disks + k) : UINT32_MAX;
-  const char *list = o->width == OBSERVABLE_WATCHED  ? "/observables/watched_disks"
-                     : o->width == OBSERVABLE_CHOSEN ? "/observables/contact_disks"
-                                                     : NULL;
-  const h5_file *base = job->f->base;
-  if (list && h5_exists(base, list) && h5_get_values(base, list, SD_U32, k, 1, 1, &body, NULL) != SD_OK)
-    body = UINT32_MAX;
-  if (list && body == UINT32_MAX && o->width == OBSERVABLE_WATCHED && k < m->n_rotations)
-    body = m->rotations[k];
+  const uint32_t body = stored_body(m, job->f->base, o, k);
   if (o->width == OBSERVABLE_GROUPS && *export_group(job, (int)k))
     return format_text("%s[%s]", o->name, export_group(job, (int)k));
   if (body < sd_model_bodies(m)) {
@@ -212,10 +204,8 @@ static sd_status put_series(const export_job *job, FILE *out, FILE *units) {
   series s = {0};
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < f->n_sources; k++) {
-    const char *path = f->sources[k].path;
-    bool own = strcmp(path, f->path) == 0;
-    h5_file *file = own ? f->base : NULL;
-    if (!own) status = h5_open_again(path, &file, job->messages);
+    h5_file *file;
+    status = stored_source(f, k, &file, job->messages);
     if (status == SD_OK && h5_exists(file, SERIES_CLOCK "/step")) {
       if (s.n == 0) {
         status = series_find(&s, file, job->messages);
@@ -223,7 +213,7 @@ static sd_status put_series(const export_job *job, FILE *out, FILE *units) {
       }
       if (status == SD_OK) status = series_rows(&s, file, out, job->messages);
     }
-    if (!own) h5_close(file, NULL);
+    stored_release(f, file);
   }
   series_free(&s);
   return status;

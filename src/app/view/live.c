@@ -153,12 +153,7 @@ static void prepare(live *l, const char *source) {
   const sd_model *m = l->model;
   l->meta = view_meta(m, "live", m->title, source);
   view_series_each(m, l->meta, NULL, NULL);
-  double from = 0;
-  for (size_t k = 0; k < m->n_phases; k++) {
-    double to = from + (double)m->phases[k].steps * m->dt;
-    view_meta_phase(l->meta, m->phases[k].name, from, to);
-    from = to;
-  }
+  view_meta_phases(l->meta, m);
   json_object_set_new(l->meta, "frames", json_integer(0));
   l->status.steps = sd_model_steps(m);
   record_new(&l->rows, m, false);

@@ -11,7 +11,6 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/random.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -256,11 +255,7 @@ static enum MHD_Result serve(void *user, connection *c, const char *url, const c
 
 static bool make_token(live *l) {
   unsigned char bytes[LIVE_TOKEN / 2];
-  for (size_t have = 0; have < sizeof bytes;) {
-    ssize_t n = getrandom(bytes + have, sizeof bytes - have, 0);
-    if (n < 0 && errno != EINTR) return false;
-    if (n > 0) have += (size_t)n;
-  }
+  if (getentropy(bytes, sizeof bytes) != 0) return false;
   for (size_t k = 0; k < sizeof bytes; k++) snprintf(l->token + 2 * k, 3, "%02x", bytes[k]);
   return true;
 }

@@ -96,10 +96,19 @@ json_t *view_meta(const sd_model *m, const char *kind, const char *title, const 
       walls, "laws", laws_json(m), "series", "budget", budget, "phases", "messages", "summary");
 }
 
-void view_meta_phase(json_t *meta, const char *name, double from, double to) {
+static void add_phase(json_t *meta, const char *name, double from, double to) {
   json_array_append_new(json_object_get(meta, "phases"),
                         json_pack("{s:o, s:o, s:o}", "name", json_text(name ? name : ""), "from",
                                   json_number(from), "to", json_number(to)));
+}
+
+void view_meta_phases(json_t *meta, const sd_model *m) {
+  double from = 0;
+  for (size_t k = 0; k < m->n_phases; k++) {
+    double to = from + (double)m->phases[k].steps * m->dt;
+    add_phase(meta, m->phases[k].name, from, to);
+    from = to;
+  }
 }
 
 void view_meta_summary(json_t *meta, const summary *s) {
@@ -108,7 +117,7 @@ void view_meta_summary(json_t *meta, const summary *s) {
   for (size_t k = 0; k < s->n_stages && step <= s->step; k++) {
     bool over = s->stages[k].steps > 0;
     int64_t end = over ? step + s->stages[k].steps : s->step;
-    view_meta_phase(meta, s->stage_names[k], (double)step * s->dt, (double)end * s->dt);
+    add_phase(meta, s->stage_names[k], (double)step * s->dt, (double)end * s->dt);
     step = over ? end : s->step + 1;
   }
   json_object_set_new(object, "dt", json_number(s->dt));

@@ -11,8 +11,8 @@ enum { VIEW_FEW = 1000 };
 
 /* The object with what is known of every run: walls, names, box. */
 json_t *view_meta(const sd_model *model, const char *kind, const char *title, const char *source);
-/* A phase from one time to another; NAN: its end is not known. */
-void view_meta_phase(json_t *meta, const char *name, double from, double to);
+/* Phases of a run that has not begun. */
+void view_meta_phases(json_t *meta, const sd_model *model);
 /* Phases, means of watched disks, and the residual of the budget. */
 void view_meta_summary(json_t *meta, const summary *found);
 

@@ -139,12 +139,7 @@ static char *waiting_text(const sd_model *m) {
 
 static json_t *describe(const sd_model *m, const start *s, const char *source, const sd_messages *found) {
   json_t *meta = view_meta(m, "deck", m->title, source);
-  double from = 0;
-  for (size_t k = 0; k < m->n_phases; k++) {
-    double to = from + (double)m->phases[k].steps * m->dt;
-    view_meta_phase(meta, m->phases[k].name, from, to);
-    from = to;
-  }
+  view_meta_phases(meta, m);
   for (size_t k = 0; k < sd_messages_count(found); k++)
     tell(meta, sd_messages_kind(found, k) == SD_OK ? "warning" : "error", sd_messages_text(found, k),
          json_array());

@@ -96,7 +96,7 @@ static sd_status write_frames(job *j, view_page *page, sd_messages *messages) {
 static sd_status write_page(job *j, const char *path, sd_messages *messages) {
   view_chunk c, series;
   size_t rows;
-  sd_status status = view_series_read(&series, &j->f, true, j->meta, &rows, messages);
+  sd_status status = view_series_read(&series, &j->f, j->meta, &rows, messages);
   if (status != SD_OK) return status;
   view_page page;
   status = view_page_open(&page, path, j->meta, messages);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/app.h"
 #include "app/json.h"
 #include "base/memory.h"
 #include "base/text.h"
@@ -32,14 +33,9 @@ static size_t rows_of(const h5_file *file, const char *path, size_t *width) {
 
 /* File k of those with series; NULL: it cannot be opened. To be released. */
 static h5_file *open_source(reader *r, size_t k) {
-  const frame_source *source = &r->f->sources[k];
-  h5_file *file = r->f->base;
-  if (strcmp(source->path, r->f->path) != 0) r->status = h5_open_again(source->path, &file, r->messages);
-  return r->status == SD_OK ? file : NULL;
-}
-
-static void release_source(const reader *r, h5_file *file) {
-  if (file != r->f->base) h5_close(file, NULL);
+  h5_file *file;
+  r->status = stored_source(r->f, k, &file, r->messages);
+  return file;
 }
 
 /* Rows first ... of one file into values[kept][width], from place `at` on; where the next file goes on. */
@@ -78,7 +74,7 @@ static double *read_all(reader *r, const char *path, size_t width) {
       r->status = sd_fail(r->messages, SD_ERROR_IO, "%s: %s is too long", r->f->sources[k].path, path);
     if (r->status == SD_OK && n > 0) at = read_rows(r, file, path, before, n, width, at, values);
     before += n;
-    release_source(r, file);
+    stored_release(r->f, file);
   }
   for (size_t k = at; k < r->kept * (width > 0); k++)
     for (size_t c = 0; c < width; c++) values[k * width + c] = NAN;
@@ -99,26 +95,10 @@ static void describe(json_t *meta, const observable *o, bool energy, const char 
                                   "description", o->meaning, "section", section_of(o, energy)));
 }
 
-/* Number of the body that element k of a quantity is about, as the file says it, else as the model does; UINT32_MAX: none. */
-static uint32_t element_body(const sd_model *m, const h5_file *file, const observable *o, size_t k) {
-  bool watched = o->width == OBSERVABLE_WATCHED, chosen = o->width == OBSERVABLE_CHOSEN;
-  uint32_t body = UINT32_MAX;
-  if (o->width == OBSERVABLE_WALLS) return (uint32_t)(m->n_disks + k);
-  if (!watched && !chosen) return body;
-  const char *path = watched ? "/observables/watched_disks" : "/observables/contact_disks";
-  if (file && h5_exists(file, path)) {
-    h5_get_rows(file, path, SD_U32, k, 1, &body, NULL);
-    return body;
-  }
-  if (watched && k < m->n_rotations) body = m->rotations[k];
-  if (chosen && k < m->n_contact_disks) body = m->contact_disks[k];
-  return body;
-}
-
 /* "contacts", "angle[upper]", "wall_force_x[3]"; to be freed. */
 static char *series_name(const sd_model *m, const h5_file *file, const observable *o, size_t k) {
   if (o->width == 1) return memory_text(o->name);
-  uint32_t body = element_body(m, file, o, k);
+  uint32_t body = stored_body(m, file, o, k);
   const char *name = NULL;
   if (o->width == OBSERVABLE_GROUPS && k < m->n_groups) name = m->groups[k];
   if (body < m->n_disks) name = m->disks[body].name;
@@ -150,7 +130,7 @@ static void add_series(reader *r, view_chunk *c, json_t *meta, const observable 
   snprintf(path, sizeof path, "/observables/%s/value", o->name);
   h5_file *file = open_source(r, 0);
   bool there = file && rows_of(file, path, &width) > 0 && width > 0;
-  release_source(r, file);
+  stored_release(r->f, file);
   if (!there || r->status != SD_OK) return;
   double *values = read_all(r, path, width);
   for (size_t k = 0; r->status == SD_OK && k < width && k < MOST_ELEMENTS; k++) {
@@ -162,7 +142,7 @@ static void add_series(reader *r, view_chunk *c, json_t *meta, const observable 
   free(values);
 }
 
-sd_status view_series_read(view_chunk *c, const frames *f, bool shuffle, json_t *meta, size_t *rows,
+sd_status view_series_read(view_chunk *c, const frames *f, json_t *meta, size_t *rows,
                            sd_messages *messages) {
   reader r = {.f = f, .messages = messages};
   *rows = 0;
@@ -170,12 +150,12 @@ sd_status view_series_read(view_chunk *c, const frames *f, bool shuffle, json_t 
     size_t width;
     h5_file *file = open_source(&r, k);
     if (file) r.n += rows_of(file, CLOCK, &width);
-    release_source(&r, file);
+    stored_release(f, file);
   }
   if (r.status != SD_OK || r.n == 0) return r.status;
   r.every = (r.n + VIEW_MOST_ROWS - 1) / VIEW_MOST_ROWS;
   r.kept = (r.n - 1) / r.every + 1 + ((r.n - 1) % r.every != 0);
-  view_chunk_begin(c, shuffle);
+  view_chunk_begin(c, true);
   double *time = read_all(&r, CLOCK, 1);
   if (r.status == SD_OK) view_chunk_add(c, "time", VIEW_EXACT, SD_F64, time, r.kept, 1);
   free(time);

@@ -10,8 +10,7 @@
 enum { VIEW_MOST_ROWS = 10000 };
 
 /* Names and units into meta.series, values into the chunk. *rows = 0: there are none, and no chunk. */
-sd_status view_series_read(view_chunk *c, const frames *f, bool shuffle, json_t *meta, size_t *rows,
-                           sd_messages *messages);
+sd_status view_series_read(view_chunk *c, const frames *f, json_t *meta, size_t *rows, sd_messages *messages);
 
 /* Calls visit for every series that a run of this model has: element k of a quantity. column: place of the quantity in the
  * table of series_new. */
