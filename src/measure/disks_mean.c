@@ -67,27 +67,10 @@ static void fill_rates(sd_disk_mean *d, const sd_model *model, const sd_state *s
 }
 
 sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state, size_t slot) {
-  sd_disk_mean d = {.disk = state->id[slot],
-                    .omega = NAN,
-                    .error = NAN,
-                    .significance = NAN,
-                    .first = NAN,
-                    .second = NAN,
-                    .turned = NAN,
-                    .x = NAN,
-                    .y = NAN,
-                    .rms = NAN,
-                    .displacement = NAN,
-                    .coordination = NAN,
-                    .sliding = NAN,
-                    .force = NAN,
-                    .openings = NAN,
-                    .injected = NAN,
-                    .viscous = NAN,
-                    .friction = NAN,
-                    .opening = NAN,
-                    .translation = NAN,
-                    .rotation = NAN};
+  sd_disk_mean d = {.disk = state->id[slot]};
+  for (size_t k = 0; k < disk_observables.n; k++)
+    if (disk_observables.rows[k].type == OBSERVABLE_F64)
+      observable_set(&disk_observables.rows[k], &d, 0, NAN);
   bool there = state->activity[slot] == SD_IN_PLAY || state->activity[slot] == SD_OUTSIDE;
   if (!there || isnan(state->mean_x0[slot]) || state->measured == 0) return d;
   fill_rotation(&d, model, state, slot);

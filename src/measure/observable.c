@@ -51,8 +51,8 @@ void observable_set(const observable *o, void *row, size_t k, double value) {
   }
 }
 
-double observable_load(const observable *o, const void *dense, size_t k) {
-  switch (observable_stored(o)) {
+double observable_element(sd_type type, const void *dense, size_t k) {
+  switch (type) {
     case SD_F64: return ((const double *)dense)[k];
     case SD_I64: return (double)((const int64_t *)dense)[k];
     case SD_U32: return ((const uint32_t *)dense)[k];

@@ -9,6 +9,7 @@
 
 #include "app/json.h"
 #include "base/memory.h"
+#include "measure/observable.h"
 
 static const struct stored {
   const char *name;
@@ -26,16 +27,6 @@ enum { U8, I8, U16, I16, U32, I32, F32, F64 };
 
 void view_chunk_begin(view_chunk *c, bool shuffle) {
   *c = (view_chunk){.head = json_pack("{s:[]}", "columns"), .shuffle = shuffle};
-}
-
-static double value_at(sd_type type, const void *values, size_t k) {
-  switch (type) {
-    case SD_F64: return ((const double *)values)[k];
-    case SD_I64: return (double)((const int64_t *)values)[k];
-    case SD_I32: return ((const int32_t *)values)[k];
-    case SD_U32: return ((const uint32_t *)values)[k];
-  }
-  return 0;
 }
 
 /* Bytes for n more, from a multiple of 8 on; NULL: no memory. */
@@ -59,7 +50,7 @@ static int choose(view_form form, sd_type type, const void *values, size_t n, si
   if (form != VIEW_WHOLE) return F32;
   double least = 0, most = 0;
   for (size_t k = 0; k < n; k++) {
-    double v = value_at(type, values, k * stride);
+    double v = observable_element(type, values, k * stride);
     least = v < least ? v : least;
     most = v > most ? v : most;
   }
@@ -99,7 +90,7 @@ void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type typ
   if (!out) return;
   double grain = form == VIEW_REAL ? c->grain : 0;
   for (size_t k = 0; k < n; k++) {
-    double value = value_at(type, values, k * stride);
+    double value = observable_element(type, values, k * stride);
     if (grain > 0 && isfinite(value)) value = grain * nearbyint(value / grain);
     put(out, n, k, size, shuffle, bits_of(t, form, value));
   }

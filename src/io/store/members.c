@@ -89,7 +89,7 @@ sd_status members_read(const h5_file *file, const char *group, const observable_
     if (status == SD_OK && there) status = h5_get(file, path, type, n * o->width, dense, messages);
     for (size_t i = 0; status == SD_OK && i < n * o->width; i++)
       observable_set(o, (char *)first + i / o->width * stride, i % o->width,
-                     there            ? observable_load(o, dense, i)
+                     there            ? observable_element(type, dense, i)
                      : type == SD_F64 ? NAN
                                       : 0);
     free(path);
