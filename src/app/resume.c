@@ -1,8 +1,6 @@
 /* resume.c: slipdisk resume FILE: the deck comes from the checkpoint. */
 #include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 #include "base/comm.h"
 #include "base/text.h"

@@ -13,7 +13,6 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/results/record.h"
-#include "io/results/summary.h"
 #include "model/state.h"
 #include "run/session.h"
 

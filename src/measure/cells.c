@@ -1,7 +1,6 @@
 /* cells.c: see cells.h. */
 #include "measure/cells.h"
 
-#include <assert.h>
 #include <gsl/gsl_statistics_double.h>
 #include <stdatomic.h>
 #include <stdlib.h>

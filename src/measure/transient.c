@@ -30,7 +30,6 @@
 #include "base/memory.h"
 #include "measure/error_bar.h"
 #include "measure/sums.h"
-#include "model/state.h"
 
 enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16, BATCHES = 64, ENOUGH = 16 };
 static const double quiet_at = 1e-2, enough = 1e-5, distinct = 3;

@@ -1,6 +1,5 @@
 /* check_json.c: what `check` has found, as JSON. */
 #include <math.h>
-#include <stdio.h>
 
 #include "app/check/check.h"
 #include "app/json.h"

@@ -2,8 +2,6 @@
 #ifndef SLIPDISK_APP_EXPORT_H
 #define SLIPDISK_APP_EXPORT_H
 
-#include <stdio.h>
-
 #include "app/options.h"
 #include "io/results/frames.h"
 

@@ -9,8 +9,6 @@
 
 #include "app/export/export.h"
 #include "base/memory.h"
-#include "base/text.h"
-#include "io/results/provenance.h"
 #include "version.h"
 
 #define GROUP "/particles/trajectory"

@@ -1,7 +1,6 @@
 /* measure.c: slipdisk measure FILE: configurational observables of stored frames. See docs/measure.md. */
 #include "app/measure/measure.h"
 
-#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +8,6 @@
 #include "app/app.h"
 #include "base/guess.h"
 #include "base/memory.h"
-#include "io/store/file.h"
 #include "io/results/checkpoint.h"
 #include "io/results/frames.h"
 

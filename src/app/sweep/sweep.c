@@ -1,7 +1,6 @@
 /* sweep.c: slipdisk sweep DECK: arguments, and what a sweep's folder holds. It is run in sweep_run.c. */
 #include <assert.h>
 #include <limits.h>
-#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>

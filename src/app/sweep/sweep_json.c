@@ -1,8 +1,6 @@
 /* sweep_json.c: how far a sweep is, for programs. */
-#include <math.h>
 #include <stdlib.h>
 
-#include "app/app.h"
 #include "app/json.h"
 #include "app/sweep/sweep.h"
 

@@ -13,9 +13,7 @@
 #endif
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/comm.h"

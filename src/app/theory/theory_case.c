@@ -3,7 +3,6 @@
  * The angles are those of the three disks where the upper one just touches both supports, seen with the
  * weight pointing down: alpha_1 = theta_h - theta_T on the left, alpha_2 = theta_h + theta_T on the right. */
 #include <math.h>
-#include <string.h>
 
 #include "slipdisk/deck.h"
 #include "app/theory/theory.h"

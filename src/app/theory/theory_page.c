@@ -1,7 +1,6 @@
 /* theory_page.c: what the theory says of a deck, for people. Formulas carry the paper's equation labels;
  * docs/theory.md explains the lines, docs/physics.md derives them. */
 #include <math.h>
-#include <string.h>
 
 #include "slipdisk/deck.h"
 #include "app/theory/theory.h"

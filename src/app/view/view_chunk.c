@@ -1,13 +1,11 @@
 /* view_chunk.c: see view_chunk.h. */
 #include "app/view/view_chunk.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
-#include "app/json.h"
 #include "base/memory.h"
 #include "measure/observable.h"
 

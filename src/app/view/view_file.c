@@ -1,7 +1,6 @@
 /* view_file.c: a page with the frames of a result, of an unfinished run, or of a checkpoint. */
 #include <inttypes.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "app/view/view.h"
 #include "app/view/view_data.h"
@@ -9,7 +8,6 @@
 #include "app/view/view_series.h"
 #include "base/memory.h"
 #include "io/results/checkpoint.h"
-#include "io/store/folder.h"
 
 enum { MOST_FRAMES = 501 }; /* when none are asked for: 500 and the end */
 enum { FEW_FRAMES = 200 };  /* suggested */

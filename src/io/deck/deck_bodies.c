@@ -1,6 +1,5 @@
 /* deck_bodies.c: names of disks, groups and walls, and which bodies a group of the deck speaks of. See deck_tree.h. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "io/deck/deck_read.h"
 

@@ -4,10 +4,8 @@
  * group.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/deck/deck_parts.h"

@@ -5,7 +5,6 @@
  * integers beyond 32 bits their suffix L.
  */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"

@@ -7,7 +7,6 @@
  * on the same coordinate of the same thing.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"

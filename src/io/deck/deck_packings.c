@@ -4,8 +4,6 @@
  * them there. What the generators allocate is freed before the arena is used again: deck_alloc may not return.
  */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/limits.h"
 #include "base/memory.h"

@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_grid.h"
 #include "io/store/file.h"

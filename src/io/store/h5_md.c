@@ -4,11 +4,9 @@
  * steps of its own: a list, or a scalar, the distance of steps, whose attribute `offset` is the first of them.
  */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/store/h5_private.h"

@@ -1,6 +1,5 @@
 /* h5_table.c: tables of particles for the deck, in four forms; see h5_read_table in h5.h. */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
