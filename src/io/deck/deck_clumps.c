@@ -31,24 +31,23 @@ static void check_disk(deck *d, const deck_group *g, uint32_t body) {
   if (what) deck_fail(d, g->node, "%s %s", sd_model_body_name(d->model, body, name, sizeof name), what);
 }
 
-static void read_clump(deck *d, deck_node *node, uint32_t number) {
-  deck_group g;
-  if (!deck_enter(d, node, &deck_clumps, &g)) return;
+static void read_clump(deck_group *g, uint32_t number) {
+  deck *d = g->d;
   const size_t before = d->reported;
-  const char *name = deck_text_of(&g, "name");
-  const deck_bodies bodies = deck_select(d, &g, false);
-  for (size_t b = 0; b < bodies.n; b++) check_disk(d, &g, bodies.body[b]);
-  sd_clump c = {.mass = deck_get(&g, "mass") ? deck_number(&g, "mass") : 0,
-                .inertia = deck_get(&g, "inertia") ? deck_number(&g, "inertia") : 0};
-  deck_pair(&g, "velocity", c.velocity);
-  c.velocity[SD_THETA] = deck_number(&g, "omega");
-  deck_pair(&g, "force", c.force);
-  c.force[SD_THETA] = deck_number(&g, "torque");
-  const unsigned locked = deck_coordinates(d, &g, "locked");
+  const char *name = deck_text_of(g, "name");
+  const deck_bodies bodies = deck_select(d, g, false);
+  for (size_t b = 0; b < bodies.n; b++) check_disk(d, g, bodies.body[b]);
+  sd_clump c = {.mass = deck_get(g, "mass") ? deck_number(g, "mass") : 0,
+                .inertia = deck_get(g, "inertia") ? deck_number(g, "inertia") : 0};
+  deck_pair(g, "velocity", c.velocity);
+  c.velocity[SD_THETA] = deck_number(g, "omega");
+  deck_pair(g, "force", c.force);
+  c.force[SD_THETA] = deck_number(g, "torque");
+  const unsigned locked = deck_coordinates(d, g, "locked");
   for (int q = 0; q < SD_COORDINATES; q++) {
     c.locked[q] = locked >> q & 1;
     if (c.locked[q] && fabs(c.velocity[q]) > 0)
-      deck_fail_key(d, g.node, "locked", "a locked coordinate cannot have a velocity");
+      deck_fail_key(d, g->node, "locked", "a locked coordinate cannot have a velocity");
   }
   if (d->reported > before) return;
   sd_clump *own = push(d);
@@ -56,7 +55,7 @@ static void read_clump(deck *d, deck_node *node, uint32_t number) {
   for (size_t b = 0; b < bodies.n; b++) d->model->disks[bodies.body[b]].clump = (int)d->model->n_clumps;
   own->name = memory_text(name);
   if (name && !deck_index_add(d, &d->clumps, deck_copy(d, name, strlen(name)), number))
-    deck_fail_key(d, g.node, "name", "two clumps have this name");
+    deck_fail_key(d, g->node, "name", "two clumps have this name");
 }
 
 /* Those of packings were there first, since clumps may be made of their disks; they get the numbers behind those of the list. */
@@ -74,9 +73,9 @@ static void order_clumps(deck *d, size_t packed) {
 }
 
 void deck_read_clumps(deck *d) {
-  deck_node *list = deck_groups(d, d->root, "clumps");
+  deck_group g;
   const size_t packed = d->model->n_clumps;
-  for (size_t k = 0; list && k < list->n; k++) read_clump(d, list->child[k], (uint32_t)k);
+  for (size_t k = 0; deck_next(d, &deck_clumps, &k, &g);) read_clump(&g, (uint32_t)k - 1);
   order_clumps(d, packed);
 }
 

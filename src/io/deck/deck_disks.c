@@ -198,15 +198,13 @@ deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) 
 }
 
 void deck_read_disks(deck *d) {
-  deck_node *list = deck_groups(d, d->root, "disks");
   static const deck_columns none;
-  for (size_t k = 0; list && k < list->n; k++) {
-    deck_group g;
-    if (!deck_enter(d, list->child[k], &deck_disks, &g)) continue;
+  deck_group g;
+  for (size_t k = 0; deck_next(d, &deck_disks, &k, &g);) {
     values v = read_common(&g, &none);
     add_disk(d, &v);
   }
-  list = deck_groups(d, d->root, "disk_rows");
+  deck_node *list = deck_groups(d, d->root, "disk_rows");
   for (size_t k = 0; list && k < list->n; k++) deck_read_table(d, list->child[k], &deck_disk_rows);
   list = deck_groups(d, d->root, "disk_files");
   d->n_file_tables = list ? list->n : 0;
@@ -278,10 +276,8 @@ void deck_echo_files(deck *d) {
 /* --- forces and locks ------------------------------------------------------------------------------------- */
 
 void deck_read_forces(deck *d) {
-  deck_node *list = deck_groups(d, d->root, "forces");
-  for (size_t k = 0; list && k < list->n; k++) {
-    deck_group g;
-    if (!deck_enter(d, list->child[k], &deck_forces, &g)) continue;
+  deck_group g;
+  for (size_t k = 0; deck_next(d, &deck_forces, &k, &g);) {
     deck_bodies bodies = deck_select(d, &g, false);
     double force[2], torque = deck_number(&g, "torque");
     deck_pair(&g, "force", force);
@@ -310,10 +306,8 @@ void deck_forget_velocity(deck *d, uint32_t disk, int c) {
 }
 
 void deck_read_locks(deck *d) {
-  deck_node *list = deck_groups(d, d->root, "locks");
-  for (size_t k = 0; list && k < list->n; k++) {
-    deck_group g;
-    if (!deck_enter(d, list->child[k], &deck_locks, &g)) continue;
+  deck_group g;
+  for (size_t k = 0; deck_next(d, &deck_locks, &k, &g);) {
     deck_bodies bodies = deck_select(d, &g, false);
     unsigned mask = deck_coordinates(d, &g, "coordinates");
     for (size_t b = 0; b < bodies.n; b++)

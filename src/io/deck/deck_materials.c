@@ -45,16 +45,15 @@ static void check_law(const deck_group *g, const sd_contact_law *law) {
   warn_of_rolling(g, law);
 }
 
-static void read_pair(deck *d, deck_node *node) {
+static void read_pair(deck_group *g) {
+  deck *d = g->d;
   sd_model *m = d->model;
-  deck_group g;
-  if (!deck_enter(d, node, &deck_pairs, &g)) return;
   sd_contact_law law = {0};
-  deck_fill(&g, &law);
-  check_law(&g, &law);
-  deck_node *names = deck_get(&g, "materials");
+  deck_fill(g, &law);
+  check_law(g, &law);
+  deck_node *names = deck_get(g, "materials");
   if (!names || names->type != DECK_LIST || names->n != 2) {
-    deck_fail_key(d, node, "materials", "expected the names of two materials (\"a\", \"b\")");
+    deck_fail_key(d, g->node, "materials", "expected the names of two materials (\"a\", \"b\")");
     return;
   }
   uint32_t pair[2];
@@ -106,8 +105,8 @@ void deck_read_materials(deck *d) {
     deck_fail_key(d, d->root, "materials", "missing: expected ( { name = \"...\"; k_n = ...; ... } )");
   else if (list && n == 0)
     deck_fail(d, list, "expected at least one material");
-  deck_node *pairs = deck_groups(d, d->root, "material_pairs");
-  for (size_t k = 0; pairs && k < pairs->n; k++) read_pair(d, pairs->child[k]);
+  deck_group pair;
+  for (size_t k = 0; deck_next(d, &deck_pairs, &k, &pair);) read_pair(&pair);
 }
 
 void deck_check_laws(deck *d) {

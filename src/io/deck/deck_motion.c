@@ -359,30 +359,29 @@ static void read_signal(deck_group *g, const deck_shape *shape, unsigned mask, s
 
 /* --- all ---------------------------------------------------------------------------------------------------- */
 
-static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
-  deck_group g;
-  if (!deck_enter(d, node, &deck_motions, &g)) return;
+static void read_motion(deck_group *g, size_t entry, streams *s) {
+  deck *d = g->d;
   size_t before = d->reported;
-  const char *name = deck_text_of(&g, "name");
-  deck_bodies bodies = deck_select(d, &g, true);
-  unsigned mask = deck_coordinates(d, &g, "coordinate");
-  const deck_shape *shape = deck_shape_of(&g, "type");
+  const char *name = deck_text_of(g, "name");
+  deck_bodies bodies = deck_select(d, g, true);
+  unsigned mask = deck_coordinates(d, g, "coordinate");
+  const deck_shape *shape = deck_shape_of(g, "type");
   if (!shape) return;
   char *own_name = name ? deck_copy(d, name, strlen(name)) : NULL;
   bool fixed = shape->kind == DECK_MOTION_FIXED; /* velocity 0 */
   sd_motion motion = {
       .name = own_name, .kind = fixed ? SD_MOTION_VELOCITY : (sd_motion_kind)shape->kind, .interval = 1};
   if (motion_is_feedback(&motion)) {
-    read_feedback(&g, &motion, entry, &bodies, mask);
+    read_feedback(g, &motion, entry, &bodies, mask);
     return;
   }
-  if (!fixed) read_signal(&g, shape, mask, &motion);
-  check_held(d, &g, &bodies, mask);
-  check_surface(d, &g, &bodies, mask);
-  check_clumped(d, &g, &bodies);
+  if (!fixed) read_signal(g, shape, mask, &motion);
+  check_held(d, g, &bodies, mask);
+  check_surface(d, g, &bodies, mask);
+  check_clumped(d, g, &bodies);
   if (bodies.n == 0) return;
   if (motion.kind == SD_MOTION_RANDOM) {
-    push_random(d, &g, &motion, entry, &bodies, mask, s);
+    push_random(d, g, &motion, entry, &bodies, mask, s);
     return;
   }
   if (d->reported > before) motion.n_table = 0;
@@ -407,15 +406,16 @@ void deck_check_motions(deck *d) {
 
 void deck_read_motions(deck *d) {
   sd_model *m = d->model;
-  deck_node *list = deck_groups(d, d->root, "motions");
+  deck_group g;
   /* clumps follow the walls */
   size_t things[STREAM_THINGS] = {m->n_disks, m->n_walls + m->n_clumps, m->n_groups, model_movables(m)};
   streams s;
   for (int k = 0; k < STREAM_THINGS; k++) s.used[k] = deck_alloc(d, SD_MOVED * things[k] + 1, 1);
-  for (size_t k = 0; list && k < list->n; k++) {
-    read_motion(d, list->child[k], k, &s);
-    const deck_node *name = deck_child(list->child[k], "name");
-    if (name && name->type == DECK_STRING && !deck_index_add(d, &d->motions, name->value.text, (uint32_t)k))
+  for (size_t k = 0; deck_next(d, &deck_motions, &k, &g);) {
+    read_motion(&g, k - 1, &s);
+    const deck_node *name = deck_get(&g, "name");
+    if (name && name->type == DECK_STRING &&
+        !deck_index_add(d, &d->motions, name->value.text, (uint32_t)k - 1))
       deck_fail(d, name, "two motions have this name");
   }
 }

@@ -74,6 +74,13 @@ deck_node *deck_groups(deck *d, deck_node *parent, const char *key) {
   return NULL;
 }
 
+bool deck_next(deck *d, const deck_table *table, size_t *k, deck_group *g) {
+  const deck_node *list = deck_groups(d, d->root, table->name);
+  while (list && *k < list->n)
+    if (deck_enter(d, list->child[(*k)++], table, g)) return true;
+  return false;
+}
+
 bool deck_given(const deck_group *g, const char *key) {
   const deck_node *node = deck_child(g->node, key);
   return node && !node->defaulted;

@@ -23,6 +23,9 @@ typedef struct deck_group {
 bool deck_enter(deck *d, deck_node *node, const deck_table *table, deck_group *g);
 /* The group parent.key, made empty when it is not there; false when it is something else (reported). */
 bool deck_enter_one(deck *d, deck_node *parent, const char *key, const deck_table *table, deck_group *g);
+/* Begins to read the entries of the list that the table names, at the top of the deck, one after the other: *k is how many were met,
+ * 0 at first. False: there are no more, or it is no list of groups (reported). */
+bool deck_next(deck *d, const deck_table *table, size_t *k, deck_group *g);
 /* The list of groups parent.key; NULL when there is none. */
 deck_node *deck_groups(deck *d, deck_node *parent, const char *key);
 
