@@ -1,7 +1,4 @@
 /* drive.c: a run as the user sees it: signals, progress, the final tables, the exit status. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>

@@ -1,7 +1,4 @@
 /* main.c: which subcommand. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* vasprintf */
-#endif
 #include <errno.h>
 #include <jansson.h>
 #include <stdarg.h>

@@ -1,7 +1,4 @@
 /* report.c: what a run has found, for people; see app.h. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* fileno */
-#endif
 #include <inttypes.h>
 #include <math.h>
 #include <stddef.h>

@@ -1,7 +1,4 @@
 /* signals.c: what stops a run; see app.h. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include <signal.h>
 #include <stddef.h>
 #include <unistd.h>

@@ -8,9 +8,6 @@
  * folder is touched it ends the process (signals.c); a worker inherits app_stop, so one that came before the fork
  * stops it too, and one that comes after is passed on. A worker whose parent is gone gets SIGTERM from the kernel.
  */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include <math.h>
 #include <stdlib.h>
 #include <sys/mman.h>

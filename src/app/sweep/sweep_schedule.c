@@ -1,7 +1,4 @@
 /* sweep_schedule.c: which points of a sweep are run next, and what became of those that were; see sweep_scheduler.h. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* fmemopen */
-#endif
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

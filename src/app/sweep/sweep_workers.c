@@ -1,7 +1,4 @@
 /* sweep_workers.c: processes that run the groups of a sweep, for -j; see sweep_run.c. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include <errno.h>
 #include <math.h>
 #include <string.h>

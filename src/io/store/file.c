@@ -1,7 +1,4 @@
 /* file.c: see file.h. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* fallocate, renameat2 */
-#endif
 #include "io/store/file.h"
 
 #include <dirent.h>

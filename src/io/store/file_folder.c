@@ -1,7 +1,4 @@
 /* file_folder.c: folders that are there whole or not at all; see file.h. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* syncfs */
-#endif
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

@@ -4,9 +4,6 @@
  * processor time and the disk began late. Pieces are gathered in two buffers; while one is on its way to the disk the other is
  * filled and summed.
  */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* O_DIRECT */
-#endif
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>

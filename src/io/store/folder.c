@@ -1,7 +1,4 @@
 /* folder.c: see folder.h. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* flock */
-#endif
 #include "io/store/folder.h"
 
 #include <dirent.h>
