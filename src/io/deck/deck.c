@@ -7,6 +7,7 @@
 
 #include "base/limits.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_parts.h"
 #include "io/deck/deck_read.h"
@@ -140,15 +141,8 @@ static void read_all(deck *d, bool point) {
 /* --- loading ------------------------------------------------------------------------------------------------ */
 
 static char *join_settings(size_t n, const deck_setting *settings) {
-  size_t length = 0;
-  for (size_t k = 0; k < n; k++) length += strlen(settings[k].text) + 1;
-  char *text = memory_new(length + 1, 1), *p = text;
-  for (size_t k = 0; k < n; k++) {
-    size_t size = strlen(settings[k].text);
-    memcpy(p, settings[k].text, size);
-    p[size] = '\n';
-    p += size + 1;
-  }
+  char *text = memory_text("");
+  for (size_t k = 0; k < n; k++) text = append_text(text, "%s\n", settings[k].text);
   return text;
 }
 
