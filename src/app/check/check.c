@@ -2,6 +2,7 @@
  *
  * The output is a deck again: the full one, followed by the findings as comments.
  */
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -57,11 +58,6 @@ const command_line app_check_line = {
 
 /* --- restitution ----------------------------------------------------------------------------------------- */
 
-static int by_size(const void *a, const void *b) {
-  double p = *(const double *)a, q = *(const double *)b;
-  return p < q ? -1 : p > q;
-}
-
 /* Median mass of the free disks of a material; 0: there is none. */
 static double typical_mass(const sd_model *m, int material) {
   double *mass = NULL, middle = 0;
@@ -71,7 +67,7 @@ static double typical_mass(const sd_model *m, int material) {
   for (size_t i = 0; room && i < m->n_disks; i++)
     if (m->disks[i].material == material && !m->disks[i].driven) mass[n++] = m->disks[i].mass;
   if (n) {
-    qsort(mass, n, sizeof *mass, by_size);
+    gsl_sort(mass, 1, n);
     middle = mass[n / 2];
   }
   free(mass);
