@@ -7,10 +7,6 @@
 #include "base/memory.h"
 #include "base/text.h"
 
-static const char *const kinds[] = {[THEORY_REST] = "rest",
-                                    [THEORY_STEADY] = "steady",
-                                    [THEORY_PERIODIC] = "periodic",
-                                    [THEORY_RANDOM] = "random"};
 static const char *const relations[] = {
     [THEORY_OTHER_PHASE] = "other", [THEORY_IN_PHASE] = "in phase", [THEORY_OPPOSITE] = "opposite"};
 
@@ -44,32 +40,36 @@ static json_t *tep_json(const theory_result *r) {
   return list;
 }
 
+static json_t *steady_json(const theory_case *c, const theory_result *r) {
+  const int *s = r->signs, k = 2 * (s[0] < 0) + (s[1] < 0);
+  return json_pack("{s:s, s:o, s:[i, i], s:o, s:o}", "kind", "steady", "velocity", pair(c->velocity), "signs",
+                   s[0], s[1], "torque", json_number(s[0] && s[1] ? r->torque[k] : NAN), "final",
+                   json_number(r->final_spin));
+}
+
+static json_t *random_json(const theory_case *c, const theory_result *r) {
+  const double torque = c->shared ? r->sync : r->slight;
+  return json_pack("{s:s, s:b, s:i}", "kind", "random", "shared", (int)c->shared, "sign",
+                   (torque > 0) - (torque < 0));
+}
+
+static json_t *periodic_json(const theory_case *c, const theory_result *r) {
+  const sd_drive *d = &c->drive;
+  return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:b, s:o, s:s, s:o}", "kind", "periodic", "waveform",
+                   d->waveform == SD_SINE ? "sine" : "parabola", "amplitudes", pair(d->amplitude), "phases",
+                   pair(d->phase), "omega", json_number(d->omega), "amplitude", json_number(r->amplitude),
+                   "even", (int)r->even, "phase", json_number(r->apart), "relation", relations[r->relation],
+                   "ratio", json_number(r->ratio));
+}
+
 static json_t *drive_json(const theory_case *c, const theory_result *r) {
-  json_t *drive = json_pack("{s:s}", "kind", kinds[c->kind]);
-  if (c->kind == THEORY_STEADY) {
-    json_object_set_new(drive, "velocity", pair(c->velocity));
-    json_object_set_new(drive, "signs", json_pack("[i, i]", r->signs[0], r->signs[1]));
-    int k = 2 * (r->signs[0] < 0) + (r->signs[1] < 0);
-    bool slides = r->signs[0] && r->signs[1];
-    json_object_set_new(drive, "torque", json_number(slides ? r->torque[k] : NAN));
-    json_object_set_new(drive, "final", json_number(r->final_spin));
-  } else if (c->kind == THEORY_RANDOM) {
-    double torque = c->shared ? r->sync : r->slight;
-    json_object_set_new(drive, "shared", json_boolean(c->shared));
-    json_object_set_new(drive, "sign", json_integer((torque > 0) - (torque < 0)));
-  } else if (c->kind == THEORY_PERIODIC) {
-    const sd_drive *d = &c->drive;
-    json_object_set_new(drive, "waveform", json_string(d->waveform == SD_SINE ? "sine" : "parabola"));
-    json_object_set_new(drive, "amplitudes", pair(d->amplitude));
-    json_object_set_new(drive, "phases", pair(d->phase));
-    json_object_set_new(drive, "omega", json_number(d->omega));
-    json_object_set_new(drive, "amplitude", json_number(r->amplitude));
-    json_object_set_new(drive, "even", json_boolean(r->even));
-    json_object_set_new(drive, "phase", json_number(r->apart));
-    json_object_set_new(drive, "relation", json_string(relations[r->relation]));
-    json_object_set_new(drive, "ratio", json_number(r->ratio));
+  switch (c->kind) {
+    case THEORY_STEADY: return steady_json(c, r);
+    case THEORY_PERIODIC: return periodic_json(c, r);
+    case THEORY_RANDOM: return random_json(c, r);
+    case THEORY_REST: break;
   }
-  return drive;
+  return json_pack("{s:s}", "kind", "rest");
 }
 
 static json_t *formulas_json(const theory_case *c, const theory_result *r) {
