@@ -87,7 +87,7 @@ uint32_t stored_body(const sd_model *m, const h5_file *file, const observable *o
   if (!watched && !chosen) return body;
   const char *path = watched ? "/observables/watched_disks" : "/observables/contact_disks";
   if (file && h5_exists(file, path)) {
-    h5_get_rows(file, path, SD_U32, k, 1, &body, NULL);
+    h5_get_values(file, path, SD_U32, k, 1, 1, &body, NULL);
     return body;
   }
   if (watched && k < m->n_rotations) body = m->rotations[k];

@@ -149,7 +149,7 @@ static void *part_of(reader *in, const char *name, sd_type type, size_t n, size_
     return NULL;
   }
   void *data = deck_alloc(in->d, rows, sd_type_size(type));
-  in->failed = n && (rows < n ? h5_get_rows(in->file, path, type, first, rows, data, in->d->messages)
+  in->failed = n && (rows < n ? h5_get_values(in->file, path, type, first, rows, 1, data, in->d->messages)
                               : h5_get(in->file, path, type, n, data, in->d->messages)) != SD_OK;
   return data;
 }

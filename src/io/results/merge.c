@@ -72,7 +72,7 @@ static sd_status copy_column(const table_column *c, const h5_file *part, h5_file
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && !h5_failed(out) && k < n; k += piece) {
     size_t m = n - k < piece ? n - k : piece;
-    status = h5_get_rows(part, c->path, c->type, k, m, data, messages);
+    status = h5_get_values(part, c->path, c->type, k, m, c->width, data, messages);
     if (status == SD_OK) h5_put_rows(out, c->path, c->type, first + k, m, data);
   }
   free(data);
@@ -106,7 +106,7 @@ static sd_status write_offsets(h5_file *out, size_t n, sd_messages *messages) {
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && !h5_failed(out) && k < n; k += BLOCK) {
     size_t m = n - k < BLOCK ? n - k : BLOCK;
-    status = h5_get_rows(out, "/contacts/count", SD_I64, k, m, count, messages);
+    status = h5_get_values(out, "/contacts/count", SD_I64, k, m, 1, count, messages);
     for (size_t i = 0; i < m; i++) {
       int64_t next = first + count[i];
       count[i] = first;

@@ -107,9 +107,7 @@ sd_status h5_get(const h5_file *file, const char *path, sd_type type, size_t n, 
 /* The same as an array, to be freed. NULL when it cannot be read, or when *status was no SD_OK before. */
 void *h5_column(const h5_file *file, const char *path, sd_type type, size_t n, sd_status *status,
                 sd_messages *messages);
-sd_status h5_get_rows(const h5_file *file, const char *path, sd_type type, size_t first, size_t n, void *data,
-                      sd_messages *messages);
-/* The same of rows that have `width` elements each; another shape in the file is an error. */
+/* Rows that have `width` elements each; another shape in the file is an error. */
 sd_status h5_get_values(const h5_file *file, const char *path, sd_type type, size_t first, size_t n,
                         size_t width, void *data, sd_messages *messages);
 /* To be freed; NULL when there is none. Texts that are read are printable UTF-8: ? stands for other bytes. */

@@ -1,4 +1,5 @@
 /* h5_read.c: reading; see h5.h. */
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -173,9 +174,8 @@ bool h5_read_slab(hid_t set, hid_t type, const hsize_t *start, const hsize_t *co
   return good;
 }
 
-/* width: elements of a row, 0: as many as the dataset has. */
-static sd_status get_rows(const h5_file *file, const char *path, sd_type type, size_t first, size_t n,
-                          size_t width, void *data, sd_messages *messages) {
+sd_status h5_get_values(const h5_file *file, const char *path, sd_type type, size_t first, size_t n,
+                        size_t width, void *data, sd_messages *messages) {
   if (n == 0) return SD_OK;
   hid_t set = h5_open_data(file, path, messages);
   if (set < 0) return SD_ERROR_IO;
@@ -186,24 +186,13 @@ static sd_status get_rows(const h5_file *file, const char *path, sd_type type, s
   H5Sclose(space);
   for (int k = 1; k < rank; k++) each *= count[k];
   const h5_shared_set *shared = h5_shared_set_of(file, path);
-  bool good =
-      rank > 0 && first <= count[0] && n <= count[0] - first && (width == 0 || each == (hsize_t)width);
+  bool good = rank > 0 && first <= count[0] && n <= count[0] - first && each == (hsize_t)width;
   count[0] = n;
   good = good && (shared || h5_read_slab(set, h5_native(type), start, count, data));
   H5Oclose(set);
   if (good && shared) return h5_shared_rows(file, shared, type, first, n, data, messages);
   if (good) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "%s: cannot read rows of %s", file->path, path);
-}
-
-sd_status h5_get_rows(const h5_file *file, const char *path, sd_type type, size_t first, size_t n, void *data,
-                      sd_messages *messages) {
-  return get_rows(file, path, type, first, n, 0, data, messages);
-}
-
-sd_status h5_get_values(const h5_file *file, const char *path, sd_type type, size_t first, size_t n,
-                        size_t width, void *data, sd_messages *messages) {
-  return get_rows(file, path, type, first, n, width, data, messages);
 }
 
 /* A string, of fixed or variable length, from a dataset or an attribute. */
@@ -288,18 +277,16 @@ char *h5_get_attr_text(const h5_file *file, const char *path, const char *name) 
 
 /* Of n strings of this size, or of variable length, one after the other. */
 static char *join_words(const char *raw, size_t n, size_t size, bool variable) {
-  char *text = NULL, *to = NULL;
-  for (int pass = 0; pass < 2; pass++) {
-    size_t total = 1;
-    for (size_t k = 0; k < n; k++) {
-      const char *word = raw + k * size;
-      if (variable) memcpy(&word, raw + k * size, sizeof word);
-      const size_t length = !word ? 0 : variable ? strlen(word) : strnlen(word, size);
-      if (to) to += sprintf(to, "%.*s\n", (int)length, word ? word : "");
-      total += length + 1;
-    }
-    if (!to) to = text = memory_new(total, 1);
+  char *text = NULL;
+  size_t length;
+  FILE *out = open_memstream(&text, &length);
+  if (!out) memory_lacks(0);
+  for (size_t k = 0; k < n; k++) {
+    const char *word = raw + k * size;
+    if (variable) memcpy(&word, raw + k * size, sizeof word);
+    fprintf(out, "%.*s\n", variable ? INT_MAX : (int)size, word ? word : "");
   }
+  if (fclose(out) != 0) memory_lacks(length);
   return text;
 }
 
