@@ -183,3 +183,9 @@ bool memory_resize(size_t n_columns, const memory_column *columns) {
   }
   return true;
 }
+
+bool memory_row(void *at, size_t n, size_t size) { return memory_rows(1, &(memory_column){at, n, size}); }
+
+bool memory_resize_row(void *at, size_t n, size_t size) {
+  return memory_resize(1, &(memory_column){at, n, size});
+}

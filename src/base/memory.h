@@ -49,5 +49,8 @@ bool memory_rows(size_t n_columns, const memory_column *columns);
  * set. False: there is not enough memory; each pointer still has at least the elements that it
  * had, if n is not below. The half of it is compared with memory_fits. */
 bool memory_resize(size_t n_columns, const memory_column *columns);
+/* The same for one array; at: the address of the pointer. */
+bool memory_row(void *at, size_t n, size_t size);
+bool memory_resize_row(void *at, size_t n, size_t size);
 
 #endif

@@ -103,7 +103,7 @@ sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model 
   sd_status status = frame_data_new(f, s->n_disks, m->n_walls, messages);
   if (status == SD_OK) status = frame_data_contacts(f, s->n_contacts, messages);
   if (status != SD_OK) return status;
-  if (!memory_rows(1, &(memory_column){&constants->disks, s->n_disks, sizeof *constants->disks}))
+  if (!memory_row(&constants->disks, s->n_disks, sizeof *constants->disks))
     return sd_fail(messages, SD_ERROR_IO, "no memory for %zu disks", s->n_disks);
   f->comm = c;
   f->n_own = s->n_free;
@@ -360,7 +360,7 @@ static void complete(const configuration *c, config_contact *k) {
 }
 
 static sd_status new_contacts(configuration *c, size_t n, sd_messages *messages) {
-  if (memory_rows(1, &(memory_column){&c->contacts, n, sizeof *c->contacts})) return SD_OK;
+  if (memory_row(&c->contacts, n, sizeof *c->contacts)) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "no memory for %zu contacts", n);
 }
 

@@ -276,7 +276,7 @@ double distribution_density(const distribution *d, size_t bin) {
 
 static sd_status distribute_forces(correlation *t, const configuration *c, const region *g, size_t bins) {
   double *value;
-  if (!memory_rows(1, &(memory_column){&value, 3 * c->n_contacts, sizeof *value})) return SD_ERROR_IO;
+  if (!memory_row(&value, 3 * c->n_contacts, sizeof *value)) return SD_ERROR_IO;
   double *normal = value, *tangential = value + c->n_contacts, *mobilised = tangential + c->n_contacts;
   size_t n = 0, n_skin = 0;
   for (size_t k = 0; k < c->n_contacts; k++) {

@@ -93,7 +93,7 @@ static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   double stride = width / ceil(fmax(1, ENOUGH * width / (length - 2 * width)));
   bool enough = length >= 4 * width && stride >= 1;
   double few[SD_BINS + 1] = {0}, *y = few;
-  if (enough && n > SD_BINS && !memory_rows(1, &(memory_column){&y, n, sizeof *y})) {
+  if (enough && n > SD_BINS && !memory_row(&y, n, sizeof *y)) {
     shortage_note();
     enough = false;
   }

@@ -62,7 +62,7 @@ const command_line app_check_line = {
 static double typical_mass(const sd_model *m, int material) {
   double *mass = NULL, middle = 0;
   size_t n = 0;
-  const bool room = memory_resize(1, (memory_column[]){{&mass, m->n_disks, sizeof *mass}});
+  const bool room = memory_resize_row(&mass, m->n_disks, sizeof *mass);
   if (!room) shortage_note();
   for (size_t i = 0; room && i < m->n_disks; i++)
     if (m->disks[i].material == material && !m->disks[i].driven) mass[n++] = m->disks[i].mass;

@@ -122,7 +122,7 @@ char *export_type_text(const export_job *job, size_t type) {
 
 static sd_status find_types(export_job *job) {
   const sd_model *m = job->m;
-  if (!memory_rows(1, (memory_column[]){{&job->type_of, m->n_disks, sizeof *job->type_of}}))
+  if (!memory_row(&job->type_of, m->n_disks, sizeof *job->type_of))
     return sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];

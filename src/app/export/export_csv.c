@@ -133,7 +133,7 @@ static sd_status series_find(series *s, const h5_file *file, sd_messages *messag
       double **value = &s->value[s->n];
       s->width[s->n++] = width;
       if (status != SD_OK) return status;
-      if (!memory_rows(1, (memory_column[]){{value, BLOCK * width, sizeof **value}}))
+      if (!memory_row(value, BLOCK * width, sizeof **value))
         return sd_fail(messages, SD_ERROR_IO, "no memory to export");
     }
   return SD_OK;

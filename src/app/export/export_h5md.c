@@ -182,7 +182,7 @@ sd_status export_h5md(const export_job *job) {
   double bytes = 0.6 * each * (double)job->m->n_disks * (double)job->range.n;
   sd_status status = file_draft_new(-1, job->out, &draft, job->messages);
   if (status == SD_OK) status = h5_create(&draft, (uint64_t)bytes, &file, job->messages);
-  if (status == SD_OK && !memory_rows(1, (memory_column[]){{&room, job->m->n_disks, 3 * sizeof(double)}}))
+  if (status == SD_OK && !memory_row(&room, job->m->n_disks, 3 * sizeof(double)))
     status = sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
   if (status == SD_OK) {
     put_head(job, file);

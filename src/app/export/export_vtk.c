@@ -33,7 +33,7 @@ typedef struct piece {
 static void *add(piece *p, place where, const char *name, bool whole, size_t width, size_t n) {
   void *data;
   assert(p->n < MOST_ARRAYS);
-  p->failed = p->failed || !memory_rows(1, (memory_column[]){{&data, n * width, 8}});
+  p->failed = p->failed || !memory_row(&data, n * width, 8);
   if (p->failed) return NULL;
   p->arrays[p->n++] = (array){name, width, n, whole, where, data};
   return data;

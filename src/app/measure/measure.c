@@ -119,7 +119,7 @@ static sd_status choose_body(const char *word, const sd_model *m, bool *wanted, 
 static sd_status choose_bodies(const arguments *a, const sd_model *m, bool **wanted, sd_messages *messages) {
   *wanted = NULL;
   if (a->bodies.n == 0) return SD_OK;
-  if (!memory_rows(1, (memory_column[]){{wanted, sd_model_bodies(m), sizeof **wanted}}))
+  if (!memory_row(wanted, sd_model_bodies(m), sizeof **wanted))
     return sd_fail(messages, SD_ERROR_IO, "no memory");
   sd_status status = SD_OK;
   for (size_t k = 0; k < a->bodies.n; k++)

@@ -33,7 +33,7 @@ static unsigned char *more(view_chunk *c, size_t n) {
   if (c->failed) return NULL;
   if (size > c->room) {
     size_t room = size + size / 2 + 64;
-    c->failed = !memory_resize(1, (memory_column[]){{&c->bytes, room, 1}});
+    c->failed = !memory_resize_row(&c->bytes, room, 1);
     if (c->failed) return NULL;
     c->room = room;
   }
@@ -105,7 +105,7 @@ static bool deflate_all(const unsigned char *head, size_t n_head, const view_chu
   if (deflateInit(&z, level) != Z_OK) return false;
   size_t room = 64 + n_head + c->size + (n_head + c->size) / 1000 + 16 * (c->size / 16384 + 1);
   *size = 0;
-  bool good = memory_resize(1, (memory_column[]){{stream, room, 1}});
+  bool good = memory_resize_row(stream, room, 1);
   const struct {
     const unsigned char *bytes;
     size_t n;

@@ -59,7 +59,7 @@ static size_t read_rows(reader *r, const h5_file *file, const char *path, size_t
 /* All kept rows of a dataset, to be freed. */
 static double *read_all(reader *r, const char *path, size_t width) {
   double *values;
-  if (!memory_rows(1, (memory_column[]){{&values, r->kept * width, sizeof *values}})) {
+  if (!memory_row(&values, r->kept * width, sizeof *values)) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for the series");
     return NULL;
   }

@@ -100,7 +100,7 @@ const char *deck_quote(deck *d, const char *text, size_t n) {
 void *deck_keep(deck *d, size_t n, size_t size) { return memset(deck_grow(d, NULL, n, size), 0, n * size); }
 
 void *deck_grow(deck *d, void *old, size_t n, size_t size) {
-  if (!memory_resize(1, (memory_column[]){{&old, n, size}})) longjmp(d->out_of_memory, 1);
+  if (!memory_resize_row(&old, n, size)) longjmp(d->out_of_memory, 1);
   return old;
 }
 

@@ -425,7 +425,7 @@ sd_status file_text(const char *path, uint64_t most, char **text, char trouble[F
     snprintf(trouble, FILE_TROUBLE, "it has %.1f MiB; expected at most %.0f MiB", (double)size / 0x1p20,
              (double)most / 0x1p20);
     status = SD_ERROR_USER;
-  } else if (!memory_resize(1, (memory_column[]){{&read, (size_t)size + 1, 1}})) {
+  } else if (!memory_resize_row(&read, (size_t)size + 1, 1)) {
     snprintf(trouble, FILE_TROUBLE, "no memory");
   } else if (!file_read_at(fd, 0, read, (size_t)size, &have)) {
     snprintf(trouble, FILE_TROUBLE, "%s", strerror(errno));
@@ -475,7 +475,7 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
   } else {
     size_t want = (size_t)facts.st_size < n ? (size_t)facts.st_size : n, have = 0;
     unsigned char *buffer = NULL;
-    if (!memory_resize(1, (memory_column[]){{&buffer, want, 1}}))
+    if (!memory_resize_row(&buffer, want, 1))
       status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
     else if (!file_read_at(fd, 0, buffer, want, &have))
       status = file_fail(messages, "read", path);

@@ -99,7 +99,7 @@ static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
   hsize_t rows = rank == 0 ? 1 : dims[0], piece = PIECE_BYTES / (row * element + 1) + 1;
   unsigned char *data = NULL;
   const size_t most = (size_t)(piece < rows ? piece : rows);
-  bool good = rank >= 0 && element <= 8 && memory_resize(1, (memory_column[]){{&data, most, row * element}});
+  bool good = rank >= 0 && element <= 8 && memory_resize_row(&data, most, row * element);
   *elements = *sum = 0;
   for (hsize_t at = 0; good && row > 0 && at < rows; at += piece) {
     hsize_t n = rows - at < piece ? rows - at : piece;

@@ -124,7 +124,7 @@ sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *
   if (status == SD_OK) {
     *size = m.size + H5_SEAL_BYTES;
     unsigned char *copy = NULL;
-    if (memory_resize(1, (memory_column[]){{&copy, *size, 1}})) {
+    if (memory_resize_row(&copy, *size, 1)) {
       for (size_t k = 0, at = 0; k < m.n; at += m.pieces[k++].size)
         memcpy(copy + at, m.pieces[k].bytes, m.pieces[k].size);
       h5_make_seal(m.size, file_sum(FILE_SUM, copy, m.size), copy + m.size);

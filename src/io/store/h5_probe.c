@@ -115,7 +115,7 @@ static void read_set(reading *r, hid_t set) {
   const size_t size = H5Tget_size(type), bytes = rank > 0 ? choose_box(set, size, rank, dims, box) : size;
   unsigned char *data = NULL;
   if (rank >= 0 && bytes > 0 && bytes <= (size_t)LIMIT_CHUNK * LIMIT_MIB)
-    (void)memory_rows(1, (memory_column[]){{&data, bytes, 1}}); /* without memory it is not looked at */
+    (void)memory_row(&data, bytes, 1); /* without memory it is not looked at */
   bool good = true;
   if (data && rank == 0) {
     good = H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;

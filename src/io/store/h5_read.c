@@ -156,7 +156,7 @@ void *h5_column(const h5_file *file, const char *path, sd_type type, size_t n, s
   if (*status == SD_OK) *status = h5_check(file, path, n, messages);
   void *data = NULL;
   if (*status == SD_OK)
-    *status = memory_rows(1, (memory_column[]){{&data, n, sd_type_size(type)}})
+    *status = memory_row(&data, n, sd_type_size(type))
                   ? h5_get(file, path, type, n, data, messages)
                   : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
   if (*status == SD_OK) return data;

@@ -81,7 +81,7 @@ void h5_shares_free(h5_shares *s) {
 static sd_status take_image(h5_file *file, sd_messages *messages) {
   const ssize_t n = H5Fget_file_image(file->id, NULL, 0);
   void *image = NULL;
-  const bool room = n > 0 && memory_resize(1, (memory_column[]){{&image, (size_t)n, 1}});
+  const bool room = n > 0 && memory_resize_row(&image, (size_t)n, 1);
   hid_t id = H5I_INVALID_HID;
   char name[40];
   h5_memory_name(name, sizeof name);
@@ -315,7 +315,7 @@ static sd_status get_own(const h5_shared_set *set, sd_type type, size_t first, s
                          sd_messages *messages) {
   const size_t values = n * set->width, from = sd_type_size(set->type), to = sd_type_size(type);
   char *copy = NULL;
-  bool good = memory_resize(1, (memory_column[]){{&copy, values, from > to ? from : to}});
+  bool good = memory_resize_row(&copy, values, from > to ? from : to);
   if (good) memcpy(copy, set->own + first * set->width * from, values * from);
   good = good && H5Tconvert(h5_native(set->type), h5_native(type), values, copy, NULL, H5P_DEFAULT) >= 0;
   if (good) memcpy(data, copy, values * to);

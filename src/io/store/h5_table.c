@@ -58,7 +58,7 @@ static sd_status size_rows(table *t, const char *column, size_t n) {
 
 /* Room for n values of a column. */
 static bool has_room(table *t, size_t n) {
-  const bool enough = memory_resize(1, (memory_column[]){{&t->data, n, sizeof *t->data}});
+  const bool enough = memory_resize_row(&t->data, n, sizeof *t->data);
   if (!enough) no_memory(t);
   return enough;
 }

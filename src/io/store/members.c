@@ -52,7 +52,7 @@ static void *make_room(const observable_list *list, size_t n) {
     const size_t row = list->rows[k].width * sd_type_size(observable_stored(&list->rows[k]));
     most = row > most ? row : most;
   }
-  return memory_rows(1, (memory_column[]){{&room, n, most}}) ? room : NULL;
+  return memory_row(&room, n, most) ? room : NULL;
 }
 
 void members_write(h5_file *file, const char *group, const observable_list *list, const void *first,

@@ -58,7 +58,7 @@ sd_status table_reserve(table *t, size_t n, sd_messages *messages) {
   size_t capacity = t->n_rows + n + t->n_rows / 2;
   for (size_t k = 0; k < t->n_columns; k++) {
     table_column *c = &t->columns[k];
-    if (!memory_resize(1, (memory_column[]){{&c->data, capacity, row_bytes(c)}}))
+    if (!memory_resize_row(&c->data, capacity, row_bytes(c)))
       return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
   }
   t->capacity = capacity;
