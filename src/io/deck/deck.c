@@ -57,9 +57,7 @@ typedef struct file_edges {
 static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
   const char *name = deck_text_of(g, "file"), *key = c ? "y" : "x";
   const deck_node *file = deck_get(g, "file");
-  if (!file)
-    deck_fail_key(g->d, g->node, key, "missing: expected (lower, upper), since the box is periodic in %s",
-                  key);
+  if (!file) deck_fail_key(g, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
   if (!file || !name) return false;
   if (!from->tried)
     from->found = deck_file_format(g->d, name) == DECK_HDF5
@@ -90,7 +88,7 @@ void deck_read_box(deck *d) {
     bool given = deck_pair(&g, key, edge);
     if (!given && m->periodic[c] && !deck_get(&g, key)) given = file_edge(&g, &from, c, edge);
     if (!given) continue;
-    if (!(edge[1] > edge[0])) deck_fail_key(d, g.node, key, "expected (lower, upper) with lower < upper");
+    if (!(edge[1] > edge[0])) deck_fail_key(&g, key, "expected (lower, upper) with lower < upper");
     m->lower[c] = m->region_lower[c] = edge[0];
     m->upper[c] = m->region_upper[c] = edge[1];
   }
@@ -155,7 +153,7 @@ static sd_status finish(deck *d, deck_suits *suits) {
   deck_tell(d, d->found);
   if (status != SD_OK) return status;
   char *unstable = advice_unstable(d->model);
-  if (unstable) deck_fail_key(d, d->root, "dt", "%s", unstable);
+  if (unstable) deck_fail_child(d, d->root, "dt", "%s", unstable);
   free(unstable);
   if (d->reported > 0) return SD_ERROR_USER;
   deck_echo_files(d);

@@ -95,7 +95,8 @@ static int by_number(const void *a, const void *b) {
   return p < q ? -1 : p > q;
 }
 
-deck_bodies deck_select(deck *d, deck_group *g, bool walls) {
+deck_bodies deck_select(deck_group *g, bool walls) {
+  deck *d = g->d;
   deck_bodies list = {.group = -1};
   deck_node *disk = deck_get(g, "disk"), *group = deck_get(g, "group"),
             *wall = walls ? deck_get(g, "wall") : NULL, *clump = walls ? deck_get(g, "clump") : NULL;
@@ -113,7 +114,7 @@ deck_bodies deck_select(deck *d, deck_group *g, bool walls) {
   size_t named =
       deck_each_count(disk) + deck_each_count(group) + deck_each_count(wall) + deck_each_count(clump);
   if (named == 0)
-    deck_fail_key(d, g->node, "disk", "missing: it names no disk; expected disk, group%s",
+    deck_fail_key(g, "disk", "missing: it names no disk; expected disk, group%s",
                   walls ? ", wall or clump" : " or both");
   /* a body that is named twice would feel a force, or move, twice */
   if (list.n) qsort(list.body, list.n, sizeof *list.body, by_number);

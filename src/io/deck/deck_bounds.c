@@ -173,7 +173,7 @@ void deck_read_bounds(deck *d) {
     double limit[2];
     if (!deck_pair(&g, c ? "y" : "x", limit)) continue;
     if (!(limit[1] > limit[0]))
-      deck_fail_key(d, g.node, c ? "y" : "x", "expected (lower, upper) with lower < upper");
+      deck_fail_key(&g, c ? "y" : "x", "expected (lower, upper) with lower < upper");
     b->lower[c] = limit[0];
     b->upper[c] = limit[1];
     b->given = set = true;

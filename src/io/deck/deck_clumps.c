@@ -35,7 +35,7 @@ static void read_clump(deck_group *g, uint32_t number) {
   deck *d = g->d;
   const size_t before = d->reported;
   const char *name = deck_text_of(g, "name");
-  const deck_bodies bodies = deck_select(d, g, false);
+  const deck_bodies bodies = deck_select(g, false);
   for (size_t b = 0; b < bodies.n; b++) check_disk(d, g, bodies.body[b]);
   sd_clump c = {.mass = deck_get(g, "mass") ? deck_number(g, "mass") : 0,
                 .inertia = deck_get(g, "inertia") ? deck_number(g, "inertia") : 0};
@@ -43,11 +43,11 @@ static void read_clump(deck_group *g, uint32_t number) {
   c.velocity[SD_THETA] = deck_number(g, "omega");
   deck_pair(g, "force", c.force);
   c.force[SD_THETA] = deck_number(g, "torque");
-  const unsigned locked = deck_coordinates(d, g, "locked");
+  const unsigned locked = deck_coordinates(g, "locked");
   for (int q = 0; q < SD_COORDINATES; q++) {
     c.locked[q] = locked >> q & 1;
     if (c.locked[q] && fabs(c.velocity[q]) > 0)
-      deck_fail_key(d, g->node, "locked", "a locked coordinate cannot have a velocity");
+      deck_fail_key(g, "locked", "a locked coordinate cannot have a velocity");
   }
   if (d->reported > before) return;
   sd_clump *own = push(d);
@@ -55,7 +55,7 @@ static void read_clump(deck_group *g, uint32_t number) {
   for (size_t b = 0; b < bodies.n; b++) d->model->disks[bodies.body[b]].clump = (int)d->model->n_clumps;
   own->name = memory_text(name);
   if (name && !deck_index_add(d, &d->clumps, deck_copy(d, name, strlen(name)), number))
-    deck_fail_key(d, g->node, "name", "two clumps have this name");
+    deck_fail_key(g, "name", "two clumps have this name");
 }
 
 /* Those of packings were there first, since clumps may be made of their disks; they get the numbers behind those of the list. */
@@ -115,7 +115,7 @@ bool deck_read_grain(deck_group *packing, deck_grain *grain) {
   const size_t before = d->reported;
   deck_node *at = deck_get(&g, "at"), *radii = deck_get(&g, "radii");
   const size_t n = deck_each_count(at), n_radii = deck_each_count(radii);
-  if (n < 1) deck_fail_key(d, g.node, "at", "missing: expected the centres of its disks ([x, y], ...)");
+  if (n < 1) deck_fail_key(&g, "at", "missing: expected the centres of its disks ([x, y], ...)");
   if (radii && n_radii != 1 && n_radii != n)
     deck_fail(d, radii, "%zu radii for %zu disks; expected one for each, or one for all", n_radii, n);
   if (d->reported > before) return false;

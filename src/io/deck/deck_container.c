@@ -18,14 +18,13 @@ static void read_hopper(deck_group *g, const deck_container_values *v, place_int
   deck *d = g->d;
   size_t before = d->reported;
   if (!(v->angle >= 0 && v->angle < 1.5))
-    deck_fail_key(d, g->node, "angle", "expected an inclination from 0 to 1.5, less than a right angle");
-  if (v->outlet >= v->width)
-    deck_fail_key(d, g->node, "outlet", "expected less than the width, %g", v->width);
+    deck_fail_key(g, "angle", "expected an inclination from 0 to 1.5, less than a right angle");
+  if (v->outlet >= v->width) deck_fail_key(g, "outlet", "expected less than the width, %g", v->width);
   in->bottom = v->outlet / 2;
   in->top = v->width / 2;
   in->rise = (v->width - v->outlet) / 2 * tan(v->angle);
   if (d->reported == before && in->rise >= v->height * (1 - 1e-9))
-    deck_fail_key(d, g->node, "height", "the inclined walls alone are %g high; expected more", in->rise);
+    deck_fail_key(g, "height", "the inclined walls alone are %g high; expected more", in->rise);
 }
 
 /* Bit c: it repeats along coordinate c. */
@@ -40,8 +39,8 @@ static void check_box(deck *d, const deck_shape *shape) {
   deck_node *box = deck_child(d->root, "box");
   for (int c = 0; c < 2; c++)
     if (deck_child(box, keys[c]))
-      deck_fail_key(d, box, keys[c], "given together with container \"%s\", which has its own edges",
-                    shape->name);
+      deck_fail_child(d, box, keys[c], "given together with container \"%s\", which has its own edges",
+                      shape->name);
   const deck_node *periodic = deck_child(box, "periodic");
   if (periodic && periodic->type == DECK_STRING && strcmp(periodic->value.text, "none") != 0)
     deck_fail(d, periodic, "given together with container \"%s\", which is periodic in %s", shape->name,
@@ -89,8 +88,8 @@ static sd_wall *add_wall(deck *d, const char *name, sd_wall_kind kind) {
   sd_model *m = d->model;
   uint32_t disk;
   if (!deck_index_add(d, &d->walls, name, (uint32_t)m->n_walls) || deck_index_find(&d->disks, name, &disk))
-    deck_fail_key(d, deck_child(d->root, "container"), "type",
-                  "it has a wall \"%s\", but a wall or a disk of the deck is called so", name);
+    deck_fail_child(d, deck_child(d->root, "container"), "type",
+                    "it has a wall \"%s\", but a wall or a disk of the deck is called so", name);
   m->walls = memory_grow(m->walls, m->n_walls + 1, sizeof *m->walls);
   sd_wall *wall = &m->walls[m->n_walls++];
   *wall = (sd_wall){.material = d->container->material, .kind = kind};
@@ -134,13 +133,13 @@ static void add_bed(deck *d) {
   deck_group g = {d, deck_child(d->root, "container"), &deck_container};
   uint32_t group;
   if (deck_index_find(&d->groups, floor_group, &group))
-    deck_fail_key(d, g.node, "type", "its floor is the group \"%s\", but the deck has disks in this group",
+    deck_fail_key(&g, "type", "its floor is the group \"%s\", but the deck has disks in this group",
                   floor_group);
   double radius = d->container->radius, left = m->region_lower[0], width = m->region_upper[0] - left;
   deck_default_number(&g, "spacing", 2 * radius);
   double n = fmax(1, rint(width / deck_number(&g, "spacing")));
   if (n > 1e6) {
-    deck_fail_key(d, g.node, "spacing", "the floor would have %g disks; expected 1e6 at most", n);
+    deck_fail_key(&g, "spacing", "the floor would have %g disks; expected 1e6 at most", n);
     return;
   }
   for (size_t k = 0; k < (size_t)n; k++) {

@@ -29,7 +29,7 @@ typedef struct values {
 
 static void fail_value(deck *d, const values *v, const char *key, const char *text) {
   if (v->node)
-    deck_fail_key(d, v->node, key, "%s", text);
+    deck_fail_child(d, v->node, key, "%s", text);
   else
     deck_fail_place(d, v->place, "%s: %s", key, text);
 }
@@ -113,13 +113,11 @@ static bool has_column(const deck_columns *t, int column) {
 static bool common(deck_group *g, const deck_columns *t, int column) {
   if (!has_column(t, column)) return true;
   if (deck_given(g, deck_column_names[column]))
-    deck_fail_key(g->d, g->node, deck_column_names[column],
-                  "given here and as a column; expected one of them");
+    deck_fail_key(g, deck_column_names[column], "given here and as a column; expected one of them");
   return false;
 }
 
 static values read_common(deck_group *g, const deck_columns *t) {
-  deck *d = g->d;
   values v = {.material = -1, .node = g->node, .place = g->node->place};
   for (int k = 0; k < COLUMN_NUMBERS; k++) v.number[k] = k == COLUMN_FIXED ? 0 : NAN;
   for (int k = 0; k < COLUMN_FIXED; k++)
@@ -128,7 +126,7 @@ static values read_common(deck_group *g, const deck_columns *t) {
   if (g->table == &deck_disks) v.name = deck_text_of(g, "name");
   if (common(g, t, COLUMN_MATERIAL)) v.material = deck_material(g);
   if (common(g, t, COLUMN_GROUP)) v.group = deck_text_of(g, "group");
-  v.locked = deck_coordinates(d, g, "locked");
+  v.locked = deck_coordinates(g, "locked");
   deck_pair(g, "force", v.force);
   v.force[2] = deck_number(g, "torque");
   return v;
@@ -218,8 +216,8 @@ void deck_read_disks(deck *d) {
   bool tried = deck_child(d->root, "disks") && deck_child(d->root, "disks")->type != DECK_LIST; /* reported */
   if (d->model->n_disks == 0 && !tried && !deck_child(d->root, "disk_files") &&
       !deck_child(d->root, "packings"))
-    deck_fail_key(d, d->root, "disks",
-                  "missing: expected at least one disk, in disks, disk_rows, disk_files or packings");
+    deck_fail_child(d, d->root, "disks",
+                    "missing: expected at least one disk, in disks, disk_rows, disk_files or packings");
 }
 
 /* --- the echo of short files ------------------------------------------------------------------------------ */
@@ -278,7 +276,7 @@ void deck_echo_files(deck *d) {
 void deck_read_forces(deck *d) {
   deck_group g;
   for (size_t k = 0; deck_next(d, &deck_forces, &k, &g);) {
-    deck_bodies bodies = deck_select(d, &g, false);
+    deck_bodies bodies = deck_select(&g, false);
     double force[2], torque = deck_number(&g, "torque");
     deck_pair(&g, "force", force);
     for (size_t b = 0; b < bodies.n; b++) {
@@ -308,8 +306,8 @@ void deck_forget_velocity(deck *d, uint32_t disk, int c) {
 void deck_read_locks(deck *d) {
   deck_group g;
   for (size_t k = 0; deck_next(d, &deck_locks, &k, &g);) {
-    deck_bodies bodies = deck_select(d, &g, false);
-    unsigned mask = deck_coordinates(d, &g, "coordinates");
+    deck_bodies bodies = deck_select(&g, false);
+    unsigned mask = deck_coordinates(&g, "coordinates");
     for (size_t b = 0; b < bodies.n; b++)
       for (int c = 0; c < 3; c++) {
         sd_disk *disk = &d->model->disks[bodies.body[b]];
@@ -318,7 +316,7 @@ void deck_read_locks(deck *d) {
         deck_forget_velocity(d, bodies.body[b], c);
         if (disk->velocity[c] != 0) {
           char name[80];
-          deck_fail_key(d, g.node, "coordinates", "%s has a velocity there",
+          deck_fail_key(&g, "coordinates", "%s has a velocity there",
                         sd_model_body_name(d->model, bodies.body[b], name, sizeof name));
         }
       }

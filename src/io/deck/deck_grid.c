@@ -158,7 +158,7 @@ static bool good_name(const char *name) {
 static void read_paths(deck_group *g, grid_axis *a) {
   deck *d = g->d;
   deck_node *path = deck_get(g, "path");
-  if (!path) deck_fail_key(d, g->node, "path", "missing: expected the key to set, such as \"gravity.tilt\"");
+  if (!path) deck_fail_key(g, "path", "missing: expected the key to set, such as \"gravity.tilt\"");
   if (path && deck_each_count(path) == 0)
     deck_fail(d, path, "expected the path of a key, such as \"gravity.tilt\"");
   a->paths = deck_alloc(d, deck_each_count(path) + 1, sizeof *a->paths);
@@ -182,7 +182,7 @@ static void read_axis(deck *d, deck_node *node, grid_axis *a) {
   a->name = deck_text_of(&g, "name");
   a->named = a->name != NULL;
   if (a->name && !good_name(a->name))
-    deck_fail_key(d, node, "name", "expected letters, digits, and _ . - only, a letter or digit first");
+    deck_fail_key(&g, "name", "expected letters, digits, and _ . - only, a letter or digit first");
 
   deck_one_of(&g, "values, linspace or logspace");
   read_values(&g, a);
@@ -229,14 +229,15 @@ static void check_path(deck *d, const grid *g, const grid_axis *a, size_t p) {
       const char *where = place->line > 0 ? deck_format(d, "%s:%d", place->file, place->line) : place->file;
       const char *whose = other == a ? "this" : "another";
       if (met == DECK_ALTERNATIVES)
-        deck_fail_key(d, a->node, "path",
-                      "%s takes %s away, which %s parameter sets (%s); expected one of them", a->paths[p],
-                      other->paths[q], whose, where);
+        deck_fail_child(d, a->node, "path",
+                        "%s takes %s away, which %s parameter sets (%s); expected one of them", a->paths[p],
+                        other->paths[q], whose, where);
       else if (strcmp(a->paths[p], other->paths[q]) == 0)
-        deck_fail_key(d, a->node, "path", "%s is set by another parameter already (%s)", a->paths[p], where);
+        deck_fail_child(d, a->node, "path", "%s is set by another parameter already (%s)", a->paths[p],
+                        where);
       else
-        deck_fail_key(d, a->node, "path", "%s is set by another parameter already, as %s (%s)", a->paths[p],
-                      other->paths[q], where);
+        deck_fail_child(d, a->node, "path", "%s is set by another parameter already, as %s (%s)", a->paths[p],
+                        other->paths[q], where);
       return;
     }
 }
@@ -249,7 +250,7 @@ static void check_paths(deck *d, grid *g) {
     for (size_t p = 0; p < a->n_paths; p++) check_path(d, g, a, p);
   }
   if (g->seed_varies && g->replicas > 1)
-    deck_fail_key(d, g->node, "replicas", "a parameter sets the seed; expected either this or replicas");
+    deck_fail_child(d, g->node, "replicas", "a parameter sets the seed; expected either this or replicas");
 }
 
 static void read_collect(deck *d, deck_node *collect, deck_grids *all) {
@@ -348,10 +349,10 @@ static void name_axis(deck *d, const deck_grids *all, const grid *g, grid_axis *
   if (is_taken(all, g, a, a->named, name)) why = "another parameter has this name";
   if (reserved(name)) why = "the tables of results have a column of this name";
   if (a->named && why)
-    deck_fail_key(d, a->node, "name", "%s; expected another", why);
+    deck_fail_child(d, a->node, "name", "%s; expected another", why);
   else if (!a->named)
-    deck_fail_key(d, a->node, "name", "missing: \"%s\" cannot be taken from the path (%s); expected a name",
-                  name, why ? why : "only letters, digits, and _ . - can");
+    deck_fail_child(d, a->node, "name", "missing: \"%s\" cannot be taken from the path (%s); expected a name",
+                    name, why ? why : "only letters, digits, and _ . - can");
 }
 
 static void name_axes(deck *d, deck_grids *all) {

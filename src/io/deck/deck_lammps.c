@@ -288,13 +288,13 @@ static int find_source(const deck_group *g, const deck_columns *t, size_t c) {
   while (s < SOURCES && strcmp(source_names[s], t->source[c]) != 0) s++;
   if (s == SOURCES) {
     bool density = strcmp(t->source[c], "density") == 0;
-    deck_fail_key(g->d, g->node, "columns", "column \"%s\": %s", t->source[c],
+    deck_fail_key(g, "columns", "column \"%s\": %s", t->source[c],
                   density ? "that of LAMMPS is mass over the volume of a sphere; take \"mass\""
                           : "expected x, y, radius, mass, vx, vy, omega, type or id of a LAMMPS file");
     return NO_COLUMN;
   }
   if ((s >= TYPE) == (t->column[c] >= COLUMN_NUMBERS)) return s;
-  deck_fail_key(g->d, g->node, "columns", "column \"%s\": \"%s\" is %s", column, t->source[c],
+  deck_fail_key(g, "columns", "column \"%s\": \"%s\" is %s", column, t->source[c],
                 s >= TYPE ? "a word, for name, material or group" : "a number");
   return NO_COLUMN;
 }

@@ -18,7 +18,7 @@ int deck_material(deck_group *g) {
   if (d->model->n_materials == 1) deck_default_text(g, "material", d->model->materials[0].name);
   const deck_node *node = deck_get(g, "material");
   if (!node && d->model->n_materials > 1)
-    deck_fail_key(d, g->node, "material", "missing: expected the name of a material");
+    deck_fail_key(g, "material", "missing: expected the name of a material");
   if (!node || !deck_text_of(g, "material")) return -1;
   return deck_index_look_up(d, &d->materials, "material", node, "", &number) ? (int)number : -1;
 }
@@ -34,13 +34,11 @@ static void warn_of_rolling(const deck_group *g, const sd_contact_law *law) {
 }
 
 static void check_law(const deck_group *g, const sd_contact_law *law) {
-  deck *d = g->d;
-  const deck_node *node = g->node;
   const char *key = NULL;
   double value;
   char *text = law_mistake(law, &key, &value);
   /* a key that is missing was told of by its kind */
-  if (text && deck_child(node, key)) deck_fail_key(d, node, key, "%s", text);
+  if (text && deck_get(g, key)) deck_fail_key(g, key, "%s", text);
   free(text);
   warn_of_rolling(g, law);
 }
@@ -53,7 +51,7 @@ static void read_pair(deck_group *g) {
   check_law(g, &law);
   deck_node *names = deck_get(g, "materials");
   if (!names || names->type != DECK_LIST || names->n != 2) {
-    deck_fail_key(d, g->node, "materials", "expected the names of two materials (\"a\", \"b\")");
+    deck_fail_key(g, "materials", "expected the names of two materials (\"a\", \"b\")");
     return;
   }
   uint32_t pair[2];
@@ -80,8 +78,8 @@ static void read_material(deck *d, deck_node *node, size_t k) {
   if (!deck_enter(d, node, &deck_materials, &g)) return;
   const char *name = deck_text_of(&g, "name");
   if (name && !deck_index_add(d, &d->materials, name, (uint32_t)k))
-    deck_fail_key(d, node, "name", "two materials have this name");
-  if (name && !*name) deck_fail_key(d, node, "name", "expected a name that is not empty");
+    deck_fail_key(&g, "name", "two materials have this name");
+  if (name && !*name) deck_fail_key(&g, "name", "expected a name that is not empty");
   deck_fill(&g, &m->laws[k * m->n_materials + k]);
   check_law(&g, &m->laws[k * m->n_materials + k]);
   if (!name) return;
@@ -102,7 +100,7 @@ void deck_read_materials(deck *d) {
   m->n_materials = n;
   for (size_t k = 0; k < n; k++) read_material(d, list->child[k], k);
   if (!list && !deck_child(d->root, "materials"))
-    deck_fail_key(d, d->root, "materials", "missing: expected ( { name = \"...\"; k_n = ...; ... } )");
+    deck_fail_child(d, d->root, "materials", "missing: expected ( { name = \"...\"; k_n = ...; ... } )");
   else if (list && n == 0)
     deck_fail(d, list, "expected at least one material");
   deck_group pair;
@@ -116,7 +114,7 @@ void deck_check_laws(deck *d) {
   for (size_t a = 0, b = 1; laws_find_missing(m, use, &a, &b); b++) {
     const char *one = m->materials[a].name, *two = m->materials[b].name;
     if (a != b)
-      deck_fail_key(
+      deck_fail_child(
           d, d->root, "material_pairs",
           "materials \"%s\" and \"%s\" can touch; expected { materials = (\"%s\", \"%s\"); k_n = ...; }", one,
           two, one, two);
@@ -159,12 +157,12 @@ static void fail_arc(const deck_group *g, const sd_wall *wall) {
   static const char *const expected = "expected counterclockwise, by a whole turn at most";
   const bool bare = deck_get(g, "from")->type == DECK_FLOAT && deck_get(g, "to")->type == DECK_FLOAT;
   if (bare && fmax(fabs(wall->from), fabs(wall->to)) > 2.0 * M_PI)
-    deck_fail_key(g->d, g->node, "to",
+    deck_fail_key(g, "to",
                   "the arc runs from %g to %g rad; %s; angles are in radians, degrees are \"%.10g deg\"",
                   wall->from, wall->to, expected, wall->to);
   else
-    deck_fail_key(g->d, g->node, "to", "the arc runs from %.4g to %.4g degrees; %s",
-                  wall->from * 180.0 / M_PI, wall->to * 180.0 / M_PI, expected);
+    deck_fail_key(g, "to", "the arc runs from %.4g to %.4g degrees; %s", wall->from * 180.0 / M_PI,
+                  wall->to * 180.0 / M_PI, expected);
 }
 
 static void read_arc(deck_group *g, sd_wall *wall) {
@@ -207,8 +205,8 @@ void deck_read_walls(deck *d) {
     read_wall(d, list->child[k], wall);
     uint32_t disk;
     if (wall->name && !deck_index_add(d, &d->walls, wall->name, (uint32_t)k))
-      deck_fail_key(d, list->child[k], "name", "two walls have this name");
+      deck_fail_child(d, list->child[k], "name", "two walls have this name");
     if (wall->name && deck_index_find(&d->disks, wall->name, &disk))
-      deck_fail_key(d, list->child[k], "name", "a disk has this name too");
+      deck_fail_child(d, list->child[k], "name", "a disk has this name too");
   }
 }

@@ -85,9 +85,9 @@ static void place_wall(our_walls *ours, const deck_columns *t, size_t k, uint32_
   if (ours->placed[w] && (moved || angle != own->angle)) {
     char name[96];
     sd_model_body_name(ours->d->model, (uint32_t)(ours->d->model->n_disks + w), name, sizeof name);
-    deck_fail_key(ours->d, t->file->parent, "contacts",
-                  "%s stands at (%g, %g) in this file and at (%g, %g) in one before, or is turned", name, x,
-                  y, wall->pivot[0], wall->pivot[1]);
+    deck_fail_child(ours->d, t->file->parent, "contacts",
+                    "%s stands at (%g, %g) in this file and at (%g, %g) in one before, or is turned", name, x,
+                    y, wall->pivot[0], wall->pivot[1]);
   }
   if (ours->placed[w]) return;
   if (moved && angle == 0) move_edges(ours->d->model, wall, x, y);

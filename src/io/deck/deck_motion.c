@@ -27,7 +27,7 @@ static const double pi = 3.14159265358979323846;
 static double read_omega(deck_group *g) {
   if (!deck_given(g, "frequency")) {
     double w = deck_get(g, "omega") ? deck_number(g, "omega") : NAN;
-    if (w <= 0) deck_fail_key(g->d, g->node, "omega", "expected an angular frequency > 0");
+    if (w <= 0) deck_fail_key(g, "omega", "expected an angular frequency > 0");
     return w;
   }
   return 2 * pi * deck_number(g, "frequency");
@@ -41,10 +41,9 @@ static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned ma
   const double *gravity = g->d->model->gravity;
   double strength = hypot(gravity[0], gravity[1]), w = motion->omega;
   if (mask >> SD_THETA & 1)
-    deck_fail_key(g->d, g->node, "acceleration", "theta has none in units of g; expected amplitude");
+    deck_fail_key(g, "acceleration", "theta has none in units of g; expected amplitude");
   if (!(strength > 0))
-    deck_fail_key(g->d, g->node, "acceleration",
-                  "in units of g, but there is no gravity; expected amplitude");
+    deck_fail_key(g, "acceleration", "in units of g, but there is no gravity; expected amplitude");
   return kind->amplitude(motion, deck_number(g, "acceleration") * strength / (w * w));
 }
 
@@ -101,15 +100,13 @@ static void read_table(deck_group *g, sd_motion *motion) {
   motion->periodic = deck_bool(g, "periodic");
   motion->amplitude = deck_number(g, "factor");
   if (from_file) {
-    if (deck_given(g, "values"))
-      deck_fail_key(d, g->node, "values", "given together with file; expected one of them");
+    if (deck_given(g, "values")) deck_fail_key(g, "values", "given together with file; expected one of them");
     n = read_table_file(g, &time, &value);
   } else {
     n = read_list(d, at, &time);
-    if (!deck_get(g, "values"))
-      deck_fail_key(d, g->node, "values", "missing: expected a value for each of times");
+    if (!deck_get(g, "values")) deck_fail_key(g, "values", "missing: expected a value for each of times");
     if (read_list(d, deck_get(g, "values"), &value) != n && d->reported == before)
-      deck_fail_key(d, g->node, "values", "expected as many values as times (%zu)", n);
+      deck_fail_key(g, "values", "expected as many values as times (%zu)", n);
   }
   if (d->reported > before || !at) return;
   if (n < 3) deck_fail(d, at, "expected a table of at least 3 rows, it has %zu", n);
@@ -119,8 +116,7 @@ static void read_table(deck_group *g, sd_motion *motion) {
       break;
     }
   if (motion->periodic && n && value[0] != value[n - 1])
-    deck_fail_key(d, g->node, "periodic", "the last value (%g) must equal the first (%g)", value[n - 1],
-                  value[0]);
+    deck_fail_key(g, "periodic", "the last value (%g) must equal the first (%g)", value[n - 1], value[0]);
   if (d->reported > before) return;
   motion->n_table = n;
   motion->table_time = time; /* in the arena; each motion of the model gets its own copy */
@@ -211,7 +207,7 @@ static void check_held(deck *d, deck_group *g, const deck_bodies *bodies, unsign
     for (int c = 0; c < 3; c++) {
       if (!(mask >> c & 1) || !(locked[c] || fabs(velocity[c]) > 0)) continue;
       char name[80];
-      deck_fail_key(d, g->node, "coordinate", "%s of %s is %s, and cannot be moved too",
+      deck_fail_key(g, "coordinate", "%s of %s is %s, and cannot be moved too",
                     c == 0   ? "x"
                     : c == 1 ? "y"
                              : "theta",
@@ -226,7 +222,7 @@ static void check_surface(deck *d, deck_group *g, const deck_bodies *bodies, uns
   for (size_t b = 0; mask >> SD_SURFACE & 1 && b < bodies->n; b++) {
     const uint32_t body = bodies->body[b];
     if (body >= d->model->n_disks && body < d->model->n_disks + d->model->n_walls) continue;
-    deck_fail_key(d, g->node, "coordinate", "\"surface\" of %s: only walls have one; others turn, \"theta\"",
+    deck_fail_key(g, "coordinate", "\"surface\" of %s: only walls have one; others turn, \"theta\"",
                   sd_model_body_name(d->model, bodies->body[b], name, sizeof name));
     return;
   }
@@ -239,7 +235,7 @@ static void check_clumped(deck *d, deck_group *g, const deck_bodies *bodies) {
     const uint32_t body = bodies->body[b];
     if (body >= m->n_disks || m->disks[body].clump == 0) continue;
     const uint32_t whole = (uint32_t)sd_model_bodies(m) + (uint32_t)m->disks[body].clump - 1;
-    deck_fail_key(d, g->node, deck_given(g, "disk") ? "disk" : "group",
+    deck_fail_key(g, deck_given(g, "disk") ? "disk" : "group",
                   "%s belongs to %s; expected `clump`, which moves the whole",
                   sd_model_body_name(m, body, disk, sizeof disk),
                   sd_model_body_name(m, whole, clump, sizeof clump));
@@ -272,24 +268,22 @@ static void read_length(deck_group *g, sd_motion *motion, const sd_wall *wall, i
     motion->length = m->region_upper[across] - m->region_lower[across];
     for (int k = 0; k < 2; k++) motion->beside[k] = wall_called(m, beside[across][k]);
   } else {
-    deck_fail_key(g->d, g->node, "length",
-                  "missing: expected the length of the wall that the pressure acts on");
+    deck_fail_key(g, "length", "missing: expected the length of the wall that the pressure acts on");
   }
 }
 
 static void read_servo(deck_group *g, sd_motion *motion, uint32_t body, int coordinate) {
-  deck *d = g->d;
-  const sd_model *m = d->model;
+  const sd_model *m = g->d->model;
   motion->velocity = deck_number(g, "speed");
   if (deck_given(g, "force")) {
     motion->force = deck_number(g, "force");
-    if (motion->force == 0) deck_fail_key(d, g->node, "force", "expected a force other than 0");
-    if (deck_given(g, "length")) deck_fail_key(d, g->node, "length", "expected with pressure only");
+    if (motion->force == 0) deck_fail_key(g, "force", "expected a force other than 0");
+    if (deck_given(g, "length")) deck_fail_key(g, "length", "expected with pressure only");
   } else if (deck_given(g, "pressure")) {
     int side = sd_model_side(m, body, coordinate);
     motion->pressure = side * deck_number(g, "pressure");
     if (side == 0)
-      deck_fail_key(d, g->node, "pressure", "this wall does not press along %s; expected force",
+      deck_fail_key(g, "pressure", "this wall does not press along %s; expected force",
                     coordinate == SD_X ? "x" : "y");
     read_length(g, motion, &m->walls[body - m->n_disks], coordinate);
   }
@@ -313,12 +307,11 @@ static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const 
   static const char *const keys[] = {"disk", "group", "clump"};
   for (size_t k = 0; k < COUNT(keys); k++) {
     const char *const key = keys[k];
-    if (deck_given(g, key)) deck_fail_key(d, g->node, key, "a %s moves walls only; expected wall", what);
+    if (deck_given(g, key)) deck_fail_key(g, key, "a %s moves walls only; expected wall", what);
   }
   int coordinate = mask == 1u << SD_X ? SD_X : SD_Y;
   if (mask && mask != 1u << SD_X && mask != 1u << SD_Y)
-    deck_fail_key(d, g->node, "coordinate",
-                  "a %s moves its wall along one direction; expected \"x\" or \"y\"", what);
+    deck_fail_key(g, "coordinate", "a %s moves its wall along one direction; expected \"x\" or \"y\"", what);
   if (motion->kind == SD_MOTION_LOAD) read_load(g, motion, coordinate);
   for (size_t b = 0; d->reported == before && b < bodies->n; b++) {
     if (motion->kind == SD_MOTION_SERVO) read_servo(g, motion, bodies->body[b], coordinate);
@@ -350,8 +343,7 @@ static void read_signal(deck_group *g, const deck_shape *shape, unsigned mask, s
       motion->amplitude = read_amplitude(g, motion, mask);
       motion->damping = deck_number(g, "damping");
       motion->interval = deck_integer(g, "interval");
-      if (motion->amplitude < 0)
-        deck_fail_key(g->d, g->node, "amplitude", "expected an rms displacement >= 0");
+      if (motion->amplitude < 0) deck_fail_key(g, "amplitude", "expected an rms displacement >= 0");
       break;
     case SIGNAL_FEEDBACK: break;
   }
@@ -363,8 +355,8 @@ static void read_motion(deck_group *g, size_t entry, streams *s) {
   deck *d = g->d;
   size_t before = d->reported;
   const char *name = deck_text_of(g, "name");
-  deck_bodies bodies = deck_select(d, g, true);
-  unsigned mask = deck_coordinates(d, g, "coordinate");
+  deck_bodies bodies = deck_select(g, true);
+  unsigned mask = deck_coordinates(g, "coordinate");
   const deck_shape *shape = deck_shape_of(g, "type");
   if (!shape) return;
   char *own_name = name ? deck_copy(d, name, strlen(name)) : NULL;

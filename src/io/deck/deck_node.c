@@ -9,7 +9,7 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "io/deck/deck_tree.h"
+#include "io/deck/deck_read.h"
 #include "model/state.h"
 
 enum { CHUNK = 64 * 1024 };
@@ -216,16 +216,27 @@ void deck_fail(deck *d, const deck_node *node, const char *format, ...) {
   va_end(args);
 }
 
-void deck_fail_key(deck *d, const deck_node *group, const char *key, const char *format, ...) {
+static void fail_child(deck *d, const deck_node *group, const char *key, const char *format, va_list args) {
   if (counted(d)) return;
   const char *path = deck_node_path(d, group);
   const deck_node *node = deck_child(group, key);
   if (node && node->defaulted) node = NULL;
   const char *head = *path ? deck_format(d, "%s.%s", path, key) : key;
   if (node && node->type != DECK_GROUP) head = deck_format(d, "%s = %s", head, deck_node_value(d, node));
+  report(d, node ? node->place : group->place, head, format, args);
+}
+
+void deck_fail_child(deck *d, const deck_node *group, const char *key, const char *format, ...) {
   va_list args;
   va_start(args, format);
-  report(d, node ? node->place : group->place, head, format, args);
+  fail_child(d, group, key, format, args);
+  va_end(args);
+}
+
+void deck_fail_key(const deck_group *g, const char *key, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  fail_child(g->d, g->node, key, format, args);
   va_end(args);
 }
 
@@ -235,9 +246,10 @@ void deck_need(deck *d, const deck_node *group, const char *key, double n, size_
   const double needed = n * (double)bytes;
   if (memory_fits(needed)) return;
   d->lacks_told = true;
-  deck_fail_key(d, group, key,
-                "%.10g %s need at least %.3g GB of memory, and this process can have %.3g GB; expected fewer",
-                n, what, 1e-9 * needed, 1e-9 * memory_limit(1));
+  deck_fail_child(
+      d, group, key,
+      "%.10g %s need at least %.3g GB of memory, and this process can have %.3g GB; expected fewer", n, what,
+      1e-9 * needed, 1e-9 * memory_limit(1));
   longjmp(d->out_of_memory, 1);
 }
 

@@ -43,19 +43,18 @@ static void check_edges(packing *p, int c) {
   const sd_model *m = d->model;
   const char *key = c ? "y" : "x";
   if (!(p->lower[c] < p->upper[c])) {
-    deck_fail_key(d, p->g.node, key, "expected (lower, upper) with lower < upper");
+    deck_fail_key(&p->g, key, "expected (lower, upper) with lower < upper");
     return;
   }
   if (m->periodic[c] && (p->lower[c] < m->lower[c] || p->upper[c] > m->upper[c])) {
-    deck_fail_key(d, p->g.node, key, "reaches beyond the periodic box, from %g to %g", m->lower[c],
-                  m->upper[c]);
+    deck_fail_key(&p->g, key, "reaches beyond the periodic box, from %g to %g", m->lower[c], m->upper[c]);
     return;
   }
   if (m->container == SD_CONTAINER_NONE || m->periodic[c]) return;
   bool open = c == SD_Y && !has_lid(d);
   double slack = 1e-12 * (m->region_upper[c] - m->region_lower[c]);
   if (p->lower[c] < m->region_lower[c] - slack || (p->upper[c] > m->region_upper[c] + slack && !open))
-    deck_fail_key(d, p->g.node, key, "reaches beyond the container, from %g to %g", m->region_lower[c],
+    deck_fail_key(&p->g, key, "reaches beyond the container, from %g to %g", m->region_lower[c],
                   m->region_upper[c]);
 }
 
@@ -69,7 +68,7 @@ static void read_region(packing *p) {
     const char *key = c ? "y" : "x";
     if (!deck_get(&p->g, key)) {
       if (!(m->region_upper[c] > m->region_lower[c])) {
-        deck_fail_key(d, p->g.node, key,
+        deck_fail_key(&p->g, key,
                       "missing: expected (lower, upper), since no container and no box gives edges in %s",
                       key);
         continue;
@@ -105,7 +104,7 @@ static void check_room(packing *p, double width, double height) {
 static void check_area(packing *p, double count, double area) {
   deck *d = p->g.d;
   if (p->v.fraction > 0 && p->v.fraction > DENSEST)
-    deck_fail_key(d, p->g.node, "fraction",
+    deck_fail_key(&p->g, "fraction",
                   "more than the densest packing of equal disks has; expected at most 0.9069");
   else if (count > LIMIT_DISKS)
     deck_fail(d, p->g.node, "%g disks; expected at most %d", count, LIMIT_DISKS);
@@ -132,7 +131,7 @@ static bool mass_is_good(const packing *p, double mass) {
   const bool good =
       !(mass >= 0) || deck_in_range(DECK_POSITIVE, mass); /* what is no number is told at its key */
   if (!good)
-    deck_fail_key(p->g.d, p->g.node, "density", "the mass of a disk is %g; expected a number %s", mass,
+    deck_fail_key(&p->g, "density", "the mass of a disk is %g; expected a number %s", mass,
                   deck_expected(DECK_POSITIVE, mass));
   return good;
 }
@@ -229,9 +228,8 @@ static double read_spacing(packing *p) {
   deck_default_number(g, "spacing", 2 * p->sizes->upper);
   double spacing = deck_number(g, "spacing");
   if (spacing < 2 * p->sizes->upper)
-    deck_fail_key(d, g->node, "spacing", "expected at least the largest diameter, %g", 2 * p->sizes->upper);
-  if (p->v.jitter > 1)
-    deck_fail_key(d, g->node, "jitter", "expected at most 1; beyond it disks could overlap");
+    deck_fail_key(g, "spacing", "expected at least the largest diameter, %g", 2 * p->sizes->upper);
+  if (p->v.jitter > 1) deck_fail_key(g, "jitter", "expected at most 1; beyond it disks could overlap");
   return d->reported > before ? 0 : spacing;
 }
 
@@ -243,8 +241,7 @@ static void make_lattice(packing *p) {
   double sites = ((p->upper[0] - p->lower[0]) / spacing + 1) *
                  ((p->upper[1] - p->lower[1]) / (spacing * sqrt(0.75)) + 1);
   if (sites > LIMIT_DISKS) {
-    deck_fail_key(d, g->node, "spacing", "the lattice has about %g sites; expected at most %d", sites,
-                  LIMIT_DISKS);
+    deck_fail_key(g, "spacing", "the lattice has about %g sites; expected at most %d", sites, LIMIT_DISKS);
     return;
   }
   if (p->v.count == 0) deck_need(d, g->node, "spacing", rint(sites), BENCH_BYTES, "sites");
@@ -256,13 +253,12 @@ static void make_lattice(packing *p) {
   if (b.n == 0)
     deck_fail(d, g->node, "the lattice has no free site in the region");
   else if ((int64_t)b.n < p->v.count)
-    deck_fail_key(d, g->node, "count", "the lattice has %zu free sites only", b.n);
+    deck_fail_key(g, "count", "the lattice has %zu free sites only", b.n);
   else
     push(p, b.n, b.radius, b.position, false);
 }
 
 static void make_random(packing *p) {
-  deck *d = p->g.d;
   bool by_count = p->v.fraction == 0;
   double target = by_count ? (double)p->v.count * p->mean_area : p->v.fraction * p->area;
   bench b = open_bench(p, by_count ? (double)p->v.count : 2 * target / p->mean_area + 100);
@@ -283,7 +279,7 @@ static void make_random(packing *p) {
   for (size_t k = 0; k < b.n; k++)
     if (isnan(b.position[k][0])) b.radius[k] = 0;
   deck_fail_key(
-      d, p->g.node, by_count ? "count" : "fraction",
+      &p->g, by_count ? "count" : "fraction",
       "random placement found no room for more than %zu of %zu disks, a fraction of %.3f of the region "
       "where %.3f was asked for; expected less, or type \"front\"",
       placed, b.n, fraction_of(p, b.n, b.radius), all);
@@ -306,7 +302,7 @@ static void make_front(packing *p) {
   if (placed == 0)
     deck_fail(d, p->g.node, "the front found no place for a disk in the region");
   else if ((int64_t)placed < p->v.count)
-    deck_fail_key(d, p->g.node, "count", "the front has filled the region with %zu disks, a fraction of %.3f",
+    deck_fail_key(&p->g, "count", "the front has filled the region with %zu disks, a fraction of %.3f",
                   placed, fraction_of(p, placed, b.radius));
   else
     push(p, placed, b.radius, b.position, false);
@@ -352,26 +348,23 @@ static void wait_above(sd_tiles *t, double height) {
 }
 
 static void check_tiles(packing *p) {
-  deck *d = p->g.d;
   deck_group *g = &p->g;
   const double wide = (p->upper[0] - p->lower[0]) / (double)p->v.tiles;
-  const sd_container_kind kind = d->container->interior.kind;
+  const sd_container_kind kind = p->g.d->container->interior.kind;
   if (p->v.count == 0)
-    deck_fail_key(d, g->node, "count", "missing: expected the number of disks, which tiles share");
+    deck_fail_key(g, "count", "missing: expected the number of disks, which tiles share");
   else if (p->v.tiles > p->v.count)
-    deck_fail_key(d, g->node, "tiles", "expected at most one for each of the %lld disks",
-                  (long long)p->v.count);
+    deck_fail_key(g, "tiles", "expected at most one for each of the %lld disks", (long long)p->v.count);
   const bool rain = p->v.kind == SD_PACKING_RAIN;
   if (!(2 * p->sizes->upper <= wide) && !rain)
-    deck_fail_key(d, g->node, "tiles",
+    deck_fail_key(g, "tiles",
                   "each is %g wide; expected fewer, so that a disk of radius %g fits between their edges",
                   wide, p->sizes->upper);
-  if (p->grain.at) deck_fail_key(d, g->node, "tiles", "clumps are not made in tiles");
+  if (p->grain.at) deck_fail_key(g, "tiles", "clumps are not made in tiles");
   if (!rain && (kind == SD_CONTAINER_HOPPER || kind == SD_CONTAINER_DRUM))
-    deck_fail_key(d, g->node, "tiles", "expected a container that is a rectangle");
+    deck_fail_key(g, "tiles", "expected a container that is a rectangle");
   if (p->sizes->n > SD_TILE_RADII)
-    deck_fail_key(d, g->node, "radii", "expected at most %d in a packing that is made in tiles",
-                  SD_TILE_RADII);
+    deck_fail_key(g, "radii", "expected at most %d in a packing that is made in tiles", SD_TILE_RADII);
 }
 
 /* Of a run that ranks will share only the first tile is made here; sd_model_finish and advice look at that one. height: where
@@ -396,7 +389,7 @@ static void make_tiled(packing *p, double spacing, double height) {
     size_t placed;
     if (tiles_make(m, k, disks, &placed) != SD_OK) longjmp(d->out_of_memory, 1);
     if (placed < n)
-      deck_fail_key(d, p->g.node, "count", TILES_FULL, k, m->tiles.n, placed, n);
+      deck_fail_key(&p->g, "count", TILES_FULL, k, m->tiles.n, placed, n);
     else
       push_disks(p, n, disks);
   }
@@ -431,8 +424,7 @@ static void check_rain(packing *p, double height) {
   bool under_lid = has_lid(d) || m->container == SD_CONTAINER_DRUM;
   if (m->periodic[SD_Y]) deck_fail(d, p->g.node, "rain cannot fall in a box that is periodic in y");
   if (under_lid && height > p->upper[1] - p->lower[1])
-    deck_fail_key(d, p->g.node, "rows", "a batch is %g high, the region only %g", height,
-                  p->upper[1] - p->lower[1]);
+    deck_fail_key(&p->g, "rows", "a batch is %g high, the region only %g", height, p->upper[1] - p->lower[1]);
   if (m->container != SD_CONTAINER_NONE)
     check_area(p, (double)p->v.count, place_area(&d->container->interior, m->region_lower, m->region_upper));
 }
@@ -508,7 +500,7 @@ static void make_packing(packing *p) {
                                       : rint(p->v.fraction * p->area / p->mean_area);
   if (d->reported == before) check_area(p, count, rain ? HUGE_VAL : p->area);
   if (p->v.fraction > 0 && count < 1)
-    deck_fail_key(d, p->g.node, "fraction", "less than one disk in a region of area %g", p->area);
+    deck_fail_key(&p->g, "fraction", "less than one disk in a region of area %g", p->area);
   if (d->reported > before) return;
   const bool away = d->leave_tiles && p->last && p->v.tiles > 1;
   if (!away)

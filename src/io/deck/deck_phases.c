@@ -13,14 +13,13 @@ enum { MOST_WATCHED = 16 };
 
 /* The keys steps and time of a phase, or of the deck itself. */
 static int64_t read_steps(deck_group *g) {
-  deck *d = g->d;
   const char *key = deck_one_of(g, "the length in steps or time");
   if (!key) return 1;
   if (deck_given(g, "steps")) return deck_integer(g, "steps");
-  double n = round(deck_number(g, "time") / d->model->dt);
+  double n = round(deck_number(g, "time") / g->d->model->dt);
   if (isnan(n)) return 1; /* reported */
   if (n >= 1 && n < 9e18) return (int64_t)n;
-  deck_fail_key(d, g->node, "time", n < 1 ? "shorter than half a time step" : "more than 9e18 time steps");
+  deck_fail_key(g, "time", n < 1 ? "shorter than half a time step" : "more than 9e18 time steps");
   return 1;
 }
 
@@ -128,15 +127,14 @@ static void read_compress(deck_group *g, sd_compress *compress) {
 static void read_cell(deck_group *g, sd_cell *cell) {
   static const char *const rates[] = {"rate_xx", "rate_yy", "rate_xy"};
   static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_xy"};
-  deck *d = g->d;
   deck_node *node = deck_get(g, "cell");
   deck_group c;
-  if (!node || !deck_enter(d, node, &deck_cell, &c)) return;
+  if (!node || !deck_enter(g->d, node, &deck_cell, &c)) return;
   cell->asked = true;
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
     cell->controlled[k] = deck_given(&c, stresses[k]);
     if (cell->controlled[k] && deck_given(&c, rates[k]))
-      deck_fail_key(d, node, stresses[k], "given together with %s; expected one of them", rates[k]);
+      deck_fail_key(&c, stresses[k], "given together with %s; expected one of them", rates[k]);
   }
   deck_fill(&c, cell);
 }
@@ -169,7 +167,7 @@ void deck_read_phases(deck *d) {
   if (!deck_enter_one(d, d->root, "output", &deck_output, &output)) return;
   if (!list && deck_get(&top, "phases")) return;
   if (list && short_form)
-    deck_fail_key(d, d->root, deck_given(&top, "steps") ? "steps" : "time",
+    deck_fail_key(&top, deck_given(&top, "steps") ? "steps" : "time",
                   "given together with phases; expected a length in each phase");
   /* steps = ... alone is a deck with one phase, and is echoed as one */
   if (!list && short_form) {
@@ -184,7 +182,7 @@ void deck_read_phases(deck *d) {
     }
   }
   if (!list || list->n == 0) {
-    deck_fail_key(d, d->root, "steps", "missing: expected steps, time or phases");
+    deck_fail_key(&top, "steps", "missing: expected steps, time or phases");
     return;
   }
   m->phases = memory_new(list->n, sizeof *m->phases);
@@ -242,9 +240,9 @@ static void read_sliding(deck *d, deck_node *node) {
   if (!deck_enter(d, node, &deck_sliding, &g)) return;
   sd_slide_watch watch;
   deck_node *disk = deck_get(&g, "disk"), *partners = deck_get(&g, "partners");
-  if (!disk) deck_fail_key(d, node, "disk", "missing: expected the name or the number of a disk");
+  if (!disk) deck_fail_key(&g, "disk", "missing: expected the name or the number of a disk");
   if (!partners || partners->type != DECK_LIST || partners->n != 2)
-    deck_fail_key(d, node, "partners", "expected two disks or walls (\"a\", \"b\")");
+    deck_fail_key(&g, "partners", "expected two disks or walls (\"a\", \"b\")");
   if (!disk || !deck_find_body(d, disk, false, &watch.disk)) return;
   if (m->disks[watch.disk].driven)
     deck_fail(d, disk, "this disk is fixed or moved by motions; expected a free one");
@@ -265,9 +263,9 @@ void deck_read_measure(deck *d) {
   sd_model *m = d->model;
   deck_fill(&g, m);
   add_disks(d, deck_get(&g, "contacts"), &m->n_contact_disks, &m->contact_disks);
-  if (m->measure_walls && m->n_walls == 0) deck_fail_key(d, g.node, "walls", "there are no walls");
+  if (m->measure_walls && m->n_walls == 0) deck_fail_key(&g, "walls", "there are no walls");
   if (m->measure_groups && m->n_groups == 0)
-    deck_fail_key(d, g.node, "groups", "no disk has a group; expected a `group` of disks or packings");
+    deck_fail_key(&g, "groups", "no disk has a group; expected a `group` of disks or packings");
   deck_node *list = deck_groups(d, g.node, "sliding");
   for (size_t k = 0; list && k < list->n; k++) read_sliding(d, list->child[k]);
 }

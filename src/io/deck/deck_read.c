@@ -137,11 +137,11 @@ static deck_node *table_default(deck_group *g, const deck_key *key) {
   const char *text = key->initial;
   if (text[0] == '-' && !text[1]) return NULL;
   if (strcmp(text, "required") == 0 && key->kind == DECK_KEY_CHOICE) {
-    deck_fail_key(g->d, g->node, key->name, "missing: expected one of %s", words_of(g->d, key));
+    deck_fail_key(g, key->name, "missing: expected one of %s", words_of(g->d, key));
     return NULL;
   }
   if (strcmp(text, "required") == 0) {
-    deck_fail_key(g->d, g->node, key->name, "missing: expected %s%s%s (%s)", deck_kind_text(key->kind),
+    deck_fail_key(g, key->name, "missing: expected %s%s%s (%s)", deck_kind_text(key->kind),
                   key->range ? " " : "", deck_range_text(key->range), key->meaning);
     return NULL;
   }
@@ -323,7 +323,8 @@ bool deck_pair(deck_group *g, const char *name, double pair[2]) {
 size_t deck_each_count(const deck_node *node) { return !node ? 0 : node->type == DECK_LIST ? node->n : 1; }
 deck_node *deck_each(deck_node *node, size_t k) { return node->type == DECK_LIST ? node->child[k] : node; }
 
-unsigned deck_coordinates(deck *d, deck_group *g, const char *name) {
+unsigned deck_coordinates(deck_group *g, const char *name) {
+  deck *d = g->d;
   static const char *const words[SD_MOVED] = {"x", "y", "theta", "surface"};
   const deck_key *key;
   deck_node *list = find(g, name, &key);
@@ -354,7 +355,7 @@ static const char *given_of(deck_group *g, const char *keys) {
   char *copy = deck_copy(g->d, keys, strcspn(keys, " *")), *rest = NULL;
   for (char *key = strtok_r(copy, "/", &rest); key; key = strtok_r(NULL, "/", &rest)) {
     if (!deck_given(g, key)) continue;
-    if (seen) deck_fail_key(g->d, g->node, key, "given together with %s; expected one of them", seen);
+    if (seen) deck_fail_key(g, key, "given together with %s; expected one of them", seen);
     seen = key;
   }
   return seen;
@@ -363,7 +364,7 @@ static const char *given_of(deck_group *g, const char *keys) {
 const char *deck_one_of(deck_group *g, const char *expected) {
   const char *seen = given_of(g, g->table->either);
   const char *first = deck_copy(g->d, g->table->either, strcspn(g->table->either, "/"));
-  if (!seen) deck_fail_key(g->d, g->node, first, "missing: expected %s", expected);
+  if (!seen) deck_fail_key(g, first, "missing: expected %s", expected);
   return seen;
 }
 
@@ -379,8 +380,8 @@ static void check_kind(deck_group *g, const deck_key *chooser, const deck_shape 
     bool seen = given_of(g, p) != NULL;
     const deck_key *key = deck_key_find(g->table, deck_copy(g->d, p, first));
     if (p[n - 1] == '*' && !seen)
-      deck_fail_key(g->d, g->node, deck_copy(g->d, p, n - 1), "missing: %s \"%s\" needs it (%s)",
-                    chooser->name, kind->name, key ? key->meaning : "");
+      deck_fail_key(g, deck_copy(g->d, p, n - 1), "missing: %s \"%s\" needs it (%s)", chooser->name,
+                    kind->name, key ? key->meaning : "");
     p += n;
   }
 }

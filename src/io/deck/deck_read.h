@@ -19,6 +19,9 @@ typedef struct deck_group {
   const deck_table *table;
 } deck_group;
 
+/* deck_fail_child of a group that is being read. */
+void deck_fail_key(const deck_group *g, const char *key, const char *format, ...) SD_PRINTF(3, 4);
+
 /* Begins to read a group: node must be one, and have no key outside the table. False: reported. */
 bool deck_enter(deck *d, deck_node *node, const deck_table *table, deck_group *g);
 /* The group parent.key, made empty when it is not there; false when it is something else (reported). */

@@ -59,7 +59,7 @@ bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck
 void deck_columns_read(deck_group *g, deck_columns *table) {
   deck_node *list = deck_get(g, "columns");
   if (!list && g->table == &deck_disk_rows)
-    deck_fail_key(g->d, g->node, "columns", "missing: expected (\"x\", \"y\", \"radius\") or the like");
+    deck_fail_key(g, "columns", "missing: expected (\"x\", \"y\", \"radius\") or the like");
   for (size_t k = 0; k < deck_each_count(list); k++) {
     deck_node *node = deck_each(list, k);
     if (node->type == DECK_STRING)
@@ -95,7 +95,7 @@ void deck_columns_from_rows(deck_group *g, deck_columns *t) {
   deck *d = g->d;
   deck_node *rows = deck_get(g, "rows");
   if (!rows || rows->type != DECK_LIST) {
-    deck_fail_key(d, g->node, "rows", "expected a list of rows ( (1.0, 2.0, 0.5), ... )");
+    deck_fail_key(g, "rows", "expected a list of rows ( (1.0, 2.0, 0.5), ... )");
     return;
   }
   for (size_t r = 0; r < rows->n && t->n_columns; r++) {
@@ -380,7 +380,7 @@ static const char *dataset_of(deck_group *g, const char *path) {
   if (deck_given(g, "dataset")) return deck_text_of(g, "dataset");
   char *only = h5_only_particles(path);
   if (!only) {
-    deck_fail_key(g->d, g->node, "dataset", "missing: expected the path of a dataset in the HDF5 file");
+    deck_fail_key(g, "dataset", "missing: expected the path of a dataset in the HDF5 file");
     return NULL;
   }
   const char *name = deck_copy(g->d, only, strlen(only));
@@ -401,7 +401,7 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
   deck *d = g->d;
   for (size_t c = 0; c < t->n_columns; c++)
     if (t->column[c] >= COLUMN_NUMBERS)
-      deck_fail_key(d, g->node, "columns", "column \"%s\" is a text; a dataset gives numbers only",
+      deck_fail_key(g, "columns", "column \"%s\" is a text; a dataset gives numbers only",
                     deck_column_names[t->column[c]]);
   const char *dataset = is_hdf5(d, file, path) ? dataset_of(g, path) : NULL;
   if (!dataset) return;
@@ -449,10 +449,9 @@ static void hdf5_or_result(deck_group *g, deck_node *file, deck_columns *t) {
     return;
   }
   if (t->contacts && deck_given(g, "columns"))
-    deck_fail_key(d, g->node, "columns", "given together with contacts = true, which takes all of a result");
+    deck_fail_key(g, "columns", "given together with contacts = true, which takes all of a result");
   else if (t->contacts && file_exists(path))
-    deck_fail_key(d, g->node, "contacts",
-                  "%s is no result or checkpoint of a run: its contacts are not known", path);
+    deck_fail_key(g, "contacts", "%s is no result or checkpoint of a run: its contacts are not known", path);
   t->contacts = false;
   read_hdf5(g, file, t, path);
 }
@@ -481,8 +480,8 @@ void deck_columns_from_file(deck_group *g, deck_columns *t) {
   int format = deck_choice(g, "format");
   bool contacts = deck_bool(g, "contacts");
   if (format >= 0 && format != DECK_HDF5) {
-    if (deck_given(g, "dataset")) deck_fail_key(d, g->node, "dataset", "belongs to HDF5 files only");
-    if (contacts) deck_fail_key(d, g->node, "contacts", "belongs to results of a run (HDF5) only");
+    if (deck_given(g, "dataset")) deck_fail_key(g, "dataset", "belongs to HDF5 files only");
+    if (contacts) deck_fail_key(g, "contacts", "belongs to results of a run (HDF5) only");
   }
   if (format == DECK_HDF5) hdf5_or_result(g, file, t);
   if (format == DECK_CSV) read_csv(d, file, t);

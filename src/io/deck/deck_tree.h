@@ -181,7 +181,8 @@ const char *deck_number_text(double x, char text[32]);
 /* One error: "file:line: path = value: ...". */
 void deck_fail(deck *d, const deck_node *node, const char *format, ...) SD_PRINTF(3, 4);
 /* One error about a key of a group, there or missing: "file:line: path: ...". */
-void deck_fail_key(deck *d, const deck_node *group, const char *key, const char *format, ...) SD_PRINTF(4, 5);
+void deck_fail_child(deck *d, const deck_node *group, const char *key, const char *format, ...)
+    SD_PRINTF(4, 5);
 /* Before n things are made that take so many bytes each: if they cannot fit it tells so at the
  * key, and goes to out_of_memory. */
 void deck_need(deck *d, const deck_node *group, const char *key, double n, size_t bytes, const char *what);
@@ -305,10 +306,10 @@ typedef struct deck_bodies {
   bool given; /* any of the keys is there */
 } deck_bodies;
 
-deck_bodies deck_select(deck *d, struct deck_group *g, bool walls);
+deck_bodies deck_select(struct deck_group *g, bool walls);
 /* The body that a name or number stands for: a disk, or a wall where walls are allowed. False: reported. */
 bool deck_find_body(deck *d, const deck_node *node, bool walls, uint32_t *body);
 /* Bit k: coordinate k is named by the key `coordinate` or the like. */
-unsigned deck_coordinates(deck *d, struct deck_group *g, const char *key);
+unsigned deck_coordinates(struct deck_group *g, const char *key);
 
 #endif

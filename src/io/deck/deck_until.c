@@ -52,7 +52,7 @@ static void read_quantity(deck *d, const deck_node *node, const char *word) {
 static void read_observable(deck_group *g) {
   deck *d = g->d;
   if (d->model->n_rotations == 0) {
-    deck_fail_key(d, g->node, "observable", "no disk is watched; expected measure.rotation to name one");
+    deck_fail_key(g, "observable", "no disk is watched; expected measure.rotation to name one");
     return;
   }
   deck_default_text(g, "observable", deck_format(d, "%s.omega", watched_name(d, 0)));
@@ -71,9 +71,9 @@ static void read_length(deck_group *g, sd_phase *last) {
   double most = round(deck_number(g, "max_time") / d->model->dt);
   if (isnan(most)) return; /* reported */
   if (most >= 9e18)
-    deck_fail_key(d, g->node, "max_time", "more than 9e18 time steps");
+    deck_fail_key(g, "max_time", "more than 9e18 time steps");
   else if (most < (double)last->steps)
-    deck_fail_key(d, g->node, "max_time", "expected at least the length of the last phase, %g",
+    deck_fail_key(g, "max_time", "expected at least the length of the last phase, %g",
                   (double)last->steps * d->model->dt);
   else
     last->steps = (int64_t)most;
