@@ -33,7 +33,7 @@ void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *m
 
 static void read_gravity(deck *d) {
   deck_group g;
-  if (!deck_enter_one(d, d->root, "gravity", &deck_gravity, &g)) return;
+  if (!deck_enter_one(d, &deck_gravity, &g)) return;
   double strength = deck_number(&g, "g"), tilt = deck_number(&g, "tilt");
   const deck_node *written = deck_get(&g, "tilt");
   if (written->type == DECK_FLOAT) deck_warn_tilt(d, tilt, written->place, d->messages);
@@ -45,7 +45,7 @@ static void read_gravity(deck *d) {
 static void read_limits(deck *d) {
   deck_group g;
   if (!deck_child(d->root, "limits")) return; /* those of sd_model_new */
-  if (deck_enter_one(d, d->root, "limits", &deck_limits, &g)) deck_fill(&g, &d->model->limits);
+  if (deck_enter_one(d, &deck_limits, &g)) deck_fill(&g, &d->model->limits);
 }
 
 /* Edges from the file that the key `file` names, which is read when they are first asked for. */
@@ -78,7 +78,7 @@ static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
 void deck_read_box(deck *d) {
   sd_model *m = d->model;
   deck_group g;
-  if (!deck_enter_one(d, d->root, "box", &deck_box, &g)) return;
+  if (!deck_enter_one(d, &deck_box, &g)) return;
   int periodic = deck_choice(&g, "periodic");
   for (int c = 0; c < 2; c++) m->periodic[c] = periodic > 0 && periodic >> c & 1;
   file_edges from = {0};

@@ -168,7 +168,7 @@ void deck_read_bounds(deck *d) {
     far_out(m);
   for (int c = 0; c < 2; c++) b->given = b->given || isfinite(b->lower[c]) || isfinite(b->upper[c]);
   if (!written && !b->given) return;
-  if (!deck_enter_one(d, d->root, "bounds", &deck_bounds, &g)) return;
+  if (!deck_enter_one(d, &deck_bounds, &g)) return;
   for (int c = 0; c < 2; c++) {
     double limit[2];
     if (!deck_pair(&g, c ? "y" : "x", limit)) continue;

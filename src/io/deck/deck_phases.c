@@ -164,7 +164,7 @@ void deck_read_phases(deck *d) {
     return;
   }
   bool short_form = deck_given(&top, "steps") || deck_given(&top, "time");
-  if (!deck_enter_one(d, d->root, "output", &deck_output, &output)) return;
+  if (!deck_enter_one(d, &deck_output, &output)) return;
   if (!list && deck_get(&top, "phases")) return;
   if (list && short_form)
     deck_fail_key(&top, deck_given(&top, "steps") ? "steps" : "time",
@@ -258,7 +258,7 @@ static void read_sliding(deck *d, deck_node *node) {
 
 void deck_read_measure(deck *d) {
   deck_group g;
-  if (!deck_enter_one(d, d->root, "measure", &deck_measure, &g)) return;
+  if (!deck_enter_one(d, &deck_measure, &g)) return;
   read_rotation(&g);
   sd_model *m = d->model;
   deck_fill(&g, m);

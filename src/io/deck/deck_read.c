@@ -53,10 +53,10 @@ bool deck_enter(deck *d, deck_node *node, const deck_table *table, deck_group *g
   return true;
 }
 
-bool deck_enter_one(deck *d, deck_node *parent, const char *key, const deck_table *table, deck_group *g) {
-  deck_node *node = deck_child(parent, key);
+bool deck_enter_one(deck *d, const deck_table *table, deck_group *g) {
+  deck_node *node = deck_child(d->root, table->name);
   if (!node) {
-    node = deck_node_new(d, parent, key, DECK_GROUP, parent->place);
+    node = deck_node_new(d, d->root, table->name, DECK_GROUP, d->root->place);
     node->defaulted = true;
   }
   return deck_enter(d, node, table, g);

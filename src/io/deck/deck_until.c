@@ -83,7 +83,7 @@ void deck_read_until(deck *d) {
   sd_model *m = d->model;
   deck_group g;
   if (!deck_child(d->root, "until")) return;
-  if (!deck_enter_one(d, d->root, "until", &deck_until, &g)) return;
+  if (!deck_enter_one(d, &deck_until, &g)) return;
   m->until.asked = true;
   read_observable(&g);
   deck_one_of(&g, "the standard error to be reached, error or relative");
