@@ -122,7 +122,7 @@ void sweep_note(const sweep *s, size_t point, const char *text) {
   if (text)
     file_write_atomic(path, text, strlen(text), NULL);
   else if (file_exists(path))
-    file_remove(-1, path, NULL);
+    file_remove(-1, path);
   free(path);
 }
 

@@ -46,7 +46,8 @@ static void piece_free(piece *p) {
 
 /* --- files ----------------------------------------------------------------------------------------------- */
 
-static void put_section(const piece *p, const char *name, place where, uint64_t offset, FILE *out) {
+static void put_section(const piece *p, const char *name, place where, FILE *out) {
+  uint64_t offset = 0;
   fprintf(out, "<%s>\n", name);
   for (size_t k = 0; k < p->n; k++) {
     const array *a = &p->arrays[k];
@@ -70,11 +71,11 @@ static void put_piece(const piece *p, double time, FILE *out) {
           little ? "Little" : "Big", time);
   fprintf(out, "<Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\" NumberOfLines=\"%zu\">\n", p->points,
           p->verts, p->lines);
-  put_section(p, "PointData", OF_POINT, 0, out);
-  put_section(p, "CellData", OF_CELL, 0, out);
-  put_section(p, "Points", POINTS, 0, out);
-  put_section(p, "Verts", VERTS, 0, out);
-  put_section(p, "Lines", LINES, 0, out);
+  put_section(p, "PointData", OF_POINT, out);
+  put_section(p, "CellData", OF_CELL, out);
+  put_section(p, "Points", POINTS, out);
+  put_section(p, "Verts", VERTS, out);
+  put_section(p, "Lines", LINES, out);
   fprintf(out, "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
   for (size_t k = 0; k < p->n; k++) {
     const array *a = &p->arrays[k];

@@ -143,7 +143,7 @@ sd_status checkpoint_write(int folder, const char *path, const sd_state *state, 
 /* GCOVR_EXCL_START: over ranks only, the counted build has one */
 void checkpoint_remove_share(int folder, const char *path, size_t k) {
   char *name = h5_share_path(path, k);
-  file_remove(folder, name, NULL);
+  file_remove(folder, name);
   free(name);
 }
 

@@ -143,11 +143,10 @@ sd_status file_sync_folder(int folder, const char *path, sd_messages *messages) 
   return status;
 }
 
-sd_status file_remove(int folder, const char *path, sd_messages *messages) {
+void file_remove(int folder, const char *path) {
   const char *name;
-  int base = base_of(folder, path, &name);
-  if (unlinkat(base, name, 0) == 0 || errno == ENOENT) return SD_OK;
-  return file_fail(messages, "remove", path);
+  const int base = base_of(folder, path, &name);
+  unlinkat(base, name, 0);
 }
 
 /* --- drafts --------------------------------------------------------------------------------------- */
