@@ -130,9 +130,8 @@ static void warn_start(deck *d) {
   for (size_t i = 0; i < m->n_disks; i++)
     if (!starts_inside(d, i) && found++ == 0) first = i;
   if (found == 0) return;
-  char name[96];
   sd_warn(d->messages, "%s: %s at (%g, %g) starts outside the container%s",
-          deck_place_text(d, d->disk_place[first]), sd_model_body_name(m, (uint32_t)first, name, sizeof name),
+          deck_place_text(d, d->disk_place[first]), deck_body_name(d, (uint32_t)first),
           m->disks[first].position[SD_X], m->disks[first].position[SD_Y],
           found > 1 ? ", and so do others" : "");
 }
@@ -143,10 +142,8 @@ static void check_start(deck *d) {
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *disk = &m->disks[i];
     if (starts_inside(d, i) || found++ >= MOST_ALIKE) continue;
-    char name[96];
     deck_fail_place(d, d->disk_place[i], "%s at (%g, %g) starts outside the bounds",
-                    sd_model_body_name(m, (uint32_t)i, name, sizeof name), disk->position[SD_X],
-                    disk->position[SD_Y]);
+                    deck_body_name(d, (uint32_t)i), disk->position[SD_X], disk->position[SD_Y]);
   }
   if (found > MOST_ALIKE)
     deck_fail_place(d, (deck_place){d->path, 0}, "%zu more disks start outside the bounds",

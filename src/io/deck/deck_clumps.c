@@ -27,8 +27,7 @@ static void check_disk(deck *d, const deck_group *g, uint32_t body) {
                      : held          ? "is fixed or locked; expected `locked` of the clump"
                      : moves         ? "has a velocity of its own; expected velocity of the clump"
                                      : NULL;
-  char name[96];
-  if (what) deck_fail(d, g->node, "%s %s", sd_model_body_name(d->model, body, name, sizeof name), what);
+  if (what) deck_fail(d, g->node, "%s %s", deck_body_name(d, body), what);
 }
 
 static void read_clump(deck_group *g, uint32_t number) {

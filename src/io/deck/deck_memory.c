@@ -83,8 +83,7 @@ static void place_wall(our_walls *ours, const deck_columns *t, size_t k, uint32_
          scale = r->walls[k].scale * r->box_scale;
   bool moved = x != wall->pivot[0] || y != wall->pivot[1];
   if (ours->placed[w] && (moved || angle != own->angle)) {
-    char name[96];
-    sd_model_body_name(ours->d->model, (uint32_t)(ours->d->model->n_disks + w), name, sizeof name);
+    const char *name = deck_body_name(ours->d, (uint32_t)(ours->d->model->n_disks + w));
     deck_fail_child(ours->d, t->file->parent, "contacts",
                     "%s stands at (%g, %g) in this file and at (%g, %g) in one before, or is turned", name, x,
                     y, wall->pivot[0], wall->pivot[1]);

@@ -218,27 +218,24 @@ static void check_held(deck *d, deck_group *g, const deck_bodies *bodies, unsign
 }
 
 static void check_surface(deck *d, deck_group *g, const deck_bodies *bodies, unsigned mask) {
-  char name[96];
   for (size_t b = 0; mask >> SD_SURFACE & 1 && b < bodies->n; b++) {
     const uint32_t body = bodies->body[b];
     if (body >= d->model->n_disks && body < d->model->n_disks + d->model->n_walls) continue;
     deck_fail_key(g, "coordinate", "\"surface\" of %s: only walls have one; others turn, \"theta\"",
-                  sd_model_body_name(d->model, bodies->body[b], name, sizeof name));
+                  deck_body_name(d, body));
     return;
   }
 }
 
 static void check_clumped(deck *d, deck_group *g, const deck_bodies *bodies) {
   const sd_model *m = d->model;
-  char disk[96], clump[96];
   for (size_t b = 0; b < bodies->n; b++) {
     const uint32_t body = bodies->body[b];
     if (body >= m->n_disks || m->disks[body].clump == 0) continue;
     const uint32_t whole = (uint32_t)sd_model_bodies(m) + (uint32_t)m->disks[body].clump - 1;
     deck_fail_key(g, deck_given(g, "disk") ? "disk" : "group",
-                  "%s belongs to %s; expected `clump`, which moves the whole",
-                  sd_model_body_name(m, body, disk, sizeof disk),
-                  sd_model_body_name(m, whole, clump, sizeof clump));
+                  "%s belongs to %s; expected `clump`, which moves the whole", deck_body_name(d, body),
+                  deck_body_name(d, whole));
     return;
   }
 }

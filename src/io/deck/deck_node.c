@@ -158,6 +158,11 @@ const char *deck_number_text(double x, char text[32]) {
   return text;
 }
 
+const char *deck_body_name(deck *d, uint32_t body) {
+  char name[96];
+  return deck_format(d, "%s", sd_model_body_name(d->model, body, name, sizeof name));
+}
+
 const char *deck_node_value(deck *d, const deck_node *node) {
   char text[32];
   switch (node->type) {

@@ -25,10 +25,8 @@ static bool tell_disks(void *user, const overlap *o) {
   double smaller = m->disks[o->a].radius;
   if (!o->coincident && (still || o->depth <= m->max_overlap * smaller)) return false;
   if (t->found++ >= MOST_ALIKE) return true;
-  char one[96], two[96];
   uint32_t later = o->a > o->b ? o->a : o->b, earlier = o->a > o->b ? o->b : o->a;
-  sd_model_body_name(m, later, one, sizeof one);
-  sd_model_body_name(m, earlier, two, sizeof two);
+  const char *one = deck_body_name(t->d, later), *two = deck_body_name(t->d, earlier);
   if (o->coincident)
     deck_fail_place(t->d, t->d->disk_place[later], "%s and %s have the same centre", one, two);
   else
@@ -43,11 +41,9 @@ static bool tell_wall(void *user, const overlap *o) {
   const sd_model *m = t->d->model;
   double radius = m->disks[o->a].radius;
   if (!(o->depth > m->max_overlap * radius) || t->found++ >= MOST_ALIKE) return false;
-  char one[96], two[96];
   deck_fail_place(t->d, t->d->disk_place[o->a],
                   "%s sits %g deep in %s, more than max_overlap = %g of its radius %g",
-                  sd_model_body_name(m, o->a, one, sizeof one), o->depth,
-                  sd_model_body_name(m, o->b, two, sizeof two), m->max_overlap, radius);
+                  deck_body_name(t->d, o->a), o->depth, deck_body_name(t->d, o->b), m->max_overlap, radius);
   return false;
 }
 
@@ -61,10 +57,8 @@ static void check_inside(deck *d) {
           (x >= m->lower[c] && x < m->upper[c]))
         continue;
       if (found++ >= MOST_ALIKE) continue;
-      char name[96];
       deck_fail_place(d, d->disk_place[i], "%s: %c = %g lies outside the periodic box from %g to %g",
-                      sd_model_body_name(m, (uint32_t)i, name, sizeof name), "xy"[c], x, m -> lower[c],
-                      m -> upper[c]);
+                      deck_body_name(d, (uint32_t)i), "xy"[c], x, m -> lower[c], m -> upper[c]);
     }
   tell_rest(d, found, "coordinates lie outside the periodic box");
 }

@@ -175,6 +175,7 @@ deck_node *deck_child(const deck_node *group, const char *name); /* NULL: not th
 void deck_remove(deck_node *parent, const deck_node *child);
 const char *deck_node_path(deck *d, const deck_node *node);
 const char *deck_node_value(deck *d, const deck_node *node); /* short form for messages */
+const char *deck_body_name(deck *d, uint32_t body);          /* likewise: "disk 3" */
 /* The shortest decimal form that reads back as the same double, always with a point or an exponent. */
 const char *deck_number_text(double x, char text[32]);
 
