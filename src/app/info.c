@@ -191,14 +191,15 @@ static void print_text(const facts *f, const place *p) {
 
 /* --- for programs --------------------------------------------------------------------------------- */
 
-static json_t *rotation_json(const summary *s) {
-  json_t *list = json_array();
-  for (size_t k = 0; k < s->n_rotations; k++) {
-    json_t *object = json_row(&rotation_observables, &s->rotations[k]);
-    json_object_set_new(object, "name", json_string(s->rotation_names[k]));
-    json_array_append_new(list, object);
+/* Both contacts of a watched pair, with what a row has of each. */
+static json_t *contacts_json(const observable_list *list, const void *row, char *const *names) {
+  json_t *contacts = json_array();
+  for (size_t c = 0; c < 2; c++) {
+    json_t *contact = json_pack("{s:s}", "name", names[1 + c]);
+    json_add(contact, list, row, 2, c);
+    json_array_append_new(contacts, contact);
   }
-  return list;
+  return contacts;
 }
 
 /* Element k of an array of each configuration. */
@@ -215,14 +216,11 @@ static json_t *configurations_json(const summary *s, size_t w) {
   static const char *const names[] = {"S++", "S+-", "S-+", "S--", "stick", "open"};
   json_t *list = json_array();
   for (size_t k = SD_CONFIGURATIONS * w; k < s->n_configurations && k < SD_CONFIGURATIONS * (w + 1); k++) {
-    json_t *object = json_row(&configuration_observables, &s->configurations[k]), *contacts = json_array();
-    for (size_t c = 0; c < 2; c++) {
-      json_t *contact = json_pack("{s:s}", "name", s->slide_names[3 * w + 1 + c]);
-      json_add(contact, &configuration_observables, &s->configurations[k], 2, c);
-      json_array_append_new(contacts, contact);
-    }
+    const sd_configuration *c = &s->configurations[k];
+    json_t *object = json_row(&configuration_observables, c);
     json_object_set_new(object, "name", json_string(names[k % SD_CONFIGURATIONS]));
-    json_object_set_new(object, "contacts", contacts);
+    json_object_set_new(object, "contacts",
+                        contacts_json(&configuration_observables, c, s->slide_names + 3 * w));
     json_object_set_new(object, "age_torque", ages_json(s, k, "age_torque"));
     json_object_set_new(object, "age_steps", ages_json(s, k, "age_steps"));
     json_array_append_new(list, object);
@@ -233,14 +231,10 @@ static json_t *configurations_json(const summary *s, size_t w) {
 static json_t *slide_json(const summary *s) {
   json_t *list = json_array();
   for (size_t k = 0; k < s->n_slides; k++) {
-    json_t *object = json_row(&slide_observables, &s->slides[k]), *contacts = json_array();
-    for (size_t c = 0; c < 2; c++) {
-      json_t *contact = json_pack("{s:s}", "name", s->slide_names[3 * k + 1 + c]);
-      json_add(contact, &slide_observables, &s->slides[k], 2, c);
-      json_array_append_new(contacts, contact);
-    }
-    json_object_set_new(object, "name", json_string(s->slide_names[3 * k]));
-    json_object_set_new(object, "contacts", contacts);
+    char *const *names = s->slide_names + 3 * k;
+    json_t *object = json_row(&slide_observables, &s->slides[k]);
+    json_object_set_new(object, "name", json_string(names[0]));
+    json_object_set_new(object, "contacts", contacts_json(&slide_observables, &s->slides[k], names));
     if (s->n_configurations) json_object_set_new(object, "configurations", configurations_json(s, k));
     json_array_append_new(list, object);
   }
@@ -303,7 +297,7 @@ static json_t *facts_json(const facts *f) {
     json_t *value;
   } rest[] = {{"clumps", json_integer(f->clumps)},
               {"phase_name", json_string(s->phase_name)},
-              {"rotation", rotation_json(s)},
+              {"rotation", json_rotations(s)},
               {"until", until_json(s)},
               {"sliding", slide_json(s)},
               {"means", disks_json(s)},

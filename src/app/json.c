@@ -63,6 +63,16 @@ json_t *json_row(const observable_list *list, const void *row) {
   return object;
 }
 
+json_t *json_rotations(const summary *found) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < found->n_rotations; k++) {
+    json_t *object = json_row(&rotation_observables, &found->rotations[k]);
+    json_object_set_new(object, "name", json_text(found->rotation_names[k]));
+    json_array_append_new(list, object);
+  }
+  return list;
+}
+
 sd_status json_print(const json_t *root) {
   const bool good = json_dumpf(root, stdout, JSON_INDENT(2)) == 0 && putchar('\n') != EOF;
   if (!good) fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));

@@ -4,6 +4,7 @@
 
 #include <jansson.h>
 
+#include "io/results/summary.h"
 #include "measure/observable.h"
 #include "slipdisk/status.h"
 
@@ -20,6 +21,8 @@ json_t *json_observable(const observable *o, const void *row, size_t k);
 void json_add(json_t *object, const observable_list *list, const void *row, size_t width, size_t k);
 /* The same as a new object, of all quantities of one element. */
 json_t *json_row(const observable_list *list, const void *row);
+/* A list of the means of each watched disk. */
+json_t *json_rotations(const summary *found);
 /* Prints it on the standard output, and says so when that cannot be written. */
 sd_status json_print(const json_t *root);
 

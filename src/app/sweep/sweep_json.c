@@ -11,17 +11,6 @@ static json_t *progress_json(const sweep_result *r) {
   return json_real((double)r->found.step / (double)r->found.steps);
 }
 
-/* Of each watched disk. */
-static json_t *rotations_json(const sweep_result *r) {
-  json_t *list = json_array();
-  for (size_t k = 0; r->has_found && k < r->found.n_rotations; k++) {
-    json_t *object = json_row(&rotation_observables, &r->found.rotations[k]);
-    json_object_set_new(object, "name", json_text(r->found.rotation_names[k]));
-    json_array_append_new(list, object);
-  }
-  return list;
-}
-
 static json_t *doubts_json(const sweep_result *r) {
   json_t *list = json_array();
   for (size_t k = 0; k < DOUBT_KINDS; k++)
@@ -33,7 +22,7 @@ static json_t *point_json(const sweep *s, size_t k, const sweep_result *r) {
   return json_pack("{s:I, s:o, s:s, s:o, s:o, s:o, s:o}", "point", (json_int_t)k, "name",
                    json_text(s->deck.points[k].name), "status", sweep_status_names[r->status], "progress",
                    progress_json(r), "message", json_text(r->message ? r->message : ""), "doubts",
-                   doubts_json(r), "rotation", rotations_json(r));
+                   doubts_json(r), "rotation", r->has_found ? json_rotations(&r->found) : json_array());
 }
 
 /* In what decks of results differ, a text each. */
