@@ -226,3 +226,10 @@ int pool_most(void) {
   const int n = asked ? atoi(asked) : 0;
   return n > 0 ? n : cores();
 }
+
+void pool_run_once(size_t items, team_task *task, void *with) {
+  enum { FEW = 1024 }; /* not worth a thread */
+  pool *c = items > FEW ? pool_new(pool_most()) : NULL;
+  pool_run(c, task, with);
+  pool_free(c);
+}

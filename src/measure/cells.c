@@ -339,10 +339,7 @@ static sd_status cut_cells(cells *t, cutter *q, sd_messages *messages) {
   q->s = &s;
   const size_t n = status == SD_OK ? t->n : 0;
   areas_task f = {.q = q, .t = t, .n = n};
-  enum { FEW = 1024 }; /* cells, not worth a thread */
-  pool *all = n > FEW ? pool_new(pool_most()) : NULL;
-  pool_run(all, areas_together, &f);
-  pool_free(all);
+  pool_run_once(n, areas_together, &f);
   q->short_of_images = f.more;
   q->s = NULL;
   sites_free(&s);

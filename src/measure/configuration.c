@@ -459,13 +459,6 @@ static void complete_together(const team *t, void *with) {
   for (size_t k = begin; k < end; k++) complete(c, &c->contacts[k]);
 }
 
-static void complete_contacts(configuration *c) {
-  enum { FEW = 1024 }; /* contacts, not worth a thread */
-  pool *all = c->n_contacts > FEW ? pool_new(pool_most()) : NULL;
-  pool_run(all, complete_together, c);
-  pool_free(all);
-}
-
 static bool is_frictionless(const sd_model *m) {
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
     if (m->laws[k].k_n > 0.0 && m->laws[k].mu > 0.0 && m->laws[k].k_t > 0.0) return false;
@@ -500,7 +493,7 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
   if (any && status == SD_OK)
     status = frame->has_contacts ? take_contacts(c, constants, frame, renumbered, messages)
                                  : find_contacts(c, frame, constants->n_disks, messages);
-  if (status == SD_OK) complete_contacts(c);
+  if (status == SD_OK) pool_run_once(c->n_contacts, complete_together, c);
   free(renumbered);
   return status;
 }

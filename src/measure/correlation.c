@@ -175,12 +175,9 @@ static void count_together(const team *t, void *with) {
 }
 
 static void count_pairs(const grid *g, gsl_histogram *h, double reach) {
-  enum { FEW = 1024 }; /* disks, not worth a thread */
   counter q = {.g = g, .reach = reach, .bins = h->n, .range = h->range};
   q.bin = memory_new(CHUNKS * h->n, sizeof *q.bin);
-  pool *all = g->n > FEW ? pool_new(pool_most()) : NULL;
-  pool_run(all, count_together, &q);
-  pool_free(all);
+  pool_run_once(g->n, count_together, &q);
   for (size_t k = 0; k < CHUNKS; k++)
     for (size_t b = 0; b < h->n; b++) h->bin[b] += q.bin[k * h->n + b];
   free(q.bin);
