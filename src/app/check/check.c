@@ -24,6 +24,9 @@
 
 static const double probe_seconds = 0.2;
 
+const char *const check_bounds[] = {"normal spring", "tangential spring", "viscosity", "fields"};
+const char *const check_components[] = {"xx", "yy", "xy"};
+
 typedef struct options {
   const char *deck;
   option_list overrides;

@@ -35,6 +35,9 @@ void check_restitutions(const sd_model *model, check_restitution *visit, void *u
 /* Wall time of the whole run as the deck stands, s. */
 double check_run_seconds(const check_found *found);
 
+extern const char *const check_bounds[];     /* of a time step, by sd_step_limit.bound */
+extern const char *const check_components[]; /* of a box that deforms */
+
 /* --- check_page.c, check_json.c --------------------------------------------------------------------- */
 void check_print(const check_found *found);
 /* model NULL: the deck has mistakes. full: with the full deck. Returns `status`; SD_ERROR_IO: it

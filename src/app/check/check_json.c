@@ -24,11 +24,10 @@ static json_t *groups_json(const sd_model *m) {
 static json_t *positive(double x) { return x > 0 ? json_number(x) : json_null(); }
 
 static json_t *cell_json(const sd_cell *c) {
-  static const char *const component[] = {"xx", "yy", "xy"};
   if (!c->asked) return json_null();
   json_t *object = json_object(), *rate = json_object(), *stress = json_object();
   for (int k = 0; k < SD_CELL_COMPONENTS; k++)
-    json_object_set_new(c->controlled[k] ? stress : rate, component[k],
+    json_object_set_new(c->controlled[k] ? stress : rate, check_components[k],
                         json_number(c->controlled[k] ? c->stress[k] : c->rate[k]));
   json_object_set_new(object, "rate", rate);
   json_object_set_new(object, "stress", stress);
@@ -74,7 +73,6 @@ static json_t *limits_json(const sd_limits *l) {
 }
 
 static json_t *time_step_json(const sd_model *m) {
-  static const char *const bounds[] = {"normal spring", "tangential spring", "viscosity", "fields"};
   uint32_t disk = 0;
   double period = sd_model_shortest_period(m, &disk);
   const sd_step_limit limit = sd_model_step_limit(m);
@@ -83,7 +81,7 @@ static json_t *time_step_json(const sd_model *m) {
                    m->integrator == SD_GEAR5 ? "gear5" : "verlet", "period", json_number(period), "period_of",
                    any ? body_json(m, disk) : json_null(), "limit", json_number(limit.dt), "limit_of",
                    bound ? body_json(m, limit.disk) : json_null(), "limit_by",
-                   bound ? json_string(bounds[limit.bound]) : json_null());
+                   bound ? json_string(check_bounds[limit.bound]) : json_null());
 }
 
 static json_t *overlap_json(const sd_model *m, const first_overlap *o) {

@@ -34,11 +34,10 @@ static void print_counts(const sd_model *m) {
 
 /* Deformation of the periodic box: "xx" at a rate, or to a stress. */
 static void print_cell(const sd_cell *c) {
-  static const char *const component[] = {"xx", "yy", "xy"};
   const char *comma = ", cell";
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
     if (!c->asked || (!c->controlled[k] && c->rate[k] == 0.0)) continue;
-    printf("%s %s %s %g", comma, component[k], c->controlled[k] ? "to stress" : "at rate",
+    printf("%s %s %s %g", comma, check_components[k], c->controlled[k] ? "to stress" : "at rate",
            c->controlled[k] ? c->stress[k] : c->rate[k]);
     comma = ",";
   }
@@ -125,9 +124,8 @@ static void print_time_step(const sd_model *m) {
   }
   printf("# time step   %g; shortest contact period %.4g (%s): %.4g steps\n", m->dt, period,
          sd_model_body_name(m, disk, name, sizeof name), period / m->dt);
-  static const char *const bounds[] = {"normal spring", "tangential spring", "viscosity", "fields"};
   const sd_step_limit limit = sd_model_step_limit(m);
-  printf("#             stable up to %.3g (%s of %s, %s): %.3g of it\n", limit.dt, bounds[limit.bound],
+  printf("#             stable up to %.3g (%s of %s, %s): %.3g of it\n", limit.dt, check_bounds[limit.bound],
          sd_model_body_name(m, limit.disk, name, sizeof name), m->integrator == SD_GEAR5 ? "gear5" : "verlet",
          m->dt / limit.dt);
 }

@@ -129,14 +129,10 @@ static void read_table(deck_group *g, sd_motion *motion) {
 static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, size_t n,
                  const uint32_t *bodies) {
   sd_model *m = d->model;
-  if (m->n_motions == d->motion_capacity) {
-    size_t capacity = 2 * d->motion_capacity + 32;
-    m->motions = memory_grow(m->motions, capacity, sizeof *m->motions);
-    size_t *entries = deck_alloc(d, capacity, sizeof *entries);
-    if (m->n_motions) memcpy(entries, d->motion_entry, m->n_motions * sizeof *entries);
-    d->motion_entry = entries;
-    d->motion_capacity = capacity;
-  }
+  const size_t capacity = d->motion_capacity;
+  d->motion_entry = deck_extend(d, d->motion_entry, m->n_motions, &d->motion_capacity, sizeof entry);
+  if (d->motion_capacity > capacity)
+    m->motions = memory_grow(m->motions, d->motion_capacity, sizeof *m->motions);
   sd_motion *motion = &m->motions[m->n_motions];
   *motion = *like;
   motion->name = memory_text(like->name);

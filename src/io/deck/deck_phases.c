@@ -51,18 +51,22 @@ static bool find_entry(deck *d, const switched *of, const deck_node *node, size_
   return true;
 }
 
-/* Every entry of the deck, by name where it has one. */
+/* By name where it has one, else by number. */
+static void add_entry(deck *d, deck_node *list, const char *name, size_t number) {
+  deck_node *node = deck_node_new(d, list, NULL, name ? DECK_STRING : DECK_INT, list->place);
+  if (name)
+    node->value.text = name;
+  else
+    node->value.integer = (int64_t)number;
+}
+
+/* Every entry of the deck. */
 static void default_entries(deck_group *g, const char *key) {
   const deck_node *all = deck_child(g->d->root, key);
   deck_node *list = deck_default_list(g, key);
   for (size_t k = 0; all && all->type == DECK_LIST && k < all->n; k++) {
     const deck_node *name = deck_child(all->child[k], "name");
-    bool text = name && name->type == DECK_STRING;
-    deck_node *node = deck_node_new(g->d, list, NULL, text ? DECK_STRING : DECK_INT, list->place);
-    if (text)
-      node->value.text = name->value.text;
-    else
-      node->value.integer = (int64_t)k;
+    add_entry(g->d, list, name && name->type == DECK_STRING ? name->value.text : NULL, k);
   }
 }
 
@@ -221,15 +225,8 @@ static void read_rotation(deck_group *g) {
   for (size_t i = 0; i < m->n_disks; i++) n_free += !m->disks[i].driven;
   if (!list) {
     list = deck_default_list(g, "rotation");
-    for (size_t i = 0; n_free <= MOST_WATCHED && i < m->n_disks; i++) {
-      if (m->disks[i].driven) continue;
-      bool named = m->disks[i].name != NULL;
-      deck_node *node = deck_node_new(d, list, NULL, named ? DECK_STRING : DECK_INT, list->place);
-      if (named)
-        node->value.text = m->disks[i].name;
-      else
-        node->value.integer = (int64_t)i;
-    }
+    for (size_t i = 0; n_free <= MOST_WATCHED && i < m->n_disks; i++)
+      if (!m->disks[i].driven) add_entry(d, list, m->disks[i].name, i);
   }
   add_disks(d, list, &m->n_rotations, &m->rotations);
 }
