@@ -1,7 +1,6 @@
 /* comm_cuts.c: see comm_cuts.h. */
 #include "base/comm_cuts.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 

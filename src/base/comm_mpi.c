@@ -1,8 +1,5 @@
 /* comm_mpi.c: the ranks of an MPI job; see comm.h. Empty in builds without MPI. */
 #ifdef SD_HAVE_MPI
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include "base/comm_mpi.h"
 
 #include <assert.h>

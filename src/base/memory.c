@@ -1,7 +1,4 @@
 /* memory.c: see memory.h. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include "base/memory.h"
 
 #include <limits.h>

@@ -4,7 +4,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "base/shortage.h"
@@ -357,7 +356,7 @@ static int by_key(const void *one, const void *two) {
 /* Pairs that a run begins with, in order. */
 static sd_status list_pairs(search *s) {
   const sd_model *m = s->m;
-  if (!memory_resize(1, (memory_column[]){{&s->pairs, m->n_memories, sizeof *s->pairs}})) return SD_ERROR_IO;
+  if (!memory_resize_row(&s->pairs, m->n_memories, sizeof *s->pairs)) return SD_ERROR_IO;
   for (size_t k = 0; k < m->n_memories; k++) s->pairs[k] = pair_key(m->memories[k].a, m->memories[k].b);
   if (m->n_memories > 1) qsort(s->pairs, m->n_memories, sizeof *s->pairs, by_key);
   return SD_OK;

@@ -1,5 +1,4 @@
 /* build.c: a model is built call by call; mistakes wait for sd_model_finish. See slipdisk/model.h. */
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +30,7 @@ static void *grow(sd_model *m, void *list, size_t n, size_t size) {
 /* The pointer at `list` gets room for n rows. Without memory it is false, and keeps a mistake. */
 static bool grow_rows(sd_model *m, void *list, size_t n, size_t size, const char *what) {
   m->finished = false;
-  const bool enough = memory_resize(1, (memory_column[]){{list, n, size}});
+  const bool enough = memory_resize_row(list, n, size);
   if (!enough) sd_fail(mistakes(m), SD_ERROR_IO, "out of memory for %s", what);
   return enough;
 }

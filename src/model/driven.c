@@ -29,7 +29,7 @@ static void free_the_led(sd_model *m) {
 
 unsigned char *model_moved(const sd_model *m) {
   unsigned char *moved;
-  if (!memory_rows(1, (memory_column[]){{&moved, m->n_disks, 1}})) return NULL;
+  if (!memory_row(&moved, m->n_disks, 1)) return NULL;
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       uint32_t body = m->motions[k].bodies[b];

@@ -85,7 +85,7 @@ typedef struct field_rates {
 static field_rates *rates_of(const sd_model *m) {
   field_rates *rates;
   if (m->n_fields == 0) return NULL;
-  if (!memory_rows(1, (memory_column[]){{&rates, m->n_disks, sizeof *rates}})) {
+  if (!memory_row(&rates, m->n_disks, sizeof *rates)) {
     shortage_note();
     return NULL;
   }
@@ -160,7 +160,7 @@ static void check_one(const sd_model *m, const sd_body_force *f, const char *nam
 static void check_damping(const sd_model *m, sd_messages *msg) {
   double *sum, worst = 0;
   size_t at = 0;
-  if (!memory_rows(1, (memory_column[]){{&sum, m->n_disks, 2 * sizeof *sum}})) {
+  if (!memory_row(&sum, m->n_disks, 2 * sizeof *sum)) {
     sd_fail(msg, SD_ERROR_IO, "out of memory for the fields");
     return;
   }

@@ -40,7 +40,7 @@ static void transfer(image *im, void *data, size_t size) {
   if (failed(im) || size == 0) return;
   if (im->writes && size > im->capacity - im->n) {
     const size_t capacity = 2 * im->capacity + size;
-    im->starved = !memory_resize(1, (memory_column[]){{&im->bytes, capacity, 1}});
+    im->starved = !memory_resize_row(&im->bytes, capacity, 1);
     if (im->starved) return;
     im->capacity = capacity;
   }
@@ -66,7 +66,7 @@ static void forget(image *im, void *place) {
 
 /* The pointer at `place` gets n zeroed elements; it is NULL without memory. */
 static void make_room(image *im, void *place, size_t n, size_t size) {
-  im->starved = !memory_rows(1, (memory_column[]){{place, n, size}});
+  im->starved = !memory_row(place, n, size);
 }
 
 /* The array of n elements to which the pointer at `place` points. */

@@ -1,7 +1,6 @@
 /* loads.c: walls that the disks move: on which side they have them, and what can be said before a run; see loads.h. */
 #include "model/loads.h"
 
-#include <assert.h>
 #include <math.h>
 
 #include "model/arc.h"

@@ -4,7 +4,6 @@
 #include "model/cell.h"
 #include "model/model.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -36,8 +36,8 @@ bool slot_table_new(slot_table *t, const sd_state *s, size_t n_bodies) {
     for (n = 16; n < 2 * s->n_bodies; n *= 2) t->shift--;
     entries = n;
   }
-  if (!memory_resize(1, &(memory_column){&t->slot, n, sizeof *t->slot})) return false;
-  if (entries > 0 && !memory_resize(1, &(memory_column){&t->body, entries, sizeof *t->body})) {
+  if (!memory_resize_row(&t->slot, n, sizeof *t->slot)) return false;
+  if (entries > 0 && !memory_resize_row(&t->body, entries, sizeof *t->body)) {
     slot_table_free(t);
     return false;
   }

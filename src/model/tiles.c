@@ -94,7 +94,7 @@ static bool overlaps(sd_model *m, size_t n) {
 
 bool model_bears(sd_model *m, size_t n, const sd_disk *disks, sd_step_limit *limit) {
   sd_disk *sample = &m->disks[m->tiles.first], *kept = NULL;
-  if (!memory_resize(1, (memory_column[]){{&kept, n, sizeof *kept}})) return false;
+  if (!memory_resize_row(&kept, n, sizeof *kept)) return false;
   assert(n <= m->tiles.sample);
   memcpy(kept, sample, n * sizeof *kept);
   memcpy(sample, disks, n * sizeof *kept);
@@ -114,7 +114,7 @@ bool model_bears(sd_model *m, size_t n, const sd_disk *disks, sd_step_limit *lim
 bool model_count_tiles(sd_model *m, sd_step_limit limit) {
   const size_t n = m->n_disks, all = m->tiles.first + m->tiles.count;
   sd_disk *disks;
-  if (!memory_rows(1, (memory_column[]){{&disks, all, sizeof *disks}})) return false;
+  if (!memory_row(&disks, all, sizeof *disks)) return false;
   m->advised = sd_messages_new();
   sd_model_advise(m, m->advised);
   m->limit_told = limit.dt;

@@ -3,8 +3,6 @@
 #include "pack/compress.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/comm.h"
 #include "model/cell.h"

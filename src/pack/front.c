@@ -54,7 +54,7 @@ static bool before(const pocket *a, const pocket *b) {
 static sd_status push(front *f, pocket p) {
   if (f->n == f->capacity) {
     const size_t capacity = 2 * f->n + 256;
-    if (!memory_resize(1, (memory_column[]){{&f->heap, capacity, sizeof *f->heap}})) return SD_ERROR_IO;
+    if (!memory_resize_row(&f->heap, capacity, sizeof *f->heap)) return SD_ERROR_IO;
     f->capacity = capacity;
   }
   pocket *heap = f->heap;

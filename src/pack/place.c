@@ -287,7 +287,7 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
   /* equal disks come to a fraction of 0.53 with it; ten times as many tries would come to 0.54 */
   int64_t left = 1000000 + 300 * (int64_t)n;
   *placed = 0;
-  if (!memory_resize(1, (memory_column[]){{&order, n, sizeof *order}})) return SD_ERROR_IO;
+  if (!memory_resize_row(&order, n, sizeof *order)) return SD_ERROR_IO;
   gsl_sort_index(order, radius, 1, n);
   for (size_t k = 0; k < n; k++) position[k][0] = position[k][1] = NAN;
   for (size_t k = n; k-- > 0 && status == SD_OK;) {

@@ -229,7 +229,7 @@ static sd_status plan(const engine *e, const sd_rain *r, double top, const doubl
   const size_t begin = first_due(e, r), last = begin + count_due(e, r);
   const rain_sizes b = {e->model, radius, begin};
   double *gaps = NULL, low = top + r->gap;
-  if (!memory_resize(1, (memory_column[]){{&gaps, last - begin, sizeof *gaps}}))
+  if (!memory_resize_row(&gaps, last - begin, sizeof *gaps))
     return sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
   gsl_rng *numbers = numbers_of(e, r, e->state->step / r->interval);
   sd_status status = SD_OK;

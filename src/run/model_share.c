@@ -27,7 +27,7 @@ sd_status model_share(const comm *c, const sd_model *model, sd_model **out, sd_m
   uint64_t length[1] = {size};
   comm_share(c, length, sizeof length);
   size = (size_t)length[0];
-  if (!first && !memory_resize(1, (memory_column[]){{&bytes, size, 1}})) return fail(c, messages);
+  if (!first && !memory_resize_row(&bytes, size, 1)) return fail(c, messages);
   for (size_t at = 0; at < size; at += PIECE)
     comm_share(c, bytes + at, size - at < PIECE ? size - at : PIECE);
   const sd_status status = first ? SD_OK : image_read_for_rank(bytes, size, out, messages);

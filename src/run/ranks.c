@@ -1,10 +1,8 @@
 /* ranks.c: see ranks.h. How disks move is in ranks_move.c. */
 #include "run/ranks.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/clock.h"
 #include "base/comm_cuts.h"

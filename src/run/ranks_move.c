@@ -58,8 +58,7 @@ static sd_status find_owners(shares *p) {
   double low[2], high[2];
   const sd_state *s = p->from->state;
   const size_t n = s->n_free + s->n_ghosts;
-  if (need(p->comm, memory_resize(1, (memory_column[]){{&p->owner, n, sizeof *p->owner}})) != SD_OK)
-    return SD_ERROR_IO;
+  if (need(p->comm, memory_resize_row(&p->owner, n, sizeof *p->owner)) != SD_OK) return SD_ERROR_IO;
   comm_cuts_mine(p->cuts, low, high);
   for (size_t i = 0; i < n; i++) {
     if (i < s->n_free && s->activity[i] == SD_WAITING) {
@@ -343,7 +342,7 @@ static const float IDLE = 1e-6f;
 sd_status move_first_cut(comm_cuts *cuts, const sd_state *s) {
   const comm *c = comm_cuts_comm(cuts);
   float *weight = NULL;
-  const bool there = memory_resize(1, (memory_column[]){{&weight, s->n_free, sizeof *weight}});
+  const bool there = memory_resize_row(&weight, s->n_free, sizeof *weight);
   for (size_t i = 0; there && i < s->n_free; i++) weight[i] = s->activity[i] == SD_IN_PLAY ? 1.0f : IDLE;
   sd_status status = there ? SD_OK : SD_ERROR_IO;
   if (comm_or(c, status != SD_OK) == 0) status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
@@ -357,7 +356,7 @@ sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
   enum { REST = 6 /* of a disk's step, in halves of candidate pairs */, MOST = 2 };
   const comm *c = comm_cuts_comm(cuts);
   float *weight = NULL;
-  const bool there = memory_resize(1, (memory_column[]){{&weight, s->n_free, sizeof *weight}});
+  const bool there = memory_resize_row(&weight, s->n_free, sizeof *weight);
   const double all = (double)(engine_first(e, s->n_free) + REST * s->n_free),
                mean = comm_total(c, busy) / fmax(comm_total(c, all), 1.0),
                rate = fmin(fmax(busy / fmax(all, 1.0), mean / MOST), mean * MOST);

@@ -1,7 +1,4 @@
 /* result_table.c: see result_table.h. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* open_memstream */
-#endif
 #include "run/result_table.h"
 
 #include <fnmatch.h>

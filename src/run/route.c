@@ -12,7 +12,7 @@
 void *route_room(const comm *c, size_t n, size_t size) {
   void *rows;
   assert(comm_size(c) > 1);
-  while (!memory_rows(1, (memory_column[]){{&rows, n, size}})) comm_fail(c, "no memory");
+  while (!memory_row(&rows, n, size)) comm_fail(c, "no memory");
   return rows;
 }
 
@@ -31,7 +31,7 @@ sd_status route_new(route *r, const comm *c, size_t n, const uint32_t *row, cons
                .n_send = n,
                .to = memory_new(ranks, sizeof *r->to),
                .from = memory_new(ranks, sizeof *r->from)};
-  if (!memory_resize(1, (memory_column[]){{&r->row, n, sizeof *r->row}})) return SD_ERROR_IO;
+  if (!memory_resize_row(&r->row, n, sizeof *r->row)) return SD_ERROR_IO;
   size_t *at = memory_new(ranks + 1, sizeof *at);
   for (size_t k = 0; k < n; k++) r->to[rank[k]]++;
   for (size_t q = 0; q < ranks; q++) at[q + 1] = at[q] + (size_t)r->to[q];
@@ -80,7 +80,7 @@ static sd_status reserve(const comm *c, char **buffer, size_t *capacity, size_t 
   free(*buffer);
   *buffer = NULL;
   *capacity = bytes;
-  if (memory_resize(1, (memory_column[]){{buffer, bytes, 1}})) return SD_OK;
+  if (memory_resize_row(buffer, bytes, 1)) return SD_OK;
   comm_fail(c, "no memory"); /* the others wait */
   return SD_ERROR_IO;
 }

@@ -1,8 +1,5 @@
 /* session.c: what a session does between steps: rows, checkpoints, progress, the end; see session.h. How it begins is
  * in session_begin.c, the loop in session_group.c. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include "run/session.h"
 
 #include <assert.h>
@@ -204,11 +201,11 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
 /* What an earlier try has left, perhaps with more ranks. */
 static void drop_emergency(const session *s, const char *path) {
   bool there = true;
-  file_remove(s->parts_folder.at, path, NULL);
+  file_remove(s->parts_folder.at, path);
   for (size_t k = 0; there; k++) {
     char *share = h5_share_path(path, k);
     there = file_exists(share);
-    if (there) file_remove(s->parts_folder.at, share, NULL);
+    if (there) file_remove(s->parts_folder.at, share);
     free(share);
   }
 }

@@ -1,7 +1,4 @@
 /* session_begin.c: how a session begins: what is there already, and from where to go on. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include <assert.h>
 #include <errno.h>
 #include <inttypes.h>

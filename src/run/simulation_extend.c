@@ -1,5 +1,4 @@
 /* simulation_extend.c: what a program adds to a running system: observers, force fields, disks. See slipdisk/simulation.h. */
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -299,7 +298,7 @@ static sd_status check_overlaps(const engine *e, const sd_model *new_model, sd_m
   overlap_check check = {&now, first, SD_OK, messages};
   if (!(now.max_overlap > 0.0)) return SD_OK;
   now.disks = NULL;
-  if (!memory_resize(1, (memory_column[]){{&now.disks, now.n_disks, sizeof *now.disks}}))
+  if (!memory_resize_row(&now.disks, now.n_disks, sizeof *now.disks))
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the disks");
   memcpy(now.disks, new_model->disks, now.n_disks * sizeof *now.disks);
   for (size_t i = 0; i < first; i++) {

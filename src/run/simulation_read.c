@@ -1,5 +1,4 @@
 /* simulation_read.c: numbers and columns of a running system; see slipdisk/simulation.h. Numbers can be read in callbacks, too. */
-#include <assert.h>
 #include <math.h>
 #include <string.h>
 

@@ -201,7 +201,7 @@ static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
   result_table t = {.n_rows = s->deck.n_points}, m = {.n_rows = s->deck.n_sets};
   sweep_tally others = {0};
   sweep_result *results;
-  if (!memory_rows(1, (memory_column[]){{&results, s->deck.n_points, sizeof *results}}))
+  if (!memory_row(&results, s->deck.n_points, sizeof *results))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the table");
   for (size_t k = 0; k < s->deck.n_points; k++) {
     sweep_look(s, k, &results[k]);

@@ -168,7 +168,7 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state, const 
   sd_status status = file_for(state, &file, messages);
   if (status != SD_OK) return status;
   char *scratch = NULL;
-  const bool room = memory_resize(1, &(memory_column){&scratch, state->n_contacts, sizeof(double)});
+  const bool room = memory_resize_row(&scratch, state->n_contacts, sizeof(double));
   h5_put(file, "/disks/key", SD_I64, 1, &state->n_free, order->disk_key, false);
   h5_put(file, "/contacts/key", SD_I64, 1, &state->n_contacts, order->contact_key, false);
   for (size_t k = 0; h5_have(file, room, "/contacts") && k < sd_field_count; k++) {

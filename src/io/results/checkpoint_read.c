@@ -99,7 +99,7 @@ static sd_status read_disks(const piece *p, const sd_field *f, size_t at, const 
   const size_t row = sd_type_size(f->type) * width_of(f);
   char *data = sd_field_data(s, f), *scratch = NULL;
   if (!place) return read_rows(p->file, p->disks, f, p->first, p->n, data + at * row, messages);
-  if (!memory_resize(1, (memory_column[]){{&scratch, p->n, row}}))
+  if (!memory_resize_row(&scratch, p->n, row))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
   const sd_status status = read_rows(p->file, p->disks, f, p->first, p->n, scratch, messages);
   for (size_t k = 0; status == SD_OK && k < p->n; k++)
@@ -227,8 +227,7 @@ static sd_status order_rows(size_t n_pieces, const piece *list, size_t n, uint32
                             sd_messages *messages) {
   keyed *rows;
   sd_status status = SD_OK;
-  if (!memory_rows(1, (memory_column[]){{&rows, n, sizeof *rows}}))
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
+  if (!memory_row(&rows, n, sizeof *rows)) return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
   for (size_t p = 0, at = 0; p < n_pieces && status == SD_OK; at += list[p++].n) {
     int64_t *key = h5_column(list[p].file, "/disks/key", SD_I64, list[p].n, &status, messages);
     for (size_t k = 0; key && k < list[p].n; k++) rows[at + k] = (keyed){key[k], (uint32_t)(at + k)};
@@ -281,7 +280,7 @@ static sd_status get_range(h5_file *file, const sd_model *model, size_t rank, si
                       begin_of(disks, rank + 1, ranks) - first,
                       first_contact,
                       begin_of(contacts, rank + 1, ranks) - first_contact};
-  if (!memory_rows(1, (memory_column[]){{order, mine.n, sizeof **order}}))
+  if (!memory_row(order, mine.n, sizeof **order))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
   for (size_t k = 0; k < mine.n; k++) (*order)[k] = (uint32_t)(first + k);
   return get_pieces(file, disks, model, 1, &mine, NULL, out, messages);
@@ -350,7 +349,7 @@ sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, s
   sd_state all = state_sizes(model);
   sd_disk_mean *means = NULL;
   sd_status status = checkpoint_check_state(file, model, messages);
-  if (status == SD_OK && !memory_rows(1, (memory_column[]){{&means, all.n_means, sizeof *means}}))
+  if (status == SD_OK && !memory_row(&means, all.n_means, sizeof *means))
     status = sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
   if (status == SD_OK) status = read_for_totals(file, &all, messages);
   if (status == SD_OK) status = read_means(file, model, &all, means, threads, messages);

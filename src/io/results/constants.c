@@ -169,7 +169,7 @@ static sd_status put_made(h5_file *file, const sd_model *m, const constants_sour
     char *dense = NULL;
     void *own = NULL;
     const char *rows = columns[k] ? state_column(from, columns[k], bodies, &own, &status, messages) : NULL;
-    if (status == SD_OK && !memory_rows(1, &(memory_column){&dense, n, size}))
+    if (status == SD_OK && !memory_row(&dense, n, size))
       status = sd_fail(messages, SD_ERROR_IO, "no memory for the result");
     for (size_t slot = 0; id && dense && slot < bodies; slot++) {
       const int32_t driven = slot >= m->n_free;
@@ -270,7 +270,7 @@ typedef struct reader {
 /* A damaged file may ask for more memory than there is; `what` says what the rows are. */
 static void *rows_new(reader *r, size_t n, size_t size, const char *what) {
   void *rows = NULL;
-  if (r->status == SD_OK && !memory_rows(1, &(memory_column){&rows, n, size}))
+  if (r->status == SD_OK && !memory_row(&rows, n, size))
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu %s", n, what);
   return rows;
 }

@@ -67,8 +67,7 @@ static sd_status copy_column(const table_column *c, const h5_file *part, h5_file
   if (piece > n) piece = n;
   assert(n == 0 || piece >= 1);
   void *data = NULL;
-  if (!memory_resize(1, &(memory_column){&data, piece, row}))
-    return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  if (!memory_resize_row(&data, piece, row)) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && !h5_failed(out) && k < n; k += piece) {
     size_t m = n - k < piece ? n - k : piece;

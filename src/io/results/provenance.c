@@ -1,11 +1,7 @@
 /* provenance.c: see provenance.h. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include "slipdisk/deck.h"
 #include "io/results/provenance.h"
 
-#include <errno.h>
 #include <fcntl.h>
 #include <gsl/gsl_version.h>
 #include <pwd.h>

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "base/shortage.h"
@@ -94,7 +93,7 @@ sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const s
   summary_disks_announce(s, model, state);
   if (s->n == 0) return SD_OK;
   sd_disk_mean *means;
-  if (!memory_rows(1, (memory_column[]){{&means, s->n, sizeof *means}})) return no_memory(messages);
+  if (!memory_row(&means, s->n, sizeof *means)) return no_memory(messages);
   summary_disks_means(means, s->n, model, state, threads);
   const sd_status status = summary_disks_take(s, model, state, means, messages);
   free(means);
@@ -152,6 +151,6 @@ sd_status summary_disks_read_all(summary_disks *s, const h5_file *file, sd_messa
   if (s->n == 0 || s->disks || s->later) return SD_OK;
   sd_status status = h5_check(file, "/summary/disks/id", s->n, messages);
   if (status != SD_OK) return status;
-  if (!memory_rows(1, &(memory_column){&s->disks, s->n, sizeof *s->disks})) return no_memory(messages);
+  if (!memory_row(&s->disks, s->n, sizeof *s->disks)) return no_memory(messages);
   return members_read(file, group, &disk_observables, s->disks, sizeof *s->disks, s->n, messages);
 }

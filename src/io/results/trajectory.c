@@ -1,7 +1,6 @@
 /* trajectory.c: see trajectory.h. */
 #include "io/results/trajectory.h"
 
-#include <stdlib.h>
 #include <assert.h>
 #include <string.h>
 

@@ -193,7 +193,7 @@ sd_status order_part(const sd_model *m, sd_state *s, const comm *c, order_place 
 
 sd_status order_disks(const sd_model *m, sd_state *s) {
   order_place *list;
-  if (!memory_rows(1, &(memory_column){&list, s->n_free, sizeof *list})) return SD_ERROR_IO;
+  if (!memory_row(&list, s->n_free, sizeof *list)) return SD_ERROR_IO;
   const sd_status status = order_part(m, s, NULL, list);
   free(list);
   return status == SD_OK ? order_contacts(m, s) : status;

@@ -1,8 +1,6 @@
 /* clump_step.c: see clump_step.h. */
 #include "physics/step/clump_step.h"
 
-#include <assert.h>
-
 #include "model/field_kinds.h"
 #include "physics/contact/pairs.h"
 #include "physics/motion/motion.h"

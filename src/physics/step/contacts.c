@@ -316,7 +316,7 @@ sd_status contacts_follow(engine *e) {
   halo_waits *wrapped = &h->wrapped;
   const sd_state *s = e->state;
   halo_wait *ghosts;
-  if (!memory_rows(1, &(memory_column){&ghosts, s->n_ghosts, sizeof *ghosts})) {
+  if (!memory_row(&ghosts, s->n_ghosts, sizeof *ghosts)) {
     comm_fail(e->halo->comm, "no memory"); /* after the ranks have agreed on how they go on */
     return SD_ERROR_IO;
   }
@@ -411,7 +411,7 @@ sd_status contacts_end(engine *e, const bool *gone) {
   for (size_t k = 0; k < p->count; k++)
     most += pairs_closed(p, k) && (goes(e, gone, p->a[k]) || goes(e, gone, p->b[k]));
   ending *list;
-  if (!memory_rows(1, &(memory_column){&list, most, sizeof *list})) return SD_ERROR_IO;
+  if (!memory_row(&list, most, sizeof *list)) return SD_ERROR_IO;
   for (size_t k = 0; k < p->count; k++) {
     if (!pairs_closed(p, k) || !(goes(e, gone, p->a[k]) || goes(e, gone, p->b[k]))) continue;
     const uint64_t a = halo_order(e, (size_t)p->a[k]), b = halo_order(e, (size_t)p->b[k]);

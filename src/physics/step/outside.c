@@ -118,7 +118,7 @@ static sd_status gather_left(const comm *c, const outside_left *mine, size_t n, 
   comm_gather_counts(c, (int)n, counts);
   *all = 0;
   for (int q = 0; q < comm_size(c); q++) *all += (size_t)counts[q];
-  const bool there = memory_rows(1, &(memory_column){list, *all, sizeof **list});
+  const bool there = memory_row(list, *all, sizeof **list);
   const sd_status status = comm_agree(c, there ? SD_OK : SD_ERROR_IO);
   if (status == SD_OK) comm_gather(c, mine, *list, counts, sizeof *mine);
   if (status == SD_OK && *all > 1) qsort(*list, *all, sizeof **list, by_order);
@@ -130,7 +130,7 @@ static sd_status gather_left(const comm *c, const outside_left *mine, size_t n, 
 static sd_status end_contacts(engine *e, const outside_left *list, size_t n) {
   const size_t slots = e->state->n_free + e->state->n_ghosts;
   bool *gone;
-  if (!memory_rows(1, &(memory_column){&gone, slots, sizeof *gone})) return SD_ERROR_IO;
+  if (!memory_row(&gone, slots, sizeof *gone)) return SD_ERROR_IO;
   for (size_t k = 0; k < n; k++) {
     const size_t slot = engine_slot(e, list[k].disk);
     if (slot < slots) gone[slot] = true;

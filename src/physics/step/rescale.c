@@ -62,7 +62,7 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
   pairs *p = &w->pairs;
   double *before;
   if (e->halo) halo_refresh(e, NULL);
-  const bool there = memory_rows(1, &(memory_column){&before, 2 * p->count, sizeof *before});
+  const bool there = memory_row(&before, 2 * p->count, sizeof *before);
   if (!there) sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   if (comm_or(e->comm, !there)) {
     free(before);

@@ -9,7 +9,7 @@
 static inline bool list_room(void *list, size_t n, size_t *capacity, size_t size) {
   if (n < *capacity) return true;
   const size_t more = 2 * n + 64;
-  if (!memory_resize(1, &(memory_column){list, more, size})) return false;
+  if (!memory_resize_row(list, more, size)) return false;
   *capacity = more;
   return true;
 }
