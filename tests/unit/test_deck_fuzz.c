@@ -78,12 +78,26 @@ static void damage(char *text, size_t n) {
   }
 }
 
+/* Packings keep three digits of their count: to fill them with thousands of disks time and again took nine tenths of
+ * the time, and says nothing of the reader. test_deck_check fills them as they ship. */
+static size_t fewer_disks(char *text) {
+  static const char key[] = "count = ";
+  for (char *at = text; (at = strstr(at, key)) != NULL;) {
+    at += strlen(key);
+    size_t digits = strspn(at, "0123456789"), most = digits < 3 ? digits : 3;
+    memmove(at + most, at + digits, strlen(at + digits) + 1);
+  }
+  return strlen(text);
+}
+
 static void damage_deck(const char *path) {
   FILE *in = fopen(path, "rb");
   assert_non_null(in);
   static char whole[1 << 16], text[1 << 16];
   size_t n = fread(whole, 1, sizeof whole - 1, in);
   fclose(in);
+  whole[n] = 0;
+  n = fewer_disks(whole);
   for (int k = 0; k < DAMAGES; k++) {
     memcpy(text, whole, n);
     text[n] = 0;

@@ -180,7 +180,7 @@ static void lanes_have_the_bits_of_the_general_step(void **unused) {
   const char *const waves[] = {"square", "triangle"};
   for (int k = 0; k < 2; k++) {
     sd_model *model = three_disks(waves[k]);
-    sd_simulation *alone = begin_run(model, 1), *general = begin_run(model, 2);
+    sd_simulation *alone = begin_run(model, 1), *general = begin_run(model, 3);
     advance(alone, 21000);
     advance(general, 21000);
     same_states(sd_simulation_state(alone), sd_simulation_state(general), waves[k]);
