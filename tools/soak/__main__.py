@@ -1,8 +1,10 @@
 """python3 -m soak: runs the modes that were asked for and prints their rows. Called by tools/soak.sh."""
 import argparse
+import concurrent.futures
 import dataclasses
 import importlib
 import json
+import os
 import pathlib
 import shutil
 import subprocess
@@ -81,6 +83,25 @@ def run_mode(mode, args):
     return sum(row.failed for row in rows) if sum(row.trials for row in rows) else 1
 
 
+def beside(mode, args):
+    """The mode in a process of its own, its rows when it is over: whether nothing failed."""
+    words = [sys.executable, "-m", __package__, mode, "--size", args.size, "--seed", str(args.seed), "-o", args.folder.resolve(),
+             "--program", args.program.resolve()]
+    done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    # the last line sums up this mode alone
+    print(done.stdout if done.returncode not in (0, 1) else done.stdout.rpartition("\n")[0].rpartition("\n")[0], flush=True)
+    return done.returncode
+
+
+def run_modes(modes, args):
+    """mode -> failures. Most modes try one thing after the other, so as many go side by side as there are processors."""
+    workers = min(len(modes), os.cpu_count() or 1)
+    if workers < 2:
+        return {mode: run_mode(mode, args) for mode in modes}
+    with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+        return dict(zip(modes, pool.map(lambda mode: beside(mode, args), modes)))
+
+
 def main():
     args = options()
     if args.list:
@@ -88,7 +109,7 @@ def main():
             print(f"{mode:<12} {what}")
         return 0
     build(args.program)
-    failed = {mode: run_mode(mode, args) for mode in args.modes or [mode for mode in MODES if mode not in APART]}
+    failed = run_modes(args.modes or [mode for mode in MODES if mode not in APART], args)
     if args.keep:
         page.keep(args.folder, args.keep / "reliability.md", MODES)
     bad = [mode for mode, n in failed.items() if n]

@@ -4,6 +4,7 @@ The build of the preset `coverage` counts lines and branches, gcovr adds them up
 side on which it ends the program is never to be taken) and those that gcc adds to lines without a decision. Processes that
 are killed, and workers, which leave by _exit, count nothing.
 """
+import concurrent.futures
 import importlib
 import json
 import os
@@ -108,8 +109,11 @@ def row(room, branches, taken):
 
 def run(setup):
     build()
-    rows = [run_tests(setup.say)]
-    run_faults(setup)
+    # trials leave cores idle, which tests take: counters are added up under locks
+    with concurrent.futures.ThreadPoolExecutor() as pool:
+        tests, faults = pool.submit(run_tests, setup.say), pool.submit(run_faults, setup)
+        rows = [tests.result()]
+        faults.result()
     found, files = count()
     show(found, setup.say)
     for name in sorted(files):
