@@ -24,9 +24,10 @@ if command -v ccache >/dev/null; then
   export CMAKE_C_COMPILER_LAUNCHER=${CMAKE_C_COMPILER_LAUNCHER:-ccache}
 fi
 
-# Those that take longest, most of them tools in Python, are left to continuous integration.
-leave_out='^(slow|long)$'
-if [ "${CI:-}" = true ]; then leave_out='^slow$'; fi
+# Those that take longest are left to continuous integration. By presets: beside the label that a preset leaves out, -LE leaves
+# out only what has both.
+quick=-quick
+if [ "${CI:-}" = true ]; then quick=; fi
 
 say() { printf '\n== %s\n' "$*"; }
 
@@ -50,14 +51,14 @@ part() {
       cmake --build --preset lint ;;
     dev) say "Tests with the address and undefined-behaviour sanitizers"
       build dev
-      ctest --preset dev -LE "$leave_out" -j "$jobs" ;;
+      ctest --preset "dev$quick" -j "$jobs" ;;
     tsan) say "Tests with the thread sanitizer"
       build tsan
-      ctest --preset tsan -LE "$leave_out" -j "$jobs" ;;
+      ctest --preset "tsan$quick" -j "$jobs" ;;
     clang) say "Build with clang"; build clang ;;
     release) say "Tests of the release build"
       build release
-      ctest --preset release -LE "$leave_out" -j "$jobs" ;;
+      if [ "$quick" ]; then ctest --preset quick -j "$jobs"; else ctest --preset release -j "$jobs"; fi ;;
     slow) say "Slow tests of the release build"
       build release
       ctest --preset slow -j "$jobs" --stop-time "$(date -d '+25 minutes' +%H:%M:%S)" ;;
@@ -68,7 +69,7 @@ part() {
     mpi) say "Tests of the build with MPI"
       tools/install_deps.sh --mpi
       build mpi --target slipdisk_program test_comm calls
-      ctest --preset mpi -L mpi -j "$jobs" ;;
+      ctest --preset "mpi$quick" -L mpi -j "$jobs" ;;
     *) tools/test.sh --help >&2; exit 2 ;;
   esac
 }

@@ -338,10 +338,13 @@ static void same_model(const sd_model *a, const sd_model *b) {
 }
 
 static void round_trip(const char *path) {
+  /* thousands of disks over two decades take longer to place, twice, than all other decks */
+  static const char *const fewer[] = {"packings[0].count=600"};
+  const size_t n = strstr(path, "/decades.cfg") ? 1 : 0;
   sd_model *a = NULL, *b = NULL;
   sd_messages_free(messages);
   messages = sd_messages_new();
-  sd_status status = sd_deck_load(path, 0, NULL, &a, messages);
+  sd_status status = sd_deck_load(path, n, fewer, &a, messages);
   sd_messages_print(messages, stderr);
   assert_int_equal(status, SD_OK);
   assert_int_equal(sd_messages_count(messages), 0);
