@@ -1,5 +1,6 @@
 """When two results are the same: in every byte of every dataset and attribute that says nothing of the run's course."""
 import csv
+import functools
 import pathlib
 import sys
 
@@ -13,25 +14,43 @@ COURSE |= {"summary@step_nanoseconds"}
 COST = "ns_per_step"  # the column of a sweep's tables
 
 
+_name = functools.cache(str)  # of a type of numbers
+
+
 def _bytes(value):
     array = numpy.asarray(value)
     if array.dtype.kind == "O":  # texts of any length
         return repr(array.tolist()).encode()
-    return f"{array.dtype} {array.shape} ".encode() + array.tobytes()
+    return f"{_name(array.dtype)} {array.shape} ".encode() + array.tobytes()
+
+
+def _value(item, *where):
+    """What h5py itself reads, at a third of its time; None: what has no plain type."""
+    dtype = item.dtype
+    if dtype.hasobject or dtype.subdtype or item.get_space().get_simple_extent_type() == h5py.h5s.NULL:
+        return None
+    array = numpy.empty(item.shape, dtype)
+    if array.size:
+        item.read(*where, array)
+    return array[()]
 
 
 def content(path):
     """name -> bytes, of all datasets ("a/b") and attributes ("a/b@name"); links by what they lead to"""
     found = {}
     with h5py.File(path, "r") as file:
-        def visit(name, item):
-            if isinstance(item, h5py.Dataset):
-                found[name] = _bytes(item[()])
-            for key, value in item.attrs.items():
-                found[f"{name}@{key}"] = _bytes(value)
+        def visit(name):
+            item, name = h5py.h5o.open(file.id, name or b"/"), name.decode()
+            if isinstance(item, h5py.h5d.DatasetID):
+                value = _value(item, h5py.h5s.ALL, h5py.h5s.ALL)
+                found[name] = _bytes(file[name][()] if value is None else value)
+            for k in range(h5py.h5a.get_num_attrs(item)):
+                attribute = h5py.h5a.open(item, index=k)
+                key, value = attribute.name.decode(), _value(attribute)
+                found[f"{name}@{key}"] = _bytes(file[name or "/"].attrs[key] if value is None else value)
 
-        visit("", file)
-        file.visititems(visit)
+        visit(b"")
+        h5py.h5o.visit(file.id, visit)
     return {name: value for name, value in found.items() if name not in COURSE and COST not in name}
 
 
