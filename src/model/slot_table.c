@@ -16,6 +16,7 @@ void slot_table_fill(slot_table *t, const sd_state *s) {
   for (uint32_t k = 0; t->body && k <= t->mask; k++) t->body[k] = SLOT_NONE;
   for (uint32_t i = 0; i < s->n_bodies; i++) {
     uint32_t k = t->body ? slot_table_home(t, s->id[i]) : s->id[i];
+    assert(s->id[i] < t->n_bodies);
     while (t->body && t->body[k] != SLOT_NONE) {
       assert(t->body[k] != s->id[i]);
       k = (k + 1) & t->mask;
@@ -28,7 +29,7 @@ void slot_table_fill(slot_table *t, const sd_state *s) {
 
 bool slot_table_new(slot_table *t, const sd_state *s, size_t n_bodies) {
   size_t n = n_bodies + s->n_clumps, entries = 0;
-  *t = (slot_table){0};
+  *t = (slot_table){.n_bodies = n_bodies};
   assert(s->n_bodies <= n_bodies && (s->n_bodies == n_bodies || s->n_clumps == 0));
   assert(s->n_bodies <= UINT32_MAX / 4);
   if (s->n_bodies < n_bodies) {

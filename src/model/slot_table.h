@@ -16,6 +16,7 @@ typedef struct slot_table {
   uint32_t *body; /* of an entry, SLOT_NONE: it is empty; NULL: slot[body] */
   uint32_t mask;  /* entries are a power of two, less 1 */
   int shift;      /* 32 less the bits of a block's number in the table */
+  size_t n_bodies;
 } slot_table;
 
 /* Of a model with so many bodies, and of its clumps, which stand behind them. False: no memory. */

@@ -1,6 +1,7 @@
 /* record_share.c: see record_share.h. The first column of a table is its key. */
 #include "io/results/record_share.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -58,7 +59,8 @@ static sd_status put_disks(record_share *r, const moment *now, size_t driven, in
     put_key(&r->disks, k, first + (int64_t)(list[k] >> 32));
     slots[k] = (uint32_t)list[k];
   }
-  trajectory_put_bodies(&r->disks, 1, now, false, n, slots);
+  const size_t end = trajectory_put_bodies(&r->disks, 1, now, false, n, slots);
+  assert(end == r->disks.n_columns);
   table_commit(&r->disks, n);
   free(list);
   free(slots);
