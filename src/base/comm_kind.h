@@ -10,6 +10,7 @@
 #include "base/comm.h"
 #undef comm_max
 #undef comm_share
+#undef comm_text
 #undef comm_or
 #undef comm_agree
 #undef comm_wait
