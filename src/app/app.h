@@ -153,7 +153,8 @@ sd_status stored_count(const frames *f, bool alone, size_t *count, sd_messages *
 /* File k of those that have its rows, to be released; NULL when it cannot be opened. */
 sd_status stored_source(const frames *f, size_t k, h5_file **out, sd_messages *messages);
 void stored_release(const frames *f, h5_file *file);
-/* Number of the body that element k of a series is about, as the file (may be NULL) says it, else as the model does; UINT32_MAX: none. */
+/* Number of the body that element k of a series is about, as the file (may be NULL) says it, else
+ * as the model does; UINT32_MAX: none. */
 uint32_t stored_body(const sd_model *m, const h5_file *file, const observable *o, size_t k);
 
 /* --- arguments -------------------------------------------------------------------------------------- */

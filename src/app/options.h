@@ -31,7 +31,7 @@ typedef struct option_list {
   const char **item; /* to be freed */
 } option_list;
 
-/* What a number may be; least and most of a whole one. */
+/* Limits of a number; least and most of a whole one. */
 typedef struct option_limits {
   long least, most;
   const char *wrong; /* "--name VALUE" and this: what was expected */

@@ -28,7 +28,7 @@ const command_line app_resume_line = {
             "checkpoint in it. The deck is not needed.\n",
     .examples = "slipdisk resume deck.h5                 # without the deck, with all keys that it had\n"};
 
-/* What rank 0 alone looks at. model NULL: the run is finished. */
+/* The deck of a run is looked for by rank 0 alone. *model NULL: the run is finished. */
 static sd_status find_model(const place *p, sd_model **model, sd_messages *messages) {
   h5_file *file = NULL;
   char *checkpoint = NULL;

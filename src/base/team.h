@@ -33,7 +33,8 @@ void pool_free(pool *c);
 /* All threads do the task, each with its rank; returns when all are through. Without a pool, or while its threads are at work
  * on another task, the caller does it alone. */
 void pool_run(pool *c, team_task *task, void *with);
-/* Does the task with threads of its own, as many as there may be, if there are enough items for them. */
+/* Does the task with threads of its own, as many as there may be, if there are enough items for
+ * them. */
 void pool_run_once(size_t items, team_task *task, void *with);
 /* True: this process was forked from the one that made its threads, and they are not here. pool_run then starts them anew. */
 bool pool_forked(const pool *c);

@@ -47,8 +47,8 @@ void frame_data_free(frame_data *f);
 /* The state as a frame, with its contacts. frame_data_free also when it fails. */
 sd_status frame_data_of_state(frame_data *f, const sd_model *model, const sd_state *state,
                               sd_messages *messages);
-/* The same of one rank's part, whose bodies have their slots as numbers. constants: a model of these bodies, of which
- * only `disks` is to be freed, also when it fails. */
+/* The same of one rank's part, whose bodies have their slots as numbers. constants: a model of
+ * these bodies, of which only `disks` is to be freed, also when it fails. */
 sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *model, const sd_state *part,
                              const slot_table *slots, const comm *c, sd_messages *messages);
 

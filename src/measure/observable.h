@@ -71,7 +71,7 @@ void observable_set(const observable *o, void *row, size_t k, double value);
 const observable *observable_find(const observable_list *list, const char *name);
 /* As a table of markdown: name, unit, column in tables where any has one, meaning. */
 void observable_print(FILE *out, const observable_list *list);
-/* As which type it is stored; element k of a dense array of a type. */
+/* The type as which it is stored; element k of a dense array of a type. */
 sd_type observable_stored(const observable *o);
 double observable_element(sd_type type, const void *dense, size_t k);
 void observable_store(const observable *o, void *dense, size_t k, double value);

@@ -35,8 +35,9 @@ typedef struct resultants {
 /* SD_OK always. */
 void resultants_new(resultants *r, const sd_model *model);
 void resultants_free(resultants *r);
-/* Only what the model asks for is computed. shared: every rank calls, with the part of the state that it
- * has, contacts stored; then all know the sums, and a rank without memory ends the job. */
+/* Only what the model asks for is computed. shared: every rank calls, with the part of the state
+ * that it has, contacts stored; then all know the sums, and a rank without memory ends the job.
+ * */
 sd_status resultants_take(resultants *r, const sd_model *model, const sd_state *state,
                           const slot_table *slots, const comm *c, sd_messages *messages);
 

@@ -1,8 +1,9 @@
 /* slot_table.h: the slot of each body that a state has, by the body's number.
  *
- * Where all bodies are here it is an array; of a rank's part, a hash table (open addressing), so that nothing on a rank is
- * as large as the whole. Numbers on a rank are runs, such as rows of a packing: blocks of 8 stay together, and are spread
- * by the product with an odd number (Knuth's multiplicative hashing).
+ * Where all bodies are here it is an array; of a rank's part, a hash table (open addressing), so
+ * that nothing on a rank is as large as the whole. Numbers on a rank are runs, such as rows of a
+ * packing: blocks of 8 stay together, and are spread by the product with an odd number (Knuth's
+ * multiplicative hashing).
  */
 #ifndef MODEL_SLOT_TABLE_H
 #define MODEL_SLOT_TABLE_H
@@ -19,7 +20,7 @@ typedef struct slot_table {
   size_t n_bodies;
 } slot_table;
 
-/* Of a model with so many bodies, and of its clumps, which stand behind them. False: no memory. */
+/* n_bodies: of the model. Clumps stand behind them. False: no memory. */
 bool slot_table_new(slot_table *t, const sd_state *state, size_t n_bodies);
 void slot_table_free(slot_table *t);
 /* Anew, when the same bodies stand in other slots. */

@@ -262,7 +262,8 @@ static bool is_before(const fast *a, const fast *b) {
   return a->displacement != b->displacement ? a->displacement > b->displacement : a->order < b->order;
 }
 
-/* The first of all ranks, of one step the fastest, on each of them; none is looked for any more then. */
+/* The first of all ranks, of one step the fastest, on each of them; none is looked for any more
+ * then. */
 static void share_fast(engine *e) {
   const fast mine = fast_of(e);
   fast *all = memory_new((size_t)comm_size(e->comm), sizeof *all);

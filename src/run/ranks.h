@@ -25,23 +25,24 @@ typedef struct ranks_balance {
   int64_t least, most; /* disks of a rank */
 } ranks_balance;
 
-/* part: the engine of this rank, whose model is set. c: its ranks. stop: becomes true where this rank
- * gets a signal, and after steps on all ranks. */
+/* part: the engine of this rank, whose model is set. c: its ranks. stop: becomes true where this
+ * rank gets a signal, and after steps on all ranks. */
 ranks *ranks_new(const comm *c, engine *part, volatile sig_atomic_t *stop);
 void ranks_free(ranks *r);
 
 ranks_balance ranks_balance_of(const ranks *r);
 
 /* Shares out the disks. Each rank has some of them, wherever they lie, with some of the contacts
- * (state), whose slots in the whole ascend (order). Both are taken over. threads: of each, as rank 0
- * says. */
+ * (state), whose slots in the whole ascend (order). Both are taken over. threads: of each, as
+ * rank 0 says. */
 sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads, sd_messages *messages);
 /* Disks of step 0 (ranks_first.h), shared out; then loop_begin_phase and loop_start. */
 sd_status ranks_start(ranks *r, int threads, sd_messages *messages);
 /* n steps at most, and what is done between them; state->step tells how many. Fewer after a
  * failure or a stop, which then all ranks know of. */
 sd_status ranks_advance(ranks *r, int64_t n, sd_messages *messages);
-/* Contacts, motions and poses of ghosts to the states of all ranks, whole or for rows of results. */
+/* Contacts, motions and poses of ghosts to the states of all ranks, whole or for rows of results.
+ * */
 sd_status ranks_store(ranks *r, bool rows, sd_messages *messages);
 /* All that a row of the series sums up beside energies; NULL: no memory. The states are stored. */
 const resultants *ranks_resultants(ranks *r, sd_messages *messages);

@@ -59,7 +59,8 @@ static void fill_contacts(const sd_model *m, const directory *d, const sd_contac
   free(turned);
 }
 
-/* Reads contacts, and leaves out those with walls that the model does not have. list: room for n. */
+/* Reads contacts, and leaves out those with walls that the model does not have. list: room for n.
+ * */
 static sd_status read_some(const sd_model *m, size_t first, size_t n, sd_contact_memory *list, size_t *n_kept,
                            int64_t *inputs, sd_messages *messages) {
   int64_t sum = 0;

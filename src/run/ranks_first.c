@@ -103,7 +103,7 @@ static sd_status fill_tiles(const comm *c, const sd_model *m, sd_state *s, size_
   return SD_OK;
 }
 
-/* With few disks all stand in the order of the deck, on rank 0. */
+/* Few disks stand in the order of the deck, on rank 0. */
 static sd_status find_order(const comm *c, const sd_model *m, sd_state *s, uint32_t *order) {
   if (m->n_free >= ORDER_LEAST) return ranks_order(c, m, s, order);
   for (size_t i = 0; i < s->n_free; i++) order[i] = (uint32_t)i;

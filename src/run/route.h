@@ -26,7 +26,8 @@ typedef struct route_column {
   size_t size; /* bytes of a row */
 } route_column;
 
-/* n rows that are all zero, to be freed. Without memory the job ends: the other ranks would wait. */
+/* n rows that are all zero, to be freed. Without memory the job ends: the other ranks would wait.
+ * */
 void *route_room(const comm *c, size_t n, size_t size);
 
 /* Row row[k] goes to rank[k]; row NULL: row k. SD_ERROR_IO: no memory.

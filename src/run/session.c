@@ -198,7 +198,7 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
   return status;
 }
 
-/* What an earlier try has left, perhaps with more ranks. */
+/* Removes the file of an earlier try, which may have had more ranks. */
 static void drop_emergency(const session *s, const char *path) {
   bool there = true;
   file_remove(s->parts_folder.at, path);

@@ -116,8 +116,8 @@ static sd_status check_inputs(const session *s, const h5_file *file, sd_messages
   return status;
 }
 
-/* Checks deck, state and parts of a checkpoint in an open file, and takes them over; the state only where
- * this process is alone. */
+/* Checks deck, state and parts of a checkpoint in an open file, and takes them over; the state
+ * only where this process is alone. */
 static sd_status read_checkpoint(session *s, const h5_file *file, const char *path, sd_state **state,
                                  sd_messages *messages) {
   sd_status status = check_deck(s, messages);
@@ -168,8 +168,9 @@ static void step_back(session *s, const int64_t *steps, size_t n, const sd_messa
           steps[0], steps[n]);
 }
 
-/* The newest checkpoint that is good, with its parts; saved_step stays -1 when there is none, and of a run that is finished.
- * As long as another stands in for it a damaged one is a warning; without memory none can be told to be damaged. */
+/* The newest checkpoint that is good, with its parts; saved_step stays -1 when there is none, and
+ * of a run that is finished. As long as another stands in for it a damaged one is a warning;
+ * without memory none can be told to be damaged. */
 static sd_status find_checkpoint(session *s, const char *finished, sd_state **state, sd_messages *messages) {
   int64_t *steps;
   size_t n, k = 0;

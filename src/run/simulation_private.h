@@ -32,9 +32,9 @@ struct sd_simulation {
 };
 
 /* sd_simulation_new and sd_simulation_resume with a choice. threads: of the general step; that of
- * small systems has one. c: its ranks share the steps of the general step; all call, rank 0 with the
- * whole model, the others with what model_share gave them; state and order: as ranks_spread takes
- * them over; NULL: alone, order is NULL. stop: see ranks_new. */
+ * small systems has one. c: its ranks share the steps of the general step; all call, rank 0 with
+ * the whole model, the others with what model_share gave them; state and order: as ranks_spread
+ * takes them over; NULL: alone, order is NULL. stop: see ranks_new. */
 sd_status simulation_new(const sd_model *model, int threads, simulation_step step, const comm *c,
                          volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages);
 sd_status simulation_resume(const sd_model *model, sd_state *state, uint32_t *order, int threads,
@@ -42,8 +42,8 @@ sd_status simulation_resume(const sd_model *model, sd_state *state, uint32_t *or
                             sd_simulation **out, sd_messages *messages);
 /* sd_simulation_free while no call is under way. */
 void simulation_free(sd_simulation *simulation);
-/* Brings the state of each rank up to date, all of it or for rows of results: then sums of losses of bodies
- * are older. Collective. SD_ERROR_IO: no memory. */
+/* Brings the state of each rank up to date, all of it or for rows of results: then sums of losses
+ * of bodies are older. Collective. SD_ERROR_IO: no memory. */
 sd_status simulation_store(sd_simulation *simulation, bool rows, sd_messages *messages);
 /* sd_simulation_state and sd_simulation_finished within a call. */
 const sd_state *simulation_state(sd_simulation *simulation);
@@ -52,7 +52,7 @@ bool simulation_finished(const sd_simulation *simulation);
 bool simulation_is_spread(const sd_simulation *simulation);
 /* How near its disks are to rest, also of a spread one. */
 settle_measure simulation_rest(sd_simulation *simulation);
-/* Of this rank. */
+/* The engine of this rank. */
 engine *simulation_engine(sd_simulation *simulation);
 const slot_table *simulation_slots(const sd_simulation *simulation);
 bool simulation_is_small(const sd_simulation *simulation); /* takes the step of small systems */
@@ -64,8 +64,8 @@ int64_t observers_room(const sd_simulation *simulation, int64_t most);
 sd_status observers_call(sd_simulation *simulation, sd_messages *messages);
 
 /* --- simulation_store.c ------------------------------------------------------------------------------ */
-/* The model of the deck that a checkpoint or a result holds. suits: for ranks (deck_load_for_ranks); NULL:
- * for one process. */
+/* The model of the deck that a checkpoint or a result holds. suits: for ranks
+ * (deck_load_for_ranks); NULL: for one process. */
 sd_status simulation_model_of(const provenance *origin, deck_suits *suits, sd_model **out,
                               sd_messages *messages);
 

@@ -37,8 +37,8 @@ double sliding_turned(const sliding_system *y, int i, double u, double v);
  * HUGE_VAL: not before y->end. */
 double sliding_meeting(const sliding_system *y, int i, double u, double omega, double rate, int s);
 
-/* A root of `of` in [lower, upper], where its sign differs, by Brent's method, to the larger of `least` and that part of itself.
- * False: it is less exact. */
+/* A root of `of` in [lower, upper], where its sign differs, by Brent's method, to the larger of
+ * `least` and that part of itself. False: it is less exact. */
 bool sliding_root(double (*of)(double, void *), void *with, double lower, double upper, double least,
                   double part, double *root);
 

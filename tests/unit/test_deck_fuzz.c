@@ -77,8 +77,9 @@ static void damage(char *text, size_t n) {
   }
 }
 
-/* Packings keep three digits of their count: to fill them with thousands of disks time and again took nine tenths of
- * the time, and says nothing of the reader. test_deck_check fills them as they ship. */
+/* Packings keep three digits of their count: to fill them with thousands of disks time and again
+ * took nine tenths of the time, and says nothing of the reader. test_deck_check fills them as
+ * they ship. */
 static size_t fewer_disks(char *text) {
   static const char key[] = "count = ";
   for (char *at = text; (at = strstr(at, key)) != NULL;) {

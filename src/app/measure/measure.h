@@ -24,7 +24,8 @@ typedef struct measure_list {
   size_t stored, n; /* frames in the file, and here */
 } measure_list;
 
-/* path (NULL: the screen): of the file, which gets its name when all is written. measure_list_close also when it fails. */
+/* path (NULL: the screen): of the file, which gets its name when all is written.
+ * measure_list_close also when it fails. */
 sd_status measure_list_open(measure_list *l, const char *name, size_t stored, const char *path,
                             sd_messages *messages);
 void measure_list_add(measure_list *l, const measurement *m);

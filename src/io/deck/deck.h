@@ -79,7 +79,7 @@ typedef sd_status deck_suits(const sd_model *model, sd_messages *messages);
  * (model/tiles.h). suits may be NULL. */
 sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
                               deck_suits *suits, sd_model **out, sd_messages *messages);
-/* As sd_deck_load_text, likewise. */
+/* The same for the text of a deck (sd_deck_load_text). */
 sd_status deck_load_text_for_ranks(const char *text, const char *path, size_t n_overrides,
                                    const char *const *overrides, deck_suits *suits, sd_model **out,
                                    sd_messages *messages);

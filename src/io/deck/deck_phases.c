@@ -51,7 +51,7 @@ static bool find_entry(deck *d, const switched *of, const deck_node *node, size_
   return true;
 }
 
-/* By name where it has one, else by number. */
+/* Its name where it has one, else its number. */
 static void add_entry(deck *d, deck_node *list, const char *name, size_t number) {
   deck_node *node = deck_node_new(d, list, NULL, name ? DECK_STRING : DECK_INT, list->place);
   if (name)

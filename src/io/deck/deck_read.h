@@ -24,11 +24,12 @@ void deck_fail_key(const deck_group *g, const char *key, const char *format, ...
 
 /* Begins to read a group: node must be one, and have no key outside the table. False: reported. */
 bool deck_enter(deck *d, deck_node *node, const deck_table *table, deck_group *g);
-/* The group that the table names, at the top of the deck, made empty when it is not there; false when it is something else
- * (reported). */
+/* The group that the table names, at the top of the deck, made empty when it is not there; false
+ * when it is something else (reported). */
 bool deck_enter_one(deck *d, const deck_table *table, deck_group *g);
-/* Begins to read the entries of the list that the table names, at the top of the deck, one after the other: *k is how many were met,
- * 0 at first. False: there are no more, or it is no list of groups (reported). */
+/* Begins to read the entries of the list that the table names, at the top of the deck, one after
+ * the other: *k is how many were met, 0 at first. False: there are no more, or it is no list of
+ * groups (reported). */
 bool deck_next(deck *d, const deck_table *table, size_t *k, deck_group *g);
 /* The list of groups parent.key; NULL when there is none. */
 deck_node *deck_groups(deck *d, deck_node *parent, const char *key);

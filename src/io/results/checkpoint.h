@@ -63,12 +63,14 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
                                sd_messages *messages);
 /* SD_ERROR_USER: the state in an open file belongs to another model; SD_ERROR_IO: it is damaged. */
 sd_status checkpoint_check_state(const h5_file *file, const sd_model *model, sd_messages *messages);
-/* The rows of one of several ranks that go on with a checkpoint, as a state of its own: of prescribed bodies and the run all, of
- * free disks and contacts the shares rank, rank + ranks ..., or of a file without shares as many rows. order[n_free]: places
- * of the disks in the whole, ascending. Seals are checked. */
+/* The rows of one of several ranks that go on with a checkpoint, as a state of its own: of
+ * prescribed bodies and the run all, of free disks and contacts the shares rank, rank + ranks
+ * ..., or of a file without shares as many rows. order[n_free]: places of the disks in the whole,
+ * ascending. Seals are checked. */
 sd_status checkpoint_get_some(const char *path, const sd_model *model, size_t rank, size_t ranks,
                               sd_state **out, uint32_t **order, sd_messages *messages);
-/* Means of every disk (summary_disks_collect) from the state in a file, of which some disks are read at a time. */
+/* Means of every disk (summary_disks_collect) from the state in a file, of which some disks are
+ * read at a time. */
 sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, summary_disks *s, int threads,
                                    sd_messages *messages);
 /* Means of every disk that a checkpoint leaves to its readers (SUMMARY_LATER), from its state. path: of the file; model: of the
@@ -84,7 +86,7 @@ sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_mess
 /* And a checkpoint that it can go on from? */
 sd_status checkpoint_check_format(const h5_file *file, const char *path, sd_messages *messages);
 
-/* --- of checkpoint_read.c ----------------------------------------------------------------------------- */
+/* --- of checkpoint_read.c --------------------------------------------------------------------- */
 /* Sizes in a state, and their names as attributes of /state. */
 typedef struct checkpoint_extent {
   const char *name;

@@ -10,7 +10,7 @@
 #include "io/results/checkpoint.h"
 #include "io/results/constants.h"
 
-/* --- is it that of the model? --------------------------------------------------------------------- */
+/* --- is it that of the model? ----------------------------------------------------------------- */
 
 static sd_status check_extents(const h5_file *file, const sd_state *sizes, sd_messages *messages) {
   int64_t format = h5_get_attr_i64(file, "/state", "format", -1);
@@ -42,7 +42,8 @@ sd_status checkpoint_check_state(const h5_file *file, const sd_model *model, sd_
   return status;
 }
 
-/* Checkpoints have a sum, results and checkpoints of older versions a hash; those of shares have a sum for each instead. */
+/* Checkpoints have a sum, results and checkpoints of older versions a hash; those of shares have
+ * a sum for each instead. */
 static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messages *messages) {
   if (h5_has_shares(file)) return SD_OK;
   char found[20], *stored = h5_get_attr_text(file, "/state", "hash");
@@ -53,7 +54,7 @@ static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messa
   return same ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the state is damaged: its hash does not fit");
 }
 
-/* --- rows ----------------------------------------------------------------------------------------- */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 /* Rows of free disks and contacts in one file, which is whole or a share. */
 typedef struct piece {
@@ -64,7 +65,8 @@ typedef struct piece {
 
 static size_t width_of(const sd_field *f) { return f->extent == SD_PER_MEAN_BIN ? SD_MEAN_BINS : 1; }
 
-/* In shares a row of several numbers is a row of the dataset, else all stand one after the other. */
+/* A row of several numbers is a row of the dataset in shares; else all numbers stand one after
+ * the other. */
 static sd_status read_rows(const h5_file *file, const char *group, const sd_field *f, size_t first, size_t n,
                            void *rows, sd_messages *messages) {
   size_t dims[H5_MAX_RANK];
@@ -80,7 +82,8 @@ static sd_status read_rows(const h5_file *file, const char *group, const sd_fiel
   return status;
 }
 
-/* Of bodies those behind the free disks, which the head of shares has alone. */
+/* All but free disks and contacts. Prescribed bodies stand behind the free disks; the head of
+ * shares has them alone. */
 static sd_status read_common(const h5_file *head, const sd_field *f, size_t before, sd_state *s,
                              sd_messages *messages) {
   const size_t size = sd_type_size(f->type), all = sd_extent_size(s, f->extent);
@@ -156,7 +159,7 @@ static sd_status get_pieces(const h5_file *head, size_t before, const sd_model *
   return status;
 }
 
-/* --- all of it ------------------------------------------------------------------------------------ */
+/* --- all of it -------------------------------------------------------------------------------- */
 
 /* No column has more or fewer values than the model says. */
 static sd_status check_columns(const h5_file *file, const sd_model *model, sd_messages *messages) {
@@ -187,7 +190,7 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
   return status;
 }
 
-/* --- some of it: over ranks only, the counted build has one --------------------------------------- */
+/* --- some of it: over ranks only, the counted build has one ----------------------------------- */
 /* GCOVR_EXCL_START */
 
 static sd_status count_rows(const h5_file *file, const char *path, size_t *n, sd_messages *messages) {
@@ -300,7 +303,7 @@ sd_status checkpoint_get_some(const char *path, const sd_model *model, size_t ra
 }
 
 /* GCOVR_EXCL_STOP */
-/* --- means ---------------------------------------------------------------------------------------- */
+/* --- means ------------------------------------------------------------------------------------ */
 
 static bool are_below(const uint32_t *list, size_t n, size_t end) {
   bool good = list != NULL;
@@ -308,7 +311,7 @@ static bool are_below(const uint32_t *list, size_t n, size_t end) {
   return good;
 }
 
-/* What totals ask for beside the means. */
+/* Totals ask for these beside the means. */
 static sd_status read_for_totals(const h5_file *file, sd_state *s, sd_messages *messages) {
   sd_status status = SD_OK;
   s->n_contacts = (size_t)checkpoint_count_contacts(file);

@@ -63,7 +63,8 @@ extern const observable_list phase_observables;   /* of summary_phase */
 /* Sizes and names, from the model alone; no values. */
 void summary_new(summary *s, const sd_model *model);
 enum { SUMMARY_LOST = 8 }; /* told one by one */
-/* Disks that are beyond the bounds or taken out: how many, and the first of them in the order of slots. */
+/* Disks that are beyond the bounds or taken out: how many, and the first of them in the order of
+ * slots. */
 typedef struct summary_lost {
   int64_t n;
   size_t told;
@@ -73,7 +74,7 @@ typedef struct summary_lost {
   } first[SUMMARY_LOST];
 } summary_lost;
 
-/* What a summary takes from all disks and contacts, which may be on several ranks. */
+/* Sums over all disks and contacts, which may be on several ranks. */
 typedef struct summary_sums {
   size_t contacts;     /* closed */
   exact_sum overlap;   /* theirs */

@@ -22,8 +22,8 @@ typedef struct summary_disks {
 /* A record of fewer bins has no error bars. */
 enum { SUMMARY_FEWEST_BINS = 16 };
 
-/* From so many disks on, and over ranks, checkpoints leave the means to those that read them: they follow from the state, and take longer than
- * writing it. */
+/* From so many disks on, and over ranks, checkpoints leave the means to those that read them:
+ * they follow from the state, and take longer than writing it. */
 enum { SUMMARY_LATER = 16384 };
 
 /* Of how many disks and what length the means will be. */
@@ -31,8 +31,8 @@ void summary_disks_announce(summary_disks *s, const sd_model *model, const sd_st
 /* summary_disks_free also when it fails. */
 sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state, int threads,
                                 sd_messages *messages);
-/* The same in two steps: means of the first n slots of a state with some disks; and from those of all, in the
- * order of slots, with id, radius and contacts of the whole state. */
+/* The same in two steps: means of the first n slots of a state with some disks; and from those of
+ * all, in the order of slots, with id, radius and contacts of the whole state. */
 void summary_disks_means(sd_disk_mean *means, size_t n, const sd_model *model, const sd_state *state,
                          int threads);
 sd_status summary_disks_take(summary_disks *s, const sd_model *model, const sd_state *state,

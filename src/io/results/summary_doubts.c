@@ -170,7 +170,8 @@ unsigned summary_not_finite(const sd_state *state) {
   return found;
 }
 
-/* The name of a number that is none, NULL when all are there. A mean is there from the first full bin on. */
+/* The name of a number that is none, NULL when all are there. A mean is there from the first full
+ * bin on. */
 static const char *not_finite(const summary *s, const sd_state *state, unsigned columns) {
   for (unsigned c = 0; c < FINITE_COLUMNS; c++)
     if (columns >> c & 1) return finite_columns[c];

@@ -27,8 +27,8 @@ void trajectory_new_contacts(table *index, table *rows, bool shared);
 sd_status trajectory_sample_contacts(table *index, table *rows, const moment *now, size_t count,
                                      sd_messages *messages);
 
-/* Columns of bodies in a group, n of them in a row, or one (n = 0); and their values, from this column
- * on: bodies in these slots, NULL: by number. Returns the number of the next column. */
+/* Columns of bodies in a group, n of them in a row, or one (n = 0); and their values, from this
+ * column on: bodies in these slots, NULL: by number. Returns the number of the next column. */
 void trajectory_add_bodies(table *t, const sd_model *model, const char *group, bool walls, size_t n);
 size_t trajectory_put_bodies(table *t, size_t column, const moment *now, bool walls, size_t n,
                              const uint32_t *slots);

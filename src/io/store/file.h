@@ -113,7 +113,7 @@ uint64_t file_size(const char *path);   /* 0 when there is none */
 sd_status file_make_folder(const char *path, sd_messages *messages); /* one that exists is all right */
 /* Makes renames and removals in the folder of `path` durable. */
 sd_status file_sync_folder(int folder, const char *path, sd_messages *messages);
-/* As far as it can be. */
+/* A file that is not there, or cannot be removed, is not told of. */
 void file_remove(int folder, const char *path);
 
 /* Order-dependent sum of 64-bit words (FNV-1a), to tell damaged files. Start from FILE_SUM. */

@@ -69,7 +69,8 @@ void h5_group(h5_file *file, const char *path);
 /* A whole dataset; rank 0 is a scalar. */
 void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data,
             bool compress);
-/* The same, uncompressed. Of a file of h5_new_borrowing a long one is not copied: it must stay as it is until h5_save. */
+/* The same, uncompressed. Of a file of h5_new_borrowing a long one is not copied: it must stay as
+ * it is until h5_save. */
 void h5_lend(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data);
 void h5_put_text(h5_file *file, const char *path, const char *text); /* NULL counts as "" */
 /* n strings of equal storage length; NULL counts as "". */

@@ -108,13 +108,14 @@ void h5_make_seal(size_t size, uint64_t sum, unsigned char seal[H5_SEAL_BYTES]);
 /* Puts seal and sum of the small data behind the HDF5 data of an open file. */
 sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *messages);
 
-/* --- h5_memory.c ------------------------------------------------------------------------------------ */
+/* --- h5_memory.c ------------------------------------------------------------------------------ */
 /* A name that no other file in memory has. */
 void h5_memory_name(char *name, size_t size);
-/* Opens a file in memory that begins with these bytes, of which it has a copy; negative: they are no HDF5 file, or there is no memory. */
+/* Opens a file in memory that begins with these bytes, of which it has a copy; negative: they are
+ * no HDF5 file, or there is no memory. */
 hid_t h5_open_image(const char *name, const void *bytes, size_t size, unsigned flags);
 
-/* --- h5_shares.c ------------------------------------------------------------------------------------ */
+/* --- h5_shares.c ------------------------------------------------------------------------------ */
 /* Opens the shares of a file. Their datasets are listed as its own from then on, with the shape of the whole; their values stay in
  * the shares until they are read. */
 sd_status h5_join(h5_file *file, int folder, sd_messages *messages);

@@ -34,7 +34,8 @@ void table_add(table *t, const char *path, sd_type type, int rank, const size_t 
                const char *meaning);
 /* Columns step and time of the element at this path. */
 void table_add_clock(table *t, const char *element);
-/* The column of an observable in a group: of one thing a row (n = 0), or of n things. ending: "/value" or "". */
+/* The column of an observable in a group: of one thing a row (n = 0), or of n things. ending:
+ * "/value" or "". */
 void table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n);
 /* Room for n more rows. SD_ERROR_IO: no memory. */
 sd_status table_reserve(table *t, size_t n, sd_messages *messages);

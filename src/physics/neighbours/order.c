@@ -114,7 +114,8 @@ static int by_slots(const void *one, const void *two) {
   return p->part < q->part ? -1 : p->part > q->part;
 }
 
-/* The disk in the lower slot comes first; seen from the other one the contact's direction is reversed. */
+/* The disk in the lower slot comes first; seen from the other one the contact's direction is
+ * reversed. */
 static void turn_contact(const sd_model *m, sd_state *s, size_t k, const slot_table *slots) {
   uint32_t a = s->contact_a[k], b = s->contact_b[k];
   assert(a < m->n_disks && b < sd_model_bodies(m) && a != b);

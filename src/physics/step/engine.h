@@ -23,7 +23,8 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages);
 void engine_free(engine *e);
 /* Where the disks of the state stand, when it has them in another order. */
 void engine_find_slots(engine *e);
-/* By how much the first lists reach further than contacts; later ones: neighbours_tune. */
+/* Skin of the first lists, by which they reach further than contacts; later ones:
+ * neighbours_tune. */
 double engine_first_skin(const sd_model *model);
 
 /* At step 0, once the first phase's motions run: contacts that are closed at the start begin
