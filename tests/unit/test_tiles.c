@@ -79,7 +79,6 @@ static void test_tiles_of_ranks(void **state) {
 static void test_tiles_that_stay(void **state) {
   (void)state;
   static const char *const more[] = {
-      "measure = { disks = true; };",
       "measure = { contacts = (1, 3000); };",
       "forces = ( { group = \"grains\"; force = (1, 0); } );",
       "locks = ( { group = \"grains\"; coordinates = \"theta\"; } );",
@@ -103,12 +102,18 @@ static void test_tiles_that_stay(void **state) {
     assert_non_null(m);
     sd_model_free(m);
   }
+  /* means of every disk are each rank's own */
+  char means[4096];
+  snprintf(means, sizeof means, "%smeasure = { disks = true; };", TILES(""));
+  sd_model *m = for_ranks(means, &held);
+  assert_true(m && m->tiles.away && held == 1);
+  sd_model_free(m);
   /* the stream of a random motion of several walls goes by their numbers */
   char random[4096] = TILES("");
   strcpy(strstr(random, "motions"),
          "motions = ( { wall = (\"floor\", \"left\"); coordinate = \"x\"; type = \"random\"; "
          "amplitude = 0.1; frequency = 1; independent = false; } );\n");
-  sd_model *m = for_ranks(random, &held);
+  m = for_ranks(random, &held);
   assert_int_equal(held, 3302);
   sd_model_free(m);
   m = for_ranks(TILES("}, { type = \"square\"; count = 1; x = (0, 1); y = (55, 60); radius = 0.1; mass = 1;"),
@@ -247,7 +252,7 @@ static void test_files_of_ranks(void **state) {
 static void test_files_that_stay(void **state) {
   (void)state;
   static const char *const more[] = {
-      "measure = { disks = true; };", "locks = ( { disk = 20000; coordinates = \"x\"; } );",
+      "locks = ( { disk = 20000; coordinates = \"x\"; } );",
       "forces = ( { group = \"grains\"; force = (1, 0); } );",
       "packings = ( { type = \"square\"; count = 1; x = (0, 9); y = (300, 310); radius = 1; mass = 1; } );"};
   size_t held;
@@ -260,13 +265,17 @@ static void test_files_that_stay(void **state) {
     assert_non_null(m);
     assert_false(m->tiles.away);
     assert_int_equal(m->n_disks, held);
-    assert_int_equal(held, 1 + ROWS + (k == 3));
+    assert_int_equal(held, 1 + ROWS + (k == 2));
     sd_model_free(m);
   }
-  char fixed[4096];
+  char means[4096], fixed[4096];
+  snprintf(means, sizeof means, "%smeasure = { disks = true; };", FILES);
+  sd_model *m = for_ranks(means, &held);
+  assert_true(m && m->tiles.away);
+  sd_model_free(m);
   snprintf(fixed, sizeof fixed, "%.*s fixed = true; %s", (int)(strstr(FILES, "omega") - FILES), FILES,
            strstr(FILES, "group"));
-  sd_model *m = for_ranks(fixed, &held);
+  m = for_ranks(fixed, &held);
   assert_true(m && !m->tiles.away && held == 1 + ROWS);
   sd_model_free(m);
   /* the time step is too long for the last disk */
