@@ -376,8 +376,10 @@ sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_mo
   if (!s->later) return SD_OK;
   if (checkpoint_get_parts(file) < 0) return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
   sd_status status = checkpoint_check_format(file, path, messages);
-  /* all of it is read now; shares were checked when it was opened */
-  if (status == SD_OK && !h5_has_shares(file)) status = h5_verify(path, &sealed, &sum, messages);
+  /* all of it is read now; shares were checked when it was opened, and a run may have removed
+   * it since */
+  if (status == SD_OK && !h5_has_shares(file) && file_exists(path))
+    status = h5_verify(path, &sealed, &sum, messages);
   if (status == SD_OK && !model) status = constants_read(file, path, &own, messages);
   if (!model) model = own;
   if (status == SD_OK) status = checkpoint_collect_disks(file, model, s, pool_most(), messages);
