@@ -28,6 +28,7 @@ MODES = {
     "coverage": "lines and branches of src/ that tests and faults reach, room by room",
 }
 
+ALONE = {"kill", "power"}  # one after the other, with nothing beside them
 APART = {"coverage"}  # only when it is asked for: it tries nothing, and makes a build of its own
 
 
@@ -94,12 +95,15 @@ def beside(mode, args):
 
 
 def run_modes(modes, args):
-    """mode -> failures. Most modes try one thing after the other, so as many go side by side as there are processors."""
-    workers = min(len(modes), os.cpu_count() or 1)
+    """mode -> failures. Most modes try one thing after the other, so as many go side by side as there are processors; then those
+    that want the moments of a machine of their own: ranks that outlive a killed mpirun keep the next run from their points."""
+    together = [mode for mode in modes if mode not in ALONE]
+    workers = min(len(together), os.cpu_count() or 1)
     if workers < 2:
         return {mode: run_mode(mode, args) for mode in modes}
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
-        return dict(zip(modes, pool.map(lambda mode: beside(mode, args), modes)))
+        failed = dict(zip(together, pool.map(lambda mode: beside(mode, args), together)))
+    return failed | {mode: run_mode(mode, args) for mode in modes if mode in ALONE}
 
 
 def main():
