@@ -68,6 +68,7 @@ def _random_kills(setup, run, number, victims):
                 run.seconds = min(run.seconds, time.monotonic() - began)
             break
         except subprocess.TimeoutExpired:
+            ranks = _children(process.pid) if run.also else []
             _strike(process, chance.choice(victims))
             kills += 1
             # a sweep whose worker was killed goes on; workers of a killed one end by themselves, and hold the pipes
@@ -75,6 +76,11 @@ def _random_kills(setup, run, number, victims):
                 _strike(process, "group")
                 process.communicate()
                 return kills, f"hangs after kill {kills} of trial {number}"
+            # ranks may outlive a killed mpirun for a moment, and the next run leaves points to them
+            for _ in range(100 * runs.SECONDS):
+                if all(map(_is_over, ranks)):
+                    break
+                time.sleep(0.01)
     # the last of these may have been a sweep whose worker was killed before
     said = run.repair(place, tries=2) if process.returncode != 0 else run.wrong(place)
     shutil.rmtree(place)
