@@ -1,7 +1,7 @@
 /* slot_table.h: the slot of each body that a state has, by the body's number.
  *
- * Where all bodies are here it is an array; of a rank's part, a hash table (open addressing), so
- * that nothing on a rank is as large as the whole. Numbers on a rank are runs, such as rows of a
+ * It is an array if all bodies are here. A rank with some of them has a hash table (open addressing),
+ * so that nothing on a rank is as large as the whole. Numbers on a rank are runs, such as rows of a
  * packing: blocks of 8 stay together, and are spread by the product with an odd number (Knuth's
  * multiplicative hashing).
  */

@@ -143,7 +143,6 @@ static sd_status describe(session *s, sd_messages *messages) {
     double per_step = state->step > 0 ? 1e9 * s->origin.step_seconds / (double)state->step : NAN;
     summary_free(&s->found);
     summary_collect(&s->found, s->model, state, &all, &energy, per_step);
-    s->n_contacts = all.contacts;
     if (!simulation_is_spread(s->simulation) && state->n_means < SUMMARY_LATER)
       status = collect_disks(s, messages);
     provenance_refresh(&s->origin, comm_size(s->options.comm), sd_simulation_threads(s->simulation),
@@ -157,7 +156,8 @@ static sd_status describe(session *s, sd_messages *messages) {
 /* seals: of the shares; NULL: there are none. */
 static sd_status write_head(session *s, int64_t *seals, const char *path, sd_messages *messages) {
   const checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
-  const checkpoint_shares shares = {s->model, (size_t)comm_size(s->options.comm), seals, s->n_contacts};
+  const checkpoint_shares shares = {s->model, (size_t)comm_size(s->options.comm), seals,
+                                    (size_t)s->found.contacts};
   const sd_status status = folder_check(&s->parts_folder, messages);
   if (status != SD_OK) return status;
   return checkpoint_write(s->parts_folder.at, path, state_of(s), &parts, seals ? &shares : NULL, &s->origin,

@@ -23,7 +23,6 @@ struct session {
   size_t shared_bytes; /* of the ranks' rows of shared */
   provenance origin;
   summary found;
-  size_t n_contacts; /* closed, of all ranks, as of `found` */
   bool has_found;
   bool was_finished;
   bool fresh;                             /* nothing to continue was found */

@@ -22,7 +22,7 @@ typedef struct summary_disks {
 /* A record of fewer bins has no error bars. */
 enum { SUMMARY_FEWEST_BINS = 16 };
 
-/* From so many disks on, and over ranks, checkpoints leave the means to those that read them:
+/* Checkpoints of so many disks or more, and over ranks, leave the means to those that read them:
  * they follow from the state, and take longer than writing it. */
 enum { SUMMARY_LATER = 16384 };
 
