@@ -58,7 +58,7 @@ static void check_inside(deck *d) {
         continue;
       if (found++ >= MOST_ALIKE) continue;
       deck_fail_place(d, d->disk_place[i], "%s: %c = %g lies outside the periodic box from %g to %g",
-                      deck_body_name(d, (uint32_t)i), "xy"[c], x, m -> lower[c], m -> upper[c]);
+                      deck_body_name(d, (uint32_t)i), c == SD_X ? 'x' : 'y', x, m->lower[c], m->upper[c]);
     }
   tell_rest(d, found, "coordinates lie outside the periodic box");
 }
