@@ -82,13 +82,12 @@ typedef struct drive_options {
         "append progress and result to a file"                                                               \
   }
 
-/* Starts MPI where the program was built with it. All ranks call it; the first loads the model; then
- * drive_agree prints what went wrong and returns the largest status of all ranks. comm_end is the
- * caller's. */
+/* Starts MPI where the program was built with it. All ranks call it, and load the model together
+ * (ranks_load); then drive_agree prints what went wrong and returns the largest status of all
+ * ranks. comm_end is the caller's. */
 int drive_begin(const drive_options *options, sd_messages *messages);
 int drive_agree(int status, sd_messages *messages);
-/* messages: of the loader, printed first. Takes neither over. Ranks beside the first have no
- * model: they get what they need of it. */
+/* messages: of the loader, printed first. Takes neither over. */
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
 
 /* Writes into text[size] from which step the run of this process goes on, "; everything until

@@ -15,7 +15,6 @@
 #include "app/app.h"
 #include "app/view/live.h"
 #include "io/store/file.h"
-#include "run/model_share.h"
 #include "run/ranks.h"
 #include "run/session.h"
 #include "run/simulation_private.h"
@@ -328,8 +327,7 @@ int drive_agree(int status, sd_messages *messages) {
   return comm_max(comm_world(), status);
 }
 
-/* On every rank; model: the whole on the first, on the others what they need of it. */
-static int drive_model(const sd_model *model, const drive_options *options, sd_messages *messages) {
+int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
   const bool leads = comm_rank(comm_world()) == 0;
   int status = SD_OK;
   app_begin_saving();
@@ -342,13 +340,5 @@ static int drive_model(const sd_model *model, const drive_options *options, sd_m
   status = run_session(model, options, &t, status, messages);
   if (t.log) fclose(t.log);
   comm_share(comm_world(), &status, sizeof status);
-  return status;
-}
-
-int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
-  sd_model *mine = NULL;
-  int status = model_share(comm_world(), model, &mine, messages);
-  if (status == SD_OK) status = drive_model(mine ? mine : model, options, messages);
-  sd_model_free(mine);
   return status;
 }

@@ -7,7 +7,6 @@
 #include "app/app.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
-#include "run/ranks_suit.h"
 #include "run/simulation_private.h"
 
 typedef struct arguments {
@@ -28,19 +27,18 @@ const command_line app_resume_line = {
             "checkpoint in it. The deck is not needed.\n",
     .examples = "slipdisk resume deck.h5                 # without the deck, with all keys that it had\n"};
 
-/* The deck of a run is looked for by rank 0 alone. *model NULL: the run is finished. */
-static sd_status find_model(const place *p, sd_model **model, sd_messages *messages) {
+/* What a run was made from, which rank 0 alone looks for. *found: it is not finished. */
+static sd_status find_origin(const char *name, place *p, provenance *origin, bool *found,
+                             sd_messages *messages) {
   h5_file *file = NULL;
   char *checkpoint = NULL;
-  provenance origin = {0};
-  if (!file_is_folder(p->folder)) return SD_OK;
-  sd_status status = place_open_checkpoint(p, &file, &checkpoint, messages);
+  sd_status status = place_find(p, name, messages);
+  *found = status == SD_OK && file_is_folder(p->folder);
+  if (!*found) return status;
+  status = place_open_checkpoint(p, &file, &checkpoint, messages);
   if (status == SD_OK) status = checkpoint_check_format(file, checkpoint, messages);
-  if (status == SD_OK) provenance_read(&origin, file);
+  if (status == SD_OK) provenance_read(origin, file);
   h5_close(file, NULL);
-  if (status == SD_OK)
-    status = simulation_model_of(&origin, comm_world() ? ranks_suit : NULL, model, messages);
-  provenance_free(&origin);
   free(checkpoint);
   return status;
 }
@@ -49,15 +47,16 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   const comm *c = comm_world();
   const bool leads = comm_rank(c) == 0;
   place p = {0};
+  provenance origin = {0};
   sd_model *model = NULL;
-  int status = leads ? place_find(&p, name, messages) : SD_OK;
-  if (status == SD_OK && leads) status = find_model(&p, &model, messages);
-  int32_t finished[1] = {status == SD_OK && !model};
-  status = drive_agree(status, messages);
-  comm_share(c, finished, sizeof finished);
-  if (status == SD_OK && finished[0]) {
-    if (!drive->quiet && leads) app_line(stderr, "%s is finished already", p.result);
-  } else if (status == SD_OK) {
+  bool found = false;
+  int status = drive_agree(leads ? find_origin(name, &p, &origin, &found, messages) : SD_OK, messages);
+  comm_share(c, &found, sizeof found);
+  if (status == SD_OK && !found && !drive->quiet && leads)
+    app_line(stderr, "%s is finished already", p.result);
+  if (status == SD_OK && found)
+    status = drive_agree(simulation_model_of(c, &origin, &model, messages), messages);
+  if (status == SD_OK && found) {
     char *result = comm_text(c, p.result), *again = format_text("resume %s", result);
     drive->result = result;
     drive->again = again;
@@ -66,6 +65,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
     free(again);
   }
   sd_model_free(model);
+  provenance_free(&origin);
   place_free(&p);
   return status;
 }

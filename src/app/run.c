@@ -7,8 +7,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "app/app.h"
-#include "io/deck/deck.h"
-#include "run/ranks_suit.h"
+#include "run/ranks_first.h"
 #include "slipdisk/deck.h"
 
 typedef struct arguments {
@@ -53,10 +52,9 @@ int app_run(int argc, char **argv) {
     assert(a.deck);
     output = a.output ? memory_text(a.output) : app_default_name(a.deck, "h5");
     again = format_text("resume %s", output);
-    if (comm_rank(comm_world()) == 0)
-      status = comm_world() ? deck_load_for_ranks(a.deck, a.overrides.n, a.overrides.item, ranks_suit, &model,
-                                                  messages)
-                            : sd_deck_load(a.deck, a.overrides.n, a.overrides.item, &model, messages);
+    status = comm_world()
+                 ? ranks_load(comm_world(), NULL, a.deck, a.overrides.n, a.overrides.item, &model, messages)
+                 : sd_deck_load(a.deck, a.overrides.n, a.overrides.item, &model, messages);
     status = drive_agree(status, messages);
     if (status == SD_OK && comm_rank(comm_world()) == 0 && sd_model_deck(model)->sweep_points > 0)
       sd_warn(messages,

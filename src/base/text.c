@@ -99,6 +99,16 @@ bool text_ends(const char *text, const char *ending) {
   return n > m && strcmp(text + n - m, ending) == 0;
 }
 
+const char **text_lines(char *text, size_t *n) {
+  size_t lines = 1;
+  for (const char *c = text; *c; c++) lines += *c == '\n';
+  const char **list = memory_new(lines, sizeof *list);
+  *n = 0;
+  for (char *rest = NULL, *line = strtok_r(text, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
+    list[(*n)++] = line;
+  return list;
+}
+
 void text_cell(FILE *out, const char *text) {
   if (!strpbrk(text, ",\"\r\n")) {
     fputs(text, out);

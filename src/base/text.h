@@ -23,6 +23,8 @@ char *text_escaped(const char *text, size_t most);
 char *format_text(const char *format, ...) SD_PRINTF(1, 2);
 /* The same behind `text`, which is freed; NULL if that is NULL. */
 char *append_text(char *text, const char *format, ...) SD_PRINTF(2, 3);
+/* The lines of a text, which is cut up: they point into it. The list is to be freed. */
+const char **text_lines(char *text, size_t *n);
 /* A cell of CSV (RFC 4180): quoted where a comma, a quote or a line break makes it necessary. */
 void text_cell(FILE *out, const char *text);
 /* Does the text end so, and begin before? */

@@ -12,6 +12,7 @@
 #include "model/laws.h"
 #include "model/normal_laws.h"
 #include "model/overlaps.h"
+#include "model/rows.h"
 
 /* --- time step ------------------------------------------------------------------------------------------- */
 
@@ -59,13 +60,8 @@ char *advice_unstable(const sd_model *m) {
 /* Of the limit: a disk in a packing may blow up at a third of it. */
 static const double NEAR_LIMIT = 0.25;
 
-sd_step_limit advice_step_limit(const sd_model *m) {
-  return m->limit_told > 0.0 ? (sd_step_limit){.dt = m->limit_told, .bound = m->bound_told}
-                             : sd_model_step_limit(m);
-}
-
 const char *advice_of_failure(const sd_model *m, const char *otherwise, char *text, size_t size) {
-  const sd_step_limit limit = advice_step_limit(m);
+  const sd_step_limit limit = sd_model_step_limit(m);
   if (m->dt > NEAR_LIMIT * limit.dt)
     snprintf(text, size,
              "dt = %g is too large: %.2g of the limit of stability (%s, %s), which many contacts lower to a "
@@ -211,11 +207,13 @@ static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
 /* Resultant forces cannot balance better than positions are rounded: eps x k_n against the weight that a contact carries. */
 static double rounding(const sd_model *m) {
   double g = hypot(m->gravity[0], m->gravity[1]), least = HUGE_VAL, farthest = 0, stiffest = 0;
-  for (size_t i = 0; i < m->n_disks; i++) {
-    const sd_disk *d = &m->disks[i];
+  for (size_t row = 0; row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
     farthest = fmax(farthest, fmax(fabs(d->position[0]), fabs(d->position[1])));
     if (!d->driven) least = fmin(least, d->mass * g);
   }
+  farthest = rows_largest(m, farthest);
+  least = rows_least(m, least);
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++) stiffest = fmax(stiffest, m->laws[k].k_n);
   return least > 0 && isfinite(least) ? DBL_EPSILON / 2 * farthest * stiffest / least : 0;
 }
@@ -242,8 +240,11 @@ static double check_settle(const sd_model *m, sd_messages *messages) {
 static double first_fraction(const sd_model *m) {
   double area = (m->region_upper[0] - m->region_lower[0]) * (m->region_upper[1] - m->region_lower[1]),
          sum = 0;
-  for (size_t i = 0; i < m->n_disks; i++)
-    if (!m->disks[i].driven) sum += M_PI * m->disks[i].radius * m->disks[i].radius;
+  for (size_t row = rows_first(m); row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
+    if (!d->driven) sum += M_PI * d->radius * d->radius;
+  }
+  sum = rows_sum(m, sum);
   return area > 0 ? sum / area : 0;
 }
 
@@ -380,17 +381,39 @@ static bool begins_away(const sd_model *m, uint32_t a, uint32_t b) {
 static bool is_free(const sd_model *m, uint32_t body) { return body < m->n_disks && !m->disks[body].driven; }
 static bool waits(const sd_model *m, uint32_t body) { return body < m->n_disks && m->disks[body].waiting; }
 
+/* What the smaller disk of the pair feels, and the weight of the lighter that is free. */
+static void note_force(const sd_model *m, const sd_disk *d, first_overlap *o) {
+  const int other = o->b < m->n_disks ? m->disks[o->b].material : m->walls[o->b - m->n_disks].material;
+  const double g = hypot(m->gravity[0], m->gravity[1]);
+  double mass = d->driven ? HUGE_VAL : d->mass;
+  if (is_free(m, o->b)) mass = fmin(mass, m->disks[o->b].mass);
+  o->force = law_force(sd_model_law(m, d->material, other), o->depth);
+  o->weight = mass * g;
+}
+
 /* Radius of the smaller disk: a. */
 static bool note_overlap(void *user, const overlap *o) {
   search *s = user;
   const sd_model *m = s->m;
-  double relative = o->depth / m->disks[o->a].radius;
-  if (relative <= s->worst.relative || waits(m, o->a) || waits(m, o->b)) return false;
-  if (!is_free(m, o->a) && !is_free(m, o->b)) return false;
+  const sd_disk *d = rows_disk(m, o->row);
+  double relative = o->depth / d->radius;
+  if (relative <= s->worst.relative || d->waiting || waits(m, o->b)) return false;
+  if (d->driven && !is_free(m, o->b)) return false;
   const bool too_deep = m->max_overlap > 0 && relative > m->max_overlap; /* a mistake, though remembered */
   if ((begins_away(m, o->a, o->b) && !too_deep) || begins_with(s, o->a, o->b)) return false;
   s->worst = (first_overlap){.a = o->a, .b = o->b, .depth = o->depth, .relative = relative};
+  note_force(m, d, &s->worst);
   return false;
+}
+
+void advice_share_overlap(const comm *c, first_overlap *worst) {
+  const size_t n = (size_t)comm_size(c);
+  first_overlap *all = memory_new(n, sizeof *all);
+  comm_gather_one(c, worst, all, sizeof *worst);
+  *worst = all[0];
+  for (size_t k = 1; k < n; k++)
+    if (all[k].relative > worst->relative) *worst = all[k];
+  free(all);
 }
 
 sd_status advice_overlap(const sd_model *m, first_overlap *worst) {
@@ -400,20 +423,8 @@ sd_status advice_overlap(const sd_model *m, first_overlap *worst) {
   if (status == SD_OK) overlaps_with_walls(m, note_overlap, &s);
   free(s.pairs);
   *worst = s.worst;
-  if (status != SD_OK || !(worst->depth > 0)) return status;
-  int other = worst->b < m->n_disks ? m->disks[worst->b].material : m->walls[worst->b - m->n_disks].material;
-  double g = hypot(m->gravity[0], m->gravity[1]), mass = HUGE_VAL;
-  if (is_free(m, worst->a)) mass = m->disks[worst->a].mass;
-  if (is_free(m, worst->b)) mass = fmin(mass, m->disks[worst->b].mass);
-  worst->force = law_force(sd_model_law(m, m->disks[worst->a].material, other), worst->depth);
-  worst->weight = mass * g;
-  return SD_OK;
-}
-
-bool advice_overlaps(const sd_model *m) {
-  first_overlap worst;
-  return advice_overlap(m, &worst) != SD_OK || worst.relative > DEEP_OVERLAP ||
-         (m->max_overlap > 0 && worst.relative > m->max_overlap);
+  advice_share_overlap(m->comm, worst);
+  return comm_agree(m->comm, status);
 }
 
 double advice_tell_overlap(const sd_model *m, const first_overlap *worst, sd_messages *messages) {

@@ -4,6 +4,7 @@
 #ifndef SLIPDISK_MODEL_ADVICE_H
 #define SLIPDISK_MODEL_ADVICE_H
 
+#include "base/comm.h"
 #include "model/model.h"
 
 /* Adds its warnings, the worst first; how bad that is: 0, there are none. Comparable among models, not among checks. */
@@ -26,9 +27,6 @@ char *advice_unstable(const sd_model *model);
 /* The first motion that begins with a jump, and what to do, to be freed; NULL: none does. */
 char *advice_first_jump(const sd_model *model);
 
-/* The limit of stability, of the whole deck where only a sample of its disks is here. */
-sd_step_limit advice_step_limit(const sd_model *model);
-
 /* Why a run may have failed: dt near its limit, or else as asked, "is k_n too small?"; in text[size]. */
 const char *advice_of_failure(const sd_model *model, const char *otherwise, char *text, size_t size);
 
@@ -41,9 +39,9 @@ typedef struct first_overlap {
   double weight; /* of the lighter free one; 0: no gravity */
 } first_overlap;
 sd_status advice_overlap(const sd_model *model, first_overlap *worst);
+/* Collective. The deepest of all ranks; of equal ones that of the first rank. */
+void advice_share_overlap(const comm *c, first_overlap *worst);
 /* The warning, where it is deep; what an advice_check returns. */
 double advice_tell_overlap(const sd_model *model, const first_overlap *worst, sd_messages *messages);
-/* Is that so deep that it is warned of, or a mistake? */
-bool advice_overlaps(const sd_model *model);
 
 #endif

@@ -6,6 +6,7 @@
 #include "model/advice.h"
 #include "model/field_kinds.h"
 #include "model/laws.h"
+#include "model/rows.h"
 
 /* Beyond these a step is coarse: f dt/m of drag, and the angle by which a frame turns in it. */
 static const double COARSE_DRAG = 0.2, COARSE_TURN = 0.05;
@@ -124,7 +125,7 @@ static bool wall_holds(const sd_model *m, const sd_wall *w, int axis) {
 
 static bool is_held(const sd_model *m, int axis) {
   bool holds = m->n_free < m->n_disks;
-  for (size_t i = 0; i < m->n_disks && !holds; i++) holds = m->disks[i].locked[axis];
+  for (size_t i = 0; i < model_held(m) && !holds; i++) holds = m->disks[i].locked[axis];
   for (size_t k = 0; k < m->n_clumps && !holds; k++) holds = m->clumps[k].locked[axis];
   for (size_t w = 0; w < m->n_walls && !holds; w++) holds = wall_holds(m, &m->walls[w], axis);
   for (size_t k = 0; k < m->n_fields && !holds; k++) holds = field_holds(&m->fields[k]);
@@ -136,12 +137,14 @@ static bool is_held(const sd_model *m, int axis) {
 /* The force along the axis on all free disks together, over the sum of its parts. */
 static double pull_of(const sd_model *m, int axis) {
   double sum = 0, parts = 0;
-  for (size_t i = 0; i < m->n_disks; i++) {
-    const sd_disk *d = &m->disks[i];
+  for (size_t row = rows_first(m); row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
     if (d->driven) continue;
     sum += d->mass * m->gravity[axis] + d->force[axis];
     parts += fabs(d->mass * m->gravity[axis]) + fabs(d->force[axis]);
   }
+  sum = rows_sum(m, sum);
+  parts = rows_sum(m, parts);
   return parts > 0 ? fabs(sum) / parts : 0;
 }
 
@@ -153,7 +156,7 @@ static double check_falls(const sd_model *m, sd_messages *messages) {
     if (!m->periodic[axis] || m->n_free == 0 || is_held(m, axis) || !(pull_of(m, axis) > 1e-9)) continue;
     const bool forces = m->gravity[axis] == 0 || rounding;
     bool any = !forces;
-    for (size_t i = 0; i < m->n_disks && !any; i++) any = m->disks[i].force[axis] != 0;
+    for (size_t i = 0; i < model_held(m) && !any; i++) any = m->disks[i].force[axis] != 0;
     if (!any) continue;
     sd_warn(messages,
             "%s: the box repeats along %c, and nothing there holds the disks: they fall for ever, faster and "

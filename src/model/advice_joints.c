@@ -5,6 +5,7 @@
 
 #include "model/advice.h"
 #include "model/joints.h"
+#include "model/rows.h"
 
 static double cross(const double a[2], const double b[2]) { return a[0] * b[1] - a[1] * b[0]; }
 static double dot(const double a[2], const double b[2]) { return a[0] * b[0] + a[1] * b[1]; }
@@ -27,9 +28,12 @@ typedef bool disk_place(const double at[2], const void *user);
 
 /* Is any disk that moves at such a place? Those that wait for rain have none yet. */
 static bool any_disk(const sd_model *m, disk_place *is, const void *user) {
-  for (size_t i = 0; i < m->n_disks; i++)
-    if (!m->disks[i].driven && !m->disks[i].waiting && is(m->disks[i].position, user)) return true;
-  return false;
+  bool any = false;
+  for (size_t row = 0; row < rows_count(m) && !any; row++) {
+    const sd_disk *d = rows_disk(m, row);
+    any = !d->driven && !d->waiting && is(d->position, user);
+  }
+  return rows_any(m, any);
 }
 
 /* --- ends that meet, of walls that move apart ------------------------------------------------------------- */

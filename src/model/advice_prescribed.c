@@ -7,6 +7,7 @@
 #include "model/advice.h"
 #include "model/motion_kinds.h"
 #include "model/overlaps.h"
+#include "model/rows.h"
 
 /* Overlap over the radius beyond which it is told; moments of the run that are looked at; and pairs, at all moments. */
 static const double LEAST_OVERLAP = 0.01;
@@ -37,7 +38,8 @@ static bool list_bodies(const sd_model *m, bodies *p) {
     return false;
   }
   for (uint32_t b = 0; b < n_bodies; b++)
-    if (b >= m->n_disks || (m->disks[b].driven && !m->disks[b].waiting)) p->list[p->n++] = b;
+    if (b >= m->n_disks || (b < model_held(m) && m->disks[b].driven && !m->disks[b].waiting))
+      p->list[p->n++] = b;
   return true;
 }
 

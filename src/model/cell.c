@@ -1,6 +1,7 @@
 /* cell.c: see cell.h. */
 #include "model/cell.h"
 #include "model/laws.h"
+#include "model/rows.h"
 
 #include <math.h>
 
@@ -10,17 +11,17 @@
 double cell_least_length(const sd_model *m, double *reach) {
   const double farthest = laws_reach(m);
   double largest = 0.0;
-  for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
+  for (size_t row = 0; row < rows_count(m); row++) largest = fmax(largest, rows_disk(m, row)->radius);
   if (reach) *reach = farthest;
-  return 4.0 * largest * 1.2 + 2.0 * farthest;
+  return 4.0 * rows_largest(m, largest) * 1.2 + 2.0 * farthest;
 }
 
 /* Whatever has a place or a weight of its own would stand still in the flow. Subjects come first: the reader of a deck finds
  * their line by them. */
 static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
   char name[96];
-  for (uint32_t i = 0; i < m->n_disks; i++) {
-    const sd_disk *d = &m->disks[i];
+  for (size_t row = 0; row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
     const char *what = d->driven                                        ? "is prescribed"
                        : d->locked[SD_X] || d->locked[SD_Y]             ? "is locked in place"
                        : d->force[SD_X] != 0.0 || d->force[SD_Y] != 0.0 ? "has a force of its own"
@@ -28,7 +29,7 @@ static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
                                                                         : NULL;
     if (!what) continue;
     FAIL("%s: it %s in the box of phases[%zu].cell; expected disks that contacts alone move",
-         sd_model_body_name(m, i, name, sizeof name), what, phase);
+         sd_model_body_name(m, rows_number(m, row), name, sizeof name), what, phase);
     return;
   }
 }

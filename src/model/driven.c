@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "model/bodies.h"
+#include "model/rows.h"
 
 /* Contacts are evaluated where one of both is free. Without any free disk those that motions lead are counted as free, with
  * all coordinates held or led, so that they feel what they touch; where only walls move, all disks are. */
@@ -29,11 +30,11 @@ static void free_the_led(sd_model *m) {
 
 unsigned char *model_moved(const sd_model *m) {
   unsigned char *moved;
-  if (!memory_row(&moved, m->n_disks, 1)) return NULL;
+  if (!memory_row(&moved, model_held(m), 1)) return NULL;
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       uint32_t body = m->motions[k].bodies[b];
-      if (body < m->n_disks) moved[body] |= (unsigned char)(1u << m->motions[k].coordinate);
+      if (body < model_held(m)) moved[body] |= (unsigned char)(1u << m->motions[k].coordinate);
     }
   return moved;
 }
@@ -41,8 +42,8 @@ unsigned char *model_moved(const sd_model *m) {
 sd_status model_find_driven(sd_model *m) {
   unsigned char *held = model_moved(m);
   if (!held) return SD_ERROR_IO;
-  m->n_free = 0;
-  for (size_t i = 0; i < m->n_disks; i++) {
+  m->n_free = m->n_disks - model_held(m);
+  for (size_t i = 0; i < model_held(m); i++) {
     for (int c = 0; c < 3; c++)
       if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);
     if (held[i] == 7) m->disks[i].driven = true;

@@ -1,5 +1,6 @@
 /* field_kinds.c: see field_kinds.h. */
 #include "model/field_kinds.h"
+#include "model/rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -81,28 +82,32 @@ typedef struct field_rates {
   double drag, turn_drag, spring2;
 } field_rates;
 
-/* To be freed. It is NULL without fields, and without memory (shortage.h). */
+static void add_rates(const sd_body_force *f, const sd_disk *d, field_rates *r) {
+  if (d->driven || !(d->mass > 0)) return;
+  const double inertia = d->inertia > 0 ? d->inertia : 0.5 * d->mass * d->radius * d->radius;
+  const field_weight w = field_weight_of(f, d->radius, d->mass, inertia);
+  const bool still = d->locked[SD_X] && d->locked[SD_Y];
+  if (f->kind == SD_FIELD_DRAG && !still) r->drag += f->gamma * w.force / d->mass;
+  if (f->kind == SD_FIELD_DRAG && !d->locked[SD_THETA])
+    r->turn_drag += f->gamma_rotation * w.torque / inertia;
+  if (f->kind == SD_FIELD_CENTRAL && f->power == 1 && f->strength > 0 && !still)
+    r->spring2 += f->strength * w.force / d->mass;
+}
+
+/* By row; to be freed. It is NULL without fields, and without memory (shortage.h). */
 static field_rates *rates_of(const sd_model *m) {
   field_rates *rates;
+  const size_t rows = rows_count(m);
   if (m->n_fields == 0) return NULL;
-  if (!memory_row(&rates, m->n_disks, sizeof *rates)) {
+  if (!memory_row(&rates, rows, sizeof *rates)) {
     shortage_note();
     return NULL;
   }
   for (size_t k = 0; k < m->n_fields; k++) {
     const sd_body_force *f = &m->fields[k];
-    for (size_t n = 0; n < (f->n_disks ? f->n_disks : m->n_disks); n++) {
-      const size_t i = f->n_disks ? f->disks[n] : n;
-      const sd_disk *d = &m->disks[i];
-      if (d->driven || !(d->mass > 0)) continue;
-      const double inertia = d->inertia > 0 ? d->inertia : 0.5 * d->mass * d->radius * d->radius;
-      const field_weight w = field_weight_of(f, d->radius, d->mass, inertia);
-      const bool still = d->locked[SD_X] && d->locked[SD_Y];
-      if (f->kind == SD_FIELD_DRAG && !still) rates[i].drag += f->gamma * w.force / d->mass;
-      if (f->kind == SD_FIELD_DRAG && !d->locked[SD_THETA])
-        rates[i].turn_drag += f->gamma_rotation * w.torque / inertia;
-      if (f->kind == SD_FIELD_CENTRAL && f->power == 1 && f->strength > 0 && !still)
-        rates[i].spring2 += f->strength * w.force / d->mass;
+    for (size_t n = 0; n < (f->n_disks ? f->n_disks : rows); n++) {
+      const size_t row = f->n_disks ? f->disks[n] : n;
+      add_rates(f, rows_disk(m, row), &rates[row]);
     }
   }
   return rates;
@@ -111,13 +116,16 @@ static field_rates *rates_of(const sd_model *m) {
 double body_forces_drag_rate(const sd_model *m, uint32_t *disk) {
   field_rates *rates = rates_of(m);
   double worst = 0;
-  for (uint32_t i = 0; rates && i < m->n_disks; i++) {
-    const double rate = fmax(rates[i].drag, rates[i].turn_drag);
+  uint32_t first = 0;
+  for (size_t row = 0; rates && row < rows_count(m); row++) {
+    const double rate = fmax(rates[row].drag, rates[row].turn_drag);
     if (!(rate > worst)) continue;
     worst = rate;
-    if (disk) *disk = i;
+    first = rows_number(m, row);
   }
   free(rates);
+  worst = rows_extreme(m, worst, &first);
+  if (disk && worst > 0) *disk = first;
   return worst;
 }
 
@@ -127,11 +135,13 @@ static const double GEAR_DRAG = 90.0 / 49, SPRING[] = {[SD_GEAR5] = 47.0 / 30, [
 
 void body_forces_limit(const sd_model *m, sd_step_limit *limit) {
   field_rates *rates = rates_of(m);
-  for (uint32_t i = 0; rates && i < m->n_disks; i++) {
-    const double rate = m->integrator == SD_GEAR5 ? fmax(rates[i].drag, rates[i].turn_drag) : 0;
+  for (size_t row = 0; rates && row < rows_count(m); row++) {
+    const field_rates *r = &rates[row];
+    const double rate = m->integrator == SD_GEAR5 ? fmax(r->drag, r->turn_drag) : 0;
     double dt = rate > 0 ? GEAR_DRAG / rate : HUGE_VAL;
-    if (rates[i].spring2 > 0) dt = fmin(dt, 1 / sqrt(SPRING[m->integrator] * rates[i].spring2));
-    if (dt < limit->dt) *limit = (sd_step_limit){.dt = dt, .disk = i, .bound = SD_BOUND_FIELD};
+    if (r->spring2 > 0) dt = fmin(dt, 1 / sqrt(SPRING[m->integrator] * r->spring2));
+    if (dt < limit->dt)
+      *limit = (sd_step_limit){.dt = dt, .disk = rows_number(m, row), .bound = SD_BOUND_FIELD};
   }
   free(rates);
 }
@@ -160,13 +170,14 @@ static void check_one(const sd_model *m, const sd_body_force *f, const char *nam
 static void check_damping(const sd_model *m, sd_messages *msg) {
   double *sum, worst = 0;
   size_t at = 0;
-  if (!memory_row(&sum, m->n_disks, 2 * sizeof *sum)) {
+  const size_t rows = rows_count(m);
+  if (!memory_row(&sum, rows, 2 * sizeof *sum)) {
     sd_fail(msg, SD_ERROR_IO, "out of memory for the fields");
     return;
   }
   for (size_t k = 0; k < m->n_fields; k++) {
     const sd_body_force *f = &m->fields[k];
-    for (size_t n = 0; f->kind == SD_FIELD_DAMPING && n < (f->n_disks ? f->n_disks : m->n_disks); n++) {
+    for (size_t n = 0; f->kind == SD_FIELD_DAMPING && n < (f->n_disks ? f->n_disks : rows); n++) {
       double *of = sum + 2 * (f->n_disks ? f->disks[n] : n);
       of[0] += f->alpha;
       of[1] += f->alpha_rotation;

@@ -6,14 +6,11 @@
 #include "model/image.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
-#include "model/bodies.h"
 #include "model/motion_kinds.h"
-#include "model/tiles.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/model.h"
 
@@ -21,7 +18,6 @@ typedef struct image {
   unsigned char *bytes; /* written: grows; read: const */
   size_t n, capacity;   /* written or read so far; of the bytes */
   bool writes, damaged, starved;
-  bool of_rank;       /* image_for_ranks */
   const char *source; /* written last: where it stands in memory and in the bytes */
   size_t offset;
 } image;
@@ -98,46 +94,6 @@ static void text(image *im, void *place) {
 #define FORGET_ALL(im, list, n, member)                                                                      \
   for (size_t k_ = 0; k_ < (n); k_++) forget(im, &(list)[k_].member)
 
-bool image_is_special(const sd_disk *d) {
-  bool special = d->driven || d->clump > 0 || d->name;
-  for (int c = 0; c < SD_COORDINATES; c++)
-    special = special || d->locked[c] || d->force[c] != 0.0 || signbit(d->force[c]);
-  return special;
-}
-
-/* Parts of a file are read as the deck says. */
-static void walk_deck(image *im, sd_model *m) {
-  array(im, &m->deck, 1, sizeof *m->deck);
-  if (failed(im)) return;
-  char **texts[] = {&m->deck->path, &m->deck->text, &m->deck->overrides, &m->deck->full, &m->deck->bodies};
-  for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) forget(im, texts[k]);
-  for (size_t k = 0; k < 3; k++) text(im, texts[k]);
-}
-
-/* Tiles see the disks that were there before them. */
-static bool is_of_rank(const sd_model *m, size_t k) {
-  return image_is_special(&m->disks[k]) || (m->tiles.away && k < m->tiles.first);
-}
-
-/* Of the others all is zero, in pages that nothing is written to. */
-static void walk_special_disks(image *im, sd_model *m) {
-  uint64_t n = 0;
-  if (!im->writes) make_room(im, &m->disks, m->n_disks, sizeof *m->disks);
-  if (failed(im)) return;
-  for (size_t k = 0; im->writes && k < model_held(m); k++) n += is_of_rank(m, k);
-  transfer(im, &n, sizeof n);
-  for (uint64_t k = 0; n > 0 && !failed(im); k++) {
-    if (im->writes && !is_of_rank(m, k)) continue;
-    transfer(im, &k, sizeof k);
-    im->damaged = k >= m->n_disks;
-    if (failed(im)) return;
-    transfer(im, &m->disks[k], sizeof *m->disks);
-    forget(im, &m->disks[k].name);
-    text(im, &m->disks[k].name);
-    n--;
-  }
-}
-
 static void walk_disks(image *im, sd_model *m) {
   array(im, &m->disks, m->n_disks, sizeof *m->disks);
   if (failed(im)) return;
@@ -146,10 +102,7 @@ static void walk_disks(image *im, sd_model *m) {
 }
 
 static void walk_bodies(image *im, sd_model *m) {
-  if (im->of_rank)
-    walk_special_disks(im, m);
-  else
-    walk_disks(im, m);
+  walk_disks(im, m);
   if (failed(im)) return;
   array(im, &m->walls, m->n_walls, sizeof *m->walls);
   if (failed(im)) return;
@@ -226,37 +179,31 @@ static void walk_materials(image *im, sd_model *m) {
 
 /* After the struct itself. */
 static void walk(image *im, sd_model *m) {
-  void *places[] = {&m->title,    &m->materials,     &m->laws,       &m->groups,      &m->disks,
-                    &m->walls,    &m->motions,       &m->fields,     &m->phases,      &m->rains,
-                    &m->memories, &m->rotations,     &m->slides,     &m->mistakes,    &m->deck,
-                    &m->segments, &m->contact_disks, &m->clumps,     &m->clump_disks, &m->clump_offsets,
-                    &m->advised,  &m->tiles.walls,   &m->derivatives};
+  void *places[] = {&m->title,    &m->materials,     &m->laws,        &m->groups,      &m->disks,
+                    &m->walls,    &m->motions,       &m->fields,      &m->phases,      &m->rains,
+                    &m->memories, &m->rotations,     &m->slides,      &m->mistakes,    &m->deck,
+                    &m->segments, &m->contact_disks, &m->clumps,      &m->clump_disks, &m->clump_offsets,
+                    &m->advised,  &m->tiles.walls,   &m->derivatives, &m->mine,        &m->known,
+                    &m->comm};
   for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
   if (!failed(im)) walk_materials(im, m);
   if (!failed(im)) walk_bodies(im, m);
   if (!failed(im)) walk_motions(im, m);
   if (!failed(im)) walk_phases(im, m);
   array(im, &m->rains, m->n_rains, sizeof *m->rains);
-  if (!im->of_rank) {
-    array(im, &m->memories, m->n_memories, sizeof *m->memories);
-    array(im, &m->derivatives, m->n_derivatives, sizeof *m->derivatives);
-  }
+  array(im, &m->memories, m->n_memories, sizeof *m->memories);
+  array(im, &m->derivatives, m->n_derivatives, sizeof *m->derivatives);
   array(im, &m->tiles.walls, m->tiles.n_walls, sizeof *m->tiles.walls);
   array(im, &m->rotations, m->n_rotations, sizeof *m->rotations);
   array(im, &m->slides, m->n_slides, sizeof *m->slides);
   array(im, &m->contact_disks, m->n_contact_disks, sizeof *m->contact_disks);
-  if (im->of_rank && m->tiles.away && m->tiles.of_file) walk_deck(im, m);
 }
 
-static void *bytes_of(const sd_model *model, bool of_rank, size_t *size) {
-  image im = {.writes = true, .of_rank = of_rank};
+void *image_of_model(const sd_model *model, size_t *size) {
+  image im = {.writes = true};
   /* walked, not changed: places are only written when an image is read */
   sd_model whole = *model, *m = &whole;
-  if (of_rank && !(model->limit_told > 0.0)) {
-    const sd_step_limit limit = sd_model_step_limit(model);
-    whole.limit_told = limit.dt;
-    whole.bound_told = limit.bound;
-  }
+  assert(!model->parted && !model->tiles.away);
   uint32_t head[sizeof layout / sizeof *layout];
   memcpy(head, layout, sizeof layout);
   transfer(&im, head, sizeof head);
@@ -267,13 +214,6 @@ static void *bytes_of(const sd_model *model, bool of_rank, size_t *size) {
   if (!failed(&im)) return im.bytes;
   free(im.bytes);
   return NULL;
-}
-
-void *image_of_model(const sd_model *model, size_t *size) { return bytes_of(model, false, size); }
-
-void *image_for_ranks(const sd_model *model, size_t *size) {
-  assert(model->finished);
-  return bytes_of(model, true, size);
 }
 
 /* Counts of what could not be read are 0, so that the rest can be freed. */
@@ -302,36 +242,26 @@ static bool kinds_exist(const sd_model *m) {
   return (unsigned)m->integrator <= SD_VERLET && (unsigned)m->variant <= SD_CONSERVATIVE;
 }
 
-static sd_status model_of(const void *bytes, size_t size, bool of_rank, sd_model **out,
-                          sd_messages *messages) {
+sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages *messages) {
   *out = NULL;
   if (size < sizeof layout || memcmp(bytes, layout, sizeof layout) != 0)
     return sd_fail(messages, SD_ERROR_USER,
                    "the model was saved by another version of slipdisk; this is version %s", SD_VERSION);
   sd_model *m = memory_new(1, sizeof *m);
-  image im = {
-      .bytes = (unsigned char *)(uintptr_t)bytes, .n = sizeof layout, .capacity = size, .of_rank = of_rank};
+  image im = {.bytes = (unsigned char *)(uintptr_t)bytes, .n = sizeof layout, .capacity = size};
   transfer(&im, m, sizeof *m);
+  m->parted = m->tiles.away = false; /* in an image that is damaged */
   walk(&im, m);
   sd_status status = SD_OK;
   if (im.starved) status = sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
   if (!im.starved && (failed(&im) || im.n != size || !kinds_exist(m)))
     status = sd_fail(messages, SD_ERROR_IO, "the saved model is damaged");
-  if (status == SD_OK && of_rank) model_find_pieces(m);
-  if (status == SD_OK && m->finished && !of_rank) status = model_finish_again(m, messages);
+  if (status == SD_OK && m->finished) status = model_finish_again(m, messages);
   if (status == SD_OK)
     *out = m;
   else
     drop(m);
   return status;
-}
-
-sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages *messages) {
-  return model_of(bytes, size, false, out, messages);
-}
-
-sd_status image_read_for_rank(const void *bytes, size_t size, sd_model **out, sd_messages *messages) {
-  return model_of(bytes, size, true, out, messages);
 }
 
 sd_model *sd_model_clone(const sd_model *model) {

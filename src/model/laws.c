@@ -2,10 +2,13 @@
 #include "model/laws.h"
 
 #include <math.h>
+#include <stdlib.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "model/law_cohesion.h"
 #include "model/normal_laws.h"
+#include "model/rows.h"
 
 #define LAW_WORD(number, word, keys, meaning) {#word, number, keys, meaning},
 static const deck_shape normal_words[] = {NORMAL_LAWS(LAW_WORD) LAST_WORD};
@@ -161,11 +164,19 @@ bool law_is_same(const sd_contact_law *a, const sd_contact_law *b) {
 
 /* Materials that are none are left out; they are reported elsewhere. */
 void laws_count_uses(const sd_model *m, law_use *use) {
-  for (size_t i = 0; i < m->n_disks; i++) {
-    if (m->disks[i].material < 0) continue;
-    use[m->disks[i].material].count++;
-    if (!m->disks[i].driven) use[m->disks[i].material].free_disk = true;
+  int64_t *counts = memory_new(2 * m->n_materials, sizeof *counts); /* of disks, of free ones */
+  for (size_t row = rows_first(m); row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
+    if (d->material < 0) continue;
+    counts[2 * d->material]++;
+    counts[2 * d->material + 1] += !d->driven;
   }
+  comm_add(m->comm, counts, 2 * m->n_materials);
+  for (size_t k = 0; k < m->n_materials; k++) {
+    use[k].count += (size_t)counts[2 * k];
+    use[k].free_disk = use[k].free_disk || counts[2 * k + 1] > 0;
+  }
+  free(counts);
   for (size_t w = 0; w < m->n_walls; w++)
     if (m->walls[w].material >= 0) use[m->walls[w].material].count++;
 }

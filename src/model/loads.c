@@ -6,18 +6,20 @@
 #include "model/arc.h"
 #include "model/motion_kinds.h"
 #include "model/normal_laws.h"
+#include "model/rows.h"
 
 /* Mean of the free disks in play; of the region when there are none. */
 static void middle(const sd_model *m, double at[2]) {
-  size_t n = 0;
-  double sum[2] = {0.0, 0.0};
-  for (size_t i = 0; i < m->n_disks; i++) {
-    if (m->disks[i].driven || m->disks[i].waiting) continue;
-    for (int c = 0; c < 2; c++) sum[c] += m->disks[i].position[c];
+  double sum[2] = {0.0, 0.0}, n = 0.0;
+  for (size_t row = rows_first(m); row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
+    if (d->driven || d->waiting) continue;
+    for (int c = 0; c < 2; c++) sum[c] += d->position[c];
     n++;
   }
-  for (int c = 0; c < 2; c++)
-    at[c] = n ? sum[c] / (double)n : 0.5 * (m->region_lower[c] + m->region_upper[c]);
+  n = rows_sum(m, n);
+  for (int c = 0; c < 2; c++) sum[c] = rows_sum(m, sum[c]);
+  for (int c = 0; c < 2; c++) at[c] = n > 0.0 ? sum[c] / n : 0.5 * (m->region_lower[c] + m->region_upper[c]);
 }
 
 static int sign_of(double x) { return (x > 0.0) - (x < 0.0); }
@@ -127,13 +129,16 @@ enum { STEPS_PER_PERIOD = 20 };
 /* How many free disks can lie side by side along a wall. */
 static double disks_along(const sd_model *m, const sd_wall *wall, int across) {
   double low = HUGE_VAL, high = -HUGE_VAL, radius = HUGE_VAL;
-  for (size_t i = 0; i < m->n_disks; i++) {
-    const sd_disk *d = &m->disks[i];
+  for (size_t row = 0; row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
     if (d->driven) continue;
     low = fmin(low, d->position[across] - d->radius);
     high = fmax(high, d->position[across] + d->radius);
     radius = fmin(radius, d->radius);
   }
+  low = rows_least(m, low);
+  high = rows_largest(m, high);
+  radius = rows_least(m, radius);
   if (m->region_upper[across] > m->region_lower[across])
     high = low + m->region_upper[across] - m->region_lower[across];
   if (wall->kind == SD_WALL_SEGMENT)
@@ -147,7 +152,8 @@ void loads_check_steps(const sd_model *m, sd_messages *msg) {
     if (q->kind != SD_MOTION_LOAD || m->n_free == 0) continue;
     const sd_wall *wall = &m->walls[q->bodies[0] - m->n_disks];
     double largest = 0.0; /* radius */
-    for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
+    for (size_t row = 0; row < rows_count(m); row++) largest = fmax(largest, rows_disk(m, row)->radius);
+    largest = rows_largest(m, largest);
     double stiffness = 0.0, n = disks_along(m, wall, q->coordinate == SD_X ? SD_Y : SD_X);
     for (int b = 0; b < (int)m->n_materials; b++)
       stiffness = fmax(stiffness, law_typical_stiffness(sd_model_law(m, wall->material, b), largest));

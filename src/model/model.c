@@ -18,8 +18,9 @@
 #include "model/normal_laws.h"
 #include "model/loads.h"
 #include "model/motion_kinds.h"
+#include "model/rains.h"
 #include "model/rounding.h"
-#include "model/wall_images.h"
+#include "model/rows.h"
 #include "model/wall_images.h"
 #include "slipdisk/deck.h"
 
@@ -35,7 +36,8 @@ void sd_model_free(sd_model *m) {
   if (!m) return;
   for (size_t k = 0; k < m->n_materials; k++) free(m->materials[k].name);
   for (size_t k = 0; k < m->n_groups; k++) free(m->groups[k]);
-  for (size_t k = 0; k < m->n_disks; k++) free((char *)m->disks[k].name);
+  for (size_t k = 0; k < (m->parted ? m->n_known : model_held(m)); k++)
+    free((char *)m->disks[model_known_disk(m, k)].name);
   for (size_t k = 0; k < m->n_walls; k++) {
     free((char *)m->walls[k].name);
     free(m->walls[k].points);
@@ -60,6 +62,9 @@ void sd_model_free(sd_model *m) {
   free(m->laws);
   free(m->groups);
   free(m->disks);
+  free(m->known);
+  rows_free(m->mine);
+  free(m->mine);
   free(m->walls);
   free(m->motions);
   free(m->fields);
@@ -97,8 +102,10 @@ size_t sd_model_walls(const sd_model *m) { return m->n_walls; }
 double sd_model_dt(const sd_model *m) { return m->dt; }
 
 uint32_t sd_model_find(const sd_model *m, const char *name) {
-  for (size_t k = 0; k < m->n_disks; k++)
-    if (m->disks[k].name && strcmp(m->disks[k].name, name) == 0) return (uint32_t)k;
+  for (size_t k = 0; k < model_known(m); k++) {
+    const uint32_t disk = model_known_disk(m, k);
+    if (m->disks[disk].name && strcmp(m->disks[disk].name, name) == 0) return disk;
+  }
   for (size_t k = 0; k < m->n_walls; k++)
     if (m->walls[k].name && strcmp(m->walls[k].name, name) == 0) return (uint32_t)(m->n_disks + k);
   for (size_t k = 0; k < m->n_clumps; k++)
@@ -122,7 +129,7 @@ const char *sd_model_body_name(const sd_model *m, uint32_t body, char *text, siz
   const bool disk = body < m->n_disks, wall = !disk && body < bodies, exists = body < model_movables(m);
   const char *kind = disk ? "disk" : wall ? "wall" : "clump";
   const size_t number = disk ? body : wall ? body - m->n_disks : body - bodies;
-  const char *name = disk     ? m->disks[number].name
+  const char *name = disk     ? (m->parted || number < model_held(m) ? m->disks[number].name : NULL)
                      : wall   ? m->walls[number].name
                      : exists ? m->clumps[number].name
                               : NULL;
@@ -179,8 +186,9 @@ static void check_disks(const sd_model *m, sd_messages *msg) {
   static const char *const keys[3][3] = {
       {"x", "y", "theta"}, {"vx", "vy", "omega"}, {"force x", "force y", "torque"}};
   char name[96];
-  for (uint32_t i = 0; i < m->n_disks; i++) {
-    const sd_disk *d = &m->disks[i];
+  for (size_t row = 0; row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
+    const uint32_t i = rows_number(m, row);
     const double *const numbers[3] = {d->position, d->velocity, d->force};
     for (int c = 0; c < 3; c++) {
       for (int k = 0; k < 3; k++) check_number(m, i, keys[k][c], numbers[k][c], -LIMIT_NUMBER, false, msg);
@@ -360,12 +368,13 @@ static void check_box(const sd_model *m, sd_messages *msg) {
     else if (!(length > least))
       sd_fail(msg, SD_ERROR_USER, "box.%c: length %g: expected more than 4.8 times the largest radius (%g)",
               axis, length, least / 4.8);
-    for (size_t i = 0; i < m->n_disks; i++) {
-      double p = m->disks[i].position[c];
+    for (size_t row = 0; row < rows_count(m); row++) {
+      double p = rows_disk(m, row)->position[c];
       if (p < m->lower[c] || p >= m->upper[c]) {
         char name[96];
         sd_fail(msg, SD_ERROR_USER, "%s: %c = %g lies outside the periodic box [%g, %g)",
-                sd_model_body_name(m, (uint32_t)i, name, sizeof name), axis, p, m->lower[c], m->upper[c]);
+                sd_model_body_name(m, rows_number(m, row), name, sizeof name), axis, p, m->lower[c],
+                m->upper[c]);
       }
     }
   }
@@ -421,40 +430,6 @@ static void check_compress(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* Every disk that waits belongs to one rain, and only these wait. */
-static void check_rains(const sd_model *m, sd_messages *msg) {
-  char name[96], motion[96];
-  size_t waiting = 0, rained = 0;
-  for (uint32_t i = 0; i < m->n_disks; i++) waiting += m->disks[i].waiting;
-  for (size_t k = 0; k < m->n_rains; k++) {
-    const sd_rain *r = &m->rains[k];
-    if (r->count < 1 || r->first + r->count > m->n_disks || r->batch < 1 || r->interval < 1)
-      sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected disks that exist, a batch and an interval >= 1", k);
-    if (!(r->gap >= 0.0) || !isfinite(r->gap) || !isfinite(r->speed) || !isfinite(r->floor))
-      sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected a gap >= 0, and a speed and a floor", k);
-    for (size_t i = r->first; i < r->first + r->count && i < m->n_disks; i++, rained++) {
-      const sd_disk *d = &m->disks[i];
-      sd_model_body_name(m, (uint32_t)i, name, sizeof name);
-      if (!d->waiting || d->driven)
-        sd_fail(msg, SD_ERROR_USER, "%s: expected a free disk that waits for rains[%zu]", name, k);
-      if (!(2.0 * clumps_grain(m, i, r->first + r->count).radius <= r->upper - r->lower))
-        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: it does not fit into rain %g wide", name, d->radius,
-                r->upper - r->lower);
-    }
-  }
-  if (rained != waiting)
-    sd_fail(msg, SD_ERROR_USER, "%zu disks wait, %zu belong to rain: expected each to belong to one", waiting,
-            rained);
-  for (size_t k = 0; k < m->n_motions; k++)
-    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
-      uint32_t body = m->motions[k].bodies[b];
-      if (body < m->n_disks && m->disks[body].waiting)
-        sd_fail(msg, SD_ERROR_USER, "%s: %s waits for rain, which says where it begins",
-                model_motion_name(m, k, motion, sizeof motion),
-                sd_model_body_name(m, body, name, sizeof name));
-    }
-}
-
 static void check_settle(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_phases; k++) {
     const sd_settle *s = &m->phases[k].settle;
@@ -474,22 +449,21 @@ static void check_bounds(const sd_model *m, sd_messages *msg) {
 /* Round walls, too, must be met in one image only. */
 static void check_round_walls(const sd_model *m, sd_messages *msg) {
   char name[96], disk[96];
-  double largest = 0.0;
-  for (size_t i = 0; i < m->n_disks; i++)
-    if (!m->disks[i].driven) largest = fmax(largest, m->disks[i].radius);
   for (uint32_t w = 0; w < m->n_walls; w++) {
     const sd_wall *wall = &m->walls[w];
     if (wall->kind != SD_WALL_CIRCLE) continue;
     sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
-    double reach = wall->inside ? wall->radius : wall->radius + largest;
+    double reach = wall->inside ? wall->radius : wall->radius + m->largest_radius;
     for (int c = 0; c < 2; c++)
       if (m->periodic[c] && !(m->upper[c] - m->lower[c] > 2.0 * reach))
         sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: the periodic box must be wider than %g to hold it",
                 name, wall->radius, 2.0 * reach);
-    for (uint32_t i = 0; wall->inside && i < m->n_disks; i++)
-      if (!m->disks[i].driven && m->disks[i].radius >= wall->radius)
+    for (size_t row = 0; wall->inside && row < rows_count(m); row++) {
+      const sd_disk *d = rows_disk(m, row);
+      if (!d->driven && d->radius >= wall->radius)
         sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: %s, of radius %g, does not fit into it", name,
-                wall->radius, sd_model_body_name(m, i, disk, sizeof disk), m->disks[i].radius);
+                wall->radius, sd_model_body_name(m, rows_number(m, row), disk, sizeof disk), d->radius);
+    }
   }
 }
 
@@ -502,21 +476,32 @@ static void check_step(const sd_model *m, sd_messages *msg) {
 
 /* --- derived tables ---------------------------------------------------------------------------------- */
 
+static void complete_disks(sd_model *m) {
+  const size_t held = model_held(m);
+  for (size_t row = 0; row < rows_count(m); row++) {
+    sd_disk *d = row < held ? &m->disks[row] : &m->mine->disk[row - held];
+    if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
+  }
+}
+
 static void derive_numbers(sd_model *m) {
-  double inverse = 0.0;
-  m->largest_radius = 0.0;
-  m->smallest_radius = HUGE_VAL;
+  double inverse = 0.0, largest = 0.0, smallest = HUGE_VAL;
   for (size_t k = 0; k < m->n_motions; k++)
     if (m->motions[k].interval < 1) m->motions[k].interval = 1;
-  for (size_t i = 0; i < m->n_disks; i++) {
-    sd_disk *d = &m->disks[i];
-    if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
+  complete_disks(m);
+  for (size_t row = rows_first(m); row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
     inverse += 1.0 / d->radius;
     if (d->driven) continue;
-    m->largest_radius = fmax(m->largest_radius, d->radius);
-    m->smallest_radius = fmin(m->smallest_radius, d->radius);
+    largest = fmax(largest, d->radius);
+    smallest = fmin(smallest, d->radius);
   }
-  m->mean_radius = (double)m->n_disks / inverse;
+  m->mean_radius = (double)m->n_disks / rows_sum(m, inverse);
+  m->largest_radius = rows_largest(m, largest);
+  m->smallest_radius = rows_least(m, smallest);
+  int64_t contacts[1] = {m->mine ? (int64_t)m->mine->n_contacts : 0};
+  comm_add(m->comm, contacts, 1);
+  m->all_memories = m->n_memories + (size_t)contacts[0];
 }
 
 static void derive_period(sd_model *m) {
@@ -525,45 +510,61 @@ static void derive_period(sd_model *m) {
   m->shortest_period = servo ? sd_model_shortest_period(m, NULL) : 0.0;
 }
 
+/* What is checked first: the model's own tables are made of it. */
+static void check_all(const sd_model *m, sd_messages *msg) {
+  check_run(m, msg);
+  check_disks(m, msg);
+  check_walls(m, msg);
+  check_motions(m, msg);
+  loads_check(m, msg);
+  body_forces_check(m, msg);
+  check_box(m, msg);
+  check_compress(m, msg);
+  cell_check(m, msg);
+  rains_check(m, msg);
+  check_settle(m, msg);
+  check_bounds(m, msg);
+  check_memories(m, msg);
+  check_watches(m, msg);
+  check_until(m, msg);
+}
+
+/* Together: ranks see mistakes in their own rows. */
+static sd_status found(const sd_model *m, sd_status status, const sd_messages *msg, size_t before) {
+  if (status == SD_OK && sd_messages_errors(msg) > before) status = SD_ERROR_USER;
+  return comm_agree(m->comm, status);
+}
+
+/* Fills in what follows, and checks it. */
+static sd_status derive(sd_model *m, sd_messages *msg) {
+  const size_t before = sd_messages_errors(msg);
+  sd_status status = comm_agree(m->comm, model_find_driven(m));
+  if (status != SD_OK) return sd_fail(msg, SD_ERROR_IO, "out of memory for the model's tables");
+  model_find_pieces(m);
+  derive_numbers(m);
+  rounding_check(m, msg);
+  status = comm_agree(m->comm, clumps_derive(m, msg));
+  if (status == SD_OK) status = comm_agree(m->comm, check_laws(m, msg));
+  if (status != SD_OK) return status;
+  check_round_walls(m, msg);
+  loads_check_steps(m, msg);
+  derive_period(m);
+  if (!m->deck) check_step(m, msg);
+  return found(m, SD_OK, msg, before);
+}
+
 sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   size_t before = sd_messages_errors(msg);
   sd_messages *own = msg ? msg : sd_messages_new();
   model_complete(m);
-  sd_status built = model_tell_mistakes(m, own);
-  if (built == SD_ERROR_IO) {
-    if (own != msg) sd_messages_free(own);
-    return built;
+  sd_status status = model_tell_mistakes(m, own);
+  if (status != SD_ERROR_IO) {
+    check_all(m, own);
+    status = found(m, SD_OK, own, before);
+    if (status == SD_OK) wall_images_check(m, own);
+    status = found(m, status, own, before);
+    if (status == SD_OK) status = derive(m, own);
   }
-  check_run(m, own);
-  check_disks(m, own);
-  check_walls(m, own);
-  check_motions(m, own);
-  loads_check(m, own);
-  body_forces_check(m, own);
-  check_box(m, own);
-  check_compress(m, own);
-  cell_check(m, own);
-  check_rains(m, own);
-  check_settle(m, own);
-  check_bounds(m, own);
-  check_memories(m, own);
-  check_watches(m, own);
-  check_until(m, own);
-  sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;
-  if (status == SD_OK) wall_images_check(m, own);
-  if (sd_messages_errors(own) > before) status = SD_ERROR_USER;
-  if (status == SD_OK && model_find_driven(m) != SD_OK)
-    status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");
-  if (status == SD_OK) model_find_pieces(m);
-  if (status == SD_OK) derive_numbers(m);
-  if (status == SD_OK) rounding_check(m, own);
-  if (status == SD_OK) status = clumps_derive(m, own);
-  if (status == SD_OK) status = check_laws(m, own);
-  if (status == SD_OK) check_round_walls(m, own);
-  if (status == SD_OK) loads_check_steps(m, own);
-  if (status == SD_OK) derive_period(m);
-  if (status == SD_OK && !m->deck) check_step(m, own);
-  if (status == SD_OK && sd_messages_errors(own) > before) status = SD_ERROR_USER;
   if (own != msg) sd_messages_free(own);
   m->finished = status == SD_OK;
   return status;

@@ -61,16 +61,15 @@ typedef struct sd_tile_wall {
 } sd_tile_wall;
 
 /* The last disks of a model, where each part of them can be had by itself: the last packing, in slabs side by side along x, tile after
- * tile (pack/tiles.h), or a large file, in rows (deck_make_part). */
+ * tile (pack/tiles.h), or a large file, in rows (io/deck/deck_parts.h). */
 typedef struct sd_tiles {
   size_t n;            /* 0: there are none */
   size_t first, count; /* disks */
-  bool away;           /* ranks make them; those that are here until they are counted are a sample */
-  size_t sample;       /* disks, the first that many of which may be put in the place of (model_bears) */
+  bool away;           /* each rank has some of them (rows.h) */
   bool of_file;
   size_t entry;                   /* of the deck's list of packings, or of files */
   int64_t inputs, contact_inputs; /* of a file: sums of what it says of disks and contacts, in any order */
-  size_t n_contacts, n_kept;      /* of a file: that come along; where it is away: with bodies of the model */
+  size_t n_contacts;              /* of a file: that come along */
   size_t n_walls;                 /* where it is away, and contacts come along */
   bool forces_carried;            /* forces of those contacts hold at step 0 */
   sd_tile_wall *walls;
@@ -102,6 +101,19 @@ typedef struct sd_contact_memory {
   double side;
   sd_contact_record record;
 } sd_contact_memory;
+
+/* Disks that one rank has (rows.h). */
+typedef struct sd_rows {
+  size_t n;
+  sd_disk *disk;
+  uint32_t *number; /* disks of the model */
+  double *shift;    /* of a file whose contacts come along (deck_result_shift); else NULL */
+  double (*derivatives)[SD_DERIVATIVES]; /* NULL: none */
+  size_t n_memories;
+  sd_contact_memory *memories; /* contacts of the model that this rank begins with */
+  size_t n_contacts;
+  sd_contact_memory *contacts; /* of the file that is away, as it has them, with bodies of the model */
+} sd_rows;
 
 /* --- derived by sd_model_finish ------------------------------------------------------------------- */
 
@@ -146,9 +158,6 @@ struct sd_model {
   sd_integrator integrator;
   sd_variant variant;
   double dt;
-  double
-      limit_told; /* of the time step, in the part of a model that a rank has, which knows no masses; 0: not told */
-  sd_bound bound_told;
   double skin;        /* Verlet-list skin, length; 0: chosen as the run goes */
   double max_overlap; /* a run stops when an overlap exceeds this fraction of the smaller radius */
   sd_limits limits;
@@ -182,6 +191,7 @@ struct sd_model {
   sd_rain *rains;
   size_t n_memories; /* contacts of the packing that the run begins with, in any order */
   sd_contact_memory *memories;
+  size_t all_memories;  /* with those that are away; derived */
   bool forces_carried;  /* the forces of some contacts hold at step 0 */
   size_t n_derivatives; /* disks; 0: the file has none, or not for Gear */
   /* Gear's columns 3 to 5 of x, of y, of theta (state.h), from the file of each disk */
@@ -205,7 +215,15 @@ struct sd_model {
 
   sd_messages *mistakes; /* of the calls that built it, for sd_model_finish; NULL: none */
 
-  sd_messages *advised; /* of a model whose tiles are away, by its first one; NULL: none */
+  /* Where ranks share the disks: rows.h. */
+  const struct comm *comm; /* of the ranks that read the deck together, until it is read; NULL: one alone */
+  sd_rows *mine;           /* that this rank alone has, until its run begins; NULL: none */
+  bool parted;             /* by model_part; then: */
+  size_t n_known;          /* disks whose rows are here, ascending */
+  uint32_t *known;
+  sd_step_limit limit;  /* of the time step, */
+  sd_messages *advised; /* warnings, */
+  int64_t inputs;       /* and the sum over what files say (provenance_inputs), of all disks */
 
   /* derived */
   bool finished;

@@ -74,7 +74,7 @@ static bool check_pair(grid *g, size_t i, size_t j, double dx, double dy) {
   const sd_disk *a = &g->m->disks[i], *b = &g->m->disks[j];
   if (b->radius < a->radius || (b->radius == a->radius && j <= i)) return false;
   const double r = hypot(dx, dy);
-  const overlap found = {(uint32_t)i, (uint32_t)j, a->radius + b->radius - r, r == 0};
+  const overlap found = {(uint32_t)i, (uint32_t)j, i, a->radius + b->radius - r, r == 0};
   return found.depth > 0 && g->visit(g->user, &found);
 }
 
@@ -135,7 +135,7 @@ static int level_of(double radius) {
 static bool make_levels(grid *g) {
   size_t n_cells = 0;
   g->levels = memory_new(EXPONENTS, sizeof *g->levels);
-  for (size_t i = 0; i < g->m->n_disks; i++) {
+  for (size_t i = 0; i < model_held(g->m); i++) {
     if (!sound(&g->m->disks[i])) continue;
     const double radius = g->m->disks[i].radius;
     level *l = &g->levels[level_of(radius)];
@@ -153,7 +153,7 @@ static bool make_levels(grid *g) {
     while (l->n_cells < 2 * l->n_disks) l->n_cells *= 2;
     n_cells += l->n_cells;
   }
-  if (!memory_resize(2, (memory_column[]){{&g->next, g->m->n_disks, sizeof *g->next},
+  if (!memory_resize(2, (memory_column[]){{&g->next, model_held(g->m), sizeof *g->next},
                                           {&g->heads, n_cells, sizeof *g->heads}}))
     return false;
   memset(g->heads, 0xff, n_cells * sizeof *g->heads);
@@ -205,7 +205,7 @@ static uint32_t sorted(grid *g, uint32_t list) {
 /* Each list begins with the largest, so that of disks upon each other all but that one find a larger one at once. */
 static bool make_grid(grid *g) {
   if (!make_levels(g)) return false;
-  for (size_t i = 0; i < g->m->n_disks; i++) {
+  for (size_t i = 0; i < model_held(g->m); i++) {
     const sd_disk *d = &g->m->disks[i];
     if (!sound(d)) continue;
     const level *l = &g->levels[level_of(d->radius)];
@@ -227,7 +227,7 @@ sd_status overlaps_of_disks(const sd_model *m, overlap_visitor *visit, void *use
   for (int c = 0; c < 2; c++)
     if (m->periodic[c] && m->upper[c] > m->lower[c]) g.length[c] = m->upper[c] - m->lower[c];
   bool made = make_grid(&g);
-  for (size_t i = 0; made && i < m->n_disks; i++) {
+  for (size_t i = 0; made && i < model_held(m); i++) {
     if (!sound(&m->disks[i])) continue;
     bool done = false;
     for (int k = level_of(m->disks[i].radius); k <= g.largest && !done; k++)
@@ -318,10 +318,10 @@ static double depth_in_wall(const sd_model *m, const wall_tree *t, const double 
 void overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) {
   for (uint32_t w = 0; w < m->n_walls; w++) {
     wall_tree tree = make_tree(&m->walls[w]);
-    for (uint32_t i = 0; i < m->n_disks; i++) {
-      const sd_disk *disk = &m->disks[i];
+    for (size_t row = 0; row < rows_count(m); row++) {
+      const sd_disk *disk = rows_disk(m, row);
       if (!sound(disk) || disk->waiting || disk->driven) continue;
-      const overlap found = {i, (uint32_t)m->n_disks + w,
+      const overlap found = {rows_number(m, row), (uint32_t)m->n_disks + w, row,
                              depth_in_wall(m, &tree, disk->position, disk->radius), false};
       if (found.depth > 0) visit(user, &found);
     }

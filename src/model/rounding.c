@@ -4,6 +4,8 @@
 #include <float.h>
 #include <math.h>
 
+#include "model/rows.h"
+
 /* Coordinates that are rounded by more than this part of the smallest radius have no contacts. */
 static const double COARSE = 0.01;
 
@@ -15,19 +17,25 @@ static double farthest_of(const sd_wall *w) {
   return far;
 }
 
-void rounding_check(const sd_model *m, sd_messages *msg) {
+/* True: it is told. */
+static bool tell(const sd_model *m, uint32_t body, double far, sd_messages *msg) {
   char name[96];
-  for (uint32_t b = 0; b < m->n_disks + m->n_walls; b++) {
-    const double *at = b < m->n_disks ? m->disks[b].position : NULL;
-    const double far = at ? fmax(fabs(at[0]), fabs(at[1])) : farthest_of(&m->walls[b - m->n_disks]);
-    const double rounding = DBL_EPSILON * far;
-    if (!(rounding > COARSE * m->smallest_radius)) continue;
-    sd_fail(
-        msg, SD_ERROR_USER,
-        "%s: a coordinate of %.3g is rounded by %.2g, and the smallest disk has a radius of %g: expected at "
-        "most %.3g",
-        sd_model_body_name(m, b, name, sizeof name), far, rounding, m->smallest_radius,
-        COARSE * m->smallest_radius / DBL_EPSILON);
-    return;
+  const double rounding = DBL_EPSILON * far;
+  if (!(rounding > COARSE * m->smallest_radius)) return false;
+  sd_fail(
+      msg, SD_ERROR_USER,
+      "%s: a coordinate of %.3g is rounded by %.2g, and the smallest disk has a radius of %g: expected at "
+      "most %.3g",
+      sd_model_body_name(m, body, name, sizeof name), far, rounding, m->smallest_radius,
+      COARSE * m->smallest_radius / DBL_EPSILON);
+  return true;
+}
+
+void rounding_check(const sd_model *m, sd_messages *msg) {
+  for (size_t row = 0; row < rows_count(m); row++) {
+    const double *at = rows_disk(m, row)->position;
+    if (tell(m, rows_number(m, row), fmax(fabs(at[0]), fabs(at[1])), msg)) return;
   }
+  for (uint32_t w = 0; w < m->n_walls; w++)
+    if (tell(m, (uint32_t)m->n_disks + w, farthest_of(&m->walls[w]), msg)) return;
 }

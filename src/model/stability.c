@@ -20,7 +20,7 @@
 #include "model/field_kinds.h"
 #include "model/laws.h"
 #include "model/normal_laws.h"
-#include "model/model.h"
+#include "model/rows.h"
 
 static const double STIFF[] = {[SD_GEAR5] = 47.0 / 30, [SD_VERLET] = 0.25};
 static const double VISCOUS[] = {[SD_GEAR5] = 551.0 / 90, [SD_VERLET] = 1};
@@ -47,19 +47,28 @@ static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, dou
                       .friction = law->gamma_t * rubs + 2.0 * law->gamma_r * inverse_inertia};
 }
 
+/* A row as contacts feel it at most. */
+static sd_disk felt_at(const sd_model *m, size_t row) {
+  return row < model_held(m) ? clumps_felt(m, row) : *rows_disk(m, row);
+}
+
 double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
   double fastest = 0.0;
-  for (uint32_t i = 0; i < m->n_disks; i++)
-    for (size_t b = 0; b < m->n_materials && !m->disks[i].driven; b++) {
-      const sd_contact_law *law = sd_model_law(m, m->disks[i].material, (int)b);
+  uint32_t first = 0;
+  for (size_t row = 0; row < rows_count(m); row++)
+    for (size_t b = 0; b < m->n_materials && !rows_disk(m, row)->driven; b++) {
+      const sd_contact_law *law = sd_model_law(m, rows_disk(m, row)->material, (int)b);
       if (!law_is_given(law)) continue;
-      const sd_disk felt = clumps_felt(m, i);
+      const sd_disk felt = felt_at(m, row);
       const oscillator o = oscillator_of(&felt, law, 0.0, 0);
       double w2 = fmax(o.normal2, o.tangential2);
-      if (!(w2 > fastest)) continue;
+      const uint32_t number = rows_number(m, row);
+      if (!(w2 > fastest) && !(w2 == fastest && number < first)) continue;
       fastest = w2;
-      if (disk) *disk = i;
+      first = number;
     }
+  fastest = rows_extreme(m, fastest, &first);
+  if (disk && fastest > 0.0) *disk = first;
   return fastest > 0.0 ? 2.0 * M_PI / sqrt(fastest) : HUGE_VAL;
 }
 
@@ -69,7 +78,23 @@ static double longest(const sd_model *m, double w2, double c) {
   return s > 0.0 ? 2.0 / s : HUGE_VAL;
 }
 
-sd_step_limit sd_model_step_limit(const sd_model *m) {
+static sd_step_limit limit_of(const sd_model *m, const oscillator *o, uint32_t disk) {
+  const double normal = longest(m, o->normal2, o->damping),
+               tangential = longest(m, o->tangential2, o->friction),
+               viscous = VISCOUS[m->integrator] * o->damping * normal; /* its part of the 1 */
+  return (sd_step_limit){.dt = fmin(normal, tangential),
+                         .disk = disk,
+                         .bound = tangential < normal ? SD_BOUND_TANGENTIAL
+                                  : viscous > 0.5     ? SD_BOUND_VISCOSITY
+                                                      : SD_BOUND_NORMAL};
+}
+
+static bool is_shorter(const sd_step_limit *a, const sd_step_limit *b) {
+  return a->dt < b->dt || (a->dt == b->dt && isfinite(a->dt) && a->disk < b->disk);
+}
+
+/* Of contacts, of the disks of this rank. */
+static sd_step_limit limit_here(const sd_model *m) {
   sd_step_limit limit = {.dt = HUGE_VAL};
   size_t laws = m->n_materials * m->n_materials;
   double *tsuji = memory_new(laws, sizeof *tsuji);
@@ -78,24 +103,31 @@ sd_step_limit sd_model_step_limit(const sd_model *m) {
   if (!moved) shortage_note();
   laws_count_uses(m, use);
   for (size_t k = 0; k < laws; k++) tsuji[k] = law_tsuji(&m->laws[k]);
-  for (uint32_t i = 0; i < m->n_disks; i++)
-    for (size_t b = 0; b < m->n_materials && !m->disks[i].driven; b++) {
-      const sd_contact_law *law = sd_model_law(m, m->disks[i].material, (int)b);
-      size_t others = use[b].count - ((size_t)m->disks[i].material == b);
-      if (!law_is_given(law) || others == 0) continue;
-      const sd_disk felt = clumps_felt(m, i);
-      const oscillator o = oscillator_of(&felt, law, tsuji[law - m->laws], moved ? moved[i] : 0);
-      double normal = longest(m, o.normal2, o.damping), tangential = longest(m, o.tangential2, o.friction);
-      if (!(fmin(normal, tangential) < limit.dt)) continue;
-      limit = (sd_step_limit){.dt = fmin(normal, tangential), .disk = i};
-      double viscous = VISCOUS[m->integrator] * o.damping * normal; /* its part of the 1 */
-      limit.bound = tangential < normal ? SD_BOUND_TANGENTIAL
-                    : viscous > 0.5     ? SD_BOUND_VISCOSITY
-                                        : SD_BOUND_NORMAL;
+  for (size_t row = 0; row < rows_count(m); row++)
+    for (size_t b = 0; b < m->n_materials && !rows_disk(m, row)->driven; b++) {
+      const size_t own = (size_t)rows_disk(m, row)->material;
+      const sd_contact_law *law = sd_model_law(m, (int)own, (int)b);
+      if (!law_is_given(law) || use[b].count == (own == b)) continue;
+      const sd_disk felt = felt_at(m, row);
+      const oscillator o =
+          oscillator_of(&felt, law, tsuji[law - m->laws], moved && row < model_held(m) ? moved[row] : 0);
+      const sd_step_limit now = limit_of(m, &o, rows_number(m, row));
+      if (is_shorter(&now, &limit)) limit = now;
     }
   free(moved);
   free(use);
   free(tsuji);
+  return limit;
+}
+
+sd_step_limit sd_model_step_limit(const sd_model *m) {
+  if (m->parted) return m->limit;
+  const size_t ranks = (size_t)comm_size(m->comm);
+  sd_step_limit limit = limit_here(m), *all = memory_new(ranks, sizeof *all);
   body_forces_limit(m, &limit);
+  comm_gather_one(m->comm, &limit, all, sizeof limit);
+  for (size_t q = 0; q < ranks; q++)
+    if (is_shorter(&all[q], &limit)) limit = all[q];
+  free(all);
   return limit;
 }

@@ -118,18 +118,11 @@ static const char *obstacle(const engine *e, double x, double y, double radius, 
 
 /* --- rows --------------------------------------------------------------------------------------------- */
 
-/* Disks of a batch: their radii, where the model has none. */
-typedef struct rain_sizes {
-  const sd_model *model;
-  const double *radius; /* from disk `first` on; NULL: in the model */
-  size_t first;
-} rain_sizes;
-
 static clump_grain grain_of(const rain_sizes *b, size_t disk, size_t end) {
   return b->radius ? (clump_grain){1, b->radius[disk - b->first]} : clumps_grain(b->model, disk, end);
 }
 
-static size_t count_row(const rain_sizes *b, size_t first, size_t end, double width) {
+size_t rain_row(const rain_sizes *b, size_t first, size_t end, double width) {
   double taken = 0.0;
   size_t n = 0;
   while (first + n < end) {
@@ -139,10 +132,6 @@ static size_t count_row(const rain_sizes *b, size_t first, size_t end, double wi
     n += grain.disks;
   }
   return n;
-}
-
-size_t rain_row(const sd_model *m, size_t first, size_t end, double width) {
-  return count_row(&(rain_sizes){.model = m}, first, end, width);
 }
 
 /* Numbers that lie close together shall give sequences that do not (splitmix64). */
@@ -235,7 +224,7 @@ static sd_status plan(const engine *e, const sd_rain *r, double top, const doubl
   sd_status status = SD_OK;
   for (size_t n, first = begin; status == SD_OK && first < last; first += n) { /* row upon row */
     double largest, taken;
-    n = count_row(&b, first, last, r->upper - r->lower);
+    n = rain_row(&b, first, last, r->upper - r->lower);
     measure_row(&b, first, n, &largest, &taken);
     /* a lid that presses on the highest disk is in the way, too */
     double end = fmax(top - 0.5 * largest, r->floor);

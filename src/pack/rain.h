@@ -20,7 +20,14 @@ bool rain_waits(const engine *e);
 /* How many disks that is. */
 int64_t rain_waiting(const sd_model *model, const sd_state *state);
 
+/* Disks of a batch: their radii, where the model has none. */
+typedef struct rain_sizes {
+  const sd_model *model;
+  const double *radius; /* from disk `first` on; NULL: in the model */
+  size_t first;
+} rain_sizes;
+
 /* How many of the disks first ... end - 1 stand in one row of the given width. */
-size_t rain_row(const sd_model *model, size_t first, size_t end, double width);
+size_t rain_row(const rain_sizes *sizes, size_t first, size_t end, double width);
 
 #endif

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/limits.h"
-#include "model/tiles.h"
+#include "model/rows.h"
 #include "base/memory.h"
 #include "pack/front.h"
 #include "pack/lattice.h"
@@ -78,7 +78,7 @@ static sd_status make_disks(const sd_model *m, size_t tile, size_t n, double *ra
 }
 
 sd_status tiles_make(const sd_model *m, size_t tile, sd_disk *disks, size_t *placed) {
-  const size_t n = model_tile_begin(&m->tiles, tile + 1) - model_tile_begin(&m->tiles, tile);
+  const size_t n = model_tile_size(&m->tiles, tile);
   double *radius, (*position)[2];
   *placed = 0;
   if (!memory_rows(2, (memory_column[]){{&radius, n, sizeof *radius}, {&position, n, sizeof *position}}))

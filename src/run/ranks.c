@@ -10,6 +10,7 @@
 #include "io/results/checkpoint.h"
 #include "io/results/record_share.h"
 #include "model/advice.h"
+#include "model/rows.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/neighbours/order.h"
@@ -41,8 +42,6 @@ struct ranks {
   double busy;           /* seconds of work since the last cut */
   int64_t cut_step;
   ranks_balance balance;
-  /* at the start, of all ranks, where the deck's check did not see all pairs; relative 0: none */
-  first_overlap deepest;
 };
 
 /* Cut anew when the busiest rank works by so much more than the mean, but not more often. */
@@ -236,6 +235,7 @@ static sd_status spread(ranks *r, sd_state *state, uint32_t *order, int threads)
 }
 
 sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads, sd_messages *messages) {
+  rows_free(r->model->mine); /* those of a checkpoint stand for them */
   const sd_status status = tell(r, spread(r, state, order, threads), messages);
   sd_state_free(state);
   free(order);
@@ -278,25 +278,15 @@ static void share_fast(engine *e) {
   speed_begin(e);
 }
 
-/* Equal ones are found from both sides of a border: that of the first rank stands. */
-static void share_deepest(ranks *r, const first_overlap *mine) {
-  const size_t n = (size_t)comm_size(r->comm);
-  first_overlap *all = memory_new(n, sizeof *all);
-  comm_gather_one(r->comm, mine, all, sizeof *mine);
-  for (size_t k = 0; k < n; k++)
-    if (all[k].relative > r->deepest.relative) r->deepest = all[k];
-  free(all);
-}
-
 static sd_status start_part(ranks *r) {
   engine *e = r->part;
-  /* parts of a file were looked at one by one */
+  /* no rank had all disks of a file */
   if (r->model->tiles.away && r->model->tiles.of_file) {
     first_overlap deepest;
     const sd_status apart = comm_agree(r->comm, contacts_check_start(e, &deepest, r->messages));
     if (apart != SD_OK) return apart;
-    share_deepest(r, &deepest);
-    advice_tell_overlap(r->model, &r->deepest, r->messages);
+    advice_share_overlap(r->comm, &deepest);
+    advice_tell_overlap(r->model, &deepest, r->messages);
   }
   loop_begin_phase(e);
   const sd_status status = loop_start(e, r->messages);
@@ -307,7 +297,7 @@ static sd_status start_part(ranks *r) {
 sd_status ranks_start(ranks *r, int threads, sd_messages *messages) {
   sd_state *state;
   uint32_t *order;
-  sd_status status = comm_agree(r->comm, ranks_first_new(r->comm, r->model, &state, &order, r->messages));
+  sd_status status = comm_agree(r->comm, ranks_first_new(r->comm, r->model, &state, &order));
   if (status == SD_OK) status = spread(r, state, order, threads);
   sd_state_free(state);
   free(order);

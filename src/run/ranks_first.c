@@ -6,102 +6,113 @@
 
 #include "base/comm.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "io/deck/deck.h"
-#include "model/tiles.h"
-#include "pack/tiles.h"
+#include "io/results/provenance.h"
+#include "model/rows.h"
 #include "physics/neighbours/order.h"
 #include "physics/step/engine.h"
-#include "run/ranks_contacts.h"
+#include "run/directory.h"
+#include "run/ranks_failure.h"
 #include "run/ranks_order.h"
+#include "run/ranks_suit.h"
 #include "run/route.h"
 
-/* --- disks --------------------------------------------------------------------------------------------------- */
+/* --- the deck ------------------------------------------------------------------------------------------------- */
 
-/* A part, and which disks of the model they are. */
-typedef struct made_part {
+static sd_status load(const comm *c, const char *text, const char *path, size_t n_overrides,
+                      const char *const *overrides, sd_model **out, sd_messages *messages) {
+  char *lines = memory_text(""), *all = comm_text(c, text), *name = comm_text(c, path);
+  for (size_t k = 0; k < n_overrides; k++) lines = append_text(lines, "%s\n", overrides[k]);
+  char *shared = comm_text(c, lines);
   size_t n;
-  sd_disk *disks;
-  uint32_t *number;
-  int64_t inputs; /* of a file: of all parts so far */
-} made_part;
-
-static size_t count_part(const sd_tiles *t, size_t part) {
-  return model_tile_begin(t, part + 1) - model_tile_begin(t, part);
-}
-
-/* Room for the largest. False: no memory. */
-static bool begin_part(const sd_model *m, made_part *p) {
-  const size_t most = count_part(&m->tiles, 0);
-  return memory_rows(
-      2, (memory_column[]){{&p->disks, most, sizeof *p->disks}, {&p->number, most, sizeof *p->number}});
-}
-
-static void end_part(made_part *p) {
-  free(p->disks);
-  free(p->number);
-}
-
-static sd_status make_part(const sd_model *m, size_t part, made_part *p, sd_messages *messages) {
-  const sd_tiles *t = &m->tiles;
-  const size_t first = model_tile_begin(t, part);
-  size_t placed = p->n = count_part(t, part);
-  int64_t inputs = 0;
-  const sd_status status = t->of_file ? deck_make_part(m, part, p->disks, p->number, &inputs, messages)
-                                      : tiles_make(m, part, p->disks, &placed);
-  p->inputs = (int64_t)((uint64_t)p->inputs + (uint64_t)inputs);
-  if (status != SD_OK)
-    return t->of_file ? status : sd_fail(messages, status, "no memory for the disks of a tile");
-  if (placed < p->n)
-    return sd_fail(messages, SD_ERROR_USER, "packings[%zu].count: " TILES_FULL, t->entry, part, t->n, placed,
-                   p->n);
-  for (size_t k = 0; k < p->n; k++)
-    p->number[k] = (uint32_t)(t->first + (t->of_file ? p->number[k] : first + k));
-  return SD_OK;
-}
-
-static bool is_mine(const comm *c, size_t part) {
-  return part % (size_t)comm_size(c) == (size_t)comm_rank(c);
-}
-
-/* Rank 0 has the disks of the deck that are not made in parts. */
-static size_t count_mine(const comm *c, const sd_model *m) {
-  const size_t held = model_held(m);
-  size_t n = 0;
-  for (size_t i = 0; comm_rank(c) == 0 && i < held; i++) n += !m->disks[i].driven;
-  for (size_t k = 0; m->tiles.away && k < m->tiles.n; k++)
-    if (is_mine(c, k)) n += count_part(&m->tiles, k);
-  return n;
-}
-
-/* Free disks; inputs: of what this rank has read. */
-static sd_status fill_parts(const comm *c, const sd_model *m, sd_state *s, size_t slot, int64_t *inputs,
-                            sd_messages *messages) {
-  made_part p = {0};
-  if (!begin_part(m, &p)) comm_fail(c, "no memory for its tiles");
-  sd_status status = SD_OK;
-  for (size_t k = 0; k < m->tiles.n && status == SD_OK; k++) {
-    if (!is_mine(c, k)) continue;
-    status = make_part(m, k, &p, messages);
-    for (size_t i = 0; i < p.n && status == SD_OK; i++)
-      engine_fill_disk(s, &p.disks[i], p.number[i], (uint32_t)slot++);
+  const char **list = text_lines(shared, &n);
+  const sd_status status = deck_load_for_ranks(c, all, name, n, list, ranks_suit, out, messages);
+  if (status == SD_OK) {
+    (*out)->inputs = provenance_inputs(*out);
+    if (model_part(*out, ORDER_LEAST) != SD_OK) comm_fail(c, "no memory for its disks");
+    (*out)->comm = NULL;
   }
-  *inputs = p.inputs;
-  end_part(&p);
-  assert(status != SD_OK || slot == s->n_free);
+  free(list);
+  free(shared);
+  free(lines);
+  free(name);
+  free(all);
   return status;
 }
 
-static sd_status fill_tiles(const comm *c, const sd_model *m, sd_state *s, size_t slot,
-                            sd_messages *messages) {
-  int64_t inputs[1];
-  const sd_status status = fill_parts(c, m, s, slot, inputs, messages);
-  if (!comm_all_well(c, status)) return status;
-  comm_add(c, inputs, 1);
-  if (m->tiles.of_file && inputs[0] != m->tiles.inputs)
-    return sd_fail(messages, SD_ERROR_IO, "disk_files[%zu].file has changed while it was read",
-                   m->tiles.entry);
-  return SD_OK;
+sd_status ranks_load(const comm *c, const char *text, const char *path, size_t n_overrides,
+                     const char *const *overrides, sd_model **out, sd_messages *messages) {
+  const bool leads = comm_rank(c) == 0;
+  sd_messages *own = sd_messages_new();
+  sd_status status = SD_OK;
+  char *read = leads && !text ? deck_file_text(path, own, &status) : NULL;
+  *out = NULL;
+  status = comm_agree(c, status);
+  if (status == SD_OK)
+    status = load(c, read ? read : text, text ? path : deck_source(path), n_overrides, overrides, out, own);
+  ranks_tell(c, status, own, leads ? messages : NULL);
+  sd_messages_free(own);
+  free(read);
+  return status;
 }
+
+/* --- contacts of a file that ranks have read in parts --------------------------------------------------- */
+
+static const sd_tile_wall *wall_of(const sd_tiles *t, const sd_contact_memory *c) {
+  return c->b < t->count ? NULL : &t->walls[c->b - t->count];
+}
+
+/* Puts what contacts know of the file's disks into a directory, by their numbers there. */
+static void tell_turned(const comm *c, const sd_model *m, directory *d) {
+  const sd_rows *own = m->mine;
+  uint32_t *number = route_room(c, own->n, sizeof *number);
+  deck_turned *turned = route_room(c, own->n, sizeof *turned);
+  size_t n = 0;
+  for (size_t k = 0; k < own->n; k++) {
+    if (own->number[k] < m->tiles.first) continue;
+    number[n] = own->number[k] - (uint32_t)m->tiles.first;
+    turned[n++] = (deck_turned){own->disk[k].radius, own->shift[k]};
+  }
+  directory_put(d, n, number, turned);
+  free(number);
+  free(turned);
+}
+
+/* Turns them into contacts of the model. */
+static void fill_contacts(const sd_model *m, const directory *d, sd_state *s) {
+  const sd_tiles *t = &m->tiles;
+  const sd_contact_memory *list = m->mine->contacts;
+  const size_t n = m->mine->n_contacts;
+  uint32_t *number = route_room(d->comm, 2 * n, sizeof *number); /* of first disks, then of second ones */
+  deck_turned *turned = route_room(d->comm, 2 * n, sizeof *turned);
+  for (size_t k = 0; k < n; k++) {
+    number[k] = list[k].a;
+    number[n + k] = wall_of(t, &list[k]) ? list[k].a : list[k].b;
+  }
+  directory_get(d, 2 * n, number, turned);
+  if (sd_state_reserve_contacts(s, s->n_contacts + n) != SD_OK) comm_fail(d->comm, "no memory for contacts");
+  for (size_t k = 0; k < n; k++) {
+    sd_contact_memory c = list[k];
+    const sd_tile_wall *wall = wall_of(t, &c);
+    deck_carry_contact(&c, turned[k], turned[n + k], wall, t->forces_carried);
+    c.a += (uint32_t)t->first;
+    c.b = wall ? (uint32_t)m->n_disks + wall->wall : c.b + (uint32_t)t->first;
+    engine_fill_contact(s, &c);
+  }
+  free(number);
+  free(turned);
+}
+
+static void take_contacts(const comm *c, const sd_model *m, sd_state *s) {
+  directory d;
+  directory_new(&d, c, m->tiles.count, sizeof(deck_turned));
+  tell_turned(c, m, &d);
+  fill_contacts(m, &d, s);
+  directory_free(&d);
+}
+
+/* --- the state ---------------------------------------------------------------------------------------------- */
 
 /* Few disks stand in the order of the deck, on rank 0. */
 static sd_status find_order(const comm *c, const sd_model *m, sd_state *s, uint32_t *order) {
@@ -110,25 +121,20 @@ static sd_status find_order(const comm *c, const sd_model *m, sd_state *s, uint3
   return SD_OK;
 }
 
-static sd_status give_up(const comm *c, const char *why) {
-  comm_fail(c, why);
-  return SD_ERROR_IO;
-}
-
-sd_status ranks_first_new(const comm *c, const sd_model *m, sd_state **state, uint32_t **order,
-                          sd_messages *messages) {
-  const bool leads = comm_rank(c) == 0;
-  sd_state *s = *state = state_new_part(m, count_mine(c, m), 0);
-  *order = route_room(c, s ? s->n_free : 0, sizeof **order);
-  if (!s) return give_up(c, "no memory for its disks");
-  const size_t n = leads ? engine_fill_free(m, s) : 0;
+sd_status ranks_first_new(const comm *c, const sd_model *m, sd_state **state, uint32_t **order) {
+  const sd_rows *own = m->mine;
+  assert(m->parted && own);
+  sd_state *s = *state = state_new_part(m, own->n, 0);
+  *order = route_room(c, own->n, sizeof **order);
+  if (!s) comm_fail(c, "no memory for its disks");
+  for (size_t k = 0; k < own->n; k++) engine_fill_disk(s, &own->disk[k], own->number[k], (uint32_t)k);
+  for (size_t k = 0; own->derivatives && k < own->n; k++) engine_fill_derivatives(s, k, own->derivatives[k]);
   engine_fill_prescribed(m, s);
-  sd_status status = m->tiles.away ? fill_tiles(c, m, s, n, messages) : SD_OK;
-  /* together, or not at all: the others would wait */
+  const sd_status status = find_order(c, m, s, *order);
   if (!comm_all_well(c, status)) return status;
-  status = find_order(c, m, s, *order);
-  if (leads && status == SD_OK && engine_fill_memories(m, s) != SD_OK)
-    return give_up(c, "no memory for the contacts");
-  if (!comm_all_well(c, status)) return status;
-  return m->tiles.away && m->tiles.n_contacts > 0 ? ranks_contacts_read(c, m, s, messages) : SD_OK;
+  if (engine_fill_contacts(s, own->n_memories, own->memories) != SD_OK)
+    comm_fail(c, "no memory for contacts");
+  if (m->tiles.away && m->tiles.n_contacts > 0) take_contacts(c, m, s);
+  rows_free(m->mine);
+  return SD_OK;
 }

@@ -1,6 +1,5 @@
-/* ranks_first.h: the disks that ranks have at step 0, before they are shared out: rank 0 those of
- * its deck, but where the last ones are made part by part (model/tiles.h) each rank makes some,
- * wherever they lie. */
+/* ranks_first.h: the disks that ranks have at step 0, before they are shared out: each has some of
+ * those of the deck, wherever they lie (model/rows.h). */
 #ifndef SLIPDISK_RUN_RANKS_FIRST_H
 #define SLIPDISK_RUN_RANKS_FIRST_H
 
@@ -8,11 +7,15 @@
 #include "model/model.h"
 #include "model/state.h"
 
+/* Collective. The model of a deck, of which each rank keeps its part (model_part): text, path and
+ * overrides are those of rank 0, which alone gets messages. Of a text that is NULL the file at path
+ * is read. Errors: those of sd_deck_load, and decks that ranks do not share (ranks_suit). */
+sd_status ranks_load(const comm *c, const char *text, const char *path, size_t n_overrides,
+                     const char *const *overrides, sd_model **out, sd_messages *messages);
+
 /* Collective. The state of this rank's disks, with the prescribed bodies, and its slots in the
- * whole (order[n_free], which ascend). Both are the caller's, also after a failure.
- * SD_ERROR_USER, on that rank: no room for a tile's disks; SD_ERROR_IO: a file cannot be read, or
- * has changed. Without memory the job ends. */
-sd_status ranks_first_new(const comm *c, const sd_model *model, sd_state **state, uint32_t **order,
-                          sd_messages *messages);
+ * whole (order[n_free], which ascend); model->mine is empty then. Both are the caller's, also
+ * after a failure. Without memory the job ends. */
+sd_status ranks_first_new(const comm *c, const sd_model *model, sd_state **state, uint32_t **order);
 
 #endif

@@ -14,7 +14,7 @@
 #include "base/shortage.h"
 #include "io/store/file.h"
 #include "io/results/merge.h"
-#include "model/tiles.h"
+#include "model/rows.h"
 #include "run/deck_diff.h"
 #include "run/ranks_failure.h"
 #include "run/session_private.h"
@@ -84,7 +84,7 @@ static sd_status check_disks(const session *s, const h5_file *file, size_t first
     status = h5_get_values(file, "/state/radius", SD_F64, first, n, 1, d->radius, messages);
   if (status == SD_OK) status = h5_get_values(file, "/state/mass", SD_F64, first, n, 1, d->mass, messages);
   for (size_t k = 0; status == SD_OK && k < n; k++) {
-    if (d->id[k] >= model_held(s->model)) continue;
+    if (d->id[k] >= s->model->n_disks || !model_knows(s->model, d->id[k])) continue;
     const sd_disk *disk = &s->model->disks[d->id[k]];
     if (disk->radius == d->radius[k] && disk->mass == d->mass[k]) continue;
     status =

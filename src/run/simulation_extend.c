@@ -203,7 +203,7 @@ static sd_status larger_model(const sd_model *old, size_t n, const sd_disk *disk
   sd_model *m = *out = sd_model_clone(old);
   if (!m) return sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
   const uint32_t first = (uint32_t)old->n_disks;
-  m->n_memories = m->n_derivatives = m->tiles.n_contacts = m->tiles.n_kept = 0;
+  m->n_memories = m->n_derivatives = m->tiles.n_contacts = 0;
   shift_walls(m, first, (uint32_t)n);
   sd_model_add_disks(m, n, disks);
   sd_status status = SD_OK;
@@ -320,7 +320,7 @@ static sd_status check_overlaps(const engine *e, const sd_model *new_model, sd_m
       const double pose[3] = {s->x[slot], s->y[slot], s->turn[slot] + s->theta[slot]};
       const uint32_t wall = (uint32_t)now.n_disks + w;
       check_overlap(&check,
-                    &(overlap){i, wall, -overlaps_gap(&now, i, now.disks[i].position, wall, pose), false});
+                    &(overlap){i, wall, i, -overlaps_gap(&now, i, now.disks[i].position, wall, pose), false});
     }
   free(now.disks);
   return check.status;

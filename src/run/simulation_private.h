@@ -32,8 +32,8 @@ struct sd_simulation {
 };
 
 /* sd_simulation_new and sd_simulation_resume with a choice. threads: of the general step; that of
- * small systems has one. c: its ranks share the steps of the general step; all call, rank 0 with
- * the whole model, the others with what model_share gave them; state and order: as ranks_spread
+ * small systems has one. c: its ranks share the steps of the general step; all call, each with its
+ * part of the model (ranks_load); state and order: as ranks_spread
  * takes them over; NULL: alone, order is NULL. stop: see ranks_new. */
 sd_status simulation_new(const sd_model *model, int threads, simulation_step step, const comm *c,
                          volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages);
@@ -64,10 +64,9 @@ int64_t observers_room(const sd_simulation *simulation, int64_t most);
 sd_status observers_call(sd_simulation *simulation, sd_messages *messages);
 
 /* --- simulation_store.c ------------------------------------------------------------------------------ */
-/* The model of the deck that a checkpoint or a result holds. suits: for ranks
- * (deck_load_for_ranks); NULL: for one process. */
-sd_status simulation_model_of(const provenance *origin, deck_suits *suits, sd_model **out,
-                              sd_messages *messages);
+/* The model of the deck that a checkpoint or a result holds. c: of ranks that share it
+ * (ranks_load), and the deck is that of rank 0; NULL: of one process. */
+sd_status simulation_model_of(const comm *c, const provenance *origin, sd_model **out, sd_messages *messages);
 
 /* Below this many free disks a thread costs more than it does. */
 enum { SIMULATION_DISKS_PER_THREAD = 1000 };

@@ -8,13 +8,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/comm.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "io/deck/deck.h"
 #include "io/results/checkpoint.h"
 #include "model/image.h"
 #include "model/state.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
+#include "run/ranks_first.h"
 #include "run/simulation_private.h"
 #include "slipdisk/deck.h"
 
@@ -93,25 +96,15 @@ sd_status sd_simulation_save_memory(sd_simulation *sim, void **data, size_t *siz
 
 /* --- loading ------------------------------------------------------------------------------------------- */
 
-/* The lines of the overrides; they point into text, which is cut up. To be freed. */
-static const char **split(char *text, size_t *n) {
-  size_t lines = 1;
-  for (const char *c = text; *c; c++) lines += *c == '\n';
-  const char **list = memory_new(lines, sizeof *list);
-  *n = 0;
-  for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n")) list[(*n)++] = line;
-  return list;
-}
-
-sd_status simulation_model_of(const provenance *origin, deck_suits *suits, sd_model **out,
+sd_status simulation_model_of(const comm *c, const provenance *origin, sd_model **out,
                               sd_messages *messages) {
+  if (comm_rank(c) > 0) return ranks_load(c, NULL, "", 0, NULL, out, messages);
   char *path = provenance_deck(origin->deck_path, origin->directory),
        *lines = memory_text(origin->deck_overrides);
   size_t n = 0;
-  const char **overrides = split(lines, &n);
-  const sd_status status =
-      suits ? deck_load_text_for_ranks(origin->deck_text, path, n, overrides, suits, out, messages)
-            : sd_deck_load_text(origin->deck_text, path, n, overrides, out, messages);
+  const char **overrides = text_lines(lines, &n);
+  const sd_status status = c ? ranks_load(c, origin->deck_text, path, n, overrides, out, messages)
+                             : sd_deck_load_text(origin->deck_text, path, n, overrides, out, messages);
   free(overrides);
   free(lines);
   free(path);
@@ -135,7 +128,7 @@ static sd_status get_image(const h5_file *file, sd_model **out, sd_messages *mes
 static sd_status get_deck(const h5_file *file, sd_model **out, sd_messages *messages) {
   provenance origin;
   provenance_read(&origin, file);
-  sd_status status = simulation_model_of(&origin, NULL, out, messages);
+  sd_status status = simulation_model_of(NULL, &origin, out, messages);
   if (status == SD_OK && origin.inputs != 0 && origin.inputs != provenance_inputs(*out))
     status =
         sd_fail(messages, SD_ERROR_USER, "the files that the deck reads have changed since the run began");

@@ -16,7 +16,7 @@
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 
-#include "model/tiles.h"
+#include "model/rows.h"
 #include "pack/front.h"
 #include "pack/lattice.h"
 #include "pack/place.h"

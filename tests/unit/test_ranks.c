@@ -13,7 +13,7 @@
 #include "deck_runs.h"
 #include "physics/neighbours/order.h"
 #include "physics/system/halo.h"
-#include "run/model_share.h"
+#include "run/ranks_first.h"
 #include "run/ranks.h"
 
 #define HEAD                                                                                                 \
@@ -104,14 +104,14 @@ static void put_part(const engine *e, sd_state *whole) {
   }
 }
 
-/* On every rank; the first has the model, the messages and the whole state. */
+/* On every rank; the first has the messages and the whole state. */
 static void rank(const comm *c, void *with) {
   run *r = with;
   const bool first = comm_rank(c) == 0;
   sd_model *mine = NULL;
   sd_simulation *sim = NULL;
   sd_messages *messages = first ? r->messages : sd_messages_new();
-  sd_status status = model_share(c, first ? r->model : NULL, &mine, messages);
+  sd_status status = c ? ranks_load(c, r->deck, "deck", 0, NULL, &mine, NULL) : SD_OK;
   if (status == SD_OK)
     status = simulation_new(mine ? mine : r->model, r->threads, SIMULATION_GENERAL, c, NULL, &sim, messages);
   while (status == SD_OK && !sd_simulation_finished(sim))

@@ -1,5 +1,4 @@
 /* deck.c: from a deck to a finished model; see slipdisk/deck.h and deck_tree.h. */
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +15,7 @@
 #include "io/store/file.h"
 #include "model/advice.h"
 #include "model/bodies.h"
-#include "model/tiles.h"
+#include "model/rows.h"
 #include "slipdisk/deck.h"
 
 /* --- the keys of the deck itself --------------------------------------------------------------------------- */
@@ -117,7 +116,9 @@ static void read_all(deck *d, bool point) {
   deck_read_walls(d);
   deck_container_bodies(d);
   deck_read_packings(d);
+  deck_meet(d);
   deck_read_memories(d);
+  deck_meet(d);
   deck_read_forces(d);
   deck_read_locks(d);
   deck_read_clumps(d);
@@ -146,7 +147,8 @@ static char *join_settings(size_t n, const deck_setting *settings) {
 
 /* suits: what else is asked of the model; NULL: nothing. */
 static sd_status finish(deck *d, deck_suits *suits) {
-  if (d->reported > 0) return SD_ERROR_USER;
+  deck_meet(d);
+  if (d->reported > 0 || d->wrong) return SD_ERROR_USER;
   d->found = sd_messages_new();
   sd_status status = sd_model_finish(d->model, d->found);
   if (status == SD_OK && suits) status = suits(d->model, d->found);
@@ -179,6 +181,11 @@ static sd_status open_and_use(deck *d, const task *t) {
   return t->use(d, t->user);
 }
 
+static sd_status no_memory(const deck *d, sd_messages *messages) {
+  if (d->comm) comm_fail(d->comm, "out of memory for the deck"); /* the others would wait */
+  return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", d->path);
+}
+
 sd_status deck_open(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
                     deck_use *use, void *user, sd_messages *messages) {
   deck *d = memory_new(1, sizeof *d);
@@ -189,7 +196,7 @@ sd_status deck_open(const char *text, const char *path, size_t n_settings, const
   if (setjmp(d->out_of_memory) == 0)
     status = open_and_use(d, &t);
   else
-    status = d->lacks_told ? SD_ERROR_IO : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+    status = d->whole && *d->whole ? SD_ERROR_USER : d->lacks_told ? SD_ERROR_IO : no_memory(d, messages);
   deck_report_rest(d);
   if (status != SD_OK) sd_model_free(d->model);
   deck_parse_free(d);
@@ -202,16 +209,20 @@ sd_status deck_open(const char *text, const char *path, size_t n_settings, const
 typedef struct model_task {
   size_t n_settings;
   const deck_setting *settings;
-  bool point, unfinished; /* wanted even so */
-  bool leave_tiles;
+  bool point, unfinished;   /* wanted even so */
+  const comm *comm;         /* of ranks that read it together; NULL: one alone */
+  const char **whole, *why; /* see deck */
   deck_suits *suits;
   sd_model *model;
 } model_task;
 
 static sd_status make_model(deck *d, void *user) {
   model_task *t = user;
-  d->leave_tiles = t->leave_tiles;
+  d->comm = t->comm;
+  d->whole = t->whole;
+  d->why = t->why;
   d->model = sd_model_new();
+  d->model->comm = d->comm;
   sd_deck *own = d->model->deck = memory_new(1, sizeof *own);
   own->path = memory_text(d->path);
   own->text = memory_text(d->text);
@@ -311,75 +322,37 @@ sd_status deck_look(const char *path, size_t n_overrides, const char *const *ove
 }
 
 /* Warns of tiles that were asked for; of a file where it is so large that memory matters. */
-static void warn_of_tiles(const sd_tiles *t, const char *why, sd_messages *messages) {
+static void warn_of_whole(const sd_tiles *t, const char *why, sd_messages *messages) {
   enum { LARGE = 1000000 };
   if (t->of_file && t->count >= LARGE)
-    sd_warn(messages, "disk_files[%zu].file: one rank reads all, since %s", t->entry, why);
+    sd_warn(messages, "disk_files[%zu].file: every rank reads all, since %s", t->entry, why);
   if (t->n > 0 && !t->of_file)
-    sd_warn(messages, "packings[%zu].tiles: one rank makes all, since %s", t->entry, why);
+    sd_warn(messages, "packings[%zu].tiles: every rank makes all, since %s", t->entry, why);
 }
 
-/* Disks of a file have other numbers in the sample. */
-static bool names_one(const sd_messages *messages) {
-  bool named = false;
-  for (size_t k = 0; k < sd_messages_count(messages); k++)
-    for (const char *at = sd_messages_text(messages, k); (at = strstr(at, "disk ")); at++)
-      named = named || isdigit((unsigned char)at[5]);
-  return named;
-}
-
-static bool warns_of_one(const sd_model *m, const sd_messages *told) {
-  sd_messages *advised = sd_messages_new();
-  sd_model_advise(m, advised);
-  const bool warns = names_one(told) || names_one(advised);
-  sd_messages_free(advised);
-  return warns;
-}
-
-/* Why all disks must be in the model; NULL: those of tiles are counted. told: when the deck was read. */
-static const char *leave_tiles(sd_model *m, const sd_messages *told) {
-  const sd_tiles *t = &m->tiles;
-  if (!t->away) return NULL;
-  if (t->of_file && warns_of_one(m, told)) return "a warning names one of its disks";
-  const char *why = model_needs_tiles(m);
-  if (why) return why;
-  sd_step_limit limit = sd_model_step_limit(m);
-  const double corner[2] = {t->lower[0], t->lower[1]};
-  sd_disk ends[] = {model_tile_disk(t, t->least, corner), model_tile_disk(t, t->most, corner)};
-  for (int k = 0; k < 2; k++)
-    for (int c = 0; c < 2; c++) ends[k].position[c] = m->disks[t->first + (size_t)k].position[c];
-  if (!(t->of_file ? deck_parts_bear(m, &limit) : model_bears(m, 2, ends, &limit)))
-    return t->of_file ? "some disk is near a limit, or overlaps another" : "some size is near a limit";
-  if (sd_model_finish(m, NULL) != SD_OK || !model_count_tiles(m, limit))
-    return "there is no memory for fewer";
-  return NULL;
-}
-
-sd_status deck_load_text_for_ranks(const char *text, const char *path, size_t n_overrides,
-                                   const char *const *overrides, deck_suits *suits, sd_model **out,
-                                   sd_messages *messages) {
+sd_status deck_load_for_ranks(const comm *c, const char *text, const char *path, size_t n_overrides,
+                              const char *const *overrides, deck_suits *suits, sd_model **out,
+                              sd_messages *messages) {
+  const char *why = NULL;
   sd_messages *own = sd_messages_new();
-  load_text(text, path, n_overrides, overrides, (model_task){.leave_tiles = true, .suits = suits}, out, own);
-  /* a disk that is not there is a mistake where the deck speaks of it */
-  const char *why = *out ? leave_tiles(*out, own) : "the deck speaks of single disks of it";
-  for (size_t k = 0; !why && k < sd_messages_count(own); k++)
-    sd_warn(messages, "%s", sd_messages_text(own, k));
+  model_task how = {.comm = c, .suits = suits, .whole = &why};
+  sd_status status = load_text(text, path, n_overrides, overrides, how, out, own);
+  if (why) {
+    sd_messages_clear(own);
+    how.whole = NULL;
+    how.why = why;
+    status = load_text(text, path, n_overrides, overrides, how, out, own);
+    if (*out) warn_of_whole(&(*out)->tiles, why, own);
+  }
+  for (size_t k = 0; k < sd_messages_count(own); k++)
+    if (sd_messages_kind(own, k) == SD_OK)
+      sd_warn(messages, "%s", sd_messages_text(own, k));
+    else
+      sd_fail(messages, sd_messages_kind(own, k), "%s", sd_messages_text(own, k));
   sd_messages_free(own);
-  if (!why) return SD_OK;
+  status = comm_agree(c, status);
+  if (status == SD_OK) return status;
   sd_model_free(*out);
-  const sd_status status =
-      load_text(text, path, n_overrides, overrides, (model_task){.suits = suits}, out, messages);
-  if (*out) warn_of_tiles(&(*out)->tiles, why, messages);
-  return status;
-}
-
-sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
-                              deck_suits *suits, sd_model **out, sd_messages *messages) {
-  sd_status status;
-  char *text = deck_file_text(path, messages, &status);
   *out = NULL;
-  if (text)
-    status = deck_load_text_for_ranks(text, deck_source(path), n_overrides, overrides, suits, out, messages);
-  free(text);
   return status;
 }

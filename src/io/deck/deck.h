@@ -13,6 +13,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "base/comm.h"
 #include "model/model.h"
 
 typedef struct sweep_parameter {
@@ -72,34 +73,24 @@ bool deck_compare(const char *there, const char *here, bool any_title, deck_diff
 sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
                     sd_messages *messages);
 
+/* The text of the deck at path, - being the standard input, to be freed; NULL: reported, and why in status. */
+char *deck_file_text(const char *path, sd_messages *messages, sd_status *status);
+/* The name of this deck in messages and results. */
+const char *deck_source(const char *path);
+
 /* Asks more of a finished model; its messages begin with their subject, as those of the model do
  * (deck_locate.c). */
 typedef sd_status deck_suits(const sd_model *model, sd_messages *messages);
-/* Loads a deck like sd_deck_load, for a run that ranks share: *out may lack disks that they make
- * (model/tiles.h). suits may be NULL. */
-sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
-                              deck_suits *suits, sd_model **out, sd_messages *messages);
-/* The same for the text of a deck (sd_deck_load_text). */
-sd_status deck_load_text_for_ranks(const char *text, const char *path, size_t n_overrides,
-                                   const char *const *overrides, deck_suits *suits, sd_model **out,
-                                   sd_messages *messages);
+/* Collective. Loads the text of a deck like sd_deck_load_text, for a run that ranks share: each reads it, and its last disks may
+ * be away (model/rows.h). (*out)->comm is c then. suits may be NULL. All get the same status; messages are those of each rank. */
+sd_status deck_load_for_ranks(const comm *c, const char *text, const char *path, size_t n_overrides,
+                              const char *const *overrides, deck_suits *suits, sd_model **out,
+                              sd_messages *messages);
 
-/* The disks of one part of model->tiles, of a file, and their places in it (model_tile_begin says how many); inputs: their part of
- * tiles.inputs. SD_ERROR_IO, SD_ERROR_USER: it cannot be read, or has changed. */
-sd_status deck_make_part(const sd_model *model, size_t part, sd_disk *disks, uint32_t *number,
-                         int64_t *inputs, sd_messages *messages);
-
-/* Of the same file, where contacts come along: n of them from `first` on, bodies by their numbers there; inputs: their part of
- * tiles.contact_inputs. Errors likewise, and for numbers of bodies that are none. */
-sd_status deck_make_contacts(const sd_model *model, size_t first, size_t n, sd_contact_memory *contacts,
-                             int64_t *inputs, sd_messages *messages);
 /* A disk as its contacts know it: its angle in a state of this model, beyond that in the file. */
 typedef struct deck_turned {
   double radius, shift;
 } deck_turned;
-/* The disks of one part, as deck_make_part. */
-sd_status deck_make_turned(const sd_model *model, size_t part, uint32_t *number, deck_turned *turned,
-                           sd_messages *messages);
 /* Is a contact's partner a body of the model? wall: NULL for a disk. */
 bool deck_contact_is_kept(const sd_contact_memory *contact, const sd_tile_wall *wall);
 /* Turns a contact of the file into one of the model; body numbers stay those of the file. The

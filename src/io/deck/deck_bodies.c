@@ -16,6 +16,8 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
   const char *what = disks && walls ? "disk or wall" : disks ? "disk" : "wall";
   if (node->type == DECK_INT) {
     size_t n = disks ? m->n_disks : m->n_walls;
+    if (disks && node->value.integer >= (int64_t)model_held(m) && (uint64_t)node->value.integer < n)
+      deck_leave(d, "the deck speaks of single disks of it");
     if (node->value.integer >= 0 && (uint64_t)node->value.integer < n) {
       *body = (uint32_t)node->value.integer + (disks ? 0 : (uint32_t)m->n_disks);
       return true;
@@ -70,21 +72,23 @@ static void add(deck *d, deck_bodies *list, uint32_t body) {
 /* All disks, sorted by group once: many groups cost no more than their disks. */
 static void sort_by_group(deck *d) {
   const sd_model *m = d->model;
-  if (d->group_start && d->n_grouped == m->n_disks) return;
-  d->n_grouped = m->n_disks;
-  d->grouped = deck_alloc(d, m->n_disks, sizeof *d->grouped);
+  const size_t n = model_held(m);
+  if (d->group_start && d->n_grouped == n) return;
+  d->n_grouped = n;
+  d->grouped = deck_alloc(d, n, sizeof *d->grouped);
   d->group_start = deck_alloc(d, m->n_groups + 2, sizeof *d->group_start);
   size_t *end = d->group_start + 1; /* while they are filled: where group k goes on */
-  for (size_t i = 0; i < m->n_disks; i++)
+  for (size_t i = 0; i < n; i++)
     if (m->disks[i].group >= 0) end[m->disks[i].group + 1]++;
   for (size_t k = 1; k <= m->n_groups; k++) end[k] += end[k - 1];
-  for (size_t i = 0; i < m->n_disks; i++)
+  for (size_t i = 0; i < n; i++)
     if (m->disks[i].group >= 0) d->grouped[end[m->disks[i].group]++] = (uint32_t)i;
 }
 
 static void add_group(deck *d, const deck_node *node, deck_bodies *list) {
   uint32_t k;
   if (!deck_index_look_up(d, &d->groups, "group of disks", node, remark(d), &k)) return;
+  if (k < d->n_away_groups && d->away_group[k]) deck_leave(d, "the deck speaks of single disks of it");
   list->group = (int)k;
   sort_by_group(d);
   for (size_t i = d->group_start[k]; i < d->group_start[k + 1]; i++) add(d, list, d->grouped[i]);

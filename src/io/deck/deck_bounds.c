@@ -6,8 +6,10 @@
  * gravity may pull a disk: none of them endless, so that there is no way to roll on for ever.
  */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "model/motion_kinds.h"
 
@@ -17,22 +19,25 @@ static const double SWING = 4;
 
 static double largest_radius(const sd_model *m) {
   double largest = m->tiles.n ? m->tiles.most : 0; /* tiles may not all be here */
-  for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
+  for (size_t i = 0; i < model_held(m); i++) largest = fmax(largest, m->disks[i].radius);
   return largest;
 }
 
 /* --- of the container ------------------------------------------------------------------------------------ */
 
 /* A wall of this name, else a disk of a group of this name. */
-static bool find_side(const sd_model *m, const char *name, uint32_t *body) {
+static bool find_side(const deck *d, const char *name, uint32_t *body) {
+  const sd_model *m = d->model;
   for (uint32_t w = 0; w < m->n_walls; w++) {
     *body = (uint32_t)m->n_disks + w;
     if (m->walls[w].name && strcmp(m->walls[w].name, name) == 0) return true;
   }
-  for (*body = 0; *body < m->n_disks; ++*body) {
+  for (*body = 0; *body < model_held(m); ++*body) {
     int group = m->disks[*body].group;
     if (group >= 0 && strcmp(m->groups[group], name) == 0) return true;
   }
+  for (size_t k = 0; k < d->n_away_groups; k++)
+    if (d->away_group[k] && strcmp(m->groups[k], name) == 0) return true;
   return false;
 }
 
@@ -54,7 +59,7 @@ static double travel(const sd_model *m, uint32_t body, int coordinate) {
 static void limit_side(const deck *d, const char *wall, int c, bool upper, double margin) {
   sd_model *m = d->model;
   uint32_t body;
-  if (m->periodic[c] || !find_side(m, wall, &body)) return;
+  if (m->periodic[c] || !find_side(d, wall, &body)) return;
   double distance = margin + travel(m, body, c);
   if (upper)
     m->bounds.upper[c] = m->region_upper[c] + distance;
@@ -87,7 +92,7 @@ static void extend(extent *e, const double *at, double radius) {
 
 static void far_out(sd_model *m) {
   extent e = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
-  for (size_t i = 0; i < m->n_disks; i++) extend(&e, m->disks[i].position, m->disks[i].radius);
+  for (size_t i = 0; i < model_held(m); i++) extend(&e, m->disks[i].position, m->disks[i].radius);
   if (m->tiles.n) {
     extend(&e, m->tiles.lower, 0);
     extend(&e, m->tiles.upper, 0);
@@ -114,36 +119,60 @@ static bool may_leak(const sd_model *m) {
 
 /* --- the group ------------------------------------------------------------------------------------------- */
 
-static bool starts_inside(const deck *d, size_t i) {
+static bool starts_inside(const deck *d, size_t row) {
   const sd_bounds *b = &d->model->bounds;
-  const sd_disk *disk = &d->model->disks[i];
+  const sd_disk *disk = rows_disk(d->model, row);
   bool inside = disk->waiting || disk->driven;
   for (int c = 0; c < 2 && !inside; c++)
     if (disk->position[c] < b->lower[c] || disk->position[c] > b->upper[c]) return false;
   return true;
 }
 
+/* Disks that start outside, and the first of them. */
+typedef struct outside {
+  size_t n;
+  uint32_t disk;
+  double at[2];
+} outside;
+
+/* Of all ranks. */
+static outside find_outside(const deck *d) {
+  outside o = {.disk = UINT32_MAX}, *all = memory_new((size_t)comm_size(d->comm), sizeof *all);
+  for (size_t row = rows_first(d->model); row < rows_count(d->model); row++) {
+    if (starts_inside(d, row)) continue;
+    const double *at = rows_disk(d->model, row)->position;
+    const uint32_t disk = rows_number(d->model, row);
+    if (disk < o.disk) o = (outside){o.n, disk, {at[SD_X], at[SD_Y]}};
+    o.n++;
+  }
+  comm_gather_one(d->comm, &o, all, sizeof o);
+  o = all[0];
+  for (int q = 1; q < comm_size(d->comm); q++) {
+    const size_t n = o.n + all[q].n;
+    if (all[q].disk < o.disk) o = all[q];
+    o.n = n;
+  }
+  free(all);
+  return o;
+}
+
 /* Limits that are not written in the deck are no reason to refuse the deck. */
 static void warn_start(deck *d) {
-  const sd_model *m = d->model;
-  size_t found = 0, first = 0;
-  for (size_t i = 0; i < m->n_disks; i++)
-    if (!starts_inside(d, i) && found++ == 0) first = i;
-  if (found == 0) return;
+  const outside o = find_outside(d);
+  if (o.n == 0) return;
   sd_warn(d->messages, "%s: %s at (%g, %g) starts outside the container%s",
-          deck_place_text(d, d->disk_place[first]), deck_body_name(d, (uint32_t)first),
-          m->disks[first].position[SD_X], m->disks[first].position[SD_Y],
-          found > 1 ? ", and so do others" : "");
+          deck_place_text(d, deck_disk_place(d, o.disk)), deck_body_name(d, o.disk), o.at[SD_X], o.at[SD_Y],
+          o.n > 1 ? ", and so do others" : "");
 }
 
 static void check_start(deck *d) {
   const sd_model *m = d->model;
   size_t found = 0;
-  for (size_t i = 0; i < m->n_disks; i++) {
-    const sd_disk *disk = &m->disks[i];
-    if (starts_inside(d, i) || found++ >= MOST_ALIKE) continue;
-    deck_fail_place(d, d->disk_place[i], "%s at (%g, %g) starts outside the bounds",
-                    deck_body_name(d, (uint32_t)i), disk->position[SD_X], disk->position[SD_Y]);
+  for (size_t row = 0; row < rows_count(m); row++) {
+    if (starts_inside(d, row) || found++ >= MOST_ALIKE) continue;
+    const sd_disk *disk = rows_disk(m, row);
+    deck_fail_place(d, deck_disk_place(d, rows_number(m, row)), "%s at (%g, %g) starts outside the bounds",
+                    deck_body_name(d, rows_number(m, row)), disk->position[SD_X], disk->position[SD_Y]);
   }
   if (found > MOST_ALIKE)
     deck_fail_place(d, (deck_place){d->path, 0}, "%zu more disks start outside the bounds",

@@ -66,6 +66,14 @@ int deck_group_number(deck *d, const char *name) {
   return (int)m->n_groups++;
 }
 
+void deck_note_away(deck *d, int group) {
+  if (group < 0) return;
+  const size_t n = (size_t)group + 1;
+  if (n > d->n_away_groups) d->away_group = deck_more(d, d->away_group, d->n_away_groups, n, sizeof(bool));
+  if (n > d->n_away_groups) d->n_away_groups = n;
+  d->away_group[group] = true;
+}
+
 void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place) {
   sd_model *m = d->model;
   size_t capacity = d->disk_capacity;
@@ -191,7 +199,7 @@ deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) 
   t.first = d->model->n_disks;
   deck_need(d, node, table == &deck_disk_rows ? "rows" : "file", (double)(t.first + t.n_rows),
             deck_disk_bytes(false), "disks");
-  for (size_t r = 0; r < t.n_rows; r++) add_row_disk(d, &t, r, v);
+  for (size_t r = 0; r < t.n_rows && !d->asked.head; r++) add_row_disk(d, &t, r, v);
   return t;
 }
 
@@ -209,6 +217,7 @@ void deck_read_disks(deck *d) {
   d->file_tables = deck_alloc(d, d->n_file_tables, sizeof(deck_columns));
   for (size_t k = 0; list && k < list->n; k++) {
     const bool last = k + 1 == list->n;
+    if (last) deck_meet(d);
     if (last && deck_parts_begin(d, k)) break;
     d->file_tables[k] = deck_read_table(d, list->child[k], &deck_disk_files);
     if (last) deck_parts_note(d, k, &d->file_tables[k]);
@@ -261,8 +270,9 @@ void deck_echo_files(deck *d) {
     bool empty_text = false;
     for (size_t k = 0; k < t->n_rows * t->n_columns; k++)
       empty_text |= t->column[k % t->n_columns] >= COLUMN_NUMBERS && !(t->text && t->text[k]);
+    const bool away = files->n == 1 && d->model->tiles.away && d->model->tiles.of_file;
     total += t->n_rows;
-    if (total > MOST_ECHOED || empty_text || t->contacts) return;
+    if (total > MOST_ECHOED || empty_text || t->contacts || away) return;
     if (!rows) rows = deck_node_new(d, d->root, "disk_rows", DECK_LIST, files->place);
     file_to_rows(d, files->child[0], t, rows);
     deck_remove(files, files->child[0]);

@@ -44,8 +44,9 @@ static deck_place place_of_clump(const deck *d, size_t k) {
   const sd_model *m = d->model;
   const deck_node *node = entry(d, "clumps", k);
   size_t i = 0;
-  while (!node && i < m->n_disks && (size_t)m->disks[i].clump != k + 1) i++;
-  return node ? node->place : i < m->n_disks ? d->disk_place[i] : d->root->place;
+  const size_t n = model_held(m);
+  while (!node && i < n && (size_t)m->disks[i].clump != k + 1) i++;
+  return node ? node->place : i < n ? d->disk_place[i] : d->root->place;
 }
 
 static deck_place place_of_wall(const deck *d, size_t k) {
@@ -90,7 +91,7 @@ static const char *locate(deck *d, const char *text, deck_place *place) {
   uint32_t k;
   *place = (deck_place){d->path, 0};
   if (number_of(d, text, "disk", &d->disks, &k, &rest) && k < m->n_disks) {
-    *place = d->disk_place[k];
+    *place = deck_disk_place(d, k);
   } else if (number_of(d, text, "wall", &d->walls, &k, &rest)) {
     *place = place_of_wall(d, k);
   } else if (number_of(d, text, "clump", &d->clumps, &k, &rest)) {

@@ -218,6 +218,7 @@ static int32_t own_material(const our_walls *ours, const deck_columns *t, size_t
   bool named = false;
   uint32_t found;
   for (size_t c = 0; c < t->n_columns; c++) named = named || t->column[c] == COLUMN_MATERIAL;
+  if (!named && t->first >= model_held(m)) return m->tiles.material;
   if (!named) return t->n_rows > 0 ? m->disks[t->first].material : -1;
   const char *name = k < r->materials.n ? r->materials.name[k] : NULL;
   return name && deck_index_find(&ours->d->materials, name, &found) ? (int32_t)found : -1;
@@ -319,7 +320,6 @@ static void survey_contacts(our_walls *ours, deck_columns *t) {
   tiles->forces_carried = d->model->forces_carried = forces_carried(ours, t);
   if (!deck_parts_contacts(d, &lost.n, &lost.first))
     deck_fail(d, t->file, "the contacts in this file are damaged");
-  tiles->n_kept = tiles->n_contacts - lost.n;
   warn_of_lost(d, r, &lost);
 }
 

@@ -247,15 +247,45 @@ void deck_fail_key(const deck_group *g, const char *key, const char *format, ...
 
 size_t deck_disk_bytes(bool free) { return comm_world() ? sizeof(sd_disk) : state_disk_bytes(free); }
 
+/* Disks that every rank makes are no more than these. */
+enum { MOST_OF_ALL_RANKS = 2000000 };
+
 void deck_need(deck *d, const deck_node *group, const char *key, double n, size_t bytes, const char *what) {
   const double needed = n * (double)bytes;
-  if (memory_fits(needed)) return;
+  if (d->comm && n > MOST_OF_ALL_RANKS) {
+    d->lacks_told = true;
+    deck_fail_child(d, group, key, "every rank would have all %.10g %s%s%s; expected at most %d%s", n, what,
+                    d->why ? ", since " : "", d->why ? d->why : "", MOST_OF_ALL_RANKS,
+                    d->why ? ""
+                           : ", a packing with `tiles`, or an HDF5 file, which ranks read in parts "
+                             "(docs/cluster.md)");
+    longjmp(d->out_of_memory, 1);
+  }
+  if (!comm_or(d->comm, !memory_fits(needed))) return;
   d->lacks_told = true;
   deck_fail_child(
       d, group, key,
       "%.10g %s need at least %.3g GB of memory, and this process can have %.3g GB; expected fewer", n, what,
       1e-9 * needed, 1e-9 * memory_limit(1));
   longjmp(d->out_of_memory, 1);
+}
+
+deck_place deck_disk_place(const deck *d, uint32_t disk) {
+  deck_place place = d->away_place;
+  if (disk < model_held(d->model)) return d->disk_place[disk];
+  if (place.line < 0) place.line -= (int)(disk - d->model->tiles.first);
+  return place;
+}
+
+void deck_leave(deck *d, const char *why) {
+  *d->whole = why;
+  longjmp(d->out_of_memory, 1);
+}
+
+void deck_meet(deck *d) {
+  if (!d->comm || comm_or(d->comm, d->reported > 0) == 0) return;
+  d->wrong = true;
+  d->comm = d->model->comm = NULL;
 }
 
 void deck_fail_place(deck *d, deck_place place, const char *format, ...) {

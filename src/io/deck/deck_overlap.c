@@ -39,9 +39,9 @@ static bool tell_disks(void *user, const overlap *o) {
 static bool tell_wall(void *user, const overlap *o) {
   teller *t = user;
   const sd_model *m = t->d->model;
-  double radius = m->disks[o->a].radius;
+  double radius = rows_disk(m, o->row)->radius;
   if (!(o->depth > m->max_overlap * radius) || t->found++ >= MOST_ALIKE) return false;
-  deck_fail_place(t->d, t->d->disk_place[o->a],
+  deck_fail_place(t->d, deck_disk_place(t->d, o->a),
                   "%s sits %g deep in %s, more than max_overlap = %g of its radius %g",
                   deck_body_name(t->d, o->a), o->depth, deck_body_name(t->d, o->b), m->max_overlap, radius);
   return false;
@@ -50,15 +50,16 @@ static bool tell_wall(void *user, const overlap *o) {
 static void check_inside(deck *d) {
   const sd_model *m = d->model;
   size_t found = 0;
-  for (size_t i = 0; i < m->n_disks; i++)
+  for (size_t row = 0; row < rows_count(m); row++)
     for (int c = 0; c < 2; c++) {
-      double x = m->disks[i].position[c];
+      double x = rows_disk(m, row)->position[c];
       if (!m->periodic[c] || isnan(x) || !(m->upper[c] > m->lower[c]) ||
           (x >= m->lower[c] && x < m->upper[c]))
         continue;
       if (found++ >= MOST_ALIKE) continue;
-      deck_fail_place(d, d->disk_place[i], "%s: %c = %g lies outside the periodic box from %g to %g",
-                      deck_body_name(d, (uint32_t)i), c == SD_X ? 'x' : 'y', x, m->lower[c], m->upper[c]);
+      const uint32_t i = rows_number(m, row);
+      deck_fail_place(d, deck_disk_place(d, i), "%s: %c = %g lies outside the periodic box from %g to %g",
+                      deck_body_name(d, i), c == SD_X ? 'x' : 'y', x, m->lower[c], m->upper[c]);
     }
   tell_rest(d, found, "coordinates lie outside the periodic box");
 }

@@ -13,7 +13,7 @@
 #include "pack/place.h"
 #include "pack/rain.h"
 #include "pack/sizes.h"
-#include "model/tiles.h"
+#include "model/rows.h"
 #include "pack/tiles.h"
 
 /* Densest packing of equal disks, pi/sqrt(12). */
@@ -367,8 +367,42 @@ static void check_tiles(packing *p) {
     deck_fail_key(g, "radii", "expected at most %d in a packing that is made in tiles", SD_TILE_RADII);
 }
 
-/* Of a run that ranks will share only the first tile is made here; sd_model_finish and advice look at that one. height: where
- * disks wait for rain, from that row on. */
+/* The disks of a tile; NULL: told. */
+static const sd_disk *make_tile(packing *p, size_t tile, sd_disk *disks) {
+  const sd_tiles *t = &p->g.d->model->tiles;
+  const size_t n = model_tile_size(t, tile);
+  size_t placed;
+  if (tiles_make(p->g.d->model, tile, disks, &placed) != SD_OK) longjmp(p->g.d->out_of_memory, 1);
+  if (placed < n) {
+    deck_fail_key(&p->g, "count", TILES_FULL, tile, t->n, placed, n);
+    return NULL;
+  }
+  for (size_t k = 0; k < n; k++)
+    if (!mass_is_good(p, disks[k].mass)) return NULL;
+  return disks;
+}
+
+/* Each rank makes every so many-th tile. */
+static void make_own_tiles(packing *p, sd_disk *disks) {
+  deck *d = p->g.d;
+  sd_model *m = d->model;
+  const size_t before = d->reported, ranks = (size_t)comm_size(d->comm);
+  if (!rows_reserve(m, rows_of_tiles(m))) longjmp(d->out_of_memory, 1);
+  for (size_t k = (size_t)comm_rank(d->comm); k < m->tiles.n && d->reported == before; k += ranks) {
+    const size_t first = m->tiles.first + model_tile_begin(&m->tiles, k);
+    const sd_disk *tile = make_tile(p, k, disks);
+    for (size_t i = 0; tile && i < model_tile_size(&m->tiles, k); i++)
+      rows_add(m, &tile[i], (uint32_t)(first + i));
+  }
+  d->away_place = p->g.node->place;
+  deck_note_away(d, m->tiles.group);
+  m->n_disks += m->tiles.count;
+}
+
+/* With fewer disks a run has them in the order of the deck. */
+enum { FEWEST_AWAY = 1000 };
+
+/* height: where disks wait for rain, from that row on. */
 static void make_tiled(packing *p, double spacing, double height) {
   deck *d = p->g.d;
   sd_model *m = d->model;
@@ -377,23 +411,20 @@ static void make_tiled(packing *p, double spacing, double height) {
   if (d->reported > before) return;
   keep_tiles(p, spacing);
   if (p->v.kind == SD_PACKING_RAIN) wait_above(&m->tiles, height);
-  if (d->leave_tiles && !p->last && m->tiles.n > 1)
-    sd_warn(d->messages, "packings[%zu].tiles: one rank makes all, since the packing is not the last",
+  if (d->comm && d->whole && !p->last && m->tiles.n > 1)
+    sd_warn(d->messages, "packings[%zu].tiles: every rank makes all, since the packing is not the last",
             p->number);
-  m->tiles.away = d->leave_tiles && p->last && m->tiles.n > 1;
-  const size_t most = model_tile_begin(&m->tiles, 1);
-  sd_disk *disks = deck_alloc(d, most, sizeof *disks);
-  m->tiles.sample = m->tiles.away ? most : 0;
-  for (size_t k = 0; k < (m->tiles.away ? 1 : m->tiles.n) && d->reported == before; k++) {
-    const size_t n = model_tile_begin(&m->tiles, k + 1) - model_tile_begin(&m->tiles, k);
-    size_t placed;
-    if (tiles_make(m, k, disks, &placed) != SD_OK) longjmp(d->out_of_memory, 1);
-    if (placed < n)
-      deck_fail_key(&p->g, "count", TILES_FULL, k, m->tiles.n, placed, n);
-    else
-      push_disks(p, n, disks);
+  m->tiles.group = deck_group_number(d, p->group);
+  m->tiles.away = d->comm && d->whole && p->last && m->tiles.n > 1 && m->tiles.count >= FEWEST_AWAY;
+  sd_disk *disks = deck_alloc(d, model_tile_begin(&m->tiles, 1), sizeof *disks);
+  if (m->tiles.away) {
+    make_own_tiles(p, disks);
+    return;
   }
-  if (d->reported == before) m->tiles.group = m->disks[m->tiles.first].group;
+  for (size_t k = 0; k < m->tiles.n && d->reported == before; k++) {
+    const sd_disk *tile = make_tile(p, k, disks);
+    if (tile) push_disks(p, model_tile_size(&m->tiles, k), tile);
+  }
 }
 
 /* --- rain ----------------------------------------------------------------------------------------------------- */
@@ -451,6 +482,26 @@ static void make_waiting(packing *p, double spacing) {
   push(p, b.n, b.radius, b.position, true);
 }
 
+/* The rank that has made the first tile has the first batch. */
+static void count_batch(const packing *p, sd_rain *r, double rows) {
+  deck *d = p->g.d;
+  const sd_model *m = d->model;
+  const bool away = m->tiles.away;
+  const size_t known = away ? model_tile_begin(&m->tiles, 1) : r->count;
+  double *radius = away ? deck_alloc(d, known, sizeof *radius) : NULL;
+  if (comm_rank(d->comm) == 0 || !away) {
+    for (size_t k = 0; away && k < known; k++) radius[k] = m->mine->disk[k].radius;
+    const rain_sizes first = {.model = m, .radius = radius, .first = r->first};
+    for (double row = 0; row < rows && r->batch < known; row++)
+      r->batch += rain_row(&first, r->first + r->batch, r->first + known, r->upper - r->lower);
+  }
+  if (!away) return;
+  uint64_t batch[1] = {r->batch};
+  comm_share(d->comm, batch, sizeof batch);
+  r->batch = (size_t)batch[0];
+  if (r->batch >= known) deck_leave(d, "tiles have fewer disks than a batch of rain");
+}
+
 static void make_rain(packing *p) {
   deck *d = p->g.d;
   deck_group *g = &p->g;
@@ -474,10 +525,9 @@ static void make_rain(packing *p) {
   if (d->reported > before) return;
   rain.interval = (int64_t)fmin(fmax(1, ceil(deck_number(g, "interval") / m->dt)), 1e18);
   make_waiting(p, 2.1 * largest);
-  if (d->reported > before) return;
-  if (m->tiles.away) rain.count = m->tiles.sample;
-  for (double row = 0; row < rows && rain.batch < rain.count; row++)
-    rain.batch += rain_row(m, rain.first + rain.batch, m->n_disks, rain.upper - rain.lower);
+  deck_meet(d);
+  if (d->reported > before || d->wrong) return;
+  count_batch(p, &rain, rows);
   m->rains = memory_grow(m->rains, m->n_rains + 1, sizeof *m->rains);
   m->rains[m->n_rains++] = rain;
 }
@@ -502,7 +552,7 @@ static void make_packing(packing *p) {
   if (p->v.fraction > 0 && count < 1)
     deck_fail_key(&p->g, "fraction", "less than one disk in a region of area %g", p->area);
   if (d->reported > before) return;
-  const bool away = d->leave_tiles && p->last && p->v.tiles > 1;
+  const bool away = d->comm && d->whole && p->last && p->v.tiles > 1;
   if (!away)
     deck_need(d, p->g.node, p->v.count > 0 ? "count" : "fraction", (double)d->model->n_disks + count,
               deck_disk_bytes(true), "disks");
@@ -529,6 +579,7 @@ static void enlarge(deck *d, sizes *s, double by) {
 static void read_packing(deck *d, deck_node *node, size_t number, bool last) {
   packing p = {.number = number, .last = last, .sizes = &p.v.sizes};
   d->model->tiles = (sd_tiles){0};
+  if (last) deck_meet(d);
   if (!deck_enter(d, node, &deck_packings, &p.g)) return;
   size_t before = d->reported;
   bool known = deck_fill(&p.g, &p.v);

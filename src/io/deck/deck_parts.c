@@ -1,4 +1,4 @@
-/* deck_parts.c: a large file of disks, part by part (sd_tiles in model.h, deck_make_part). See deck_parts.h.
+/* deck_parts.c: a large file of disks, which ranks read part by part (sd_tiles in model.h). See deck_parts.h.
  *
  * A part is read by the deck itself: opened anew, with nothing but what a row of the file needs, and these rows.
  */
@@ -13,28 +13,20 @@
 #include "io/deck/deck_result.h"
 #include "io/deck/deck.h"
 #include "io/store/file.h"
-#include "model/image.h"
-#include "model/tiles.h"
+#include "model/rows.h"
 #include "slipdisk/deck.h"
 
-/* Files of fewer disks are read as a whole; disks of the sample; of a part, at most; parts at least. */
-enum { LEAST = 20000, SAMPLE = 4096, MOST = 1 << 16, FEWEST = 8, MOST_KINDS = 64 };
+/* Files of fewer disks are read as a whole; disks of a part, at most; parts at least; groups in a file, at most. */
+enum { LEAST = 20000, MOST = 1 << 16, FEWEST = 8, MOST_GROUPS = 64 };
 
 /* --- rows ------------------------------------------------------------------------------------------------------ */
 
-typedef struct rows {
-  size_t n, all;
-  sd_disk *disks;   /* without names of their own */
-  uint32_t *number; /* their places in the file */
-} rows;
-
-/* Reads rows of an entry of disk_files, and hands them to `take`. */
+/* What is asked of an entry of disk_files, and who takes it. */
 typedef struct rows_task {
   deck_rows_asked asked;
-  size_t entry, n_groups;
-  char *const *groups; /* known */
-  void (*take)(void *user, const sd_model *m, const rows *r);
-  sd_status (*use)(void *user, deck *d, const deck_node *file); /* in place of `take` */
+  size_t entry;
+  void (*take)(void *user, const sd_model *m, const deck_columns *t); /* disks */
+  sd_status (*use)(void *user, deck *d, const deck_node *file);       /* in place of `take`: contacts */
   void *user;
 } rows_task;
 
@@ -54,7 +46,6 @@ static sd_status read_rows(deck *d, void *user) {
   const rows_task *t = user;
   deck_group top;
   d->model = sd_model_new();
-  for (size_t k = 0; k < t->n_groups; k++) deck_group_number(d, t->groups[k]);
   deck_read_constants(d);
   if (deck_enter(d, d->root, &deck_top, &top)) deck_fill(&top, d->model);
   deck_read_box(d);
@@ -63,18 +54,14 @@ static sd_status read_rows(deck *d, void *user) {
   if (!list || t->entry >= list->n) return SD_ERROR_USER;
   d->asked = t->asked;
   const deck_columns c = deck_read_table(d, list->child[t->entry], &deck_disk_files);
-  deck_check_overlaps(d);
   if (d->reported > 0) return SD_ERROR_USER;
-  const sd_model *m = d->model;
-  rows r = {m->n_disks, c.all, m->disks, c.disk ? c.disk : deck_alloc(d, m->n_disks, sizeof *r.number)};
-  for (size_t k = 0; k < r.n && !c.disk; k++) r.number[k] = (uint32_t)(t->asked.first + k);
-  t->take(t->user, m, &r);
+  t->take(t->user, d->model, &c);
   sd_model_free(d->model);
   d->model = NULL;
   return SD_OK;
 }
 
-/* The deck of the model, with the settings that it was read with. messages: errors alone; NULL: none. */
+/* The deck of the model, with the settings that it was read with. messages: errors alone. */
 static sd_status open_rows(const sd_deck *from, rows_task *task, sd_messages *messages) {
   char *lines = memory_text(from->overrides);
   size_t n = 0, most = 1;
@@ -154,122 +141,187 @@ void deck_parts_note(deck *d, size_t entry, const deck_columns *t) {
   m->tiles = tiles;
 }
 
-/* --- the survey of a run that ranks share ------------------------------------------------------------------------ */
+/* --- what ranks read, each some parts --------------------------------------------------------------------------- */
 
-/* Material and group, in the first disk that has them. */
-typedef struct kind {
-  sd_disk disk;
-  const char *group;
-  uint32_t number;
-} kind;
+/* A group of disks of the file, and the first disk that is in it. */
+typedef struct file_group {
+  uint32_t disk;
+  char *name; /* in the arena */
+} file_group;
 
 typedef struct survey {
   deck *d;
-  size_t at; /* rows read */
   sd_tiles tiles;
-  bool special;     /* some disk is named, held or driven, or there are too many kinds */
+  size_t all;
+  size_t first, n;  /* rows of the part that is read */
+  bool special;     /* some disk is named, held, driven or gone: all ranks must know it */
   uint64_t numbers; /* their sum */
-  size_t n_kinds, n_groups;
-  kind kinds[MOST_KINDS];
-  uint32_t number[MOST_KINDS]; /* of groups: the first disk that is in it */
-  char *groups[MOST_KINDS];    /* in the arena of d */
+  size_t n_groups;
+  file_group groups[MOST_GROUPS];
 } survey;
 
-static void note_group(survey *s, const char *group, uint32_t number) {
+/* The place of the group in the list; -1: none. */
+static int note_group(survey *s, const char *name, uint32_t disk) {
   size_t k = 0;
-  if (!*group) return;
-  while (k < s->n_groups && strcmp(s->groups[k], group) != 0) k++;
-  if (k == MOST_KINDS) {
-    s->special = true;
-    return;
-  }
-  if (k == s->n_groups) {
-    s->groups[s->n_groups++] = deck_copy(s->d, group, strlen(group));
-    s->number[k] = number;
-  }
-  if (number < s->number[k]) s->number[k] = number;
+  if (!*name) return -1;
+  while (k < s->n_groups && strcmp(s->groups[k].name, name) != 0) k++;
+  s->special = s->special || k == MOST_GROUPS;
+  if (s->special) return -1;
+  if (k == s->n_groups) s->groups[s->n_groups++] = (file_group){disk, deck_copy(s->d, name, strlen(name))};
+  if (disk < s->groups[k].disk) s->groups[k].disk = disk;
+  return (int)k;
 }
 
-/* Those in the first rows are in the sample. */
-static void note_kind(survey *s, const sd_disk *d, const char *group, size_t row, uint32_t number) {
-  size_t k = 0;
-  while (k < s->n_kinds &&
-         (s->kinds[k].disk.material != d->material || strcmp(s->kinds[k].group, group) != 0))
-    k++;
-  if (k < s->n_kinds) return;
-  s->special = s->special || k == MOST_KINDS;
-  if (s->special) return;
-  const char *name = "";
-  for (size_t n = 0; n < s->n_groups; n++)
-    if (strcmp(s->groups[n], group) == 0) name = s->groups[n];
-  s->kinds[s->n_kinds++] = (kind){*d, name, row < SAMPLE ? UINT32_MAX : number};
-}
-
-static void survey_rows(void *user, const sd_model *m, const rows *r) {
+/* Groups of disks are their places in the list, for now. */
+static void take_rows(void *user, const sd_model *m, const deck_columns *t) {
   survey *s = user;
-  if (s->at == 0) s->tiles = begin_tiles(s->d->model, s->tiles.entry, r->all);
-  const size_t left = s->tiles.count - s->at;
-  s->special = s->special || r->all != s->tiles.count || r->n != (left < MOST ? left : MOST);
-  for (size_t k = 0; k < r->n && !s->special; k++) {
-    const sd_disk *d = &r->disks[k];
-    s->special = image_is_special(d);
-    s->numbers += r->number[k];
-    add_disk(&s->tiles, m, d, r->number[k]);
-    note_group(s, group_of(m, d), r->number[k]);
-    note_kind(s, d, group_of(m, d), s->at + k, r->number[k]);
+  sd_model *own = s->d->model;
+  sd_rows *mine = own->mine;
+  for (size_t k = 0; k < m->n_disks && !s->special; k++) {
+    const uint32_t number = t->disk ? t->disk[k] : (uint32_t)(s->first + k);
+    sd_disk d = m->disks[k];
+    s->special = rows_special(&d) || number >= s->all;
+    s->numbers += number;
+    add_disk(&s->tiles, m, &d, number);
+    d.group = note_group(s, group_of(m, &d), number);
+    if (mine->shift) mine->shift[mine->n] = deck_result_shift(t->result, k);
+    rows_add(own, &d, (uint32_t)s->tiles.first + number);
   }
-  s->at += r->n;
+  s->special = s->special || t->all != s->all || t->n_rows != s->n;
 }
 
-/* Groups get the numbers that they have where all disks are read, by number. */
+/* Errors are told in d->messages. */
+static sd_status read_own(survey *s) {
+  sd_status status = SD_OK;
+  const size_t ranks = (size_t)comm_size(s->d->comm);
+  for (size_t part = (size_t)comm_rank(s->d->comm); part < s->tiles.n && status == SD_OK && !s->special;
+       part += ranks) {
+    s->first = model_tile_begin(&s->tiles, part);
+    s->n = model_tile_size(&s->tiles, part);
+    rows_task t = {.asked = {.part = true, .again = true, .first = s->first, .n = s->n},
+                   .entry = s->tiles.entry,
+                   .take = take_rows,
+                   .user = s};
+    status = open_rows(s->d->model->deck, &t, s->d->messages);
+  }
+  return status;
+}
+
+/* Groups of all ranks get the numbers that they have where all disks are read, by their first disks. */
+static void share_groups(survey *s) {
+  const comm *c = s->d->comm;
+  deck_buffer text = {0};
+  int *counts = memory_new((size_t)comm_size(c), sizeof *counts);
+  size_t bytes = 0;
+  for (size_t k = 0; k < s->n_groups; k++) {
+    const char *line = deck_format(s->d, "%u %s\n", s->groups[k].disk, s->groups[k].name);
+    deck_put(s->d, &text, line, strlen(line));
+  }
+  comm_gather_counts(c, (int)text.n, counts);
+  for (int q = 0; q < comm_size(c); q++) bytes += (size_t)counts[q];
+  char *all = deck_alloc(s->d, bytes + 1, 1);
+  comm_gather(c, text.bytes, all, counts, 1);
+  free(counts);
+  for (char *rest, *line = strtok_r(all, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+    char *name;
+    const uint32_t disk = (uint32_t)strtoul(line, &name, 10);
+    note_group(s, name + 1, disk);
+  }
+}
+
 static void name_groups(survey *s) {
+  deck *d = s->d;
+  int number[MOST_GROUPS];
+  bool named[MOST_GROUPS] = {false};
   for (size_t n = 0; n < s->n_groups; n++) {
     size_t first = 0;
-    for (size_t k = 1; k < s->n_groups; k++)
-      if (s->number[k] < s->number[first]) first = k;
-    deck_group_number(s->d, s->groups[first]);
-    s->number[first] = UINT32_MAX;
+    while (named[first]) first++;
+    for (size_t k = first; k < s->n_groups; k++)
+      if (!named[k] && s->groups[k].disk < s->groups[first].disk) first = k;
+    number[first] = deck_group_number(d, s->groups[first].name);
+    named[first] = true;
+  }
+  for (size_t k = 0; k < s->n_groups; k++) deck_note_away(d, number[k]);
+  for (size_t k = 0; k < d->model->mine->n; k++) {
+    int *group = &d->model->mine->disk[k].group;
+    if (*group >= 0) *group = number[*group];
   }
 }
 
-/* Mistakes in a file are told when it is read as a whole. */
-static bool survey_file(survey *s) {
-  const sd_deck *own = s->d->model->deck;
-  do {
-    rows_task t = {.asked = {.part = true, .again = s->at > 0, .first = s->at, .n = MOST},
-                   .entry = s->tiles.entry,
-                   .take = survey_rows,
-                   .user = s};
-    if (open_rows(own, &t, NULL) != SD_OK || s->special || s->tiles.count < LEAST) return false;
-  } while (s->at < s->tiles.count);
-  return s->numbers == (uint64_t)s->at * (s->at - 1) / 2;
+/* Sums and limits of all ranks. */
+static void share_survey(survey *s) {
+  const comm *c = s->d->comm;
+  sd_tiles *t = &s->tiles;
+  int64_t sums[] = {t->inputs, (int64_t)s->numbers};
+  comm_add(c, sums, 2);
+  t->inputs = sums[0];
+  s->numbers = (uint64_t)sums[1];
+  const sd_rows *mine = s->d->model->mine;
+  t->material = (int)comm_largest(c, mine->n > 0 ? mine->disk[0].material : -1);
+  t->least = -comm_largest(c, -t->least);
+  t->most = comm_largest(c, t->most);
+  for (int k = 0; k < 2; k++) {
+    t->lower[k] = -comm_largest(c, -t->lower[k]);
+    t->upper[k] = comm_largest(c, t->upper[k]);
+  }
 }
 
-bool deck_parts_begin(deck *d, size_t entry) {
+/* An entry that may be read so; its columns and keys are looked at when it is read. */
+static bool may_begin(deck *d, size_t entry) {
   const deck_node *node = deck_child(d->root, "disk_files")->child[entry];
   const deck_node *file = deck_child(node, "file"), *format = deck_child(node, "format");
-  if (!d->leave_tiles || deck_child(d->root, "packings") || !file || file->type != DECK_STRING) return false;
-  if (format ? format->type != DECK_STRING || strcmp(format->value.text, "hdf5") != 0
-             : deck_file_format(d, file->value.text) != DECK_HDF5)
+  if (!d->comm || !d->whole || deck_child(d->root, "packings") || !file || file->type != DECK_STRING)
     return false;
   for (size_t k = 0; k < entry; k++)
     if (d->file_tables[k].contacts) return false;
+  if (format) return format->type == DECK_STRING && strcmp(format->value.text, "hdf5") == 0;
+  return deck_file_format(d, file->value.text) == DECK_HDF5;
+}
+
+/* The columns of the file, and how many disks it has. */
+static void read_head(survey *s, deck_columns *table) {
+  deck *d = s->d;
+  d->asked = (deck_rows_asked){.part = true, .head = true, .again = comm_rank(d->comm) > 0, .n = 1};
+  *table = deck_read_table(d, deck_child(d->root, "disk_files")->child[s->tiles.entry], &deck_disk_files);
+  d->asked = (deck_rows_asked){0};
+  s->all = table->all;
+  comm_wait(d->comm, SD_OK); /* for the first rank, which has checked all of it */
+}
+
+/* Ends what has failed here or on another rank. */
+static bool has_failed(deck *d) {
+  deck_meet(d);
+  d->disks_missing = d->disks_missing || !d->comm;
+  return !d->comm;
+}
+
+bool deck_parts_begin(deck *d, size_t entry) {
+  if (!may_begin(d, entry)) return false;
   survey *s = deck_alloc(d, 1, sizeof *s);
+  deck_columns *table = &d->file_tables[entry];
   s->d = d;
   s->tiles.entry = entry;
-  if (!survey_file(s)) return false;
+  read_head(s, table);
+  if (has_failed(d)) return true;
+  if (s->all < LEAST) return false;
+  sd_model *m = d->model;
+  s->tiles = m->tiles = begin_tiles(m, entry, s->all);
+  const size_t n = rows_of_tiles(m);
+  if (!rows_reserve(m, n) || (table->contacts && !memory_resize_row(&m->mine->shift, n, sizeof(double))))
+    longjmp(d->out_of_memory, 1);
+  if (read_own(s) != SD_OK) d->reported++;
+  if (has_failed(d)) return true;
+  if (comm_or(d->comm, s->special)) deck_leave(d, "some of its disks are fixed, named or out of play");
+  share_survey(s);
+  share_groups(s);
+  if (s->special || s->numbers != (uint64_t)s->all * (s->all - 1) / 2)
+    deck_leave(d, "its disks have no numbers of their own, or too many groups");
   name_groups(s);
-  d->asked = (deck_rows_asked){.part = true, .again = true, .n = SAMPLE};
-  deck_columns t = deck_read_table(d, deck_child(d->root, "disk_files")->child[entry], &deck_disk_files);
-  d->asked = (deck_rows_asked){0};
-  d->file_tables[entry] = t;
-  for (size_t k = 0; k < s->n_kinds; k++) {
-    const kind *q = &s->kinds[k];
-    if (q->number != UINT32_MAX) deck_push_disk(d, &q->disk, NULL, *q->group ? q->group : NULL, node->place);
-  }
-  d->model->tiles = s->tiles;
-  d->model->tiles.sample = d->model->n_disks - s->tiles.first;
-  d->model->tiles.away = true;
+  d->away_place = (deck_place){deck_resolve(d, d->path, file_node(d, entry)->value.text),
+                               table->result ? PLACE_DISK : -1};
+  m->tiles = s->tiles;
+  m->tiles.away = true;
+  m->n_disks += s->all;
   return true;
 }
 
@@ -292,141 +344,59 @@ void deck_parts_note_contacts(deck *d, const deck_result *r) {
 }
 
 typedef struct contacts_task {
-  const sd_tiles *tiles;
-  size_t n;
-  sd_contact_memory *contacts;
+  sd_model *model;
   int64_t inputs;
+  size_t lost;
+  double first; /* the file's number of the first that is lost; infinite: none */
+  uint32_t wall;
 } contacts_task;
 
+/* Keeps those whose partners are bodies of the model. */
 static sd_status use_contacts(void *user, deck *d, const deck_node *file) {
   contacts_task *t = user;
+  const sd_tiles *tiles = &t->model->tiles;
+  sd_rows *mine = t->model->mine;
   const deck_result *r = deck_result_read(d, file, deck_resolve(d, d->path, file->value.text), true);
-  if (!r || r->n_contacts != t->n || r->n_disks != t->tiles->count ||
-      r->n_bodies - r->n_disks != t->tiles->n_walls)
+  if (!r || r->n_contacts != d->asked.n || r->n_disks != tiles->count ||
+      r->n_bodies - r->n_disks != tiles->n_walls)
     return SD_ERROR_USER;
-  for (size_t k = 0; k < t->n; k++) {
-    t->contacts[k] = deck_result_contact(r, k);
-    add_contact(&t->inputs, &t->contacts[k]);
+  for (size_t k = 0; k < r->n_contacts; k++) {
+    const sd_contact_memory c = deck_result_contact(r, k);
+    add_contact(&t->inputs, &c);
+    if (deck_contact_is_kept(&c, c.b < tiles->count ? NULL : &tiles->walls[c.b - tiles->count])) {
+      mine->contacts[mine->n_contacts++] = c;
+      continue;
+    }
+    if (t->lost++ > 0) continue;
+    t->first = (double)(d->asked.first + k);
+    t->wall = c.b;
   }
   return SD_OK;
-}
-
-static sd_status has_changed(const sd_model *m, sd_messages *messages) {
-  return sd_fail(messages, SD_ERROR_IO, "disk_files[%zu].file has changed while it was read", m->tiles.entry);
-}
-
-sd_status deck_make_contacts(const sd_model *m, size_t first, size_t n, sd_contact_memory *contacts,
-                             int64_t *inputs, sd_messages *messages) {
-  contacts_task c = {&m->tiles, n, contacts, 0};
-  rows_task t = {.asked = {.part = true, .contacts = true, .again = true, .first = first, .n = n},
-                 .entry = m->tiles.entry,
-                 .use = use_contacts,
-                 .user = &c};
-  const sd_status status = open_rows(m->deck, &t, messages);
-  *inputs = c.inputs;
-  return status == SD_ERROR_USER ? has_changed(m, messages) : status;
 }
 
 bool deck_parts_contacts(deck *d, size_t *lost, uint32_t *first) {
-  sd_tiles *t = &d->model->tiles;
-  sd_contact_memory *list = deck_alloc(d, MOST, sizeof *list);
-  *lost = 0;
-  for (size_t at = 0; at < t->n_contacts; at += MOST) {
-    const size_t n = t->n_contacts - at < MOST ? t->n_contacts - at : MOST;
-    int64_t inputs;
-    if (deck_make_contacts(d->model, at, n, list, &inputs, NULL) != SD_OK) return false;
-    t->contact_inputs = (int64_t)((uint64_t)t->contact_inputs + (uint64_t)inputs);
-    for (size_t k = 0; k < n; k++) {
-      const sd_contact_memory *c = &list[k];
-      if (deck_contact_is_kept(c, c->b < t->count ? NULL : &t->walls[c->b - t->count])) continue;
-      if ((*lost)++ == 0) *first = c->b;
-    }
+  sd_model *m = d->model;
+  sd_tiles *t = &m->tiles;
+  const size_t size = (size_t)comm_size(d->comm), rank = (size_t)comm_rank(d->comm);
+  const size_t begin = t->n_contacts * rank / size, end = t->n_contacts * (rank + 1) / size;
+  contacts_task c = {.model = m, .first = HUGE_VAL};
+  if (!memory_resize_row(&m->mine->contacts, end - begin, sizeof *m->mine->contacts))
+    longjmp(d->out_of_memory, 1);
+  sd_status status = SD_OK;
+  for (size_t at = begin; at < end && status == SD_OK; at += MOST) {
+    const size_t n = end - at < MOST ? end - at : MOST;
+    rows_task rows = {.asked = {.part = true, .contacts = true, .again = true, .first = at, .n = n},
+                      .entry = t->entry,
+                      .use = use_contacts,
+                      .user = &c};
+    status = open_rows(m->deck, &rows, d->messages);
   }
+  if (!comm_all_well(d->comm, status)) return false;
+  int64_t sums[] = {c.inputs, (int64_t)c.lost};
+  comm_add(d->comm, sums, 2);
+  t->contact_inputs = sums[0];
+  *lost = (size_t)sums[1];
+  const double before = -comm_largest(d->comm, -c.first);
+  *first = (uint32_t)comm_largest(d->comm, before == c.first && *lost > 0 ? c.wall : 0.0);
   return true;
-}
-
-typedef struct turned_task {
-  size_t n, all;
-  uint32_t *number;
-  deck_turned *turned;
-} turned_task;
-
-static sd_status use_turned(void *user, deck *d, const deck_node *file) {
-  const turned_task *t = user;
-  const deck_result *r = deck_result_read(d, file, deck_resolve(d, d->path, file->value.text), false);
-  if (!r || r->n_rows != t->n || r->n_disks != t->all) return SD_ERROR_USER;
-  for (size_t k = 0; k < t->n; k++) {
-    t->number[k] = r->number[k];
-    t->turned[k] = (deck_turned){r->radius[k], deck_result_shift(r, k)};
-  }
-  return SD_OK;
-}
-
-sd_status deck_make_turned(const sd_model *m, size_t part, uint32_t *number, deck_turned *turned,
-                           sd_messages *messages) {
-  const size_t first = model_tile_begin(&m->tiles, part), n = model_tile_begin(&m->tiles, part + 1) - first;
-  turned_task w = {n, m->tiles.count, number, turned};
-  rows_task t = {.asked = {.part = true, .again = true, .first = first, .n = n},
-                 .entry = m->tiles.entry,
-                 .use = use_turned,
-                 .user = &w};
-  const sd_status status = open_rows(m->deck, &t, messages);
-  return status == SD_ERROR_USER ? has_changed(m, messages) : status;
-}
-
-/* --- parts ------------------------------------------------------------------------------------------------------- */
-
-typedef struct part {
-  size_t n;
-  sd_disk *disks;
-  uint32_t *number;
-  int64_t inputs;
-  bool good;
-} part;
-
-static void take_part(void *user, const sd_model *m, const rows *r) {
-  part *p = user;
-  p->good = r->n == p->n;
-  for (size_t k = 0; p->good && k < r->n; k++) {
-    p->disks[k] = r->disks[k];
-    p->number[k] = r->number[k];
-    add_input(&p->inputs, m, &r->disks[k], r->number[k]);
-    if (p->disks[k].inertia == 0.0)
-      p->disks[k].inertia = 0.5 * p->disks[k].mass * p->disks[k].radius * p->disks[k].radius;
-    p->good = p->good && !image_is_special(&p->disks[k]) && p->disks[k].group < (int)m->n_groups;
-  }
-}
-
-sd_status deck_make_part(const sd_model *m, size_t number, sd_disk *disks, uint32_t *numbers, int64_t *inputs,
-                         sd_messages *messages) {
-  const size_t first = model_tile_begin(&m->tiles, number),
-               n = model_tile_begin(&m->tiles, number + 1) - first;
-  part p = {.n = n, .disks = disks, .number = numbers};
-  rows_task t = {.asked = {.part = true, .again = true, .first = first, .n = n},
-                 .entry = m->tiles.entry,
-                 .n_groups = m->n_groups,
-                 .groups = m->groups,
-                 .take = take_part,
-                 .user = &p};
-  const sd_status status = open_rows(m->deck, &t, messages);
-  *inputs = p.inputs;
-  return status != SD_OK || p.good ? status : has_changed(m, messages);
-}
-
-bool deck_parts_bear(sd_model *m, sd_step_limit *limit) {
-  const size_t most = model_tile_begin(&m->tiles, 1);
-  sd_disk *disks = NULL;
-  uint32_t *number = NULL;
-  bool good =
-      memory_resize(2, (memory_column[]){{&disks, most, sizeof *disks}, {&number, most, sizeof *number}});
-  for (size_t k = 0; k < m->tiles.n && good; k++) {
-    const size_t n = model_tile_begin(&m->tiles, k + 1) - model_tile_begin(&m->tiles, k);
-    int64_t inputs;
-    good = deck_make_part(m, k, disks, number, &inputs, NULL) == SD_OK;
-    for (size_t at = 0; at < n && good; at += SAMPLE)
-      good = model_bears(m, n - at < SAMPLE ? n - at : SAMPLE, disks + at, limit);
-  }
-  free(number);
-  free(disks);
-  return good;
 }

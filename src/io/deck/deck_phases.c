@@ -221,11 +221,9 @@ static void read_rotation(deck_group *g) {
   deck *d = g->d;
   sd_model *m = d->model;
   deck_node *list = deck_get(g, "rotation");
-  size_t n_free = 0;
-  for (size_t i = 0; i < m->n_disks; i++) n_free += !m->disks[i].driven;
   if (!list) {
     list = deck_default_list(g, "rotation");
-    for (size_t i = 0; n_free <= MOST_WATCHED && i < m->n_disks; i++)
+    for (size_t i = 0; m->n_free <= MOST_WATCHED && i < m->n_disks; i++)
       if (!m->disks[i].driven) add_entry(d, list, m->disks[i].name, i);
   }
   add_disks(d, list, &m->n_rotations, &m->rotations);

@@ -56,7 +56,7 @@ char *deck_result_text(deck *d, const result_wall *walls) {
   for (size_t k = 0; k < m->n_materials; k++)
     put(d, &out, deck_format(d, "material\t%s\n", clean(m->materials[k].name)));
   for (size_t k = 0; k < m->n_groups; k++) put(d, &out, deck_format(d, "group\t%s\n", clean(m->groups[k])));
-  for (size_t k = 0; k < m->n_disks; k++)
+  for (size_t k = 0; k < model_held(m); k++)
     if (*clean(m->disks[k].name)) put(d, &out, deck_format(d, "disk\t%zu\t%s\n", k, m->disks[k].name));
   for (size_t k = 0; k < m->n_walls; k++)
     put(d, &out,

@@ -46,8 +46,6 @@ typedef struct deck_columns {
 
 /* Reads an entry of disk_rows or disk_files, and pushes its disks: those of d->asked. deck_disks.c. */
 deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table);
-/* Number of a group of this name, which is there then; -1: NULL. */
-int deck_group_number(deck *d, const char *name);
 
 /* The key `columns` of a group of disk_rows or disk_files. */
 void deck_columns_read(deck_group *g, deck_columns *table);

@@ -22,7 +22,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "model/model.h"
+#include "model/rows.h"
 
 /* Where something stands. What -D has set has the file "-D path=value" and line 0. In a file that has no lines -1 - k is its row k,
  * PLACE_DISK - k the disk k of a result. */
@@ -93,6 +93,7 @@ typedef struct deck_chunk deck_chunk;
 /* Rows of a file of disks. */
 typedef struct deck_rows_asked {
   bool part;     /* only n from `first` on */
+  bool head;     /* its columns alone: no disks are made */
   bool contacts; /* of its contacts, with the walls, in place of disks */
   bool again;    /* the file was opened, and checked, before */
   size_t first, n;
@@ -123,8 +124,14 @@ typedef struct deck {
   const char *box_path;  /* the H5MD file whose box was read; NULL: none */
   int64_t box_step;      /* of which step; -1: it does not change */
   bool disks_missing;    /* some could not be read */
-  bool leave_tiles; /* the last disks are made by ranks, where they can be had in parts: a sample will do */
-  bool readable;    /* no mistake but where bodies stand */
+  const comm *comm;      /* of the ranks that read this deck together; NULL: one alone */
+  bool wrong;            /* by what another rank has found */
+  const char **whole;    /* why no disks may be away (model/rows.h): deck_leave; NULL: none may be, */
+  const char *why;       /* and why, where some might have been; else NULL */
+  bool *away_group;      /* of each group: disks of it are away */
+  size_t n_away_groups;
+  deck_place away_place; /* of disks that are away: of a file its first row, or disk */
+  bool readable;         /* no mistake but where bodies stand */
   struct deck_container_values *container;
   struct deck_constants *constants; /* NULL until one is asked for */
 
@@ -145,10 +152,6 @@ sd_status deck_load(const char *text, const char *path, size_t n_settings, const
                     bool point, sd_model **out, sd_messages *messages);
 /* A tilt written as a number that is beyond a right angle: degrees may have been meant. */
 void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages);
-/* The text of the deck at path, - being the standard input, to be freed; NULL: reported, and why in status. */
-char *deck_file_text(const char *path, sd_messages *messages, sd_status *status);
-/* The name of this deck in messages and results. */
-const char *deck_source(const char *path);
 
 /* --- deck_node.c: memory, nodes, messages ----------------------------------------------------------- */
 
@@ -193,6 +196,13 @@ size_t deck_disk_bytes(bool free);
 void deck_fail_place(deck *d, deck_place place, const char *format, ...) SD_PRINTF(3, 4);
 /* "file:line", "file: row 3", "file: disk 3", as messages begin. */
 const char *deck_place_text(deck *d, deck_place place);
+/* The place of a disk, which may be away. */
+deck_place deck_disk_place(const deck *d, uint32_t disk);
+/* Leaves this deck, which is then read with all disks on each rank: why. Every rank comes here. */
+_Noreturn void deck_leave(deck *d, const char *why);
+/* Collective: once any rank has found a mistake all read on alone. Call where one rank may have found what the others did not,
+ * before the next collective function. */
+void deck_meet(deck *d);
 /* Reports a text that is no printable UTF-8. */
 void deck_check_text(deck *d, const deck_node *node);
 /* So many errors were told that the next ones are only counted: no need to look for words. */
@@ -276,6 +286,10 @@ void deck_container_bodies(deck *d); /* its walls and floor; call when disks and
 void deck_read_packings(deck *d);    /* call when all other disks and walls are there */
 /* Appends a disk with copies of its name and group, which may be NULL (disk->name and disk->group are not read). */
 void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place);
+/* Number of a group of this name, which is there then; -1: NULL. */
+int deck_group_number(deck *d, const char *name);
+/* Notes that disks of the group are away (model/rows.h); -1: nothing. */
+void deck_note_away(deck *d, int group);
 void deck_read_bounds(deck *d); /* call when motions are read */
 void deck_echo_files(deck *d);  /* short disk files turn into rows of the echoed deck */
 void deck_read_walls(deck *d);

@@ -13,7 +13,7 @@
 #include "io/results/trajectory.h"
 #include "io/store/members.h"
 #include "model/law_features.h"
-#include "model/tiles.h"
+#include "model/rows.h"
 #include "slipdisk/deck.h"
 
 #define MODEL "/parameters/model"
@@ -153,7 +153,7 @@ static const void *state_column(const constants_source *from, const char *name, 
   return *own = h5_column(from->checkpoint, path, sd_fields[k].type, n, status, messages);
 }
 
-/* Disks that ranks have made are nowhere but in the state: a column at a time. */
+/* What ranks have shared out is nowhere but in the state: a column at a time. */
 static sd_status put_made(h5_file *file, const sd_model *m, const constants_source *from,
                           sd_messages *messages) {
   static const char *const columns[] = {"radius", "mass", "inertia", "material", "group", NULL};
@@ -190,12 +190,14 @@ static sd_status put_disks(h5_file *file, const sd_model *m, const constants_sou
   put_box(file, DISKS, m);
   put_bodies(file, DISKS, m, 0, m->n_disks, "permanent number, as in the deck");
   sd_status status = SD_OK;
-  if (m->tiles.away)
+  if (m->parted)
     status = put_made(file, m, from, messages);
   else
     members_write(file, DISKS, &disk_constants, m->disks, sizeof *m->disks, m->n_disks);
-  for (size_t k = 0; k < model_held(m); k++)
-    pushed = pushed || m->disks[k].force[0] != 0.0 || m->disks[k].force[1] != 0.0;
+  for (size_t k = 0; k < model_known(m); k++) {
+    const double *force = m->disks[model_known_disk(m, k)].force;
+    pushed = pushed || force[0] != 0.0 || force[1] != 0.0;
+  }
   if (pushed) members_write(file, DISKS, &disk_forces, m->disks, sizeof *m->disks, m->n_disks);
   if (m->n_clumps > 0)
     members_write(file, DISKS, &in_clump_constants, m->disks, sizeof *m->disks, m->n_disks);

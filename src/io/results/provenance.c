@@ -15,6 +15,7 @@
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/members.h"
+#include "model/rows.h"
 #include "version.h"
 
 #define TEXT(name)                                                                                           \
@@ -122,10 +123,11 @@ static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
 
 int64_t provenance_inputs(const sd_model *model) {
   uint64_t sum = FILE_SUM;
+  if (model->parted) return model->inputs;
   /* those of tiles follow from the deck's text, those of a large file have a sum of their own */
   const sd_tiles *t = &model->tiles;
   if (t->inputs != 0) sum = file_sum(sum, &t->inputs, sizeof t->inputs);
-  for (size_t k = 0; k < model->n_disks; k++) {
+  for (size_t k = 0; k < model_held(model); k++) {
     if (k >= t->first && k < t->first + t->count) continue;
     const sd_disk *d = &model->disks[k];
     const double real[] = {d->radius, d->mass, d->inertia, d->force[0], d->force[1], d->force[2]};

@@ -194,7 +194,7 @@ static void judge_finite(summary *s, const sd_state *state, unsigned columns) {
 /* Whatever limits are set: a deck asks for such a step, and the warning before the run says what its results mean. */
 static void judge_unstable(summary *s, const sd_model *model) {
   if (!model || !model->limits.unstable_step) return; /* else it is refused */
-  const double limit = advice_step_limit(model).dt;
+  const double limit = sd_model_step_limit(model).dt;
   if (model->dt > limit)
     doubt(s, DOUBT_UNSTABLE, model->dt / limit, 1,
           format_text("dt = %g is beyond the limit of stability %.3g: results mean nothing: a smaller dt "

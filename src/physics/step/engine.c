@@ -12,7 +12,7 @@
 #include "base/memory.h"
 #include "model/law_features.h"
 #include "model/normal_laws.h"
-#include "model/tiles.h"
+#include "model/rows.h"
 #include "physics/step/access.h"
 #include "physics/step/cell.h"
 #include "physics/step/contacts.h"
@@ -72,27 +72,24 @@ void engine_fill_contact(sd_state *s, const sd_contact_memory *c) {
   sd_state_set_record(s, k, &c->record);
 }
 
-static void fill_derivatives(const sd_model *m, sd_state *s) {
+void engine_fill_derivatives(sd_state *s, size_t slot, const double derivatives[SD_DERIVATIVES]) {
   double *const column[SD_DERIVATIVES] = {s->x3, s->x4,     s->x5,     s->y3,    s->y4,
                                           s->y5, s->theta3, s->theta4, s->theta5};
-  for (size_t slot = 0; m->n_derivatives > 0 && slot < s->n_free; slot++)
-    for (size_t k = 0; s->id[slot] < m->n_derivatives && k < SD_DERIVATIVES; k++)
-      column[k][slot] = m->derivatives[s->id[slot]][k];
+  for (size_t k = 0; k < SD_DERIVATIVES; k++) column[k][slot] = derivatives[k];
 }
 
-sd_status engine_fill_memories(const sd_model *m, sd_state *s) {
-  fill_derivatives(m, s);
-  if (m->n_memories == 0) return SD_OK;
-  if (sd_state_reserve_contacts(s, m->n_memories) != SD_OK) return SD_ERROR_IO;
-  for (size_t k = 0; k < m->n_memories; k++) engine_fill_contact(s, &m->memories[k]);
-  return order_contacts(m, s);
+sd_status engine_fill_contacts(sd_state *s, size_t n, const sd_contact_memory *contacts) {
+  if (sd_state_reserve_contacts(s, s->n_contacts + n) != SD_OK) return SD_ERROR_IO;
+  for (size_t k = 0; k < n; k++) engine_fill_contact(s, &contacts[k]);
+  return SD_OK;
 }
 
 void engine_fill_prescribed(const sd_model *m, sd_state *s) {
-  const size_t held = model_held(m);
   uint32_t slot = (uint32_t)(s->n_free + s->n_ghosts);
-  for (uint32_t i = 0; i < held; i++)
+  for (size_t k = 0; k < model_known(m); k++) {
+    const uint32_t i = model_known_disk(m, k);
     if (m->disks[i].driven) engine_fill_disk(s, &m->disks[i], i, slot++);
+  }
   assert(slot == s->n_disks);
   for (uint32_t k = 0; k < m->n_walls; k++, slot++) {
     const sd_wall *wall = &m->walls[k];
@@ -108,20 +105,17 @@ void engine_fill_prescribed(const sd_model *m, sd_state *s) {
   for (size_t k = 0; k < s->n_motions; k++) s->motion_start[k] = -1;
 }
 
-size_t engine_fill_free(const sd_model *m, sd_state *s) {
-  const size_t held = model_held(m);
-  uint32_t slot = 0;
-  for (uint32_t i = 0; i < held; i++)
-    if (!m->disks[i].driven) engine_fill_disk(s, &m->disks[i], i, slot++);
-  return slot;
-}
-
 sd_status engine_fill_state(const sd_model *m, sd_state *s) {
-  const size_t n = engine_fill_free(m, s);
-  assert(n == s->n_free && n == m->n_free);
+  uint32_t slot = 0;
+  for (uint32_t i = 0; i < m->n_disks; i++)
+    if (!m->disks[i].driven) engine_fill_disk(s, &m->disks[i], i, slot++);
+  assert(slot == s->n_free && slot == m->n_free);
   engine_fill_prescribed(m, s);
-  if (n >= ORDER_LEAST && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
-  return engine_fill_memories(m, s);
+  if (slot >= ORDER_LEAST && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
+  for (slot = 0; m->n_derivatives > 0 && slot < s->n_free; slot++)
+    if (s->id[slot] < m->n_derivatives) engine_fill_derivatives(s, slot, m->derivatives[s->id[slot]]);
+  const sd_status status = engine_fill_contacts(s, m->n_memories, m->memories);
+  return status == SD_OK && s->n_contacts > 0 ? order_contacts(m, s) : status;
 }
 
 /* --- work -------------------------------------------------------------------------------------------- */
@@ -380,7 +374,7 @@ static size_t drop_apart(engine *e) {
 }
 
 static void warn_of_dropped(const sd_model *model, size_t kept, sd_messages *messages) {
-  const size_t n = model->n_memories + model->tiles.n_kept;
+  const size_t n = model->all_memories;
   if (kept < n)
     sd_warn(messages, "%zu of %zu contacts of the packing do not touch at the start: they are dropped",
             n - kept, n);

@@ -7,12 +7,11 @@
 /* Fills the state of step 0 from the model: poses, slots, and the contacts that the packing brings along.
  * SD_ERROR_IO: no memory for these. */
 sd_status engine_fill_state(const sd_model *model, sd_state *state);
-/* The same in three steps, for a rank whose state has some of the free disks only: those of the
- * model that are here fill slots from 0 on, and it returns how many; prescribed bodies, motions;
- * once all free disks stand in order, their derivatives and contacts. */
-size_t engine_fill_free(const sd_model *model, sd_state *state);
+/* Parts of it, for a rank whose state has some of the free disks only: prescribed bodies and
+ * motions; Gear's derivatives of a slot; contacts. SD_ERROR_IO: no memory. */
 void engine_fill_prescribed(const sd_model *model, sd_state *state);
-sd_status engine_fill_memories(const sd_model *model, sd_state *state);
+void engine_fill_derivatives(sd_state *state, size_t slot, const double derivatives[SD_DERIVATIVES]);
+sd_status engine_fill_contacts(sd_state *state, size_t n, const sd_contact_memory *contacts);
 /* The columns of one disk, in its slot. */
 void engine_fill_disk(sd_state *state, const sd_disk *disk, uint32_t number, uint32_t slot);
 /* The next contact; there is room for it. */
