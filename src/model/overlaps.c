@@ -251,12 +251,13 @@ static double distance_to_segment(const double *p, const double *a, const double
 /* The segments of a wall, in a binary tree of boxes around runs of them: of a long wall a disk looks at few. */
 typedef struct wall_tree {
   const sd_wall *wall;
+  wall_bounds bounds;
   size_t n, leaves; /* a power of two; node k has the children 2k and 2k + 1, leaf i is node leaves + i */
   double (*low)[2], (*high)[2];
 } wall_tree;
 
 static wall_tree make_tree(const sd_wall *wall) {
-  wall_tree t = {.wall = wall, .leaves = 1};
+  wall_tree t = {.wall = wall, .bounds = wall_bounds_of(wall), .leaves = 1};
   bool endless = wall->kind == SD_WALL_LINE;
   t.n = wall_segments(wall);
   if (wall->kind == SD_WALL_ARC) t.n = 0;
@@ -305,7 +306,7 @@ static double depth_in_one(const wall_tree *t, const double *p, double radius) {
 
 /* In the nearest image. */
 static double depth_in_wall(const sd_model *m, const wall_tree *t, const double *p, double radius) {
-  const wall_range r = wall_range_of(m, t->wall, p, radius);
+  const wall_range r = wall_range_of(m, t->wall, &t->bounds, p, radius);
   double deepest = -HUGE_VAL;
   for (int64_t v = (int64_t)r.first[1]; v <= (int64_t)r.last[1]; v++)
     for (int64_t u = (int64_t)r.first[0]; u <= (int64_t)r.last[0]; u++) {

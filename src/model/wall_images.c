@@ -275,23 +275,26 @@ void wall_images_check(const sd_model *m, sd_messages *msg) {
 
 /* --- where a wall is near ------------------------------------------------------------------------------ */
 
-static void bounds_of(const sd_wall *w, int c, double *lower, double *upper) {
+wall_bounds wall_bounds_of(const sd_wall *w) {
   const bool round = w->kind == SD_WALL_CIRCLE || w->kind == SD_WALL_ARC;
-  const double middle = w->kind == SD_WALL_ARC ? w->center[c] : w->pivot[c];
-  *lower = round ? middle - w->radius : HUGE_VAL;
-  *upper = round ? middle + w->radius : -HUGE_VAL;
-  for (size_t k = 0; !round && k < w->n_points; k++) {
-    *lower = fmin(*lower, w->points[k][c]);
-    *upper = fmax(*upper, w->points[k][c]);
+  wall_bounds b;
+  for (int c = 0; c < 2; c++) {
+    const double middle = w->kind == SD_WALL_ARC ? w->center[c] : w->pivot[c];
+    b.lower[c] = round ? middle - w->radius : HUGE_VAL;
+    b.upper[c] = round ? middle + w->radius : -HUGE_VAL;
+    for (size_t k = 0; !round && k < w->n_points; k++) {
+      b.lower[c] = fmin(b.lower[c], w->points[k][c]);
+      b.upper[c] = fmax(b.upper[c], w->points[k][c]);
+    }
   }
+  return b;
 }
 
-wall_range wall_range_of(const sd_model *m, const sd_wall *w, const double at[2], double reach) {
+wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds *b, const double at[2],
+                         double reach) {
   wall_range r = {0};
   for (int c = 0; c < 2; c++) {
-    double lower, upper;
-    const double period = period_of(m, c);
-    bounds_of(w, c, &lower, &upper);
+    const double lower = b->lower[c], upper = b->upper[c], period = period_of(m, c);
     if (!(period > 0.0) || !(lower <= upper)) continue; /* a wall without points has no place */
     /* along a line there are none; in a drum there is a disk once only */
     if (w->kind == SD_WALL_LINE && upper - lower > NEARLY * side_of(w, 0)) continue;

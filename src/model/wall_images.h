@@ -18,6 +18,12 @@ void wall_piece_images(const sd_model *m, bool endless, sd_segment *piece);
 /* Walls whose images cannot be told apart, or do not fit together. */
 void wall_images_check(const sd_model *m, sd_messages *messages);
 
+/* The rectangle around a wall at the start; empty for one without points. */
+typedef struct wall_bounds {
+  double lower[2], upper[2];
+} wall_bounds;
+wall_bounds wall_bounds_of(const sd_wall *w);
+
 /* Images of a point from which a wall as it stands in the model may be nearer than `reach`: first to last along each
  * direction. */
 typedef struct wall_range {
@@ -25,6 +31,7 @@ typedef struct wall_range {
   double first[2], last[2];
 } wall_range;
 
-wall_range wall_range_of(const sd_model *m, const sd_wall *w, const double at[2], double reach);
+wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds *bounds, const double at[2],
+                         double reach);
 
 #endif

@@ -227,7 +227,8 @@ static double from_wall(const sd_wall *wall, double x, double y, double within) 
 static bool clear_of_walls(const place_space *s, double x, double y, double radius) {
   for (size_t w = 0; w < s->model->n_walls; w++) {
     const sd_wall *wall = &s->model->walls[w];
-    const wall_range r = wall_range_of(s->model, wall, (const double[2]){x, y}, radius);
+    const wall_bounds around = wall_bounds_of(wall);
+    const wall_range r = wall_range_of(s->model, wall, &around, (const double[2]){x, y}, radius);
     for (int64_t p = (int64_t)r.first[0]; p <= (int64_t)r.last[0]; p++)
       for (int64_t q = (int64_t)r.first[1]; q <= (int64_t)r.last[1]; q++)
         if (from_wall(wall, x + (double)p * r.length[0], y + (double)q * r.length[1], radius) <
