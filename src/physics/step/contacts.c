@@ -378,10 +378,12 @@ sd_status contacts_check_start(const engine *e, first_overlap *deepest, sd_messa
     if (depth > deepest->relative * least && !pairs_closed(p, k)) *deepest = overlap_of(e, a, b, depth);
     if (!(most > 0.0 && depth > most * least)) continue;
     char one[96], two[96];
+    const size_t later = s->id[a] > s->id[b] ? a : b;
     return sd_fail(messages, SD_ERROR_USER,
-                   "%s and %s overlap by %g, more than max_overlap = %g of the smaller radius %g",
-                   sd_model_body_name(e->model, s->id[a], one, sizeof one),
-                   sd_model_body_name(e->model, s->id[b], two, sizeof two), depth, most, least);
+                   "disk_files[%zu].file: %s and %s overlap by %g, more than max_overlap = %g of the smaller "
+                   "radius %g",
+                   e->model->tiles.entry, sd_model_body_name(e->model, s->id[later], one, sizeof one),
+                   sd_model_body_name(e->model, s->id[a + b - later], two, sizeof two), depth, most, least);
   }
   return SD_OK;
 }
