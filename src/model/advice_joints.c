@@ -59,9 +59,9 @@ static void look_at_ends(const sd_model *m, const wall_end *ends, size_t n, twic
 
 /* The surface of a wall at a point of it: a line, or a circle. */
 typedef struct surface {
-  const double *at, *center;
-  double normal[2], radius; /* 0: straight */
-  double side;              /* of the wall that ends there */
+  const double *at, *center; /* NULL: straight */
+  double normal[2], radius;
+  double side; /* of the wall that ends there */
 } surface;
 
 /* The surface of side k of a wall, if the end lies on it, but for its own ends. */
@@ -88,7 +88,7 @@ static bool lies_on(const sd_wall *w, size_t k, const wall_end *e, double near, 
 static bool is_on_other_side(const double at[2], const void *user) {
   const surface *s = user;
   double side;
-  if (s->radius > 0.0) {
+  if (s->center) {
     side = hypot(at[0] - s->center[0], at[1] - s->center[1]) - s->radius;
   } else {
     const double p[2] = {at[0] - s->at[0], at[1] - s->at[1]};

@@ -121,19 +121,24 @@ static sd_status find_order(const comm *c, const sd_model *m, sd_state *s, uint3
   return SD_OK;
 }
 
+static sd_status give_up(const comm *c, const char *why) {
+  comm_fail(c, why);
+  return SD_ERROR_IO;
+}
+
 sd_status ranks_first_new(const comm *c, const sd_model *m, sd_state **state, uint32_t **order) {
   const sd_rows *own = m->mine;
   assert(m->parted && own);
   sd_state *s = *state = state_new_part(m, own->n, 0);
   *order = route_room(c, own->n, sizeof **order);
-  if (!s) comm_fail(c, "no memory for its disks");
+  if (!s) return give_up(c, "no memory for its disks");
   for (size_t k = 0; k < own->n; k++) engine_fill_disk(s, &own->disk[k], own->number[k], (uint32_t)k);
   for (size_t k = 0; own->derivatives && k < own->n; k++) engine_fill_derivatives(s, k, own->derivatives[k]);
   engine_fill_prescribed(m, s);
   const sd_status status = find_order(c, m, s, *order);
   if (!comm_all_well(c, status)) return status;
   if (engine_fill_contacts(s, own->n_memories, own->memories) != SD_OK)
-    comm_fail(c, "no memory for contacts");
+    return give_up(c, "no memory for contacts");
   if (m->tiles.away && m->tiles.n_contacts > 0) take_contacts(c, m, s);
   rows_free(m->mine);
   return SD_OK;

@@ -3,6 +3,7 @@
  * Each entry of `packings` is read and checked, then its disks are made and appended, so that the next one finds
  * them there. What the generators allocate is freed before the arena is used again: deck_alloc may not return.
  */
+#include <assert.h>
 #include <math.h>
 
 #include "base/limits.h"
@@ -372,6 +373,7 @@ static const sd_disk *make_tile(packing *p, size_t tile, sd_disk *disks) {
   const sd_tiles *t = &p->g.d->model->tiles;
   const size_t n = model_tile_size(t, tile);
   size_t placed;
+  assert(disks && n > 0);
   if (tiles_make(p->g.d->model, tile, disks, &placed) != SD_OK) longjmp(p->g.d->out_of_memory, 1);
   if (placed < n) {
     deck_fail_key(&p->g, "count", TILES_FULL, tile, t->n, placed, n);
@@ -496,9 +498,7 @@ static void count_batch(const packing *p, sd_rain *r, double rows) {
       r->batch += rain_row(&first, r->first + r->batch, r->first + known, r->upper - r->lower);
   }
   if (!away) return;
-  uint64_t batch[1] = {r->batch};
-  comm_share(d->comm, batch, sizeof batch);
-  r->batch = (size_t)batch[0];
+  comm_share(d->comm, &r->batch, sizeof r->batch);
   if (r->batch >= known) deck_leave(d, "tiles have fewer disks than a batch of rain");
 }
 
