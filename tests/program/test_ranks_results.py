@@ -83,7 +83,7 @@ class Ranks(Folder):
     def finish(self, ranks, words, status=0, **more):
         found = self.start(ranks, words, **more).wait(timeout=LONG)
         self.assertEqual(found, status, self.said())
-        self.assertNotIn("one rank", self.said())
+        self.assertNotIn("every rank", self.said())
 
     def reference(self, *more):
         """What one process makes."""

@@ -18,7 +18,7 @@ BUILD = ROOT / "build" / "coverage"
 # Room -> its files below src/; the first that fits counts.
 ROOMS = {
     # this build has no MPI: test_ranks has ranks that are threads, and no shares
-    "ranks": r"base/comm|run/(ranks|route|directory|model_share)|io/(results/record_share|store/h5_shares)",
+    "ranks": r"base/comm|run/(ranks|route|directory)|model/rows|io/(results/record_share|store/h5_shares)",
     "deck reader": r"io/deck",
     "checkpoint": r"io/(results/checkpoint|store/file|store/folder|store/members)",
     "merge": r"io/(store/table|results/(merge|record|series|trajectory|frames))",
@@ -31,7 +31,7 @@ ROOMS = {
 LEAST = {"deck reader": 88, "checkpoint": 70, "merge": 82}  # per cent of branches
 
 # The tests that reach most in a second: no tests of numbers and of speed, none that run for long.
-TESTS = (r"^test_(deck|deck_.*|packings_(deck|mistakes|check)|tiles|sweep_(deck|mistakes|folder)|check_sweep|checkpoint|restart"
+TESTS = (r"^test_(deck|deck_.*|packings_(deck|mistakes|check)|tiles|files_in_parts|model_part|sweep_(deck|mistakes|folder)|check_sweep|checkpoint|restart"
          r"|rows|configuration|configuration_frames|measure_command|disk_files|disk_results|results|large_files"
          r"|session_group|settle|settle_runs|ensemble|compress|compress_results|watch|bounds|walls|rain|relax|generators|motion"
          r"|lanes_motion|neighbours|ranks|theory_command|random|until|expressions|mistakes|advice|library|library_more|json|export|h5md|cell_readers|clump_decks)$")
