@@ -1,4 +1,5 @@
-/* ranks_deck.h: a deck as the ranks of a run read it, for tests: what each has of it, beside what one process has.
+/* ranks_deck.h: a deck as the ranks of a run read it, for tests: what each has of it, beside what
+ * one process has.
  *
  * Include after cmocka.h, scratch_file.h and packings_decks.h.
  */
@@ -87,7 +88,8 @@ HELPER reading read_deck(const char *text, int ranks, size_t n_overrides, const 
   return r;
 }
 
-/* Rows [0, held) are on all ranks; each of the others is with one rank, and is what one process has. */
+/* Rows [0, held) are on all ranks; each of the others is with one rank, and is what one process
+ * has. */
 HELPER void check_rows(const reading *r, const sd_model *all, size_t held) {
   size_t *seen = calloc(all->n_disks, sizeof *seen);
   for (int q = 0; q < r->ranks; q++) {
@@ -106,7 +108,7 @@ HELPER void check_rows(const reading *r, const sd_model *all, size_t held) {
   free(seen);
 }
 
-/* What follows from all disks is what one process finds, on all ranks. */
+/* All ranks know the numbers of all disks that one process finds. */
 HELPER void check_numbers(const reading *r, const sd_model *all) {
   const sd_step_limit limit = sd_model_step_limit(all);
   sd_messages *advised = sd_messages_new();

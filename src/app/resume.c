@@ -27,7 +27,7 @@ const command_line app_resume_line = {
             "checkpoint in it. The deck is not needed.\n",
     .examples = "slipdisk resume deck.h5                 # without the deck, with all keys that it had\n"};
 
-/* What a run was made from, which rank 0 alone looks for. *found: it is not finished. */
+/* Rank 0 alone looks for the deck of a run. *found: the run is not finished. */
 static sd_status find_origin(const char *name, place *p, provenance *origin, bool *found,
                              sd_messages *messages) {
   h5_file *file = NULL;

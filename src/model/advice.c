@@ -381,7 +381,7 @@ static bool begins_away(const sd_model *m, uint32_t a, uint32_t b) {
 static bool is_free(const sd_model *m, uint32_t body) { return body < m->n_disks && !m->disks[body].driven; }
 static bool waits(const sd_model *m, uint32_t body) { return body < m->n_disks && m->disks[body].waiting; }
 
-/* What the smaller disk of the pair feels, and the weight of the lighter that is free. */
+/* Fills in the force on the smaller disk of a pair, and the weight of the lighter free one. */
 static void note_force(const sd_model *m, const sd_disk *d, first_overlap *o) {
   const int other = o->b < m->n_disks ? m->disks[o->b].material : m->walls[o->b - m->n_disks].material;
   const double g = hypot(m->gravity[0], m->gravity[1]);

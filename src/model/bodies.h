@@ -7,8 +7,8 @@
 /* Marks the disks whose coordinates are all prescribed or locked as driven, and counts the free
  * ones. SD_ERROR_IO: there is no memory. */
 sd_status model_find_driven(sd_model *model);
-/* Coordinates that motions prescribe, of each disk that is held (rows.h): bits 1 << coordinate; to be freed. NULL: there
- * is no memory. */
+/* Coordinates that motions prescribe, of each disk that is held (rows.h): bits 1 << coordinate; to
+ * be freed. NULL: there is no memory. */
 unsigned char *model_moved(const sd_model *model);
 
 /* Fills m->segments. */

@@ -94,7 +94,7 @@ static void add_rates(const sd_body_force *f, const sd_disk *d, field_rates *r) 
     r->spring2 += f->strength * w.force / d->mass;
 }
 
-/* By row; to be freed. It is NULL without fields, and without memory (shortage.h). */
+/* A list by rows, to be freed. It is NULL without fields, and without memory (shortage.h). */
 static field_rates *rates_of(const sd_model *m) {
   field_rates *rates;
   const size_t rows = rows_count(m);

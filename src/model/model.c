@@ -510,7 +510,7 @@ static void derive_period(sd_model *m) {
   m->shortest_period = servo ? sd_model_shortest_period(m, NULL) : 0.0;
 }
 
-/* What is checked first: the model's own tables are made of it. */
+/* Checks everything that the derived tables are made of. */
 static void check_all(const sd_model *m, sd_messages *msg) {
   check_run(m, msg);
   check_disks(m, msg);

@@ -112,7 +112,7 @@ typedef struct sd_rows {
   size_t n_memories;
   sd_contact_memory *memories; /* contacts of the model that this rank begins with */
   size_t n_contacts;
-  sd_contact_memory *contacts; /* of the file that is away, as it has them, with bodies of the model */
+  sd_contact_memory *contacts; /* of the file that is away, as it has them */
 } sd_rows;
 
 /* --- derived by sd_model_finish ------------------------------------------------------------------- */
@@ -215,8 +215,8 @@ struct sd_model {
 
   sd_messages *mistakes; /* of the calls that built it, for sd_model_finish; NULL: none */
 
-  /* Where ranks share the disks: rows.h. */
-  const struct comm *comm; /* of the ranks that read the deck together, until it is read; NULL: one alone */
+  /* A run over ranks uses these (rows.h). */
+  const struct comm *comm; /* of the ranks that read the deck now; NULL: one alone */
   sd_rows *mine;           /* that this rank alone has, until its run begins; NULL: none */
   bool parted;             /* by model_part; then: */
   size_t n_known;          /* disks whose rows are here, ascending */

@@ -15,7 +15,8 @@ typedef struct overlap {
 /* True: other disks that overlap disk a are not looked for. */
 typedef bool overlap_visitor(void *user, const overlap *found);
 
-/* Pairs of disks that are held (rows.h), periodic images included: each once, whatever holds them. SD_ERROR_IO: no memory. */
+/* Pairs of disks that are held (rows.h), periodic images included: each once, whatever holds them.
+ * SD_ERROR_IO: no memory. */
 sd_status overlaps_of_disks(const sd_model *model, overlap_visitor *visit, void *user);
 /* Free disks in play, of this rank, and walls. */
 void overlaps_with_walls(const sd_model *model, overlap_visitor *visit, void *user);

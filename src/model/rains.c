@@ -6,7 +6,7 @@
 #include "model/clumps.h"
 #include "model/rows.h"
 
-/* Of rain k: a free disk that waits, and fits. */
+/* A disk of rain k is free, waits, and fits. */
 static void check_raining(const sd_model *m, size_t k, size_t row, sd_messages *msg) {
   const sd_rain *r = &m->rains[k];
   const sd_disk *d = rows_disk(m, row);

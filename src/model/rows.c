@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "model/advice.h"
 
-/* --- all ranks together --------------------------------------------------------------------------------- */
+/* --- all ranks together ----------------------------------------------------------------------- */
 
 double rows_largest(const sd_model *m, double value) { return comm_largest(m->comm, value); }
 double rows_least(const sd_model *m, double value) { return -comm_largest(m->comm, -value); }
@@ -23,7 +23,7 @@ double rows_extreme(const sd_model *m, double value, uint32_t *disk) {
   return most;
 }
 
-/* --- rows of one rank ------------------------------------------------------------------------------------ */
+/* --- rows of one rank ------------------------------------------------------------------------- */
 
 bool rows_reserve(sd_model *m, size_t n) {
   assert(!m->mine);
@@ -72,7 +72,7 @@ sd_disk model_tile_disk(const sd_tiles *t, double radius, const double position[
                    .waiting = t->kind == SD_PACKING_RAIN};
 }
 
-/* --- a rank's part ----------------------------------------------------------------------------------------- */
+/* --- a rank's part ---------------------------------------------------------------------------- */
 
 bool rows_special(const sd_disk *d) {
   bool special = d->driven || d->clump > 0 || d->name;

@@ -1,10 +1,12 @@
 /* rows.h: the disks of a model where ranks share them.
  *
- * All ranks read a deck together and have the same model. Its last disks may be away (sd_tiles): each rank then has some of
- * them, in model->mine, and the first ones, model_held of them, are here on all ranks. Checks and warnings go over the rows
- * of a rank, and put together what they have found. In one process, and without a communicator, these are all disks.
+ * All ranks read a deck together and have the same model. Its last disks may be away (sd_tiles):
+ * each rank then has some of them, in model->mine, and the first ones, model_held of them, are here
+ * on all ranks. Checks and warnings go over the rows of a rank, and put together what they have
+ * found. In one process, and without a communicator, these are all disks.
  *
- * Before its run begins a rank keeps the rows that all must know, and its own part of the others (model_part).
+ * Before its run begins a rank keeps the rows that all must know, and its own part of the others
+ * (model_part).
  */
 #ifndef SLIPDISK_MODEL_ROWS_H
 #define SLIPDISK_MODEL_ROWS_H
@@ -12,7 +14,7 @@
 #include "base/comm.h"
 #include "model/model.h"
 
-/* --- while a model is made --------------------------------------------------------------------------- */
+/* --- while a model is made -------------------------------------------------------------------- */
 
 /* Disks [0, model_held) have their rows in model->disks, on all ranks. */
 static inline size_t model_held(const sd_model *m) { return m->tiles.away ? m->tiles.first : m->n_disks; }
@@ -50,19 +52,22 @@ size_t model_tile_begin(const sd_tiles *tiles, size_t part);
 static inline size_t model_tile_size(const sd_tiles *t, size_t part) {
   return model_tile_begin(t, part + 1) - model_tile_begin(t, part);
 }
-/* How many disks this rank has where ranks have parts in turn: rank q those of parts q, q + ranks, ... */
+/* How many disks this rank has where ranks have parts in turn: rank q those of parts q, q + ranks,
+ * ... */
 size_t rows_of_tiles(const sd_model *m);
 /* A disk of a packing. */
 sd_disk model_tile_disk(const sd_tiles *tiles, double radius, const double position[2]);
 
-/* --- while it runs -------------------------------------------------------------------------------------- */
+/* --- while it runs ---------------------------------------------------------------------------- */
 
-/* Has the disk more than its number, place, size, mass, material and group? Then all ranks must know it. */
+/* Has the disk more than its number, place, size, mass, material and group? Then all ranks must
+ * know it. */
 bool rows_special(const sd_disk *disk);
 
-/* Collective, of a finished model: leaves the rows that all ranks know in model->disks, those of the others being zeros that
- * nothing is written to, and a part of the free disks in model->mine; of fewer than `few` the first rank has all. Keeps what is
- * asked of all disks later: warnings, the limit of the time step. SD_ERROR_IO: no memory. */
+/* Collective, of a finished model: leaves the rows that all ranks know in model->disks, those of
+ * the others being zeros that nothing is written to, and a part of the free disks in model->mine;
+ * of fewer than `few` the first rank has all. Keeps what is asked of all disks later: warnings, the
+ * limit of the time step. SD_ERROR_IO: no memory. */
 sd_status model_part(sd_model *m, size_t few);
 
 /* Rows that are here: all in one process. */

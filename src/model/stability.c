@@ -93,7 +93,7 @@ static bool is_shorter(const sd_step_limit *a, const sd_step_limit *b) {
   return a->dt < b->dt || (a->dt == b->dt && isfinite(a->dt) && a->disk < b->disk);
 }
 
-/* Of contacts, of the disks of this rank. */
+/* The limit that contacts set for the disks of this rank. */
 static sd_step_limit limit_here(const sd_model *m) {
   sd_step_limit limit = {.dt = HUGE_VAL};
   size_t laws = m->n_materials * m->n_materials;

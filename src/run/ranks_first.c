@@ -18,7 +18,7 @@
 #include "run/ranks_suit.h"
 #include "run/route.h"
 
-/* --- the deck ------------------------------------------------------------------------------------------------- */
+/* --- the deck --------------------------------------------------------------------------------- */
 
 static sd_status load(const comm *c, const char *text, const char *path, size_t n_overrides,
                       const char *const *overrides, sd_model **out, sd_messages *messages) {
@@ -57,7 +57,7 @@ sd_status ranks_load(const comm *c, const char *text, const char *path, size_t n
   return status;
 }
 
-/* --- contacts of a file that ranks have read in parts --------------------------------------------------- */
+/* --- contacts of a file that ranks have read in parts ----------------------------------------- */
 
 static const sd_tile_wall *wall_of(const sd_tiles *t, const sd_contact_memory *c) {
   return c->b < t->count ? NULL : &t->walls[c->b - t->count];
@@ -84,7 +84,7 @@ static void fill_contacts(const sd_model *m, const directory *d, sd_state *s) {
   const sd_tiles *t = &m->tiles;
   const sd_contact_memory *list = m->mine->contacts;
   const size_t n = m->mine->n_contacts;
-  uint32_t *number = route_room(d->comm, 2 * n, sizeof *number); /* of first disks, then of second ones */
+  uint32_t *number = route_room(d->comm, 2 * n, sizeof *number); /* first disks, then second ones */
   deck_turned *turned = route_room(d->comm, 2 * n, sizeof *turned);
   for (size_t k = 0; k < n; k++) {
     number[k] = list[k].a;
@@ -112,7 +112,7 @@ static void take_contacts(const comm *c, const sd_model *m, sd_state *s) {
   directory_free(&d);
 }
 
-/* --- the state ---------------------------------------------------------------------------------------------- */
+/* --- the state -------------------------------------------------------------------------------- */
 
 /* Few disks stand in the order of the deck, on rank 0. */
 static sd_status find_order(const comm *c, const sd_model *m, sd_state *s, uint32_t *order) {

@@ -1,4 +1,5 @@
-/* test_files_in_parts.c: decks whose last disks are in a large HDF5 file, of which each rank reads some rows. */
+/* test_files_in_parts.c: decks whose last disks are in a large HDF5 file, of which each rank reads
+ * some rows. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -81,7 +82,8 @@ static void test_files_of_ranks(void **state) {
   sd_model_free(all);
 }
 
-/* All ranks read all where the deck speaks of single disks of the file, or all must know some of them. */
+/* All ranks read all where the deck speaks of single disks of the file, or all must know some of
+ * them. */
 static void test_files_that_stay(void **state) {
   (void)state;
   static const char *const more[] = {
@@ -111,8 +113,8 @@ static void test_files_that_stay(void **state) {
   end_reading(&r);
 }
 
-/* Rows are looked at by the ranks that have them: their messages have the numbers of the deck. Whether disks overlap is seen when
- * the run begins (test_ranks_mpi.py). */
+/* Rows are looked at by the ranks that have them: their messages have the numbers of the deck.
+ * Whether disks overlap is seen when the run begins (test_ranks_mpi.py). */
 static void test_mistakes_in_files(void **state) {
   (void)state;
   static const struct {
@@ -152,7 +154,8 @@ static void test_mistakes_in_files(void **state) {
   end_reading(&r);
 }
 
-/* Materials and groups of a result that lie in turn, in another order in its state; keys that change nothing, and mistakes. */
+/* Materials and groups of a result that lie in turn, in another order in its state; keys that
+ * change nothing, and mistakes. */
 #define TWO                                                                                                  \
   "dt = 1e-3; steps = 10; gravity = { g = 10; }; materials = ( { name = \"m\"; k_n = 10; }, { name = "       \
   "\"n\"; k_n = 9; } );\n"                                                                                   \
@@ -214,7 +217,8 @@ static void test_results_of_ranks(void **state) {
   }
 }
 
-/* A result whose contacts come along: what ranks read of them, part by part, and make of it is what one process has. */
+/* A result whose contacts come along: what ranks read of them, part by part, and make of it is what
+ * one process has. */
 #define TOUCHING(more)                                                                                       \
   "dt = 1e-3; steps = 4; gravity = { g = 1; }; materials = ( { name = \"m\"; k_n = 100; k_t = 50; gamma_n "  \
   "= 1; mu = 0.3; cohesion = \"constant\"; pull_off = 0.1; range = 0.01; } ); box = { x = (0, 150); "        \

@@ -1,4 +1,5 @@
-/* test_model_part.c: what ranks that share a run keep of a model: all what all must know, each some of the other disks. */
+/* test_model_part.c: what ranks that share a run keep of a model: all what all must know, each some
+ * of the other disks. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -27,7 +27,8 @@
 
 static void test_tiles_of_ranks(void **state) {
   (void)state;
-  /* what depends on all disks: a servo, the surface of a wall, the stream of one random motion of several walls, drag */
+  /* what depends on all disks: a servo, the surface of a wall, the stream of one random motion of
+   * several walls, drag */
   static const char *const more[] = {
       "",
       "motions = ( { wall = \"floor\"; coordinate = \"surface\"; type = \"velocity\"; velocity = 1; } );",
@@ -60,7 +61,7 @@ static void test_tiles_of_ranks(void **state) {
   }
 }
 
-/* Of a deck that speaks of single disks of its tiles, or asks for their order, all ranks make all. */
+/* All ranks make all disks of a deck that speaks of single ones, or asks for their order. */
 static void test_tiles_that_stay(void **state) {
   (void)state;
   static const struct {
@@ -127,7 +128,7 @@ static void test_mistakes_in_tiles(void **state) {
   }
 }
 
-/* What has no parts every rank makes, up to a size. */
+/* Every rank makes a packing without parts, up to a size. */
 static void test_too_many_for_every_rank(void **state) {
   (void)state;
   reading r = read_deck(HEAD "container = { type = \"box\"; width = 6000; height = 6000; };\n"

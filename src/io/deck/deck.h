@@ -73,7 +73,8 @@ bool deck_compare(const char *there, const char *here, bool any_title, deck_diff
 sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
                     sd_messages *messages);
 
-/* The text of the deck at path, - being the standard input, to be freed; NULL: reported, and why in status. */
+/* The text of the deck at path, - being the standard input, to be freed; NULL: reported, with the
+ * reason in status. */
 char *deck_file_text(const char *path, sd_messages *messages, sd_status *status);
 /* The name of this deck in messages and results. */
 const char *deck_source(const char *path);
@@ -81,8 +82,9 @@ const char *deck_source(const char *path);
 /* Asks more of a finished model; its messages begin with their subject, as those of the model do
  * (deck_locate.c). */
 typedef sd_status deck_suits(const sd_model *model, sd_messages *messages);
-/* Collective. Loads the text of a deck like sd_deck_load_text, for a run that ranks share: each reads it, and its last disks may
- * be away (model/rows.h). (*out)->comm is c then. suits may be NULL. All get the same status; messages are those of each rank. */
+/* Collective. Loads the text of a deck like sd_deck_load_text, for a run that ranks share: each
+ * reads it, and its last disks may be away (model/rows.h). (*out)->comm is c then. suits may be
+ * NULL. All get the same status; messages are those of each rank. */
 sd_status deck_load_for_ranks(const comm *c, const char *text, const char *path, size_t n_overrides,
                               const char *const *overrides, deck_suits *suits, sd_model **out,
                               sd_messages *messages);

@@ -135,7 +135,7 @@ typedef struct outside {
   double at[2];
 } outside;
 
-/* Of all ranks. */
+/* Adds up the disks outside of all ranks. */
 static outside find_outside(const deck *d) {
   outside o = {.disk = UINT32_MAX}, *all = memory_new((size_t)comm_size(d->comm), sizeof *all);
   for (size_t row = rows_first(d->model); row < rows_count(d->model); row++) {

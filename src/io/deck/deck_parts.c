@@ -1,6 +1,8 @@
-/* deck_parts.c: a large file of disks, which ranks read part by part (sd_tiles in model.h). See deck_parts.h.
+/* deck_parts.c: a large file of disks, which ranks read part by part (sd_tiles in model.h). See
+ * deck_parts.h.
  *
- * A part is read by the deck itself: opened anew, with nothing but what a row of the file needs, and these rows.
+ * A part is read by the deck itself: opened anew, with nothing but what a row of the file needs,
+ * and these rows.
  */
 #include "io/deck/deck_parts.h"
 
@@ -16,17 +18,18 @@
 #include "model/rows.h"
 #include "slipdisk/deck.h"
 
-/* Files of fewer disks are read as a whole; disks of a part, at most; parts at least; groups in a file, at most. */
+/* Files of fewer disks are read as a whole; disks of a part, at most; parts at least; groups in a
+ * file, at most. */
 enum { LEAST = 20000, MOST = 1 << 16, FEWEST = 8, MOST_GROUPS = 64 };
 
 /* --- rows ------------------------------------------------------------------------------------------------------ */
 
-/* What is asked of an entry of disk_files, and who takes it. */
+/* Rows of an entry of disk_files, and a function that takes them. */
 typedef struct rows_task {
   deck_rows_asked asked;
   size_t entry;
   void (*take)(void *user, const sd_model *m, const deck_columns *t); /* disks */
-  sd_status (*use)(void *user, deck *d, const deck_node *file);       /* in place of `take`: contacts */
+  sd_status (*use)(void *user, deck *d, const deck_node *file);       /* of contacts */
   void *user;
 } rows_task;
 
@@ -125,23 +128,23 @@ static sd_tiles begin_tiles(const sd_model *m, size_t entry, size_t all) {
                     .least = HUGE_VAL};
 }
 
-/* The last disks of the deck, in an HDF5 file; no contacts come from others. */
-static bool is_large(const deck *d, size_t entry, const deck_columns *t) {
-  bool others = false;
+/* No disks follow this entry, and no contacts come from those before it. */
+static bool is_last(const deck *d, size_t entry) {
+  bool others = deck_child(d->root, "packings") != NULL;
   for (size_t k = 0; k < entry; k++) others = others || d->file_tables[k].contacts;
-  return t->all >= LEAST && !others && !deck_child(d->root, "packings");
+  return !others;
 }
 
 void deck_parts_note(deck *d, size_t entry, const deck_columns *t) {
   sd_model *m = d->model;
-  if (!is_large(d, entry, t) || t->n_rows != t->all || m->n_disks != t->first + t->all) return;
+  if (t->all < LEAST || !is_last(d, entry) || t->n_rows != t->all || m->n_disks != t->first + t->all) return;
   sd_tiles tiles = begin_tiles(m, entry, t->all);
   tiles.first = t->first;
   for (size_t k = 0; k < t->all; k++) add_disk(&tiles, m, &m->disks[t->first + k], (uint32_t)k);
   m->tiles = tiles;
 }
 
-/* --- what ranks read, each some parts --------------------------------------------------------------------------- */
+/* --- what ranks read, each some parts --------------------------------------------------------- */
 
 /* A group of disks of the file, and the first disk that is in it. */
 typedef struct file_group {
@@ -207,7 +210,8 @@ static sd_status read_own(survey *s) {
   return status;
 }
 
-/* Groups of all ranks get the numbers that they have where all disks are read, by their first disks. */
+/* Groups of all ranks get the numbers that they have where all disks are read, by their first
+ * disks. */
 static void share_groups(survey *s) {
   const comm *c = s->d->comm;
   deck_buffer text = {0};
@@ -270,10 +274,7 @@ static void share_survey(survey *s) {
 static bool may_begin(deck *d, size_t entry) {
   const deck_node *node = deck_child(d->root, "disk_files")->child[entry];
   const deck_node *file = deck_child(node, "file"), *format = deck_child(node, "format");
-  if (!d->comm || !d->whole || deck_child(d->root, "packings") || !file || file->type != DECK_STRING)
-    return false;
-  for (size_t k = 0; k < entry; k++)
-    if (d->file_tables[k].contacts) return false;
+  if (!d->comm || !d->whole || !is_last(d, entry) || !file || file->type != DECK_STRING) return false;
   if (format) return format->type == DECK_STRING && strcmp(format->value.text, "hdf5") == 0;
   return deck_file_format(d, file->value.text) == DECK_HDF5;
 }

@@ -126,8 +126,8 @@ typedef struct deck {
   bool disks_missing;    /* some could not be read */
   const comm *comm;      /* of the ranks that read this deck together; NULL: one alone */
   bool wrong;            /* by what another rank has found */
-  const char **whole;    /* why no disks may be away (model/rows.h): deck_leave; NULL: none may be, */
-  const char *why;       /* and why, where some might have been; else NULL */
+  const char **whole;    /* deck_leave says here why no disks may be away; NULL: none may be, */
+  const char *why;       /* and this is the reason, where some might have been; else NULL */
   bool *away_group;      /* of each group: disks of it are away */
   size_t n_away_groups;
   deck_place away_place; /* of disks that are away: of a file its first row, or disk */
@@ -200,8 +200,8 @@ const char *deck_place_text(deck *d, deck_place place);
 deck_place deck_disk_place(const deck *d, uint32_t disk);
 /* Leaves this deck, which is then read with all disks on each rank: why. Every rank comes here. */
 _Noreturn void deck_leave(deck *d, const char *why);
-/* Collective: once any rank has found a mistake all read on alone. Call where one rank may have found what the others did not,
- * before the next collective function. */
+/* Collective: once any rank has found a mistake all read on alone. Call where one rank may have
+ * found what the others did not, before the next collective function. */
 void deck_meet(deck *d);
 /* Reports a text that is no printable UTF-8. */
 void deck_check_text(deck *d, const deck_node *node);

@@ -153,7 +153,7 @@ static const void *state_column(const constants_source *from, const char *name, 
   return *own = h5_column(from->checkpoint, path, sd_fields[k].type, n, status, messages);
 }
 
-/* What ranks have shared out is nowhere but in the state: a column at a time. */
+/* Constants of disks that ranks share stand in the state alone: this writes a column at a time. */
 static sd_status put_made(h5_file *file, const sd_model *m, const constants_source *from,
                           sd_messages *messages) {
   static const char *const columns[] = {"radius", "mass", "inertia", "material", "group", NULL};

@@ -13,7 +13,8 @@ typedef struct constants_source {
   const h5_file *checkpoint;
 } constants_source;
 
-/* from: read for disks whose rows are not in the model (model/rows.h). SD_ERROR_IO: not there, no memory. */
+/* from: read for disks whose rows are not in the model (model/rows.h). SD_ERROR_IO: not there, no
+ * memory. */
 sd_status constants_write(h5_file *file, const sd_model *model, const constants_source *from,
                           sd_messages *messages);
 /* A model, not finished, with one material per row of the laws: from a result, or, where /parameters/model is not
