@@ -28,7 +28,7 @@ MODES = {
     "coverage": "lines and branches of src/ that tests and faults reach, room by room",
 }
 
-ALONE = {"kill", "power"}  # one after the other, with nothing beside them
+ALONE = {"determinism", "kill", "power"}  # one after the other, with nothing beside them
 APART = {"coverage"}  # only when it is asked for: it tries nothing, and makes a build of its own
 
 
@@ -96,7 +96,8 @@ def beside(mode, args):
 
 def run_modes(modes, args):
     """mode -> failures. Most modes try one thing after the other, so as many go side by side as there are processors; then those
-    that want the moments of a machine of their own: ranks that outlive a killed mpirun keep the next run from their points."""
+    that want a machine of their own: threads that wait for each other take three times as long beside another mode, and ranks that
+    outlive a killed mpirun keep the next run from their points."""
     together = [mode for mode in modes if mode not in ALONE]
     workers = min(len(together), os.cpu_count() or 1)
     if workers < 2:
