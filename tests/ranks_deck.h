@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/comm_threads.h"
+#include "base/comm.h"
 #include "io/deck/deck.h"
 #include "io/results/provenance.h"
 #include "model/rows.h"

@@ -14,9 +14,7 @@
 #include "base/comm.h"
 #include "base/limits.h"
 #include "base/memory.h"
-#include "base/shortage.h"
 #include "base/text.h"
-#include "base/guess.h"
 #include "version.h"
 
 char *app_default_name(const char *deck, const char *ending) {

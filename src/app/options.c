@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/guess.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"

@@ -1,6 +1,6 @@
 /* comm.h: ranks that work together on one run, or on the points of one sweep.
  *
- * A comm is the ranks of an MPI job (comm_world), or threads of this process (comm_threads.h).
+ * A comm is the ranks of an MPI job (comm_world), or threads of this process (comm_threads.c).
  * NULL is a rank alone: every function takes it, and then there is nothing to agree on, so that a
  * run over ranks and a run of one process are the same text.
  *
@@ -113,5 +113,11 @@ void comm_at(const char *place);
 #define comm_gather(...) (COMM_HERE, comm_gather(__VA_ARGS__))
 #define comm_gather_one(...) (COMM_HERE, comm_gather_one(__VA_ARGS__))
 #endif
+
+/* --- ranks that are threads of one process, so that tests need no launcher -------------------- */
+
+/* Runs task(c, with) on n ranks, each a thread, and returns when all have returned. Without memory, or
+ * after comm_abort, the process ends as memory_lacks says. */
+void comm_threads_run(int n, void (*task)(const comm *c, void *with), void *with);
 
 #endif

@@ -1,9 +1,9 @@
-/* comm_threads.c: see comm_threads.h.
+/* comm_threads.c: ranks that are threads of this process; see comm.h.
  *
  * Every collective function is the same three moves: each rank shows where its data is, all wait,
  * each reads from the others, all wait.
  */
-#include "base/comm_threads.h"
+#include "base/comm.h"
 
 #include <assert.h>
 #include <pthread.h>

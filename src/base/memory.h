@@ -1,4 +1,5 @@
-/* memory.h: small things, for which there is always memory, and rows, for which there may be none.
+/* memory.h: small things, for which there is always memory; rows, for which there may be none; arenas
+ * for columns.
  *
  * Texts, structs, lists of messages, tables with a row per law, motion, key or rank are small:
  * memory_new and its like never return NULL. Without memory they call the handler that
@@ -52,5 +53,35 @@ bool memory_resize(size_t n_columns, const memory_column *columns);
 /* The same for one array; at: the address of the pointer. */
 bool memory_row(void *at, size_t n, size_t size);
 bool memory_resize_row(void *at, size_t n, size_t size);
+
+/* Has an allocation failed where no caller could be told?
+ *
+ * Functions that return numbers or texts have no status: without memory they return NAN, NULL, or what stands for "not
+ * there". Libraries do likewise. They note it here, and who reports or decides by what they returned asks.
+ */
+
+void shortage_note(void);
+bool shortage_seen(void); /* since the process began */
+
+/* Memory for columns of numbers that loops read side by side.
+ *
+ * Columns of one room stand apart by other than whole pages: else the same row of all of them competes for the same few
+ * places of the cache. Large rooms ask for large pages, and are zero without having been written, so that each page comes
+ * to stand near the thread that writes it first.
+ */
+
+/* Begin with {0}. */
+typedef struct arena_plan {
+  size_t end;
+  size_t columns;
+} arena_plan;
+
+/* Where in the room another column of so many bytes stands: at a multiple of 64, with 64 bytes to spare. */
+size_t arena_column(arena_plan *plan, size_t bytes);
+/* Zeroed; NULL without memory. */
+void *arena_new(const arena_plan *plan);
+void arena_free(void *room);
+/* A room for one column, which begins at its start; NULL without memory. */
+void *arena_for(size_t n, size_t size);
 
 #endif

@@ -30,4 +30,15 @@ void text_cell(FILE *out, const char *text);
 /* Does the text end so, and begin before? */
 bool text_ends(const char *text, const char *ending);
 
+/* --- the nearest of some words to one that was mistyped, by edit distance --------------------- */
+
+/* best: NULL when no candidate is near enough to be meant. */
+typedef struct guess {
+  const char *word, *best;
+  size_t distance;
+} guess;
+
+guess guess_start(const char *word);
+void guess_add(guess *g, const char *candidate); /* NULL: none */
+
 #endif

@@ -6,11 +6,10 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "base/shortage.h"
 #include "measure/mean.h"
-#include "model/state.h"
 #include "measure/observable.h"
 #include "measure/sums.h"
+#include "model/state.h"
 
 /* --- one disk ---------------------------------------------------------------------------------------------- */
 

@@ -6,11 +6,14 @@
 #include <string.h>
 
 #include "model/visits.h"
+#include "physics/contact/energy.h"
 #include "physics/step/access.h"
+#include "physics/system/bodies.h"
 
-static double angle_of(const engine *e, size_t k) {
-  uint32_t slot = engine_slot(e, e->model->rotations[k]);
-  return e->state->theta[slot] + e->state->turn[slot];
+static double angle_of(const sd_state *s, size_t slot) { return s->theta[slot] + s->turn[slot]; }
+
+static double watched_angle(const engine *e, size_t k) {
+  return angle_of(e->state, engine_slot(e, e->model->rotations[k]));
 }
 
 /* Contact k (two per watch) as it is now, and its normal force. */
@@ -32,7 +35,7 @@ void sample_begin(engine *e) {
   sd_state *s = e->state;
   double force;
   for (size_t k = 0; k < s->n_rotations; k++) {
-    double angle = angle_of(e, k);
+    double angle = watched_angle(e, k);
     double unmeasured = s->measured == 0 ? angle - s->rotation_start[k] : angle - s->rotation_stop[k];
     s->rotation_start[k] += unmeasured;
     s->rotation_last[k] = s->measured == 0 ? angle : s->rotation_last[k] + unmeasured;
@@ -45,7 +48,7 @@ void sample_begin(engine *e) {
 }
 
 void sample_end(engine *e) {
-  for (size_t k = 0; k < e->state->n_rotations; k++) e->state->rotation_stop[k] = angle_of(e, k);
+  for (size_t k = 0; k < e->state->n_rotations; k++) e->state->rotation_stop[k] = watched_angle(e, k);
 }
 
 /* Neighbouring bins become one: the record covers any length with SD_BINS bins at most. */
@@ -64,7 +67,7 @@ static void close_bin(engine *e) {
   sd_state *s = e->state;
   assert(s->bins >= 0 && s->bins < SD_BINS && (s->bins + 1) * s->bin_steps == s->measured);
   for (size_t k = 0; k < s->n_rotations; k++) {
-    double angle = angle_of(e, k);
+    double angle = watched_angle(e, k);
     s->rotation_bin[k * SD_BINS + (size_t)s->bins] = angle - s->rotation_last[k];
     s->rotation_last[k] = angle;
   }
@@ -129,4 +132,180 @@ void sample_bins(engine *e) {
 int64_t sample_room(const engine *e) {
   const sd_state *s = e->state;
   return s->n_rotations ? s->bin_steps - (s->measured & (s->bin_steps - 1)) : INT64_MAX;
+}
+
+/* --- every disk ------------------------------------------------------------------------------- */
+
+static double absolute_x(const engine *e, size_t i) {
+  return e->state->x[i] + e->state->image_x[i] * engine_length(e, SD_X);
+}
+
+static double absolute_y(const engine *e, size_t i) {
+  return e->state->y[i] + e->state->image_y[i] * engine_length(e, SD_Y);
+}
+
+void disks_begin(engine *e) {
+  sd_state *s = e->state;
+  losses_show(e);
+  for (size_t i = 0; i < s->n_means; i++) {
+    double angle = angle_of(s, i);
+    if (s->measured == 0) {
+      bool there = body_in_play(s, i);
+      s->mean_angle[i] = s->mean_last[i] = angle;
+      s->mean_x0[i] = there ? absolute_x(e, i) : NAN;
+      s->mean_y0[i] = there ? absolute_y(e, i) : NAN;
+    } else {
+      double unmeasured = angle - s->mean_stop[i];
+      s->mean_angle[i] += unmeasured;
+      s->mean_last[i] += unmeasured;
+    }
+    s->sum_viscous[i] -= s->loss_viscous[i];
+    s->sum_friction[i] -= s->loss_friction[i];
+    s->sum_opening[i] -= s->loss_opening[i];
+  }
+}
+
+void disks_end(engine *e) {
+  sd_state *s = e->state;
+  losses_show(e);
+  for (size_t i = 0; i < s->n_means; i++) {
+    s->mean_stop[i] = angle_of(s, i);
+    s->sum_viscous[i] += s->loss_viscous[i];
+    s->sum_friction[i] += s->loss_friction[i];
+    s->sum_opening[i] += s->loss_opening[i];
+  }
+}
+
+/* --- angle record ------------------------------------------------------------------------------------------ */
+
+/* Steps per bin after so many measured steps: the least power of two with which the record is not full. */
+static int64_t bin_length(int64_t measured) {
+  assert(measured >= 0);
+  int64_t steps = 1;
+  while (measured / steps >= SD_MEAN_BINS) steps *= 2;
+  return steps;
+}
+
+/* Closes bin b of the disks; neighbours become one when it was the last. */
+static void close_mean_bin(sd_state *s, size_t begin, size_t end, size_t b) {
+  assert(b < SD_MEAN_BINS && end <= s->n_means);
+  for (size_t i = begin; i < end; i++) {
+    double *bin = s->mean_bin + i * SD_MEAN_BINS, angle = angle_of(s, i);
+    bin[b] = angle - s->mean_last[i];
+    s->mean_last[i] = angle;
+    if (b + 1 < SD_MEAN_BINS) continue;
+    for (size_t k = 0; k < SD_MEAN_BINS / 2; k++) bin[k] = bin[2 * k] + bin[2 * k + 1];
+    memset(bin + SD_MEAN_BINS / 2, 0, SD_MEAN_BINS / 2 * sizeof *bin);
+  }
+}
+
+/* --- samples ------------------------------------------------------------------------------------------------- */
+
+/* Sums over the contacts of the disks. Open candidates have no overlap, no force, and do not
+ * slide: they add nothing. */
+static void sample_contacts(engine *e, size_t begin, size_t end) {
+  sd_state *s = e->state;
+  for (size_t i = begin; i < end; i++) {
+    double contacts = 0.0, sliding = 0.0, force = 0.0;
+    for (size_t at = engine_first(e, i); at < engine_first(e, i + 1); at++) {
+      size_t k = engine_candidate(e, at);
+      const bool touches = engine_contact_overlap(e, k) > 0.0; /* what attraction alone holds is none */
+      contacts += touches ? 1.0 : 0.0;
+      sliding += touches && engine_contact_sliding(e, k) != 0 ? 1.0 : 0.0;
+      force += engine_contact_force(e, k);
+    }
+    s->sum_contacts[i] += contacts;
+    s->sum_sliding[i] += sliding;
+    s->sum_force[i] += force;
+  }
+}
+
+/* n coordinates less their starts, along a box of the given length (0: it does not repeat). */
+static void add_displacements(size_t n, const double *restrict x, const int32_t *restrict image,
+                              double length, const double *restrict start, double *restrict sum,
+                              double *restrict square) {
+  for (size_t i = 0; i < n; i++) {
+    double d = x[i] + image[i] * length - start[i];
+    sum[i] += d;
+    square[i] += d * d;
+  }
+}
+
+static void add_energies(size_t n, const double *restrict mass, const double *restrict vx,
+                         const double *restrict vy, double *restrict sum) {
+  for (size_t i = 0; i < n; i++) sum[i] += 0.5 * mass[i] * (vx[i] * vx[i] + vy[i] * vy[i]);
+}
+
+static void sample_poses(engine *e, size_t begin, size_t end) {
+  sd_state *s = e->state;
+  const double length[2] = {engine_length(e, SD_X), engine_length(e, SD_Y)};
+  size_t k = begin, n = end - begin;
+  add_displacements(n, s->x + k, s->image_x + k, length[0], s->mean_x0 + k, s->sum_x + k, s->sum_xx + k);
+  add_displacements(n, s->y + k, s->image_y + k, length[1], s->mean_y0 + k, s->sum_y + k, s->sum_yy + k);
+  add_energies(n, s->mass + k, s->vx + k, s->vy + k, s->sum_kinetic + k);
+  for (size_t i = begin; i < end; i++) s->sum_spin[i] += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
+}
+
+/* --- power of prescribed bodies ---------------------------------------------------------------------------- */
+
+/* Velocities of a body's prescribed coordinates; of the others 0. */
+typedef struct drive {
+  double vx, vy, omega;
+} drive;
+
+static drive drive_of(const engine *e, size_t slot) {
+  const sd_state *s = e->state;
+  drive d = {s->vx[slot], s->vy[slot], s->omega[slot]};
+  if (slot >= s->n_free && slot < s->n_free + s->n_ghosts) return (drive){0};
+  if (slot >= s->n_free) return d;
+  if (engine_columns(e, SD_X)->inverse[slot] != 0.0) d.vx = 0.0;
+  if (engine_columns(e, SD_Y)->inverse[slot] != 0.0) d.vy = 0.0;
+  if (engine_columns(e, SD_THETA)->inverse[slot] != 0.0) d.omega = 0.0;
+  return d;
+}
+
+/* Power of the motion d of a body through one of its contacts: minus the power of what the
+ * contact does to it, with the forces that motion_work books. */
+static double power_of(contact_push push, drive d) {
+  return -((push.x * d.vx + push.y * d.vy) + push.torque * d.omega);
+}
+
+/* It goes to the disk at the other side; what the prescribed coordinates of a free disk do against a wall or a
+ * prescribed disk goes to that disk itself, since there is no other. */
+static void add_power(engine *e, size_t kept) {
+  sd_state *s = e->state;
+  size_t slot = engine_kept_slot(e, kept), first = engine_first(e, slot);
+  drive d = drive_of(e, slot);
+  if (d.vx == 0.0 && d.vy == 0.0 && d.omega == 0.0) return;
+  for (size_t at = first; at < engine_first(e, slot + 1); at++) {
+    if (!engine_contact_closed(e, engine_candidate(e, at))) continue;
+    size_t other = engine_partner(e, at);
+    s->sum_injected[other < s->n_free ? other : slot] += power_of(engine_push(e, kept, at - first), d);
+  }
+}
+
+/* From the prescribed bodies' side, which are few: by one member, in the order of slots. */
+static void sample_powers(engine *e) {
+  for (size_t k = 0; k < engine_kept(e); k++) add_power(e, k);
+}
+
+/* --- step -------------------------------------------------------------------------------------------------- */
+
+void disks_step(engine *e, const team *t, int64_t measured) {
+  sd_state *s = e->state;
+  if (!e->model->measure_disks) return; /* a rank without disks counts, too */
+  size_t begin, end;
+  team_share(t, s->n_means, &begin, &end);
+  int64_t length = bin_length(measured - 1);
+  bool sampled = measured % e->model->measure_every == 0;
+  if (measured % length == 0) close_mean_bin(s, begin, end, (size_t)(measured / length - 1));
+  if (sampled) {
+    sample_contacts(e, begin, end);
+    sample_poses(e, begin, end);
+  }
+  if (t->rank != 0) return;
+  if (sampled) sample_powers(e);
+  s->mean_samples += sampled;
+  s->mean_bin_steps = bin_length(measured);
+  s->mean_bins = measured / s->mean_bin_steps;
 }

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "base/shortage.h"
 #include "base/text.h"
 #include "model/field_kinds.h"
 #include "model/laws.h"

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "base/shortage.h"
 
 #define SHAPE(kind, word, keys, meaning) {#word, kind, keys, meaning},
 static const deck_shape kinds[] = {FIELD_KINDS(SHAPE) LAST_WORD};
@@ -94,7 +93,7 @@ static void add_rates(const sd_body_force *f, const sd_disk *d, field_rates *r) 
     r->spring2 += f->strength * w.force / d->mass;
 }
 
-/* A list by rows, to be freed. It is NULL without fields, and without memory (shortage.h). */
+/* A list by rows, to be freed. It is NULL without fields, and without memory (memory.h). */
 static field_rates *rates_of(const sd_model *m) {
   field_rates *rates;
   const size_t rows = rows_count(m);

@@ -6,7 +6,7 @@
 #ifndef MODEL_FIELD_KINDS_H
 #define MODEL_FIELD_KINDS_H
 
-#include "model/key.h"
+#include "model/keys.h"
 #include "model/model.h"
 
 #define FIELD_KINDS(ROW)                                                                                     \

@@ -10,8 +10,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "model/motion_kinds.h"
-#include "slipdisk/deck.h"
+#include "model/finish.h"
 #include "slipdisk/model.h"
 
 typedef struct image {

@@ -1,10 +1,152 @@
-/* keys.h: groups of a deck whose keys set members of the model. See key.h. */
+/* keys.h: rows that describe the keys of a deck, each in one place: name, type, range, unit, default, words, meaning,
+ * and the member of the model that it sets.
+ *
+ * Defaults of a new model, checks of a finished one, the reader of decks, its echo and docs/deck.md follow these
+ * rows. Rows that set members of the model stand in this floor (keys.c, laws.h), those of the deck only in
+ * io/deck/deck_keys.c. tools/deck_docs.py brings docs/deck.md up to date.
+ */
 #ifndef SLIPDISK_MODEL_KEYS_H
 #define SLIPDISK_MODEL_KEYS_H
 
-#include "model/key.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
+#include "slipdisk/status.h"
+
+typedef enum deck_kind {
+  DECK_KEY_BOOL,
+  DECK_KEY_INTEGER,
+  DECK_KEY_NUMBER,
+  DECK_KEY_ANGLE, /* a number of radians, or "0.04 pi", "7.2 deg" */
+  DECK_KEY_TEXT,
+  DECK_KEY_CHOICE,
+  DECK_KEY_NUMBERS,     /* list of numbers */
+  DECK_KEY_POINTS,      /* list of (x, y) */
+  DECK_KEY_NAMES,       /* one text or a list of them */
+  DECK_KEY_BODIES,      /* one name or number, or a list of them */
+  DECK_KEY_COORDINATES, /* "x", "y", "theta" or a list of them */
+  DECK_KEY_ROWS,        /* list of lists of values */
+  DECK_KEY_VALUES,      /* list of values of any kind */
+  DECK_KEY_GROUP,
+  DECK_KEY_GROUPS /* list of groups */
+} deck_kind;
+
+typedef enum deck_range {
+  DECK_ANY,
+  DECK_POSITIVE,
+  DECK_NOT_NEGATIVE,
+  DECK_AT_LEAST_1,
+  DECK_UP_TO_1
+} deck_range;
+
+/* A word of a choice. Where the choice is a kind (of wall, packing, motion, law), `keys` are those that this kind
+ * reads besides the keys that all kinds have: with a star it must be given; of keys joined by / one is given
+ * (exactly one with a star). A list of words ends with a name NULL. */
+typedef struct deck_shape {
+  const char *name;
+  int kind; /* value of the enum */
+  const char *keys;
+  const char *meaning;
+} deck_shape;
+
+/* Type of the member that a key sets. */
+typedef enum deck_target {
+  DECK_SETS_NOTHING, /* read by code of its own */
+  DECK_SETS_NUMBER,
+  DECK_SETS_PAIR,
+  DECK_SETS_INTEGER,
+  DECK_SETS_UNSIGNED, /* of 64 bits */
+  DECK_SETS_BOOL,
+  DECK_SETS_OFF, /* a bool, false where the key is true */
+  DECK_SETS_TEXT,
+  DECK_SETS_ENUM
+} deck_target;
+
+/* initial: the default as it would stand in a deck; "required"; "-": absent unless given; or "(words)" where
+ * it depends on other keys. */
+typedef struct deck_key {
+  const char *name;
+  deck_kind kind;
+  deck_range range;
+  const char *unit;
+  const char *initial;
+  const deck_shape *words; /* of a choice */
+  const char *meaning;
+  size_t offset;
+  deck_target target;
+} deck_key;
+
+typedef struct deck_table {
+  const char *name; /* as in the deck: "motions", "measure.sliding" */
+  const char *meaning;
+  bool one; /* { } and not a list of them */
+  size_t n;
+  const deck_key *key;
+  const char *either;            /* keys of which one may be given: "mass/density"; NULL: none */
+  const struct deck_table *more; /* whose keys follow; NULL: none */
+} deck_table;
+
+/* Groups whose keys set members of the model. */
 extern const deck_table deck_top, deck_gravity, deck_box, deck_bounds, deck_limits, deck_phases, deck_settle,
     deck_compress, deck_cell, deck_output, deck_measure, deck_sliding, deck_until;
+
+/* --- how rows are written: {name, type, default, words, meaning, member} ------------------------------------- */
+
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+#define KEY_TYPE(type, r, u) .kind = type, .range = r, .unit = u
+#define BOOL KEY_TYPE(DECK_KEY_BOOL, DECK_ANY, "-")
+#define TEXT KEY_TYPE(DECK_KEY_TEXT, DECK_ANY, "-")
+#define NAMES KEY_TYPE(DECK_KEY_NAMES, DECK_ANY, "-")
+#define BODIES KEY_TYPE(DECK_KEY_BODIES, DECK_ANY, "-")
+#define COORDINATES KEY_TYPE(DECK_KEY_COORDINATES, DECK_ANY, "-")
+#define CHOICE KEY_TYPE(DECK_KEY_CHOICE, DECK_ANY, "-")
+#define GROUP KEY_TYPE(DECK_KEY_GROUP, DECK_ANY, "-")
+#define GROUPS KEY_TYPE(DECK_KEY_GROUPS, DECK_ANY, "-")
+#define NUMBER(range, unit) KEY_TYPE(DECK_KEY_NUMBER, range, unit)
+#define ANGLE(unit) KEY_TYPE(DECK_KEY_ANGLE, DECK_ANY, unit)
+#define INTEGER(range, unit) KEY_TYPE(DECK_KEY_INTEGER, range, unit)
+#define NUMBERS(range, unit) KEY_TYPE(DECK_KEY_NUMBERS, range, unit)
+#define POINTS KEY_TYPE(DECK_KEY_POINTS, DECK_ANY, "length")
+#define ROWS KEY_TYPE(DECK_KEY_ROWS, DECK_ANY, "-")
+#define VALUES KEY_TYPE(DECK_KEY_VALUES, DECK_ANY, "-")
+#define TABLE(id, name, one, meaning, keys) TABLE_EITHER(id, name, one, meaning, keys, NULL)
+#define TABLE_EITHER(id, name, one, meaning, keys, either)                                                   \
+  const deck_table id = {name, meaning, one, COUNT(keys), keys, either, NULL}
+#define TABLE_WITH(id, name, one, meaning, keys, more)                                                       \
+  const deck_table id = {name, meaning, one, COUNT(keys), keys, NULL, &(more)}
+#define WORD(name, value)                                                                                    \
+  { name, value, NULL, NULL }
+#define LAST_WORD                                                                                            \
+  { NULL, 0, NULL, NULL }
+
+#define SETS(type, member)                                                                                   \
+  offsetof(type, member),                           \
+      _Generic(((type *)NULL)->member,              \
+               double: DECK_SETS_NUMBER,            \
+               double *: DECK_SETS_PAIR,            \
+               int64_t: DECK_SETS_INTEGER,          \
+               uint64_t: DECK_SETS_UNSIGNED,         \
+               bool: DECK_SETS_BOOL,                \
+               char *: DECK_SETS_TEXT,              \
+               const char *: DECK_SETS_TEXT,        \
+               default: DECK_SETS_ENUM)
+
+#define SETS_OFF(type, member) offsetof(type, member), DECK_SETS_OFF
+
+/* --- what follows from a row ---------------------------------------------------------------------------------- */
+
+/* Key number k; NULL behind the last. */
+const deck_key *deck_key_at(const deck_table *table, size_t k);
+const deck_key *deck_key_find(const deck_table *table, const char *name); /* NULL: none */
+const char *deck_range_text(deck_range range);
+bool deck_in_range(deck_range range, double x);
+/* Words for the range in which x, which is out of it, is expected. */
+const char *deck_expected(deck_range range, double x);
+
+/* Sets the members of a new struct to their defaults, where these are plain values. */
+void deck_key_defaults(const deck_table *table, void *members);
+/* Reports numbers of the wrong sign as "place.key = value"; 0 stands for what is not given and has no default. */
+void deck_key_check(const deck_table *table, const void *members, const char *place, sd_messages *messages);
 
 #endif

@@ -3,7 +3,7 @@
 #ifndef SLIPDISK_MODEL_LAWS_H
 #define SLIPDISK_MODEL_LAWS_H
 
-#include "model/key.h"
+#include "model/keys.h"
 #include "model/law_features.h"
 #include "model/model.h"
 

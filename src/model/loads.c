@@ -1,12 +1,12 @@
-/* loads.c: walls that the disks move: on which side they have them, and what can be said before a run; see loads.h. */
-#include "model/loads.h"
+/* loads.c: walls that the disks move: on which side they have them, and what can be said before a run; see finish.h. */
+#include "model/finish.h"
 
 #include <math.h>
 
-#include "model/arc.h"
-#include "model/motion_kinds.h"
+#include "model/motions.h"
 #include "model/normal_laws.h"
 #include "model/rows.h"
+#include "model/walls.h"
 
 /* Mean of the free disks in play; of the region when there are none. */
 static void middle(const sd_model *m, double at[2]) {

@@ -1,27 +1,19 @@
-/* model.c: defaults, checks and derived tables of a model; see slipdisk/model.h. */
-#include "base/limits.h"
-#include "base/memory.h"
-#include "model/cell.h"
+/* model.c: a model is built call by call, and asked; mistakes wait for sd_model_finish. See
+ * slipdisk/model.h. */
 #include "model/model.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "model/advice.h"
-#include "model/arc.h"
-#include "model/bodies.h"
-#include "model/clumps.h"
+#include "base/limits.h"
+#include "base/memory.h"
+#include "base/text.h"
 #include "model/field_kinds.h"
 #include "model/keys.h"
-#include "model/laws.h"
-#include "model/normal_laws.h"
-#include "model/loads.h"
-#include "model/motion_kinds.h"
-#include "model/rains.h"
-#include "model/rounding.h"
+#include "model/motions.h"
 #include "model/rows.h"
-#include "model/wall_images.h"
+#include "model/walls.h"
 #include "slipdisk/deck.h"
 
 sd_model *sd_model_new(void) {
@@ -157,419 +149,426 @@ int64_t sd_model_steps(const sd_model *m) {
   return steps;
 }
 
-/* --- checks ------------------------------------------------------------------------------------------ */
+/* A model is built call by call; mistakes wait for sd_model_finish. See slipdisk/model.h. */
 
-static void check_run(const sd_model *m, sd_messages *msg) {
-  deck_key_check(&deck_top, m, "", msg);
-  deck_key_check(&deck_limits, &m->limits, "limits", msg);
-  if (m->n_disks == 0) sd_fail(msg, SD_ERROR_USER, "disks: expected at least one disk");
-  if (m->n_phases == 0) sd_fail(msg, SD_ERROR_USER, "phases: expected a duration, `steps` or `time`");
-  if (m->n_materials == 0) sd_fail(msg, SD_ERROR_USER, "materials: expected at least one material");
-  for (size_t k = 0; k < m->n_phases; k++)
-    if (m->phases[k].steps < 1) sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
+/* Steps of a phase that has no end. */
+static const int64_t ENDLESS = INT64_MAX / 4;
+/* The stream of a random motion that asks for one of its own, until the model is finished. */
+static const uint32_t OWN_STREAM = UINT32_MAX;
+
+static sd_messages *mistakes(sd_model *m) {
+  if (!m->mistakes) m->mistakes = sd_messages_new();
+  return m->mistakes;
 }
 
-/* Numbers beyond LIMIT_NUMBER, the limit of decks, are as bad as those that are not finite. */
-static void check_number(const sd_model *m, uint32_t body, const char *key, double value, double least,
-                         bool open, sd_messages *msg) {
-  char name[96];
-  const bool large = value >= least && !(value <= LIMIT_NUMBER), good = open ? value > least : value >= least;
-  if (good && !large) return;
-  sd_model_body_name(m, body, name, sizeof name);
-  if (large || least < 0.0)
-    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number of at most 1e100", name, key, value);
-  else
-    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number %s 0", name, key, value, open ? ">" : ">=");
+/* Grows a short list of the model to n elements. */
+static void *grow(sd_model *m, void *list, size_t n, size_t size) {
+  m->finished = false;
+  return memory_grow(list, n, size);
 }
 
-static void check_disks(const sd_model *m, sd_messages *msg) {
-  static const char *const keys[3][3] = {
-      {"x", "y", "theta"}, {"vx", "vy", "omega"}, {"force x", "force y", "torque"}};
-  char name[96];
-  for (size_t row = 0; row < rows_count(m); row++) {
-    const sd_disk *d = rows_disk(m, row);
-    const uint32_t i = rows_number(m, row);
-    const double *const numbers[3] = {d->position, d->velocity, d->force};
-    for (int c = 0; c < 3; c++) {
-      for (int k = 0; k < 3; k++) check_number(m, i, keys[k][c], numbers[k][c], -LIMIT_NUMBER, false, msg);
-      if (d->locked[c] && d->velocity[c] != 0.0)
-        sd_fail(msg, SD_ERROR_USER, "%s: a locked coordinate cannot have a velocity",
-                sd_model_body_name(m, i, name, sizeof name));
-    }
-    check_number(m, i, "radius", d->radius, 0.0, true, msg);
-    check_number(m, i, "mass", d->mass, 0.0, true, msg);
-    check_number(m, i, "inertia", d->inertia, 0.0, false, msg);
-    if (d->material < 0 || (size_t)d->material >= m->n_materials)
-      sd_fail(msg, SD_ERROR_USER, "%s: material %d: expected one of the %zu that there are",
-              sd_model_body_name(m, i, name, sizeof name), d->material, m->n_materials);
-  }
+/* The pointer at `list` gets room for n rows. Without memory it is false, and keeps a mistake. */
+static bool grow_rows(sd_model *m, void *list, size_t n, size_t size, const char *what) {
+  m->finished = false;
+  const bool enough = memory_resize_row(list, n, size);
+  if (!enough) sd_fail(mistakes(m), SD_ERROR_IO, "out of memory for %s", what);
+  return enough;
 }
 
-static bool has_size(double x) { return fabs(x) <= LIMIT_NUMBER; }
-
-static bool wall_is_finite(const sd_wall *w) {
-  bool good = has_size(w->pivot[0]) && has_size(w->pivot[1]) && has_size(w->radius) &&
-              has_size(w->center[0]) && has_size(w->center[1]) && has_size(w->from) && has_size(w->to);
-  for (size_t k = 0; k < w->n_points; k++)
-    good = good && has_size(w->points[k][0]) && has_size(w->points[k][1]);
-  return good;
+/* *copy gets n elements; false: no memory, or NULL instead of elements. Nothing to copy is NULL. */
+static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *copy, const char *what) {
+  void *to = NULL;
+  if (!from && n) sd_fail(mistakes(m), SD_ERROR_USER, "%s: expected %zu elements, not NULL", what, n);
+  if (from && n && grow_rows(m, &to, n, size, what)) memcpy(to, from, n * size);
+  memcpy(copy, &to, sizeof to);
+  return to || !n;
 }
 
-static void check_walls(const sd_model *m, sd_messages *msg) {
-  char name[96];
-  for (uint32_t w = 0; w < m->n_walls; w++) {
-    const sd_wall *wall = &m->walls[w];
-    sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
-    if (wall->material < 0 || (size_t)wall->material >= m->n_materials)
-      sd_fail(msg, SD_ERROR_USER, "%s: material: no such material", name);
-    if ((unsigned)wall->kind >= SD_WALL_KINDS)
-      sd_fail(msg, SD_ERROR_USER, "%s: kind %d: expected SD_WALL_LINE ...", name, (int)wall->kind);
-    if (!wall_is_finite(wall))
-      sd_fail(msg, SD_ERROR_USER, "%s: points, pivot and radius must be finite, at most 1e100", name);
-    const bool arc = wall->kind == SD_WALL_ARC;
-    if ((arc || wall->kind == SD_WALL_CIRCLE) && !(wall->radius > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
-    if (arc && !(wall->to > wall->from && wall->to - wall->from <= ARC_RING))
-      sd_fail(msg, SD_ERROR_USER, "%s: from = %g, to = %g: expected from < to, at most a whole turn apart",
-              name, wall->from, wall->to);
-    if (arc || wall->kind == SD_WALL_CIRCLE) continue;
-    size_t least = 2;
-    if (wall->n_points < least || (wall->kind != SD_WALL_POLYLINE && wall->n_points != 2)) {
-      sd_fail(msg, SD_ERROR_USER, "%s: %zu points: expected %s", name, wall->n_points,
-              wall->kind == SD_WALL_POLYLINE ? "two or more" : "two");
-      continue;
-    }
-    for (size_t k = 0; k < wall->n_points - (wall->closed ? 0 : 1); k++) {
-      size_t next = (k + 1) % wall->n_points;
-      if (wall->points[k][0] == wall->points[next][0] && wall->points[k][1] == wall->points[next][1])
-        sd_fail(msg, SD_ERROR_USER, "%s: points %zu and %zu coincide", name, k, next);
-    }
-  }
-}
+/* --- keys ------------------------------------------------------------------------------------------- */
 
-/* Rolling resistance of a round wall knows its angle, not the way of its surface. */
-static bool rolls_on_surface(const sd_model *m, size_t body) {
-  const sd_wall *wall = &m->walls[body - m->n_disks];
-  bool rolls = false;
-  for (size_t k = 0; k < m->n_materials && wall->kind == SD_WALL_CIRCLE; k++) {
-    const sd_contact_law *law = sd_model_law(m, wall->material, (int)k);
-    rolls = rolls || (law && law->k_r > 0.0);
-  }
-  return rolls;
-}
-
-static void check_motions(const sd_model *m, sd_messages *msg) {
-  for (size_t k = 0; k < m->n_motions; k++) {
-    const sd_motion *q = &m->motions[k];
-    char text[96];
-    const char *name = model_motion_name(m, k, text, sizeof text);
-    if (q->n_bodies == 0) sd_fail(msg, SD_ERROR_USER, "%s: it moves no disk and no wall", name);
-    for (size_t b = 0; b < q->n_bodies; b++)
-      if (q->bodies[b] >= model_movables(m))
-        sd_fail(msg, SD_ERROR_USER, "%s: body %u does not exist", name, q->bodies[b]);
-      else if (q->coordinate == SD_SURFACE &&
-               (q->bodies[b] < m->n_disks || q->bodies[b] >= m->n_disks + m->n_walls))
-        sd_fail(msg, SD_ERROR_USER, "%s: only walls have a surface that moves; others turn (theta)", name);
-      else if (q->coordinate == SD_SURFACE && rolls_on_surface(m, q->bodies[b]))
-        sd_fail(msg, SD_ERROR_USER,
-                "%s: the surface of a round wall with rolling resistance (k_r); turn the wall "
-                "(theta) instead",
-                name);
-    if (!has_size(q->amplitude) || !has_size(q->omega) || !has_size(q->phase) || !has_size(q->velocity))
-      sd_fail(msg, SD_ERROR_USER, "%s: amplitude, omega, phase and velocity must be finite, at most 1e100",
-              name);
-    if (!(q->ramp >= 0.0)) sd_fail(msg, SD_ERROR_USER, "%s: ramp = %g: expected >= 0", name, q->ramp);
-    motion_check(q, m->dt, name, msg);
-  }
-}
-
-static const char *material_name(const sd_model *m, size_t k) {
-  return m->materials[k].name ? m->materials[k].name : "?";
-}
-
-static void check_law(const sd_model *m, size_t a, size_t b, sd_messages *msg) {
-  const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
-  const char *key = NULL;
-  if (!law_is_given(law)) return;
-  deck_key_check(&law_table, law, material_name(m, a), msg);
-  double value = 0.0;
-  char *text = law_mistake(law, &key, &value);
-  if (text) sd_fail(msg, SD_ERROR_USER, "%s.%s = %g: %s", material_name(m, a), key, value, text);
-  free(text);
-}
-
-/* Laws must exist for every pair of materials that can meet. */
-static sd_status check_laws(const sd_model *m, sd_messages *msg) {
-  law_use *use = memory_new(m->n_materials, sizeof *use);
-  size_t before = sd_messages_errors(msg);
-  laws_count_uses(m, use);
-  for (size_t a = 0, b = 0; laws_find_missing(m, use, &a, &b); b++)
-    sd_fail(msg, SD_ERROR_USER,
-            "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
-            material_name(m, a), material_name(m, b));
-  for (size_t a = 0; a < m->n_materials; a++)
-    for (size_t b = a; b < m->n_materials; b++) check_law(m, a, b, msg);
-  free(use);
-  return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
-}
-
-static void check_memories(const sd_model *m, sd_messages *msg) {
-  for (size_t k = 0; k < m->n_memories; k++) {
-    const sd_contact_memory *c = &m->memories[k];
-    if (c->a >= m->n_disks || c->b >= sd_model_bodies(m) || c->a == c->b)
-      sd_fail(msg, SD_ERROR_USER, "memories[%zu]: expected a disk, and another disk or a wall", k);
-  }
-}
-
-static void check_watches(const sd_model *m, sd_messages *msg) {
-  for (size_t k = 0; k < m->n_rotations; k++)
-    if (m->rotations[k] >= m->n_disks)
-      sd_fail(msg, SD_ERROR_USER, "measure.rotation: disk %u does not exist", m->rotations[k]);
-  for (size_t k = 0; k < m->n_contact_disks; k++)
-    if (m->contact_disks[k] >= m->n_disks)
-      sd_fail(msg, SD_ERROR_USER, "measure.contacts: disk %u does not exist", m->contact_disks[k]);
-  for (size_t k = 0; k < m->n_slides; k++) {
-    const sd_slide_watch *s = &m->slides[k];
-    if (s->disk >= m->n_disks || s->partner[0] >= sd_model_bodies(m) || s->partner[1] >= sd_model_bodies(m))
-      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: no such disk or wall", k);
-    else if (m->disks[s->disk].driven)
-      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: the disk is prescribed; name a free one", k);
-  }
-}
-
-static void check_until(const sd_model *m, sd_messages *msg) {
-  const sd_until *u = &m->until;
-  if (!u->asked || m->n_phases == 0) return;
-  const sd_phase *last = &m->phases[m->n_phases - 1];
-  if (u->rotation >= m->n_rotations)
-    sd_fail(msg, SD_ERROR_USER, "until.observable: expected a disk that measure.rotation watches");
-  if (!(u->error >= 0.0) || !(u->relative >= 0.0) || (u->error > 0.0) == (u->relative > 0.0))
-    sd_fail(msg, SD_ERROR_USER, "until: expected either error > 0 or relative > 0");
-  if (u->scaled && m->gravity[0] == 0.0 && m->gravity[1] == 0.0)
-    sd_fail(msg, SD_ERROR_USER, "until.observable: t_g Omega does not exist without gravity");
-  if (!last->measure) sd_fail(msg, SD_ERROR_USER, "until: expected a last phase that measures");
-  if (u->least < 1 || u->least > last->steps)
-    sd_fail(msg, SD_ERROR_USER, "until: expected 1 to %lld steps at least, the length of the last phase",
-            (long long)last->steps);
-}
-
-static void check_box(const sd_model *m, sd_messages *msg) {
-  double reach;
-  const double least = cell_least_length(m, &reach);
-  for (int c = 0; c < 2; c++) {
-    if (!m->periodic[c]) continue;
-    double length = m->upper[c] - m->lower[c];
-    char axis = c == SD_X ? 'x' : 'y';
-    if (!(length > least) && reach > 0.0)
-      sd_fail(msg, SD_ERROR_USER,
-              "box.%c: length %g: expected more than %.6g, 4.8 times the largest radius and twice the gap "
-              "(%g) over which disks attract each other",
-              axis, length, least, reach);
-    else if (!(length > least))
-      sd_fail(msg, SD_ERROR_USER, "box.%c: length %g: expected more than 4.8 times the largest radius (%g)",
-              axis, length, least / 4.8);
-    for (size_t row = 0; row < rows_count(m); row++) {
-      double p = rows_disk(m, row)->position[c];
-      if (p < m->lower[c] || p >= m->upper[c]) {
-        char name[96];
-        sd_fail(msg, SD_ERROR_USER, "%s: %c = %g lies outside the periodic box [%g, %g)",
-                sd_model_body_name(m, rows_number(m, row), name, sizeof name), axis, p, m->lower[c],
-                m->upper[c]);
+/* Row of a key and the struct whose member it sets; NULL: a mistake, which is kept. */
+static const deck_key *key_of(sd_model *m, const char *path, void **members) {
+  m->finished = false;
+  const struct {
+    const char *group;
+    const deck_table *table;
+    void *members;
+  } tables[] = {{"", &deck_top, m},
+                {"limits.", &deck_limits, &m->limits},
+                {"measure.", &deck_measure, m},
+                {"bounds.", &deck_bounds, &m->bounds}};
+  guess near = guess_start(path);
+  char names[64][48];
+  size_t n = 0;
+  for (size_t t = 0; t < COUNT(tables); t++) {
+    const deck_key *key;
+    for (size_t k = 0; (key = deck_key_at(tables[t].table, k)); k++) {
+      if (key->target == DECK_SETS_NOTHING || key->target == DECK_SETS_PAIR || n == COUNT(names)) continue;
+      snprintf(names[n], sizeof names[n], "%s%s", tables[t].group, key->name);
+      if (strcmp(names[n], path) == 0) {
+        *members = tables[t].members;
+        return key;
       }
+      guess_add(&near, names[n++]);
     }
   }
+  sd_fail(mistakes(m), SD_ERROR_USER, "%s: no key that a model has%s%s%s", path,
+          near.best ? " (did you mean " : "", near.best ? near.best : "", near.best ? "?)" : "");
+  return NULL;
 }
 
-static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages *msg) {
-  char name[96];
-  for (uint32_t w = 0; w < m->n_walls; w++)
-    if (m->walls[w].kind != SD_WALL_LINE)
-      sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu].compress: %s has a size of its own, which does not change; expected lines only",
-              phase, sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
-}
-
-/* The area would be that of the container as it was, not of what a lid has left of it. */
-static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg) {
-  char name[96];
-  for (size_t q = 0; q < m->n_motions; q++) {
-    const sd_motion *motion = &m->motions[q];
-    bool moved = false;
-    for (size_t k = 0; k < phase; k++) moved |= m->phases[k].active && m->phases[k].active[q];
-    if (moved && motion_is_feedback(motion))
-      sd_fail(msg, SD_ERROR_USER,
-              "%s: its wall may be anywhere when phases[%zu].compress begins, which expects walls that only "
-              "compression moves, or servo walls all the time",
-              model_motion_name(m, q, name, sizeof name), phase);
+void sd_model_set(sd_model *m, const char *path, double value) {
+  void *members;
+  const deck_key *key = key_of(m, path, &members);
+  if (!key) return;
+  void *at = (char *)members + key->offset;
+  bool whole = value == nearbyint(value) && fabs(value) < 0x1p53;
+  switch (key->target) {
+    case DECK_SETS_NUMBER: *(double *)at = value; return;
+    case DECK_SETS_INTEGER:
+      if (whole) *(int64_t *)at = (int64_t)value;
+      break;
+    case DECK_SETS_UNSIGNED:
+      whole = whole && value >= 0;
+      if (whole) *(uint64_t *)at = (uint64_t)value;
+      break;
+    case DECK_SETS_BOOL: *(bool *)at = value != 0.0; return;
+    case DECK_SETS_OFF: *(bool *)at = value == 0.0; return;
+    default: sd_fail(mistakes(m), SD_ERROR_USER, "%s = %g: expected a text", path, value); return;
   }
+  if (!whole) sd_fail(mistakes(m), SD_ERROR_USER, "%s = %.17g: expected a whole number", path, value);
 }
 
-static void check_compress(const sd_model *m, sd_messages *msg) {
-  char name[96];
-  for (size_t k = 0; k < m->n_phases; k++) {
-    const sd_phase *p = &m->phases[k];
-    const sd_compress *c = &p->compress;
-    if (!c->asked) continue;
-    if ((c->pressure > 0.0) == (c->fraction > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: expected either pressure > 0 or fraction > 0", k);
-    if (!(c->rate > 0.0) || !(c->rate * m->dt <= 1e-3))
-      sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu].compress.rate = %g: expected a number > 0 and at most %g, a thousandth per time "
-              "step",
-              k, c->rate, 1e-3 / m->dt);
-    if (!(m->region_upper[0] > m->region_lower[0] && m->region_upper[1] > m->region_lower[1]))
-      sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: there is no region to compress", k);
-    check_compressed_walls(m, k, msg);
-    for (size_t q = 0; q < m->n_motions; q++)
-      if (p->active && p->active[q] && m->motions[q].coordinate < SD_THETA)
-        sd_fail(msg, SD_ERROR_USER,
-                "%s: it prescribes positions that phases[%zu].compress changes; expected a phase in which it "
-                "is off",
-                model_motion_name(m, q, name, sizeof name), k);
-    check_moved_walls(m, k, msg);
+void sd_model_set_text(sd_model *m, const char *path, const char *value) {
+  void *members;
+  const deck_key *key = key_of(m, path, &members);
+  if (!key) return;
+  void *at = (char *)members + key->offset;
+  if (key->target == DECK_SETS_TEXT) {
+    free(*(char **)at);
+    *(char **)at = memory_text(value);
+    return;
   }
-}
-
-static void check_settle(const sd_model *m, sd_messages *msg) {
-  for (size_t k = 0; k < m->n_phases; k++) {
-    const sd_settle *s = &m->phases[k].settle;
-    if (s->asked && (s->every < 1 || !(s->kinetic > 0.0 || s->unbalanced > 0.0)))
-      sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu].settle: expected kinetic > 0 or unbalanced > 0, and every >= 1", k);
+  if (key->target != DECK_SETS_ENUM) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "%s = \"%s\": expected a number", path, value);
+    return;
   }
-}
-
-static void check_bounds(const sd_model *m, sd_messages *msg) {
-  for (int c = 0; m->bounds.given && c < 2; c++)
-    if (!(m->bounds.lower[c] < m->bounds.upper[c]))
-      sd_fail(msg, SD_ERROR_USER, "bounds.%c: expected (lower, upper) with lower < upper",
-              c == SD_X ? 'x' : 'y');
-}
-
-/* Round walls, too, must be met in one image only. */
-static void check_round_walls(const sd_model *m, sd_messages *msg) {
-  char name[96], disk[96];
-  for (uint32_t w = 0; w < m->n_walls; w++) {
-    const sd_wall *wall = &m->walls[w];
-    if (wall->kind != SD_WALL_CIRCLE) continue;
-    sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
-    double reach = wall->inside ? wall->radius : wall->radius + m->largest_radius;
-    for (int c = 0; c < 2; c++)
-      if (m->periodic[c] && !(m->upper[c] - m->lower[c] > 2.0 * reach))
-        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: the periodic box must be wider than %g to hold it",
-                name, wall->radius, 2.0 * reach);
-    for (size_t row = 0; wall->inside && row < rows_count(m); row++) {
-      const sd_disk *d = rows_disk(m, row);
-      if (!d->driven && d->radius >= wall->radius)
-        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: %s, of radius %g, does not fit into it", name,
-                wall->radius, sd_model_body_name(m, rows_number(m, row), disk, sizeof disk), d->radius);
+  for (const deck_shape *word = key->words; word->name; word++)
+    if (strcmp(word->name, value) == 0) {
+      *(int *)at = word->kind;
+      return;
     }
+  char words[256] = "";
+  for (const deck_shape *word = key->words; word->name; word++)
+    snprintf(words + strlen(words), sizeof words - strlen(words), "%s\"%s\"", *words ? ", " : "", word->name);
+  sd_fail(mistakes(m), SD_ERROR_USER, "%s = \"%s\": expected one of %s", path, value, words);
+}
+
+void sd_model_set_gravity(sd_model *m, double x, double y) {
+  m->finished = false;
+  if (!(fabs(x) <= LIMIT_NUMBER) || !(fabs(y) <= LIMIT_NUMBER))
+    sd_fail(mistakes(m), SD_ERROR_USER, "gravity (%g, %g): expected finite numbers, at most 1e100", x, y);
+  m->gravity[SD_X] = x;
+  m->gravity[SD_Y] = y;
+}
+
+/* False: a mistake, which is kept. */
+static bool has_extent(sd_model *m, const char *what, double lower, double upper) {
+  if (upper > lower && fabs(upper) <= LIMIT_NUMBER && fabs(lower) <= LIMIT_NUMBER) return true;
+  sd_fail(mistakes(m), SD_ERROR_USER, "%s from %g to %g: expected finite edges, the lower one first", what,
+          lower, upper);
+  return false;
+}
+
+void sd_model_set_periodic(sd_model *m, int c, double lower, double upper) {
+  if (c != SD_X && c != SD_Y) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "periodic coordinate %d: expected SD_X or SD_Y", c);
+    return;
+  }
+  m->finished = false;
+  if (!has_extent(m, "periodic box", lower, upper)) return;
+  m->periodic[c] = true;
+  m->lower[c] = m->region_lower[c] = lower;
+  m->upper[c] = m->region_upper[c] = upper;
+}
+
+void sd_model_set_region(sd_model *m, const double lower[2], const double upper[2]) {
+  m->finished = false;
+  for (int c = 0; c < 2; c++)
+    if (has_extent(m, "region", lower[c], upper[c]) && !m->periodic[c]) {
+      m->region_lower[c] = lower[c];
+      m->region_upper[c] = upper[c];
+    }
+}
+
+void sd_model_set_bounds(sd_model *m, const double lower[2], const double upper[2]) {
+  m->finished = false;
+  m->bounds.given = true;
+  for (int c = 0; c < 2; c++) {
+    m->bounds.lower[c] = lower[c];
+    m->bounds.upper[c] = upper[c];
   }
 }
 
-/* The reader of a deck says it with the line (deck.c). */
-static void check_step(const sd_model *m, sd_messages *msg) {
-  char *text = advice_unstable(m);
-  if (text) sd_fail(msg, SD_ERROR_USER, "dt = %g: %s", m->dt, text);
-  free(text);
+/* --- materials -------------------------------------------------------------------------------------- */
+
+int sd_model_add_material(sd_model *m, const char *name, const sd_contact_law *law) {
+  const size_t n = m->n_materials;
+  m->materials = grow(m, m->materials, n + 1, sizeof *m->materials);
+  sd_contact_law *laws = memory_new((n + 1) * (n + 1), sizeof *laws);
+  for (size_t a = 0; a < n; a++) memcpy(laws + a * (n + 1), m->laws + a * n, n * sizeof *laws);
+  free(m->laws);
+  m->laws = laws;
+  m->materials[n] = (sd_material){.name = memory_text(name)};
+  m->n_materials++;
+  if (law) sd_model_set_law(m, (int)n, (int)n, law);
+  return (int)n;
 }
 
-/* --- derived tables ---------------------------------------------------------------------------------- */
-
-static void complete_disks(sd_model *m) {
-  const size_t held = model_held(m);
-  for (size_t row = 0; row < rows_count(m); row++) {
-    sd_disk *d = row < held ? &m->disks[row] : &m->mine->disk[row - held];
-    if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
+void sd_model_set_law(sd_model *m, int a, int b, const sd_contact_law *law) {
+  const int n = (int)m->n_materials;
+  m->finished = false;
+  if (a < 0 || b < 0 || a >= n || b >= n) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: expected two of the %d that there are",
+            a, b, n);
+    return;
   }
-}
-
-static void derive_numbers(sd_model *m) {
-  double inverse = 0.0, largest = 0.0, smallest = HUGE_VAL;
-  for (size_t k = 0; k < m->n_motions; k++)
-    if (m->motions[k].interval < 1) m->motions[k].interval = 1;
-  complete_disks(m);
-  for (size_t row = rows_first(m); row < rows_count(m); row++) {
-    const sd_disk *d = rows_disk(m, row);
-    inverse += 1.0 / d->radius;
-    if (d->driven) continue;
-    largest = fmax(largest, d->radius);
-    smallest = fmin(smallest, d->radius);
+  if (!law) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: expected a law, not NULL", a, b);
+    return;
   }
-  m->mean_radius = (double)m->n_disks / rows_sum(m, inverse);
-  m->largest_radius = rows_largest(m, largest);
-  m->smallest_radius = rows_least(m, smallest);
-  int64_t contacts[1] = {m->mine ? (int64_t)m->mine->n_contacts : 0};
-  comm_add(m->comm, contacts, 1);
-  m->all_memories = m->n_memories + (size_t)contacts[0];
-}
-
-static void derive_period(sd_model *m) {
-  bool servo = false;
-  for (size_t k = 0; k < m->n_motions; k++) servo |= m->motions[k].kind == SD_MOTION_SERVO;
-  m->shortest_period = servo ? sd_model_shortest_period(m, NULL) : 0.0;
-}
-
-/* Checks everything that the derived tables are made of. */
-static void check_all(const sd_model *m, sd_messages *msg) {
-  check_run(m, msg);
-  check_disks(m, msg);
-  check_walls(m, msg);
-  check_motions(m, msg);
-  loads_check(m, msg);
-  body_forces_check(m, msg);
-  check_box(m, msg);
-  check_compress(m, msg);
-  cell_check(m, msg);
-  rains_check(m, msg);
-  check_settle(m, msg);
-  check_bounds(m, msg);
-  check_memories(m, msg);
-  check_watches(m, msg);
-  check_until(m, msg);
-}
-
-/* Together: ranks see mistakes in their own rows. */
-static sd_status found(const sd_model *m, sd_status status, const sd_messages *msg, size_t before) {
-  if (status == SD_OK && sd_messages_errors(msg) > before) status = SD_ERROR_USER;
-  return comm_agree(m->comm, status);
-}
-
-/* Fills in what follows, and checks it. */
-static sd_status derive(sd_model *m, sd_messages *msg) {
-  const size_t before = sd_messages_errors(msg);
-  sd_status status = comm_agree(m->comm, model_find_driven(m));
-  if (status != SD_OK) return sd_fail(msg, SD_ERROR_IO, "out of memory for the model's tables");
-  model_find_pieces(m);
-  derive_numbers(m);
-  rounding_check(m, msg);
-  status = comm_agree(m->comm, clumps_derive(m, msg));
-  if (status == SD_OK) status = comm_agree(m->comm, check_laws(m, msg));
-  if (status != SD_OK) return status;
-  check_round_walls(m, msg);
-  loads_check_steps(m, msg);
-  derive_period(m);
-  if (!m->deck) check_step(m, msg);
-  return found(m, SD_OK, msg, before);
-}
-
-sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
-  size_t before = sd_messages_errors(msg);
-  sd_messages *own = msg ? msg : sd_messages_new();
-  model_complete(m);
-  sd_status status = model_tell_mistakes(m, own);
-  if (status != SD_ERROR_IO) {
-    check_all(m, own);
-    status = found(m, SD_OK, own, before);
-    if (status == SD_OK) wall_images_check(m, own);
-    status = found(m, status, own, before);
-    if (status == SD_OK) status = derive(m, own);
+  if (!(law->k_n > 0.0))
+    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: k_n = %g: expected a number > 0", a, b,
+            law->k_n);
+  if ((unsigned)law->normal >= SD_NORMAL_LAWS) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: normal = %d: expected a normal law", a,
+            b, (int)law->normal);
+    return;
   }
-  if (own != msg) sd_messages_free(own);
-  m->finished = status == SD_OK;
+  m->laws[a * n + b] = m->laws[b * n + a] = *law;
+}
+
+/* --- bodies ----------------------------------------------------------------------------------------- */
+
+/* Takes over all of a disk but its name and group. */
+static void put_disk(sd_disk *to, const sd_disk *from) {
+  const char *name = memory_text(from->name);
+  *to = *from;
+  to->name = name;
+  to->group = -1;
+  to->clump = 0;
+}
+
+uint32_t sd_model_add_disks(sd_model *m, size_t n, const sd_disk *disks) {
+  const size_t first = m->n_disks;
+  if (n == 0) return (uint32_t)first;
+  if (!disks || n > LIMIT_DISKS - first) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "%zu disks%s: expected at most %d", n, disks ? "" : ", NULL",
+            LIMIT_DISKS);
+    return (uint32_t)first;
+  }
+  if (!grow_rows(m, &m->disks, first + n, sizeof *m->disks, "disks")) return (uint32_t)first;
+  for (size_t k = 0; k < n; k++) put_disk(&m->disks[first + k], &disks[k]);
+  m->n_disks += n;
+  return (uint32_t)first;
+}
+
+uint32_t sd_model_add_disk(sd_model *m, const sd_disk *disk) { return sd_model_add_disks(m, 1, disk); }
+
+void sd_model_set_disk(sd_model *m, uint32_t number, const sd_disk *disk) {
+  if (number >= m->n_disks) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "disk %u: expected one of the %zu that there are", number,
+            m->n_disks);
+    return;
+  }
+  m->finished = false;
+  sd_disk *at = &m->disks[number], old = *at;
+  put_disk(at, disk);
+  at->group = old.group;
+  at->clump = old.clump;
+  free((char *)old.name);
+}
+
+int sd_model_add_group(sd_model *m, const char *name, size_t n, const uint32_t *disks) {
+  const size_t group = m->n_groups;
+  m->groups = grow(m, m->groups, group + 1, sizeof *m->groups);
+  m->groups[m->n_groups++] = memory_text(name);
+  for (size_t k = 0; k < n; k++)
+    if (disks[k] < m->n_disks)
+      m->disks[disks[k]].group = (int)group;
+    else
+      sd_fail(mistakes(m), SD_ERROR_USER, "group \"%s\": disk %u does not exist", name ? name : "?",
+              disks[k]);
+  return (int)group;
+}
+
+uint32_t sd_model_add_wall(sd_model *m, const sd_wall *wall) {
+  const uint32_t number = SD_WALL(m->n_walls);
+  m->walls = grow(m, m->walls, m->n_walls + 1, sizeof *m->walls);
+  sd_wall *to = &m->walls[m->n_walls++];
+  *to = *wall;
+  to->name = memory_text(wall->name);
+  if (!copy_of(m, wall->points, wall->n_points, sizeof *wall->points, &to->points, "a wall"))
+    to->n_points = 0;
+  if (wall->kind != SD_WALL_ARC) return number;
+  to->points = grow(m, to->points, ARC_POINTS, sizeof *to->points);
+  arc_trace(to);
+  return number;
+}
+
+uint32_t sd_model_add_clump(sd_model *m, const sd_clump *clump) {
+  const uint32_t number = SD_CLUMP(m->n_clumps);
+  if (!grow_rows(m, &m->clumps, m->n_clumps + 1, sizeof *m->clumps, "clumps")) return number;
+  sd_clump *to = &m->clumps[m->n_clumps++];
+  *to = *clump;
+  to->disks = NULL;
+  to->name = memory_text(clump->name);
+  const char *name = clump->name ? clump->name : "?";
+  for (size_t k = 0; k < clump->n_disks; k++)
+    if (clump->disks[k] >= m->n_disks)
+      sd_fail(mistakes(m), SD_ERROR_USER, "clump \"%s\": disk %u does not exist", name, clump->disks[k]);
+    else if (m->disks[clump->disks[k]].clump)
+      sd_fail(mistakes(m), SD_ERROR_USER, "clump \"%s\": disk %u belongs to a clump already", name,
+              clump->disks[k]);
+    else
+      m->disks[clump->disks[k]].clump = (int)m->n_clumps;
+  return number;
+}
+
+/* --- motions and phases ----------------------------------------------------------------------------- */
+
+/* From number `from` on, the n motions or fields of a phase are on, or off. */
+static void activate(sd_model *m, bool **list, size_t from, size_t n, bool on) {
+  *list = grow(m, *list, n, sizeof **list);
+  for (size_t k = from; k < n; k++) (*list)[k] = on;
+}
+
+int sd_model_add_motion(sd_model *m, const sd_motion *motion) {
+  const int number = (int)m->n_motions;
+  if ((unsigned)motion->kind >= SD_MOTION_KINDS || (unsigned)motion->coordinate >= SD_MOVED) {
+    sd_fail(mistakes(m), SD_ERROR_USER,
+            "motion \"%s\": kind %d, coordinate %d: expected SD_MOTION_..., SD_X ...",
+            motion->name ? motion->name : "?", (int)motion->kind, motion->coordinate);
+    return number;
+  }
+  m->motions = grow(m, m->motions, m->n_motions + 1, sizeof *m->motions);
+  sd_motion *to = &m->motions[m->n_motions++];
+  *to = *motion;
+  to->name = memory_text(motion->name);
+  if (!copy_of(m, motion->bodies, motion->n_bodies, sizeof *motion->bodies, &to->bodies, "a motion"))
+    to->n_bodies = 0;
+  if (!copy_of(m, motion->table_time, motion->n_table, sizeof(double), &to->table_time, "a motion") ||
+      !copy_of(m, motion->table_value, motion->n_table, sizeof(double), &to->table_value, "a motion"))
+    to->n_table = 0;
+  if (motion->kind == SD_MOTION_RANDOM && motion->stream == 0) to->stream = OWN_STREAM;
+  /* phases that name their motions were added without this one */
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (m->phases[k].active) activate(m, &m->phases[k].active, m->n_motions - 1, m->n_motions, false);
+  return number;
+}
+
+int sd_model_add_field(sd_model *m, const sd_body_force *field) {
+  const int number = (int)m->n_fields;
+  if ((unsigned)field->kind >= SD_FIELD_KINDS || (unsigned)field->per > SD_FIELD_PER_MASS) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "field \"%s\": kind %d, per %d: expected SD_FIELD_...",
+            field->name ? field->name : "?", (int)field->kind, (int)field->per);
+    return number;
+  }
+  m->fields = grow(m, m->fields, m->n_fields + 1, sizeof *m->fields);
+  sd_body_force *to = &m->fields[m->n_fields++];
+  *to = *field;
+  to->name = memory_text(field->name);
+  if (!copy_of(m, field->disks, field->n_disks, sizeof *field->disks, &to->disks, "a field")) to->n_disks = 0;
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (m->phases[k].fields) activate(m, &m->phases[k].fields, m->n_fields - 1, m->n_fields, false);
+  return number;
+}
+
+int sd_model_add_phase(sd_model *m, const sd_phase *phase) {
+  const int number = (int)m->n_phases;
+  m->phases = grow(m, m->phases, m->n_phases + 1, sizeof *m->phases);
+  sd_phase *to = &m->phases[m->n_phases++];
+  *to = *phase;
+  to->name = memory_text(phase->name);
+  to->active = m->n_motions > 0 ? memory_copy(phase->active, m->n_motions * sizeof(bool)) : NULL;
+  to->fields = m->n_fields > 0 ? memory_copy(phase->fields, m->n_fields * sizeof(bool)) : NULL;
+  if (to->steps == 0) to->steps = ENDLESS;
+  if (to->settle.asked && to->settle.every == 0) to->settle.every = 1000;
+  if (to->compress.asked && to->compress.tolerance == 0.0) to->compress.tolerance = 1e-3;
+  return number;
+}
+
+void sd_model_measure_rotation(sd_model *m, size_t n, const uint32_t *disks) {
+  m->rotations = grow(m, m->rotations, m->n_rotations + n, sizeof *m->rotations);
+  memcpy(m->rotations + m->n_rotations, disks, n * sizeof *disks);
+  m->n_rotations += n;
+}
+
+void sd_model_measure_sliding(sd_model *m, const sd_slide_watch *watch) {
+  m->slides = grow(m, m->slides, m->n_slides + 1, sizeof *m->slides);
+  m->slides[m->n_slides++] = *watch;
+}
+
+void sd_model_set_until(sd_model *m, const sd_until *until) {
+  m->finished = false;
+  m->until = *until;
+  m->until.asked = true;
+}
+
+/* --- finishing -------------------------------------------------------------------------------------- */
+
+/* SD_WALL(w) and SD_CLUMP(k) become body numbers; any other number stays, for the checks. */
+static uint32_t body_number(const sd_model *m, uint32_t body) {
+  const uint32_t wall = body & ~SD_WALL(0), clump = body & ~SD_CLUMP(0);
+  if (!(body & SD_WALL(0)) && body & SD_CLUMP(0))
+    return clump < m->n_clumps ? (uint32_t)(sd_model_bodies(m) + clump) : body;
+  if (!(body & SD_WALL(0))) return body;
+  return wall < m->n_walls ? (uint32_t)m->n_disks + wall : body;
+}
+
+/* Numbers of random streams like those of a deck: by what is driven, and how many drive it. */
+static void give_stream(sd_model *m, size_t k) {
+  sd_motion *q = &m->motions[k];
+  if (q->kind != SD_MOTION_RANDOM || q->stream != OWN_STREAM || q->n_bodies == 0) return;
+  const bool one = q->n_bodies == 1, disk = q->bodies[0] < m->n_disks;
+  const int thing = !one ? STREAM_LIST : disk ? STREAM_DISK : STREAM_WALL;
+  const uint32_t index = one && !disk ? q->bodies[0] - (uint32_t)m->n_disks : q->bodies[0];
+  unsigned ordinal = 0;
+  for (size_t i = 0; i < k; i++)
+    ordinal += m->motions[i].kind == SD_MOTION_RANDOM &&
+               m->motions[i].stream == stream_number(thing, index, ordinal, q->coordinate);
+  if (index >= STREAM_INDICES || ordinal >= STREAM_ORDINALS)
+    sd_fail(mistakes(m), SD_ERROR_USER, "motion \"%s\": expected at most %d random motions of one coordinate",
+            q->name ? q->name : "?", STREAM_ORDINALS);
+  else
+    q->stream = stream_number(thing, index, ordinal, q->coordinate);
+}
+
+void model_complete(sd_model *m) {
+  const sd_phase endless = {.name = "run", .measure = m->n_rotations || m->n_slides || m->measure_disks};
+  if (m->n_phases == 0) sd_model_add_phase(m, &endless);
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (!m->phases[k].active) activate(m, &m->phases[k].active, 0, m->n_motions, true);
+  for (size_t k = 0; k < m->n_motions; k++) {
+    sd_motion *q = &m->motions[k];
+    for (size_t b = 0; b < q->n_bodies; b++) q->bodies[b] = body_number(m, q->bodies[b]);
+    for (int side = 0; side < 2; side++) q->beside[side] = body_number(m, q->beside[side]);
+    give_stream(m, k);
+  }
+  for (size_t k = 0; k < m->n_slides; k++)
+    for (int side = 0; side < 2; side++)
+      m->slides[k].partner[side] = body_number(m, m->slides[k].partner[side]);
+}
+
+sd_status model_tell_mistakes(sd_model *m, sd_messages *messages) {
+  if (!m->mistakes) return SD_OK;
+  const sd_status status = sd_messages_status(m->mistakes);
+  for (size_t k = 0; status != SD_OK && k < sd_messages_count(m->mistakes); k++)
+    sd_fail(messages, status, "%s", sd_messages_text(m->mistakes, k));
   return status;
 }
 
-sd_status model_finish_again(sd_model *m, sd_messages *msg) {
-  return sd_model_finish(m, NULL) == SD_OK ? SD_OK : sd_model_finish(m, msg);
+void model_copy_mistakes(sd_model *to, const sd_model *from) {
+  for (size_t k = 0; from->mistakes && k < sd_messages_count(from->mistakes); k++)
+    sd_fail(mistakes(to), sd_messages_status(from->mistakes), "%s", sd_messages_text(from->mistakes, k));
 }

@@ -218,7 +218,7 @@ struct sd_model {
   /* A run over ranks uses these (rows.h). */
   const struct comm *comm; /* of the ranks that read the deck now; NULL: one alone */
   sd_rows *mine;           /* that this rank alone has, until its run begins; NULL: none */
-  bool parted;             /* by model_part; then: */
+  bool parted;             /* by rows_part; then: */
   size_t n_known;          /* disks whose rows are here, ascending */
   uint32_t *known;
   sd_step_limit limit;  /* of the time step, */
@@ -248,7 +248,5 @@ const char *model_motion_name(const sd_model *model, size_t number, char *text, 
 void model_complete(sd_model *model);
 sd_status model_tell_mistakes(sd_model *model, sd_messages *messages);
 void model_copy_mistakes(sd_model *to, const sd_model *from);
-/* sd_model_finish of a model whose warnings were told before: errors alone. */
-sd_status model_finish_again(sd_model *model, sd_messages *messages);
 
 #endif

@@ -11,10 +11,8 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "model/arc.h"
-#include "model/bodies.h"
 #include "model/clumps.h"
-#include "model/wall_images.h"
+#include "model/walls.h"
 
 #define NONE UINT32_MAX
 

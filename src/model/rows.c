@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "model/advice.h"
 
 /* --- all ranks together ----------------------------------------------------------------------- */
 
@@ -166,11 +165,8 @@ static bool drop_ordinary(sd_model *m) {
   return true;
 }
 
-sd_status model_part(sd_model *m, size_t few) {
+bool rows_part(sd_model *m, size_t few) {
   assert(m->finished && !m->parted);
-  m->limit = sd_model_step_limit(m);
-  m->advised = sd_messages_new();
-  sd_model_advise(m, m->advised);
   const bool is_few = m->n_free < few;
-  return take_own(m, is_few) && take_memories(m, is_few) && drop_ordinary(m) ? SD_OK : SD_ERROR_IO;
+  return take_own(m, is_few) && take_memories(m, is_few) && drop_ordinary(m);
 }

@@ -6,7 +6,7 @@
  * found. In one process, and without a communicator, these are all disks.
  *
  * Before its run begins a rank keeps the rows that all must know, and its own part of the others
- * (model_part).
+ * (model_part in finish.h).
  */
 #ifndef SLIPDISK_MODEL_ROWS_H
 #define SLIPDISK_MODEL_ROWS_H
@@ -64,11 +64,10 @@ sd_disk model_tile_disk(const sd_tiles *tiles, double radius, const double posit
  * know it. */
 bool rows_special(const sd_disk *disk);
 
-/* Collective, of a finished model: leaves the rows that all ranks know in model->disks, those of
- * the others being zeros that nothing is written to, and a part of the free disks in model->mine;
- * of fewer than `few` the first rank has all. Keeps what is asked of all disks later: warnings, the
- * limit of the time step. SD_ERROR_IO: no memory. */
-sd_status model_part(sd_model *m, size_t few);
+/* Collective, of a finished model: leaves the rows that all ranks know in model->disks, those of the
+ * others being zeros that nothing is written to, and a part of the free disks in model->mine; of
+ * fewer than `few` the first rank has all. False: no memory. */
+bool rows_part(sd_model *m, size_t few);
 
 /* Rows that are here: all in one process. */
 static inline size_t model_known(const sd_model *m) { return m->parted ? m->n_known : m->n_disks; }

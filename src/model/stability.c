@@ -14,11 +14,10 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "base/shortage.h"
-#include "model/bodies.h"
 #include "model/clumps.h"
 #include "model/field_kinds.h"
 #include "model/laws.h"
+#include "model/motions.h"
 #include "model/normal_laws.h"
 #include "model/rows.h"
 

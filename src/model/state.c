@@ -5,13 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "slipdisk/deck.h"
-#include "base/arena.h"
 #include "base/memory.h"
 #include "model/cell.h"
-#include "model/bodies.h"
 #include "model/law_features.h"
 #include "model/visits.h"
+#include "model/walls.h"
+#include "slipdisk/deck.h"
 
 #define COLUMN(name, type, extent, unit, meaning)                                                            \
   { #name, type, extent, offsetof(sd_state, name), unit, meaning }

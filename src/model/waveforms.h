@@ -13,7 +13,7 @@
 
 #include "model/model.h"
 
-/* Rows of motion_kinds.h. Rotated: sine and cosine go from step to step by a rotation. Phased: a function of the phase. */
+/* Rows of motions.h. Rotated: sine and cosine go from step to step by a rotation. Phased: a function of the phase. */
 #define ROTATED_WAVES(ROW)                                                                                   \
   ROW(SD_MOTION_HARMONIC, harmonic, SIGNAL_WAVE, harmonic_amplitude, NULL,                                   \
       "amplitude/acceleration* frequency/omega* phase ramp", "u = A sin(w t + phi) (eq. 20)")

@@ -8,10 +8,10 @@
 #include "model/cell.h"
 #include "model/laws.h"
 #include "pack/rain.h"
-#include "physics/system/bodies.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
 #include "physics/step/rescale.h"
+#include "physics/system/bodies.h"
 #include "physics/system/halo.h"
 
 /* Part of the missing pressure that one change would bring if all disks followed it. */

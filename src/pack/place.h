@@ -1,4 +1,4 @@
-/* place.h: where disks can be placed; random placement.
+/* place.h: where disks can be placed, at random or on a lattice.
  *
  * A space is a rectangle in which new disks shall lie, with all that is there already: the disks of the model that
  * do not wait, its walls, the images of both in a periodic box. Disks are listed in every cell of a grid that
@@ -71,5 +71,19 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
 /* Where n disks wait: rows from `lower` to `upper` in x, upwards from y, `spacing` or more apart. */
 void place_waiting(double lower, double upper, double y, double spacing, size_t first, size_t n,
                    double (*position)[2]);
+
+/* Disks on a triangular or a square lattice, with jitter.
+ *
+ * Every site has a circle of diameter `spacing` for itself: it lies inside the space and clear of what is there,
+ * and a disk that is displaced stays in it. Rows go up from the lower edge, in the middle of the region. In a
+ * periodic direction the spacing is stretched so that a whole number (of triangular rows: an even one) fits.
+ */
+
+/* The lowest free sites, `most` of them if there are as many; returns how many. kind: SD_PACKING_TRIANGULAR, SD_PACKING_SQUARE. */
+size_t lattice_sites(const place_space *s, sd_packing_kind kind, double spacing, size_t most,
+                     double (*site)[2]);
+/* Moves each to a point drawn evenly from the disk of radius jitter (spacing/2 - radius[k]) about it; jitter <= 1. */
+void lattice_jitter(const place_space *s, gsl_rng *rng, double spacing, double jitter, size_t n,
+                    const double *radius, double (*site)[2]);
 
 #endif

@@ -12,13 +12,13 @@
 #include "base/comm.h"
 #include "base/memory.h"
 #include "model/clumps.h"
-#include "physics/system/bodies.h"
-#include "physics/system/clumps.h"
-#include "physics/system/body_forces.h"
 #include "physics/contact/energy.h"
+#include "physics/contact/walls.h"
 #include "physics/step/access.h"
 #include "physics/step/engine.h"
-#include "physics/contact/walls.h"
+#include "physics/system/bodies.h"
+#include "physics/system/clumps.h"
+#include "physics/system/fields.h"
 
 /* Part of a row's width that disks take, at most; between two rows this part of the higher one's radius is left. */
 static const double ROW_FILL = 0.9, ROW_GAP = 0.1;

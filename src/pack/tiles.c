@@ -4,10 +4,10 @@
 #include <stdlib.h>
 
 #include "base/limits.h"
-#include "model/rows.h"
 #include "base/memory.h"
+#include "model/rows.h"
 #include "pack/front.h"
-#include "pack/lattice.h"
+#include "pack/place.h"
 
 sd_status tiles_place(place_space *s, gsl_rng *rng, const tiles_fill *how, size_t n, double *radius,
                       double (*position)[2], size_t *placed) {

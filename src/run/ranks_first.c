@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "io/deck/deck.h"
 #include "io/results/provenance.h"
+#include "model/finish.h"
 #include "model/rows.h"
 #include "physics/neighbours/order.h"
 #include "physics/step/engine.h"

@@ -6,19 +6,18 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "slipdisk/deck.h"
 #include "base/clock.h"
 #include "base/comm.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "base/shortage.h"
-#include "io/store/file.h"
 #include "io/results/merge.h"
+#include "io/store/file.h"
 #include "model/rows.h"
 #include "run/deck_diff.h"
 #include "run/ranks_failure.h"
 #include "run/session_private.h"
 #include "run/simulation_private.h"
+#include "slipdisk/deck.h"
 
 /* run_id of a finished result, to be freed; NULL when there is no readable one. */
 static char *finished_id(const char *result) {

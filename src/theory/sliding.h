@@ -1,4 +1,5 @@
-/* theory/sliding.h: the map of sliding.c and the events of wave.c, in units of the phase u = w_b t. */
+/* sliding.h: the map of a sliding disk, and the velocities of its supports, in units of the phase
+ * u = w_b t. */
 #ifndef SLIPDISK_THEORY_SLIDING_H
 #define SLIPDISK_THEORY_SLIDING_H
 

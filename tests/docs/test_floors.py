@@ -7,7 +7,7 @@
 - libconfig, HDF5, MPI and Zoltan are each seen by the files of one name only.
 - `work` is the engine's own: outside physics/ nothing reaches into it (physics/step/access.h is the door).
 - Nothing below app/ ends the process.
-- No source file and no test has 600 lines or more.
+- No source file and no test has 800 lines or more.
 """
 import os
 import pathlib
@@ -26,7 +26,7 @@ DOORS = {"io/deck": ["deck"], "io/store": ["file", "folder", "h5"],
 FLOORS = ["base", "model", "physics", "pack", "theory", "measure", "io", "run", "app"]
 ONLY = {"libconfig.h": "io/deck/", "hdf5.h": "io/store/h5", "hdf5_hl.h": "io/store/h5", "mpi.h": "base/comm",
         "zoltan.h": "base/comm_cuts"}
-LINES = 600
+LINES = 800
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
 ENDS = re.compile(r"\b(?:exit|_exit|_Exit|quick_exit|abort)\s*\(")
 

@@ -18,7 +18,6 @@
 
 #include "model/rows.h"
 #include "pack/front.h"
-#include "pack/lattice.h"
 #include "pack/place.h"
 #include "pack/sizes.h"
 #include "pack/tiles.h"

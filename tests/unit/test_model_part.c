@@ -9,9 +9,10 @@
 
 #include <cmocka.h>
 
-#include "base/comm_threads.h"
+#include "base/comm.h"
 #include "io/deck/deck.h"
 #include "model/image.h"
+#include "model/finish.h"
 #include "model/rows.h"
 #include "slipdisk/deck.h"
 

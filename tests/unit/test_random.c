@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
-#include "physics/motion/random.h"
+#include "physics/motion/oscillators.h"
 #include "slipdisk/theory.h"
 
 /* --- one step ---------------------------------------------------------------------------------------- */

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "base/comm_threads.h"
+#include "base/comm.h"
 #include "deck_runs.h"
 #include "physics/neighbours/order.h"
 #include "physics/system/halo.h"

@@ -9,12 +9,11 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "base/clock.h"
-#include "base/memory.h"
 #include "app/app.h"
 #include "app/check/check.h"
-#include "base/shortage.h"
 #include "app/sweep/sweep.h"
+#include "base/clock.h"
+#include "base/memory.h"
 #include "io/deck/deck.h"
 #include "model/normal_laws.h"
 #include "run/ensemble.h"

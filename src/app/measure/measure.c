@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "app/app.h"
-#include "base/guess.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "io/results/checkpoint.h"
 #include "io/results/frames.h"
 

@@ -5,9 +5,9 @@
  */
 #include <math.h>
 
-#include "slipdisk/deck.h"
 #include "app/theory/theory.h"
-#include "model/motion_kinds.h"
+#include "model/motions.h"
+#include "slipdisk/deck.h"
 
 static const char *const coordinate_names[SD_MOVED] = {"x", "y", "theta", "surface"};
 

@@ -14,7 +14,7 @@
 #include "io/deck/deck.h"
 #include "io/store/file.h"
 #include "model/advice.h"
-#include "model/bodies.h"
+#include "model/motions.h"
 #include "model/rows.h"
 #include "slipdisk/deck.h"
 

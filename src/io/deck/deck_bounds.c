@@ -11,7 +11,7 @@
 
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
-#include "model/motion_kinds.h"
+#include "model/motions.h"
 
 enum { FAR = 10, MOST_ALIKE = 8 };
 /* A random motion rarely goes beyond so many times its rms value. */

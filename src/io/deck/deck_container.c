@@ -8,7 +8,7 @@
 
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
-#include "model/bodies.h"
+#include "model/walls.h"
 
 static const char floor_group[] = "floor";
 

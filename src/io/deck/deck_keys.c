@@ -7,7 +7,7 @@
 #include "io/deck/deck_values.h"
 #include "model/field_kinds.h"
 #include "model/laws.h"
-#include "model/motion_kinds.h"
+#include "model/motions.h"
 
 static const deck_key material_keys[] = {
     {"name", TEXT, "required", NULL, "name by which disks and walls refer to it"},

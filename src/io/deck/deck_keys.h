@@ -1,6 +1,6 @@
 /* deck_keys.h: all groups that a deck may have, with their keys.
  *
- * Unknown keys, ranges, defaults, the echo and docs/deck.md follow the rows (model/key.h); a test compares
+ * Unknown keys, ranges, defaults, the echo and docs/deck.md follow the rows (model/keys.h); a test compares
  * docs/deck.md with them in both directions. Groups that set members of the model stand in model/keys.h; here are
  * those of bodies, motions and sweeps.
  */

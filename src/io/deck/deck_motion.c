@@ -11,8 +11,7 @@
 
 #include "base/memory.h"
 #include "io/deck/deck_rows.h"
-#include "model/motion_kinds.h"
-#include "model/streams.h"
+#include "model/motions.h"
 
 /* Tables of motions up to so many rows are echoed in place of their file. */
 enum { MOST_ECHOED = 1000 };

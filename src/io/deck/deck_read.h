@@ -7,7 +7,7 @@
 #ifndef SLIPDISK_IO_DECK_READ_H
 #define SLIPDISK_IO_DECK_READ_H
 
-#include "base/guess.h"
+#include "base/text.h"
 #include "io/deck/deck_tree.h"
 #include "io/deck/deck_keys.h"
 #include "io/deck/deck_values.h"

@@ -19,7 +19,7 @@
 #include "io/store/file.h"
 #include "model/cell.h"
 #include "model/law_features.h"
-#include "model/wall_images.h"
+#include "model/walls.h"
 
 /* Those of a deck and of its container. */
 enum { MOST_WALLS = LIMIT_ENTRIES + 16 };

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "base/shortage.h"
 #include "base/team.h"
 #include "base/text.h"
 #include "io/results/checkpoint.h"

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "base/shortage.h"
 #include "base/team.h"
 #include "io/store/members.h"
 

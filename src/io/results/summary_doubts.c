@@ -8,8 +8,8 @@
 #include "base/text.h"
 #include "io/results/summary.h"
 #include "model/advice.h"
+#include "model/motions.h"
 #include "model/overlaps.h"
-#include "model/strides.h"
 
 const struct doubt_row doubt_kinds[DOUBT_KINDS] = {
     [DOUBT_RESIDUAL] = {"residual", "residual of the energy budget over its scale",

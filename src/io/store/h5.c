@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "base/memory.h"
-#include "base/shortage.h"
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/h5_private.h"

@@ -16,7 +16,6 @@
 
 #include "base/limits.h"
 #include "base/memory.h"
-#include "base/shortage.h"
 #include "io/store/h5_private.h"
 
 /* Exit statuses of the child. */

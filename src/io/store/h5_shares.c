@@ -6,7 +6,6 @@
 
 #include "base/memory.h"
 #include "base/runs.h"
-#include "base/shortage.h"
 #include "base/text.h"
 #include "io/store/h5_private.h"
 

@@ -2,7 +2,7 @@
 #include "physics/system/halo.h"
 #include "physics/contact/evaluate.h"
 
-#include "physics/contact/joints.h"
+#include "physics/contact/walls.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
 #include "physics/system/bodies.h"

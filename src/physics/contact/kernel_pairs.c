@@ -5,7 +5,7 @@
 #include <stddef.h>
 
 #include "physics/system/halo.h"
-#include "physics/contact/joints.h"
+#include "physics/contact/walls.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
 #include "physics/system/box.h"

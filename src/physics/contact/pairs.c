@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "base/arena.h"
 #include "base/memory.h"
 #include "physics/system/list.h"
 

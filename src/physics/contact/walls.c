@@ -4,6 +4,10 @@
 #include <assert.h>
 #include <math.h>
 
+#include "model/law_features.h"
+#include "physics/contact/pairs.h"
+#include "physics/system/bodies.h"
+
 /* Of a wall, from which all its pieces are placed, which follow one another. */
 typedef struct wall_pose {
   uint32_t body;
@@ -116,4 +120,177 @@ void walls_pose(engine *e) {
 void walls_pose_listed(engine *e) {
   wall_pose wall = {.known = false};
   for (size_t k = 0; k < e->work.n_pieces; k++) pose_piece(e, e->work.pieces[k], &wall);
+}
+
+/* --- pieces that meet ------------------------------------------------------------------------------------- */
+
+static const sd_segment *piece_of(const engine *e, size_t k) {
+  return &e->model->segments[e->work.pairs.part[k]];
+}
+
+static const placed_segment *placed(const engine *e, size_t k) {
+  return &e->work.segments[e->work.pairs.part[k]];
+}
+
+static nearest_point nearest_on(const engine *e, size_t k) {
+  const int32_t a = e->work.pairs.a[k];
+  const double x = e->state->x[a], y = e->state->y[a];
+  placed_segment image;
+  return walls_nearest(walls_image(e->work.length, placed(e, k), x, y, &image), x, y);
+}
+
+/* The end of a piece at a vertex, -1: none. */
+static int end_at(const sd_segment *s, uint32_t vertex) {
+  return s->vertex[0] == vertex ? 0 : s->vertex[1] == vertex ? 1 : -1;
+}
+
+/* Pairs of the disk of pair k with pieces of walls: [begin, end). */
+static void pairs_beside(const pairs *p, size_t k, size_t *begin, size_t *end) {
+  *begin = k;
+  *end = k + 1;
+  while (*begin > p->first_segment && p->a[*begin - 1] == p->a[k]) --*begin;
+  while (*end < p->count && p->a[*end] == p->a[k]) ++*end;
+}
+
+/* Two ends of pieces at one vertex. */
+typedef struct joint {
+  const placed_segment *from, *to;
+  int from_end, to_end; /* 0: start */
+} joint;
+
+static void vertex_point(const placed_segment *g, int end, double at[2]) {
+  if (g->piece == SD_PIECE_STRAIGHT) {
+    at[0] = g->x + (end ? g->length * g->tx : 0.0);
+    at[1] = g->y + (end ? g->length * g->ty : 0.0);
+    return;
+  }
+  at[0] = g->x + g->radius * (end ? g->lx : g->fx);
+  at[1] = g->y + g->radius * (end ? g->ly : g->fy);
+}
+
+/* The joint of the pieces of two pairs of a disk, of two joints the nearer one; false: they do not meet. */
+static bool joint_of(const engine *e, size_t from, size_t to, joint *found) {
+  const sd_segment *p = piece_of(e, from), *q = piece_of(e, to);
+  const double x = e->state->x[e->work.pairs.a[from]], y = e->state->y[e->work.pairs.a[from]];
+  double nearest = HUGE_VAL, at[2];
+  for (int end = 0; end < 2; end++) {
+    const int other = p->vertex[end] ? end_at(q, p->vertex[end]) : -1;
+    if (other < 0) continue;
+    const joint here = {placed(e, from), placed(e, to), end, other};
+    placed_segment image;
+    vertex_point(walls_image(e->work.length, here.from, x, y, &image), end, at);
+    const double distance = hypot(at[0] - x, at[1] - y);
+    if (distance < nearest) *found = here;
+    nearest = fmin(nearest, distance);
+  }
+  return nearest < HUGE_VAL;
+}
+
+/* --- the nearest point -------------------------------------------------------------------------------------- */
+
+/* The end of its piece in which a point lies. */
+static int end_of(const placed_segment *g, const nearest_point *q) {
+  if (g->piece != SD_PIECE_STRAIGHT) return g->piece == SD_PIECE_LAST_END;
+  return q->arc - g->arc > 0.5 * g->length;
+}
+
+/* A point between the ends of a piece is also one of a piece listed before: the two run on in one line there. */
+static bool is_of_earlier(const engine *e, size_t k, const nearest_point *q) {
+  enum { SAME = 1000000000 }; /* of a radius */
+  const pairs *p = &e->work.pairs;
+  const double near = e->state->radius[p->a[k]] / SAME;
+  size_t begin, end;
+  joint unused;
+  pairs_beside(p, k, &begin, &end);
+  for (size_t j = begin; j < k; j++) {
+    if (!joint_of(e, j, k, &unused)) continue;
+    const nearest_point other = nearest_on(e, j);
+    if (other.flat && fabs(other.dx - q->dx) <= near && fabs(other.dy - q->dy) <= near) return true;
+  }
+  return false;
+}
+
+/* Of the walls that end at the vertex in which the point lies, the first one owns it, where the disk is beyond all of their ends. */
+static bool owns_vertex(const engine *e, size_t k, const nearest_point *q) {
+  const pairs *p = &e->work.pairs;
+  const sd_segment *own = piece_of(e, k);
+  const int end_here = end_of(placed(e, k), q);
+  size_t begin, end;
+  if (!own->meets[end_here]) return true;
+  pairs_beside(p, k, &begin, &end);
+  for (size_t j = begin; j < end; j++) {
+    const sd_segment *piece = piece_of(e, j);
+    const placed_segment *g = placed(e, j);
+    const int there = end_at(piece, own->vertex[end_here]);
+    if (j == k || there < 0) continue;
+    const nearest_point other = nearest_on(e, j);
+    if (other.flat) return false;
+    if (g->piece == SD_PIECE_CURVE) continue; /* its end is a piece of its own */
+    if (g->piece != SD_PIECE_STRAIGHT ? !other.active : end_of(g, &other) != there) return false;
+    if (j < k) return false;
+  }
+  return true;
+}
+
+bool joints_own(const engine *e, size_t k, const nearest_point *q) {
+  return q->flat ? !is_of_earlier(e, k, q) : owns_vertex(e, k, q);
+}
+
+/* --- history ------------------------------------------------------------------------------------------------ */
+
+double joints_radius(const engine *e, size_t k) {
+  const pairs *p = &e->work.pairs;
+  return pairs_is_segment(p, k) ? walls_radius(placed(e, k), p->side[k]) : e->state->radius[p->b[k]];
+}
+
+/* Would a closed contact stay closed? As contact_touches has it. */
+static bool holds(const engine *e, size_t k) {
+  const pairs *p = &e->work.pairs;
+  const nearest_point q = nearest_on(e, k);
+  const double r = sqrt(fmax(q.dx * q.dx + q.dy * q.dy, 1e-280));
+  return joints_active(e, k, placed(e, k), &q) &&
+         e->state->radius[p->a[k]] - r > -e->work.laws[PAIR(p, k, law)].ends;
+}
+
+/* The arc length runs on through a joint, and with it lambda; its sign changes with the way of the wall. The rolling displacement
+ * stays what it is where R_eff changes. */
+static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
+  const sd_state *s = e->state;
+  pairs *p = &e->work.pairs;
+  const size_t a = (size_t)p->a[from], b = (size_t)p->b[from], c = (size_t)p->b[to];
+  assert(pairs_closed(p, from) && !pairs_closed(p, to) && fabs(p->side[from]) == 1.0);
+  assert(j->from && j->to);
+  sd_contact_record record = pairs_record(p, from);
+  const double arm = walls_arm(s->radius[a], joints_radius(e, from));
+  /* an end of an arc goes on in the arc's own way */
+  const bool ahead = j->from_end != j->to_end || (b == c && j->from->piece != j->to->piece);
+  const double side = ahead ? p->side[from] : -p->side[from];
+  record.lambda_ref +=
+      side * walls_arc_at(j->to, j->to_end) - p->side[from] * walls_arc_at(j->from, j->from_end);
+  record.lambda_ref -= body_surface(s, c) - body_surface(s, b);
+  p->side[to] = side;
+  if (e->work.features & LAW_ROLLING)
+    record.rho_ref += walls_arm(s->radius[a], joints_radius(e, to)) * (s->theta[a] - s->theta[c]) -
+                      arm * (s->theta[a] - s->theta[b]);
+  pairs_set_record(p, to, &record);
+  pairs_set_flags(p, to, true, pairs_slide_sign(p, from));
+  pairs_set_record(p, from, &(sd_contact_record){0});
+  pairs_set_flags(p, from, false, 0);
+  p->side[from] = 0.0;
+}
+
+bool joints_hand_over(engine *e, size_t k, bool closed) {
+  const pairs *p = &e->work.pairs;
+  size_t begin, end;
+  joint found = {0};
+  if (!placed(e, k)->shared || pairs_closed(p, k) != closed) return false; /* it has been handed over */
+  pairs_beside(p, k, &begin, &end);
+  for (size_t j = begin; j < end; j++) {
+    if (j == k || pairs_closed(p, j) == closed || PAIR(p, j, law) != PAIR(p, k, law)) continue;
+    const size_t from = closed ? k : j, to = closed ? j : k;
+    if (!joint_of(e, from, to, &found) || holds(e, j) != closed) continue;
+    move_contact(e, from, to, &found);
+    return true;
+  }
+  return false;
 }

@@ -1,4 +1,5 @@
-/* walls.h: pieces of walls in space, and the point of a piece that is nearest to a disk. */
+/* walls.h: pieces of walls in space, the point of a piece that is nearest to a disk, and joints, where
+ * pieces meet. */
 #ifndef PHYSICS_WALLS_H
 #define PHYSICS_WALLS_H
 
@@ -109,7 +110,7 @@ static inline void walls_periods(const double length[2], const placed_segment *g
   n[1] = g->image[1] ? nearbyint((y - (g->y + g->middle_y)) / length[1]) : 0.0;
 }
 
-/* The nearest image of a piece: that whose middle is nearest to (x, y), since pieces are short (wall_images.h). Returns g itself
+/* The nearest image of a piece: that whose middle is nearest to (x, y), since pieces are short (model/walls.h). Returns g itself
  * where it has no images, else `image`. */
 static inline const placed_segment *walls_image(const double length[2], const placed_segment *g, double x,
                                                 double y, placed_segment *image) {
@@ -131,5 +132,25 @@ placed_segment walls_place(const sd_segment *from, double x, double y, double c,
 void walls_pose(engine *e);
 /* The same for those in the list of pairs: the others may be left where they were, until walls_pose. */
 void walls_pose_listed(engine *e);
+
+/* Pieces of walls that meet: of which of them a disk touches the joint, and a contact that goes from one to the next. */
+
+/* Of several pieces that meet in point q of pair k's piece, is it this one that the disk touches there? */
+bool joints_own(const engine *e, size_t pair, const nearest_point *q);
+/* The same for any point of piece g, that of pair k: joints are near its ends only. */
+static inline bool joints_active(const engine *e, size_t pair, const placed_segment *g,
+                                 const nearest_point *q) {
+  if (!g->shared || !q->active) return q->active;
+  const double on = q->arc - g->arc, near = 1e-6 * e->state->radius[e->work.pairs.a[pair]];
+  const bool straight = q->flat && g->piece == SD_PIECE_STRAIGHT;
+  if (straight ? on >= near && on <= g->length - near : !g->meets) return true;
+  return joints_own(e, pair, q);
+}
+/* Pair k is about to open or begin, `closed` says which. If its disk goes from one piece to the next here, the contact goes along with all that
+ * it remembers: nothing opens, and nothing begins. */
+bool joints_hand_over(engine *e, size_t pair, bool closed);
+/* R_b of a round wall and of an arc (negative inside), 0 of straight pieces and ends. k: a closed contact with a piece, or a
+ * round pair. */
+double joints_radius(const engine *e, size_t pair);
 
 #endif

@@ -13,8 +13,8 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "model/motions.h"
 #include "physics/contact/pairs.h"
-#include "model/motion_kinds.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/system/bodies.h"
 

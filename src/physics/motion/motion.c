@@ -6,9 +6,9 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "model/strides.h"
-#include "physics/motion/feedback.h"
+#include "model/motions.h"
 #include "physics/contact/pairs.h"
+#include "physics/motion/feedback.h"
 #include "physics/motion/prescribed.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/system/bodies.h"

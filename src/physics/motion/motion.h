@@ -6,7 +6,7 @@
 #ifndef PHYSICS_MOTION_H
 #define PHYSICS_MOTION_H
 
-#include "model/motion_kinds.h"
+#include "model/motions.h"
 #include "physics/system/work.h"
 
 enum { MOTION_BATCH = 64 };

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "model/motion_kinds.h"
+#include "model/motions.h"
 
 /* --- random draws ------------------------------------------------------------------------------------ */
 

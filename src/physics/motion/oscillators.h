@@ -1,4 +1,4 @@
-/* oscillators.h: randomly forced oscillators (eq. 52; random.h), side by side in lanes: several random motions of one
+/* oscillators.h: randomly forced oscillators (eq. 52), side by side in lanes: several random motions of one
  * system, or one motion of several systems.
  *
  * Draws are numbered from the motion's start: number 0 is the stationary start, number k > 0 comes from half k & 1 of
@@ -10,9 +10,23 @@
 #ifndef PHYSICS_OSCILLATORS_H
 #define PHYSICS_OSCILLATORS_H
 
-#include "physics/motion/motion_kernels.h"
-#include "physics/motion/random.h"
 #include "model/state.h"
+#include "physics/motion/motion_kernels.h"
+
+/* The exact discrete step of the randomly forced oscillator (eq. 52).
+ *
+ * u'' + 2 c w u' + w^2 u = xi, <xi xi'> = 4 c w^3 rms^2 delta(t - t'). Over a time h the pair (u, u') goes to
+ * propagator * (u, u') + cholesky * (g1, g2) with independent standard normal g1, g2.
+ */
+typedef struct random_step {
+  double propagator[2][2];
+  double cholesky[3]; /* lower triangle: uu, vu, vv */
+} random_step;
+
+/* omega > 0, damping ratio c > 0 (under-, critically or over-damped), rms >= 0, h > 0. The
+ * covariance is a Gauss-Legendre quadrature of positive terms: no digits are lost when w h is
+ * small (physics.md 7). */
+random_step random_step_new(double omega, double damping, double rms, double h);
 
 /* n zeroed groups whose rows begin where vectors do; goes with free. */
 oscillators *oscillators_new(size_t n);

@@ -1,4 +1,4 @@
-/* signals.h: signals u(t) of the motions of one system, computed a batch of steps ahead (kinds: model/motion_kinds.h). */
+/* signals.h: signals u(t) of the motions of one system, computed a batch of steps ahead (kinds: model/motions.h). */
 #ifndef PHYSICS_SIGNALS_H
 #define PHYSICS_SIGNALS_H
 
@@ -6,7 +6,7 @@
 
 #include "physics/motion/motion.h"
 #include "physics/motion/motion_kernels.h"
-#include "physics/motion/random.h"
+#include "physics/motion/oscillators.h"
 
 /* Constants of one signal, and its values over the batch. */
 typedef struct signal {

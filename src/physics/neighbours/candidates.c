@@ -1,5 +1,5 @@
 /* candidates.c: see candidates.h. */
-#include "physics/neighbours/candidates.h"
+#include "physics/neighbours/neighbours.h"
 
 #include <assert.h>
 #include <math.h>
@@ -7,11 +7,11 @@
 
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
-#include "physics/neighbours/numbers.h"
 #include "physics/system/bodies.h"
 #include "physics/system/box.h"
 #include "physics/system/clumps.h"
 #include "physics/system/halo.h"
+#include "physics/system/list.h"
 
 /* --- near enough ------------------------------------------------------------------------------------- */
 

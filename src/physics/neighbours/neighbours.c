@@ -1,21 +1,19 @@
 /* neighbours.c: candidate pairs; see neighbours.h. */
 #include "model/advice.h"
-#include "physics/system/bodies.h"
 #include "physics/neighbours/neighbours.h"
+#include "physics/system/bodies.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
-#include "physics/system/box.h"
-#include "physics/system/kernels.h"
-#include "physics/contact/losses.h"
+#include "physics/contact/energy.h"
 #include "physics/contact/pairs.h"
-#include "physics/neighbours/candidates.h"
+#include "physics/contact/walls.h"
 #include "physics/neighbours/grid.h"
 #include "physics/neighbours/rows.h"
 #include "physics/neighbours/validity.h"
-#include "physics/contact/walls.h"
+#include "physics/system/kernels.h"
 
 void neighbours_free(engine *e) {
   pairs_free(&e->work.pairs);

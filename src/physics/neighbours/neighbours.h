@@ -1,4 +1,4 @@
-/* neighbours.h: cell grid and Verlet list of candidate pairs.
+/* neighbours.h: cell grid, search for pairs, and Verlet list of candidate pairs.
  *
  * The list holds every pair nearer than the skin, and every closed contact; it is rebuilt when a body has
  * moved almost half the skin.
@@ -8,6 +8,7 @@
 #ifndef PHYSICS_NEIGHBOURS_H
 #define PHYSICS_NEIGHBOURS_H
 
+#include "physics/neighbours/grid.h"
 #include "physics/system/work.h"
 
 /* Rebuilds grid, pairs, incidence and watched contacts from the present positions. Errors: a position that
@@ -39,5 +40,10 @@ static inline bool neighbours_moved(const engine *e, uint32_t slot) {
   double swing = (s->theta[slot] + s->turn[slot] - w->theta0[slot]) * w->reach[slot - s->n_disks];
   return !(4.0 * d2 <= w->moved_limit2 && 4.0 * swing * swing <= w->moved_limit2);
 }
+
+/* --- the search for pairs that are near, by all threads --------------------------------------- */
+
+/* Fills `to`, whose round pairs are complete then, with whole blocks. SD_ERROR_IO without memory. */
+sd_status candidates_find(const engine *e, const grid *g, pairs *to);
 
 #endif

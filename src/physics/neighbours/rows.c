@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/arena.h"
+#include "base/memory.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
-#include "physics/neighbours/numbers.h"
 #include "physics/system/halo.h"
+#include "physics/system/list.h"
 
 /* --- contacts of each body --------------------------------------------------------------------------- */
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "model/bodies.h"
+#include "model/walls.h"
 #include "model/law_features.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"

@@ -3,9 +3,9 @@
 
 #include <string.h>
 
-#include "model/bodies.h"
 #include "model/law_features.h"
-#include "model/strides.h"
+#include "model/motions.h"
+#include "model/walls.h"
 
 /* --- which systems ------------------------------------------------------------------------------------ */
 

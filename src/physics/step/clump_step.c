@@ -4,7 +4,7 @@
 #include "model/field_kinds.h"
 #include "physics/contact/pairs.h"
 #include "physics/motion/motion.h"
-#include "physics/system/body_forces.h"
+#include "physics/system/fields.h"
 
 #define LANE_WIDTH 1
 #include "base/lane.h"

@@ -1,8 +1,8 @@
 /* contacts.c: rare events, store and load; see contacts.h. */
-#include "physics/system/bodies.h"
 #include "physics/step/cell.h"
 #include "physics/step/clump_step.h"
 #include "physics/step/contacts.h"
+#include "physics/system/bodies.h"
 
 #include <assert.h>
 #include <math.h>
@@ -12,19 +12,15 @@
 #include "base/memory.h"
 #include "model/law_features.h"
 #include "model/normal_laws.h"
+#include "physics/contact/energy.h"
+#include "physics/contact/evaluate.h"
+#include "physics/contact/pairs.h"
+#include "physics/contact/walls.h"
+#include "physics/motion/motion.h"
 #include "physics/step/access.h"
-#include "physics/step/engine.h"
+#include "physics/step/speed.h"
 #include "physics/system/box.h"
 #include "physics/system/halo.h"
-#include "physics/system/kernels.h"
-#include "physics/contact/evaluate.h"
-#include "physics/contact/joints.h"
-#include "physics/contact/losses.h"
-#include "physics/motion/motion.h"
-#include "physics/neighbours/neighbours.h"
-#include "physics/contact/pairs.h"
-#include "physics/step/speed.h"
-#include "physics/contact/walls.h"
 
 /* --- rare events ------------------------------------------------------------------------------------- */
 

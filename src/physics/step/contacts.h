@@ -37,7 +37,7 @@ size_t contacts_count(const engine *e);
 /* Closed contacts from the live pairs into the state's columns, and back into empty pairs; what is stored and
  * no candidate is left out. */
 sd_status contacts_store(engine *e);
-/* The same for what only reads contacts: sums of losses of bodies (losses.h) stay as they were. */
+/* The same for what only reads contacts: sums of losses of bodies (energy.h) stay as they were. */
 sd_status contacts_store_rows(engine *e);
 void contacts_load(engine *e);
 /* Contacts that a file brings, before and after the evaluation of step 0. Contacts whose force is

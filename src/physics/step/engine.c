@@ -1,34 +1,32 @@
 /* engine.c: see engine.h. */
+#include "physics/step/engine.h"
 #include "physics/system/bodies.h"
 #include "physics/system/clumps.h"
-#include "physics/step/engine.h"
 
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/arena.h"
 #include "base/memory.h"
 #include "model/law_features.h"
 #include "model/normal_laws.h"
 #include "model/rows.h"
-#include "physics/step/access.h"
-#include "physics/step/cell.h"
-#include "physics/step/contacts.h"
 #include "physics/contact/energy.h"
-#include "physics/system/body_forces.h"
-#include "physics/system/halo.h"
-#include "physics/contact/losses.h"
-#include "physics/system/kernels.h"
+#include "physics/contact/pairs.h"
+#include "physics/contact/walls.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/neighbours/order.h"
-#include "physics/contact/pairs.h"
+#include "physics/step/access.h"
+#include "physics/step/cell.h"
+#include "physics/step/contacts.h"
 #include "physics/step/speed.h"
 #include "physics/step/step.h"
 #include "physics/step/sweep.h"
-#include "physics/contact/walls.h"
+#include "physics/system/fields.h"
+#include "physics/system/halo.h"
+#include "physics/system/kernels.h"
 
 /* --- state of step 0 --------------------------------------------------------------------------------- */
 

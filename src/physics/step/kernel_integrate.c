@@ -2,7 +2,7 @@
  */
 #include "model/field_kinds.h"
 #include "physics/system/bodies.h"
-#include "physics/system/body_forces.h"
+#include "physics/system/fields.h"
 #include "physics/system/kernel_path.h"
 #include "physics/system/kernels.h"
 #include "physics/contact/pairs.h"

@@ -24,8 +24,8 @@
 #include "physics/step/step.h"
 #include "physics/step/sweep.h"
 #include "physics/system/bodies.h"
-#include "physics/system/body_forces.h"
 #include "physics/system/clumps.h"
+#include "physics/system/fields.h"
 #include "physics/system/halo.h"
 
 static void scale_column(double *x, size_t n, double corner, double f) {

@@ -4,7 +4,7 @@
 #include <assert.h>
 #include <math.h>
 
-#include "model/strides.h"
+#include "model/motions.h"
 #include "physics/motion/motion.h"
 
 void speed_begin(engine *e) {

@@ -5,7 +5,7 @@
  * The correctors compare v^2 with speed_limit2 R^2 and set thread_work.fast; the first disk beyond the limit is noted in the
  * state, and nothing is compared from then on. Each disk is compared at the end of every step with the speed that it has then,
  * so that threads, neighbour lists, lanes and restarts make no difference. Prescribed bodies are compared where a motion may move them
- * far (model/strides.h).
+ * far (model/motions.h).
  */
 #ifndef PHYSICS_SPEED_H
 #define PHYSICS_SPEED_H

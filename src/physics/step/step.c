@@ -11,21 +11,18 @@
 
 #include <assert.h>
 
-#include "physics/step/cell.h"
-#include "physics/system/halo.h"
-#include "physics/step/clump_step.h"
-#include "physics/step/contacts.h"
-#include "physics/step/engine.h"
-#include "physics/system/body_forces.h"
-#include "physics/system/fields.h"
-#include "physics/system/kernels.h"
+#include "physics/contact/walls.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
-#include "physics/contact/pairs.h"
 #include "physics/neighbours/rows.h"
 #include "physics/neighbours/validity.h"
+#include "physics/step/cell.h"
+#include "physics/step/clump_step.h"
+#include "physics/step/contacts.h"
 #include "physics/step/sweep.h"
-#include "physics/contact/walls.h"
+#include "physics/system/fields.h"
+#include "physics/system/halo.h"
+#include "physics/system/kernels.h"
 
 static bool any_stale(const work *w) {
   bool stale = false;

@@ -1,7 +1,6 @@
 /* bodies.c: see bodies.h. */
 #include "physics/system/bodies.h"
 
-#include "physics/system/body_forces.h"
 #include "model/cell.h"
 #include "physics/system/clumps.h"
 #include "physics/system/fields.h"

@@ -24,7 +24,7 @@ typedef struct kernels {
   /* Free disks [begin, end), by sd_integrator; predict packs them, correct gathers first. */
   void (*predict[2])(engine *e, size_t begin, size_t end);
   void (*correct[2])(engine *e, thread_work *mine, size_t begin, size_t end);
-  /* The model's fields (body_forces.h) on free disks [begin, end), whose forces of contacts are in the state. */
+  /* The model's fields (fields.h) on free disks [begin, end), whose forces of contacts are in the state. */
   void (*fields)(engine *e, size_t begin, size_t end);
   /* n steps of small systems side by side (lanes.h), lane_width of them or one. */
   size_t lane_width;

@@ -237,7 +237,7 @@ typedef struct thread_work {
   event_list returns;      /* disks whose theta or position must return into range; correct kernels */
 } thread_work;
 
-typedef struct body_forces body_forces; /* body_forces.h */
+typedef struct body_forces body_forces; /* fields.h */
 typedef struct fields fields;           /* fields.h */
 typedef struct motions motions;         /* motion.h */
 typedef struct lanes lanes;             /* lanes.h */

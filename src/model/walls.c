@@ -1,11 +1,150 @@
-/* wall_images.c: see wall_images.h. */
-#include "model/wall_images.h"
+/* walls.c: see walls.h. */
+#include "model/walls.h"
 
+#include <assert.h>
 #include <math.h>
+#include <stdlib.h>
 
-#include "model/arc.h"
-#include "model/bodies.h"
+#include "base/memory.h"
 #include "model/cell.h"
+#include "model/joints.h"
+
+bool model_moves_surfaces(const sd_model *m) {
+  for (size_t k = 0; k < m->n_motions; k++)
+    if (m->motions[k].coordinate == SD_SURFACE) return true;
+  return false;
+}
+
+/* Of side k of a wall the pieces into which it is cut; *arc: the length of the wall so far. Returns how many there are. */
+static size_t derive_side(const sd_model *m, const sd_wall *w, size_t k, uint32_t body, sd_segment *first,
+                          double *arc) {
+  const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
+  const double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
+  const bool line = w->kind == SD_WALL_LINE;
+  const size_t n = wall_cuts(m, w, k);
+  for (size_t j = 0; j < n; j++) {
+    const double part = (double)j / (double)n;
+    first[j] = (sd_segment){.body = body,
+                            .start = {p[0] + part * dx - w->pivot[0], p[1] + part * dy - w->pivot[1]},
+                            .tangent = {dx / length, dy / length},
+                            .length = line ? HUGE_VAL : length / (double)n,
+                            .arc = *arc,
+                            .next = -1};
+    *arc += length / (double)n;
+  }
+  return n;
+}
+
+static void derive_wall(const sd_model *m, size_t wall, uint32_t body, sd_segment *first, size_t number) {
+  const sd_wall *w = &m->walls[wall];
+  size_t n = 0;
+  double arc = 0.0;
+  int cells[2];
+  for (size_t k = 0; k < wall_segments(w); k++) n += derive_side(m, w, k, body, first + n, &arc);
+  const bool repeats = wall_meets_image(m, wall, cells), around = w->closed || repeats;
+  for (size_t k = 0; k < n; k++) {
+    bool last = k + 1 == n, joined = !last || around;
+    first[k].end_cap = !joined;
+    first[k].next = joined ? (int64_t)(number + (k + 1) % n) : -1;
+    for (int c = 0; last && repeats && c < 2; c++) first[k].cells[c] = cells[c];
+    bool has_previous = k > 0 || around;
+    const sd_segment *before = &first[(k + n - 1) % n];
+    for (int c = 0; c < 2; c++)
+      first[k].previous[c] = has_previous ? before->tangent[c] : -first[k].tangent[c];
+  }
+}
+
+void model_find_pieces(sd_model *m) {
+  free(m->segments);
+  m->n_segments = 0;
+  for (size_t w = 0; w < m->n_walls; w++) m->n_segments += wall_pieces(m, &m->walls[w]);
+  m->segments = memory_new(m->n_segments, sizeof *m->segments);
+  size_t at = 0;
+  for (size_t w = 0; w < m->n_walls; w++) {
+    const sd_wall *wall = &m->walls[w];
+    const uint32_t body = (uint32_t)(m->n_disks + w);
+    if (wall->kind == SD_WALL_ARC)
+      arc_pieces(wall, body, m->segments + at, (int64_t)at);
+    else
+      derive_wall(m, w, body, m->segments + at, at);
+    const size_t n = wall_pieces(m, wall);
+    for (size_t k = at; k < at + n; k++) wall_piece_images(m, wall->kind == SD_WALL_LINE, &m->segments[k]);
+    at += n;
+  }
+  assert(at == m->n_segments);
+  for (size_t k = 0; k < m->n_segments; k++)
+    assert(m->segments[k].next < (int64_t)m->n_segments && m->segments[k].body >= m->n_disks);
+  joints_number(m);
+}
+
+bool arc_is_ring(const sd_wall *w) { return w->to - w->from >= ARC_RING - 1e-9; }
+
+/* --- arcs ------------------------------------------------------------------------------------- */
+
+/* Without the rounding of cos and sin at multiples of a quarter turn, where most arcs end. */
+static void direction(double angle, double d[2]) {
+  d[0] = cos(angle);
+  d[1] = sin(angle);
+  for (int c = 0; c < 2; c++)
+    if (fabs(d[c]) < 1e-15) {
+      d[c] = 0.0;
+      d[1 - c] = d[1 - c] > 0.0 ? 1.0 : -1.0;
+    }
+}
+
+void arc_trace(sd_wall *w) {
+  w->n_points = ARC_POINTS;
+  for (size_t k = 0; k < ARC_POINTS; k++) {
+    double d[2];
+    direction(w->from + (w->to - w->from) * (double)k / (ARC_POINTS - 1), d);
+    for (int c = 0; c < 2; c++) w->points[k][c] = w->center[c] + w->radius * d[c];
+  }
+}
+
+/* First end, curve, last end; of a ring three curves, joined to one another. The length counts from the middle. */
+void arc_pieces(const sd_wall *w, uint32_t body, sd_segment piece[3], int64_t number) {
+  const bool ring = arc_is_ring(w);
+  const double opening = ring ? 2.0 * M_PI : w->to - w->from, part = ring ? opening / 3.0 : opening;
+  for (int k = 0; k < 3; k++) {
+    const double from = w->from + (ring ? k * part : 0.0);
+    sd_segment *s = &piece[k];
+    *s = (sd_segment){.body = body,
+                      .piece = ring || k == 1 ? SD_PIECE_CURVE
+                               : k == 0       ? SD_PIECE_FIRST_END
+                                              : SD_PIECE_LAST_END,
+                      .start = {w->center[0] - w->pivot[0], w->center[1] - w->pivot[1]},
+                      .radius = w->radius,
+                      .length = ring || k == 1 ? w->radius * part : 0.0,
+                      .arc = w->radius * part *
+                             (ring     ? k - 1.5
+                              : k == 2 ? 0.5
+                                       : -0.5),
+                      .wide = part > M_PI,
+                      .next = k < 2  ? number + k + 1
+                              : ring ? number
+                                     : -1};
+    direction(from, s->first);
+    direction(from + part, s->last);
+    direction(from + 0.5 * part, s->middle);
+  }
+  /* neighbours share the direction of their joint, so that no point lies in both or in neither */
+  for (int k = 0; ring && k < 3; k++)
+    for (int c = 0; c < 2; c++) piece[k].last[c] = piece[(k + 1) % 3].first[c];
+}
+
+double arc_distance(const sd_wall *w, const double at[2]) {
+  const double x = at[0] - w->center[0], y = at[1] - w->center[1];
+  const double middle = 0.5 * (w->from + w->to), half = 0.5 * (w->to - w->from);
+  if (fabs(remainder(atan2(y, x) - middle, 2.0 * M_PI)) <= half) return fabs(hypot(x, y) - w->radius);
+  double end[2], nearest = HUGE_VAL;
+  for (int k = 0; k < 2; k++) {
+    direction(k ? w->to : w->from, end);
+    nearest = fmin(nearest, hypot(x - w->radius * end[0], y - w->radius * end[1]));
+  }
+  return nearest;
+}
+
+/* --- periodic boxes --------------------------------------------------------------------------- */
 
 /* A joint of an image, directions along an axis: relative. */
 static const double NEARLY = 1e-9;
@@ -24,7 +163,7 @@ static double shortest_period(const sd_model *m) {
   return x > 0.0 && y > 0.0 ? fmin(x, y) : fmax(x, y);
 }
 
-/* --- pieces ------------------------------------------------------------------------------------------- */
+/* --- pieces in a periodic box ----------------------------------------------------------------- */
 
 static bool ends_on_image(const sd_model *m, const sd_wall *w, int cells[2]) {
   if ((w->kind != SD_WALL_SEGMENT && w->kind != SD_WALL_POLYLINE) || w->closed || w->n_points < 2)
@@ -88,7 +227,7 @@ void wall_piece_images(const sd_model *m, bool endless, sd_segment *s) {
   }
 }
 
-/* --- checks ------------------------------------------------------------------------------------------- */
+/* --- checks ----------------------------------------------------------------------------------- */
 
 /* Of the circle around the longest piece. */
 static double width_of(const sd_model *m, const sd_wall *w) {

@@ -1,12 +1,19 @@
-/* motion_kinds.c: see motion_kinds.h. */
-#include "model/motion_kinds.h"
+/* motions.c: see motions.h. */
+#include "model/motions.h"
 
 #include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "model/rows.h"
 
 #define LANE_WIDTH 1
 #include "base/lane.h"
 
 #include "model/waveforms.h"
+
+/* --- kinds of motion -------------------------------------------------------------------------- */
 
 static void check_random(const sd_motion *q, double dt, const char *name, sd_messages *msg) {
   (void)dt;
@@ -125,4 +132,127 @@ double motion_stride(const sd_motion *q, double dt) {
   }
   motion_shape(q, shape); /* the second number is the largest velocity */
   return fmin(fabs(shape[1]) * dt, 2 * fabs(q->amplitude));
+}
+
+/* --- prescribed disks ------------------------------------------------------------------------- */
+
+/* Contacts are evaluated where one of both is free. Without any free disk those that motions lead are counted as free, with
+ * all coordinates held or led, so that they feel what they touch; where only walls move, all disks are. */
+static void free_one(sd_model *m, size_t disk) {
+  sd_disk *d = &m->disks[disk];
+  if (!d->driven || !(d->mass > 0) || d->clump > 0) return;
+  d->driven = false;
+  for (int c = 0; c < SD_COORDINATES; c++) d->locked[c] = true;
+  m->n_free++;
+}
+
+static void free_the_led(sd_model *m) {
+  bool walls = false;
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+      const uint32_t body = m->motions[k].bodies[b];
+      const bool leads = m->motions[k].amplitude != 0 || m->motions[k].velocity != 0;
+      if (body < m->n_disks && leads) free_one(m, body);
+      walls = walls || (body >= m->n_disks && body < m->n_disks + m->n_walls);
+    }
+  for (size_t i = 0; walls && i < m->n_disks; i++) free_one(m, i);
+}
+
+unsigned char *model_moved(const sd_model *m) {
+  unsigned char *moved;
+  if (!memory_row(&moved, model_held(m), 1)) return NULL;
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+      uint32_t body = m->motions[k].bodies[b];
+      if (body < model_held(m)) moved[body] |= (unsigned char)(1u << m->motions[k].coordinate);
+    }
+  return moved;
+}
+
+sd_status model_find_driven(sd_model *m) {
+  unsigned char *held = model_moved(m);
+  if (!held) return SD_ERROR_IO;
+  m->n_free = m->n_disks - model_held(m);
+  for (size_t i = 0; i < model_held(m); i++) {
+    for (int c = 0; c < 3; c++)
+      if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);
+    if (held[i] == 7) m->disks[i].driven = true;
+    m->n_free += !m->disks[i].driven;
+  }
+  free(held);
+  if (m->n_free == 0) free_the_led(m);
+  assert(m->n_free <= m->n_disks);
+  return SD_OK;
+}
+
+double strides_arm(const sd_model *m, uint32_t body) {
+  if (body < m->n_disks || body >= m->n_disks + m->n_walls) return 0;
+  const sd_wall *w = &m->walls[body - m->n_disks];
+  double ends = 0;
+  if (w->kind == SD_WALL_CIRCLE) return 0;
+  if (w->kind == SD_WALL_ARC)
+    ends = hypot(w->center[0] - w->pivot[0], w->center[1] - w->pivot[1]) + w->radius;
+  for (size_t k = 0; k < w->n_points; k++)
+    ends = fmax(ends, hypot(w->points[k][0] - w->pivot[0], w->points[k][1] - w->pivot[1]));
+  return ends;
+}
+
+/* Per unit of the motion, over the radius of the smallest free disk. */
+static double lever(const sd_model *m, const sd_motion *q, uint32_t body) {
+  if (!(m->smallest_radius > 0) || !isfinite(m->smallest_radius) || q->coordinate == SD_SURFACE) return 0;
+  return (q->coordinate == SD_THETA ? strides_arm(m, body) : 1) / m->smallest_radius;
+}
+
+static bool runs(const sd_model *m, size_t motion) {
+  bool any = m->n_phases == 0;
+  for (size_t k = 0; k < m->n_phases; k++) any = any || !m->phases[k].active || m->phases[k].active[motion];
+  return any;
+}
+
+bool strides_longest(const sd_model *m, body_stride *longest) {
+  const size_t n = model_movables(m);
+  body_stride *all;
+  double *sums;
+  *longest = (body_stride){0};
+  if (!memory_rows(2, (memory_column[]){{&all, n, sizeof *all}, {&sums, n, sizeof *sums}})) {
+    shortage_note();
+    return false;
+  }
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *q = &m->motions[k];
+    const double far = runs(m, k) ? motion_stride(q, m->dt) : 0;
+    for (size_t b = 0; b < q->n_bodies && far > 0; b++) {
+      const uint32_t body = q->bodies[b];
+      const double length = far * lever(m, q, body);
+      sums[body] += length;
+      if (length > all[body].length) all[body] = (body_stride){body, k, length};
+      if (sums[body] > longest->length) *longest = (body_stride){body, all[body].motion, sums[body]};
+    }
+  }
+  free(all);
+  free(sums);
+  return longest->length > 0;
+}
+
+/* Chance, or the spline through a table, goes farther than motion_stride says, by less than that. */
+static const double FARTHER = 3;
+
+bool strides_are_long(const sd_model *m) {
+  const double limit = m->limits.displacement;
+  body_stride longest;
+  if (!(limit > 0) || m->n_motions == 0) return false;
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *q = &m->motions[k];
+    if (motion_is_feedback(q)) return true;
+    if (FARTHER * strides_first_jump(m, k) > STRIDES_JUMP * limit) return true;
+  }
+  return strides_longest(m, &longest) && FARTHER * longest.length > STRIDES_JUMP * limit;
+}
+
+double strides_first_jump(const sd_model *m, size_t motion) {
+  const sd_motion *q = &m->motions[motion];
+  double most = 0;
+  if (!runs(m, motion)) return 0;
+  for (size_t b = 0; b < q->n_bodies; b++) most = fmax(most, lever(m, q, q->bodies[b]));
+  return most * fabs(motion_first(q));
 }

@@ -1,0 +1,371 @@
+/* advice_bodies.c: walls that meet, prescribed bodies that run into one another, motions that strike
+ * what they move: set-ups that are seldom meant. See advice.h. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "model/advice.h"
+#include "model/joints.h"
+#include "model/motions.h"
+#include "model/overlaps.h"
+#include "model/rows.h"
+
+/* --- walls of which a disk may touch two in one point ----------------------------------------- */
+
+static double cross(const double a[2], const double b[2]) { return a[0] * b[1] - a[1] * b[0]; }
+static double dot(const double a[2], const double b[2]) { return a[0] * b[0] + a[1] * b[1]; }
+
+/* A place where walls are twice. */
+typedef struct twice {
+  size_t count;
+  uint32_t a, b; /* the first pair of walls, ... */
+  double at[2];  /* and where */
+} twice;
+
+static void note(twice *t, uint32_t a, uint32_t b, const double at[2]) {
+  if (t->count++ > 0) return;
+  t->a = a;
+  t->b = b;
+  for (int c = 0; c < 2; c++) t->at[c] = at[c];
+}
+
+typedef bool disk_place(const double at[2], const void *user);
+
+/* Is any disk that moves at such a place? Those that wait for rain have none yet. */
+static bool any_disk(const sd_model *m, disk_place *is, const void *user) {
+  bool any = false;
+  for (size_t row = 0; row < rows_count(m) && !any; row++) {
+    const sd_disk *d = rows_disk(m, row);
+    any = !d->driven && !d->waiting && is(d->position, user);
+  }
+  return rows_any(m, any);
+}
+
+/* --- ends that meet, of walls that move apart ------------------------------------------------------------- */
+
+/* Between the walls of a corner both are touched in their own points; elsewhere in the point of the corner. */
+static bool is_beyond_corner(const double at[2], const void *user) {
+  const wall_end *const *e = user, *a = e[0], *b = e[1];
+  const double p[2] = {at[0] - a->at[0], at[1] - a->at[1]}, opens = cross(a->way, b->way);
+  return !(fabs(opens) > 1e-9) || cross(a->way, p) * opens < 0.0 || cross(p, b->way) * opens < 0.0;
+}
+
+static void look_at_ends(const sd_model *m, const wall_end *ends, size_t n, twice *found) {
+  for (size_t k = 0; k < n; k++)
+    for (size_t j = k + 1, last = joints_near(ends, n, k); j < last; j++) {
+      const wall_end *two[2] = {&ends[k], &ends[j]};
+      if (joints_meet(two[0], two[1]) && !joints_rigid(m, two[0], two[1]) &&
+          any_disk(m, is_beyond_corner, two))
+        note(found, ends[k].wall, ends[j].wall, ends[k].at);
+    }
+}
+
+/* --- a wall that ends on another --------------------------------------------------------------------------- */
+
+/* The surface of a wall at a point of it: a line, or a circle. */
+typedef struct surface {
+  const double *at, *center; /* NULL: straight */
+  double normal[2], radius;
+  double side; /* of the wall that ends there */
+} surface;
+
+/* The surface of side k of a wall, if the end lies on it, but for its own ends. */
+static bool lies_on(const sd_wall *w, size_t k, const wall_end *e, double near, surface *s) {
+  *s = (surface){.at = e->at};
+  if (w->kind == SD_WALL_CIRCLE || w->kind == SD_WALL_ARC) {
+    s->center = w->kind == SD_WALL_ARC ? w->center : w->pivot;
+    s->radius = w->radius;
+    for (int c = 0; c < 2; c++) s->normal[c] = (e->at[c] - s->center[c]) / w->radius;
+    const double angle = remainder(atan2(s->normal[1], s->normal[0]) - 0.5 * (w->from + w->to), 2.0 * M_PI);
+    return fabs(hypot(s->normal[0], s->normal[1]) - 1.0) * w->radius <= near &&
+           (w->kind == SD_WALL_CIRCLE || (0.5 * (w->to - w->from) - fabs(angle)) * w->radius > near);
+  }
+  const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
+  const double along[2] = {q[0] - p[0], q[1] - p[1]}, from[2] = {e->at[0] - p[0], e->at[1] - p[1]};
+  const double length = hypot(along[0], along[1]), on = dot(along, from) / length;
+  const bool first = k == 0 && !w->closed, last = k + 2 == w->n_points && !w->closed;
+  s->normal[0] = -along[1] / length;
+  s->normal[1] = along[0] / length;
+  return fabs(dot(s->normal, from)) <= near &&
+         (w->kind == SD_WALL_LINE || (on > (first ? near : -near) && on < length - (last ? near : -near)));
+}
+
+static bool is_on_other_side(const double at[2], const void *user) {
+  const surface *s = user;
+  double side;
+  if (s->center) {
+    side = hypot(at[0] - s->center[0], at[1] - s->center[1]) - s->radius;
+  } else {
+    const double p[2] = {at[0] - s->at[0], at[1] - s->at[1]};
+    side = dot(s->normal, p);
+  }
+  return !(side * s->side > 0.0);
+}
+
+static size_t sides_of(const sd_wall *w) {
+  if (w->kind != SD_WALL_POLYLINE) return 1;
+  return w->n_points - (w->closed ? 0 : 1);
+}
+
+/* From where to where a wall goes along x. */
+static void bounds_of(const sd_wall *w, double *lower, double *upper) {
+  *lower = w->kind == SD_WALL_CIRCLE ? w->pivot[0] - w->radius : HUGE_VAL;
+  *upper = w->kind == SD_WALL_CIRCLE ? w->pivot[0] + w->radius : -HUGE_VAL;
+  for (size_t k = 0; k < w->n_points; k++) {
+    *lower = fmin(*lower, w->points[k][0]);
+    *upper = fmax(*upper, w->points[k][0]);
+  }
+  if (w->kind == SD_WALL_ARC) *lower = w->center[0] - w->radius, *upper = w->center[0] + w->radius;
+  if (w->kind == SD_WALL_LINE) *lower = -HUGE_VAL, *upper = HUGE_VAL;
+}
+
+static size_t first_from(const wall_end *ends, size_t n, double x) {
+  size_t from = 0;
+  while (from < n) {
+    const size_t middle = from + (n - from) / 2;
+    if (ends[middle].at[0] + joints_tolerance(&ends[middle]) < x)
+      from = middle + 1;
+    else
+      n = middle;
+  }
+  return from;
+}
+
+static void look_at_surfaces(const sd_model *m, const wall_end *ends, size_t n, twice *found) {
+  double lower, upper;
+  for (uint32_t w = 0; w < m->n_walls; w++) {
+    bounds_of(&m->walls[w], &lower, &upper);
+    for (size_t e = first_from(ends, n, lower); e < n; e++) {
+      const double near = joints_tolerance(&ends[e]);
+      surface s;
+      bool on = false;
+      if (ends[e].at[0] - near > upper) break;
+      for (size_t k = 0; ends[e].wall != w && !on && k < sides_of(&m->walls[w]); k++)
+        on = lies_on(&m->walls[w], k, &ends[e], near, &s);
+      if (!on) continue;
+      s.side = dot(s.normal, ends[e].way);
+      if (fabs(s.side) < 1e-9) s.side = 0.0; /* one lies on the other */
+      if (any_disk(m, is_on_other_side, &s)) note(found, ends[e].wall, w, ends[e].at);
+    }
+  }
+}
+
+/* --- warnings ----------------------------------------------------------------------------------------------- */
+
+static double tell(const sd_model *m, const twice *t, const char *where, const char *advice,
+                   sd_messages *messages) {
+  char one[96], two[96], more[48] = "";
+  if (t->count == 0) return 0.0;
+  if (t->count > 1) snprintf(more, sizeof more, " (and %zu more)", t->count - 1);
+  sd_warn(messages, "%s %s %s at (%g, %g)%s: %s",
+          sd_model_body_name(m, (uint32_t)m->n_disks + t->a, one, sizeof one), where,
+          sd_model_body_name(m, (uint32_t)m->n_disks + t->b, two, sizeof two), t->at[0], t->at[1], more,
+          advice);
+  return (double)t->count;
+}
+
+double advice_joints(const sd_model *m, sd_messages *messages) {
+  twice ends = {0}, surfaces = {0};
+  size_t n;
+  wall_end *all = joints_ends(m, &n);
+  look_at_ends(m, all, n, &ends);
+  look_at_surfaces(m, all, n, &surfaces);
+  free(all);
+  const double apart = tell(m, &ends, "meets",
+                            "they move apart, so a disk there feels both; name both in the same motions, or "
+                            "draw them as one polyline",
+                            messages);
+  return fmax(apart,
+              tell(m, &surfaces, "ends on",
+                   "a disk on its other side feels both there; let the first end before it, or draw the "
+                   "second in two parts whose ends meet there",
+                   messages));
+}
+
+/* --- prescribed bodies that run into one another, between which no force acts ----------------- */
+
+/* Overlap over the radius beyond which it is told; moments of the run that are looked at; and pairs, at all moments. */
+static const double LEAST_OVERLAP = 0.01;
+enum { MOMENTS = 101, MOST_LOOKS = 2000000 };
+
+typedef struct displaced {
+  double by[3];
+} displaced;
+
+/* Prescribed bodies, ascending, and how far the motions that are ever on have brought each body. */
+typedef struct bodies {
+  size_t n;
+  uint32_t *list;
+  displaced *all; /* [disks and walls] */
+} bodies;
+
+static double total_time(const sd_model *m) {
+  double steps = 0;
+  for (size_t k = 0; k < m->n_phases; k++) steps += (double)m->phases[k].steps;
+  return steps * m->dt;
+}
+
+static bool list_bodies(const sd_model *m, bodies *p) {
+  const size_t n_bodies = m->n_disks + m->n_walls;
+  if (!memory_rows(2, (memory_column[]){{&p->list, n_bodies - m->n_free, sizeof *p->list},
+                                        {&p->all, n_bodies, sizeof *p->all}})) {
+    shortage_note();
+    return false;
+  }
+  for (uint32_t b = 0; b < n_bodies; b++)
+    if (b >= m->n_disks || (b < model_held(m) && m->disks[b].driven && !m->disks[b].waiting))
+      p->list[p->n++] = b;
+  return true;
+}
+
+static void displace(const sd_model *m, double t, const bodies *p) {
+  displaced *all = p->all;
+  for (size_t k = 0; k < p->n; k++) all[p->list[k]] = (displaced){{0}};
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *q = &m->motions[k];
+    if (q->coordinate == SD_SURFACE) continue;
+    const double u = motion_at(q, t);
+    for (size_t b = 0; b < q->n_bodies; b++)
+      if (q->bodies[b] < m->n_disks + m->n_walls) all[q->bodies[b]].by[q->coordinate] += u;
+  }
+}
+
+/* Distance between a disk and another body that are displaced. */
+static double gap_of(const sd_model *m, uint32_t disk, uint32_t body, const displaced *all) {
+  const sd_disk *d = &m->disks[disk];
+  const bool wall = body >= m->n_disks;
+  const double *at = wall ? m->walls[body - m->n_disks].pivot : m->disks[body].position;
+  const double x[2] = {d->position[0] + all[disk].by[0], d->position[1] + all[disk].by[1]};
+  const double pose[3] = {at[0] + all[body].by[0], at[1] + all[body].by[1], wall ? all[body].by[2] : 0};
+  return overlaps_gap(m, disk, x, body, pose);
+}
+
+typedef struct meeting {
+  uint32_t disk, body;
+  double depth; /* over the radius of the smaller */
+} meeting;
+
+static double smaller(const sd_model *m, uint32_t disk, uint32_t body) {
+  const double radius = m->disks[disk].radius;
+  return body < m->n_disks ? fmin(radius, m->disks[body].radius) : radius;
+}
+
+/* Bodies that moved with respect to one another. */
+static bool parted(const sd_model *m, uint32_t disk, uint32_t body, const displaced *all) {
+  const double *one = all[disk].by, *other = all[body].by;
+  const bool turns = body >= m->n_disks && other[SD_THETA] != 0;
+  return one[SD_X] != other[SD_X] || one[SD_Y] != other[SD_Y] || turns;
+}
+
+/* Pairs that overlap more deeply than at the start. */
+static void look(const sd_model *m, const bodies *p, meeting *worst) {
+  for (size_t k = 0; k < p->n && p->list[k] < m->n_disks; k++)
+    for (size_t l = k + 1; l < p->n; l++) {
+      const uint32_t disk = p->list[k], body = p->list[l];
+      const double gap = parted(m, disk, body, p->all) ? gap_of(m, disk, body, p->all) : 0;
+      if (!(gap < 0)) continue;
+      const double radius = smaller(m, disk, body),
+                   deeper = -gap + fmin(overlaps_first_gap(m, disk, body), 0);
+      if (deeper > fmax(LEAST_OVERLAP, worst->depth) * radius)
+        *worst = (meeting){disk, body, deeper / radius};
+    }
+}
+
+double advice_prescribed(const sd_model *m, sd_messages *messages) {
+  char one[96], two[96];
+  const double driven = (double)(m->n_disks - m->n_free), time = total_time(m),
+               looks = MOMENTS * driven * (driven + (double)m->n_walls);
+  meeting worst = {0};
+  bodies p = {0};
+  if (m->n_motions == 0 || !(driven > 0) || looks > MOST_LOOKS) return 0;
+  const bool listed = list_bodies(m, &p);
+  for (int k = 0; k < MOMENTS && listed; k++) { /* the golden ratio falls in step with no wave */
+    displace(m, k == 0 ? time : time * fmod(k * 0.6180339887498949, 1.0), &p);
+    look(m, &p, &worst);
+  }
+  free(p.list);
+  free(p.all);
+  if (!(worst.depth > 0)) return 0;
+  sd_warn(
+      messages,
+      "%s and %s are both prescribed, and motions bring them to overlap by %.2g of the radius: no force acts "
+      "between them, only on disks that are free",
+      sd_model_body_name(m, worst.disk, one, sizeof one), sd_model_body_name(m, worst.body, two, sizeof two),
+      worst.depth);
+  return worst.depth / LEAST_OVERLAP;
+}
+
+/* --- motions that strike what they move, or pass through it ----------------------------------- */
+
+/* Jumps over the radius of the smallest disk, and cycles in steps, beyond which a motion is warned of. */
+static const double LEAST_JUMP = 1e-3, FEWEST_STEPS = 20;
+
+static double check_stride(const sd_model *m, sd_messages *messages) {
+  char motion[96], body[96];
+  const double limit = m->limits.displacement;
+  body_stride s;
+  if (!(limit > 0) || !strides_longest(m, &s) || !(s.length > limit)) return 0;
+  const char *name = model_motion_name(m, s.motion, motion, sizeof motion);
+  sd_model_body_name(m, s.body, body, sizeof body);
+  if (motion_source(&m->motions[s.motion]) == SIGNAL_TABLE)
+    sd_warn(messages,
+            "%s: %s moves by up to %.3g radii of the smallest disk in a step, and disks may pass through it: "
+            "spread the change over more time (limits.displacement is %g)",
+            name, body, s.length, limit);
+  else
+    sd_warn(messages,
+            "%s: %s moves by up to %.3g radii of the smallest disk in a step, and disks may pass through it: "
+            "take a lower speed, or dt = %.2g or less (limits.displacement is %g)",
+            name, body, s.length, m->dt * limit / s.length / 2, limit);
+  return s.length / limit;
+}
+
+static const char *instead(const sd_motion *q) {
+  if (motion_is_wave(q)) return "take a phase at which it begins at 0 (0 or pi), or give it a ramp";
+  if (motion_source(q) == SIGNAL_TABLE) return "let its values begin at 0, or give it a ramp";
+  return "give it a ramp";
+}
+
+char *advice_first_jump(const sd_model *m) {
+  char name[96];
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const double jump = strides_first_jump(m, k);
+    if (jump > LEAST_JUMP)
+      return format_text("%s begins with a jump by %s%.3g radii of the smallest disk, which throws what is "
+                         "there, whatever dt: %s",
+                         model_motion_name(m, k, name, sizeof name),
+                         motion_source(&m->motions[k]) == SIGNAL_RANDOM ? "up to " : "", jump,
+                         instead(&m->motions[k]));
+  }
+  return NULL;
+}
+
+static double check_jump(const sd_model *m, sd_messages *messages) {
+  char *text = advice_first_jump(m);
+  if (!text) return 0;
+  sd_warn(messages, "%s", text);
+  free(text);
+  return 1;
+}
+
+static double check_cycles(const sd_model *m, sd_messages *messages) {
+  char name[96];
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *q = &m->motions[k];
+    const double steps = motion_is_wave(q) && q->amplitude != 0 ? motion_period(q) / m->dt : HUGE_VAL;
+    if (!(steps < FEWEST_STEPS)) continue;
+    sd_warn(messages, "%s: a cycle takes %.3g steps, fewer than %g: take dt = %.2g or less",
+            model_motion_name(m, k, name, sizeof name), steps, FEWEST_STEPS,
+            m->dt * steps / FEWEST_STEPS / 2);
+    return FEWEST_STEPS / steps;
+  }
+  return 0;
+}
+
+double advice_motions(const sd_model *m, sd_messages *messages) {
+  const double far = check_stride(m, messages), jump = check_jump(m, messages),
+               cycle = check_cycles(m, messages);
+  return fmax(far, fmax(jump, cycle));
+}

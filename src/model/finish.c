@@ -1,0 +1,530 @@
+/* finish.c: checks a model and derives its tables; see slipdisk/model.h. */
+#include "model/finish.h"
+
+#include <assert.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/limits.h"
+#include "base/memory.h"
+#include "model/advice.h"
+#include "model/cell.h"
+#include "model/clumps.h"
+#include "model/field_kinds.h"
+#include "model/keys.h"
+#include "model/laws.h"
+#include "model/model.h"
+#include "model/motions.h"
+#include "model/normal_laws.h"
+#include "model/rows.h"
+#include "model/walls.h"
+
+/* --- checks ------------------------------------------------------------------------------------------ */
+
+static void check_run(const sd_model *m, sd_messages *msg) {
+  deck_key_check(&deck_top, m, "", msg);
+  deck_key_check(&deck_limits, &m->limits, "limits", msg);
+  if (m->n_disks == 0) sd_fail(msg, SD_ERROR_USER, "disks: expected at least one disk");
+  if (m->n_phases == 0) sd_fail(msg, SD_ERROR_USER, "phases: expected a duration, `steps` or `time`");
+  if (m->n_materials == 0) sd_fail(msg, SD_ERROR_USER, "materials: expected at least one material");
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (m->phases[k].steps < 1) sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
+}
+
+/* Numbers beyond LIMIT_NUMBER, the limit of decks, are as bad as those that are not finite. */
+static void check_number(const sd_model *m, uint32_t body, const char *key, double value, double least,
+                         bool open, sd_messages *msg) {
+  char name[96];
+  const bool large = value >= least && !(value <= LIMIT_NUMBER), good = open ? value > least : value >= least;
+  if (good && !large) return;
+  sd_model_body_name(m, body, name, sizeof name);
+  if (large || least < 0.0)
+    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number of at most 1e100", name, key, value);
+  else
+    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number %s 0", name, key, value, open ? ">" : ">=");
+}
+
+static void check_disks(const sd_model *m, sd_messages *msg) {
+  static const char *const keys[3][3] = {
+      {"x", "y", "theta"}, {"vx", "vy", "omega"}, {"force x", "force y", "torque"}};
+  char name[96];
+  for (size_t row = 0; row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
+    const uint32_t i = rows_number(m, row);
+    const double *const numbers[3] = {d->position, d->velocity, d->force};
+    for (int c = 0; c < 3; c++) {
+      for (int k = 0; k < 3; k++) check_number(m, i, keys[k][c], numbers[k][c], -LIMIT_NUMBER, false, msg);
+      if (d->locked[c] && d->velocity[c] != 0.0)
+        sd_fail(msg, SD_ERROR_USER, "%s: a locked coordinate cannot have a velocity",
+                sd_model_body_name(m, i, name, sizeof name));
+    }
+    check_number(m, i, "radius", d->radius, 0.0, true, msg);
+    check_number(m, i, "mass", d->mass, 0.0, true, msg);
+    check_number(m, i, "inertia", d->inertia, 0.0, false, msg);
+    if (d->material < 0 || (size_t)d->material >= m->n_materials)
+      sd_fail(msg, SD_ERROR_USER, "%s: material %d: expected one of the %zu that there are",
+              sd_model_body_name(m, i, name, sizeof name), d->material, m->n_materials);
+  }
+}
+
+static bool has_size(double x) { return fabs(x) <= LIMIT_NUMBER; }
+
+static bool wall_is_finite(const sd_wall *w) {
+  bool good = has_size(w->pivot[0]) && has_size(w->pivot[1]) && has_size(w->radius) &&
+              has_size(w->center[0]) && has_size(w->center[1]) && has_size(w->from) && has_size(w->to);
+  for (size_t k = 0; k < w->n_points; k++)
+    good = good && has_size(w->points[k][0]) && has_size(w->points[k][1]);
+  return good;
+}
+
+static void check_walls(const sd_model *m, sd_messages *msg) {
+  char name[96];
+  for (uint32_t w = 0; w < m->n_walls; w++) {
+    const sd_wall *wall = &m->walls[w];
+    sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
+    if (wall->material < 0 || (size_t)wall->material >= m->n_materials)
+      sd_fail(msg, SD_ERROR_USER, "%s: material: no such material", name);
+    if ((unsigned)wall->kind >= SD_WALL_KINDS)
+      sd_fail(msg, SD_ERROR_USER, "%s: kind %d: expected SD_WALL_LINE ...", name, (int)wall->kind);
+    if (!wall_is_finite(wall))
+      sd_fail(msg, SD_ERROR_USER, "%s: points, pivot and radius must be finite, at most 1e100", name);
+    const bool arc = wall->kind == SD_WALL_ARC;
+    if ((arc || wall->kind == SD_WALL_CIRCLE) && !(wall->radius > 0.0))
+      sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
+    if (arc && !(wall->to > wall->from && wall->to - wall->from <= ARC_RING))
+      sd_fail(msg, SD_ERROR_USER, "%s: from = %g, to = %g: expected from < to, at most a whole turn apart",
+              name, wall->from, wall->to);
+    if (arc || wall->kind == SD_WALL_CIRCLE) continue;
+    size_t least = 2;
+    if (wall->n_points < least || (wall->kind != SD_WALL_POLYLINE && wall->n_points != 2)) {
+      sd_fail(msg, SD_ERROR_USER, "%s: %zu points: expected %s", name, wall->n_points,
+              wall->kind == SD_WALL_POLYLINE ? "two or more" : "two");
+      continue;
+    }
+    for (size_t k = 0; k < wall->n_points - (wall->closed ? 0 : 1); k++) {
+      size_t next = (k + 1) % wall->n_points;
+      if (wall->points[k][0] == wall->points[next][0] && wall->points[k][1] == wall->points[next][1])
+        sd_fail(msg, SD_ERROR_USER, "%s: points %zu and %zu coincide", name, k, next);
+    }
+  }
+}
+
+/* Rolling resistance of a round wall knows its angle, not the way of its surface. */
+static bool rolls_on_surface(const sd_model *m, size_t body) {
+  const sd_wall *wall = &m->walls[body - m->n_disks];
+  bool rolls = false;
+  for (size_t k = 0; k < m->n_materials && wall->kind == SD_WALL_CIRCLE; k++) {
+    const sd_contact_law *law = sd_model_law(m, wall->material, (int)k);
+    rolls = rolls || (law && law->k_r > 0.0);
+  }
+  return rolls;
+}
+
+static void check_motions(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *q = &m->motions[k];
+    char text[96];
+    const char *name = model_motion_name(m, k, text, sizeof text);
+    if (q->n_bodies == 0) sd_fail(msg, SD_ERROR_USER, "%s: it moves no disk and no wall", name);
+    for (size_t b = 0; b < q->n_bodies; b++)
+      if (q->bodies[b] >= model_movables(m))
+        sd_fail(msg, SD_ERROR_USER, "%s: body %u does not exist", name, q->bodies[b]);
+      else if (q->coordinate == SD_SURFACE &&
+               (q->bodies[b] < m->n_disks || q->bodies[b] >= m->n_disks + m->n_walls))
+        sd_fail(msg, SD_ERROR_USER, "%s: only walls have a surface that moves; others turn (theta)", name);
+      else if (q->coordinate == SD_SURFACE && rolls_on_surface(m, q->bodies[b]))
+        sd_fail(msg, SD_ERROR_USER,
+                "%s: the surface of a round wall with rolling resistance (k_r); turn the wall "
+                "(theta) instead",
+                name);
+    if (!has_size(q->amplitude) || !has_size(q->omega) || !has_size(q->phase) || !has_size(q->velocity))
+      sd_fail(msg, SD_ERROR_USER, "%s: amplitude, omega, phase and velocity must be finite, at most 1e100",
+              name);
+    if (!(q->ramp >= 0.0)) sd_fail(msg, SD_ERROR_USER, "%s: ramp = %g: expected >= 0", name, q->ramp);
+    motion_check(q, m->dt, name, msg);
+  }
+}
+
+static const char *material_name(const sd_model *m, size_t k) {
+  return m->materials[k].name ? m->materials[k].name : "?";
+}
+
+static void check_law(const sd_model *m, size_t a, size_t b, sd_messages *msg) {
+  const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
+  const char *key = NULL;
+  if (!law_is_given(law)) return;
+  deck_key_check(&law_table, law, material_name(m, a), msg);
+  double value = 0.0;
+  char *text = law_mistake(law, &key, &value);
+  if (text) sd_fail(msg, SD_ERROR_USER, "%s.%s = %g: %s", material_name(m, a), key, value, text);
+  free(text);
+}
+
+/* Laws must exist for every pair of materials that can meet. */
+static sd_status check_laws(const sd_model *m, sd_messages *msg) {
+  law_use *use = memory_new(m->n_materials, sizeof *use);
+  size_t before = sd_messages_errors(msg);
+  laws_count_uses(m, use);
+  for (size_t a = 0, b = 0; laws_find_missing(m, use, &a, &b); b++)
+    sd_fail(msg, SD_ERROR_USER,
+            "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
+            material_name(m, a), material_name(m, b));
+  for (size_t a = 0; a < m->n_materials; a++)
+    for (size_t b = a; b < m->n_materials; b++) check_law(m, a, b, msg);
+  free(use);
+  return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
+}
+
+static void check_memories(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_memories; k++) {
+    const sd_contact_memory *c = &m->memories[k];
+    if (c->a >= m->n_disks || c->b >= sd_model_bodies(m) || c->a == c->b)
+      sd_fail(msg, SD_ERROR_USER, "memories[%zu]: expected a disk, and another disk or a wall", k);
+  }
+}
+
+static void check_watches(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_rotations; k++)
+    if (m->rotations[k] >= m->n_disks)
+      sd_fail(msg, SD_ERROR_USER, "measure.rotation: disk %u does not exist", m->rotations[k]);
+  for (size_t k = 0; k < m->n_contact_disks; k++)
+    if (m->contact_disks[k] >= m->n_disks)
+      sd_fail(msg, SD_ERROR_USER, "measure.contacts: disk %u does not exist", m->contact_disks[k]);
+  for (size_t k = 0; k < m->n_slides; k++) {
+    const sd_slide_watch *s = &m->slides[k];
+    if (s->disk >= m->n_disks || s->partner[0] >= sd_model_bodies(m) || s->partner[1] >= sd_model_bodies(m))
+      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: no such disk or wall", k);
+    else if (m->disks[s->disk].driven)
+      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: the disk is prescribed; name a free one", k);
+  }
+}
+
+static void check_until(const sd_model *m, sd_messages *msg) {
+  const sd_until *u = &m->until;
+  if (!u->asked || m->n_phases == 0) return;
+  const sd_phase *last = &m->phases[m->n_phases - 1];
+  if (u->rotation >= m->n_rotations)
+    sd_fail(msg, SD_ERROR_USER, "until.observable: expected a disk that measure.rotation watches");
+  if (!(u->error >= 0.0) || !(u->relative >= 0.0) || (u->error > 0.0) == (u->relative > 0.0))
+    sd_fail(msg, SD_ERROR_USER, "until: expected either error > 0 or relative > 0");
+  if (u->scaled && m->gravity[0] == 0.0 && m->gravity[1] == 0.0)
+    sd_fail(msg, SD_ERROR_USER, "until.observable: t_g Omega does not exist without gravity");
+  if (!last->measure) sd_fail(msg, SD_ERROR_USER, "until: expected a last phase that measures");
+  if (u->least < 1 || u->least > last->steps)
+    sd_fail(msg, SD_ERROR_USER, "until: expected 1 to %lld steps at least, the length of the last phase",
+            (long long)last->steps);
+}
+
+static void check_box(const sd_model *m, sd_messages *msg) {
+  double reach;
+  const double least = cell_least_length(m, &reach);
+  for (int c = 0; c < 2; c++) {
+    if (!m->periodic[c]) continue;
+    double length = m->upper[c] - m->lower[c];
+    char axis = c == SD_X ? 'x' : 'y';
+    if (!(length > least) && reach > 0.0)
+      sd_fail(msg, SD_ERROR_USER,
+              "box.%c: length %g: expected more than %.6g, 4.8 times the largest radius and twice the gap "
+              "(%g) over which disks attract each other",
+              axis, length, least, reach);
+    else if (!(length > least))
+      sd_fail(msg, SD_ERROR_USER, "box.%c: length %g: expected more than 4.8 times the largest radius (%g)",
+              axis, length, least / 4.8);
+    for (size_t row = 0; row < rows_count(m); row++) {
+      double p = rows_disk(m, row)->position[c];
+      if (p < m->lower[c] || p >= m->upper[c]) {
+        char name[96];
+        sd_fail(msg, SD_ERROR_USER, "%s: %c = %g lies outside the periodic box [%g, %g)",
+                sd_model_body_name(m, rows_number(m, row), name, sizeof name), axis, p, m->lower[c],
+                m->upper[c]);
+      }
+    }
+  }
+}
+
+static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages *msg) {
+  char name[96];
+  for (uint32_t w = 0; w < m->n_walls; w++)
+    if (m->walls[w].kind != SD_WALL_LINE)
+      sd_fail(msg, SD_ERROR_USER,
+              "phases[%zu].compress: %s has a size of its own, which does not change; expected lines only",
+              phase, sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
+}
+
+/* The area would be that of the container as it was, not of what a lid has left of it. */
+static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg) {
+  char name[96];
+  for (size_t q = 0; q < m->n_motions; q++) {
+    const sd_motion *motion = &m->motions[q];
+    bool moved = false;
+    for (size_t k = 0; k < phase; k++) moved |= m->phases[k].active && m->phases[k].active[q];
+    if (moved && motion_is_feedback(motion))
+      sd_fail(msg, SD_ERROR_USER,
+              "%s: its wall may be anywhere when phases[%zu].compress begins, which expects walls that only "
+              "compression moves, or servo walls all the time",
+              model_motion_name(m, q, name, sizeof name), phase);
+  }
+}
+
+static void check_compress(const sd_model *m, sd_messages *msg) {
+  char name[96];
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_phase *p = &m->phases[k];
+    const sd_compress *c = &p->compress;
+    if (!c->asked) continue;
+    if ((c->pressure > 0.0) == (c->fraction > 0.0))
+      sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: expected either pressure > 0 or fraction > 0", k);
+    if (!(c->rate > 0.0) || !(c->rate * m->dt <= 1e-3))
+      sd_fail(msg, SD_ERROR_USER,
+              "phases[%zu].compress.rate = %g: expected a number > 0 and at most %g, a thousandth per time "
+              "step",
+              k, c->rate, 1e-3 / m->dt);
+    if (!(m->region_upper[0] > m->region_lower[0] && m->region_upper[1] > m->region_lower[1]))
+      sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: there is no region to compress", k);
+    check_compressed_walls(m, k, msg);
+    for (size_t q = 0; q < m->n_motions; q++)
+      if (p->active && p->active[q] && m->motions[q].coordinate < SD_THETA)
+        sd_fail(msg, SD_ERROR_USER,
+                "%s: it prescribes positions that phases[%zu].compress changes; expected a phase in which it "
+                "is off",
+                model_motion_name(m, q, name, sizeof name), k);
+    check_moved_walls(m, k, msg);
+  }
+}
+
+static void check_settle(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_settle *s = &m->phases[k].settle;
+    if (s->asked && (s->every < 1 || !(s->kinetic > 0.0 || s->unbalanced > 0.0)))
+      sd_fail(msg, SD_ERROR_USER,
+              "phases[%zu].settle: expected kinetic > 0 or unbalanced > 0, and every >= 1", k);
+  }
+}
+
+static void check_bounds(const sd_model *m, sd_messages *msg) {
+  for (int c = 0; m->bounds.given && c < 2; c++)
+    if (!(m->bounds.lower[c] < m->bounds.upper[c]))
+      sd_fail(msg, SD_ERROR_USER, "bounds.%c: expected (lower, upper) with lower < upper",
+              c == SD_X ? 'x' : 'y');
+}
+
+/* Round walls, too, must be met in one image only. */
+static void check_round_walls(const sd_model *m, sd_messages *msg) {
+  char name[96], disk[96];
+  for (uint32_t w = 0; w < m->n_walls; w++) {
+    const sd_wall *wall = &m->walls[w];
+    if (wall->kind != SD_WALL_CIRCLE) continue;
+    sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
+    double reach = wall->inside ? wall->radius : wall->radius + m->largest_radius;
+    for (int c = 0; c < 2; c++)
+      if (m->periodic[c] && !(m->upper[c] - m->lower[c] > 2.0 * reach))
+        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: the periodic box must be wider than %g to hold it",
+                name, wall->radius, 2.0 * reach);
+    for (size_t row = 0; wall->inside && row < rows_count(m); row++) {
+      const sd_disk *d = rows_disk(m, row);
+      if (!d->driven && d->radius >= wall->radius)
+        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: %s, of radius %g, does not fit into it", name,
+                wall->radius, sd_model_body_name(m, rows_number(m, row), disk, sizeof disk), d->radius);
+    }
+  }
+}
+
+/* Coordinates that are rounded by more than this part of the smallest radius have no contacts. */
+static const double COARSE = 0.01;
+
+static double farthest_of(const sd_wall *w) {
+  double far = fmax(fabs(w->pivot[0]), fabs(w->pivot[1]));
+  if (w->kind == SD_WALL_ARC) far = fmax(far, fmax(fabs(w->center[0]), fabs(w->center[1])));
+  for (size_t k = 0; k < w->n_points; k++)
+    far = fmax(far, fmax(fabs(w->points[k][0]), fabs(w->points[k][1])));
+  return far;
+}
+
+/* True: it is told. */
+static bool tell_rounding(const sd_model *m, uint32_t body, double far, sd_messages *msg) {
+  char name[96];
+  const double rounding = DBL_EPSILON * far;
+  if (!(rounding > COARSE * m->smallest_radius)) return false;
+  sd_fail(
+      msg, SD_ERROR_USER,
+      "%s: a coordinate of %.3g is rounded by %.2g, and the smallest disk has a radius of %g: expected at "
+      "most %.3g",
+      sd_model_body_name(m, body, name, sizeof name), far, rounding, m->smallest_radius,
+      COARSE * m->smallest_radius / DBL_EPSILON);
+  return true;
+}
+
+static void check_rounding(const sd_model *m, sd_messages *msg) {
+  for (size_t row = 0; row < rows_count(m); row++) {
+    const double *at = rows_disk(m, row)->position;
+    if (tell_rounding(m, rows_number(m, row), fmax(fabs(at[0]), fabs(at[1])), msg)) return;
+  }
+  for (uint32_t w = 0; w < m->n_walls; w++)
+    if (tell_rounding(m, (uint32_t)m->n_disks + w, farthest_of(&m->walls[w]), msg)) return;
+}
+
+/* A disk of rain k is free, waits, and fits. */
+static void check_raining(const sd_model *m, size_t k, size_t row, sd_messages *msg) {
+  const sd_rain *r = &m->rains[k];
+  const sd_disk *d = rows_disk(m, row);
+  const uint32_t i = rows_number(m, row);
+  const double radius = i < model_held(m) ? clumps_grain(m, i, r->first + r->count).radius : d->radius;
+  char name[96];
+  sd_model_body_name(m, i, name, sizeof name);
+  if (!d->waiting || d->driven)
+    sd_fail(msg, SD_ERROR_USER, "%s: expected a free disk that waits for rains[%zu]", name, k);
+  if (!(2.0 * radius <= r->upper - r->lower))
+    sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: it does not fit into rain %g wide", name, d->radius,
+            r->upper - r->lower);
+}
+
+static void check_rains(const sd_model *m, sd_messages *msg) {
+  char name[96], motion[96];
+  const size_t held = model_held(m), n = rows_count(m);
+  int64_t counts[2] = {0}; /* that wait, that belong to rain */
+  for (size_t row = rows_first(m); row < n; row++) counts[0] += rows_disk(m, row)->waiting;
+  for (size_t k = 0; k < m->n_rains; k++) {
+    const sd_rain *r = &m->rains[k];
+    const size_t end = r->first + r->count;
+    if (r->count < 1 || end > m->n_disks || r->batch < 1 || r->interval < 1)
+      sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected disks that exist, a batch and an interval >= 1", k);
+    if (!(r->gap >= 0.0) || !isfinite(r->gap) || !isfinite(r->speed) || !isfinite(r->floor))
+      sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected a gap >= 0, and a speed and a floor", k);
+    for (size_t row = r->first < held ? r->first : held; row < n; row++) {
+      const uint32_t i = rows_number(m, row);
+      if (i >= end && row < held) row = held - 1; /* the others are not held */
+      if (i < r->first || i >= end) continue;
+      counts[1] += row >= rows_first(m);
+      check_raining(m, k, row, msg);
+    }
+  }
+  comm_add(m->comm, counts, 2);
+  if (counts[0] != counts[1])
+    sd_fail(msg, SD_ERROR_USER, "%lld disks wait, %lld belong to rain: expected each to belong to one",
+            (long long)counts[0], (long long)counts[1]);
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+      uint32_t body = m->motions[k].bodies[b];
+      if (body < held && m->disks[body].waiting)
+        sd_fail(msg, SD_ERROR_USER, "%s: %s waits for rain, which says where it begins",
+                model_motion_name(m, k, motion, sizeof motion),
+                sd_model_body_name(m, body, name, sizeof name));
+    }
+}
+
+/* The reader of a deck says it with the line (deck.c). */
+static void check_step(const sd_model *m, sd_messages *msg) {
+  char *text = advice_unstable(m);
+  if (text) sd_fail(msg, SD_ERROR_USER, "dt = %g: %s", m->dt, text);
+  free(text);
+}
+
+/* --- derived tables ---------------------------------------------------------------------------------- */
+
+static void complete_disks(sd_model *m) {
+  const size_t held = model_held(m);
+  for (size_t row = 0; row < rows_count(m); row++) {
+    sd_disk *d = row < held ? &m->disks[row] : &m->mine->disk[row - held];
+    if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
+  }
+}
+
+static void derive_numbers(sd_model *m) {
+  double inverse = 0.0, largest = 0.0, smallest = HUGE_VAL;
+  for (size_t k = 0; k < m->n_motions; k++)
+    if (m->motions[k].interval < 1) m->motions[k].interval = 1;
+  complete_disks(m);
+  for (size_t row = rows_first(m); row < rows_count(m); row++) {
+    const sd_disk *d = rows_disk(m, row);
+    inverse += 1.0 / d->radius;
+    if (d->driven) continue;
+    largest = fmax(largest, d->radius);
+    smallest = fmin(smallest, d->radius);
+  }
+  m->mean_radius = (double)m->n_disks / rows_sum(m, inverse);
+  m->largest_radius = rows_largest(m, largest);
+  m->smallest_radius = rows_least(m, smallest);
+  int64_t contacts[1] = {m->mine ? (int64_t)m->mine->n_contacts : 0};
+  comm_add(m->comm, contacts, 1);
+  m->all_memories = m->n_memories + (size_t)contacts[0];
+}
+
+static void derive_period(sd_model *m) {
+  bool servo = false;
+  for (size_t k = 0; k < m->n_motions; k++) servo |= m->motions[k].kind == SD_MOTION_SERVO;
+  m->shortest_period = servo ? sd_model_shortest_period(m, NULL) : 0.0;
+}
+
+/* Checks everything that the derived tables are made of. */
+static void check_all(const sd_model *m, sd_messages *msg) {
+  check_run(m, msg);
+  check_disks(m, msg);
+  check_walls(m, msg);
+  check_motions(m, msg);
+  loads_check(m, msg);
+  body_forces_check(m, msg);
+  check_box(m, msg);
+  check_compress(m, msg);
+  cell_check(m, msg);
+  check_rains(m, msg);
+  check_settle(m, msg);
+  check_bounds(m, msg);
+  check_memories(m, msg);
+  check_watches(m, msg);
+  check_until(m, msg);
+}
+
+/* Together: ranks see mistakes in their own rows. */
+static sd_status found(const sd_model *m, sd_status status, const sd_messages *msg, size_t before) {
+  if (status == SD_OK && sd_messages_errors(msg) > before) status = SD_ERROR_USER;
+  return comm_agree(m->comm, status);
+}
+
+/* Fills in what follows, and checks it. */
+static sd_status derive(sd_model *m, sd_messages *msg) {
+  const size_t before = sd_messages_errors(msg);
+  sd_status status = comm_agree(m->comm, model_find_driven(m));
+  if (status != SD_OK) return sd_fail(msg, SD_ERROR_IO, "out of memory for the model's tables");
+  model_find_pieces(m);
+  derive_numbers(m);
+  check_rounding(m, msg);
+  status = comm_agree(m->comm, clumps_derive(m, msg));
+  if (status == SD_OK) status = comm_agree(m->comm, check_laws(m, msg));
+  if (status != SD_OK) return status;
+  check_round_walls(m, msg);
+  loads_check_steps(m, msg);
+  derive_period(m);
+  if (!m->deck) check_step(m, msg);
+  return found(m, SD_OK, msg, before);
+}
+
+sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
+  size_t before = sd_messages_errors(msg);
+  sd_messages *own = msg ? msg : sd_messages_new();
+  model_complete(m);
+  sd_status status = model_tell_mistakes(m, own);
+  if (status != SD_ERROR_IO) {
+    check_all(m, own);
+    status = found(m, SD_OK, own, before);
+    if (status == SD_OK) wall_images_check(m, own);
+    status = found(m, status, own, before);
+    if (status == SD_OK) status = derive(m, own);
+  }
+  if (own != msg) sd_messages_free(own);
+  m->finished = status == SD_OK;
+  return status;
+}
+
+sd_status model_finish_again(sd_model *m, sd_messages *msg) {
+  return sd_model_finish(m, NULL) == SD_OK ? SD_OK : sd_model_finish(m, msg);
+}
+
+sd_status model_part(sd_model *m, size_t few) {
+  assert(m->finished);
+  m->limit = sd_model_step_limit(m);
+  m->advised = sd_messages_new();
+  sd_model_advise(m, m->advised);
+  return rows_part(m, few) ? SD_OK : SD_ERROR_IO;
+}
