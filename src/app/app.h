@@ -32,7 +32,7 @@ extern const command_line app_run_line, app_resume_line, app_check_line, app_inf
     app_export_line, app_verify_line, app_theory_line, app_sweep_line, app_view_line, app_plot_line,
     app_film_line;
 
-/* --- signals.c --------------------------------------------------------------------------------------- */
+/* --- drive.c: signals ------------------------------------------------------------------------- */
 extern volatile sig_atomic_t app_stop; /* number of the signal that asks to stop at a checkpoint; 0: none */
 /* From here on these signals end the process at once, with SD_INTERRUPTED. */
 void app_catch_signals(void);
@@ -137,13 +137,15 @@ typedef struct place {
   char *checkpoint; /* a checkpoint that was named itself, else NULL */
 } place;
 
+/* "NAME.ending" for a deck ".../NAME.cfg", in the current folder; to be freed. */
+char *app_default_name(const char *deck, const char *ending);
 /* name: a result, its folder of parts, or a checkpoint in it. place_free also when it fails. */
 sd_status place_find(place *p, const char *name, sd_messages *messages);
 void place_free(place *p);
 /* Opens the newest checkpoint that is not damaged; no lock is needed. */
 sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages);
 
-/* --- stored.c: the frames of a result, or of an unfinished run ---------------------------------------- */
+/* --- place.c: the frames of a result, or of an unfinished run --------------------------------- */
 /* name as for place_find, or a part. alone: a part was named, whose frames are all there is. frames_close also when it
  * fails. */
 sd_status stored_open(frames *f, const char *name, bool *alone, sd_messages *messages);
@@ -155,11 +157,5 @@ void stored_release(const frames *f, h5_file *file);
 /* Number of the body that element k of a series is about, as the file (may be NULL) says it, else
  * as the model does; UINT32_MAX: none. */
 uint32_t stored_body(const sd_model *m, const h5_file *file, const observable *o, size_t k);
-
-/* --- arguments -------------------------------------------------------------------------------------- */
-/* "NAME.ending" for a deck ".../NAME.cfg", in the current folder; to be freed. */
-char *app_default_name(const char *deck, const char *ending);
-/* One line, with control characters of names and titles shown as \xHH. */
-void app_line(FILE *out, const char *format, ...) SD_PRINTF(2, 3);
 
 #endif

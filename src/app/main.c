@@ -17,41 +17,6 @@
 #include "base/text.h"
 #include "version.h"
 
-char *app_default_name(const char *deck, const char *ending) {
-  const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck;
-  if (strcmp(deck, "-") == 0) name = "stdin";
-  const char *dot = strrchr(name, '.');
-  size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
-  return format_text("%.*s.%s", (int)length, name, ending);
-}
-
-static char *shown_text(const char *format, va_list args) {
-  char *text = NULL;
-  if (vasprintf(&text, format, args) < 0) memory_lacks(LIMIT_LINE);
-  char *shown = text_escaped(text, LIMIT_LINE);
-  free(text);
-  return shown;
-}
-
-void app_line(FILE *out, const char *format, ...) {
-  va_list args;
-  va_start(args, format);
-  char *shown = shown_text(format, args);
-  va_end(args);
-  fprintf(out, "%s\n", shown);
-  free(shown);
-}
-
-int app_misuse(const char *command, const char *format, ...) {
-  va_list args;
-  va_start(args, format);
-  char *shown = shown_text(format, args);
-  va_end(args);
-  fprintf(stderr, "error: slipdisk %s: %s; see slipdisk %s --help\n", command, shown, command);
-  free(shown);
-  return SD_ERROR_USER;
-}
-
 static int app_version(int argc, char **argv) {
   (void)argc, (void)argv;
   printf("slipdisk %s (%s), %s\n", SD_VERSION, SD_GIT_REVISION, SD_COMPILER);

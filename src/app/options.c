@@ -5,14 +5,45 @@
 #include <errno.h>
 #include <getopt.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/h5.h"
+
+/* --- lines ------------------------------------------------------------------------------------ */
+
+static char *shown_text(const char *format, va_list args) {
+  char *text = NULL;
+  if (vasprintf(&text, format, args) < 0) memory_lacks(LIMIT_LINE);
+  char *shown = text_escaped(text, LIMIT_LINE);
+  free(text);
+  return shown;
+}
+
+void app_line(FILE *out, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  char *shown = shown_text(format, args);
+  va_end(args);
+  fprintf(out, "%s\n", shown);
+  free(shown);
+}
+
+int app_misuse(const char *command, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  char *shown = shown_text(format, args);
+  va_end(args);
+  fprintf(stderr, "error: slipdisk %s: %s; see slipdisk %s --help\n", command, shown, command);
+  free(shown);
+  return SD_ERROR_USER;
+}
 
 bool options_number(const char *text, long least, long most, long *out) {
   char *end;

@@ -82,6 +82,8 @@ sd_status options_range(const char *text, size_t count, const char *file, option
 void options_entry(FILE *out, const char *head, const char *text, size_t column);
 /* The help of a command, from its table. */
 void options_help(FILE *out, const command_line *line);
+/* One line, with control characters of names and titles shown as \xHH. */
+void app_line(FILE *out, const char *format, ...) SD_PRINTF(2, 3);
 /* Prints "error: slipdisk COMMAND: what; see slipdisk COMMAND --help" and returns the exit status of a user's mistake. */
 int app_misuse(const char *command, const char *format, ...) SD_PRINTF(2, 3);
 

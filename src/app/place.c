@@ -2,11 +2,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/app.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "app/app.h"
+#include "io/results/checkpoint.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
+
+char *app_default_name(const char *deck, const char *ending) {
+  const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck;
+  if (strcmp(deck, "-") == 0) name = "stdin";
+  const char *dot = strrchr(name, '.');
+  size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
+  return format_text("%.*s.%s", (int)length, name, ending);
+}
 
 static bool ends_with(const char *text, size_t length, const char *tail) {
   size_t n = strlen(tail);
@@ -77,4 +86,91 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
     if (status != SD_OK || *path) return status;
   }
   return sd_fail(messages, SD_ERROR_IO, "%s has no checkpoint that can be read", p->folder);
+}
+
+/* Parts that belong to the checkpoint at `base`. */
+static sd_status open_parts(frames *f, const place *p, const char *base, int64_t parts,
+                            sd_messages *messages) {
+  char **list = memory_new(parts > 0 ? (size_t)parts : 0, sizeof *list);
+  size_t n = 0;
+  for (int64_t k = 1; k <= parts; k++) {
+    char *path = folder_part(p->folder, k);
+    if (file_exists(path)) {
+      list[n++] = path;
+    } else {
+      sd_warn(messages, "%s is missing: its frames are left out", path);
+      free(path);
+    }
+  }
+  const sd_status status = frames_open(f, base, n, (const char *const *)list, messages);
+  for (size_t k = 0; k < n; k++) free(list[k]);
+  free(list);
+  return status;
+}
+
+/* alone: a part was named, whose frames are all there is. */
+static sd_status open_unfinished(frames *f, place *p, bool *alone, sd_messages *messages) {
+  char *part = NULL, *base = NULL;
+  if (p->checkpoint && frames_is_part(p->checkpoint)) {
+    part = p->checkpoint;
+    p->checkpoint = NULL; /* the newest one has the constants */
+  }
+  bool named = p->checkpoint;
+  h5_file *file = NULL;
+  sd_status status = place_open_checkpoint(p, &file, &base, messages);
+  int64_t parts = status == SD_OK ? checkpoint_get_parts(file) : 0;
+  h5_close(file, NULL);
+  *alone = part;
+  if (status == SD_OK && part)
+    status = frames_open(f, base, 1, (const char *const *)&part, messages);
+  else if (status == SD_OK)
+    status = open_parts(f, p, base, named ? 0 : parts, messages);
+  free(part);
+  free(base);
+  return status;
+}
+
+sd_status stored_open(frames *f, const char *name, bool *alone, sd_messages *messages) {
+  place p;
+  *alone = false;
+  sd_status status = place_find(&p, name, messages);
+  const char *result = p.result;
+  if (status == SD_OK && file_exists(result) && !p.checkpoint && !file_is_folder(name))
+    status = frames_open(f, result, 1, &result, messages);
+  else if (status == SD_OK)
+    status = open_unfinished(f, &p, alone, messages);
+  place_free(&p);
+  return status;
+}
+
+sd_status stored_count(const frames *f, bool alone, size_t *count, sd_messages *messages) {
+  frame_entry newest = {.step = -1};
+  sd_status status = f->n > 0 ? frames_entry(f, f->n - 1, &newest, messages) : SD_OK;
+  *count = f->n + !(alone || newest.step == f->state_step);
+  return status;
+}
+
+sd_status stored_source(const frames *f, size_t k, h5_file **out, sd_messages *messages) {
+  const char *path = f->sources[k].path;
+  *out = f->base;
+  return strcmp(path, f->path) == 0 ? SD_OK : h5_open_again(path, out, messages);
+}
+
+void stored_release(const frames *f, h5_file *file) {
+  if (file != f->base) h5_close(file, NULL);
+}
+
+uint32_t stored_body(const sd_model *m, const h5_file *file, const observable *o, size_t k) {
+  bool watched = o->width == OBSERVABLE_WATCHED, chosen = o->width == OBSERVABLE_CHOSEN;
+  uint32_t body = UINT32_MAX;
+  if (o->width == OBSERVABLE_WALLS) return (uint32_t)(m->n_disks + k);
+  if (!watched && !chosen) return body;
+  const char *path = watched ? "/observables/watched_disks" : "/observables/contact_disks";
+  if (file && h5_exists(file, path)) {
+    h5_get_values(file, path, SD_U32, k, 1, 1, &body, NULL);
+    return body;
+  }
+  if (watched && k < m->n_rotations) body = m->rotations[k];
+  if (chosen && k < m->n_contact_disks) body = m->contact_disks[k];
+  return body;
 }

@@ -8,13 +8,13 @@
 #include <string.h>
 #include <sys/statvfs.h>
 
-#include "slipdisk/deck.h"
 #include "app/app.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/results/record.h"
 #include "model/state.h"
 #include "run/session.h"
+#include "slipdisk/deck.h"
 
 /* HDF5's own: headers and attributes of each dataset, about 640 bytes. */
 static const double FILE_BYTES = 160e3, WALLS_BYTES = 40e3;

@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "app/app.h"
+#include "base/text.h"
 #include "io/results/checkpoint.h"
+#include "io/results/record.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
-#include "io/results/record.h"
 
 typedef struct verifier {
   bool quiet, seal, unsealed;

@@ -6,6 +6,7 @@ import pathlib
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy
 
@@ -14,7 +15,7 @@ sys.path.insert(0, str(ROOT / "tools/studies"))
 sys.dont_write_bytecode = True
 
 try:
-    import matplotlib  # noqa: F401
+    import matplotlib.figure
 except ImportError:
     print("matplotlib not found: the test of kept numbers is left out")
     sys.exit(0)
@@ -28,6 +29,14 @@ from ratchet.runs import Results  # noqa: E402
 from ratchet.verdict import CHECK, NO, PAPER, TRIVIAL, YES, Claim  # noqa: E402
 
 style.plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
+save = matplotlib.figure.Figure.savefig
+
+
+def save_once(picture, path):
+    """Each figure is drawn for its PNG; test_report and test_packings_report write PDFs as well."""
+    if not str(path).endswith(".pdf"):
+        save(picture, path)
+
 DATA, NONE = ROOT / "docs/studies/data", "/nonexistent/slipdisk"
 
 
@@ -145,7 +154,8 @@ class Redrawn(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             try:
                 results = kind(folder, "default", NONE, dry=True, strict=True, kept=str(DATA))
-                draw(results)
+                with unittest.mock.patch.object(matplotlib.figure.Figure, "savefig", save_once):
+                    draw(results)
             finally:
                 page.mark_empty = mark
             self.assertEqual(results.failed, [])

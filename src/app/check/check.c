@@ -15,16 +15,11 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "io/deck/deck.h"
-#include "model/normal_laws.h"
 #include "run/ensemble.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
-#include "slipdisk/theory.h"
 
 static const double probe_seconds = 0.2;
-
-const char *const check_bounds[] = {"normal spring", "tangential spring", "viscosity", "fields"};
-const char *const check_components[] = {"xx", "yy", "xy"};
 
 typedef struct options {
   const char *deck;
@@ -58,71 +53,6 @@ const command_line app_check_line = {
     .examples = "slipdisk check deck.cfg                 # mistakes, all keys, limits, run time\n"
                 "slipdisk check deck.cfg --brief -D gravity.tilt=0.2\n"};
 
-/* --- restitution ----------------------------------------------------------------------------------------- */
-
-/* Median mass of the free disks of a material; 0: there is none. */
-static double typical_mass(const sd_model *m, int material) {
-  double *mass = NULL, middle = 0;
-  size_t n = 0;
-  const bool room = memory_resize_row(&mass, m->n_disks, sizeof *mass);
-  if (!room) shortage_note();
-  for (size_t i = 0; room && i < m->n_disks; i++)
-    if (m->disks[i].material == material && !m->disks[i].driven) mass[n++] = m->disks[i].mass;
-  if (n) {
-    gsl_sort(mass, 1, n);
-    middle = mass[n / 2];
-  }
-  free(mass);
-  return middle;
-}
-
-/* Is there a wall, or a disk that nothing pushes, of this material? */
-static bool has_still(const sd_model *m, int material) {
-  for (size_t w = 0; w < m->n_walls; w++)
-    if (m->walls[w].material == material) return true;
-  for (size_t i = 0; i < m->n_disks; i++)
-    if (m->disks[i].material == material && m->disks[i].driven) return true;
-  return false;
-}
-
-static size_t count_free(const sd_model *m, int material) {
-  size_t n = 0;
-  for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].material == material && !m->disks[i].driven;
-  return n;
-}
-
-static double restitution_at(const sd_contact_law *law, double mass) {
-  const double gamma = law->gamma_n + law_tsuji(law) * sqrt(law->k_n * mass);
-  const double b = 0.5 * gamma / sqrt(law->k_n * mass); /* of the critical damping */
-  if (law->damping_pulls) return b < 1.0 ? exp(-M_PI * b / sqrt((1.0 - b) * (1.0 + b))) : 0.0;
-  return sd_restitution(law->k_n, gamma, mass).restitution;
-}
-
-/* Of Hertz' law it is that of the deck, whatever the masses. */
-static double given_restitution(const sd_contact_law *law) {
-  if (law->gamma_n > 0.0) return NAN;
-  return law->restitution > 0.0 ? law->restitution : 1.0;
-}
-
-void check_restitutions(const sd_model *m, check_restitution *visit, void *user) {
-  const char *still = "a free disk on a fixed body";
-  for (int a = 0; a < (int)m->n_materials; a++)
-    for (int b = a; b < (int)m->n_materials; b++) {
-      const sd_contact_law *law = sd_model_law(m, a, b);
-      double ma = typical_mass(m, a), mb = typical_mass(m, b), mass = ma * mb / (ma + mb);
-      if (law->k_n <= 0) continue;
-      if (law->normal != SD_NORMAL_LINEAR) {
-        visit(user, a, b, given_restitution(law), 0, "any");
-        continue;
-      }
-      size_t enough = a == b ? 2 : 1;
-      if (count_free(m, a) >= enough && count_free(m, b) >= enough)
-        visit(user, a, b, restitution_at(law, mass), mass, "two free disks");
-      if (ma > 0 && has_still(m, b)) visit(user, a, b, restitution_at(law, ma), ma, still);
-      if (a != b && mb > 0 && has_still(m, a)) visit(user, b, a, restitution_at(law, mb), mb, still);
-    }
-}
-
 /* --- speed ----------------------------------------------------------------------------------------------- */
 
 /* Runs the deck for a moment, the beginning of it at least. */
@@ -149,8 +79,6 @@ static sd_status probe(check_found *f, sd_messages *messages) {
   sd_simulation_free(s);
   return status;
 }
-
-double check_run_seconds(const check_found *f) { return (double)sd_model_steps(f->model) / f->speed; }
 
 /* --- sweep --------------------------------------------------------------------------------------------------- */
 

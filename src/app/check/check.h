@@ -29,16 +29,7 @@ typedef struct check_found {
   check_sweep sweep;
 } check_found;
 
-/* Of each pair of materials that can meet: e, NAN when it depends on the speed; with the effective mass of these bodies, 0: any. */
-typedef void check_restitution(void *user, int a, int b, double e, double mass, const char *bodies);
-void check_restitutions(const sd_model *model, check_restitution *visit, void *user);
-/* Wall time of the whole run as the deck stands, s. */
-double check_run_seconds(const check_found *found);
-
-extern const char *const check_bounds[];     /* of a time step, by sd_step_limit.bound */
-extern const char *const check_components[]; /* of a box that deforms */
-
-/* --- check_page.c, check_json.c --------------------------------------------------------------------- */
+/* --- check_print.c --------------------------------------------------------------------- */
 void check_print(const check_found *found);
 /* model NULL: the deck has mistakes. full: with the full deck. Returns `status`; SD_ERROR_IO: it
  * cannot be printed, which was told. */

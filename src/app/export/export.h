@@ -43,6 +43,8 @@ typedef struct export_space {
 } export_space;
 export_space export_space_of(const export_job *job, const frame_data *frame);
 
+/* Numbers the types of all disks, and finds the depth; SD_ERROR_IO: no memory. */
+sd_status export_find_types(export_job *job);
 /* "grain, group lid, fixed"; to be freed. */
 char *export_type_text(const export_job *job, size_t type);
 /* Words of the deck, "" when there is none. */

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "app/export/export.h"
-#include "base/text.h"
 #include "io/store/file.h"
 #include "version.h"
 

@@ -9,7 +9,6 @@
 
 #include "app/export/export.h"
 #include "base/memory.h"
-#include "base/text.h"
 #include "io/store/file.h"
 
 typedef enum place { OF_POINT, OF_CELL, POINTS, VERTS, LINES } place;

@@ -16,7 +16,7 @@ void measure_rows_head(FILE *out);
 void measure_row(FILE *out, const measurement *m);
 json_t *measure_json(const measurement *m);
 
-/* --- measure_json.c: all frames, one after the other -------------------------------------------------- */
+/* --- measure_page.c: all frames as JSON, one after the other ---------------------------------- */
 typedef struct measure_list {
   FILE *out; /* of `file`, else the screen */
   char *name;
@@ -31,7 +31,7 @@ sd_status measure_list_open(measure_list *l, const char *name, size_t stored, co
 void measure_list_add(measure_list *l, const measurement *m);
 sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *messages);
 
-/* --- measure_tables.c: one file per table in a folder ------------------------------------------------- */
+/* --- measure_page.c: one file per table in a folder ------------------------------------------- */
 #define MEASURE_CONTACT_COLUMNS                                                                              \
   "step,a,b,part,x,y,nx,ny,overlap,force,tau,mobilised,sliding,force_x,force_y,zeta"
 /* Rows of these columns: contacts of a frame in which one of the bodies is wanted; NULL: all. */

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
-#include "base/text.h"
 #include "app/app.h"
 #include "app/sweep/sweep.h"
+#include "base/memory.h"
+#include "base/text.h"
 #include "io/store/file.h"
 
 /* How long --table waits for another process that is writing the tables, s. */

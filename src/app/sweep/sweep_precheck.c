@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
 #include "app/app.h"
 #include "app/sweep/sweep.h"
+#include "base/memory.h"
 #include "model/advice.h"
 #include "model/state.h"
 #include "run/ensemble.h"

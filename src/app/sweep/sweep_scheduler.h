@@ -80,14 +80,14 @@ void sweep_draw(scheduler *w);
 void sweep_show_start(const scheduler *w);
 void sweep_show_end(scheduler *w);
 
-/* --- sweep_groups.c ---------------------------------------------------------------------------------- */
+/* --- sweep_workers.c: groups ------------------------------------------------------------------ */
 /* Puts n points into groups for so many workers; *g holds nothing yet. */
 void sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n, size_t workers);
 /* Puts one at the end of the list. */
 void sweep_groups_put_off(sweep_groups *g, sweep_group one);
 void sweep_groups_free(sweep_groups *g);
 
-/* --- sweep_schedule.c ------------------------------------------------------------------------------------- */
+/* --- sweep_workers.c: order of the points ----------------------------------------------------- */
 void sweep_worsen(scheduler *w, int status);
 /* Tables between points, when it is time again, or the last ones. */
 void sweep_make_tables(scheduler *w, bool last);

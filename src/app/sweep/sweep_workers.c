@@ -1,15 +1,104 @@
-/* sweep_workers.c: processes that run the groups of a sweep, for -j; see sweep_run.c. */
+/* sweep_workers.c: groups of points, their order, and the processes that run them, for -j; see
+ * sweep_run.c. */
 #include <errno.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "base/clock.h"
 #include "app/app.h"
 #include "app/sweep/sweep_scheduler.h"
+#include "base/clock.h"
+#include "base/memory.h"
+#include "base/text.h"
+
+/* --- groups ----------------------------------------------------------------------------------- */
+
+/* Which points of a sweep are run side by side.
+ *
+ * A group takes about as long as its longest point, however few it has. So points of one kind go together, those of
+ * equal length next to each other, in groups as large as the machine likes; when that leaves workers idle the
+ * largest groups are halved until each has one.
+ */
+
+typedef struct entry {
+  size_t kind; /* point with which its kind begins; its own: alone */
+  int64_t steps;
+  size_t point;
+} entry;
+
+/* Kinds as they appear, the longest first, in the order of the deck. */
+static int compare(const void *a, const void *b) {
+  const entry *p = a, *q = b;
+  if (p->kind != q->kind) return p->kind < q->kind ? -1 : 1;
+  if (p->steps != q->steps) return p->steps > q->steps ? -1 : 1;
+  return p->point < q->point ? -1 : p->point > q->point;
+}
+
+static void sort(entry *entries, const scheduler *w, const size_t *points, size_t n, size_t *begins) {
+  for (size_t k = 0; k < n; k++) {
+    size_t point = points[k];
+    int kind = w->kinds[point];
+    bool alone = kind == SWEEP_ALONE || w->tried[point] == CRASHED;
+    if (!alone && begins[kind] == SIZE_MAX) begins[kind] = point;
+    entries[k] = (entry){alone ? point : begins[kind], w->steps[point], point};
+  }
+  qsort(entries, n, sizeof *entries, compare);
+}
+
+static void halve(sweep_groups *g, size_t k) {
+  for (size_t j = g->n; j > k + 1; j--) g->list[j] = g->list[j - 1];
+  sweep_group *one = &g->list[k];
+  size_t half = (one->n + 1) / 2;
+  g->list[k + 1] = (sweep_group){.first = one->first + half, .n = one->n - half};
+  one->n = half;
+  g->n++;
+}
+
+static size_t largest(const sweep_groups *g) {
+  size_t best = 0;
+  for (size_t k = 1; k < g->n; k++)
+    if (g->list[k].n > g->list[best].n) best = k;
+  return best;
+}
+
+void sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n, size_t workers) {
+  size_t n_kinds = w->s->deck.n_sets;
+  entry *entries = memory_new(n, sizeof *entries);
+  size_t *begins = memory_new(n_kinds, sizeof *begins);
+  *g = (sweep_groups){.order = memory_new(n, sizeof *g->order),
+                      .list = memory_new(n + 1, sizeof *g->list),
+                      .capacity = n + 1};
+  for (size_t k = 0; k < n_kinds; k++) begins[k] = SIZE_MAX;
+  sort(entries, w, points, n, begins);
+  for (size_t k = 0; k < n; k++) {
+    g->order[k] = entries[k].point;
+    bool same = k > 0 && entries[k].kind == entries[k - 1].kind;
+    if (!same || g->list[g->n - 1].n >= w->width) g->list[g->n++] = (sweep_group){.first = k};
+    g->list[g->n - 1].n++;
+  }
+  for (size_t k; g->n > 0 && g->n < workers && (k = largest(g), g->list[k].n > 1);) halve(g, k);
+  free(entries);
+  free(begins);
+}
+
+void sweep_groups_put_off(sweep_groups *g, sweep_group one) {
+  if (g->n == g->capacity) {
+    g->capacity *= 2;
+    g->list = memory_grow(g->list, g->capacity, sizeof *g->list);
+  }
+  one.late = true;
+  g->list[g->n++] = one;
+}
+
+void sweep_groups_free(sweep_groups *g) {
+  free(g->order);
+  free(g->list);
+  *g = (sweep_groups){0};
+}
 
 static void tell_parent(void *user, size_t k, const session_progress *p) {
   const worker *me = user;
@@ -183,4 +272,150 @@ void sweep_run_workers(scheduler *w) {
     pause = reap(w) > 0 ? 1000000 : pause < 10000000 ? 2 * pause : 20000000;
     if (count_running(w) > 0) nanosleep(&(struct timespec){.tv_nsec = pause}, NULL);
   } while (count_running(w) > 0 || ((more || error) && !app_stop));
+}
+
+/* --- which points of a sweep are run next, and what became of those that were ----------------- */
+
+/* Between tables while points are run: at least so long, and a multiple of what the last ones took. */
+static const double TABLE_SECONDS = 15, TABLE_SHARE = 20;
+/* How long the last tables wait for another process that is writing them. */
+static const double PATIENCE = 600, PATIENCE_STOPPED = 10;
+
+void sweep_worsen(scheduler *w, int status) {
+  if (w->worst < status) w->worst = status;
+}
+
+/* --- results ----------------------------------------------------------------------------------------------- */
+
+/* Those in between are left to another process that is writing them. */
+void sweep_make_tables(scheduler *w, bool last) {
+  double start = clock_seconds();
+  if (sweep_is_part(w->c)) return; /* others make the rest */
+  if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
+  sd_messages *messages = sd_messages_new();
+  sd_status status = sweep_write_tables(w->s,
+                                        !last      ? 0
+                                        : app_stop ? PATIENCE_STOPPED
+                                                   : PATIENCE,
+                                        true, messages);
+  if (last || status == SD_ERROR_IO) {
+    sweep_clear_line(w);
+    sd_messages_print(messages, stderr);
+    sweep_worsen(w, status);
+  }
+  w->no_table = status != SD_OK;
+  sd_messages_free(messages);
+  w->tabled = clock_seconds();
+  w->table_cost = w->tabled - start;
+}
+
+/* Counts what was seen of a point. */
+void sweep_remember(scheduler *w, size_t point, const sweep_result *r) {
+  w->seen[point] = (unsigned char)(1 + r->status);
+  w->doubts[point] = (unsigned char)r->doubts;
+  w->done += r->status == SWEEP_DONE;
+  w->failed += r->status == SWEEP_FAILED;
+  w->other += r->status == SWEEP_OTHER;
+  w->damaged += r->status == SWEEP_DAMAGED;
+}
+
+void sweep_account(scheduler *w, size_t point, sd_status status, const char *text, const cell *ran,
+                   double seconds) {
+  sweep_result r;
+  sweep_look(w->s, point, &r);
+  if ((r.status == SWEEP_WAITING || r.status == SWEEP_STOPPED) && status != SD_INTERRUPTED) {
+    /* not even the reason could be kept */
+    r.status = SWEEP_FAILED;
+    free(r.message);
+    static const char prefix[] = "error: ";
+    if (strncmp(text, prefix, sizeof prefix - 1) == 0) text += sizeof prefix - 1;
+    r.message = format_text("%.*s", (int)strcspn(text, "\n"), text);
+  }
+  double spared = fmax(ran->began, 0);
+  w->tried[point] = r.status == SWEEP_RUNNING ? SKIPPED : TRIED;
+  sweep_remember(w, point, &r);
+  if (r.status == SWEEP_FAILED) sweep_worsen(w, SD_ERROR_NUMERIC);
+  if (r.status > SWEEP_FAILED) sweep_worsen(w, SD_ERROR_USER);
+  if (status == SD_ERROR_IO) sweep_worsen(w, SD_ERROR_IO);
+  if (r.status == SWEEP_RUNNING)
+    w->steps_total -= (double)w->steps[point];
+  else
+    w->steps_done += (1 - spared) * (double)w->steps[point];
+  w->steps_total -= spared * (double)w->steps[point];
+  if (r.message) sweep_show(w, point, &r, text, seconds);
+  sweep_result_free(&r);
+  sweep_make_tables(w, false);
+}
+
+/* Another process runs this point, or has finished it since the list was made. */
+static bool is_taken(scheduler *w, size_t point) {
+  sweep_status status = sweep_peek(w->s, point);
+  bool finished = status == SWEEP_DONE && !w->c->force;
+  if (!finished && status != SWEEP_RUNNING) return false;
+  w->tried[point] = finished ? TRIED : SKIPPED;
+  w->done += finished;
+  w->steps_total -= (double)w->steps[point];
+  return true;
+}
+
+/* A line each, "error: " or "warning: " before it, as many as there is room for. */
+static void write_messages(const sd_messages *messages, char *text, size_t size) {
+  *text = 0;
+  FILE *out = fmemopen(text, size - 1, "w");
+  if (!out) return;
+  sd_messages_print(messages, out);
+  fclose(out);
+  text[size - 1] = 0;
+}
+
+/* --- who runs what ----------------------------------------------------------------------------------------- */
+
+/* Those of a group that are still to be run. */
+size_t sweep_sift(scheduler *w, sweep_group one, size_t *points) {
+  size_t n = 0;
+  for (size_t k = 0; k < one.n; k++) {
+    size_t point = w->groups.order[one.first + k];
+    if (!is_taken(w, point)) points[n++] = point;
+  }
+  return n;
+}
+
+size_t sweep_next(scheduler *w, size_t *points) {
+  sweep_groups *g = &w->groups;
+  while (g->next < g->n) {
+    sweep_group one = g->list[g->next++];
+    /* another process has begun with it: it will take the rest, too, unless there is nothing else to do */
+    bool begun = false;
+    for (size_t k = 0; one.n > 1 && !one.late && k < one.n; k++)
+      begun = begun || sweep_peek(w->s, g->order[one.first + k]) == SWEEP_RUNNING;
+    if (begun) {
+      sweep_groups_put_off(g, one);
+      continue;
+    }
+    size_t n = sweep_sift(w, one, points);
+    if (n > 0) return n;
+  }
+  return 0;
+}
+
+void sweep_tell(cell *mine, const session_progress *p) {
+  mine->fraction = p->expected > 0 ? (double)p->step / (double)p->expected : 0;
+  if (mine->began < 0) mine->began = mine->fraction;
+}
+
+void sweep_tell_left(cell *mine, const sweep_end *end) {
+  write_messages(end->messages, mine->text, sizeof mine->text);
+  atomic_store(&mine->left, 1 + (int)end->ran);
+}
+
+void sweep_assign(worker *one, size_t n) {
+  one->n = n;
+  one->started = clock_seconds();
+  for (size_t i = 0; i < n; i++) {
+    one->told[i] = false;
+    one->cells[i].fraction = 0;
+    one->cells[i].began = -1;
+    one->cells[i].text[0] = 0;
+    atomic_store(&one->cells[i].left, 0);
+  }
 }

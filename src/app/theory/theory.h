@@ -66,7 +66,7 @@ typedef struct theory_result {
 
 extern const char *const theory_configurations[4]; /* "++" ... by SD_PP ... */
 
-/* --- theory_case.c, theory_drive.c, theory_solve.c ---------------------------------------------------- */
+/* --- theory_case.c, theory_solve.c ------------------------------------------------------------ */
 /* SD_ERROR_USER: the deck is something else; messages say what and what is expected. */
 sd_status theory_case_read(const sd_model *m, theory_case *c, sd_messages *messages);
 /* The part of it that concerns the motions of the disks with these numbers. */
@@ -75,11 +75,11 @@ sd_status theory_drive_read(const sd_model *m, uint32_t upper, const uint32_t su
 /* Fills all of r that applies, also when it fails: SD_ERROR_USER, SD_ERROR_NUMERIC of sd_sliding_solve. */
 sd_status theory_case_solve(const theory_case *c, theory_result *r, sd_messages *messages);
 
-/* --- theory_page.c, theory_json.c: for people and for programs ------------------------------------------ */
+/* --- theory_page.c: for people and for programs ----------------------------------------------- */
 void theory_page(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r);
 bool theory_json(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r);
 
-/* --- theory_table.c: CSV -------------------------------------------------------------------------------- */
+/* --- theory_solve.c: tables as CSV ------------------------------------------------------------ */
 void theory_table_head(FILE *out, const deck_sweep *s);
 void theory_table_row(FILE *out, const deck_sweep *s, size_t point, const theory_case *c,
                       const theory_result *r);

@@ -15,9 +15,5 @@ typedef struct view_options {
 sd_status view_file(const view_options *o, char **path, bool *made, sd_messages *messages);
 /* view_deck.c: a run before it begins. A deck with mistakes is SD_ERROR_USER, and has a page if it can be shown. */
 sd_status view_deck(const view_options *o, char **path, bool *made, sd_messages *messages);
-/* view_live.c: runs a deck in memory and shows it. */
-sd_status view_live(const view_options *o, sd_messages *messages);
-/* Opens a page or an address in the browser, which is not waited for; says so when there is none. */
-sd_status view_open(const char *page, sd_messages *messages);
 
 #endif

@@ -5,7 +5,6 @@
 #include "app/view/view.h"
 #include "app/view/view_data.h"
 #include "app/view/view_page.h"
-#include "app/view/view_series.h"
 #include "base/memory.h"
 #include "io/results/checkpoint.h"
 

@@ -3,8 +3,10 @@
 
 #include <assert.h>
 #include <errno.h>
+#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 
 static const char place_of_numbers[] = "<!-- slipdisk-data -->";
 enum { LEVEL = 6 }; /* of zlib */
@@ -89,4 +91,21 @@ sd_status view_page_add(view_page *p, const char *name, view_chunk *c, sd_messag
 sd_status view_page_close(view_page *p, sd_status status, sd_messages *messages) {
   if (status == SD_OK && !view_page_tail(p->file.out)) status = fail(p, messages);
   return file_stream_close(&p->file, status, messages);
+}
+
+sd_status view_open(const char *path, sd_messages *messages) {
+  extern char **environ;
+  char *const words[] = {"xdg-open", (char *)path, NULL};
+  pid_t child;
+  int trouble = posix_spawnp(&child, words[0], NULL, NULL, words, environ), how = 0;
+  if (trouble == ENOENT) {
+    sd_warn(messages, "--open: there is no xdg-open here (package xdg-utils); open %s in a browser", path);
+    return SD_OK;
+  }
+  if (trouble != 0)
+    return sd_fail(messages, SD_ERROR_IO, "--open: cannot start xdg-open: %s", strerror(trouble));
+  while (waitpid(child, &how, 0) < 0 && errno == EINTR) continue;
+  if (!WIFEXITED(how) || WEXITSTATUS(how) != 0)
+    sd_warn(messages, "--open: xdg-open has found no browser; open %s in one", path);
+  return SD_OK;
 }

@@ -25,4 +25,7 @@ sd_status view_page_add(view_page *p, const char *name, view_chunk *c, sd_messag
 /* As file_stream_close. */
 sd_status view_page_close(view_page *p, sd_status status, sd_messages *messages);
 
+/* Opens a page or an address in the browser, which is not waited for; says so when there is none. */
+sd_status view_open(const char *page, sd_messages *messages);
+
 #endif
