@@ -4,31 +4,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "io/deck/deck.h"
 #include "io/deck/deck_expression.h"
-#include "io/deck/deck_parts.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_result.h"
-#include "io/deck/deck.h"
-#include "io/store/file.h"
 #include "model/advice.h"
 #include "model/motions.h"
-#include "model/rows.h"
 #include "slipdisk/deck.h"
 
 /* --- the keys of the deck itself --------------------------------------------------------------------------- */
-
-void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages) {
-  if (!(fabs(tilt) > M_PI / 2)) return;
-  char line[24] = "";
-  if (place.line > 0) snprintf(line, sizeof line, ":%d", place.line);
-  sd_warn(
-      messages,
-      "%s%s: gravity.tilt = %.10g: more than a right angle; angles are in radians, degrees are \"%.10g deg\"",
-      place.file ? place.file : d->path, line, tilt, tilt);
-}
 
 static void read_gravity(deck *d) {
   deck_group g;
@@ -45,52 +31,6 @@ static void read_limits(deck *d) {
   deck_group g;
   if (!deck_child(d->root, "limits")) return; /* those of sd_model_new */
   if (deck_enter_one(d, &deck_limits, &g)) deck_fill(&g, &d->model->limits);
-}
-
-/* Edges from the file that the key `file` names, which is read when they are first asked for. */
-typedef struct file_edges {
-  bool tried, found;
-  double lower[2], upper[2];
-} file_edges;
-
-static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
-  const char *name = deck_text_of(g, "file"), *key = c ? "y" : "x";
-  const deck_node *file = deck_get(g, "file");
-  if (!file) deck_fail_key(g, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
-  if (!file || !name) return false;
-  if (!from->tried)
-    from->found = deck_file_format(g->d, name) == DECK_HDF5
-                      ? deck_result_box(g->d, file, from->lower, from->upper)
-                      : deck_lammps_box(g->d, file, from->lower, from->upper);
-  from->tried = true;
-  if (!from->found) return false;
-  edge[0] = from->lower[c];
-  edge[1] = from->upper[c];
-  if (edge[1] > edge[0]) {
-    deck_default_pair(g, key, edge);
-    return true;
-  }
-  deck_fail(g->d, file, "the box of this file is not periodic in %s", key);
-  return false;
-}
-
-void deck_read_box(deck *d) {
-  sd_model *m = d->model;
-  deck_group g;
-  if (!deck_enter_one(d, &deck_box, &g)) return;
-  int periodic = deck_choice(&g, "periodic");
-  for (int c = 0; c < 2; c++) m->periodic[c] = periodic > 0 && periodic >> c & 1;
-  file_edges from = {0};
-  for (int c = 0; c < 2; c++) {
-    const char *key = c ? "y" : "x";
-    double edge[2];
-    bool given = deck_pair(&g, key, edge);
-    if (!given && m->periodic[c] && !deck_get(&g, key)) given = file_edge(&g, &from, c, edge);
-    if (!given) continue;
-    if (!(edge[1] > edge[0])) deck_fail_key(&g, key, "expected (lower, upper) with lower < upper");
-    m->lower[c] = m->region_lower[c] = edge[0];
-    m->upper[c] = m->region_upper[c] = edge[1];
-  }
 }
 
 /* Checked and counted; the model is that of the deck as it stands. */
@@ -163,49 +103,6 @@ static sd_status finish(deck *d, deck_suits *suits) {
   return SD_OK;
 }
 
-/* What deck_open was given, and what to do with it. */
-typedef struct task {
-  const char *text;
-  size_t n_settings;
-  const deck_setting *settings;
-  deck_use *use;
-  void *user;
-} task;
-
-static sd_status open_and_use(deck *d, const task *t) {
-  deck_text scanned = deck_scan(d, t->text, (deck_place){d->path, 1}, false);
-  if (!scanned.broken) d->root = deck_parse(d, &scanned);
-  if (!d->root) return SD_ERROR_USER;
-  d->text = scanned.raw ? scanned.raw : t->text;
-  for (size_t k = 0; k < t->n_settings; k++) deck_override(d, &t->settings[k]);
-  return t->use(d, t->user);
-}
-
-static sd_status no_memory(const deck *d, sd_messages *messages) {
-  if (d->comm) comm_fail(d->comm, "out of memory for the deck"); /* the others would wait */
-  return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", d->path);
-}
-
-sd_status deck_open(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
-                    deck_use *use, void *user, sd_messages *messages) {
-  deck *d = memory_new(1, sizeof *d);
-  d->path = path;
-  d->messages = messages;
-  task t = {text, n_settings, settings, use, user};
-  sd_status status;
-  if (setjmp(d->out_of_memory) == 0)
-    status = open_and_use(d, &t);
-  else
-    status = d->whole && *d->whole ? SD_ERROR_USER : d->lacks_told ? SD_ERROR_IO : no_memory(d, messages);
-  deck_report_rest(d);
-  if (status != SD_OK) sd_model_free(d->model);
-  deck_parse_free(d);
-  deck_memory_free(d);
-  sd_messages_free(d->found);
-  free(d);
-  return status;
-}
-
 typedef struct model_task {
   size_t n_settings;
   const deck_setting *settings;
@@ -263,44 +160,6 @@ sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrid
   return load_text(text, path, n_overrides, overrides, (model_task){0}, out, messages);
 }
 
-/* Reads one byte more than `most` at most, and puts a zero behind. */
-static void read_input(size_t most, char **all, size_t *n) {
-  size_t capacity = 0;
-  for (int c = 0; c != EOF && *n <= most;) {
-    if (*n + 1 >= capacity) *all = memory_grow(*all, capacity = 2 * capacity + LIMIT_LINE, 1);
-    if ((c = getchar()) != EOF) (*all)[(*n)++] = (char)c;
-    (*all)[*n] = 0;
-  }
-}
-
-/* Read once: a command may load its deck several times. */
-static char *standard_input(char trouble[FILE_TROUBLE]) {
-  static char *all;
-  static size_t n;
-  const size_t most = (size_t)LIMIT_DECK * LIMIT_MIB;
-  if (!all) read_input(most, &all, &n);
-  if (n > most)
-    snprintf(trouble, FILE_TROUBLE, "it has more than %d MiB", LIMIT_DECK);
-  else if (strlen(all) < n)
-    snprintf(trouble, FILE_TROUBLE, "not a text (it holds a zero byte)");
-  return n <= most && strlen(all) == n ? memory_text(all) : NULL;
-}
-
-char *deck_file_text(const char *path, sd_messages *messages, sd_status *status) {
-  char *text, trouble[FILE_TROUBLE] = "no memory";
-  if (strcmp(path, "-") == 0) {
-    text = standard_input(trouble);
-    *status = text ? SD_OK : SD_ERROR_USER;
-    if (!text) sd_fail(messages, *status, "the standard input cannot be read: %s", trouble);
-    return text;
-  }
-  *status = file_text(path, (uint64_t)LIMIT_DECK * LIMIT_MIB, &text, trouble);
-  if (!text) sd_fail(messages, *status, "%s: cannot be read: %s", path, trouble);
-  return text;
-}
-
-const char *deck_source(const char *path) { return strcmp(path, "-") == 0 ? "stdin" : path; }
-
 static sd_status load(const char *path, size_t n_overrides, const char *const *overrides, model_task how,
                       sd_model **out, sd_messages *messages) {
   sd_status status;
@@ -354,5 +213,63 @@ sd_status deck_load_for_ranks(const comm *c, const char *text, const char *path,
   if (status == SD_OK) return status;
   sd_model_free(*out);
   *out = NULL;
+  return status;
+}
+
+/* --- sweeps ----------------------------------------------------------------------------------- */
+
+typedef struct reading {
+  deck_sweep *out;
+  sd_messages *messages; /* of a sweep without mistakes */
+} reading;
+
+static sd_status read_sweep_deck(deck *d, void *user) {
+  const reading *r = user;
+  r->out->deck_text = memory_text(d->text);
+  return deck_sweep_read(d, r->out, r->messages) ? SD_OK : SD_ERROR_USER;
+}
+
+static sd_status load_sweep(const char *text, deck_sweep *s, sd_messages *messages) {
+  deck_setting *settings = memory_new(s->n_overrides, sizeof *settings);
+  for (size_t k = 0; k < s->n_overrides; k++) settings[k].text = s->overrides[k];
+  sd_messages *mine = sd_messages_new();
+  reading r = {s, messages};
+  sd_status status = deck_open(text, s->deck_path, s->n_overrides, settings, read_sweep_deck, &r, mine);
+  if (status != SD_OK) {
+    /* the deck as it stands has the same mistakes, and perhaps others: tell all at once */
+    sd_model *model;
+    sd_status again = deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
+    sd_model_free(model);
+    /* what was missing at first is there now; but not the points */
+    status = again != SD_OK ? again : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
+  }
+  sd_messages_free(mine);
+  free(settings);
+  return status;
+}
+
+sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides, deck_sweep *out,
+                          sd_messages *messages) {
+  *out = (deck_sweep){.deck_path = memory_text(deck_source(path))};
+  out->overrides = memory_new(n_overrides, sizeof *out->overrides);
+  sd_status status;
+  char *text = deck_file_text(path, messages, &status);
+  if (!text) return status;
+  for (size_t k = 0; k < n_overrides; k++) out->overrides[out->n_overrides++] = memory_text(overrides[k]);
+  status = load_sweep(text, out, messages);
+  free(text);
+  return status;
+}
+
+sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out, sd_messages *messages) {
+  const sweep_point *p = &s->points[point];
+  size_t n = s->n_overrides + p->n_overrides;
+  deck_setting *all = memory_new(n, sizeof *all);
+  *out = NULL;
+  for (size_t k = 0; k < s->n_overrides; k++) all[k].text = s->overrides[k];
+  for (size_t k = 0; k < p->n_overrides; k++)
+    all[s->n_overrides + k] = (deck_setting){p->overrides[k], {p->places[k].file, p->places[k].line}};
+  sd_status status = deck_load(s->deck_text, s->deck_path, n, all, true, out, messages);
+  free(all);
   return status;
 }

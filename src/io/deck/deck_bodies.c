@@ -1,7 +1,9 @@
 /* deck_bodies.c: names of disks, groups and walls, and which bodies a group of the deck speaks of. See deck_tree.h. */
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "io/deck/deck_read.h"
+#include "io/deck/deck_rows.h"
 
 /* --- one body --------------------------------------------------------------------------------------------- */
 
@@ -134,4 +136,55 @@ deck_bodies deck_select(deck_group *g, bool walls) {
   }
   list.n = kept;
   return list;
+}
+
+/* --- disks ------------------------------------------------------------------------------------ */
+
+int deck_group_number(deck *d, const char *name) {
+  sd_model *m = d->model;
+  if (!name) return -1;
+  uint32_t found;
+  if (deck_index_find(&d->groups, name, &found)) return (int)found;
+  if ((m->n_groups & (m->n_groups - 1)) == 0)
+    m->groups = memory_grow(m->groups, 2 * m->n_groups + 1, sizeof *m->groups);
+  m->groups[m->n_groups] = memory_text(name);
+  deck_index_add(d, &d->groups, deck_copy(d, name, strlen(name)), (uint32_t)m->n_groups);
+  return (int)m->n_groups++;
+}
+
+void deck_note_away(deck *d, int group) {
+  if (group < 0) return;
+  const size_t n = (size_t)group + 1;
+  if (n > d->n_away_groups) d->away_group = deck_more(d, d->away_group, d->n_away_groups, n, sizeof(bool));
+  if (n > d->n_away_groups) d->n_away_groups = n;
+  d->away_group[group] = true;
+}
+
+void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place) {
+  sd_model *m = d->model;
+  size_t capacity = d->disk_capacity;
+  d->disk_place = deck_extend(d, d->disk_place, m->n_disks, &d->disk_capacity, sizeof place);
+  if (d->disk_capacity > capacity) m->disks = deck_grow(d, m->disks, d->disk_capacity, sizeof *m->disks);
+  d->disk_place[m->n_disks] = place;
+  sd_disk *own = &m->disks[m->n_disks++];
+  *own = *disk;
+  own->name = memory_text(name);
+  own->group = deck_group_number(d, group);
+  if (name && !deck_index_add(d, &d->disks, own->name, (uint32_t)(m->n_disks - 1)))
+    deck_fail_place(d, place, "name = \"%s\": two disks have this name", name);
+}
+
+static void drop_motion(sd_model *m, uint32_t disk, int c) {
+  m->disks[disk].velocity[c] = 0.0;
+  for (size_t k = 0; disk < m->n_derivatives && k < SD_DERIVATIVES; k++)
+    if (k / 3 == (size_t)c) m->derivatives[disk][k] = 0.0;
+}
+
+void deck_forget_velocity(deck *d, uint32_t disk, int c) {
+  static const int columns[] = {COLUMN_VX, COLUMN_VY, COLUMN_OMEGA};
+  for (size_t k = 0; k < d->n_file_tables; k++) {
+    const deck_columns *t = &d->file_tables[k];
+    if (t->result && disk >= t->first && disk - t->first < t->n_rows && deck_columns_have(t, columns[c]))
+      drop_motion(d->model, disk, c);
+  }
 }

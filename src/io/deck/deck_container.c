@@ -8,9 +8,58 @@
 
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
+#include "io/deck/deck_result.h"
 #include "model/walls.h"
 
 static const char floor_group[] = "floor";
+
+/* --- box -------------------------------------------------------------------------------------- */
+
+/* Edges from the file that the key `file` names, which is read when they are first asked for. */
+typedef struct file_edges {
+  bool tried, found;
+  double lower[2], upper[2];
+} file_edges;
+
+static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
+  const char *name = deck_text_of(g, "file"), *key = c ? "y" : "x";
+  const deck_node *file = deck_get(g, "file");
+  if (!file) deck_fail_key(g, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
+  if (!file || !name) return false;
+  if (!from->tried)
+    from->found = deck_file_format(g->d, name) == DECK_HDF5
+                      ? deck_result_box(g->d, file, from->lower, from->upper)
+                      : deck_lammps_box(g->d, file, from->lower, from->upper);
+  from->tried = true;
+  if (!from->found) return false;
+  edge[0] = from->lower[c];
+  edge[1] = from->upper[c];
+  if (edge[1] > edge[0]) {
+    deck_default_pair(g, key, edge);
+    return true;
+  }
+  deck_fail(g->d, file, "the box of this file is not periodic in %s", key);
+  return false;
+}
+
+void deck_read_box(deck *d) {
+  sd_model *m = d->model;
+  deck_group g;
+  if (!deck_enter_one(d, &deck_box, &g)) return;
+  int periodic = deck_choice(&g, "periodic");
+  for (int c = 0; c < 2; c++) m->periodic[c] = periodic > 0 && periodic >> c & 1;
+  file_edges from = {0};
+  for (int c = 0; c < 2; c++) {
+    const char *key = c ? "y" : "x";
+    double edge[2];
+    bool given = deck_pair(&g, key, edge);
+    if (!given && m->periodic[c] && !deck_get(&g, key)) given = file_edge(&g, &from, c, edge);
+    if (!given) continue;
+    if (!(edge[1] > edge[0])) deck_fail_key(&g, key, "expected (lower, upper) with lower < upper");
+    m->lower[c] = m->region_lower[c] = edge[0];
+    m->upper[c] = m->region_upper[c] = edge[1];
+  }
+}
 
 /* --- space -------------------------------------------------------------------------------------------------- */
 

@@ -6,9 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/memory.h"
 #include "base/text.h"
-#include "io/deck/deck_parts.h"
+#include "io/deck/deck_rows.h"
 
 /* Disk files up to so many disks are echoed as rows, so that the echo stands on its own. */
 enum { MOST_ECHOED = 1000 };
@@ -54,40 +53,6 @@ static void check_values(deck *d, const values *v) {
       fail_value(d, v, "locked", "a locked coordinate cannot have a velocity");
 }
 
-int deck_group_number(deck *d, const char *name) {
-  sd_model *m = d->model;
-  if (!name) return -1;
-  uint32_t found;
-  if (deck_index_find(&d->groups, name, &found)) return (int)found;
-  if ((m->n_groups & (m->n_groups - 1)) == 0)
-    m->groups = memory_grow(m->groups, 2 * m->n_groups + 1, sizeof *m->groups);
-  m->groups[m->n_groups] = memory_text(name);
-  deck_index_add(d, &d->groups, deck_copy(d, name, strlen(name)), (uint32_t)m->n_groups);
-  return (int)m->n_groups++;
-}
-
-void deck_note_away(deck *d, int group) {
-  if (group < 0) return;
-  const size_t n = (size_t)group + 1;
-  if (n > d->n_away_groups) d->away_group = deck_more(d, d->away_group, d->n_away_groups, n, sizeof(bool));
-  if (n > d->n_away_groups) d->n_away_groups = n;
-  d->away_group[group] = true;
-}
-
-void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place) {
-  sd_model *m = d->model;
-  size_t capacity = d->disk_capacity;
-  d->disk_place = deck_extend(d, d->disk_place, m->n_disks, &d->disk_capacity, sizeof place);
-  if (d->disk_capacity > capacity) m->disks = deck_grow(d, m->disks, d->disk_capacity, sizeof *m->disks);
-  d->disk_place[m->n_disks] = place;
-  sd_disk *own = &m->disks[m->n_disks++];
-  *own = *disk;
-  own->name = memory_text(name);
-  own->group = deck_group_number(d, group);
-  if (name && !deck_index_add(d, &d->disks, own->name, (uint32_t)(m->n_disks - 1)))
-    deck_fail_place(d, place, "name = \"%s\": two disks have this name", name);
-}
-
 static void add_disk(deck *d, const values *v) {
   if (!v->broken) check_values(d, v);
   const double *x = v->number;
@@ -111,15 +76,9 @@ static void add_disk(deck *d, const values *v) {
 
 /* --- groups of the deck ---------------------------------------------------------------------------------- */
 
-static bool has_column(const deck_columns *t, int column) {
-  for (size_t k = 0; k < t->n_columns; k++)
-    if (t->column[k] == column) return true;
-  return false;
-}
-
 /* A value that is a column is not asked for in the group, and may not stand there too. */
 static bool common(deck_group *g, const deck_columns *t, int column) {
-  if (!has_column(t, column)) return true;
+  if (!deck_columns_have(t, column)) return true;
   if (deck_given(g, deck_column_names[column]))
     deck_fail_key(g, deck_column_names[column], "given here and as a column; expected one of them");
   return false;
@@ -203,30 +162,13 @@ deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) 
   return t;
 }
 
-void deck_read_disks(deck *d) {
+void deck_read_single_disks(deck *d) {
   static const deck_columns none;
   deck_group g;
   for (size_t k = 0; deck_next(d, &deck_disks, &k, &g);) {
     values v = read_common(&g, &none);
     add_disk(d, &v);
   }
-  deck_node *list = deck_groups(d, d->root, "disk_rows");
-  for (size_t k = 0; list && k < list->n; k++) deck_read_table(d, list->child[k], &deck_disk_rows);
-  list = deck_groups(d, d->root, "disk_files");
-  d->n_file_tables = list ? list->n : 0;
-  d->file_tables = deck_alloc(d, d->n_file_tables, sizeof(deck_columns));
-  for (size_t k = 0; list && k < list->n; k++) {
-    const bool last = k + 1 == list->n;
-    if (last) deck_meet(d);
-    if (last && deck_parts_begin(d, k)) break;
-    d->file_tables[k] = deck_read_table(d, list->child[k], &deck_disk_files);
-    if (last) deck_parts_note(d, k, &d->file_tables[k]);
-  }
-  bool tried = deck_child(d->root, "disks") && deck_child(d->root, "disks")->type != DECK_LIST; /* reported */
-  if (d->model->n_disks == 0 && !tried && !deck_child(d->root, "disk_files") &&
-      !deck_child(d->root, "packings"))
-    deck_fail_child(d, d->root, "disks",
-                    "missing: expected at least one disk, in disks, disk_rows, disk_files or packings");
 }
 
 /* --- the echo of short files ------------------------------------------------------------------------------ */
@@ -295,21 +237,6 @@ void deck_read_forces(deck *d) {
       sum[1] += force[1];
       sum[2] += torque;
     }
-  }
-}
-
-static void drop_motion(sd_model *m, uint32_t disk, int c) {
-  m->disks[disk].velocity[c] = 0.0;
-  for (size_t k = 0; disk < m->n_derivatives && k < SD_DERIVATIVES; k++)
-    if (k / 3 == (size_t)c) m->derivatives[disk][k] = 0.0;
-}
-
-void deck_forget_velocity(deck *d, uint32_t disk, int c) {
-  static const int columns[] = {COLUMN_VX, COLUMN_VY, COLUMN_OMEGA};
-  for (size_t k = 0; k < d->n_file_tables; k++) {
-    const deck_columns *t = &d->file_tables[k];
-    if (t->result && disk >= t->first && disk - t->first < t->n_rows && has_column(t, columns[c]))
-      drop_motion(d->model, disk, c);
   }
 }
 

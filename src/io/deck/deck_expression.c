@@ -400,3 +400,60 @@ void deck_read_constants(deck *d) {
   struct deck_constants *c = constants_of(d);
   for (size_t k = 0; k < c->index.n; k++) read_constant(d, c, k);
 }
+
+/* --- numbers of the deck ---------------------------------------------------------------------- */
+
+/* Behind "expected a number". Kinds of values differ in words: a sweep tells of each once. */
+static const char *but_not(const deck_node *node) {
+  switch (node->type) {
+    case DECK_BOOL: return ", not true or false";
+    case DECK_LIST: return ", not a list";
+    case DECK_GROUP: return ", not a group";
+    default: return "";
+  }
+}
+
+/* Behind a text in the echo, where the text does not say it: not "0.04 pi" of an angle. */
+static const char *computed_value(deck *d, const char *text, bool angle, double x) {
+  bool real;
+  double same;
+  if (deck_number_length(text, &real) == strlen(text)) return NULL;
+  if (angle && !strchr(text, '(') && deck_arithmetic(d, text, &same)) return NULL;
+  char value[32];
+  deck_number_text(x, value);
+  size_t n = strlen(value);
+  return deck_copy(d, value, n > 2 && strcmp(value + n - 2, ".0") == 0 ? n - 2 : n);
+}
+
+static bool text_number(deck *d, deck_node *node, bool angle, double *x) {
+  const char *wrong = deck_expression(d, node->value.text, DECK_NAMES_CONSTANTS, angle, x);
+  if (!wrong && !deck_in_range(DECK_ANY, *x))
+    wrong = deck_format(d, "it is %g; expected a number %s", *x, deck_expected(DECK_ANY, *x));
+  if (!wrong) {
+    node->remark = computed_value(d, node->value.text, angle, *x);
+    return true;
+  }
+  if (*wrong) deck_fail(d, node, "%s", wrong);
+  *x = 0;
+  return false;
+}
+
+bool deck_value_number(deck *d, deck_node *node, bool angle, double *x) {
+  *x = 0;
+  if (node->type == DECK_INT) {
+    node->type = DECK_FLOAT;
+    node->value.number = (double)node->value.integer;
+  }
+  if (node->type == DECK_FLOAT) {
+    *x = node->value.number;
+    if (deck_in_range(DECK_ANY, *x)) return true;
+    deck_fail(d, node, "expected a number %s", deck_expected(DECK_ANY, *x));
+    return false;
+  }
+  if (node->type == DECK_STRING) return text_number(d, node, angle, x);
+  if (angle)
+    deck_fail(d, node, "expected a number or a text such as \"0.04 pi\" or \"7.2 deg\"%s", but_not(node));
+  else
+    deck_fail(d, node, "expected a number%s", but_not(node));
+  return false;
+}

@@ -13,6 +13,9 @@ typedef enum deck_names { DECK_NAMES_NONE, DECK_NAMES_CONSTANTS, DECK_NAMES_ANY 
 const char *deck_expression(deck *d, const char *text, deck_names names, bool angle, double *x);
 /* The same without words. */
 bool deck_arithmetic(deck *d, const char *text, double *x);
+/* A value of the deck as a number; an integer turns into a float in the tree, arithmetic stays a text. angle: deg and rad may
+ * stand in it. */
+bool deck_value_number(deck *d, deck_node *node, bool angle, double *x);
 /* Length of the number at p, 0 when it is none; *real: it has a point or an exponent. */
 size_t deck_number_length(const char *p, bool *real);
 

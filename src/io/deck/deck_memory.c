@@ -107,21 +107,6 @@ static our_walls list_walls(deck *d) {
 
 /* --- contacts ------------------------------------------------------------------------------------------- */
 
-double deck_result_shift(const deck_result *r, size_t row) {
-  double total = r->turn[row] + r->theta[row];
-  return (total - 8.0 * nearbyint(total / 8.0)) - r->theta[row];
-}
-
-sd_contact_memory deck_result_contact(const deck_result *r, size_t k) {
-  double record[SD_CONTACT_ALL];
-  sd_contact_memory c = {
-      .a = r->a[k], .b = r->b[k], .part = r->part[k], .slide = r->slide[k], .side = r->side[k]};
-  for (size_t n = 0; n < SD_CONTACT_ALL; n++) record[n] = r->record[n][k];
-  memcpy(&c.record, record, sizeof record);
-  if (!r->rolls) c.record.rho_ref = NAN; /* the spring of rolling begins relaxed */
-  return c;
-}
-
 /* Places the walls of the model that the file has, and tells which they are. */
 static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_wall *walls) {
   const deck_result *r = t->result;
@@ -144,10 +129,6 @@ static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_w
     place_wall(ours, t, k, w);
   }
   return walls;
-}
-
-bool deck_contact_is_kept(const sd_contact_memory *c, const sd_tile_wall *wall) {
-  return !wall || (wall->known && (wall->pieces == 0 || c->part - wall->first < wall->pieces));
 }
 
 /* R_b: negative inside a round wall or an arc, 0 of straight pieces and ends. */

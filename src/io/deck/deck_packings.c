@@ -9,12 +9,12 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "io/deck/deck_clumps.h"
-#include "io/deck/deck_sizes.h"
+#include "io/deck/deck_values.h"
+#include "model/rows.h"
 #include "pack/front.h"
 #include "pack/place.h"
 #include "pack/rain.h"
 #include "pack/sizes.h"
-#include "model/rows.h"
 #include "pack/tiles.h"
 
 /* Densest packing of equal disks, pi/sqrt(12). */

@@ -11,9 +11,9 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "io/deck/deck.h"
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_result.h"
-#include "io/deck/deck.h"
 #include "io/store/file.h"
 #include "model/rows.h"
 #include "slipdisk/deck.h"
@@ -400,4 +400,27 @@ bool deck_parts_contacts(deck *d, size_t *lost, uint32_t *first) {
   const double before = -comm_largest(d->comm, -c.first);
   *first = (uint32_t)comm_largest(d->comm, before == c.first && *lost > 0 ? c.wall : 0.0);
   return true;
+}
+
+/* --- all disks of the deck -------------------------------------------------------------------- */
+
+void deck_read_disks(deck *d) {
+  deck_read_single_disks(d);
+  deck_node *list = deck_groups(d, d->root, "disk_rows");
+  for (size_t k = 0; list && k < list->n; k++) deck_read_table(d, list->child[k], &deck_disk_rows);
+  list = deck_groups(d, d->root, "disk_files");
+  d->n_file_tables = list ? list->n : 0;
+  d->file_tables = deck_alloc(d, d->n_file_tables, sizeof(deck_columns));
+  for (size_t k = 0; list && k < list->n; k++) {
+    const bool last = k + 1 == list->n;
+    if (last) deck_meet(d);
+    if (last && deck_parts_begin(d, k)) break;
+    d->file_tables[k] = deck_read_table(d, list->child[k], &deck_disk_files);
+    if (last) deck_parts_note(d, k, &d->file_tables[k]);
+  }
+  bool tried = deck_child(d->root, "disks") && deck_child(d->root, "disks")->type != DECK_LIST; /* reported */
+  if (d->model->n_disks == 0 && !tried && !deck_child(d->root, "disk_files") &&
+      !deck_child(d->root, "packings"))
+    deck_fail_child(d, d->root, "disks",
+                    "missing: expected at least one disk, in disks, disk_rows, disk_files or packings");
 }

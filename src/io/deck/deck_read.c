@@ -10,10 +10,6 @@
 
 /* --- groups --------------------------------------------------------------------------------------------- */
 
-const char *deck_hint(deck *d, const guess *g) {
-  return g->best ? deck_format(d, "; did you mean \"%s\"?", g->best) : "";
-}
-
 /* "; expected g or tilt" for a table of few keys, "" for a longer one. */
 static const char *keys_of(deck *d, const deck_table *table) {
   enum { FEW = 8 };
@@ -180,61 +176,6 @@ static deck_node *find(deck_group *g, const char *name, const deck_key **key) {
 
 /* --- values --------------------------------------------------------------------------------------------- */
 
-/* Behind "expected a number". Kinds of values differ in words: a sweep tells of each once. */
-static const char *but_not(const deck_node *node) {
-  switch (node->type) {
-    case DECK_BOOL: return ", not true or false";
-    case DECK_LIST: return ", not a list";
-    case DECK_GROUP: return ", not a group";
-    default: return "";
-  }
-}
-
-/* Behind a text in the echo, where the text does not say it: not "0.04 pi" of an angle. */
-static const char *computed_value(deck *d, const char *text, bool angle, double x) {
-  bool real;
-  double same;
-  if (deck_number_length(text, &real) == strlen(text)) return NULL;
-  if (angle && !strchr(text, '(') && deck_arithmetic(d, text, &same)) return NULL;
-  char value[32];
-  deck_number_text(x, value);
-  size_t n = strlen(value);
-  return deck_copy(d, value, n > 2 && strcmp(value + n - 2, ".0") == 0 ? n - 2 : n);
-}
-
-static bool text_number(deck *d, deck_node *node, bool angle, double *x) {
-  const char *wrong = deck_expression(d, node->value.text, DECK_NAMES_CONSTANTS, angle, x);
-  if (!wrong && !deck_in_range(DECK_ANY, *x))
-    wrong = deck_format(d, "it is %g; expected a number %s", *x, deck_expected(DECK_ANY, *x));
-  if (!wrong) {
-    node->remark = computed_value(d, node->value.text, angle, *x);
-    return true;
-  }
-  if (*wrong) deck_fail(d, node, "%s", wrong);
-  *x = 0;
-  return false;
-}
-
-bool deck_value_number(deck *d, deck_node *node, bool angle, double *x) {
-  *x = 0;
-  if (node->type == DECK_INT) {
-    node->type = DECK_FLOAT;
-    node->value.number = (double)node->value.integer;
-  }
-  if (node->type == DECK_FLOAT) {
-    *x = node->value.number;
-    if (deck_in_range(DECK_ANY, *x)) return true;
-    deck_fail(d, node, "expected a number %s", deck_expected(DECK_ANY, *x));
-    return false;
-  }
-  if (node->type == DECK_STRING) return text_number(d, node, angle, x);
-  if (angle)
-    deck_fail(d, node, "expected a number or a text such as \"0.04 pi\" or \"7.2 deg\"%s", but_not(node));
-  else
-    deck_fail(d, node, "expected a number%s", but_not(node));
-  return false;
-}
-
 /* "it is 0.3; " of arithmetic. */
 static const char *computed(deck *d, const deck_node *node) {
   return node->remark ? deck_format(d, "it is %s; ", node->remark) : "";
@@ -255,7 +196,8 @@ int64_t deck_integer(deck_group *g, const char *name) {
   deck_node *node = find(g, name, &key);
   if (!node) return key->range == DECK_AT_LEAST_1;
   double x = node->type == DECK_FLOAT ? node->value.number : 0.5;
-  if (node->type == DECK_STRING && !text_number(g->d, node, false, &x)) return key->range == DECK_AT_LEAST_1;
+  if (node->type == DECK_STRING && !deck_value_number(g->d, node, false, &x))
+    return key->range == DECK_AT_LEAST_1;
   /* 5e8 is a whole number too; beyond 2^53 a float no longer says which one is meant */
   bool whole = x == floor(x) && fabs(x) <= 9007199254740992.0;
   if (whole && node->type == DECK_FLOAT) {
@@ -449,4 +391,14 @@ bool deck_fill(deck_group *g, void *members) {
     if (kind[j] && chooser[j]->target == DECK_SETS_ENUM)
       *(int *)((char *)members + chooser[j]->offset) = kind[j]->kind;
   return known;
+}
+
+void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages) {
+  if (!(fabs(tilt) > M_PI / 2)) return;
+  char line[24] = "";
+  if (place.line > 0) snprintf(line, sizeof line, ":%d", place.line);
+  sd_warn(
+      messages,
+      "%s%s: gravity.tilt = %.10g: more than a right angle; angles are in radians, degrees are \"%.10g deg\"",
+      place.file ? place.file : d->path, line, tilt, tilt);
 }

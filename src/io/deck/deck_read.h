@@ -8,7 +8,7 @@
 #define SLIPDISK_IO_DECK_READ_H
 
 #include "base/text.h"
-#include "io/deck/deck_tree.h"
+#include "io/deck/deck_expression.h"
 #include "io/deck/deck_keys.h"
 #include "io/deck/deck_values.h"
 
@@ -53,10 +53,6 @@ void deck_default_text(deck_group *g, const char *key, const char *value);
 void deck_default_pair(deck_group *g, const char *key, const double pair[2]);
 deck_node *deck_default_list(deck_group *g, const char *key);
 
-/* One value as a number; an integer turns into a float in the tree, arithmetic stays a text. angle: deg and rad may
- * stand in it. */
-bool deck_value_number(deck *d, deck_node *node, bool angle, double *x);
-
 /* The elements of a list, or the one value itself. */
 size_t deck_each_count(const deck_node *node);
 deck_node *deck_each(deck_node *node, size_t k);
@@ -71,10 +67,10 @@ const char *deck_one_of(deck_group *g, const char *expected);
  * has them. Defaults that depend on other keys are put in before. False: a kind is missing (reported). */
 bool deck_fill(deck_group *g, void *members);
 
-/* Hint for a key that the table lacks and another program has; NULL: none. deck_words.c. */
+/* Hint for a key that the table lacks and another program has; NULL: none. deck_keys.c. */
 const char *deck_other_word(deck *d, const deck_table *table, const char *word);
 
-/* "; did you mean "..."?", or "". */
-const char *deck_hint(deck *d, const guess *g);
+/* A tilt written as a number that is beyond a right angle: degrees may have been meant. */
+void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages);
 
 #endif

@@ -7,6 +7,7 @@
  *   wall NAME  PIECES ANGLE SCALE  kind, closed, inside, radius, pivot, points
  */
 #include "base/limits.h"
+#include "io/deck/deck.h"
 #include "io/deck/deck_result.h"
 
 #include <math.h>
@@ -518,4 +519,25 @@ bool deck_result_box(deck *d, const deck_node *node, double lower[2], double upp
   h5_close(file, NULL);
   if (!found && wrong == 0) deck_fail(d, node, "this file has no edges in the box of a group of /particles");
   return found;
+}
+
+/* --- contacts of a result --------------------------------------------------------------------- */
+
+double deck_result_shift(const deck_result *r, size_t row) {
+  double total = r->turn[row] + r->theta[row];
+  return (total - 8.0 * nearbyint(total / 8.0)) - r->theta[row];
+}
+
+sd_contact_memory deck_result_contact(const deck_result *r, size_t k) {
+  double record[SD_CONTACT_ALL];
+  sd_contact_memory c = {
+      .a = r->a[k], .b = r->b[k], .part = r->part[k], .slide = r->slide[k], .side = r->side[k]};
+  for (size_t n = 0; n < SD_CONTACT_ALL; n++) record[n] = r->record[n][k];
+  memcpy(&c.record, record, sizeof record);
+  if (!r->rolls) c.record.rho_ref = NAN; /* the spring of rolling begins relaxed */
+  return c;
+}
+
+bool deck_contact_is_kept(const sd_contact_memory *c, const sd_tile_wall *wall) {
+  return !wall || (wall->known && (wall->pieces == 0 || c->part - wall->first < wall->pieces));
 }

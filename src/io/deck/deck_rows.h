@@ -44,6 +44,10 @@ typedef struct deck_columns {
   const deck_node *file; /* for messages */
 } deck_columns;
 
+bool deck_columns_have(const deck_columns *table, int column);
+
+/* Reads and pushes the entries of `disks`. deck_disks.c. */
+void deck_read_single_disks(deck *d);
 /* Reads an entry of disk_rows or disk_files, and pushes its disks: those of d->asked. deck_disks.c. */
 deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table);
 

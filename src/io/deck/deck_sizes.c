@@ -1,5 +1,5 @@
-/* deck_sizes.c: see deck_sizes.h. */
-#include "io/deck/deck_sizes.h"
+/* deck_sizes.c: sizes of the disks of a packing; see deck_values.h. */
+#include "io/deck/deck_values.h"
 
 #include <math.h>
 

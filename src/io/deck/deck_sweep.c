@@ -11,6 +11,7 @@
 
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_grid.h"
+#include "io/deck/deck_read.h"
 #include "io/store/file.h"
 #include "slipdisk/deck.h"
 
@@ -308,53 +309,14 @@ static void warn_of_tilts(const deck *d, const deck_grids *all, sd_messages *mes
     }
 }
 
-typedef struct reading {
-  deck_sweep *out;
-  sd_messages *messages; /* of a sweep without mistakes */
-} reading;
-
-static sd_status read_deck(deck *d, void *user) {
-  const reading *r = user;
+bool deck_sweep_read(deck *d, deck_sweep *out, sd_messages *messages) {
   size_t reported = d->reported;
-  r->out->deck_text = memory_text(d->text);
   deck_grids all = deck_read_grids(d);
-  expand(d, all, reported, r->out);
-  if (d->reported > 0) return SD_ERROR_USER;
-  warn_of_overrides(d, &all, r->out, r->messages);
-  warn_of_tilts(d, &all, r->messages);
-  return SD_OK;
-}
-
-static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
-  deck_setting *settings = memory_new(s->n_overrides, sizeof *settings);
-  for (size_t k = 0; k < s->n_overrides; k++) settings[k].text = s->overrides[k];
-  sd_messages *mine = sd_messages_new();
-  reading r = {s, messages};
-  sd_status status = deck_open(text, s->deck_path, s->n_overrides, settings, read_deck, &r, mine);
-  if (status != SD_OK) {
-    /* the deck as it stands has the same mistakes, and perhaps others: tell all at once */
-    sd_model *model;
-    sd_status again = deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
-    sd_model_free(model);
-    /* what was missing at first is there now; but not the points */
-    status = again != SD_OK ? again : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
-  }
-  sd_messages_free(mine);
-  free(settings);
-  return status;
-}
-
-sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides, deck_sweep *out,
-                          sd_messages *messages) {
-  *out = (deck_sweep){.deck_path = memory_text(deck_source(path))};
-  out->overrides = memory_new(n_overrides, sizeof *out->overrides);
-  sd_status status;
-  char *text = deck_file_text(path, messages, &status);
-  if (!text) return status;
-  for (size_t k = 0; k < n_overrides; k++) out->overrides[out->n_overrides++] = memory_text(overrides[k]);
-  status = load(text, out, messages);
-  free(text);
-  return status;
+  expand(d, all, reported, out);
+  if (d->reported > 0) return false;
+  warn_of_overrides(d, &all, out, messages);
+  warn_of_tilts(d, &all, messages);
+  return true;
 }
 
 size_t deck_sweep_count(deck *d) {
@@ -383,17 +345,4 @@ void deck_sweep_free(deck_sweep *s) {
   free(s->deck_path);
   free(s->deck_text);
   *s = (deck_sweep){0};
-}
-
-sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out, sd_messages *messages) {
-  const sweep_point *p = &s->points[point];
-  size_t n = s->n_overrides + p->n_overrides;
-  deck_setting *all = memory_new(n, sizeof *all);
-  *out = NULL;
-  for (size_t k = 0; k < s->n_overrides; k++) all[k].text = s->overrides[k];
-  for (size_t k = 0; k < p->n_overrides; k++)
-    all[s->n_overrides + k] = (deck_setting){p->overrides[k], {p->places[k].file, p->places[k].line}};
-  sd_status status = deck_load(s->deck_text, s->deck_path, n, all, true, out, messages);
-  free(all);
-  return status;
 }

@@ -51,6 +51,7 @@ struct deck_table;
 struct deck_container_values;
 struct guess;
 struct deck_constants;
+struct deck_sweep;
 
 typedef struct deck_node {
   const char *name; /* NULL in a list and at the root */
@@ -140,18 +141,13 @@ typedef struct deck {
   size_t motion_capacity;
 } deck;
 
-/* --- deck.c ------------------------------------------------------------------------------------------- */
+/* --- deck_open.c ------------------------------------------------------------------------------ */
 
 /* Scans and parses the text, applies the settings, and hands the tree to use; frees all but what use has kept.
  * When use fails, or memory runs out in it, d->model is freed too. */
 typedef sd_status deck_use(deck *d, void *user);
 sd_status deck_open(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
                     deck_use *use, void *user, sd_messages *messages);
-/* The model of a deck with these settings. point: it is a point of the deck's sweep, which is known to be right. */
-sd_status deck_load(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
-                    bool point, sd_model **out, sd_messages *messages);
-/* A tilt written as a number that is beyond a right angle: degrees may have been meant. */
-void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages);
 
 /* --- deck_node.c: memory, nodes, messages ----------------------------------------------------------- */
 
@@ -210,7 +206,7 @@ bool deck_told(const deck *d);
 /* How many errors were counted and not shown. */
 void deck_report_rest(deck *d);
 
-/* --- deck_index.c ------------------------------------------------------------------------------------- */
+/* --- deck_node.c: numbers by name ------------------------------------------------------------- */
 
 /* The number that the name has; false: none. */
 bool deck_index_find(const deck_index *x, const char *name, uint32_t *number);
@@ -222,6 +218,8 @@ bool deck_index_look_up(deck *d, const deck_index *x, const char *what, const de
                         const char *remark, uint32_t *number);
 /* "; there are "a" and "b"", when there are few names. */
 const char *deck_index_list(deck *d, const deck_index *x);
+/* "; did you mean "..."?", or "". */
+const char *deck_hint(deck *d, const struct guess *g);
 /* The nearest of its names. */
 void deck_index_guess(const deck *d, const deck_index *x, struct guess *near);
 
@@ -274,6 +272,14 @@ const char *deck_value_text(deck *d, const deck_node *node);
 
 /* Reads the group `sweep`, and counts its points; 0: it has none, or mistakes (reported). */
 size_t deck_sweep_count(deck *d);
+/* The same, and warnings of what it sets; the points and where they stand are put into *out. False:
+ * mistakes (reported). */
+bool deck_sweep_read(deck *d, struct deck_sweep *out, sd_messages *messages);
+
+/* --- deck.c ----------------------------------------------------------------------------------- */
+/* The model of a deck with these settings. point: it is a point of the deck's sweep, which is known to be right. */
+sd_status deck_load(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
+                    bool point, sd_model **out, sd_messages *messages);
 
 /* --- model parts --------------------------------------------------------------------------------------- */
 

@@ -2,8 +2,11 @@
 #ifndef SLIPDISK_IO_DECK_VALUES_H
 #define SLIPDISK_IO_DECK_VALUES_H
 
+#include "io/deck/deck_read.h"
 #include "pack/place.h"
 #include "pack/sizes.h"
+
+struct deck_group;
 
 typedef struct deck_container_values {
   sd_container_kind kind;
@@ -24,5 +27,10 @@ typedef struct deck_packing_values {
   double mass, density; /* one is 0 */
   sizes sizes;
 } deck_packing_values;
+
+/* --- the radii of a packing, as its entry of the deck gives them ------------------------------ */
+
+/* Completes a distribution whose keys are read: its limits, and the radii and weights of a list. Reports what is wrong. */
+void deck_finish_sizes(struct deck_group *g, sizes *s);
 
 #endif
