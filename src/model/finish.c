@@ -10,6 +10,7 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "model/advice.h"
+#include "model/arc.h"
 #include "model/cell.h"
 #include "model/clumps.h"
 #include "model/field_kinds.h"

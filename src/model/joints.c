@@ -6,8 +6,8 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "model/arc.h"
 #include "model/motions.h"
-#include "model/walls.h"
 
 /* --- ends ----------------------------------------------------------------------------------------------- */
 

@@ -1,4 +1,5 @@
 /* loads.c: walls that the disks move: on which side they have them, and what can be said before a run; see finish.h. */
+#include "model/arc.h"
 #include "model/finish.h"
 
 #include <math.h>
@@ -6,7 +7,6 @@
 #include "model/motions.h"
 #include "model/normal_laws.h"
 #include "model/rows.h"
-#include "model/walls.h"
 
 /* Mean of the free disks in play; of the region when there are none. */
 static void middle(const sd_model *m, double at[2]) {

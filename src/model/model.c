@@ -9,11 +9,11 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "model/arc.h"
 #include "model/field_kinds.h"
 #include "model/keys.h"
 #include "model/motions.h"
 #include "model/rows.h"
-#include "model/walls.h"
 #include "slipdisk/deck.h"
 
 sd_model *sd_model_new(void) {

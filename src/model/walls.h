@@ -29,20 +29,6 @@ static inline void wall_set_pivot(sd_wall *w) {
   }
 }
 
-/* --- arcs ------------------------------------------------------------------------------------- */
-
-/* Points of the picture, evenly spaced from end to end; a whole turn, with room for its rounding. */
-enum { ARC_POINTS = 129 };
-#define ARC_RING 6.283185307179588
-
-/* Is it a ring, without ends? */
-bool arc_is_ring(const sd_wall *arc);
-/* Fills the ARC_POINTS points. */
-void arc_trace(sd_wall *arc);
-/* Its three pieces, numbered from `number` on. */
-void arc_pieces(const sd_wall *arc, uint32_t body, sd_segment piece[3], int64_t number);
-double arc_distance(const sd_wall *arc, const double at[2]);
-
 /* --- periodic boxes --------------------------------------------------------------------------- */
 
 /* Each straight piece and each arc repeats with the box; a disk meets the nearest image of

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "model/arc.h"
 #include "model/walls.h"
 
 /* --- the inside of a container ---------------------------------------------------------------------------- */

@@ -12,13 +12,16 @@ import sys
 import unittest
 
 BUILD = pathlib.Path(os.environ["SLIPDISK_BUILD_DIR"])
+SRC = pathlib.Path(os.environ["SLIPDISK_SOURCE_DIR"]) / "src"
 
 
 def objects():
     """name of a file below src/ -> its object files: kernels are compiled once per instruction set."""
     found = collections.defaultdict(list)
     for path in BUILD.glob("CMakeFiles/*.dir/src/**/*.c.o"):
-        found[path.as_posix().split(".dir/src/")[1].removesuffix(".o")].append(path)
+        name = path.as_posix().split(".dir/src/")[1].removesuffix(".o")
+        if (SRC / name).exists():  # the objects of files that are gone stay in the build tree
+            found[name].append(path)
     return found
 
 

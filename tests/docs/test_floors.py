@@ -20,7 +20,7 @@ SRC = ROOT / "src"
 ROOMS = {"physics": ["system", "contact", "neighbours", "motion", "step", "small"], "io": ["store", "results", "deck"]}
 # Headers of a room that files outside may include.
 DOORS = {"io/deck": ["deck"], "io/store": ["file", "folder", "h5"],
-         "io/results": ["checkpoint", "constants_laws", "frames", "merge", "provenance", "record", "record_share", "summary"],
+         "io/results": ["checkpoint", "constants", "frames", "merge", "provenance", "record", "record_share", "summary"],
          "app/check": [], "app/export": [], "app/measure": ["measure"], "app/sweep": ["sweep"], "app/theory": [],
          "app/view": ["live"]}
 FLOORS = ["base", "model", "physics", "pack", "theory", "measure", "io", "run", "app"]

@@ -10,9 +10,9 @@
 #include "io/deck/deck.h"
 #include "io/deck/deck_parts.h"
 #include "io/deck/deck_result.h"
+#include "model/arc.h"
 #include "model/law_features.h"
 #include "model/laws.h"
-#include "model/walls.h"
 #include "slipdisk/deck.h"
 
 #define NOWHERE UINT32_MAX /* of a body number */

@@ -16,7 +16,7 @@
 
 #include "base/memory.h"
 #include "io/results/checkpoint.h"
-#include "io/results/constants_laws.h"
+#include "io/results/constants.h"
 #include "io/store/file.h"
 #include "model/cell.h"
 #include "model/law_features.h"

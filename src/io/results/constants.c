@@ -8,11 +8,9 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "io/results/constants_laws.h"
 #include "io/results/provenance.h"
 #include "io/results/trajectory.h"
 #include "io/store/members.h"
-#include "model/law_features.h"
 #include "model/rows.h"
 #include "slipdisk/deck.h"
 

@@ -1,5 +1,5 @@
-/* constants_laws.c: see constants_laws.h. */
-#include "io/results/constants_laws.h"
+/* constants_laws.c: the laws of contacts in the constants of a result; see constants.h. */
+#include "io/results/constants.h"
 
 #include <stddef.h>
 #include <stdlib.h>

@@ -7,10 +7,10 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "io/store/file.h"
-#include "io/store/folder.h"
 #include "io/results/constants.h"
 #include "io/results/series.h"
+#include "io/store/file.h"
+#include "io/store/folder.h"
 
 /* Rows are copied in pieces of at most this many bytes. */
 enum { PIECE_BYTES = 32 << 20 };

@@ -1,6 +1,6 @@
 /* provenance.c: see provenance.h. */
-#include "slipdisk/deck.h"
 #include "io/results/provenance.h"
+#include "slipdisk/deck.h"
 
 #include <fcntl.h>
 #include <gsl/gsl_version.h>

@@ -62,14 +62,6 @@ void h5_note(h5_file *file, const char *path, const char *attr, const void *data
   e->sum += h5_sum(data, n, element, first);
 }
 
-void h5_journal_free(h5_file *file) {
-  for (size_t k = 0; k < file->n_entries; k++) {
-    free(file->journal[k].path);
-    free(file->journal[k].attr);
-  }
-  free(file->journal);
-}
-
 /* --- reading back ----------------------------------------------------------------------------------- */
 
 /* Texts are summed byte by byte. */

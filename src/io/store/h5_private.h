@@ -47,7 +47,6 @@ typedef struct h5_loan {
 /* Loans stand at multiples of this, so that the seal's words do not straddle their borders. */
 enum { H5_LOAN_LEAST = 64 << 10, H5_LOAN_ALIGNED = 4096, H5_LOAN_WORD = 8 };
 
-/* Of a file with shares, h5_shares.c. */
 typedef struct h5_shares h5_shares;
 typedef struct h5_shared_set h5_shared_set;
 
@@ -69,11 +68,27 @@ struct h5_file {
   size_t n_entries, most_entries;
 };
 
+/* --- h5_file.c -------------------------------------------------------------------------------- */
+static inline hid_t h5_native(sd_type type) {
+  switch (type) {
+    case SD_F64: return H5T_NATIVE_DOUBLE;
+    case SD_I64: return H5T_NATIVE_INT64;
+    case SD_I32: return H5T_NATIVE_INT32;
+    case SD_U32: return H5T_NATIVE_UINT32;
+  }
+  return H5I_INVALID_HID;
+}
+
 /* An empty record of a file, and its end. */
 h5_file *h5_allocate(const char *path);
 void h5_release(h5_file *file);
 /* Writes rows that are still held, or in the chunk caches. */
 void h5_flush_sets(h5_file *file);
+
+/* Flushes and closes; what went wrong while writing is reported. The file is still to be released. */
+sd_status h5_end(h5_file *file, sd_messages *messages);
+/* Remembers the first failure, of what is at path. */
+void h5_require(h5_file *file, bool good, const char *path);
 
 /* --- h5_journal.c ----------------------------------------------------------------------------------- */
 /* Sum over elements, each with its place, so that pieces add up in any order. */
@@ -85,7 +100,6 @@ void h5_note(h5_file *file, const char *path, const char *attr, const void *data
              uint64_t first);
 /* Is what `file` (just opened) holds what the journal of `written` says? */
 sd_status h5_compare(const h5_file *file, const h5_file *written, sd_messages *messages);
-void h5_journal_free(h5_file *file);
 
 /* --- h5_seal.c -------------------------------------------------------------------------------------- */
 typedef struct h5_mark {
@@ -115,7 +129,39 @@ void h5_memory_name(char *name, size_t size);
  * no HDF5 file, or there is no memory. */
 hid_t h5_open_image(const char *name, const void *bytes, size_t size, unsigned flags);
 
-/* --- h5_shares.c ------------------------------------------------------------------------------ */
+/* --- h5_open.c -------------------------------------------------------------------------------- */
+/* Datasets of one group of the shares have the same order of rows. */
+typedef struct h5_shared_group {
+  const char *name;
+  size_t *rows;    /* [shares] */
+  int64_t **place; /* [shares][rows], ascending: where they stand in the whole */
+  size_t total;
+  size_t each; /* rows of the shares in a row of the whole; 0: they are its rows */
+} h5_shared_group;
+
+struct h5_shared_set {
+  char *path;
+  const h5_shared_group *group;
+  sd_type type;
+  size_t width; /* elements of a row of a share */
+  size_t tail;  /* rows of the head itself, behind all others */
+  char *own;    /* these */
+};
+
+enum { H5_SHARED_GROUPS = 2 };
+
+struct h5_shares {
+  h5_file *head, **file;
+  size_t n;
+  h5_shared_group group[H5_SHARED_GROUPS];
+  h5_shared_set *set;
+  size_t n_sets;
+  const h5_shared_group *listed; /* while datasets are listed, of this share */
+  const h5_file *listed_in;
+  sd_status status;
+  sd_messages *messages;
+};
+
 /* Opens the shares of a file. Their datasets are listed as its own from then on, with the shape of the whole; their values stay in
  * the shares until they are read. */
 sd_status h5_join(h5_file *file, int folder, sd_messages *messages);
@@ -125,6 +171,7 @@ const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path);
 /* Rows [first, first + n) of the whole, which it must have. */
 sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first, size_t n,
                          void *data, sd_messages *messages);
+
 /* --- h5_pages.c ------------------------------------------------------------------------------------- */
 /* Files of this access stand in memory, in at most so many bytes, and take pages where something was written. */
 bool h5_set_pages(hid_t access, size_t room);
@@ -172,7 +219,6 @@ sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_message
 void h5_quiet(void);
 /* The library's reason for the last failure, written into text[size]. */
 const char *h5_reason(char *text, size_t size);
-hid_t h5_native(sd_type type);
 /* Is there a link on the way that is not followed? */
 bool h5_is_link(const h5_file *file, const char *path);
 /* Opens a dataset, or the group or dataset at path; negative: reported. */

@@ -1,4 +1,5 @@
 /* h5_read.c: reading; see h5.h. */
+#include <assert.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -364,4 +365,76 @@ sd_status h5_visit(const h5_file *file, h5_visitor *visit, void *user, sd_messag
   h5_quiet();
   if (H5Literate(file->id, H5_INDEX_NAME, H5_ITER_INC, NULL, list_link, &top) >= 0) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "%s: cannot list its contents", file->path);
+}
+
+/* --- rows of shares --------------------------------------------------------------------------- */
+
+enum { PIECE_BYTES = 1 << 20 };
+
+const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path) {
+  for (size_t k = 0; file->shares && k < file->shares->n_sets; k++)
+    if (strcmp(file->shares->set[k].path, path) == 0) return &file->shares->set[k];
+  return NULL;
+}
+
+/* The first of n rows that stands at `at` or behind it. */
+static size_t first_at(const int64_t *place, size_t n, int64_t at) {
+  size_t low = 0, high = n;
+  while (low < high) {
+    const size_t middle = low + (high - low) / 2;
+    if (place[middle] < at)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+/* Rows [from, to) of the shares, in the order of the whole, from share k. */
+static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type type, size_t k, size_t from,
+                           size_t to, char *data, sd_messages *messages) {
+  const int64_t *place = set->group->place[k];
+  const size_t row = set->width * sd_type_size(type), most = row < PIECE_BYTES ? PIECE_BYTES / row : 1;
+  size_t at = first_at(place, set->group->rows[k], (int64_t)from);
+  const size_t end = first_at(place, set->group->rows[k], (int64_t)to);
+  if (at == end) return SD_OK;
+  char *path = format_text("%s%s", set->group->name, set->path);
+  char *piece = memory_grow(NULL, end - at < most ? end - at : most, row);
+  sd_status status = SD_OK;
+  for (size_t n; status == SD_OK && at < end; at += n) {
+    n = end - at < most ? end - at : most;
+    status = h5_get_values(s->file[k], path, type, at, n, set->width, piece, messages);
+    for (size_t i = 0; status == SD_OK && i < n; i++)
+      memcpy(data + ((size_t)place[at + i] - from) * row, piece + i * row, row);
+  }
+  free(piece);
+  free(path);
+  return status;
+}
+
+/* n of the rows that stand in the head, from `first` on. */
+static sd_status get_own(const h5_shared_set *set, sd_type type, size_t first, size_t n, void *data,
+                         sd_messages *messages) {
+  const size_t values = n * set->width, from = sd_type_size(set->type), to = sd_type_size(type);
+  char *copy = NULL;
+  bool good = memory_resize_row(&copy, values, from > to ? from : to);
+  if (good) memcpy(copy, set->own + first * set->width * from, values * from);
+  good = good && H5Tconvert(h5_native(set->type), h5_native(type), values, copy, NULL, H5P_DEFAULT) >= 0;
+  if (good) memcpy(data, copy, values * to);
+  free(copy);
+  return good ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", set->path);
+}
+
+sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first, size_t n,
+                         void *data, sd_messages *messages) {
+  const h5_shares *s = file->shares;
+  const size_t unit = set->group->each ? set->group->each : 1, total = set->group->total, from = first * unit,
+               to = (first + n) * unit, end = to < total ? to : total, begin = from > total ? from : total,
+               row = set->width * sd_type_size(type);
+  sd_status status = SD_OK;
+  assert(to <= total + set->tail);
+  for (size_t k = 0; k < s->n && status == SD_OK && from < end; k++)
+    status = get_piece(s, set, type, k, from, end, data, messages);
+  if (status != SD_OK || to <= total) return status;
+  return get_own(set, type, begin - total, to - begin, (char *)data + (begin - from) * row, messages);
 }

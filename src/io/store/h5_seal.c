@@ -83,26 +83,6 @@ sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *mes
   return good ? SD_OK : sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", path, strerror(errno));
 }
 
-sd_status h5_reseal(const char *path, sd_messages *messages) {
-  h5_mark mark;
-  h5_file *file = NULL;
-  uint64_t small = 0;
-  int fd = file_open_at(AT_FDCWD, path, O_RDWR | O_NOFOLLOW);
-  if (fd < 0) return sd_fail(messages, SD_ERROR_IO, "cannot change %s: %s", path, strerror(errno));
-  sd_status status = h5_read_mark(fd, path, &mark, messages);
-  const uint64_t data = mark.size - (mark.has_small ? sizeof(piece) : 0);
-  if (status == SD_OK) status = h5_probe(fd, path, H5_PROBE_WHOLE, 0, messages);
-  if (status == SD_OK) status = h5_open_descriptor(fd, path, &file, messages);
-  if (status == SD_OK) status = h5_small_sum(file, &small, messages);
-  h5_close(file, NULL);
-  if (status == SD_OK && mark.sealed && ftruncate(fd, (off_t)data) != 0)
-    status = sd_fail(messages, SD_ERROR_IO, "cannot change %s: %s", path, strerror(errno));
-  if (status == SD_OK) status = h5_put_seal(fd, path, small, messages);
-  if (close(fd) != 0 && status == SD_OK)
-    status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", path, strerror(errno));
-  return status;
-}
-
 void h5_make_seal(size_t size, uint64_t sum, unsigned char seal[H5_SEAL_BYTES]) {
   piece p = make_piece(seal_mark, size, sum);
   memcpy(seal, &p, sizeof p);

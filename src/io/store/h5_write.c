@@ -1,10 +1,6 @@
-/* h5.c: opening, closing and writing; see h5.h. */
-#include "io/store/h5.h"
-
-#include <stdio.h>
+/* h5_write.c: making HDF5 files and writing to them; see h5.h. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/memory.h"
 #include "base/text.h"
@@ -14,85 +10,6 @@
 /* Chunks hold about this many bytes: well below the library's chunk cache of 1 MiB, so that rows which come
  * in pieces do not make it compress a chunk again and again. */
 enum { CHUNK_BYTES = 256 * 1024 };
-
-/* Sealed files of up to so many bytes are looked at as a whole whenever they are opened: a tenth of a second. */
-static const uint64_t CHECKED_WHOLE = UINT64_C(64) << 20;
-
-/* The library prints nothing; but what it had no memory for looks as if it were not there. */
-static herr_t look_for_shortage(unsigned n, const H5E_error2_t *error, void *user) {
-  (void)n, (void)user;
-  if (error->maj_num == H5E_RESOURCE) shortage_note();
-  return 0;
-}
-
-static herr_t look_at_error(hid_t stack, void *user) {
-  H5Ewalk2(stack, H5E_WALK_UPWARD, look_for_shortage, user);
-  return 0;
-}
-
-void h5_quiet(void) {
-  static bool asked;
-  /* must come before the library starts: at exit it would write to files that have failed */
-  if (!__atomic_exchange_n(&asked, true, __ATOMIC_RELAXED)) H5dont_atexit();
-  H5Eset_auto2(H5E_DEFAULT, look_at_error, NULL);
-}
-
-static herr_t first_reason(unsigned n, const H5E_error2_t *error, void *user) {
-  const char **reason = user;
-  (void)n;
-  if (error->desc && !*reason) *reason = error->desc;
-  return 0;
-}
-
-const char *h5_reason(char *text, size_t size) {
-  const char *reason = NULL;
-  /* upward: the innermost entry, the actual cause, comes first */
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, first_reason, &reason);
-  snprintf(text, size, "%s", reason ? reason : "unknown reason");
-  return text;
-}
-
-const char *h5_version(char *text, size_t size) {
-  unsigned major = 0, minor = 0, release = 0;
-  h5_quiet();
-  H5get_libversion(&major, &minor, &release);
-  snprintf(text, size, "%u.%u.%u", major, minor, release);
-  return text;
-}
-
-hid_t h5_native(sd_type type) {
-  switch (type) {
-    case SD_F64: return H5T_NATIVE_DOUBLE;
-    case SD_I64: return H5T_NATIVE_INT64;
-    case SD_I32: return H5T_NATIVE_INT32;
-    case SD_U32: return H5T_NATIVE_UINT32;
-  }
-  return H5I_INVALID_HID;
-}
-
-/* --- open and close ------------------------------------------------------------------------------- */
-
-h5_file *h5_allocate(const char *path) {
-  h5_quiet();
-  h5_file *file = memory_new(1, sizeof *file);
-  file->path = memory_text(path);
-  return file;
-}
-
-void h5_release(h5_file *file) {
-  if (!file) return;
-  free(file->path);
-  free(file->trouble);
-  for (size_t k = 0; k < file->n_sets; k++) {
-    h5_rows_close(&file->sets[k].rows);
-    free(file->sets[k].path);
-  }
-  free(file->sets);
-  free(file->loans);
-  h5_shares_free(file->shares);
-  h5_journal_free(file);
-  free(file);
-}
 
 sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_messages *messages) {
   h5_file *file = *out = h5_allocate(draft->path);
@@ -115,154 +32,12 @@ sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_m
   return status;
 }
 
-sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages) {
-  *out = h5_allocate(path);
-  char *again = file_again(fd, path), reason[200];
-  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-#if H5_VERSION_GE(1, 10, 7)
-  /* what is read here was renamed into place whole, and some file systems cannot lock */
-  H5Pset_file_locking(access, false, true);
-#endif
-  (*out)->id = H5Fopen(again, H5F_ACC_RDONLY, access);
-  h5_reason(reason, sizeof reason); /* any other call would clear it */
-  H5Pclose(access);
-  if ((*out)->id >= 0) {
-    free(again);
-    return SD_OK;
-  }
-  if (H5Fis_hdf5(again) == 0)
-    sd_fail(messages, SD_ERROR_IO, "%s is not an HDF5 file", path);
-  else
-    sd_fail(messages, SD_ERROR_IO, "%s is not a readable HDF5 file: %s", path, reason);
-  free(again);
-  h5_release(*out);
-  *out = NULL;
-  return SD_ERROR_IO;
-}
-
-bool h5_is_file(const char *path) {
-  uint64_t size;
-  const int fd = file_open_quiet(path, &size);
-  char *again = fd < 0 ? NULL : file_again(fd, path);
-  h5_quiet();
-  const bool found = again && H5Fis_hdf5(again) > 0;
-  free(again);
-  if (fd >= 0) close(fd);
-  return found;
-}
-
-/* Files of ours say so. */
-static sd_status check_sealed(const h5_file *file, const h5_mark *mark, sd_messages *messages) {
-  if (mark->sealed || h5_get_attr_i64(file, "/", "sealed", 0) == 0) return SD_OK;
-  return sd_fail(messages, SD_ERROR_IO,
-                 "%s is damaged, or was changed by another program: its checksum is missing", file->path);
-}
-
-typedef enum trust { AGAIN, QUICK, WHOLE, SEALED, HEAD } trust;
-
-static sd_status open_checked(int folder, const char *path, trust how, h5_file **out, uint64_t *sum,
-                              sd_messages *messages) {
-  *out = NULL;
-  h5_mark mark;
-  int fd = file_open(folder, path, messages);
-  if (fd < 0) return SD_ERROR_IO;
-  sd_status status = h5_read_mark(fd, path, &mark, messages);
-  const bool whole =
-      mark.broken || how >= SEALED || (mark.sealed && (how == WHOLE || mark.size <= CHECKED_WHOLE));
-  /* the library crashes with some damaged files: it sees what a checksum or another process vouches for */
-  if (status == SD_OK && whole && how != AGAIN)
-    status = h5_check_whole(fd, path, &mark, messages);
-  else if (status == SD_OK && how != AGAIN && (!mark.sealed || mark.has_small))
-    status = h5_probe(fd, path, mark.sealed ? H5_PROBE_SMALL : H5_PROBE_QUICK, mark.small, messages);
-  if (status == SD_OK) status = h5_open_descriptor(fd, path, out, messages);
-  if (status == SD_OK && how != AGAIN) status = check_sealed(*out, &mark, messages);
-  if (status == SD_OK && how != HEAD && h5_has_shares(*out)) status = h5_join(*out, folder, messages);
-  if (status != SD_OK && *out) {
-    h5_close(*out, NULL);
-    *out = NULL;
-  }
-  if (sum) *sum = mark.sum;
-  close(fd);
-  return status;
-}
-
-sd_status h5_open(const char *path, h5_file **out, sd_messages *messages) {
-  return open_checked(-1, path, QUICK, out, NULL, messages);
-}
-
-sd_status h5_open_again(const char *path, h5_file **out, sd_messages *messages) {
-  return open_checked(-1, path, AGAIN, out, NULL, messages);
-}
-
-sd_status h5_open_whole(const char *path, h5_file **out, sd_messages *messages) {
-  return open_checked(-1, path, WHOLE, out, NULL, messages);
-}
-
-sd_status h5_open_head(const char *path, h5_file **out, sd_messages *messages) {
-  return open_checked(-1, path, HEAD, out, NULL, messages);
-}
-
-sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum, sd_messages *messages) {
-  return open_checked(folder, path, SEALED, out, sum, messages);
-}
-
-sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *messages) {
-  h5_file *file = NULL;
-  h5_mark mark = {0};
-  int fd = file_open(-1, path, messages);
-  if (fd < 0) return SD_ERROR_IO;
-  sd_status status = h5_read_mark(fd, path, &mark, messages);
-  close(fd);
-  *sealed = mark.sealed || mark.broken;
-  *sum = mark.sum;
-  if (status == SD_OK) status = h5_open_whole(path, &file, messages);
-  h5_close(file, NULL);
-  return status;
-}
-
-/* Remembers the first failure. */
-static void check(h5_file *file, bool good, const char *path) {
-  if (good || file->failed) return;
-  char reason[200];
-  file->failed = true;
-  file->trouble = format_text("%s: %s", path, h5_reason(reason, sizeof reason));
-}
-
-void h5_flush_sets(h5_file *file) {
-  for (size_t k = 0; k < file->n_sets && !file->failed; k++) {
-    h5_rows *rows = &file->sets[k].rows;
-    check(file, h5_rows_flush(rows) && H5Dclose(rows->set) >= 0, file->sets[k].path);
-  }
-}
-
-/* Flushes and closes; what went wrong while writing is reported. The file is still to be released. */
-static sd_status close_file(h5_file *file, sd_messages *messages) {
-  char reason[200];
-  h5_flush_sets(file);
-  /* After a failed write the library keeps buffers that it cannot get rid of, and closing may crash: such a
-   * file is left open for the rest of the process. */
-  if (!file->failed &&
-      ((file->writing && H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) || H5Fclose(file->id) < 0)) {
-    file->failed = true;
-    file->trouble = memory_text(h5_reason(reason, sizeof reason));
-  }
-  if (!file->failed) return SD_OK;
-  return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", file->path, file->trouble);
-}
-
-sd_status h5_close(h5_file *file, sd_messages *messages) {
-  if (!file) return SD_OK;
-  sd_status status = close_file(file, messages);
-  h5_release(file);
-  return status;
-}
-
 sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *messages) {
   h5_file *back = NULL;
   uint64_t small = 0;
   int64_t one = 1;
   h5_attr(file, "/", "sealed", SD_I64, 0, &one);
-  sd_status status = close_file(file, messages);
+  sd_status status = h5_end(file, messages);
   if (status == SD_OK) status = h5_open_descriptor(draft->fd, draft->path, &back, messages);
   if (status == SD_OK) status = h5_compare(back, file, messages);
   if (status == SD_OK) status = h5_small_sum(back, &small, messages);
@@ -271,8 +46,6 @@ sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *message
   h5_release(file);
   return status;
 }
-
-bool h5_failed(const h5_file *file) { return file->failed; }
 
 /* --- write ---------------------------------------------------------------------------------------- */
 
@@ -302,7 +75,7 @@ void h5_group(h5_file *file, const char *path) {
   if (file->failed || h5_exists(file, path)) return;
   hid_t link = with_parents();
   hid_t group = H5Gcreate2(file->id, path, link, H5P_DEFAULT, H5P_DEFAULT);
-  check(file, group >= 0, path);
+  h5_require(file, group >= 0, path);
   if (group >= 0) H5Gclose(group);
   H5Pclose(link);
 }
@@ -355,7 +128,7 @@ static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const s
   }
   hid_t space = rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, extent, NULL);
   hid_t set = H5Dcreate2(file->id, path, type, space, link, create, H5P_DEFAULT);
-  check(file, set >= 0, path);
+  h5_require(file, set >= 0, path);
   uint64_t elements = H5Tget_class(type) == H5T_STRING ? H5Tget_size(type) : 1;
   for (int k = 0; k < rank; k++) elements *= dims[k];
   if (set >= 0) h5_expect(file, path, NULL, elements);
@@ -367,7 +140,7 @@ static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const s
 
 /* Closing writes what the library still holds. */
 static void close_set(h5_file *file, hid_t set, const char *path) {
-  if (!file->failed) check(file, H5Dclose(set) >= 0, path);
+  if (!file->failed) h5_require(file, H5Dclose(set) >= 0, path);
 }
 
 void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data,
@@ -383,10 +156,10 @@ void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_
     h5_rows rows;
     bool good =
         h5_rows_open(&rows, set, type) && h5_rows_put(&rows, 0, dims[0], data) && h5_rows_flush(&rows);
-    check(file, good, path);
+    h5_require(file, good, path);
     h5_rows_close(&rows);
   } else if (n > 0) {
-    check(file, H5Dwrite(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path);
+    h5_require(file, H5Dwrite(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path);
   }
   h5_note(file, path, NULL, data, n, sd_type_size(type), 0);
   close_set(file, set, path);
@@ -404,7 +177,7 @@ void h5_lend(h5_file *file, const char *path, sd_type type, int rank, const size
   hid_t set = make(file, path, h5_native(type), rank, dims, LENT);
   if (set < 0) return;
   const haddr_t at = H5Dget_offset(set);
-  check(file, at != HADDR_UNDEF && at % H5_LOAN_WORD == 0, path);
+  h5_require(file, at != HADDR_UNDEF && at % H5_LOAN_WORD == 0, path);
   size_t k = file->n_loans++;
   for (; k > 0 && loans[k - 1].at > at; k--) loans[k] = loans[k - 1];
   loans[k] = (h5_loan){at, data, bytes};
@@ -417,7 +190,7 @@ void h5_put_text(h5_file *file, const char *path, const char *text) {
   hid_t type = text_type(strlen(text));
   hid_t set = make(file, path, type, 0, NULL, PLAIN);
   if (set >= 0) {
-    check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) >= 0, path);
+    h5_require(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) >= 0, path);
     h5_note(file, path, NULL, text, H5Tget_size(type), 1, 0);
     close_set(file, set, path);
   }
@@ -441,7 +214,7 @@ void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *
   char *all = dense_texts(n, texts, &longest);
   hid_t type = text_type(longest), set = make(file, path, type, 1, &n, PLAIN);
   if (set >= 0) {
-    if (n > 0) check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all) >= 0, path);
+    if (n > 0) h5_require(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all) >= 0, path);
     h5_note(file, path, NULL, all, n * longest, 1, 0);
     close_set(file, set, path);
   }
@@ -453,13 +226,13 @@ static void write_attr(h5_file *file, const char *path, const char *name, hid_t 
                        const void *data) {
   hid_t object = H5Oopen(file->id, path, H5P_DEFAULT);
   hid_t attr = object < 0 ? H5I_INVALID_HID : H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-  check(file, attr >= 0 && H5Awrite(attr, type, data) >= 0, path);
+  h5_require(file, attr >= 0 && H5Awrite(attr, type, data) >= 0, path);
   bool text = H5Tget_class(type) == H5T_STRING;
   size_t size = H5Tget_size(type), n = (size_t)H5Sget_simple_extent_npoints(space) * (text ? size : 1);
   h5_expect(file, path, name, n);
   h5_note(file, path, name, data, n, text ? 1 : size, 0);
   if (file->failed) return;
-  check(file, H5Aclose(attr) >= 0 && H5Oclose(object) >= 0, path);
+  h5_require(file, H5Aclose(attr) >= 0 && H5Oclose(object) >= 0, path);
 }
 
 void h5_attr(h5_file *file, const char *path, const char *name, sd_type type, size_t n, const void *data) {
@@ -502,7 +275,7 @@ void h5_attr_i64(h5_file *file, const char *path, const char *name, int64_t valu
 void h5_link(h5_file *file, const char *target, const char *path) {
   if (file->failed) return;
   hid_t link = with_parents();
-  check(file, H5Lcreate_hard(file->id, target, file->id, path, link, H5P_DEFAULT) >= 0, path);
+  h5_require(file, H5Lcreate_hard(file->id, target, file->id, path, link, H5P_DEFAULT) >= 0, path);
   H5Pclose(link);
 }
 
@@ -531,7 +304,7 @@ static h5_rows *set_of(h5_file *file, const char *path, sd_type type) {
 void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n, const void *data) {
   if (file->failed || n == 0) return;
   h5_rows *rows = set_of(file, path, type);
-  check(file, rows && h5_rows_put(rows, first, n, data), path);
+  h5_require(file, rows && h5_rows_put(rows, first, n, data), path);
   if (!rows) return;
   size_t each = rows->row / rows->element;
   h5_note(file, path, NULL, data, n * each, rows->element, (uint64_t)first * each);

@@ -1,13 +1,20 @@
-/* h5_shares.c: files that are put together from several; see h5.h. */
+/* h5_open.c: files are checked when they are opened, and put together with their shares; see h5.h. */
 #include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "base/memory.h"
 #include "base/runs.h"
 #include "base/text.h"
+#include "io/store/file.h"
 #include "io/store/h5_private.h"
+
+/* Sealed files of up to so many bytes are looked at as a whole whenever they are opened: a tenth of a second. */
+static const uint64_t CHECKED_WHOLE = UINT64_C(64) << 20;
 
 char *h5_share_path(const char *path, size_t k) {
   const size_t n = strlen(path), tail = text_ends(path, ".h5") ? 3 : 0;
@@ -20,58 +27,9 @@ void h5_put_shares(h5_file *file, size_t n, const int64_t *sums) {
 
 bool h5_has_shares(const h5_file *file) { return h5_exists(file, "/shares"); }
 
-/* Datasets of one group of the shares have the same order of rows. */
-typedef struct shared_group {
-  const char *name;
-  size_t *rows;    /* [shares] */
-  int64_t **place; /* [shares][rows], ascending: where they stand in the whole */
-  size_t total;
-  size_t each; /* rows of the shares in a row of the whole; 0: they are its rows */
-} shared_group;
-
-struct h5_shared_set {
-  char *path;
-  const shared_group *group;
-  sd_type type;
-  size_t width; /* elements of a row of a share */
-  size_t tail;  /* rows of the head itself, behind all others */
-  char *own;    /* these */
-};
-
-enum { GROUPS = 2, PIECE_BYTES = 1 << 20 };
-
-struct h5_shares {
-  h5_file *head, **file;
-  size_t n;
-  shared_group group[GROUPS];
-  h5_shared_set *set;
-  size_t n_sets;
-  const shared_group *listed; /* while datasets are listed, of this share */
-  const h5_file *listed_in;
-  sd_status status;
-  sd_messages *messages;
-};
-
 static sd_status no_memory(const h5_shares *s) {
   shortage_note();
   return sd_fail(s->messages, SD_ERROR_IO, "no memory to put %s together", s->head->path);
-}
-
-void h5_shares_free(h5_shares *s) {
-  if (!s) return;
-  for (size_t k = 0; k < s->n_sets; k++) {
-    free(s->set[k].path);
-    free(s->set[k].own);
-  }
-  for (size_t g = 0; g < GROUPS; g++) {
-    for (size_t k = 0; s->group[g].place && k < s->n; k++) free(s->group[g].place[k]);
-    free(s->group[g].place);
-    free(s->group[g].rows);
-  }
-  for (size_t k = 0; s->file && k < s->n; k++) h5_close(s->file[k], NULL);
-  free(s->file);
-  free(s->set);
-  free(s);
 }
 
 /* --- open ------------------------------------------------------------------------------------------------ */
@@ -129,7 +87,7 @@ static sd_status open_shares(h5_shares *s, int folder) {
 /* --- order ----------------------------------------------------------------------------------------------- */
 
 /* The keys of share k, which ascend. */
-static sd_status read_keys(h5_shares *s, shared_group *g, const char *keys, size_t k) {
+static sd_status read_keys(h5_shares *s, h5_shared_group *g, const char *keys, size_t k) {
   size_t dims[H5_MAX_RANK];
   int rank;
   assert(g->rows && g->place);
@@ -146,7 +104,7 @@ static sd_status read_keys(h5_shares *s, shared_group *g, const char *keys, size
 }
 
 /* Places take the room of the keys. */
-static void merge_keys(const h5_shares *s, shared_group *g) {
+static void merge_keys(const h5_shares *s, h5_shared_group *g) {
   runs heads;
   runs_new(&heads, s->n);
   size_t *at = memory_new(s->n, sizeof *at);
@@ -165,7 +123,7 @@ static void merge_keys(const h5_shares *s, shared_group *g) {
   free(at);
 }
 
-static sd_status order_group(h5_shares *s, shared_group *g) {
+static sd_status order_group(h5_shares *s, h5_shared_group *g) {
   char *keys = format_text("%s/key", g->name);
   g->rows = memory_new(s->n, sizeof *g->rows);
   g->place = memory_new(s->n, sizeof *g->place);
@@ -181,7 +139,7 @@ static sd_status order_group(h5_shares *s, shared_group *g) {
 
 /* Rows of the head's own, which stand last. dims: of the share, become those of the whole. */
 static sd_status shape_set(h5_shares *s, h5_shared_set *set, int *rank, size_t *dims) {
-  const shared_group *g = set->group;
+  const h5_shared_group *g = set->group;
   size_t there[H5_MAX_RANK] = {0};
   int own;
   set->width = 1;
@@ -237,7 +195,7 @@ static void take_set(void *user, const char *path, sd_type type, bool text, int 
 }
 
 /* A share without rows may have no datasets. */
-static sd_status take_sets(h5_shares *s, const shared_group *g) {
+static sd_status take_sets(h5_shares *s, const h5_shared_group *g) {
   size_t largest = 0;
   for (size_t k = 1; k < s->n; k++)
     if (g->rows[k] > g->rows[largest]) largest = k;
@@ -252,10 +210,10 @@ sd_status h5_join(h5_file *file, int folder, sd_messages *messages) {
   h5_shares *s = memory_new(1, sizeof *s);
   *s = (h5_shares){.head = file, .group = {{.name = "/disks"}, {.name = "/contacts"}}, .messages = messages};
   sd_status status = open_shares(s, folder);
-  for (size_t g = 0; status == SD_OK && g < GROUPS; g++) status = order_group(s, &s->group[g]);
+  for (size_t g = 0; status == SD_OK && g < H5_SHARED_GROUPS; g++) status = order_group(s, &s->group[g]);
   if (status == SD_OK) status = take_image(file, messages);
   file->writing = status == SD_OK;
-  for (size_t g = 0; status == SD_OK && g < GROUPS; g++) status = take_sets(s, &s->group[g]);
+  for (size_t g = 0; status == SD_OK && g < H5_SHARED_GROUPS; g++) status = take_sets(s, &s->group[g]);
   if (status == SD_OK && file->failed) status = no_memory(s);
   file->writing = false;
   s->messages = NULL;
@@ -266,72 +224,93 @@ sd_status h5_join(h5_file *file, int folder, sd_messages *messages) {
   return status;
 }
 
-/* --- rows ------------------------------------------------------------------------------------------------ */
+/* --- checked ---------------------------------------------------------------------------------- */
 
-const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path) {
-  for (size_t k = 0; file->shares && k < file->shares->n_sets; k++)
-    if (strcmp(file->shares->set[k].path, path) == 0) return &file->shares->set[k];
-  return NULL;
+/* Files of ours say so. */
+static sd_status check_sealed(const h5_file *file, const h5_mark *mark, sd_messages *messages) {
+  if (mark->sealed || h5_get_attr_i64(file, "/", "sealed", 0) == 0) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO,
+                 "%s is damaged, or was changed by another program: its checksum is missing", file->path);
 }
 
-/* The first of n rows that stands at `at` or behind it. */
-static size_t first_at(const int64_t *place, size_t n, int64_t at) {
-  size_t low = 0, high = n;
-  while (low < high) {
-    const size_t middle = low + (high - low) / 2;
-    if (place[middle] < at)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
-}
+typedef enum trust { AGAIN, QUICK, WHOLE, SEALED, HEAD } trust;
 
-/* Rows [from, to) of the shares, in the order of the whole, from share k. */
-static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type type, size_t k, size_t from,
-                           size_t to, char *data, sd_messages *messages) {
-  const int64_t *place = set->group->place[k];
-  const size_t row = set->width * sd_type_size(type), most = row < PIECE_BYTES ? PIECE_BYTES / row : 1;
-  size_t at = first_at(place, set->group->rows[k], (int64_t)from);
-  const size_t end = first_at(place, set->group->rows[k], (int64_t)to);
-  if (at == end) return SD_OK;
-  char *path = format_text("%s%s", set->group->name, set->path);
-  char *piece = memory_grow(NULL, end - at < most ? end - at : most, row);
-  sd_status status = SD_OK;
-  for (size_t n; status == SD_OK && at < end; at += n) {
-    n = end - at < most ? end - at : most;
-    status = h5_get_values(s->file[k], path, type, at, n, set->width, piece, messages);
-    for (size_t i = 0; status == SD_OK && i < n; i++)
-      memcpy(data + ((size_t)place[at + i] - from) * row, piece + i * row, row);
+static sd_status open_checked(int folder, const char *path, trust how, h5_file **out, uint64_t *sum,
+                              sd_messages *messages) {
+  *out = NULL;
+  h5_mark mark;
+  int fd = file_open(folder, path, messages);
+  if (fd < 0) return SD_ERROR_IO;
+  sd_status status = h5_read_mark(fd, path, &mark, messages);
+  const bool whole =
+      mark.broken || how >= SEALED || (mark.sealed && (how == WHOLE || mark.size <= CHECKED_WHOLE));
+  /* the library crashes with some damaged files: it sees what a checksum or another process vouches for */
+  if (status == SD_OK && whole && how != AGAIN)
+    status = h5_check_whole(fd, path, &mark, messages);
+  else if (status == SD_OK && how != AGAIN && (!mark.sealed || mark.has_small))
+    status = h5_probe(fd, path, mark.sealed ? H5_PROBE_SMALL : H5_PROBE_QUICK, mark.small, messages);
+  if (status == SD_OK) status = h5_open_descriptor(fd, path, out, messages);
+  if (status == SD_OK && how != AGAIN) status = check_sealed(*out, &mark, messages);
+  if (status == SD_OK && how != HEAD && h5_has_shares(*out)) status = h5_join(*out, folder, messages);
+  if (status != SD_OK && *out) {
+    h5_close(*out, NULL);
+    *out = NULL;
   }
-  free(piece);
-  free(path);
+  if (sum) *sum = mark.sum;
+  close(fd);
   return status;
 }
 
-/* n of the rows that stand in the head, from `first` on. */
-static sd_status get_own(const h5_shared_set *set, sd_type type, size_t first, size_t n, void *data,
-                         sd_messages *messages) {
-  const size_t values = n * set->width, from = sd_type_size(set->type), to = sd_type_size(type);
-  char *copy = NULL;
-  bool good = memory_resize_row(&copy, values, from > to ? from : to);
-  if (good) memcpy(copy, set->own + first * set->width * from, values * from);
-  good = good && H5Tconvert(h5_native(set->type), h5_native(type), values, copy, NULL, H5P_DEFAULT) >= 0;
-  if (good) memcpy(data, copy, values * to);
-  free(copy);
-  return good ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", set->path);
+sd_status h5_open(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, QUICK, out, NULL, messages);
 }
 
-sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first, size_t n,
-                         void *data, sd_messages *messages) {
-  const h5_shares *s = file->shares;
-  const size_t unit = set->group->each ? set->group->each : 1, total = set->group->total, from = first * unit,
-               to = (first + n) * unit, end = to < total ? to : total, begin = from > total ? from : total,
-               row = set->width * sd_type_size(type);
-  sd_status status = SD_OK;
-  assert(to <= total + set->tail);
-  for (size_t k = 0; k < s->n && status == SD_OK && from < end; k++)
-    status = get_piece(s, set, type, k, from, end, data, messages);
-  if (status != SD_OK || to <= total) return status;
-  return get_own(set, type, begin - total, to - begin, (char *)data + (begin - from) * row, messages);
+sd_status h5_open_again(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, AGAIN, out, NULL, messages);
+}
+
+sd_status h5_open_whole(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, WHOLE, out, NULL, messages);
+}
+
+sd_status h5_open_head(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, HEAD, out, NULL, messages);
+}
+
+sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum, sd_messages *messages) {
+  return open_checked(folder, path, SEALED, out, sum, messages);
+}
+
+sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *messages) {
+  h5_file *file = NULL;
+  h5_mark mark = {0};
+  int fd = file_open(-1, path, messages);
+  if (fd < 0) return SD_ERROR_IO;
+  sd_status status = h5_read_mark(fd, path, &mark, messages);
+  close(fd);
+  *sealed = mark.sealed || mark.broken;
+  *sum = mark.sum;
+  if (status == SD_OK) status = h5_open_whole(path, &file, messages);
+  h5_close(file, NULL);
+  return status;
+}
+
+sd_status h5_reseal(const char *path, sd_messages *messages) {
+  h5_mark mark;
+  h5_file *file = NULL;
+  uint64_t small = 0;
+  int fd = file_open_at(AT_FDCWD, path, O_RDWR | O_NOFOLLOW);
+  if (fd < 0) return sd_fail(messages, SD_ERROR_IO, "cannot change %s: %s", path, strerror(errno));
+  sd_status status = h5_read_mark(fd, path, &mark, messages);
+  const uint64_t data = mark.size - (mark.has_small ? H5_SEAL_BYTES : 0);
+  if (status == SD_OK) status = h5_probe(fd, path, H5_PROBE_WHOLE, 0, messages);
+  if (status == SD_OK) status = h5_open_descriptor(fd, path, &file, messages);
+  if (status == SD_OK) status = h5_small_sum(file, &small, messages);
+  h5_close(file, NULL);
+  if (status == SD_OK && mark.sealed && ftruncate(fd, (off_t)data) != 0)
+    status = sd_fail(messages, SD_ERROR_IO, "cannot change %s: %s", path, strerror(errno));
+  if (status == SD_OK) status = h5_put_seal(fd, path, small, messages);
+  if (close(fd) != 0 && status == SD_OK)
+    status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", path, strerror(errno));
+  return status;
 }
