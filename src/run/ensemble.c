@@ -11,12 +11,12 @@
 
 #include "base/memory.h"
 #include "base/subnormal.h"
-#include "physics/step/access.h"
-#include "physics/small/lanes.h"
 #include "physics/neighbours/neighbours.h"
-#include "run/lanes_loop.h"
+#include "physics/small/lanes.h"
+#include "physics/step/access.h"
 #include "run/loop.h"
 #include "run/simulation_private.h"
+#include "run/steps.h"
 
 struct ensemble {
   size_t n, in_lanes;

@@ -4,8 +4,6 @@
 #include <assert.h>
 #include <stdlib.h>
 
-#include "base/memory.h"
-#include "base/subnormal.h"
 #include "measure/sample.h"
 #include "pack/compress.h"
 #include "pack/rain.h"
@@ -18,10 +16,7 @@
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
 #include "physics/step/outside.h"
-#include "physics/step/step.h"
-#include "physics/system/halo.h"
-#include "run/lanes_loop.h"
-#include "run/ranks.h"
+#include "run/steps.h"
 
 bool loop_finished(const engine *e) { return e->state->phase >= (int64_t)e->model->n_phases; }
 
@@ -60,10 +55,6 @@ static sd_status order_again(engine *e, sd_messages *messages) {
 
 /* --- phases ----------------------------------------------------------------------------------- */
 
-static bool measures(const engine *e) {
-  return e->state->phase < (int64_t)e->model->n_phases && e->model->phases[e->state->phase].measure;
-}
-
 static void measure_begin(engine *e) {
   sample_begin(e);
   disks_begin(e);
@@ -94,7 +85,7 @@ static void close_phase(engine *e, const settle_measure *rest) {
   sd_state *s = e->state;
   assert(s->phase_step > 0 && s->phase_steps[s->phase] == 0);
   assert((rest != NULL) == e->model->phases[s->phase].settle.asked);
-  if (measures(e)) {
+  if (steps_are_measured(e)) {
     sample_end(e);
     disks_end(e);
   }
@@ -116,7 +107,7 @@ sd_status loop_start(engine *e, sd_messages *messages) {
   if (status == SD_OK) status = engine_start(e, messages);
   if (status != SD_OK) return status;
   motion_begin_run(e);
-  if (measures(e)) measure_begin(e);
+  if (steps_are_measured(e)) measure_begin(e);
   return SD_OK;
 }
 
@@ -128,7 +119,7 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   const sd_status status = order_again(e, messages);
   if (status != SD_OK) return status;
   loop_begin_phase(e);
-  if (measures(e)) measure_begin(e);
+  if (steps_are_measured(e)) measure_begin(e);
   return SD_OK;
 }
 
@@ -205,69 +196,6 @@ sd_status loop_pause(engine *e, int64_t from, sd_messages *messages) {
 }
 
 /* --- steps ------------------------------------------------------------------------------------ */
-
-typedef struct steps_task {
-  engine *e;
-  int64_t until;
-  bool measure;
-  relax_sums *sums; /* one a thread; NULL: the phase does not relax */
-  const volatile sig_atomic_t *stop;
-  unsigned *bits;
-} steps_task;
-
-static bool may_step(const steps_task *a, const team *t) {
-  const int64_t step = a->e->state->step;
-  if (!a->e->comm) return step < a->until;
-  if (t->rank == 0) *a->bits = step_agree(a->e, a->stop && *a->stop);
-  team_wait(t);
-  if (*a->bits & (HALO_STALE | HALO_FAILED) || step == a->until) return false;
-  return !(*a->bits & HALO_STOP) || step + 1 == a->until;
-}
-
-/* After a step. Ranks ask each other before they steer, which they do together. */
-static bool has_failed(const steps_task *a, const team *t) {
-  const bool failed = engine_status(a->e) != SD_OK;
-  if (!a->e->comm || !a->sums) return failed;
-  if (t->rank == 0) *a->bits = comm_or(a->e->comm, failed);
-  team_wait(t);
-  return *a->bits != 0;
-}
-
-/* One member's share of the steps. */
-static void take_steps(const steps_task *a, const team *t) {
-  engine *e = a->e;
-  const int64_t measured = e->state->measured, from = e->state->step;
-  for (int64_t step = from; may_step(a, t); step++) {
-    step_once(e, t);
-    team_wait(t);
-    const bool failed = has_failed(a, t);
-    if (failed && !e->comm) return;
-    if (failed) continue; /* the ranks agree on it first */
-    if (a->sums) relax_step(e, t, a->sums);
-    if (!a->measure) continue;
-    disks_step(e, t, measured + (step - from) + 1);
-    if (t->rank == 0) sample_step(e);
-    team_wait(t);
-  }
-}
-
-static void member(const team *t, void *with) {
-  const steps_task *a = with;
-  unsigned mode = subnormal_off();
-  if (engine_lanes(a->e))
-    lanes_loop(engine_lanes(a->e), a->until - a->e->state->step, a->measure);
-  else
-    take_steps(a, t);
-  subnormal_restore(mode);
-}
-
-void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atomic_t *stop, unsigned *bits) {
-  steps_task task = {.e = e, .until = until, .measure = measures(e), .stop = stop, .bits = bits};
-  if (phase_of(e)->relax) task.sums = memory_new((size_t)engine_threads(e), sizeof *task.sums);
-  if (until > e->state->step) step_begin(e, until - e->state->step);
-  pool_run(threads, member, &task);
-  free(task.sums);
-}
 
 sd_status loop_advance(engine *e, int64_t n, sd_messages *messages) {
   const int64_t from = e->state->step;

@@ -4,8 +4,6 @@
 #ifndef RUN_LOOP_H
 #define RUN_LOOP_H
 
-#include <signal.h>
-
 #include "physics/system/work.h"
 
 /* The last phase is over. */
@@ -27,10 +25,5 @@ sd_status loop_pause(engine *e, int64_t from, sd_messages *messages);
 /* n steps at most, no more than loop_room, and the pause. state->step tells how many; fewer after
  * a failure or a stop. */
 sd_status loop_advance(engine *e, int64_t n, sd_messages *messages);
-
-/* Steps of the team of one engine up to step `until`, in the present phase. Where ranks share
- * them it ends before, with the bits of step_agree in *bits, when lists are stale, a rank has
- * failed, or any is to stop (stop: this one). */
-void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atomic_t *stop, unsigned *bits);
 
 #endif

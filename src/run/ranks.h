@@ -58,10 +58,4 @@ sd_status ranks_sample(ranks *r, unsigned what, int64_t frame, int64_t moment_nu
 /* Each writes them as a share of the part `path`. */
 sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages);
 
-/* --- of loop.c -------------------------------------------------------------------------------- */
-/* n steps, or fewer when a rank fails or is to stop: engine_status of each, state->step. */
-void ranks_steps(engine *part, int64_t n);
-/* Puts the disks into the order that a phase begins with. */
-sd_status ranks_order_again(engine *part);
-
 #endif

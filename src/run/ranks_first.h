@@ -18,4 +18,9 @@ sd_status ranks_load(const comm *c, const char *text, const char *path, size_t n
  * after a failure. Without memory the job ends. */
 sd_status ranks_first_new(const comm *c, const sd_model *model, sd_state **state, uint32_t **order);
 
+/* --- which runs several ranks can share ------------------------------------------------------- */
+
+/* SD_ERROR_USER, with a message for each reason: this run is for one process. */
+sd_status ranks_suit(const sd_model *model, sd_messages *messages);
+
 #endif

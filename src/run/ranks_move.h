@@ -2,7 +2,10 @@
 #ifndef SLIPDISK_RUN_RANKS_MOVE_H
 #define SLIPDISK_RUN_RANKS_MOVE_H
 
+#include "base/comm.h"
 #include "base/comm_cuts.h"
+#include "model/model.h"
+#include "model/state.h"
 #include "physics/system/halo.h"
 #include "physics/system/work.h"
 
@@ -18,5 +21,12 @@ sd_status move_cut_again(comm_cuts *cuts, const engine *part, double busy);
  * skin: of the lists to come. SD_ERROR_IO: no memory, on any rank. */
 sd_status move_parts(const comm_cuts *cuts, const engine *from, bool first, double skin, sd_state **state,
                      halo **h);
+
+/* --- the order that all disks have in the whole, when each rank has some ---------------------- */
+
+/* Collective. Puts the free disks of this rank into the order of order_disks; order[n_free]: their slots in the whole, which ascend. Contacts
+ * stay as they are. Places are sorted where they are and sent to ranks that number them, strip by strip; the numbers come back.
+ * Without memory the job ends. */
+sd_status ranks_order(const comm *c, const sd_model *model, sd_state *part, uint32_t *order);
 
 #endif

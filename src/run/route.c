@@ -46,16 +46,16 @@ void route_count(route *r) {
 }
 
 /* Row to_row[k] of `to` becomes row from_row[k] of `from`, n of them; NULL: row k. Rows are `stride` bytes apart. */
-typedef struct rows {
+typedef struct row_copy {
   char *to;
   size_t to_stride;
   const uint32_t *to_row;
   const char *from;
   size_t from_stride;
   const uint32_t *from_row;
-} rows;
+} row_copy;
 
-static void copy_rows(const rows *r, size_t n, size_t size) {
+static void copy_rows(const row_copy *r, size_t n, size_t size) {
   for (size_t k = 0; k < n; k++) {
     char *to = r->to + r->to_stride * (r->to_row ? r->to_row[k] : k);
     const char *from = r->from + r->from_stride * (r->from_row ? r->from_row[k] : k);
@@ -89,8 +89,8 @@ static sd_status reserve(const comm *c, char **buffer, size_t *capacity, size_t 
 static void pack(const route *r, const route_column *c, size_t offset, size_t all) {
   const size_t before = before_own(r, r->to), own = (size_t)r->to[comm_rank(r->comm)], after = before + own;
   char *to = r->out + offset;
-  copy_rows(&(rows){to, all, NULL, c->from, c->size, r->row}, before, c->size);
-  copy_rows(&(rows){to + all * before, all, NULL, c->from, c->size, r->row + after}, r->n_send - after,
+  copy_rows(&(row_copy){to, all, NULL, c->from, c->size, r->row}, before, c->size);
+  copy_rows(&(row_copy){to + all * before, all, NULL, c->from, c->size, r->row + after}, r->n_send - after,
             c->size);
 }
 
@@ -101,14 +101,15 @@ static void unpack(const route *r, const route_column *c, size_t offset, size_t 
   const char *in = r->in + offset;
   char *to = c->to;
   if (place) {
-    copy_rows(&(rows){to, c->size, place, in, all, NULL}, before, c->size);
-    copy_rows(&(rows){to, c->size, place + before, c->from, c->size, r->row + sent}, own, c->size);
-    copy_rows(&(rows){to, c->size, place + after, in + all * before, all, NULL}, r->n_receive - after,
+    copy_rows(&(row_copy){to, c->size, place, in, all, NULL}, before, c->size);
+    copy_rows(&(row_copy){to, c->size, place + before, c->from, c->size, r->row + sent}, own, c->size);
+    copy_rows(&(row_copy){to, c->size, place + after, in + all * before, all, NULL}, r->n_receive - after,
               c->size);
   } else {
-    copy_rows(&(rows){to, c->size, NULL, in, all, NULL}, before, c->size);
-    copy_rows(&(rows){to + c->size * before, c->size, NULL, c->from, c->size, r->row + sent}, own, c->size);
-    copy_rows(&(rows){to + c->size * after, c->size, NULL, in + all * before, all, NULL},
+    copy_rows(&(row_copy){to, c->size, NULL, in, all, NULL}, before, c->size);
+    copy_rows(&(row_copy){to + c->size * before, c->size, NULL, c->from, c->size, r->row + sent}, own,
+              c->size);
+    copy_rows(&(row_copy){to + c->size * after, c->size, NULL, in + all * before, all, NULL},
               r->n_receive - after, c->size);
   }
 }
@@ -162,4 +163,54 @@ void route_merge(const route *r, const uint32_t *order, uint32_t *place) {
   }
   runs_free(&heads);
   free(at);
+}
+
+void directory_new(directory *d, const comm *c, size_t n, size_t size) {
+  *d = (directory){.comm = c, .width = n / (size_t)comm_size(c) + 1, .size = size};
+  d->first = (size_t)comm_rank(c) * d->width;
+  d->rows = route_room(c, d->width, size);
+}
+
+void directory_free(directory *d) {
+  free(d->rows);
+  *d = (directory){0};
+}
+
+/* Numbers to their keepers. The numbers that come, to be freed. */
+static uint32_t *call(const directory *d, route *r, size_t n, const uint32_t *number) {
+  int *keeper = route_room(d->comm, n, sizeof *keeper);
+  for (size_t k = 0; k < n; k++) keeper[k] = (int)(number[k] / d->width);
+  if (route_new(r, d->comm, n, NULL, keeper) != SD_OK) comm_fail(d->comm, "no memory");
+  free(keeper);
+  route_count(r);
+  uint32_t *come = route_room(d->comm, r->n_receive, sizeof *come);
+  route_columns(r, &(route_column){number, come, sizeof *come}, 1, NULL);
+  return come;
+}
+
+static char *row_of(const directory *d, uint32_t number) {
+  assert(number >= d->first && number < d->first + d->width);
+  return d->rows + (number - d->first) * d->size;
+}
+
+void directory_put(directory *d, size_t n, const uint32_t *number, const void *rows) {
+  route r;
+  uint32_t *come = call(d, &r, n, number);
+  char *values = route_room(d->comm, r.n_receive, d->size);
+  route_columns(&r, &(route_column){rows, values, d->size}, 1, NULL);
+  for (size_t k = 0; k < r.n_receive; k++) memcpy(row_of(d, come[k]), values + k * d->size, d->size);
+  route_free(&r);
+  free(come);
+  free(values);
+}
+
+void directory_get(const directory *d, size_t n, const uint32_t *number, void *rows) {
+  route r;
+  uint32_t *come = call(d, &r, n, number);
+  char *values = route_room(d->comm, r.n_receive, d->size);
+  for (size_t k = 0; k < r.n_receive; k++) memcpy(values + k * d->size, row_of(d, come[k]), d->size);
+  route_answer(&r, (route_column){values, rows, d->size});
+  route_free(&r);
+  free(come);
+  free(values);
 }

@@ -45,4 +45,21 @@ void route_answer(const route *r, route_column column);
 /* The rows of each rank come in ascending order: place[k] is where row k stands among all. */
 void route_merge(const route *r, const uint32_t *order, uint32_t *place);
 
+/* Rows by number, spread over the ranks: each keeps those of a strip of numbers.
+ * Functions are collective; without memory the job ends. */
+
+typedef struct directory {
+  const comm *comm;
+  size_t width, first, size; /* numbers of a strip; of this rank's; bytes of a row */
+  char *rows;
+} directory;
+
+/* Rows of `size` bytes, all zero, for numbers below n. */
+void directory_new(directory *d, const comm *c, size_t n, size_t size);
+void directory_free(directory *d);
+/* Notes n rows. */
+void directory_put(directory *d, size_t n, const uint32_t *number, const void *rows);
+/* The rows of n numbers, which may be asked for many times. */
+void directory_get(const directory *d, size_t n, const uint32_t *number, void *rows);
+
 #endif

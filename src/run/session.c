@@ -1,25 +1,28 @@
 /* session.c: what a session does between steps: rows, checkpoints, progress, the end; see session.h. How it begins is
  * in session_begin.c, the loop in session_group.c. */
+#include "base/text.h"
 #include "run/session.h"
 
 #include <assert.h>
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 
-#include "slipdisk/deck.h"
 #include "base/clock.h"
 #include "base/comm.h"
 #include "base/memory.h"
-#include "io/store/file.h"
 #include "io/results/merge.h"
+#include "io/store/file.h"
 #include "pack/rain.h"
 #include "pack/settle.h"
 #include "run/ranks_share.h"
 #include "run/session_private.h"
 #include "run/simulation_private.h"
+#include "slipdisk/deck.h"
 
 /* Between reports: so long, or so many times what the last one took, since it looks at all disks; but no longer than this. */
 static const double PROGRESS_SECONDS = 0.2, PROGRESS_COST = 50, PROGRESS_LATEST = 2;
@@ -351,6 +354,29 @@ sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messa
   if (status == SD_OK) session_report(s, false);
   if (status == SD_OK && s->options.look) s->options.look(s->options.user, s->simulation);
   return status;
+}
+
+static char *finished_id(const char *result) {
+  h5_file *file;
+  if (!file_exists(result) || h5_open(result, &file, NULL) != SD_OK) return NULL;
+  char *id = h5_get_attr_text(file, "/parameters", "run_id");
+  h5_close(file, NULL);
+  return id;
+}
+
+sd_status session_identity(const session *s, char **id, sd_messages *messages) {
+  struct stat facts;
+  *id = NULL;
+  if (lstat(s->result, &facts) == 0)
+    *id = finished_id(s->result);
+  else if (errno != ENOENT)
+    return sd_fail(messages, SD_ERROR_IO, "cannot look at %s: %s", s->result, strerror(errno));
+  else
+    *id = memory_text("");
+  if (!*id)
+    *id = format_text("%lld bytes of %lld.%09ld", (long long)facts.st_size, (long long)facts.st_mtim.tv_sec,
+                      facts.st_mtim.tv_nsec);
+  return SD_OK;
 }
 
 sd_status session_may_publish(const session *s, sd_status kind, sd_messages *messages) {

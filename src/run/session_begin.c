@@ -20,29 +20,6 @@
 #include "slipdisk/deck.h"
 
 /* run_id of a finished result, to be freed; NULL when there is no readable one. */
-static char *finished_id(const char *result) {
-  h5_file *file;
-  if (!file_exists(result) || h5_open(result, &file, NULL) != SD_OK) return NULL;
-  char *id = h5_get_attr_text(file, "/parameters", "run_id");
-  h5_close(file, NULL);
-  return id;
-}
-
-sd_status session_identity(const session *s, char **id, sd_messages *messages) {
-  struct stat facts;
-  *id = NULL;
-  if (lstat(s->result, &facts) == 0)
-    *id = finished_id(s->result);
-  else if (errno != ENOENT)
-    return sd_fail(messages, SD_ERROR_IO, "cannot look at %s: %s", s->result, strerror(errno));
-  else
-    *id = memory_text("");
-  if (!*id)
-    *id = format_text("%lld bytes of %lld.%09ld", (long long)facts.st_size, (long long)facts.st_mtim.tv_sec,
-                      facts.st_mtim.tv_nsec);
-  return SD_OK;
-}
-
 /* Of a result that can be read, or of any other file? */
 static bool is_result(const char *identity) {
   return strlen(identity) == 32 && strspn(identity, "0123456789abcdef") == 32;

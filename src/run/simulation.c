@@ -1,18 +1,24 @@
 /* simulation.c: phases, threads, and the way in and out of a running system; see slipdisk/simulation.h. */
-#include "slipdisk/simulation.h"
 
+#include <math.h>
+#include <sched.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "model/overlaps.h"
 #include "pack/settle.h"
-#include "physics/step/access.h"
-#include "physics/step/engine.h"
+#include "physics/contact/energy.h"
+#include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
-#include "physics/system/fields.h"
 #include "physics/small/lanes.h"
+#include "physics/step/access.h"
+#include "physics/step/contacts.h"
+#include "physics/step/engine.h"
+#include "physics/system/fields.h"
 #include "run/loop.h"
 #include "run/simulation_private.h"
+#include "slipdisk/simulation.h"
 
 int simulation_threads_for(const sd_model *m, int most) {
   size_t worth = m->n_free / SIMULATION_DISKS_PER_THREAD;
@@ -183,6 +189,47 @@ settle_measure simulation_rest(sd_simulation *sim) { return settle_look(&sim->en
 
 bool simulation_finished(const sd_simulation *sim) { return loop_finished(&sim->engine); }
 
+/* --- observers -------------------------------------------------------------------------------- */
+
+sd_status sd_simulation_observe(sd_simulation *sim, int64_t every, sd_observer *observer, void *user) {
+  bool outer;
+  if (every < 1 || !observer || !simulation_enter(sim, NEED_CHANGE, "sd_simulation_observe", &outer, NULL))
+    return SD_ERROR_USER;
+  sim->observers = memory_grow(sim->observers, sim->n_observers + 1, sizeof *sim->observers);
+  sim->observers[sim->n_observers++] = (simulation_observer){every, observer, user};
+  simulation_leave(sim, outer);
+  return SD_OK;
+}
+
+int64_t observers_room(const sd_simulation *sim, int64_t most) {
+  const int64_t step = sim->engine.state->step;
+  for (size_t k = 0; k < sim->n_observers; k++) {
+    const int64_t left = sim->observers[k].every - step % sim->observers[k].every;
+    if (left < most) most = left;
+  }
+  return most;
+}
+
+/* All that are due are called, also when one asks to stop. */
+sd_status observers_call(sd_simulation *sim, sd_messages *messages) {
+  const int64_t step = sim->engine.state->step;
+  sd_status worst = SD_OK;
+  for (size_t k = 0; k < sim->n_observers; k++) {
+    const simulation_observer *o = &sim->observers[k];
+    if (step % o->every != 0) continue;
+    sim->door.observed = true;
+    const sd_status status = o->call(sim, o->user);
+    sim->door.observed = false;
+    if (worst == SD_OK) worst = status;
+    if (status != SD_OK && status != SD_INTERRUPTED)
+      sd_fail(messages, status, "step %lld: an observer ended the run with status %d", (long long)step,
+              (int)status);
+  }
+  return worst;
+}
+
+/* --- steps ------------------------------------------------------------------------------------ */
+
 static sd_status advance_all(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
   if (sim->ranks) return ranks_advance(sim->ranks, n, messages);
@@ -223,4 +270,201 @@ sd_status sd_simulation_rebuild(sd_simulation *sim, sd_messages *messages) {
                                : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   simulation_leave(sim, outer);
   return status;
+}
+
+enum { DOOMED = 1 };
+
+/* Its address stands for this thread. */
+static _Thread_local int thread_mark;
+static uintptr_t me(void) { return (uintptr_t)&thread_mark; }
+
+static simulation_door *door_of(const sd_simulation *sim) {
+  return &((sd_simulation *)(uintptr_t)sim)->door; /* reading a number does not change the system */
+}
+
+static bool in_force(const sd_simulation *sim) { return sim->engine.fields && sim->engine.fields->calling; }
+
+static bool refuse(const char *call, const char *why, sd_messages *messages) {
+  sd_fail(messages, SD_ERROR_USER, "%s: %s", call, why);
+  return false;
+}
+
+bool simulation_enter(sd_simulation *sim, simulation_need need, const char *call, bool *outer,
+                      sd_messages *messages) {
+  simulation_door *d = &sim->door;
+  uintptr_t holder = 0;
+  *outer = atomic_compare_exchange_strong(&d->holder, &holder, me());
+  if (!*outer && (holder & ~(uintptr_t)DOOMED) != me())
+    return refuse(call, "another thread is in a call of this simulation", messages);
+  while (*outer && atomic_load(&d->readers) > 0) sched_yield();
+  const char *why = in_force(sim)                        ? "not within a force field: its step is being made"
+                    : d->observed && need == NEED_CHANGE ? "not within an observer, which only reads"
+                    : d->broken ? "the process was forked within a force field: its step was not ended"
+                                : NULL;
+  if (!why) return true;
+  simulation_leave(sim, *outer);
+  return refuse(call, why, messages);
+}
+
+void simulation_leave(sd_simulation *sim, bool outer) {
+  if (outer && atomic_exchange(&sim->door.holder, 0) & DOOMED) simulation_free(sim);
+}
+
+void sd_simulation_free(sd_simulation *sim) {
+  if (sim && (atomic_fetch_or(&sim->door.holder, DOOMED) & ~(uintptr_t)DOOMED) == 0) simulation_free(sim);
+}
+
+bool simulation_read_begin(const sd_simulation *sim) {
+  simulation_door *d = door_of(sim);
+  atomic_fetch_add(&d->readers, 1);
+  const uintptr_t holder = atomic_load(&d->holder) & ~(uintptr_t)DOOMED;
+  if (holder == 0 || holder == me()) return true;
+  atomic_fetch_sub(&d->readers, 1);
+  return false;
+}
+
+void simulation_read_end(const sd_simulation *sim) { atomic_fetch_sub(&door_of(sim)->readers, 1); }
+
+/* --- numbers and columns of a running system -------------------------------------------------- */
+
+const sd_model *sd_simulation_model(const sd_simulation *sim) {
+  if (!simulation_read_begin(sim)) return NULL;
+  const sd_model *model = sim->engine.model;
+  simulation_read_end(sim);
+  return model;
+}
+
+sd_status simulation_store(sd_simulation *sim, bool rows, sd_messages *messages) {
+  engine *e = &sim->engine;
+  if (sim->ranks) return ranks_store(sim->ranks, rows, messages);
+  motion_store(e);
+  const sd_status status = rows ? contacts_store_rows(e) : contacts_store(e);
+  return status == SD_OK ? SD_OK : sd_fail(messages, status, "no memory for the contacts of the state");
+}
+
+const sd_state *simulation_state(sd_simulation *sim) {
+  return simulation_store(sim, false, NULL) == SD_OK ? sim->engine.state : NULL;
+}
+
+const sd_state *sd_simulation_state(sd_simulation *sim) {
+  bool outer;
+  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_state", &outer, NULL)) return NULL;
+  const sd_state *state = simulation_state(sim);
+  simulation_leave(sim, outer);
+  return state;
+}
+
+/* Numbers of the run, which every rank has alike. */
+static const sd_state *run_state(const sd_simulation *sim) { return sim->engine.state; }
+
+int64_t sd_simulation_step(const sd_simulation *sim) {
+  if (!simulation_read_begin(sim)) return -1;
+  const int64_t step = run_state(sim)->step;
+  simulation_read_end(sim);
+  return step;
+}
+
+bool sd_simulation_column_at(sd_simulation *sim, size_t k, sd_column *out) {
+  bool outer;
+  if (k >= sd_field_count || !simulation_enter(sim, NEED_STATE, "sd_simulation_column", &outer, NULL))
+    return false;
+  const bool good = simulation_state(sim);
+  const sd_field *f = &sd_fields[k];
+  if (good)
+    *out = (sd_column){.name = f->name,
+                       .unit = f->unit,
+                       .meaning = f->meaning,
+                       .type = f->type,
+                       .extent = f->extent,
+                       .n = sd_extent_size(sim->engine.state, f->extent),
+                       .data = sd_field_data(sim->engine.state, f)};
+  simulation_leave(sim, outer);
+  return good;
+}
+
+bool sd_simulation_column(sd_simulation *sim, const char *name, sd_column *out) {
+  for (size_t k = 0; k < sd_field_count; k++)
+    if (strcmp(sd_fields[k].name, name) == 0) return sd_simulation_column_at(sim, k, out);
+  return false;
+}
+
+double sd_simulation_time(const sd_simulation *sim) {
+  if (!simulation_read_begin(sim)) return NAN;
+  const double time = (double)run_state(sim)->step * sim->engine.model->dt;
+  simulation_read_end(sim);
+  return time;
+}
+
+bool sd_simulation_finished(const sd_simulation *sim) {
+  if (!simulation_read_begin(sim)) return false;
+  const bool over = simulation_finished(sim);
+  simulation_read_end(sim);
+  return over;
+}
+
+sd_stage sd_simulation_stage(const sd_simulation *sim) {
+  if (!simulation_read_begin(sim)) return (sd_stage){-1, -1, -1, -1};
+  const sd_state *s = run_state(sim);
+  const sd_stage stage = {.step = s->step,
+                          .phase = s->phase,
+                          .phase_step = s->phase_step,
+                          .before = s->phase > 0 ? s->phase_steps[s->phase - 1] : 0};
+  simulation_read_end(sim);
+  return stage;
+}
+
+sd_goal sd_simulation_goal(const sd_simulation *sim) {
+  if (!simulation_read_begin(sim)) return (sd_goal){.value = NAN, .error = NAN, .goal = NAN, .measured = NAN};
+  const sd_goal goal = sd_goal_of(sim->engine.model, run_state(sim));
+  simulation_read_end(sim);
+  return goal;
+}
+
+sd_energy sd_simulation_energy(sd_simulation *sim) {
+  sd_energy energy;
+  bool outer;
+  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_energy", &outer, NULL)) {
+    double *numbers = (double *)&energy;
+    for (size_t k = 0; k < sizeof energy / sizeof *numbers; k++) numbers[k] = NAN;
+    return energy;
+  }
+  energy = energy_of(&sim->engine);
+  simulation_leave(sim, outer);
+  return energy;
+}
+
+static uint32_t slot_in(const sd_simulation *sim, uint32_t body) {
+  const sd_model *m = sim->engine.model;
+  if (body >= SD_WALL(0) && body - SD_WALL(0) < m->n_walls) body = body - SD_WALL(0) + (uint32_t)m->n_disks;
+  return body < sd_model_bodies(m) ? engine_slot(&sim->engine, body) : UINT32_MAX;
+}
+
+uint32_t sd_simulation_slot(const sd_simulation *sim, uint32_t body) {
+  if (!simulation_read_begin(sim)) return UINT32_MAX;
+  const uint32_t slot = slot_in(sim, body);
+  simulation_read_end(sim);
+  return slot;
+}
+
+double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
+  if (!simulation_read_begin(sim)) return NAN;
+  const uint32_t slot = slot_in(sim, body);
+  const sd_state *s = sim->engine.state;
+  const double angle = slot == UINT32_MAX ? NAN : s->turn[slot] + s->theta[slot];
+  simulation_read_end(sim);
+  return angle;
+}
+
+int sd_simulation_threads(const sd_simulation *sim) {
+  if (!simulation_read_begin(sim)) return -1;
+  const int threads = engine_threads(&sim->engine);
+  simulation_read_end(sim);
+  return threads;
+}
+
+const char *sd_simulation_path(const sd_simulation *sim) {
+  if (!simulation_read_begin(sim)) return "";
+  const char *path = engine_kernels(&sim->engine)->name;
+  simulation_read_end(sim);
+  return path;
 }

@@ -1,4 +1,4 @@
-/* simulation_extend.c: what a program adds to a running system: observers, force fields, disks. See slipdisk/simulation.h. */
+/* simulation_extend.c: what a program adds to a running system: force fields, disks. See slipdisk/simulation.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,44 +20,7 @@
 #include "run/loop.h"
 #include "run/simulation_private.h"
 
-/* --- observers and force fields ----------------------------------------------------------------------- */
-
-sd_status sd_simulation_observe(sd_simulation *sim, int64_t every, sd_observer *observer, void *user) {
-  bool outer;
-  if (every < 1 || !observer || !simulation_enter(sim, NEED_CHANGE, "sd_simulation_observe", &outer, NULL))
-    return SD_ERROR_USER;
-  sim->observers = memory_grow(sim->observers, sim->n_observers + 1, sizeof *sim->observers);
-  sim->observers[sim->n_observers++] = (simulation_observer){every, observer, user};
-  simulation_leave(sim, outer);
-  return SD_OK;
-}
-
-int64_t observers_room(const sd_simulation *sim, int64_t most) {
-  const int64_t step = sim->engine.state->step;
-  for (size_t k = 0; k < sim->n_observers; k++) {
-    const int64_t left = sim->observers[k].every - step % sim->observers[k].every;
-    if (left < most) most = left;
-  }
-  return most;
-}
-
-/* All that are due are called, also when one asks to stop. */
-sd_status observers_call(sd_simulation *sim, sd_messages *messages) {
-  const int64_t step = sim->engine.state->step;
-  sd_status worst = SD_OK;
-  for (size_t k = 0; k < sim->n_observers; k++) {
-    const simulation_observer *o = &sim->observers[k];
-    if (step % o->every != 0) continue;
-    sim->door.observed = true;
-    const sd_status status = o->call(sim, o->user);
-    sim->door.observed = false;
-    if (worst == SD_OK) worst = status;
-    if (status != SD_OK && status != SD_INTERRUPTED)
-      sd_fail(messages, status, "step %lld: an observer ended the run with status %d", (long long)step,
-              (int)status);
-  }
-  return worst;
-}
+/* --- force fields ----------------------------------------------------------------------- */
 
 /* Contacts and motions go into the state, from which the work can be built anew. */
 static sd_status store(sd_simulation *sim, sd_messages *messages) {

@@ -11,7 +11,6 @@
 #include "base/comm.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "io/deck/deck.h"
 #include "io/results/checkpoint.h"
 #include "model/image.h"
 #include "model/state.h"

@@ -1,11 +1,16 @@
-/* sweep.c: see sweep.h. State of a point: sweep_look.c. Points are run in sweep_points.c, the tables are
+/* sweep.c: see sweep.h. State of a point: sweep_look.c. Points are run here, the tables are
  * written by sweep_table.c. */
+#include "run/sweep.h"
+
+#include <assert.h>
+#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
+#include "run/session_group.h"
 #include "run/sweep_private.h"
 
 sd_status sweep_open(sweep *s, const char *deck, size_t n_overrides, const char *const *overrides,
@@ -138,4 +143,242 @@ sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **resu
   *model = NULL;
   *result = sweep_point_path(s, point, ".h5");
   return deck_sweep_model(&s->deck, point, model, messages);
+}
+
+/* --- runs points of a sweep, one or several side by side -------------------------------------- */
+
+typedef struct jobs jobs;
+
+/* A point while it is run. */
+typedef struct runner {
+  jobs *all;
+  size_t k; /* as given */
+  sd_model *model;
+  char *result;
+} runner;
+
+struct jobs {
+  const sweep *s;
+  const size_t *points;
+  const sweep_options *options;
+  runner *runners;         /* [n] */
+  session_member *members; /* [n] */
+};
+
+static void tell_progress(void *user, const session_progress *p) {
+  const runner *r = user;
+  const sweep_options *options = r->all->options;
+  if (options->progress) options->progress(options->user, r->k, p);
+}
+
+/* A finished result stays, unless it is none of this deck's: that is a mistake. */
+static sd_status leave_finished(const sweep *s, size_t point, sweep_status *status, sd_messages *messages) {
+  sweep_result r;
+  sd_status looked = SD_OK;
+  sweep_look(s, point, &r);
+  *status = r.status;
+  if (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED)
+    looked = sd_fail(messages, SD_ERROR_USER,
+                     "%s/points/%s.h5 %s (%s); --force runs the point again, -o writes elsewhere", s->folder,
+                     s->deck.points[point].name,
+                     r.status == SWEEP_OTHER ? "is the result of another deck" : "cannot be read", r.message);
+  sweep_result_free(&r);
+  return looked;
+}
+
+/* One attempt; *out stays NULL when there is nothing to run. *again: another process was perhaps faster. */
+static sd_status try_to_open(runner *r, session **out, int threads, sweep_status *status, bool *again,
+                             sd_messages *messages) {
+  const sweep *s = r->all->s;
+  const sweep_options *options = r->all->options;
+  size_t point = r->all->points[r->k];
+  *again = false;
+  *out = NULL;
+  *status = sweep_peek(s, point);
+  if (*status == SWEEP_DONE && !options->force) return leave_finished(s, point, status, messages);
+  if (*status == SWEEP_RUNNING) return SD_OK;
+  *status = SWEEP_WAITING;
+  if (options->stop && *options->stop) return SD_INTERRUPTED;
+  *status = SWEEP_FAILED;
+  if (!r->model) {
+    sd_status loaded = sweep_load(s, point, &r->model, &r->result, messages);
+    if (loaded != SD_OK) return loaded;
+  }
+  session_options how = {.result = r->result,
+                         .threads = threads,
+                         .force = options->force,
+                         .stop = options->stop,
+                         .progress = tell_progress,
+                         .user = r};
+  sd_status opened = session_open(r->model, &how, out, messages);
+  *again = opened == SD_ERROR_USER;
+  if (opened == SD_INTERRUPTED) *status = SWEEP_WAITING;
+  return opened;
+}
+
+static sd_status open_point(runner *r, session **out, int threads, sweep_status *status,
+                            sd_messages *messages) {
+  enum { ATTEMPTS = 3 };
+  for (int k = 1;; k++) {
+    bool again;
+    sd_status opened = try_to_open(r, out, threads, status, &again, messages);
+    if (!again || k == ATTEMPTS) return opened;
+    sd_messages_clear(messages);
+  }
+}
+
+/* The session has been closed, or there was none. */
+static void conclude(runner *r, sd_status ran, sweep_status status, sd_messages *messages) {
+  const jobs *all = r->all;
+  size_t point = all->points[r->k];
+  if (status == SWEEP_DONE || status == SWEEP_STOPPED) sweep_note(all->s, point, NULL);
+  if (status == SWEEP_FAILED) sweep_note_messages(all->s, point, messages);
+  sweep_end end = {point, ran, status, messages};
+  all->options->left(all->options->user, r->k, &end);
+  sd_model_free(r->model);
+  free(r->result);
+  sd_messages_free(messages);
+}
+
+static void left(void *user, size_t member) {
+  const jobs *all = user;
+  session_member *m = &all->members[member];
+  session_close(m->session);
+  conclude(&all->runners[member], m->status,
+           m->status == SD_OK            ? SWEEP_DONE
+           : m->status == SD_INTERRUPTED ? SWEEP_STOPPED
+                                         : SWEEP_FAILED,
+           m->messages);
+}
+
+void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_options *options) {
+  jobs all = {.s = s,
+              .points = points,
+              .options = options,
+              .runners = memory_new(n, sizeof *all.runners),
+              .members = memory_new(n, sizeof *all.members)};
+  size_t running = 0;
+  for (size_t k = 0; k < n; k++) {
+    sd_messages *messages = sd_messages_new();
+    runner *r = &all.runners[running];
+    *r = (runner){.all = &all, .k = k};
+    session *opened = NULL;
+    sweep_status status = SWEEP_FAILED;
+    sd_status ran = open_point(r, &opened, n > 1 ? 1 : options->threads, &status, messages);
+    if (opened)
+      all.members[running++] = (session_member){.session = opened, .messages = messages};
+    else
+      conclude(r, ran, status, messages);
+  }
+  session_group_run(running, all.members, left, &all);
+  free(all.runners);
+  free(all.members);
+}
+
+/* --- what else lies in a sweep's folder, and when it is a reason to do nothing ---------------- */
+
+/* Points in the order of their names. */
+typedef struct named {
+  const char *name;
+  size_t point;
+} named;
+
+static int by_name(const void *a, const void *b) {
+  const named *p = a, *q = b;
+  return strcmp(p->name, q->name);
+}
+
+static bool take_ending(char *name, const char *ending) {
+  size_t n = strlen(name), m = strlen(ending);
+  if (n <= m || strcmp(name + n - m, ending) != 0) return false;
+  name[n - m] = 0;
+  return true;
+}
+
+/* An entry of the folder of points; its name is cut. */
+static void sort_in(sweep_contents *c, char *name, const named *names, size_t n) {
+  bool parts = take_ending(name, ".h5.parts"), result = !parts && take_ending(name, ".h5"),
+       failure = !parts && !result && take_ending(name, ".failed");
+  if (!parts && !result && !failure) return;
+  named wanted = {name, 0}, *found = bsearch(&wanted, names, n, sizeof *names, by_name);
+  if (found) {
+    unsigned char *has = &c->has[found->point];
+    c->known += !failure && *has == 0;
+    *has |= (unsigned char)(parts ? SWEEP_HAS_PARTS : result ? SWEEP_HAS_RESULT : 0);
+    return;
+  }
+  c->results += result;
+  c->parts += parts;
+  c->failures += failure;
+  if (!c->example) c->example = memory_text(name);
+}
+
+void sweep_list(const sweep *s, sweep_contents *out) {
+  size_t n = s->deck.n_points;
+  char *path = format_text("%s/points", s->folder);
+  named *names = memory_new(n, sizeof *names);
+  *out = (sweep_contents){.has = memory_new(n, 1)};
+  DIR *folder = opendir(path); /* NULL: nothing is there */
+  for (size_t k = 0; k < n; k++) names[k] = (named){s->deck.points[k].name, k};
+  qsort(names, n, sizeof *names, by_name);
+  for (struct dirent *one; folder && (one = readdir(folder));) sort_in(out, one->d_name, names, n);
+  if (folder) closedir(folder);
+  free(names);
+  free(path);
+}
+
+void sweep_contents_free(sweep_contents *c) {
+  free(c->has);
+  free(c->example);
+  *c = (sweep_contents){0};
+}
+
+/* "9 results, 1 unfinished run" */
+static char *add_count(char *text, size_t n, const char *what, const char *many) {
+  if (n == 0) return text;
+  return append_text(text, "%s%zu %s%s", *text ? ", " : "", n, what, n == 1 ? "" : many);
+}
+
+static char *count_strangers(const sweep_contents *c) {
+  char *text = add_count(memory_text(""), c->results, "result", "s");
+  text = add_count(text, c->parts, "unfinished run", "s");
+  return add_count(text, c->failures, "note of a failure", "s");
+}
+
+char *sweep_strangers_text(const sweep *s, const sweep_contents *c) {
+  if (!c->example) return NULL;
+  char *counts = count_strangers(c);
+  char *text = format_text("%s has %s of points that this sweep does not have, such as %s", s->folder, counts,
+                           c->example);
+  free(counts);
+  return text;
+}
+
+sd_status sweep_refuse_strangers(const sweep *s, const sweep_contents *c, const char *instead,
+                                 sd_messages *messages) {
+  if (c->known > 0 || c->results + c->parts == 0) return SD_OK;
+  char *text = sweep_strangers_text(s, c);
+  assert(text);
+  sd_fail(messages, SD_ERROR_USER,
+          "%s, and nothing of its own: %s; -o writes elsewhere, --mix lets them stay there", text, instead);
+  free(text);
+  return SD_ERROR_USER;
+}
+
+sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *instead,
+                              sd_messages *messages) {
+  if (t->points == 0) return SD_OK;
+  sd_fail(messages, SD_ERROR_USER,
+          "%s%zu point%s in %s %s of another deck: %s. Is a -D missing? -o writes elsewhere, --mix leaves "
+          "them as "
+          "they are and goes on with the others, --force runs all again",
+          t->sampled ? "at least " : "", t->points, t->points == 1 ? "" : "s", s->folder,
+          t->points == 1 ? "is" : "are", instead);
+  for (size_t k = 0; k < t->n; k++) {
+    char *line = sweep_tally_text(t, k);
+    sd_fail(messages, SD_ERROR_USER, "%s", line);
+    free(line);
+  }
+  if (t->more > 0) sd_fail(messages, SD_ERROR_USER, "... and %zu more differences", t->more);
+  return SD_ERROR_USER;
 }

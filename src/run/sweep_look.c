@@ -2,7 +2,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "slipdisk/deck.h"
 #include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
@@ -10,6 +9,7 @@
 #include "io/store/file.h"
 #include "io/store/folder.h"
 #include "run/sweep_private.h"
+#include "slipdisk/deck.h"
 
 const char *const sweep_status_names[SWEEP_STATUSES] = {"waiting", "running", "stopped",   "done",
                                                         "failed",  "damaged", "other deck"};

@@ -1,0 +1,292 @@
+/* steps.c: see steps.h. */
+#include "run/steps.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "base/comm_cuts.h"
+#include "base/memory.h"
+#include "base/subnormal.h"
+#include "io/results/record.h"
+#include "measure/sample.h"
+#include "pack/relax.h"
+#include "physics/motion/motion.h"
+#include "physics/neighbours/neighbours.h"
+#include "physics/neighbours/order.h"
+#include "physics/step/access.h"
+#include "physics/step/contacts.h"
+#include "physics/step/engine.h"
+#include "physics/step/step.h"
+#include "physics/system/halo.h"
+#include "run/ranks_move.h"
+
+typedef struct steps_task {
+  engine *e;
+  int64_t until;
+  bool measure;
+  relax_sums *sums; /* one a thread; NULL: the phase does not relax */
+  const volatile sig_atomic_t *stop;
+  unsigned *bits;
+} steps_task;
+
+static bool may_step(const steps_task *a, const team *t) {
+  const int64_t step = a->e->state->step;
+  if (!a->e->comm) return step < a->until;
+  if (t->rank == 0) *a->bits = step_agree(a->e, a->stop && *a->stop);
+  team_wait(t);
+  if (*a->bits & (HALO_STALE | HALO_FAILED) || step == a->until) return false;
+  return !(*a->bits & HALO_STOP) || step + 1 == a->until;
+}
+
+/* After a step. Ranks ask each other before they steer, which they do together. */
+static bool has_failed(const steps_task *a, const team *t) {
+  const bool failed = engine_status(a->e) != SD_OK;
+  if (!a->e->comm || !a->sums) return failed;
+  if (t->rank == 0) *a->bits = comm_or(a->e->comm, failed);
+  team_wait(t);
+  return *a->bits != 0;
+}
+
+/* One member's share of the steps. */
+static void take_steps(const steps_task *a, const team *t) {
+  engine *e = a->e;
+  const int64_t measured = e->state->measured, from = e->state->step;
+  for (int64_t step = from; may_step(a, t); step++) {
+    step_once(e, t);
+    team_wait(t);
+    const bool failed = has_failed(a, t);
+    if (failed && !e->comm) return;
+    if (failed) continue; /* the ranks agree on it first */
+    if (a->sums) relax_step(e, t, a->sums);
+    if (!a->measure) continue;
+    disks_step(e, t, measured + (step - from) + 1);
+    if (t->rank == 0) sample_step(e);
+    team_wait(t);
+  }
+}
+
+static void member(const team *t, void *with) {
+  const steps_task *a = with;
+  unsigned mode = subnormal_off();
+  if (engine_lanes(a->e))
+    lanes_loop(engine_lanes(a->e), a->until - a->e->state->step, a->measure);
+  else
+    take_steps(a, t);
+  subnormal_restore(mode);
+}
+
+void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atomic_t *stop, unsigned *bits) {
+  steps_task task = {.e = e, .until = until, .measure = steps_are_measured(e), .stop = stop, .bits = bits};
+  if (e->model->phases[e->state->phase].relax)
+    task.sums = memory_new((size_t)engine_threads(e), sizeof *task.sums);
+  if (until > e->state->step) step_begin(e, until - e->state->step);
+  pool_run(threads, member, &task);
+  free(task.sums);
+}
+
+/* Cut anew when the busiest rank works by so much more than the mean, but not more often. */
+static const double IMBALANCE = 0.1;
+enum { CUT_LEAST = 200 }; /* steps */
+
+ranks *ranks_new(const comm *c, engine *part, volatile sig_atomic_t *stop) {
+  ranks *r = memory_new(1, sizeof *r);
+  *r = (ranks){.comm = c,
+               .model = part->model,
+               .part = part,
+               .stop = stop,
+               .messages = sd_messages_new(),
+               .balance.excess = NAN};
+  record_share_new(&r->rows, r->model);
+  resultants_new(&r->sums, r->model);
+  return r;
+}
+
+static void drop_part(ranks *r) {
+  engine *e = r->part;
+  halo *h = e->halo;
+  if (e->state) engine_free(e);
+  halo_free(h);
+  sd_state_free(e->state);
+  *e = (engine){.model = r->model};
+}
+
+void ranks_free(ranks *r) {
+  if (!r) return;
+  drop_part(r);
+  pool_free(r->pool);
+  record_share_free(&r->rows);
+  resultants_free(&r->sums);
+  comm_cuts_free(r->cuts);
+  sd_messages_free(r->messages);
+  free(r);
+}
+
+ranks_balance ranks_balance_of(const ranks *r) { return r->balance; }
+
+/* --- parts --------------------------------------------------------------------------------------------------- */
+
+static sd_status renew_part(engine *e, sd_messages *messages);
+
+sd_status ranks_take_part(ranks *r, const engine *from, bool first) {
+  engine next = {.comm = r->comm, .renew = renew_part, .ranks = r, .model = r->model, .pool = r->pool};
+  sd_status status = move_parts(r->cuts, from, first, r->skin, &next.state, &next.halo);
+  drop_part(r);
+  *r->part = next;
+  if (status == SD_OK) status = engine_build(r->part, r->threads, r->messages);
+  /* together, or not at all: the others would wait */
+  if (comm_all_well(r->comm, status) && halo_list_prescribed(r->part) != SD_OK) status = SD_ERROR_IO;
+  if (status != SD_OK && sd_messages_errors(r->messages) == 0)
+    sd_fail(r->messages, status, "no memory for the disks of this rank");
+  engine_ready(r->part, r->messages);
+  engine_end(r->part, status);
+  return status;
+}
+
+sd_status ranks_store_part(ranks *r, bool rows) {
+  engine *e = r->part;
+  halo_refresh(e, NULL);
+  motion_store(e);
+  const sd_status status = rows ? contacts_store_rows(e) : contacts_store(e);
+  return status == SD_OK ? SD_OK : sd_fail(r->messages, SD_ERROR_IO, "out of memory for the contacts");
+}
+
+/* engine_renew of a part. */
+static sd_status renew_part(engine *e, sd_messages *messages) {
+  ranks *r = e->ranks;
+  (void)messages; /* this rank has a list of its own */
+  const sd_status status = comm_agree(r->comm, ranks_store_part(r, false));
+  return status == SD_OK ? comm_agree(r->comm, ranks_take_part(r, e, false)) : status;
+}
+
+/* On every rank: its disks in the order that a phase begins with. */
+sd_status ranks_order_again(engine *e) {
+  ranks *r = e->ranks;
+  sd_status status = comm_agree(r->comm, ranks_store_part(r, false));
+  if (status != SD_OK || r->model->n_free < ORDER_LEAST) return status;
+  status = ranks_order(r->comm, r->model, e->state, e->halo->order);
+  engine_find_slots(e);
+  return comm_agree(r->comm, status == SD_OK ? ranks_take_part(r, e, false) : status);
+}
+
+/* Collective. */
+static void note_balance(ranks *r) {
+  const double mean = comm_total(r->comm, r->busy) / comm_size(r->comm),
+               disks = (double)r->part->state->n_free;
+  r->balance.excess = mean > 0.0 ? comm_largest(r->comm, r->busy) / mean - 1.0 : 0.0;
+  r->balance.most = (int64_t)comm_largest(r->comm, disks);
+  r->balance.least = (int64_t)-comm_largest(r->comm, -disks);
+}
+
+/* New lists, disks that have left the rectangle to their new ranks, new ghosts. */
+static sd_status renew(ranks *r) {
+  engine *e = r->part;
+  const int64_t step = e->state->step;
+  sd_status status = neighbours_check_finite(e, step, r->messages);
+  if (!comm_all_well(r->comm, status)) return status;
+  neighbours_tune(e);
+  r->skin = r->model->skin > 0.0 ? r->model->skin : engine_skin(e); /* not what one step has asked for */
+  if (step - r->cut_step >= CUT_LEAST) {
+    note_balance(r);
+    if (r->balance.excess > IMBALANCE) {
+      status = move_cut_again(r->cuts, r->part, r->busy);
+      r->balance.cuts++;
+    }
+    r->cut_step = step;
+    r->busy = 0.0;
+    if (!comm_all_well(r->comm, status)) return sd_fail(r->messages, SD_ERROR_IO, "cannot balance the ranks");
+  }
+  /* wider, until no disk or wall outruns the lists in one step; what is not finite outruns any */
+  for (;;) {
+    status = ranks_store_part(r, false);
+    if (comm_all_well(r->comm, status)) status = ranks_take_part(r, r->part, false);
+    if (!comm_all_well(r->comm, status)) return status;
+    if (!comm_or(r->comm, engine_outruns(r->part))) return SD_OK;
+    status = neighbours_check_next(r->part, r->messages);
+    if (!comm_all_well(r->comm, status)) return status;
+    if (!isfinite(r->skin))
+      return sd_fail(r->messages, SD_ERROR_NUMERIC, "step %lld: a wall is not finite", (long long)step + 1);
+    r->skin = fmax(1.5 * r->skin, comm_largest(r->comm, engine_outrun_skin(r->part)));
+  }
+}
+
+/* --- steps ----------------------------------------------------------------------------------------------------- */
+
+void ranks_steps(engine *e, int64_t n) {
+  ranks *r = e->ranks;
+  int64_t until = e->state->step + n;
+  do {
+    const double began = clock_seconds();
+    e->halo->waited = 0.0;
+    loop_steps(e, r->pool, until, r->stop, &r->bits);
+    r->busy += clock_seconds() - began - e->halo->waited;
+    if (r->bits & HALO_STALE && !(r->bits & HALO_FAILED)) {
+      /* lists are for steps: at the end those of one rank alone are not made anew either */
+      const int64_t step = e->state->step;
+      const sd_status status = step < until ? renew(r) : neighbours_check_finite(e, step, r->messages);
+      engine_end(e, status);
+      if (!comm_all_well(r->comm, status)) r->bits |= HALO_FAILED;
+    }
+    const int64_t next = e->state->step + 1;
+    if (r->bits & HALO_STOP && next < until) until = next;
+  } while (!(r->bits & HALO_FAILED) && e->state->step < until);
+}
+
+static int64_t least_room(const lanes *l) {
+  int64_t least = INT64_MAX;
+  for (size_t k = 0; k < l->count; k++) {
+    int64_t room = sample_room(l->system[k]);
+    if (room < least) least = room;
+  }
+  return least;
+}
+
+/* An angle leaves its range, or a batch of motions cannot tell: one step of each system by itself. */
+static void general_step(lanes *l, bool measure) {
+  const team alone = {.size = 1};
+  lanes_store(l);
+  for (size_t k = 0; k < l->count; k++) {
+    engine *e = l->system[k];
+    if (engine_status(e) != SD_OK) continue;
+    if (l->motion) motion_resume(e);
+    step_begin(e, 1);
+    step_once(e, &alone);
+    if (engine_status(e) == SD_OK && measure) sample_step(e);
+    if (l->motion) motion_store(e);
+  }
+}
+
+static bool any_wrong(const lanes *l) {
+  bool wrong = false;
+  for (size_t k = 0; k < l->count; k++) wrong = wrong || engine_status(l->system[k]) != SD_OK;
+  return wrong;
+}
+
+static void close_bins(const lanes *l) {
+  lanes_show_angles(l);
+  for (size_t k = 0; k < l->count; k++)
+    if (engine_status(l->system[k]) == SD_OK) sample_bins(l->system[k]);
+}
+
+void lanes_loop(lanes *l, int64_t n, bool measure) {
+  lanes_load(l);
+  while (n > 0) {
+    int64_t now = lanes_ready(l), room = measure ? least_room(l) : INT64_MAX;
+    if (now == 0) {
+      general_step(l, measure);
+      n--;
+      if (any_wrong(l)) return;
+      lanes_load(l);
+      continue;
+    }
+    assert(now > 0 && room > 0);
+    if (now > room) now = room;
+    int64_t taken = lanes_take(l, n < now ? n : now, measure);
+    n -= taken;
+    assert(n >= 0 && taken <= room);
+    if (measure && taken == room) close_bins(l);
+    if (any_wrong(l)) break;
+  }
+  lanes_store(l);
+}
