@@ -32,10 +32,10 @@ style.plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
 save = matplotlib.figure.Figure.savefig
 
 
-def save_once(picture, path):
+def save_once(picture, path, **more):
     """Each figure is drawn for its PNG; test_report and test_packings_report write PDFs as well."""
     if not str(path).endswith(".pdf"):
-        save(picture, path)
+        save(picture, path, **more)
 
 DATA, NONE = ROOT / "docs/studies/data", "/nonexistent/slipdisk"
 
