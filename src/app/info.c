@@ -14,6 +14,7 @@
 #include "io/store/file.h"
 #include "io/store/folder.h"
 #include "measure/measurement.h"
+#include "slipdisk/deck.h"
 
 /* All that is told. */
 typedef struct facts {
@@ -51,7 +52,7 @@ typedef enum wanted_means { MEANS_AS_WRITTEN, MEANS_ALL } wanted_means;
 /* Without the deck's files they are not known, all else is. */
 static void complete_means(facts *f, const h5_file *file, sd_messages *messages) {
   sd_messages *own = sd_messages_new();
-  if (checkpoint_complete(file, f->path, NULL, &f->found.packing, own) != SD_OK) {
+  if (checkpoint_complete(file, f->path, NULL, sd_deck_load_text, &f->found.packing, own) != SD_OK) {
     for (size_t k = 0; k < sd_messages_count(own); k++) sd_warn(messages, "%s", sd_messages_text(own, k));
     sd_warn(messages, "%s: the means of every disk cannot be told", f->path);
     summary_disks_free(&f->found.packing);

@@ -8,6 +8,7 @@
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
+#include "slipdisk/deck.h"
 
 char *app_default_name(const char *deck, const char *ending) {
   const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck;
@@ -102,7 +103,7 @@ static sd_status open_parts(frames *f, const place *p, const char *base, int64_t
       free(path);
     }
   }
-  const sd_status status = frames_open(f, base, n, (const char *const *)list, messages);
+  const sd_status status = frames_open(f, base, n, (const char *const *)list, sd_deck_load_text, messages);
   for (size_t k = 0; k < n; k++) free(list[k]);
   free(list);
   return status;
@@ -122,7 +123,7 @@ static sd_status open_unfinished(frames *f, place *p, bool *alone, sd_messages *
   h5_close(file, NULL);
   *alone = part;
   if (status == SD_OK && part)
-    status = frames_open(f, base, 1, (const char *const *)&part, messages);
+    status = frames_open(f, base, 1, (const char *const *)&part, sd_deck_load_text, messages);
   else if (status == SD_OK)
     status = open_parts(f, p, base, named ? 0 : parts, messages);
   free(part);
@@ -136,7 +137,7 @@ sd_status stored_open(frames *f, const char *name, bool *alone, sd_messages *mes
   sd_status status = place_find(&p, name, messages);
   const char *result = p.result;
   if (status == SD_OK && file_exists(result) && !p.checkpoint && !file_is_folder(name))
-    status = frames_open(f, result, 1, &result, messages);
+    status = frames_open(f, result, 1, &result, sd_deck_load_text, messages);
   else if (status == SD_OK)
     status = open_unfinished(f, &p, alone, messages);
   place_free(&p);

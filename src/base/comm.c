@@ -6,66 +6,7 @@
 #include "base/comm_kind.h"
 #include "base/memory.h"
 
-static const comm *world;
-static bool begun;
 static void (*tell)(const char *why);
-
-/* --- the job ---------------------------------------------------------------------------------- */
-
-#ifndef SD_HAVE_MPI
-sd_status comm_start_mpi(const comm **job, sd_messages *messages) {
-  (void)messages;
-  *job = NULL;
-  return SD_OK;
-}
-void comm_finish_mpi(void) {}
-#endif
-
-/* A launcher that started several processes tells each of them how many; else 0 and no name. */
-static int launched(const char **name) {
-  static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"};
-  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-    const char *text = getenv(*name = names[k]);
-    if (text) return (int)strtol(text, NULL, 10);
-  }
-  return 0;
-}
-
-static sd_status check_launcher(sd_messages *messages) {
-  const char *name;
-  int count = launched(&name);
-  if (world || count <= 1) return SD_OK;
-#ifdef SD_HAVE_MPI
-  const char *built = "for another MPI than the one that started it";
-#else
-  const char *built = "without MPI";
-#endif
-  return sd_fail(
-      messages, SD_ERROR_USER,
-      "%s = %d: so many processes were started together, but this program was built %s and cannot find "
-      "the others; expected one process, or a build with -DSLIPDISK_MPI=ON",
-      name, count, built);
-}
-
-sd_status comm_begin(sd_messages *messages) {
-  assert(!begun);
-  sd_status status = comm_start_mpi(&world, messages);
-  if (status != SD_OK) return status;
-  status = check_launcher(messages);
-  begun = true;
-  if (status != SD_OK) comm_end();
-  return status;
-}
-
-void comm_end(void) {
-  if (!begun) return;
-  comm_max(world, 0); /* MPI_Finalize would spin */
-  comm_finish_mpi();
-  begun = false;
-  world = NULL;
-}
-
-const comm *comm_world(void) { return world; }
 
 int comm_rank(const comm *c) { return c ? c->rank : 0; }
 int comm_size(const comm *c) { return c ? c->size : 1; }

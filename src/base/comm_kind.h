@@ -56,8 +56,4 @@ struct comm_links {
 /* The first row of each rank, to be freed. */
 int *comm_starts(const comm *c, const int *counts);
 
-/* comm_mpi.c, or in builds without MPI comm.c: *world is the job's; NULL: alone. */
-sd_status comm_start_mpi(const comm **world, sd_messages *messages);
-void comm_finish_mpi(void);
-
 #endif

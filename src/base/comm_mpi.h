@@ -1,4 +1,4 @@
-/* comm_mpi.h: the communicator of comm_mpi.c, for base/comm*.c only. */
+/* comm_mpi.h: the communicator of comm_job.c, for base/comm*.c only. */
 #ifndef BASE_COMM_MPI_H
 #define BASE_COMM_MPI_H
 

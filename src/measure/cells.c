@@ -1,7 +1,7 @@
 /* cells.c: see cells.h. */
+#include "base/gsl.h"
 #include "measure/cells.h"
 
-#include <gsl/gsl_statistics_double.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>

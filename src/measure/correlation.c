@@ -1,8 +1,7 @@
 /* correlation.c: see correlation.h. */
+#include "base/gsl.h"
 #include "measure/correlation.h"
 
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_statistics_double.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 

@@ -9,8 +9,7 @@
 #ifndef MEASURE_CORRELATION_H
 #define MEASURE_CORRELATION_H
 
-#include <gsl/gsl_histogram.h>
-
+#include "base/gsl.h"
 #include "measure/configuration.h"
 
 /* Of positive values, as multiples of their mean. */

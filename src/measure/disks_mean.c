@@ -1,10 +1,9 @@
 /* disks_mean.c: means of the free disks and of all of them, from what a state has gathered; see slipdisk/measure.h. */
-#include <gsl/gsl_sort.h>
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "base/gsl.h"
 #include "base/memory.h"
 #include "measure/mean.h"
 #include "measure/observable.h"

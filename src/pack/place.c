@@ -1,11 +1,8 @@
 /* place.c: see place.h. */
+#include "base/gsl.h"
 #include "pack/place.h"
 
 #include <assert.h>
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_integration.h>
-#include <gsl/gsl_randist.h>
-#include <gsl/gsl_sort_double.h>
 #include <math.h>
 #include <stdlib.h>
 

@@ -7,8 +7,7 @@
 #ifndef PACK_PLACE_H
 #define PACK_PLACE_H
 
-#include <gsl/gsl_rng.h>
-
+#include "base/gsl.h"
 #include "model/model.h"
 
 /* Touching disks overlap by rounding only; nearer than this fraction of their radii counts as an overlap. */

@@ -1,10 +1,8 @@
 /* rain.c: see rain.h. */
+#include "base/gsl.h"
 #include "pack/rain.h"
 
 #include <assert.h>
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_rng.h>
-#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,12 +1,8 @@
 /* sizes.c: see sizes.h. */
+#include "base/gsl.h"
 #include "pack/sizes.h"
 
 #include <assert.h>
-#include <gsl/gsl_cdf.h>
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_integration.h>
-#include <gsl/gsl_randist.h>
-#include <gsl/gsl_sort_double.h>
 #include <math.h>
 #include <stdlib.h>
 

@@ -6,8 +6,7 @@
 #ifndef PACK_SIZES_H
 #define PACK_SIZES_H
 
-#include <gsl/gsl_rng.h>
-
+#include "base/gsl.h"
 #include "model/model.h"
 
 typedef struct sizes {

@@ -4,7 +4,7 @@
 - A floor with rooms: a file includes only headers of its own room or of rooms below, so that no circle runs through two.
 - Files outside a room with doors include its doors only.
 - A public header includes public headers and the C library only.
-- libconfig, HDF5, MPI and Zoltan are each seen by the files of one name only.
+- libconfig, HDF5, MPI and Zoltan are each seen by the files of one name only; GSL is seen by the core through base/gsl.h.
 - `work` is the engine's own: outside physics/ nothing reaches into it (physics/step/access.h is the door).
 - Nothing below app/ ends the process.
 - No source file and no test has 800 lines or more.
@@ -135,6 +135,17 @@ class Floors(unittest.TestCase):
                     problems.append(f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: {name} is not public")
                 if name in ONLY:
                     problems.append(f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: {name} in public")
+        self.check(problems)
+
+    def test_gsl_comes_through_its_header(self):
+        problems = []
+        for path in self.files:
+            place = path.relative_to(SRC).as_posix()
+            if place == "base/gsl.h" or place.split("/")[0] not in ("base", "model", "physics", "measure", "pack"):
+                continue
+            for found in INCLUDE.finditer(uncommented(path.read_text())):
+                if found.group(2).startswith("gsl/"):
+                    problems.append(f"src/{place}: {found.group(2)} comes through base/gsl.h")
         self.check(problems)
 
     def test_libraries_have_one_room(self):

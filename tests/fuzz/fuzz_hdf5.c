@@ -265,7 +265,7 @@ static void read_result(const char *path) {
 static void read_frames(const char *path) {
   sd_messages *messages = sd_messages_new();
   frames f;
-  if (frames_open(&f, path, 1, &path, messages) == SD_OK)
+  if (frames_open(&f, path, 1, &path, sd_deck_load_text, messages) == SD_OK)
     for (size_t k = 0; k <= f.n && k < 3; k++) {
       frame_data data;
       size_t nearest;

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "io/results/checkpoint.h"
 #include "io/results/frames.h"
+#include "slipdisk/deck.h"
 
 typedef struct arguments {
   const char *name, *csv, *output, *wanted; /* NULL: not asked for */
@@ -170,7 +171,8 @@ static sd_status write_means(const arguments *a, const frames *f, const bool *wa
   summary s;
   sd_status status = summary_read(&s, f->base, messages);
   if (status == SD_OK) status = summary_disks_read_all(&s.packing, f->base, messages);
-  if (status == SD_OK) status = checkpoint_complete(f->base, f->path, f->constants, &s.packing, messages);
+  if (status == SD_OK)
+    status = checkpoint_complete(f->base, f->path, f->constants, sd_deck_load_text, &s.packing, messages);
   if (status == SD_OK) status = measure_tables_means(a->csv, f->constants->n_disks, wanted, &s, messages);
   summary_free(&s);
   return status;

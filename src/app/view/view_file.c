@@ -7,6 +7,7 @@
 #include "app/view/view_page.h"
 #include "base/memory.h"
 #include "io/results/checkpoint.h"
+#include "slipdisk/deck.h"
 
 enum { MOST_FRAMES = 501 }; /* when none are asked for: 500 and the end */
 enum { FEW_FRAMES = 200 };  /* suggested */
@@ -62,7 +63,8 @@ static sd_status describe(job *j, sd_messages *messages) {
   sd_status status = summary_read(&j->found, j->f.base, messages);
   if (status == SD_OK) status = summary_disks_read_all(&j->found.packing, j->f.base, messages);
   if (status == SD_OK)
-    status = checkpoint_complete(j->f.base, j->f.path, j->f.constants, &j->found.packing, messages);
+    status = checkpoint_complete(j->f.base, j->f.path, j->f.constants, sd_deck_load_text, &j->found.packing,
+                                 messages);
   if (status == SD_OK) {
     j->meta = view_meta(j->f.constants, "result", origin.title, j->options->name);
     view_meta_summary(j->meta, &j->found);

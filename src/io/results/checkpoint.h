@@ -7,6 +7,7 @@
 #ifndef SLIPDISK_IO_CHECKPOINT_H
 #define SLIPDISK_IO_CHECKPOINT_H
 
+#include "io/results/constants.h"
 #include "io/results/provenance.h"
 #include "io/results/summary.h"
 
@@ -74,9 +75,9 @@ sd_status checkpoint_get_some(const char *path, const sd_model *model, size_t ra
 sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, summary_disks *s, int threads,
                                    sd_messages *messages);
 /* Means of every disk that a checkpoint leaves to its readers (SUMMARY_LATER), from its state. path: of the file; model: of the
- * run, NULL: from its deck. */
-sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model, summary_disks *s,
-                              sd_messages *messages);
+ * run, NULL: from its deck (constants_read). */
+sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model,
+                              constants_deck_reader *read_deck, summary_disks *s, sd_messages *messages);
 uint64_t checkpoint_bytes(const sd_state *state);  /* of all its columns */
 int64_t checkpoint_get_parts(const h5_file *file); /* -1: this is no checkpoint */
 uint64_t checkpoint_get_last_part(const h5_file *file);

@@ -367,8 +367,8 @@ sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, s
   return status;
 }
 
-sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model, summary_disks *s,
-                              sd_messages *messages) {
+sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model,
+                              constants_deck_reader *read_deck, summary_disks *s, sd_messages *messages) {
   sd_model *own = NULL;
   bool sealed;
   uint64_t sum;
@@ -379,7 +379,7 @@ sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_mo
    * it since */
   if (status == SD_OK && !h5_has_shares(file) && file_exists(path))
     status = h5_verify(path, &sealed, &sum, messages);
-  if (status == SD_OK && !model) status = constants_read(file, path, &own, messages);
+  if (status == SD_OK && !model) status = constants_read(file, path, read_deck, &own, messages);
   if (!model) model = own;
   if (status == SD_OK) status = checkpoint_collect_disks(file, model, s, pool_most(), messages);
   sd_model_free(own);

@@ -12,7 +12,6 @@
 #include "io/results/trajectory.h"
 #include "io/store/members.h"
 #include "model/rows.h"
-#include "slipdisk/deck.h"
 
 #define MODEL "/parameters/model"
 #define DISKS "/particles/disks"
@@ -424,7 +423,8 @@ static sd_status read_file(const h5_file *file, sd_model *m, sd_messages *messag
   return r.status;
 }
 
-static sd_status read_deck(const h5_file *file, const char *path, sd_model **out, sd_messages *messages) {
+static sd_status from_deck(const h5_file *file, const char *path, constants_deck_reader *read_deck,
+                           sd_model **out, sd_messages *messages) {
   char *full = h5_get_text(file, "/parameters/deck_full");
   if (!full)
     return sd_fail(messages, SD_ERROR_USER,
@@ -432,7 +432,7 @@ static sd_status read_deck(const h5_file *file, const char *path, sd_model **out
   char *deck = h5_get_attr_text(file, "/parameters", "deck_path");
   char *directory = h5_get_attr_text(file, "/parameters", "directory");
   char *name = provenance_deck(deck && *deck ? deck : "deck", directory);
-  sd_status status = sd_deck_load_text(full, name, 0, NULL, out, messages);
+  sd_status status = read_deck(full, name, 0, NULL, out, messages);
   if (status != SD_OK)
     sd_fail(messages, status,
             "%s: the run's deck, as it is stored, cannot be read again, so box, walls and laws are not known",
@@ -444,9 +444,10 @@ static sd_status read_deck(const h5_file *file, const char *path, sd_model **out
   return status;
 }
 
-sd_status constants_read(const h5_file *file, const char *path, sd_model **out, sd_messages *messages) {
+sd_status constants_read(const h5_file *file, const char *path, constants_deck_reader *read_deck,
+                         sd_model **out, sd_messages *messages) {
   *out = NULL;
-  if (!h5_exists(file, MODEL "/laws")) return read_deck(file, path, out, messages);
+  if (!h5_exists(file, MODEL "/laws")) return from_deck(file, path, read_deck, out, messages);
   sd_model *m = sd_model_new();
   const sd_status status = read_file(file, m, messages);
   if (status == SD_OK)

@@ -17,10 +17,15 @@ typedef struct constants_source {
  * memory. */
 sd_status constants_write(h5_file *file, const sd_model *model, const constants_source *from,
                           sd_messages *messages);
-/* A model, not finished, with one material per row of the laws: from a result, or, where /parameters/model is not
- * there (a checkpoint, an old result), from the deck that is stored in the file. SD_ERROR_USER: the deck cannot be
- * read again, for example since it names files that are gone. */
-sd_status constants_read(const h5_file *file, const char *path, sd_model **out, sd_messages *messages);
+/* Reads a deck, as sd_deck_load_text does: this room lies below the reader of decks. */
+typedef sd_status constants_deck_reader(const char *text, const char *path, size_t n_overrides,
+                                        const char *const *overrides, sd_model **out, sd_messages *messages);
+/* A model, not finished, with one material per row of the laws: from a result, or, where
+ * /parameters/model is not there (a checkpoint, an old result), from the deck that is stored in the
+ * file. SD_ERROR_USER: the deck cannot be read again, for example since it names files that are
+ * gone. */
+sd_status constants_read(const h5_file *file, const char *path, constants_deck_reader *read_deck,
+                         sd_model **out, sd_messages *messages);
 
 /* --- the laws of contacts in a finished result (/parameters/model) ---------------------------- */
 

@@ -52,7 +52,7 @@ static sd_status add_source(frames *f, const char *path, sd_messages *messages) 
 }
 
 sd_status frames_open(frames *f, const char *base, size_t n_sources, const char *const *sources,
-                      sd_messages *messages) {
+                      constants_deck_reader *read_deck, sd_messages *messages) {
   *f = (frames){.path = memory_text(base)};
   sd_status status = h5_open(base, &f->base, messages);
   if (status != SD_OK) return status;
@@ -66,7 +66,7 @@ sd_status frames_open(frames *f, const char *base, size_t n_sources, const char 
   if (status != SD_OK) return status;
   f->state_time = h5_get_attr_f64(f->base, "/summary", "time", NAN);
   f->state_step = h5_get_attr_i64(f->base, "/summary", "step", -1);
-  status = constants_read(f->base, base, &f->constants, messages);
+  status = constants_read(f->base, base, read_deck, &f->constants, messages);
   for (size_t k = 0; status == SD_OK && k < n_sources; k++) status = add_source(f, sources[k], messages);
   return status;
 }

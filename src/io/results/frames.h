@@ -5,6 +5,7 @@
 #ifndef SLIPDISK_IO_FRAMES_H
 #define SLIPDISK_IO_FRAMES_H
 
+#include "io/results/constants.h"
 #include "io/store/h5.h"
 #include "measure/configuration.h"
 
@@ -31,10 +32,11 @@ typedef struct frames {
   double state_time;
 } frames;
 
-/* base: a result or a checkpoint; sources: files with frames, in order, base among them if it has some.
- * frames_close also when it fails. SD_ERROR_USER: not a file of a run. */
+/* base: a result or a checkpoint; sources: files with frames, in order, base among them if it has
+ * some; read_deck: see constants_read. frames_close also when it fails. SD_ERROR_USER: not a file of a
+ * run. */
 sd_status frames_open(frames *f, const char *base, size_t n_sources, const char *const *sources,
-                      sd_messages *messages);
+                      constants_deck_reader *read_deck, sd_messages *messages);
 void frames_close(frames *f);
 /* Is this a part of an unfinished run: frames and contacts, no state? Does not fail. */
 bool frames_is_part(const char *path);

@@ -1,9 +1,8 @@
 /* oscillators.c: see oscillators.h. */
+#include "base/gsl.h"
 #include "physics/motion/oscillators.h"
 
 #include <assert.h>
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_integration.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* signals.c: see signals.h. */
+#include "base/gsl.h"
 #include "physics/motion/signals.h"
 
 #include <assert.h>
-#include <gsl/gsl_errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

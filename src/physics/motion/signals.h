@@ -2,8 +2,7 @@
 #ifndef PHYSICS_SIGNALS_H
 #define PHYSICS_SIGNALS_H
 
-#include <gsl/gsl_spline.h>
-
+#include "base/gsl.h"
 #include "physics/motion/motion.h"
 #include "physics/motion/motion_kernels.h"
 #include "physics/motion/oscillators.h"

@@ -1,12 +1,15 @@
-/* comm_mpi.c: the ranks of an MPI job; see comm.h. Empty in builds without MPI. */
-#ifdef SD_HAVE_MPI
-#include "base/comm_mpi.h"
-
+/* comm_job.c: the ranks of an MPI job, or this process alone; see comm.h. The core needs none of it. */
 #include <assert.h>
 #include <stdlib.h>
+
+#include "base/comm_kind.h"
+#include "base/memory.h"
+
+#ifdef SD_HAVE_MPI
 #include <time.h>
 
-#include "base/memory.h"
+#include "base/comm_mpi.h"
+
 /* NOLINTBEGIN(clang-analyzer-optin.mpi.*): the analyser takes MPI_Wait for the end of a request,
  * but not MPI_Test */
 
@@ -141,7 +144,7 @@ static void links_free(comm_links *links) {
   free(l);
 }
 
-/* --- the job ---------------------------------------------------------------------------------- */
+/* --- ranks of MPI ---------------------------------------------------------------------------------- */
 
 static const comm_kind kind = {.end = end_all,
                                .max = max,
@@ -157,7 +160,7 @@ static const comm_kind kind = {.end = end_all,
                                .links_wait = links_wait,
                                .links_free = links_free};
 
-sd_status comm_start_mpi(const comm **world, sd_messages *messages) {
+static sd_status start_mpi(const comm **world, sd_messages *messages) {
   static comm job = {.kind = &kind};
   int given;
   *world = NULL;
@@ -174,12 +177,71 @@ sd_status comm_start_mpi(const comm **world, sd_messages *messages) {
   return SD_OK;
 }
 
-void comm_finish_mpi(void) {
+static void finish_mpi(void) {
   MPI_Comm_free(&comm_ranks);
   MPI_Finalize();
 }
 
 /* NOLINTEND(clang-analyzer-optin.mpi.*) */
+
 #else
-typedef int comm_mpi_none; /* ISO C wants a declaration */
+
+static sd_status start_mpi(const comm **job, sd_messages *messages) {
+  (void)messages;
+  *job = NULL;
+  return SD_OK;
+}
+static void finish_mpi(void) {}
+
 #endif
+
+/* --- the job ---------------------------------------------------------------------------------- */
+
+static const comm *world;
+static bool begun;
+
+/* A launcher that started several processes tells each of them how many; else 0 and no name. */
+static int launched(const char **name) {
+  static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"};
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+    const char *text = getenv(*name = names[k]);
+    if (text) return (int)strtol(text, NULL, 10);
+  }
+  return 0;
+}
+
+static sd_status check_launcher(sd_messages *messages) {
+  const char *name;
+  int count = launched(&name);
+  if (world || count <= 1) return SD_OK;
+#ifdef SD_HAVE_MPI
+  const char *built = "for another MPI than the one that started it";
+#else
+  const char *built = "without MPI";
+#endif
+  return sd_fail(
+      messages, SD_ERROR_USER,
+      "%s = %d: so many processes were started together, but this program was built %s and cannot find "
+      "the others; expected one process, or a build with -DSLIPDISK_MPI=ON",
+      name, count, built);
+}
+
+sd_status comm_begin(sd_messages *messages) {
+  assert(!begun);
+  sd_status status = start_mpi(&world, messages);
+  if (status != SD_OK) return status;
+  status = check_launcher(messages);
+  begun = true;
+  if (status != SD_OK) comm_end();
+  return status;
+}
+
+void comm_end(void) {
+  if (!begun) return;
+  comm_max(world, 0); /* MPI_Finalize would spin */
+  finish_mpi();
+  begun = false;
+  world = NULL;
+}
+
+const comm *comm_world(void) { return world; }

@@ -1,0 +1,21 @@
+/* gsl.h: the parts of the GNU Scientific Library that the core uses, its only dependency besides the C
+ * library: cubic splines (motions by a table), quadrature (random vibration, sizes of packings), random
+ * numbers and distributions (packings), sorting, statistics and histograms (measuring).
+ *
+ * The library's handler of errors ends the process: gsl_quiet takes it off around calls that may fail,
+ * which then return a status or NAN.
+ */
+#ifndef SLIPDISK_BASE_GSL_H
+#define SLIPDISK_BASE_GSL_H
+
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_histogram.h>
+#include <gsl/gsl_integration.h>
+#include <gsl/gsl_randist.h>
+#include <gsl/gsl_rng.h>
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_spline.h>
+#include <gsl/gsl_statistics_double.h>
+
+#endif
