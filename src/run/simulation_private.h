@@ -104,6 +104,4 @@ enum { SIMULATION_DISKS_PER_THREAD = 1000 };
 /* Threads that are worth while for this model, 1 ... most. */
 int simulation_threads_for(const sd_model *model, int most);
 
-/* --- TODO ------------------------------------------------------------------------------------- */
-
 #endif

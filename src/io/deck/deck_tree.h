@@ -10,7 +10,7 @@
  * deck_bodies, deck_rows, deck_motion and deck_phases turn groups of the tree into parts of a model.
  *
  * Everything that lives only while a deck is read stands in one arena. When memory runs out,
- * deck_alloc, deck_keep and deck_grow jump back to deck.c, which frees the arena and the model;
+ * deck_alloc, deck_keep and deck_grow jump back to deck_open.c, which frees the arena and the model;
  * so no caller tests for NULL.
  */
 #ifndef SLIPDISK_IO_DECK_TREE_H
