@@ -1,4 +1,4 @@
-/* candidates.c: see candidates.h. */
+/* candidates.c: see neighbours.h. */
 #include "physics/neighbours/neighbours.h"
 
 #include <assert.h>
