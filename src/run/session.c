@@ -382,6 +382,7 @@ sd_status session_identity(const session *s, char **id, sd_messages *messages) {
 sd_status session_may_publish(const session *s, sd_status kind, sd_messages *messages) {
   char *there;
   if (session_identity(s, &there, messages) != SD_OK) return SD_ERROR_IO;
+  assert(there);
   bool may = !*there || strcmp(there, s->replaces) == 0;
   free(there);
   if (may) return SD_OK;

@@ -60,7 +60,7 @@ static void choose(const sliding_system *y, double u, const bool active[2], int 
 static double slide_until(const sliding_system *y, double u, double omega, const int s[2], int *which) {
   double rate = rate_of(y, s), next = y->end;
   *which = -1;
-  for (int i = 0; i < y->n; i++) {
+  for (int i = 0; i < 2 && i < y->n; i++) {
     double meeting = sliding_meeting(y, i, u, omega, rate, s[i]);
     if (meeting < next) {
       next = meeting;

@@ -13,6 +13,7 @@
 #include "slipdisk/deck.h"
 #include "slipdisk/theory.h"
 
+/* What limits a time step (sd_step_limit.bound), and the components of a box that deforms. */
 static const char *const bound_names[] = {"normal spring", "tangential spring", "viscosity", "fields"};
 static const char *const components[] = {"xx", "yy", "xy"};
 

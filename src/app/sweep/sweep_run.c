@@ -1,8 +1,9 @@
 /* sweep_run.c: runs the points of a sweep.
  *
- * Points go in groups (sweep_workers.c) whose systems are advanced side by side. With -j N each group is run by a process of
- * its own (sweep_workers.c): what goes wrong in one, even a crash, does not touch the others. Without -j groups are
- * run one after the other here, or shared among the ranks of an MPI job. All else goes through the folder.
+ * Points go in groups whose systems are advanced side by side. With -j N each group is run by a process
+ * of its own (sweep_workers.c): what goes wrong in one, even a crash, does not touch the others. Without
+ * -j groups are run one after the other here, or shared among the ranks of an MPI job. All else goes
+ * through the folder.
  *
  * Ctrl-C and its like go to all workers, which stop at checkpoints. A signal may come at any moment: before the
  * folder is touched it ends the process (drive.c); a worker inherits app_stop, so one that came before the fork

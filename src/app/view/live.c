@@ -153,6 +153,7 @@ void live_look(live *l, sd_simulation *s) {
 
 /* --- server's thread -------------------------------------------------------------------------------- */
 
+/* The newest frame, if its step is after this one; NULL: none is newer. */
 static live_frame *live_frame_take(live *l, int64_t after) {
   pthread_mutex_lock(&l->lock);
   live_frame *f = l->frame && l->frame->data.step > after ? l->frame : NULL;
@@ -182,6 +183,7 @@ static void add_series(void *user, const observable *o, size_t column, size_t k,
   view_chunk_add(p->c, name, VIEW_EXACT, c->type, data, p->t->n_rows - p->from, c->width);
 }
 
+/* Rows from number *from on, or from 0 if these are gone, in a chunk; false: there are none. */
 static bool live_rows(live *l, int64_t *from, view_chunk *c) {
   pthread_mutex_lock(&l->lock);
   teller p = {.t = &l->rows.series, .c = c};
