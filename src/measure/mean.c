@@ -233,7 +233,7 @@ const observable_list slide_observables =
 
 /* Length of the transient by the marginal standard error rule, MSER.
  *
- * Of all truncations d take the one that makes the naive error of the mean of the rest least:
+ * The rule takes the truncation d that makes the naive error of the mean of the rest least:
  * sum_{i >= d} (y_i - mean_d)^2/(m - d)^2, y_i the m means of a batch of samples (White, Simulation 69, 323
  * (1997); batches of 5: White, Cobb & Spratt, Winter Simulation Conference (2000)). What is left of a transient
  * is of the size of the batches' noise, and adds up over the transient's length, so that batches of 5 leave
@@ -246,7 +246,7 @@ const observable_list slide_observables =
  * differs from the rest: the mean of the first part, or of its first half, quarter or eighth, by more than
  * `distinct` errors of the difference, from the error bar of the rest.
  *
- * What is left of a relaxation behind such a cut is of the size of the noise of the batches, but adds up. It is
+ * The rest of a relaxation behind such a cut has the size of the noise of the batches, but adds up. It is
  * told in two ways: from the decay within what is cut off (tail_of), and from the means of the first quarter and
  * the rest of what is kept (drift_of). While the first is more than half the error bar or the second more than
  * two of its own, a sixteenth of the record is cut off as well, up to half of it. What is still left belongs in

@@ -284,7 +284,7 @@ static void add_power(engine *e, size_t kept) {
   }
 }
 
-/* From the prescribed bodies' side, which are few: by one member, in the order of slots. */
+/* One member goes over the prescribed bodies, which are few, in the order of slots. */
 static void sample_powers(engine *e) {
   for (size_t k = 0; k < engine_kept(e); k++) add_power(e, k);
 }

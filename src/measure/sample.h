@@ -25,7 +25,7 @@ int64_t sample_room(const engine *e);
  * the incidence, so that the bits depend on neither threads nor lists.
  */
 
-/* As sample_begin and sample_end; no-ops unless the model asks for means. */
+/* Begin and end a measured phase, like sample_begin; no-ops unless the model asks for means. */
 void disks_begin(engine *e);
 void disks_end(engine *e);
 /* A measured step was completed, the measured-th; one member's share. The state's own count (state->measured)

@@ -11,11 +11,11 @@
 typedef double advice_check(const sd_model *model, sd_messages *messages);
 /* Of the fields; advice_fields.c. */
 advice_check advice_fields;
-/* Of motions; advice_bodies.c. */
+/* Warns of motions; advice_bodies.c. */
 advice_check advice_motions;
-/* Of prescribed bodies that overlap; advice_bodies.c. */
+/* Warns of prescribed bodies that overlap; advice_bodies.c. */
 advice_check advice_prescribed;
-/* Of walls that meet; advice_bodies.c. */
+/* Warns of walls that meet; advice_bodies.c. */
 advice_check advice_joints;
 extern advice_check *const advice_checks[];
 extern const size_t advice_count;

@@ -109,7 +109,7 @@ static size_t sides_of(const sd_wall *w) {
   return w->n_points - (w->closed ? 0 : 1);
 }
 
-/* From where to where a wall goes along x. */
+/* The range of a wall along x. */
 static void bounds_of(const sd_wall *w, double *lower, double *upper) {
   *lower = w->kind == SD_WALL_CIRCLE ? w->pivot[0] - w->radius : HUGE_VAL;
   *upper = w->kind == SD_WALL_CIRCLE ? w->pivot[0] + w->radius : -HUGE_VAL;

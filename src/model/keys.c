@@ -299,7 +299,7 @@ void deck_key_defaults(const deck_table *table, void *members) {
   }
 }
 
-/* By hand, numbers may be of any size: what is far beyond a limit switches it off. */
+/* A program may set numbers of any size: a value far beyond a limit switches it off. */
 static bool has_sign(deck_range range, double x) {
   switch (range) {
     case DECK_ANY: return true;

@@ -437,7 +437,7 @@ uint32_t sd_model_add_clump(sd_model *m, const sd_clump *clump) {
 
 /* --- motions and phases ----------------------------------------------------------------------------- */
 
-/* From number `from` on, the n motions or fields of a phase are on, or off. */
+/* Switches the n motions or fields of a phase on, or off, from number `from` on. */
 static void activate(sd_model *m, bool **list, size_t from, size_t n, bool on) {
   *list = grow(m, *list, n, sizeof **list);
   for (size_t k = from; k < n; k++) (*list)[k] = on;

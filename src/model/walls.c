@@ -16,7 +16,8 @@ bool model_moves_surfaces(const sd_model *m) {
   return false;
 }
 
-/* Of side k of a wall the pieces into which it is cut; *arc: the length of the wall so far. Returns how many there are. */
+/* Makes the pieces into which side k of a wall is cut; *arc: the length of the wall so far. Returns
+ * how many there are. */
 static size_t derive_side(const sd_model *m, const sd_wall *w, size_t k, uint32_t body, sd_segment *first,
                           double *arc) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];

@@ -320,7 +320,7 @@ void place_waiting(double lower, double upper, double y, double spacing, size_t 
   }
 }
 
-/* What divides evenly shall do so in spite of rounding. */
+/* The margin lets lengths divide evenly in spite of rounding. */
 #define ROUNDING 1e-9
 
 /* Rows of a lattice. */

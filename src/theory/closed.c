@@ -75,7 +75,7 @@ double sd_reversal_phase(const sd_three_disk *disk) {
 /* Torques at the translational equilibrium points, (13)-(19) and (31).
  *
  * With both contacts sliding, tau_i = s_i mu n_i, the centre is in equilibrium for one pair (n_1, n_2).
- * In terms of friction angles phi_i = s_i atan(mu) the contact force F_i = n_i/cos(phi_i) leans away from
+ * With friction angles phi_i = s_i atan(mu) the contact force F_i = n_i/cos(phi_i) leans away from
  * its normal by phi_i, and the balance of two forces and a weight is the law of sines:
  *   F_1 = m g sin(alpha_2 - phi_2)/D,  F_2 = m g sin(alpha_1 + phi_1)/D,
  *   D = sin(alpha_1 + alpha_2 + phi_1 - phi_2),  torque = R (F_1 sin phi_1 + F_2 sin phi_2).

@@ -13,7 +13,7 @@
 #include "slipdisk/deck.h"
 #include "slipdisk/theory.h"
 
-/* What limits a time step (sd_step_limit.bound), and the components of a box that deforms. */
+/* Names of what bounds a time step (sd_step_limit.bound), and of the components of a box that deforms. */
 static const char *const bound_names[] = {"normal spring", "tangential spring", "viscosity", "fields"};
 static const char *const components[] = {"xx", "yy", "xy"};
 
@@ -57,7 +57,7 @@ static double restitution_at(const sd_contact_law *law, double mass) {
   return sd_restitution(law->k_n, gamma, mass).restitution;
 }
 
-/* Of Hertz' law it is that of the deck, whatever the masses. */
+/* Hertz' law has the coefficient of the deck, whatever the masses. */
 static double given_restitution(const sd_contact_law *law) {
   if (law->gamma_n > 0.0) return NAN;
   return law->restitution > 0.0 ? law->restitution : 1.0;

@@ -170,7 +170,7 @@ static json_t *point_json(const sweep *s, size_t k, const sweep_result *r) {
                    doubts_json(r), "rotation", r->has_found ? json_rotations(&r->found) : json_array());
 }
 
-/* In what decks of results differ, a text each. */
+/* Differences between the decks of results, a text each. */
 static json_t *others_json(const sweep_tally *t) {
   json_t *list = json_array();
   for (size_t k = 0; k < t->n; k++) {

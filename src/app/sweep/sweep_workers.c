@@ -17,7 +17,7 @@
 
 /* --- groups ----------------------------------------------------------------------------------- */
 
-/* Which points of a sweep are run side by side.
+/* Groups are the points of a sweep that run side by side.
  *
  * A group takes about as long as its longest point, however few it has. So points of one kind go together, those of
  * equal length next to each other, in groups as large as the machine likes; when that leaves workers idle the

@@ -309,7 +309,7 @@ static bool rests(const sd_motion *motion) {
   return motion->kind == SD_MOTION_VELOCITY ? motion->velocity == 0 : motion->amplitude == 0;
 }
 
-/* Of the angle of a support. */
+/* The theory knows these motions of the angle of a support. */
 static bool is_known(const sd_motion *motion) {
   return motion->kind == SD_MOTION_HARMONIC || motion->kind == SD_MOTION_PARABOLIC ||
          motion->kind == SD_MOTION_VELOCITY || motion->kind == SD_MOTION_RANDOM;

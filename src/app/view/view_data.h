@@ -29,7 +29,7 @@ void view_frame(view_chunk *c, const sd_model *model, const frame_data *frame, b
 
 /* --- the time series of a run for the viewer's page ------------------------------------------- */
 
-/* Of long series every so many rows are told. */
+/* A long series tells every so many rows. */
 enum { VIEW_MOST_ROWS = 10000 };
 
 /* Names and units into meta.series, values into the chunk. *rows = 0: there are none, and no chunk. */

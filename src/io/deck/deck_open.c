@@ -50,7 +50,7 @@ const char *deck_source(const char *path) { return strcmp(path, "-") == 0 ? "std
 
 /* --- tree ------------------------------------------------------------------------------------- */
 
-/* What deck_open was given, and what to do with it. */
+/* Arguments of deck_open, and the function that uses the tree. */
 typedef struct task {
   const char *text;
   size_t n_settings;

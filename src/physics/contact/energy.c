@@ -163,7 +163,7 @@ void losses_end_all(engine *e, pairs *p) {
         if (p->a[k] >= 0) losses_end(e, p, k);
 }
 
-/* In the order of the pairs. */
+/* The sum runs in the order of the pairs. */
 void losses_show(engine *e) {
   sd_state *s = e->state;
   const incidence *n = &e->work.incidence;

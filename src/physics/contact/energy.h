@@ -21,7 +21,7 @@ static inline double energy_lost(const sd_energy *e) {
   return e->viscous + e->friction + e->rolling + e->bridge + e->opening + e->drag + e->damping + e->relaxed;
 }
 
-/* What contacts have lost, by contact while they last, and by body afterwards.
+/* Losses of contacts: kept by contact while it lasts, and by body afterwards.
  *
  * The commit adds to a contact's own sums, which are its memory. When it ends they go to its bodies: half to each
  * disk, all to the disk whose partner is a wall or prescribed. state->loss_viscous, _friction and nonconservative_work are

@@ -210,7 +210,8 @@ static bool is_of_earlier(const engine *e, size_t k, const nearest_point *q) {
   return false;
 }
 
-/* Of the walls that end at the vertex in which the point lies, the first one owns it, where the disk is beyond all of their ends. */
+/* The first of the walls that end at the vertex in which the point lies owns it, if the disk is
+ * beyond all of their ends. */
 static bool owns_vertex(const engine *e, size_t k, const nearest_point *q) {
   const pairs *p = &e->work.pairs;
   const sd_segment *own = piece_of(e, k);

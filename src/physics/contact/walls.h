@@ -135,7 +135,7 @@ void walls_pose_listed(engine *e);
 
 /* Pieces of walls that meet: of which of them a disk touches the joint, and a contact that goes from one to the next. */
 
-/* Of several pieces that meet in point q of pair k's piece, is it this one that the disk touches there? */
+/* Several pieces may meet in point q of pair k's piece: does the disk touch this one there? */
 bool joints_own(const engine *e, size_t pair, const nearest_point *q);
 /* The same for any point of piece g, that of pair k: joints are near its ends only. */
 static inline bool joints_active(const engine *e, size_t pair, const placed_segment *g,

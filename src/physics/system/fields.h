@@ -33,7 +33,7 @@ void fields_apply(engine *e);
 /* Work in the step that was made: the trapezoid of force and corrected velocity. */
 void fields_work(engine *e);
 
-/* What the step wants of the model's fields (sd_body_force): how strongly each acts on each free disk, and the
+/* The model's fields (sd_body_force) in the step: how strongly each acts on each free disk, and the
  * sums of their forces with all that is constant. The forces themselves: physics/step/field_pass.h.
  */
 
