@@ -76,7 +76,8 @@ typedef struct arena_plan {
   size_t columns;
 } arena_plan;
 
-/* Offset in the arena of another column of so many bytes: a multiple of 64, with 64 bytes to spare. */
+/* Offset in the arena of another column of so many bytes: a multiple of 64, with 64 bytes to
+ * spare. */
 size_t arena_column(arena_plan *plan, size_t bytes);
 /* Zeroed; NULL without memory. */
 void *arena_new(const arena_plan *plan);

@@ -246,15 +246,15 @@ const observable_list slide_observables =
  * differs from the rest: the mean of the first part, or of its first half, quarter or eighth, by more than
  * `distinct` errors of the difference, from the error bar of the rest.
  *
- * The rest of a relaxation behind such a cut has the size of the noise of the batches, but adds up. It is
- * told in two ways: from the decay within what is cut off (tail_of), and from the means of the first quarter and
- * the rest of what is kept (drift_of). While the first is more than half the error bar or the second more than
- * two of its own, a sixteenth of the record is cut off as well, up to half of it. What is still left belongs in
- * the error bar.
+ * The rest of a relaxation behind such a cut has the size of the noise of the batches, but adds up.
+ * It is told in two ways: from the decay within what is cut off (tail_of), and from the means of the
+ * first quarter and the rest of what is kept (drift_of). While the first is more than half the error
+ * bar or the second more than two of its own, a sixteenth of the record is cut off as well, up to half
+ * of it. What is still left belongs in the error bar.
  *
- * A record without noise that relaxes for ever (a deterministic drive) has no minimum before the edge, and what
- * is left of it never looks stationary. It is called quiet when the naive error falls to a hundredth of that of
- * the whole record; the search ends at a thousandth of this.
+ * A record without noise that relaxes for ever (a deterministic drive) has no minimum before the edge,
+ * and its rest never looks stationary. It is called quiet when the naive error falls to a hundredth of
+ * that of the whole record; the search ends at a thousandth of this.
  */
 
 enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16, BATCHES = 64, ENOUGH = 16 };

@@ -41,8 +41,8 @@ typedef enum deck_range {
 } deck_range;
 
 /* A word of a choice. Where the choice is a kind (of wall, packing, motion, law), `keys` are those that this kind
- * reads besides the keys that all kinds have: a key marked * must be given; of keys joined by / one is given
- * (exactly one where marked *). A list of words ends with a name NULL. */
+ * reads besides the keys that all kinds have: a key marked * must be given; of keys joined by / one
+ * is given (exactly one where marked *). A list of words ends with a name NULL. */
 typedef struct deck_shape {
   const char *name;
   int kind; /* value of the enum */

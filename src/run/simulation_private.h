@@ -13,11 +13,11 @@
 #include "run/ranks.h"
 #include "slipdisk/simulation.h"
 
-/* The door of a simulation. Every function of slipdisk/simulation.h comes through here: while a call is
- * under way other threads are refused, and its own callbacks may do what does not pull the ground from under it.
- */
+/* The door of a simulation. Every function of slipdisk/simulation.h comes through here: while a call
+ * is under way other threads are refused, and its own callbacks may do what does not pull the ground
+ * from under it. */
 
-/* A call needs one of these, and the right caller: */
+/* A call needs the state, or that it is alone. */
 typedef enum simulation_need {
   NEED_STATE, /* the state between two steps: free ones, and observers */
   NEED_CHANGE /* that no call is under way */

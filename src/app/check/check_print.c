@@ -13,7 +13,8 @@
 #include "slipdisk/deck.h"
 #include "slipdisk/theory.h"
 
-/* Names of what bounds a time step (sd_step_limit.bound), and of the components of a box that deforms. */
+/* Names of the bounds of a time step (sd_step_limit.bound), and of the components of a box that
+ * deforms. */
 static const char *const bound_names[] = {"normal spring", "tangential spring", "viscosity", "fields"};
 static const char *const components[] = {"xx", "yy", "xy"};
 
