@@ -100,8 +100,9 @@ HELPER sd_simulation *go_on_from_copy(sd_simulation *sim, int threads) {
   sd_state *state = copy_of(model, sd_simulation_state(sim));
   sd_simulation_free(sim);
   sd_simulation *next = NULL;
-  assert_int_equal(simulation_resume(model, state, NULL, threads, step_for(threads), NULL, NULL, &next, NULL),
-                   SD_OK);
+  assert_int_equal(
+      simulation_resume(model, state, NULL, threads, step_for(threads), NULL, NULL, &next, NULL),
+      SD_OK);
   return next;
 }
 

@@ -51,8 +51,9 @@ HELPER sd_simulation *laws_begin(text *t, bool general) {
   sd_simulation *s = NULL;
   free(t->s);
   *t = (text){0};
-  assert_int_equal(
-      simulation_new(m, 1, general ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL, NULL, &s, NULL), SD_OK);
+  assert_int_equal(simulation_new(m, 1, general ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL,
+                                  NULL, &s, NULL),
+                   SD_OK);
   return s;
 }
 
@@ -75,7 +76,8 @@ typedef struct hit {
 } hit;
 
 HELPER double hit_mass(const hit *h) {
-  return h->floor || h->fixed || h->round ? h->mass[0] : h->mass[0] * h->mass[1] / (h->mass[0] + h->mass[1]);
+  return h->floor || h->fixed || h->round ? h->mass[0]
+                                          : h->mass[0] * h->mass[1] / (h->mass[0] + h->mass[1]);
 }
 
 HELPER sd_simulation *laws_impact(const law *l, const hit *h) {
@@ -83,14 +85,15 @@ HELPER sd_simulation *laws_impact(const law *l, const hit *h) {
   const int side = h->round < 0 ? -1 : 1;
   double r = h->radius[0] + side * h->radius[1] + h->gap;
   const double at[2][2] = {{0, 0}, {r * cos(h->beta), r * sin(h->beta)}};
-  text_add(&t, "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15;\n", h->dt,
-           system_integrators[h->integrator]);
+  text_add(&t,
+           "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15;\n",
+           h->dt, system_integrators[h->integrator]);
   text_add(&t, "gravity = { g = %.17g; }; materials = ( ", h->gravity);
   law_add(&t, "name = \"m\"", l);
   text_add(&t, " );\ndisks = (");
   for (int i = 0; i < (h->floor || h->round ? 1 : 2); i++) {
-    text_add(&t, "%s{ x = %.17g; y = %.17g; radius = %.17g; mass = %.17g; ", i ? ", " : "", at[i][0],
-             at[i][1], h->radius[i], h->mass[i]);
+    text_add(&t, "%s{ x = %.17g; y = %.17g; radius = %.17g; mass = %.17g; ", i ? ", " : "",
+             at[i][0], at[i][1], h->radius[i], h->mass[i]);
     if (i && h->fixed)
       text_add(&t, "fixed = true; }");
     else
@@ -103,7 +106,8 @@ HELPER sd_simulation *laws_impact(const law *l, const hit *h) {
              -h->radius[0] - h->gap, -h->radius[0] - h->gap);
   if (h->round)
     text_add(&t,
-             "walls = ( { type = \"circle\"; center = (%.17g, %.17g); radius = %.17g; side = \"%s\"; } );\n",
+             "walls = ( { type = \"circle\"; center = (%.17g, %.17g); radius = %.17g; side = "
+             "\"%s\"; } );\n",
              at[1][0], at[1][1], h->radius[1], side > 0 ? "outside" : "inside");
   return laws_begin(&t, h->general);
 }
@@ -163,16 +167,18 @@ HELPER int reference_rates(double t, const double s[], double f[], void *user) {
   (void)t;
   bool flat = h->floor;
   double ra = h->radius[0], rb = flat ? 0 : h->radius[1], sum = ra + rb;
-  double dx = flat ? 0 : s[3] - s[0], dy = flat ? -ra - h->gap - s[1] : s[4] - s[1], r = hypot(dx, dy);
+  double dx = flat ? 0 : s[3] - s[0], dy = flat ? -ra - h->gap - s[1] : s[4] - s[1],
+         r = hypot(dx, dy);
   double nx = dx / r, ny = dy / r, reach = sum - r, delta = fmax(reach, 0);
   double vx = s[RATE + 3] - s[RATE], vy = s[RATE + 4] - s[RATE + 1], u = vx * nx + vy * ny;
   double turn = flat ? 0 : (vy * nx - vx * ny) / r; /* of the normal */
-  double surface =
-      flat ? ra * s[RATE + 2] + s[RATE] - q->belt : ra * s[RATE + 2] + rb * s[RATE + 5] - sum * turn;
+  double surface = flat ? ra * s[RATE + 2] + s[RATE] - q->belt
+                        : ra * s[RATE + 2] + rb * s[RATE + 5] - sum * turn;
   /* normal */
   double gamma = l->gamma_n, m = hit_mass(h);
   const double ratio = q->damping;
-  gamma += l->hertz ? sqrt(5) * ratio * sqrt(m * l->k_n * sqrt(delta)) : 2 * ratio * sqrt(m * l->k_n);
+  gamma +=
+      l->hertz ? sqrt(5) * ratio * sqrt(m * l->k_n * sqrt(delta)) : 2 * ratio * sqrt(m * l->k_n);
   double push = delta > 0 ? law_repulsion(l, delta) - gamma * u : 0;
   if (!l->pulls) push = fmax(push, 0);
   double normal = push - law_attraction(l, reach, q->bridged), cap = fmax(push, 0);
@@ -186,10 +192,12 @@ HELPER int reference_rates(double t, const double s[], double f[], void *user) {
   double reduced = flat ? ra : ra * rb / sum;
   double rolling = reduced * (s[RATE + 2] - s[RATE + 5]);
   q->roll_limit = cap * l->mu_r;
-  double couple = delta > 0 ? -reduced * limited(l->k_r * s[ROLL], l->gamma_r * rolling, q->roll_limit) : 0;
+  double couple =
+      delta > 0 ? -reduced * limited(l->k_r * s[ROLL], l->gamma_r * rolling, q->roll_limit) : 0;
 
-  double force[6] = {-normal * nx - tau * lever * ny, -normal * ny + tau * lever * nx, tau * ra + couple,
-                     normal * nx + tau * lever * ny,  normal * ny - tau * lever * nx,  tau * rb - couple};
+  double force[6] = {
+      -normal * nx - tau * lever * ny, -normal * ny + tau * lever * nx, tau * ra + couple,
+      normal * nx + tau * lever * ny,  normal * ny - tau * lever * nx,  tau * rb - couple};
   force[0] -= q->stop * fmax(s[0], 0);
   for (int b = 0; b < 2; b++)
     for (int c = 0; c < 3; c++) {
@@ -205,7 +213,8 @@ HELPER int reference_rates(double t, const double s[], double f[], void *user) {
 
 HELPER reference reference_new(const law *l, const hit *h) {
   reference q = {.law = l, .hit = h};
-  if (l->restitution > 0 && l->restitution < 1) q.damping = law_damping_ratio(l->restitution, l->pulls);
+  if (l->restitution > 0 && l->restitution < 1)
+    q.damping = law_damping_ratio(l->restitution, l->pulls);
   double r = h->radius[0] + h->radius[1] + h->gap;
   q.s[3] = h->floor ? 0 : r * cos(h->beta);
   q.s[4] = h->floor ? 0 : r * sin(h->beta);
@@ -238,7 +247,8 @@ HELPER void reference_advance(reference *q, double dt, int64_t steps) {
   double error[NUMBERS];
   assert_non_null(step);
   for (int64_t k = 0; k < steps; k++) {
-    assert_int_equal(gsl_odeiv2_step_apply(step, 0, dt, q->s, error, NULL, NULL, &system), GSL_SUCCESS);
+    assert_int_equal(gsl_odeiv2_step_apply(step, 0, dt, q->s, error, NULL, NULL, &system),
+                     GSL_SUCCESS);
     reference_commit(q);
   }
   gsl_odeiv2_step_free(step);

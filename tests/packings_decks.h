@@ -13,7 +13,8 @@
 
 #define HELPER static inline __attribute__((unused))
 
-#define HEAD "dt = 1e-3; steps = 10; gravity = { g = 10; }; materials = ( { name = \"m\"; k_n = 10; } );\n"
+#define HEAD                                                                                       \
+  "dt = 1e-3; steps = 10; gravity = { g = 10; }; materials = ( { name = \"m\"; k_n = 10; } );\n"
 #define BOX "container = { type = \"box\"; width = 10; height = 8; };\n"
 #define PERIODIC "container = { type = \"periodic\"; width = 10; height = 8; };\n"
 #define DRUM "container = { type = \"drum\"; radius = 5; };\n"
@@ -27,7 +28,11 @@ HELPER sd_model *load(const char *text, const char *set, const char *set_too) {
   sd_model *m = NULL;
   sd_messages_free(messages);
   messages = sd_messages_new();
-  sd_status status = sd_deck_load_text(text, "test.cfg", set_too ? 2 : set ? 1 : 0, overrides, &m, messages);
+  sd_status status = sd_deck_load_text(text, "test.cfg",
+                                       set_too ? 2
+                                       : set   ? 1
+                                               : 0,
+                                       overrides, &m, messages);
   assert_true((status == SD_OK) == (m != NULL));
   return m;
 }

@@ -36,8 +36,8 @@ HELPER void read_one(const comm *c, void *with) {
   const int q = comm_rank(c);
   r->messages[q] = sd_messages_new();
   r->advised[q] = sd_messages_new();
-  r->status[q] =
-      deck_load_for_ranks(c, r->text, path, r->n_overrides, r->overrides, NULL, &r->model[q], r->messages[q]);
+  r->status[q] = deck_load_for_ranks(c, r->text, path, r->n_overrides, r->overrides, NULL,
+                                     &r->model[q], r->messages[q]);
   if (r->status[q] != SD_OK) return;
   r->limit[q] = sd_model_step_limit(r->model[q]);
   sd_model_advise(r->model[q], r->advised[q]);
@@ -73,7 +73,8 @@ HELPER sd_model *alone(const char *text) {
 }
 
 /* All ranks get the same status. */
-HELPER reading read_deck(const char *text, int ranks, size_t n_overrides, const char *const *overrides) {
+HELPER reading read_deck(const char *text, int ranks, size_t n_overrides,
+                         const char *const *overrides) {
   reading r = {.text = text, .ranks = ranks, .n_overrides = n_overrides, .overrides = overrides};
   FILE *file = fopen(path, "w");
   assert_non_null(file);
@@ -115,7 +116,8 @@ HELPER void check_numbers(const reading *r, const sd_model *all) {
   sd_model_advise(all, advised);
   for (int q = 0; q < r->ranks; q++) {
     const sd_model *m = r->model[q];
-    assert_true(m->largest_radius == all->largest_radius && m->smallest_radius == all->smallest_radius);
+    assert_true(m->largest_radius == all->largest_radius &&
+                m->smallest_radius == all->smallest_radius);
     assert_true(fabs(m->mean_radius / all->mean_radius - 1) < 1e-12);
     assert_true(m->shortest_period == all->shortest_period);
     assert_true(r->limit[q].dt == limit.dt && r->limit[q].disk == limit.disk &&
@@ -127,7 +129,8 @@ HELPER void check_numbers(const reading *r, const sd_model *all) {
     for (size_t k = 0; k < sd_messages_count(advised); k++)
       assert_string_equal(sd_messages_text(r->advised[q], k), sd_messages_text(advised, k));
     assert_int_equal(m->n_segments, all->n_segments);
-    for (size_t k = 0; k < m->n_segments; k++) assert_int_equal(m->segments[k].body, all->segments[k].body);
+    for (size_t k = 0; k < m->n_segments; k++)
+      assert_int_equal(m->segments[k].body, all->segments[k].body);
   }
   sd_messages_free(advised);
 }

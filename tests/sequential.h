@@ -25,11 +25,12 @@ typedef struct sequential {
 
 /* Means over many records. */
 typedef struct sequential_found {
-  double length, early; /* of the record in `wanted`; part of the records that are less than half of it */
-  double error;         /* error bar over the true error of a record so long */
-  double within, chi2;  /* part within one error bar; ((mean - true)/error)^2 */
-  double bias;          /* of the mean, in goals */
-  double reached;       /* part whose goal was reached before 16 times `wanted` */
+  double length,
+      early;    /* of the record in `wanted`; part of the records that are less than half of it */
+  double error; /* error bar over the true error of a record so long */
+  double within, chi2;             /* part within one error bar; ((mean - true)/error)^2 */
+  double bias;                     /* of the mean, in goals */
+  double reached;                  /* part whose goal was reached before 16 times `wanted` */
   double fixed_within, fixed_chi2; /* of the same records, all of the length `wanted` */
 } sequential_found;
 
@@ -44,7 +45,8 @@ static inline void grow(growing *g, int64_t n) {
   if (g->n == 0) g->last = gsl_ran_gaussian_ziggurat(g->random, 1);
   for (; g->n < n; g->n++) {
     g->sum[g->n + 1] = g->sum[g->n] + g->mean + g->last;
-    g->last = g->rho * g->last + sqrt(1 - g->rho * g->rho) * gsl_ran_gaussian_ziggurat(g->random, 1);
+    g->last =
+        g->rho * g->last + sqrt(1 - g->rho * g->rho) * gsl_ran_gaussian_ziggurat(g->random, 1);
   }
 }
 
@@ -61,7 +63,8 @@ static inline void fill_bins(sd_state *state, const growing *g, int64_t n) {
 /* Standard error of the mean of n samples, exactly. */
 static inline double exact_error(int64_t n, double rho) {
   double m = (double)n;
-  return sqrt(((1 + rho) / (1 - rho) - 2 * rho * (1 - pow(rho, m)) / (m * (1 - rho) * (1 - rho))) / m);
+  return sqrt(((1 + rho) / (1 - rho) - 2 * rho * (1 - pow(rho, m)) / (m * (1 - rho) * (1 - rho))) /
+              m);
 }
 
 static inline sequential_found sequential_trial(const sequential *c, int seeds) {
@@ -78,7 +81,8 @@ static inline sequential_found sequential_trial(const sequential *c, int seeds) 
                     .phases = &phase,
                     .until = {.asked = true, .least = c->least}};
   *(c->mean > 0 ? &model.until.relative : &model.until.error) = c->mean > 0 ? goal / c->mean : goal;
-  sd_state state = {.n_rotations = 1, .rotation_bin = bins, .rotation_start = &zero, .rotation_last = &zero};
+  sd_state state = {
+      .n_rotations = 1, .rotation_bin = bins, .rotation_start = &zero, .rotation_last = &zero};
   growing g = {.random = gsl_rng_alloc(gsl_rng_mt19937), .rho = c->rho, .mean = c->mean};
   g.sum = calloc((size_t)phase.steps + 1, sizeof *g.sum);
   assert_non_null(g.random);
@@ -117,11 +121,11 @@ static inline sequential_found sequential_trial(const sequential *c, int seeds) 
 
 static inline void print_sequential(const sequential *c, const sequential_found *f) {
   double tau = (1 + c->rho) / (1 - c->rho) / 2;
-  print_message(
-      "| %4.1f | %5.0f | %5.0f | %5.3f | %4.2f | %4.2f | %4.2f | %4.2f | %4.2f | %5.2f | %4.2f | %4.2f |\n",
-      tau, (double)c->least / tau, (double)c->wanted / tau,
-      c->mean > 0 ? exact_error(c->wanted, c->rho) / c->mean : 0.0, f->length, f->early, f->error, f->within,
-      f->chi2, f->bias, f->fixed_within, f->fixed_chi2);
+  print_message("| %4.1f | %5.0f | %5.0f | %5.3f | %4.2f | %4.2f | %4.2f | %4.2f | %4.2f | %5.2f | "
+                "%4.2f | %4.2f |\n",
+                tau, (double)c->least / tau, (double)c->wanted / tau,
+                c->mean > 0 ? exact_error(c->wanted, c->rho) / c->mean : 0.0, f->length, f->early,
+                f->error, f->within, f->chi2, f->bias, f->fixed_within, f->fixed_chi2);
 }
 
 #endif

@@ -16,15 +16,18 @@
 
 /* Line 1 is dt, line 2 the sweep of a test, the rest stands behind it. */
 #define HEAD "dt = 1e-3; steps = 10; seed = 5;\n"
-#define TAIL                                                                                                 \
-  "gravity = { g = 10; };\n"                                                                                 \
-  "materials = ( { name = \"m\"; k_n = 10; } );\n"                                                           \
-  "disks = ( { name = \"a\"; x = 0; y = 0; radius = 1; mass = 2; }, { name = \"b\"; x = 3; y = 0; radius = " \
-  "1; "                                                                                                      \
-  "mass = 2; } );\n"                                                                                         \
-  "motions = ( { name = \"p\"; disk = \"a\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 1; omega " \
-  "= 1; },\n"                                                                                                \
-  "  { name = \"q\"; disk = \"a\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1; omega = 1; } "    \
+#define TAIL                                                                                       \
+  "gravity = { g = 10; };\n"                                                                       \
+  "materials = ( { name = \"m\"; k_n = 10; } );\n"                                                 \
+  "disks = ( { name = \"a\"; x = 0; y = 0; radius = 1; mass = 2; }, { name = \"b\"; x = 3; y = "   \
+  "0; radius = "                                                                                   \
+  "1; "                                                                                            \
+  "mass = 2; } );\n"                                                                               \
+  "motions = ( { name = \"p\"; disk = \"a\"; coordinate = \"x\"; type = \"harmonic\"; amplitude "  \
+  "= 1; omega "                                                                                    \
+  "= 1; },\n"                                                                                      \
+  "  { name = \"q\"; disk = \"a\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1; omega " \
+  "= 1; } "                                                                                        \
   ");\n"
 
 static char folder[] = "/tmp/slipdisk-sweep-XXXXXX";

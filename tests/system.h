@@ -21,15 +21,15 @@
 #include "slipdisk/simulation.h"
 #include "slipdisk/theory.h"
 
-#define SYSTEM_NEAR(value, expected, tolerance, ...)                                                         \
-  do {                                                                                                       \
-    double value_ = (value), expected_ = (expected), tolerance_ = (tolerance);                               \
-    if (!(fabs(value_ - expected_) <= tolerance_)) {                                                         \
-      print_error(__VA_ARGS__);                                                                              \
-      print_error(": %.15g, expected %.15g within %.2g (off by %.2g)\n", value_, expected_, tolerance_,      \
-                  fabs(value_ - expected_));                                                                 \
-      fail();                                                                                                \
-    }                                                                                                        \
+#define SYSTEM_NEAR(value, expected, tolerance, ...)                                               \
+  do {                                                                                             \
+    double value_ = (value), expected_ = (expected), tolerance_ = (tolerance);                     \
+    if (!(fabs(value_ - expected_) <= tolerance_)) {                                               \
+      print_error(__VA_ARGS__);                                                                    \
+      print_error(": %.15g, expected %.15g within %.2g (off by %.2g)\n", value_, expected_,        \
+                  tolerance_, fabs(value_ - expected_));                                           \
+      fail();                                                                                      \
+    }                                                                                              \
   } while (0)
 
 static const char *const system_integrators[] = {"gear5", "verlet"};
@@ -43,8 +43,8 @@ static inline void *system_grow(void *list, size_t n, size_t size) {
 }
 
 /* laws: n * n rows */
-static inline sd_model *system_new_laws(sd_integrator integrator, sd_variant variant, double dt, size_t n,
-                                        const sd_contact_law *laws) {
+static inline sd_model *system_new_laws(sd_integrator integrator, sd_variant variant, double dt,
+                                        size_t n, const sd_contact_law *laws) {
   sd_model *m = sd_model_new();
   assert_non_null(m);
   m->integrator = integrator;
@@ -66,7 +66,8 @@ static inline sd_model *system_new(sd_integrator integrator, sd_variant variant,
 
 static inline uint32_t system_disk(sd_model *m, double x, double y, double radius, double mass) {
   m->disks = system_grow(m->disks, m->n_disks, sizeof *m->disks);
-  m->disks[m->n_disks] = (sd_disk){.position = {x, y, 0}, .radius = radius, .mass = mass, .group = -1};
+  m->disks[m->n_disks] =
+      (sd_disk){.position = {x, y, 0}, .radius = radius, .mass = mass, .group = -1};
   return (uint32_t)m->n_disks++;
 }
 
@@ -77,7 +78,8 @@ static inline void system_velocity(sd_model *m, uint32_t disk, double vx, double
 }
 
 /* The pivot is the first point. */
-static inline size_t system_straight(sd_model *m, sd_wall_kind kind, size_t n, const double (*points)[2]) {
+static inline size_t system_straight(sd_model *m, sd_wall_kind kind, size_t n,
+                                     const double (*points)[2]) {
   m->walls = system_grow(m->walls, m->n_walls, sizeof *m->walls);
   sd_wall *w = &m->walls[m->n_walls];
   w->kind = kind;
@@ -101,7 +103,8 @@ static inline uint32_t system_wall_body(const sd_model *m, size_t wall) {
   return (uint32_t)(m->n_disks + wall);
 }
 
-static inline sd_motion *system_motion(sd_model *m, uint32_t body, int coordinate, sd_motion_kind kind) {
+static inline sd_motion *system_motion(sd_model *m, uint32_t body, int coordinate,
+                                       sd_motion_kind kind) {
   m->motions = system_grow(m->motions, m->n_motions, sizeof *m->motions);
   sd_motion *q = &m->motions[m->n_motions++];
   q->kind = kind;
@@ -118,8 +121,8 @@ static inline void system_move(sd_model *m, uint32_t body, int coordinate, doubl
 }
 
 /* amplitude sin(omega t + phase) */
-static inline void system_shake(sd_model *m, uint32_t body, int coordinate, double amplitude, double omega,
-                                double phase) {
+static inline void system_shake(sd_model *m, uint32_t body, int coordinate, double amplitude,
+                                double omega, double phase) {
   sd_motion *q = system_motion(m, body, coordinate, SD_MOTION_HARMONIC);
   q->amplitude = amplitude;
   q->omega = omega;
@@ -195,8 +198,8 @@ static inline system_contact system_touch(sd_simulation *s, uint32_t a, uint32_t
   const sd_state *q = sd_simulation_state(s);
   system_contact c = {0};
   for (size_t k = 0; k < q->n_contacts; k++) {
-    bool same =
-        (q->contact_a[k] == a && q->contact_b[k] == b) || (q->contact_a[k] == b && q->contact_b[k] == a);
+    bool same = (q->contact_a[k] == a && q->contact_b[k] == b) ||
+                (q->contact_a[k] == b && q->contact_b[k] == a);
     if (!same) continue;
     c = (system_contact){true,
                          q->contact_force[k],

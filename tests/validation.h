@@ -87,7 +87,9 @@ HELPER double trial_torque(trial *run, uint32_t body) {
   return sd_simulation_state(run->sim)->torque[sd_simulation_slot(run->sim, body)];
 }
 
-HELPER sd_slide trial_slide(trial *run) { return sd_slide_of(run->model, sd_simulation_state(run->sim), 0); }
+HELPER sd_slide trial_slide(trial *run) {
+  return sd_slide_of(run->model, sd_simulation_state(run->sim), 0);
+}
 
 /* --- random vibration -------------------------------------------------------------------------------- */
 
@@ -99,10 +101,10 @@ typedef struct vibrated {
 
 /* inputs/three_disk/random.cfg over a measured time, tilt in units of pi. more: overrides, may be "". */
 HELPER vibrated vibrate(double tilt, double dt, double time, unsigned seed, const char *more) {
-  trial run =
-      trial_begin("three_disk/random.cfg",
-                  "gravity.tilt=%.17g pi;dt=%.17g;seed=%u;phases.settle.time=1;phases.measure.time=%.17g;%s",
-                  tilt, dt, seed, time, more);
+  trial run = trial_begin(
+      "three_disk/random.cfg",
+      "gravity.tilt=%.17g pi;dt=%.17g;seed=%u;phases.settle.time=1;phases.measure.time=%.17g;%s",
+      tilt, dt, seed, time, more);
   trial_advance(&run, sd_model_steps(run.model));
   vibrated out = {.rotation = sd_rotation_of(run.model, sd_simulation_state(run.sim), 0),
                   .slide = trial_slide(&run),
@@ -132,8 +134,12 @@ typedef struct drive {
 } drive;
 
 HELPER sd_three_disk paper_disk(double tilt) {
-  return (sd_three_disk){
-      .tilt = tilt * M_PI, .half_aperture = M_PI / 6, .mu = 0.1, .weight = 1, .radius = 1, .inertia = 0.05};
+  return (sd_three_disk){.tilt = tilt * M_PI,
+                         .half_aperture = M_PI / 6,
+                         .mu = 0.1,
+                         .weight = 1,
+                         .radius = 1,
+                         .inertia = 0.05};
 }
 
 HELPER double drive_exact(const drive *d) {
@@ -152,13 +158,14 @@ HELPER double drive_exact(const drive *d) {
  * The supports turn from the first step on; statistics count the second half. */
 HELPER double drive_run(const drive *d, double start, turned *out) {
   int64_t period = llround(2 / d->w / d->dt), half = llround(d->time * d->w / 4);
-  trial run = trial_begin(d->opposite ? "three_disk/async.cfg" : "three_disk/sync.cfg",
-                          "motions[*].type=%s;motions[*].amplitude=%.17g;motions[*].omega=%.17g pi;"
-                          "gravity.tilt=%.17g pi;dt=%.17g;disks[0].omega=%.17g;phases.rest.motions=%s;"
-                          "phases.rest.steps=%lld;phases.measure.steps=%lld;%s",
-                          d->waveform == SD_SINE ? "harmonic" : "parabolic", d->amplitude, d->w, d->tilt,
-                          d->dt, start, d->opposite ? "(0, 1)" : "(0)", (long long)(period * half),
-                          (long long)(period * half), d->more ? d->more : "");
+  trial run =
+      trial_begin(d->opposite ? "three_disk/async.cfg" : "three_disk/sync.cfg",
+                  "motions[*].type=%s;motions[*].amplitude=%.17g;motions[*].omega=%.17g pi;"
+                  "gravity.tilt=%.17g pi;dt=%.17g;disks[0].omega=%.17g;phases.rest.motions=%s;"
+                  "phases.rest.steps=%lld;phases.measure.steps=%lld;%s",
+                  d->waveform == SD_SINE ? "harmonic" : "parabolic", d->amplitude, d->w, d->tilt,
+                  d->dt, start, d->opposite ? "(0, 1)" : "(0)", (long long)(period * half),
+                  (long long)(period * half), d->more ? d->more : "");
   trial_advance(&run, period * (2 * half - 1));
   double before = sd_simulation_angle(run.sim, 0);
   trial_advance(&run, period);

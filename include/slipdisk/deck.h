@@ -10,11 +10,11 @@ extern "C" {
 
 /* Contents of a deck besides physics. */
 typedef struct sd_deck {
-  char *path;                /* as given */
-  char *text;                /* as read */
-  char *overrides;           /* one "path=value" per line */
-  char *full;                /* the deck with all defaults, canonical form */
-  char *bodies;              /* names and walls as the deck has them, for decks that begin with the result */
+  char *path;      /* as given */
+  char *text;      /* as read */
+  char *overrides; /* one "path=value" per line */
+  char *full;      /* the deck with all defaults, canonical form */
+  char *bodies;    /* names and walls as the deck has them, for decks that begin with the result */
   double checkpoint_seconds; /* wall time between checkpoints, > 0 */
   size_t sweep_points;       /* that its group `sweep` asks for; the model is the deck itself */
 } sd_deck;
@@ -30,7 +30,8 @@ SD_API sd_status sd_deck_load(const char *path, size_t n_overrides, const char *
 
 /* The same from text in memory; path is used in messages and to find the files that the deck names. */
 SD_API sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
-                                   const char *const *overrides, sd_model **out, sd_messages *messages);
+                                   const char *const *overrides, sd_model **out,
+                                   sd_messages *messages);
 
 #ifdef __cplusplus
 }

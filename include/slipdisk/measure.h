@@ -41,11 +41,12 @@ SD_API sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, 
 
 /* How far a record is from the error bar that the deck's `until` asks for. */
 typedef struct sd_goal {
-  double value, error; /* of the observable: rad/time, or rad when it is scaled; NAN: not known yet */
-  double goal;         /* the error bar asked for; a relative one follows |value| */
-  double measured;     /* time */
-  bool converged;      /* of sd_rotation */
-  bool reached;        /* error <= goal and converged: the last phase ends when it is looked at now */
+  double value,
+      error;       /* of the observable: rad/time, or rad when it is scaled; NAN: not known yet */
+  double goal;     /* the error bar asked for; a relative one follows |value| */
+  double measured; /* time */
+  bool converged;  /* of sd_rotation */
+  bool reached;    /* error <= goal and converged: the last phase ends when it is looked at now */
 } sd_goal;
 
 /* The goal of model->until (which must be asked) in a state: a function of these two alone, so that a run ends
@@ -75,12 +76,12 @@ typedef struct sd_configuration {
   double torque,
       torque_sd; /* of the two contacts on the disk: mean and standard deviation over these steps */
   double force[2], force_sd[2]; /* normal forces, likewise */
-  int64_t visits;               /* unbroken runs of such steps that began and ended within a measured phase */
-  double dwell, dwell_sd;       /* their duration: mean and standard deviation over visits */
-  double
-      age_torque[SD_AGES]; /* mean torque by age of the visit in steps: below 32, below 64, ..., the rest */
-  int64_t
-      age_steps[SD_AGES]; /* steps of such ages; without visits that were under way when measuring began */
+  int64_t visits; /* unbroken runs of such steps that began and ended within a measured phase */
+  double dwell, dwell_sd; /* their duration: mean and standard deviation over visits */
+  double age_torque
+      [SD_AGES]; /* mean torque by age of the visit in steps: below 32, below 64, ..., the rest */
+  int64_t age_steps
+      [SD_AGES]; /* steps of such ages; without visits that were under way when measuring began */
 } sd_configuration;
 
 /* Configuration k % SD_CONFIGURATIONS of watch k / SD_CONFIGURATIONS of a model that measures them ("measure.configurations");
@@ -92,22 +93,24 @@ SD_API sd_configuration sd_configuration_of(const sd_model *model, const sd_stat
 /* Means of one free disk over the measured time (physics.md 9). NAN: not known yet, and everything but the id
  * of a disk that was not in play during all of it (it waited, or was taken out). */
 typedef struct sd_disk_mean {
-  uint32_t disk;        /* body number */
-  double omega, error;  /* mean angular velocity and one standard error, rad/time */
-  double significance;  /* omega/error; 0 for a disk that never turned */
-  double first, second; /* mean angular velocity of the first and of the second half of the record */
-  double turned;        /* angle turned, rad */
-  double x, y;          /* mean position; absolute, images of a periodic box included */
-  double rms;           /* root mean square distance from there */
-  double displacement;  /* distance between where it is now and where it was when measuring began */
-  double coordination;  /* closed contacts */
-  double sliding;       /* fraction of them that slide */
-  double force;         /* normal force per closed contact */
-  double openings;      /* contacts that opened, per time */
-  double injected;      /* power of prescribed bodies on it */
-  double viscous, friction, opening; /* power lost; of what two free disks lose between them, half */
-  double translation, rotation;      /* kinetic energies */
-  bool converged;                    /* the error is reliable */
+  uint32_t disk;       /* body number */
+  double omega, error; /* mean angular velocity and one standard error, rad/time */
+  double significance; /* omega/error; 0 for a disk that never turned */
+  double first,
+      second;          /* mean angular velocity of the first and of the second half of the record */
+  double turned;       /* angle turned, rad */
+  double x, y;         /* mean position; absolute, images of a periodic box included */
+  double rms;          /* root mean square distance from there */
+  double displacement; /* distance between where it is now and where it was when measuring began */
+  double coordination; /* closed contacts */
+  double sliding;      /* fraction of them that slide */
+  double force;        /* normal force per closed contact */
+  double openings;     /* contacts that opened, per time */
+  double injected;     /* power of prescribed bodies on it */
+  double viscous, friction,
+      opening;                  /* power lost; of what two free disks lose between them, half */
+  double translation, rotation; /* kinetic energies */
+  bool converged;               /* the error is reliable */
 } sd_disk_mean;
 
 /* The free disk in `slot`; the state must have means (n_means > 0). */
@@ -122,14 +125,17 @@ typedef struct sd_disk_totals {
   double omega_noise;                      /* root mean square of the disks' own errors */
   double significant;                      /* fraction with |Omega| > 3 errors */
   double reliable;                         /* fraction whose error is reliable */
-  double persistence, persistence_rank;    /* correlation of first and second half: Pearson's, Spearman's */
-  double skewness;                         /* of the distribution of Omega */
-  double neighbours;                   /* mean Omega_i Omega_j over pairs in contact now over mean Omega^2 */
-  double coordination, sliding, force; /* contacts per disk; of all: fraction that slides, normal force */
-  double openings;                     /* per contact and time */
-  double position_rms, displacement_rms; /* root mean square of rms, displacement, over the mean diameter */
+  double persistence,
+      persistence_rank; /* correlation of first and second half: Pearson's, Spearman's */
+  double skewness;      /* of the distribution of Omega */
+  double neighbours;    /* mean Omega_i Omega_j over pairs in contact now over mean Omega^2 */
+  double coordination, sliding,
+      force;       /* contacts per disk; of all: fraction that slides, normal force */
+  double openings; /* per contact and time */
+  double position_rms,
+      displacement_rms; /* root mean square of rms, displacement, over the mean diameter */
   double power_injected, power_viscous, power_friction, power_opening; /* sums over disks */
-  double mean_translation, mean_rotation;                              /* kinetic energies per disk */
+  double mean_translation, mean_rotation; /* kinetic energies per disk */
 } sd_disk_totals;
 
 /* means: sd_disk_mean_of all n_means slots; contacts of the state are those of now. Without memory all is NAN. */

@@ -42,7 +42,11 @@ typedef enum sd_normal_law { SD_NORMAL_LINEAR, SD_NORMAL_HERTZ, SD_NORMAL_LAWS }
 /* Tangential stiffness: k_t, or k_t sqrt(delta). */
 typedef enum sd_tangential_law { SD_TANGENTIAL_SPRING, SD_TANGENTIAL_MINDLIN } sd_tangential_law;
 /* Attraction: none; pull_off at contact, falling to 0 at gap `range`; a capillary bridge from touch to gap `rupture`. */
-typedef enum sd_cohesion_law { SD_COHESION_NONE, SD_COHESION_CONSTANT, SD_COHESION_BRIDGE } sd_cohesion_law;
+typedef enum sd_cohesion_law {
+  SD_COHESION_NONE,
+  SD_COHESION_CONSTANT,
+  SD_COHESION_BRIDGE
+} sd_cohesion_law;
 
 /* Constants of the contact law for one pair of materials (eq. 2, tau, 36; docs/physics.md 2). */
 typedef struct sd_contact_law {
@@ -51,7 +55,8 @@ typedef struct sd_contact_law {
   double gamma_n; /* normal viscosity, force time/length, >= 0 */
   double mu;      /* Amonton's coefficient, >= 0 */
   sd_normal_law normal;
-  double restitution; /* damping by a coefficient of restitution < 1, besides gamma_n; 0 or 1: none */
+  double
+      restitution; /* damping by a coefficient of restitution < 1, besides gamma_n; 0 or 1: none */
   bool damping_pulls; /* key limit_damping = false: the damping may pull while disks overlap */
   double mu_kinetic;  /* <= mu, while a contact slides; 0: mu */
   sd_tangential_law tangential;
@@ -72,10 +77,10 @@ typedef struct sd_disk {
   double force[3];              /* constant body force and torque, gravity not included */
   int material;                 /* index into materials */
   int group;                    /* index into groups, -1: none; set by sd_model_add_group */
-  bool locked[3];               /* this coordinate never changes, whatever pushes (velocity must be 0) */
-  bool driven;  /* all three coordinates are prescribed: fixed, or by the motions that name it */
-  bool waiting; /* out of play until its rain releases it; position is then where it waits */
-  int clump;    /* 1 + number of the clump that it belongs to, 0: none; set by sd_model_add_clump */
+  bool locked[3]; /* this coordinate never changes, whatever pushes (velocity must be 0) */
+  bool driven;    /* all three coordinates are prescribed: fixed, or by the motions that name it */
+  bool waiting;   /* out of play until its rain releases it; position is then where it waits */
+  int clump; /* 1 + number of the clump that it belongs to, 0: none; set by sd_model_add_clump */
 } sd_disk;
 
 /* Disks that move as one rigid body about its centre of mass; they may overlap one another. Its mass, and the moment of inertia
@@ -86,8 +91,9 @@ typedef struct sd_clump {
   const uint32_t *disks; /* free disks without velocities and locks of their own */
   double mass, inertia;  /* 0: those of its disks */
   double velocity[3];    /* of the centre; angular velocity */
-  double force[3]; /* constant body force on the centre, and torque; besides gravity and those of its disks */
-  bool locked[3];  /* this coordinate of the clump never changes */
+  double force
+      [3]; /* constant body force on the centre, and torque; besides gravity and those of its disks */
+  bool locked[3];     /* this coordinate of the clump never changes */
   double position[3]; /* filled in: the centre of mass at the start, angle 0 */
 } sd_clump;
 
@@ -127,10 +133,10 @@ typedef enum sd_motion_kind {
   SD_MOTION_PARABOLIC, /* eq. 21 with w t + phi for w t */
   SD_MOTION_RANDOM,    /* eq. 52 */
   SD_MOTION_TABLE,     /* natural cubic spline through a table */
-  SD_MOTION_LOAD,      /* a wall, x or y: free along the coordinate, of mass `mass`, under `force` */
-  SD_MOTION_SERVO,     /* a wall, x or y: moves at most at `velocity` until the disks feel `force` from it */
-  SD_MOTION_SQUARE,    /* rests at -A and A in turn; changes sides in `rise` pi/w */
-  SD_MOTION_TRIANGLE,  /* to and fro between -A and A at constant speed */
+  SD_MOTION_LOAD, /* a wall, x or y: free along the coordinate, of mass `mass`, under `force` */
+  SD_MOTION_SERVO, /* a wall, x or y: moves at most at `velocity` until the disks feel `force` from it */
+  SD_MOTION_SQUARE,   /* rests at -A and A in turn; changes sides in `rise` pi/w */
+  SD_MOTION_TRIANGLE, /* to and fro between -A and A at constant speed */
   SD_MOTION_KINDS
 } sd_motion_kind;
 
@@ -141,21 +147,23 @@ typedef struct sd_motion {
   sd_motion_kind kind;
   int coordinate; /* SD_X, SD_Y, SD_THETA; walls also SD_SURFACE */
   size_t n_bodies;
-  uint32_t *bodies;   /* body numbers, or SD_WALL(w) */
-  double amplitude;   /* waves: A; random: rms displacement; table: factor */
-  double omega;       /* rad/time: w */
-  double phase;       /* rad: phi */
-  double rise;        /* square: 0 < rise <= 1 */
-  double velocity;    /* constant velocity: v; servo: largest speed */
-  double mass;        /* load: of the wall, > 0 */
-  double force;       /* load: on the wall, its weight included; servo: on the disks; along the coordinate */
-  double pressure;    /* servo: force/length on the disks, along the coordinate; 0: `force` counts */
-  double length;      /* servo: of the wall at the start, on which the pressure acts */
+  uint32_t *bodies; /* body numbers, or SD_WALL(w) */
+  double amplitude; /* waves: A; random: rms displacement; table: factor */
+  double omega;     /* rad/time: w */
+  double phase;     /* rad: phi */
+  double rise;      /* square: 0 < rise <= 1 */
+  double velocity;  /* constant velocity: v; servo: largest speed */
+  double mass;      /* load: of the wall, > 0 */
+  double
+      force; /* load: on the wall, its weight included; servo: on the disks; along the coordinate */
+  double pressure; /* servo: force/length on the disks, along the coordinate; 0: `force` counts */
+  double length;   /* servo: of the wall at the start, on which the pressure acts */
   uint32_t beside[2]; /* servo: walls at its lower and upper end that the length follows; 0: none */
   double damping;     /* random: c */
   int64_t interval;   /* random: steps between draws, >= 1 (h = interval dt) */
   double ramp;        /* time over which the motion is faded in, 0: at once */
-  uint32_t stream;    /* random: stream number, unique per independent signal; added with 0: one of its own */
+  uint32_t
+      stream; /* random: stream number, unique per independent signal; added with 0: one of its own */
   size_t n_table;
   double *table_time, *table_value; /* table: time increasing; held constant beyond its ends ... */
   bool periodic;                    /* ... or repeated: value[0] == value[n-1] */
@@ -170,7 +178,11 @@ typedef enum sd_field_kind {
 } sd_field_kind;
 
 /* How the force grows from disk to disk. */
-typedef enum sd_field_per { SD_FIELD_PER_DISK, SD_FIELD_PER_RADIUS, SD_FIELD_PER_MASS } sd_field_per;
+typedef enum sd_field_per {
+  SD_FIELD_PER_DISK,
+  SD_FIELD_PER_RADIUS,
+  SD_FIELD_PER_MASS
+} sd_field_per;
 
 /* A force on free disks that follows from their place and velocity (physics.md 15). With r = (x, y) - centre:
  *   drag      f (u - v), torque f_r (w - omega); fluid: u = flow + (shear_rate r_y - swirl r_y, swirl r_x),
@@ -283,7 +295,8 @@ SD_API void sd_model_set_bounds(sd_model *model, const double lower[2], const do
 /* law: of the material with itself; NULL: none, where no two bodies of this material can touch. */
 SD_API int sd_model_add_material(sd_model *model, const char *name, const sd_contact_law *law);
 /* Law between two materials, both ways. */
-SD_API void sd_model_set_law(sd_model *model, int material_a, int material_b, const sd_contact_law *law);
+SD_API void sd_model_set_law(sd_model *model, int material_a, int material_b,
+                             const sd_contact_law *law);
 SD_API uint32_t sd_model_add_disk(sd_model *model, const sd_disk *disk);
 /* n disks; returns the number of the first. Without memory none is added. */
 SD_API uint32_t sd_model_add_disks(sd_model *model, size_t n, const sd_disk *disks);
@@ -333,7 +346,8 @@ SD_API const sd_clump *sd_model_clump(const sd_model *model, size_t k);
 /* NULL: no such materials. */
 SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
 /* Name for messages: the body's own, else "disk 17", "wall 3"; written into text[size]. */
-SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char *text, size_t size);
+SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char *text,
+                                      size_t size);
 /* Steps of all phases; with `until` it is the most that there can be. */
 SD_API int64_t sd_model_steps(const sd_model *model);
 /* On which side of a wall along x or y the disks are at the start: +1, -1; 0 where the wall surrounds them or
@@ -348,7 +362,12 @@ SD_API double sd_model_shortest_period(const sd_model *model, uint32_t *disk);
 
 /* The time step from which on the model's integrator blows up when a disk is held between two others (physics.md 5), and
  * what sets it; HUGE_VAL: no disk is free to move. In a packing the limit is up to three times shorter. */
-typedef enum sd_bound { SD_BOUND_NORMAL, SD_BOUND_TANGENTIAL, SD_BOUND_VISCOSITY, SD_BOUND_FIELD } sd_bound;
+typedef enum sd_bound {
+  SD_BOUND_NORMAL,
+  SD_BOUND_TANGENTIAL,
+  SD_BOUND_VISCOSITY,
+  SD_BOUND_FIELD
+} sd_bound;
 typedef struct sd_step_limit {
   double dt;
   uint32_t disk;

@@ -44,7 +44,8 @@ SD_API sd_status sd_simulation_resume(const sd_model *model, sd_state *state, in
                                       sd_simulation **out, sd_messages *messages);
 /* Another one at the same step, which goes on with the same bits. It owns a copy of the model. Observers and force fields are
  * not copied: they may hold on to the first one. */
-SD_API sd_status sd_simulation_clone(sd_simulation *simulation, sd_simulation **out, sd_messages *messages);
+SD_API sd_status sd_simulation_clone(sd_simulation *simulation, sd_simulation **out,
+                                     sd_messages *messages);
 /* NULL is allowed. Within a call it is freed when the call returns. */
 SD_API void sd_simulation_free(sd_simulation *simulation);
 
@@ -61,8 +62,8 @@ SD_API sd_status sd_simulation_advance(sd_simulation *simulation, int64_t n, sd_
 typedef sd_status sd_observer(sd_simulation *simulation, void *user);
 /* Observers are called in the order in which they were added. SD_ERROR_USER: every < 1, or no
  * observer. */
-SD_API sd_status sd_simulation_observe(sd_simulation *simulation, int64_t every, sd_observer *observer,
-                                       void *user);
+SD_API sd_status sd_simulation_observe(sd_simulation *simulation, int64_t every,
+                                       sd_observer *observer, void *user);
 
 /* Bodies at the positions for which forces are wanted, and the columns to be filled. All by slot, free disks [0, n_free),
  * then driven disks and walls up to n_bodies. */
@@ -76,7 +77,8 @@ typedef struct sd_force_columns {
   const double *vx, *vy, *omega; /* as predicted */
   const double *radius, *mass, *inertia;
   const int32_t *material, *group, *activity; /* activity: [n_free] */
-  double *force_x, *force_y, *torque; /* [n_free]: 0 at the call, to be added to; force, force length */
+  double *force_x, *force_y,
+      *torque; /* [n_free]: 0 at the call, to be added to; force, force length */
 } sd_force_columns;
 /* Called once in every step, by the thread that called sd_simulation_advance, so that bits do not depend on threads.
  * Its forces should be functions of the columns and of constants: then restarts and clones go on with the same bits. */
@@ -84,8 +86,8 @@ typedef void sd_force_field(const sd_force_columns *columns, void *user);
 /* Adds a force on the free disks. Forces add up in the order of their fields; their work enters the energy budget as `work`.
  * At step 0 it counts from the start. After loading or cloning, fields are added again before the next step. SD_ERROR_USER: NULL
  * instead of a field; SD_ERROR_IO: no memory. */
-SD_API sd_status sd_simulation_add_force_field(sd_simulation *simulation, sd_force_field *field, void *user,
-                                               sd_messages *messages);
+SD_API sd_status sd_simulation_add_force_field(sd_simulation *simulation, sd_force_field *field,
+                                               void *user, sd_messages *messages);
 
 /* Adds n free disks, in no group, between two steps. They get the next disk numbers, from *first (may be NULL); numbers of
  * walls move up by n: find them by name, or say SD_WALL(w). The energy that they bring is no error of the budget, that of
@@ -95,8 +97,8 @@ SD_API sd_status sd_simulation_add_force_field(sd_simulation *simulation, sd_for
 SD_API sd_status sd_simulation_add_disks(sd_simulation *simulation, size_t n, const sd_disk *disks,
                                          uint32_t *first, sd_messages *messages);
 /* Takes free disks out between two steps: they touch nothing any more, and keep numbers and columns (activity SD_REMOVED). */
-SD_API sd_status sd_simulation_remove_disks(sd_simulation *simulation, size_t n, const uint32_t *disks,
-                                            sd_messages *messages);
+SD_API sd_status sd_simulation_remove_disks(sd_simulation *simulation, size_t n,
+                                            const uint32_t *disks, sd_messages *messages);
 
 /* --- reading --------------------------------------------------------------------------------------- */
 
@@ -130,17 +132,19 @@ SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body
  *            - (work + nonconservative_work) + viscous + friction + rolling + bridge + opening + drag + damping + relaxed,
  * ideally 0. */
 typedef struct sd_energy {
-  double kinetic_translation, kinetic_rotation; /* of coordinates that are neither driven nor locked */
+  double kinetic_translation,
+      kinetic_rotation; /* of coordinates that are neither driven nor locked */
   double elastic_normal, elastic_tangential, elastic_rolling;
   double cohesion; /* of attraction, <= 0; 0 where it ends */
   double external; /* potential of gravity and constant body forces */
   double start;    /* the sum of the above at step 0, and what disks brought or took along since */
-  double work;     /* done by prescribed bodies and coordinates, by compression and by force fields */
-  double nonconservative_work;     /* put in by the paper's variant of the tangential force */
-  double viscous, friction;        /* lost to dashpots of contacts, and to sliding */
-  double rolling, bridge, opening; /* lost to rolling, when capillary bridges form, in contacts that opened */
-  double drag, damping;            /* lost to viscous drag of fields, and to non-viscous damping */
-  double relaxed;                  /* taken out by the relaxer */
+  double work; /* done by prescribed bodies and coordinates, by compression and by force fields */
+  double nonconservative_work; /* put in by the paper's variant of the tangential force */
+  double viscous, friction;    /* lost to dashpots of contacts, and to sliding */
+  double rolling, bridge,
+      opening;          /* lost to rolling, when capillary bridges form, in contacts that opened */
+  double drag, damping; /* lost to viscous drag of fields, and to non-viscous damping */
+  double relaxed;       /* taken out by the relaxer */
   double residual;
   double
       scale; /* the larger of |work| + losses and the kinetic energy, at rest 1e-9 of the other energies: what the
@@ -164,7 +168,8 @@ SD_API const char *sd_simulation_path(const sd_simulation *simulation);
 
 /* Writes model and state into a file (HDF5), under a name of its own until it is complete. SD_ERROR_IO: what was there before
  * stays. A program that loads it goes on with the same bits. */
-SD_API sd_status sd_simulation_save(sd_simulation *simulation, const char *path, sd_messages *messages);
+SD_API sd_status sd_simulation_save(sd_simulation *simulation, const char *path,
+                                    sd_messages *messages);
 /* Loads what sd_simulation_save has written, or a checkpoint of `slipdisk run` (NAME.h5.parts/checkpoint-*.h5), whose deck it
  * holds. The simulation owns its model. SD_ERROR_USER: another version's; SD_ERROR_IO: missing or damaged. */
 SD_API sd_status sd_simulation_load(const char *path, int threads, sd_simulation **out,
@@ -172,8 +177,8 @@ SD_API sd_status sd_simulation_load(const char *path, int threads, sd_simulation
 /* The same in memory: *size bytes, freed with sd_free. */
 SD_API sd_status sd_simulation_save_memory(sd_simulation *simulation, void **data, size_t *size,
                                            sd_messages *messages);
-SD_API sd_status sd_simulation_load_memory(const void *data, size_t size, int threads, sd_simulation **out,
-                                           sd_messages *messages);
+SD_API sd_status sd_simulation_load_memory(const void *data, size_t size, int threads,
+                                           sd_simulation **out, sd_messages *messages);
 
 /* Throws away all that can be recomputed and builds it anew; changes not one bit of what follows. */
 SD_API sd_status sd_simulation_rebuild(sd_simulation *simulation, sd_messages *messages);

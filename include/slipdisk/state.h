@@ -31,7 +31,7 @@ typedef enum sd_extent {
   SD_PER_SURFACE, /* walls in their order, where motions move the surface of any; else none */
   SD_PER_CONTACT, /* closed contacts, ordered by (lower slot, partner) */
   SD_PER_MOTION,
-  SD_PER_CELL,      /* lengths in x and y, offset, shear: all where a phase deforms the box, or none */
+  SD_PER_CELL, /* lengths in x and y, offset, shear: all where a phase deforms the box, or none */
   SD_PER_CELL_DISK, /* free disks, by slot, there */
   SD_PER_PHASE,
   SD_PER_ROTATION,      /* watched disks */
@@ -49,8 +49,8 @@ typedef enum sd_extent {
   SD_PER_VISIT_AGE,     /* the same * SD_CONFIGURATIONS * SD_AGES */
   SD_PER_FIELDED,       /* free disks of a model with fields: all or none */
   SD_PER_CLUMP,         /* rigid bodies of several disks, by their numbers */
-  SD_PER_LAW_CONTACT,   /* closed contacts, where laws need these columns (SD_CONTACT_MORE): all or none */
-  SD_PER_LAW_FREE,      /* free disks, likewise */
+  SD_PER_LAW_CONTACT, /* closed contacts, where laws need these columns (SD_CONTACT_MORE): all or none */
+  SD_PER_LAW_FREE, /* free disks, likewise */
   SD_EXTENTS
 } sd_extent;
 
@@ -60,7 +60,12 @@ enum { SD_BINS = 4096 };
 enum { SD_MEAN_BINS = 128 };
 
 /* Column `activity`. Waiting and removed disks stand still and touch nothing. */
-enum { SD_IN_PLAY = 0, SD_WAITING = 1, SD_REMOVED = 2, SD_OUTSIDE = 3 /* in play, beyond the bounds */ };
+enum {
+  SD_IN_PLAY = 0,
+  SD_WAITING = 1,
+  SD_REMOVED = 2,
+  SD_OUTSIDE = 3 /* in play, beyond the bounds */
+};
 
 /* A contact: open, stuck, or sliding with positive or negative torque on the watched disk. */
 enum { SD_SLIDE_POSITIVE = 0, SD_SLIDE_NEGATIVE = 1, SD_STUCK = 2, SD_OPEN = 3 };

@@ -45,10 +45,12 @@ SD_API sd_status sd_fail(sd_messages *m, sd_status kind, const char *format, ...
 /* Adds a warning: it is printed, and changes no status. */
 SD_API void sd_warn(sd_messages *m, const char *format, ...) SD_PRINTF(2, 3);
 
-SD_API size_t sd_messages_errors(const sd_messages *m);              /* number of errors added */
-SD_API size_t sd_messages_count(const sd_messages *m);               /* errors and warnings */
-SD_API const char *sd_messages_text(const sd_messages *m, size_t k); /* k-th line, without newline */
-SD_API sd_status sd_messages_kind(const sd_messages *m, size_t k);   /* of the k-th; SD_OK: a warning */
+SD_API size_t sd_messages_errors(const sd_messages *m); /* number of errors added */
+SD_API size_t sd_messages_count(const sd_messages *m);  /* errors and warnings */
+SD_API const char *sd_messages_text(const sd_messages *m,
+                                    size_t k); /* k-th line, without newline */
+SD_API sd_status sd_messages_kind(const sd_messages *m,
+                                  size_t k); /* of the k-th; SD_OK: a warning */
 /* Worst kind added: SD_OK when there is no error, else the first error's kind. */
 SD_API sd_status sd_messages_status(const sd_messages *m);
 /* Empties the list. */

@@ -69,7 +69,8 @@ SD_API double sd_sync_mean_sine(const sd_three_disk *disk, double amplitude, dou
 /* (35) with the factor w_b/pi that the print lacks: opposite phases, parabola, first order in theta_T. */
 SD_API double sd_async_first_order(const sd_three_disk *disk, double amplitude, double omega);
 /* Opposite phases, any tilt, Theta_b -> infinity. */
-SD_API double sd_async_limit(const sd_three_disk *disk, sd_waveform waveform, double amplitude, double omega);
+SD_API double sd_async_limit(const sd_three_disk *disk, sd_waveform waveform, double amplitude,
+                             double omega);
 
 /* Phase between equal supports at which the sense of rotation turns over, Theta_b -> infinity:
  * pi (sin^2 theta_h - mu^2 cos^2 theta_h), whatever the waveform and the tilt. */
@@ -144,16 +145,17 @@ typedef struct sd_oblique {
   double v_n, v_t, spin; /* after; v_n > 0 away from the plane */
   bool sliding;          /* the surface never stopped: the formula holds */
 } sd_oblique;
-SD_API sd_oblique sd_gross_sliding(double mass, double inertia, double radius, double mu, double restitution,
-                                   double v_n, double v_t, double spin);
+SD_API sd_oblique sd_gross_sliding(double mass, double inertia, double radius, double mu,
+                                   double restitution, double v_n, double v_t, double spin);
 
 /* Time after which a disk set down with speed u and no spin on a plane rolls, and its speed then. */
-SD_API void sd_slide_to_roll(double mass, double inertia, double radius, double mu, double g, double u,
-                             double *time, double *speed);
+SD_API void sd_slide_to_roll(double mass, double inertia, double radius, double mu, double g,
+                             double u, double *time, double *speed);
 
 /* Stationary covariances of (52) at a lag >= 0: c[0] = <x(0) x(t)>, c[1] = <x(0) x'(t)> = -<x'(0) x(t)>,
  * c[2] = <x'(0) x'(t)>. omega, damping > 0; any damping. */
-SD_API void sd_vibration_covariance(double omega, double damping, double rms, double lag, double c[3]);
+SD_API void sd_vibration_covariance(double omega, double damping, double rms, double lag,
+                                    double c[3]);
 
 #ifdef __cplusplus
 }

@@ -28,12 +28,13 @@ int app_plot(int argc, char **argv);
 int app_film(int argc, char **argv);
 
 /* Their options, for the help. */
-extern const command_line app_run_line, app_resume_line, app_check_line, app_info_line, app_measure_line,
-    app_export_line, app_verify_line, app_theory_line, app_sweep_line, app_view_line, app_plot_line,
-    app_film_line;
+extern const command_line app_run_line, app_resume_line, app_check_line, app_info_line,
+    app_measure_line, app_export_line, app_verify_line, app_theory_line, app_sweep_line,
+    app_view_line, app_plot_line, app_film_line;
 
 /* --- drive.c: signals ------------------------------------------------------------------------- */
-extern volatile sig_atomic_t app_stop; /* number of the signal that asks to stop at a checkpoint; 0: none */
+extern volatile sig_atomic_t
+    app_stop; /* number of the signal that asks to stop at a checkpoint; 0: none */
 /* From here on these signals end the process at once, with SD_INTERRUPTED. */
 void app_catch_signals(void);
 /* From here on they set app_stop instead: there is something to save. */
@@ -54,32 +55,38 @@ typedef struct drive_options {
 } drive_options;
 
 /* The options that run and resume share, as rows of a table. */
-#define DRIVE_OPTIONS(arguments, drive)                                                                      \
-  {"quiet", 'q', OPTION_FLAG, offsetof(arguments, drive.quiet), NULL, NULL, "errors and warnings only"},     \
-      {"verbose",                                                                                            \
-       'v',                                                                                                  \
-       OPTION_FLAG,                                                                                          \
-       offsetof(arguments, drive.verbose),                                                                   \
-       NULL,                                                                                                 \
-       NULL,                                                                                                 \
-       "also version, instruction set, threads and disks"},                                                  \
-      {"threads",                                                                                            \
-       0,                                                                                                    \
-       OPTION_NUMBER,                                                                                        \
-       offsetof(arguments, drive.threads),                                                                   \
-       &(option_limits){1, 4096, " is not a number of threads"},                                             \
-       "N",                                                                                                  \
-       "threads; by default as many as the number of disks is worth"},                                       \
-      {"live",                                                                                               \
-       0,                                                                                                    \
-       OPTION_FLAG,                                                                                          \
-       offsetof(arguments, drive.live),                                                                      \
-       NULL,                                                                                                 \
-       NULL,                                                                                                 \
-       "show the run in a browser on this machine, at the address that is printed"},                         \
-  {                                                                                                          \
-    "log", 0, OPTION_PATH, offsetof(arguments, drive.log), NULL, "FILE",                                     \
-        "append progress and result to a file"                                                               \
+#define DRIVE_OPTIONS(arguments, drive)                                                            \
+  {"quiet",                                                                                        \
+   'q',                                                                                            \
+   OPTION_FLAG,                                                                                    \
+   offsetof(arguments, drive.quiet),                                                               \
+   NULL,                                                                                           \
+   NULL,                                                                                           \
+   "errors and warnings only"},                                                                    \
+      {"verbose",                                                                                  \
+       'v',                                                                                        \
+       OPTION_FLAG,                                                                                \
+       offsetof(arguments, drive.verbose),                                                         \
+       NULL,                                                                                       \
+       NULL,                                                                                       \
+       "also version, instruction set, threads and disks"},                                        \
+      {"threads",                                                                                  \
+       0,                                                                                          \
+       OPTION_NUMBER,                                                                              \
+       offsetof(arguments, drive.threads),                                                         \
+       &(option_limits){1, 4096, " is not a number of threads"},                                   \
+       "N",                                                                                        \
+       "threads; by default as many as the number of disks is worth"},                             \
+      {"live",                                                                                     \
+       0,                                                                                          \
+       OPTION_FLAG,                                                                                \
+       offsetof(arguments, drive.live),                                                            \
+       NULL,                                                                                       \
+       NULL,                                                                                       \
+       "show the run in a browser on this machine, at the address that is printed"},               \
+  {                                                                                                \
+    "log", 0, OPTION_PATH, offsetof(arguments, drive.log), NULL, "FILE",                           \
+        "append progress and result to a file"                                                     \
   }
 
 /* Starts MPI where the program was built with it. All ranks call it, and load the model together
@@ -116,7 +123,7 @@ typedef struct result_size {
   size_t most_contacts;             /* assumed in each table */
   bool at_most;                     /* the run may end early */
   double bytes;
-  double memory;  /* bytes of a run in one process at its peak, with so many contacts; within 25 % */
+  double memory; /* bytes of a run in one process at its peak, with so many contacts; within 25 % */
   double unsaved; /* at most so much of it is rows that wait for a checkpoint */
 } result_size;
 void size_find(result_size *size, const sd_model *model);

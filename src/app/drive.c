@@ -37,7 +37,8 @@ static const double PLAIN_FIRST = 3, PLAIN_LAST = 60;
 /* "  unbalanced 0.02 of 0.001": how far it is from what is asked for. */
 static void add_goal(char *text, size_t size, const char *what, double value, double goal) {
   size_t n = strlen(text);
-  if (goal > 0 && isfinite(value)) snprintf(text + n, size - n, "  %s %.2g of %.2g", what, value, goal);
+  if (goal > 0 && isfinite(value))
+    snprintf(text + n, size - n, "  %s %.2g of %.2g", what, value, goal);
 }
 
 /* Where a phase may settle early, what is left is a bound; while disks wait for their rain, steps become dearer and
@@ -53,12 +54,13 @@ static void describe(const session_progress *p, char *text, size_t size) {
   else if (p->rate > 0)
     snprintf(rate, sizeof rate, "%.3g", p->rate);
   if (ended && early)
-    snprintf(steps, sizeof steps, "step %" PRId64 ", the last (of at most %" PRId64 ")", p->step, p->steps);
+    snprintf(steps, sizeof steps, "step %" PRId64 ", the last (of at most %" PRId64 ")", p->step,
+             p->steps);
   else if (bound)
     snprintf(steps, sizeof steps, "step %" PRId64 " of at most %" PRId64, p->step, p->steps);
   else if (early)
-    snprintf(steps, sizeof steps, "step %" PRId64 " of about %" PRId64 " (at most %" PRId64 ")", p->step,
-             p->expected, p->steps);
+    snprintf(steps, sizeof steps, "step %" PRId64 " of about %" PRId64 " (at most %" PRId64 ")",
+             p->step, p->expected, p->steps);
   else
     snprintf(steps, sizeof steps, "step %" PRId64 "/%" PRId64, p->step, p->steps);
   if (!bound)
@@ -72,8 +74,8 @@ static void describe(const session_progress *p, char *text, size_t size) {
   if (p->goal) add_goal(goal, sizeof goal, "error", p->goal->error, p->goal->goal);
   report_duration(p->waiting > 0 ? NAN : p->seconds_left, left, sizeof left);
   snprintf(text, size, "%s%s%s  time %.6g%s  %s steps/s  ETA %s%s%s  residual %.1e", p->phase,
-           *p->phase ? ": " : "", steps, p->time, done, rate, bound && *left != '?' ? "< " : "", left, goal,
-           p->energy->residual);
+           *p->phase ? ": " : "", steps, p->time, done, rate, bound && *left != '?' ? "< " : "",
+           left, goal, p->energy->residual);
 }
 
 static void end_line(teller *t) {
@@ -125,7 +127,8 @@ static void tell_stop(teller *t, const drive_options *options, const session *s)
   for (int k = 0; k < 2; k++) {
     if (!outs[k]) continue;
     if (found)
-      fprintf(outs[k], "stopped at step %" PRId64 " %s %" PRId64 " (%.1f %%), everything is saved\n",
+      fprintf(outs[k],
+              "stopped at step %" PRId64 " %s %" PRId64 " (%.1f %%), everything is saved\n",
               found->step, report_of(found), found->steps,
               100.0 * (double)found->step / (double)(found->steps > 0 ? found->steps : 1));
     else
@@ -134,7 +137,8 @@ static void tell_stop(teller *t, const drive_options *options, const session *s)
   }
 }
 
-static void tell_start(teller *t, const drive_options *options, const sd_model *model, const session *s) {
+static void tell_start(teller *t, const drive_options *options, const sd_model *model,
+                       const session *s) {
   FILE *outs[2] = {t->screen, t->log};
   for (int k = 0; k < 2; k++) {
     if (!outs[k]) continue;
@@ -169,14 +173,15 @@ static void tell_balance(teller *t, const session *s) {
              b.least, b.most, 100.0 * b.excess);
   for (int k = 0; k < 2; k++)
     if (outs[k] && b.cuts > 0)
-      app_line(outs[k], "the ranks shared out the disks %" PRId64 " time%s%s", b.cuts, b.cuts == 1 ? "" : "s",
-               busy);
+      app_line(outs[k], "the ranks shared out the disks %" PRId64 " time%s%s", b.cuts,
+               b.cuts == 1 ? "" : "s", busy);
 }
 
 /* A page that cannot be shown is no reason not to run. */
 static void open_page(teller *t, const sd_model *model, const char *result) {
   sd_messages *why = sd_messages_new();
-  if (live_open(model, result, &t->page, why) == SD_OK) fprintf(stderr, "live: %s\n", live_address(t->page));
+  if (live_open(model, result, &t->page, why) == SD_OK)
+    fprintf(stderr, "live: %s\n", live_address(t->page));
   for (size_t k = 0; k < sd_messages_count(why); k++)
     fprintf(stderr, "warning: %s; the run goes on without\n", sd_messages_text(why, k));
   sd_messages_free(why);
@@ -206,12 +211,14 @@ static void warn_of_threads(const sd_model *model, int asked, sd_messages *messa
   int most = cores(), best = simulation_threads_for(model, asked);
   if (asked > most && most > 0)
     sd_warn(messages,
-            "--threads %d: this process may use %d core%s, and threads that share a core can make a run a "
+            "--threads %d: this process may use %d core%s, and threads that share a core can make "
+            "a run a "
             "hundred times slower; give --threads %d, or leave it out",
             asked, most, most == 1 ? "" : "s", best < most ? best : most);
   else if (asked > best)
     sd_warn(messages,
-            "--threads %d: a thread costs more than it does with fewer than %d free disks, here are %zu; "
+            "--threads %d: a thread costs more than it does with fewer than %d free disks, here "
+            "are %zu; "
             "give --threads %d, or leave it out",
             asked, SIMULATION_DISKS_PER_THREAD, model->n_free, best);
 }
@@ -238,15 +245,15 @@ int drive_describe_saved(char *text, size_t size) {
   const int64_t step = s ? session_saved(s) : -1;
   *text = 0;
   if (step <= 0) return 0;
-  const int n =
-      snprintf(text, size, "; everything until step %" PRId64 " is saved, continue with: slipdisk %s", step,
-               continues_with);
+  const int n = snprintf(text, size,
+                         "; everything until step %" PRId64 " is saved, continue with: slipdisk %s",
+                         step, continues_with);
   return n < 0 ? 0 : n < (int)size ? n : (int)size - 1;
 }
 
 /* status: of what was done before. */
-static int run_session(const sd_model *model, const drive_options *options, teller *t, sd_status status,
-                       sd_messages *messages) {
+static int run_session(const sd_model *model, const drive_options *options, teller *t,
+                       sd_status status, sd_messages *messages) {
   const bool leads = comm_rank(comm_world()) == 0;
   session_options how = {.result = options->result,
                          .threads = (int)options->threads,
@@ -267,7 +274,8 @@ static int run_session(const sd_model *model, const drive_options *options, tell
   if (leads) tell_messages(t, messages);
   if (status == SD_INTERRUPTED && t->screen) app_tell_no_start();
   if (status != SD_OK) {
-    if (leads && options->failed && status != SD_INTERRUPTED) options->failed(options->user, messages);
+    if (leads && options->failed && status != SD_INTERRUPTED)
+      options->failed(options->user, messages);
     return status;
   }
   continues_with = options->again;
@@ -299,7 +307,8 @@ static int open_log(teller *t, const char *path) {
   int fd = file_open_at(AT_FDCWD, path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK);
   if (fd >= 0 && (t->log = fdopen(fd, "a"))) return SD_OK;
   bool link = fd < 0 && errno == ELOOP;
-  app_line(stderr, "error: cannot write %s: %s", path, link ? "it is a symbolic link" : file_trouble(errno));
+  app_line(stderr, "error: cannot write %s: %s", path,
+           link ? "it is a symbolic link" : file_trouble(errno));
   if (fd >= 0) close(fd);
   return link ? SD_ERROR_USER : SD_ERROR_IO;
 }
@@ -312,9 +321,9 @@ int drive_begin(const drive_options *options, sd_messages *messages) {
   int status = comm_begin(messages);
   comm_on_fail(tell_end);
   if (status == SD_OK && comm_world() && options->live)
-    status =
-        sd_fail(messages, SD_ERROR_USER,
-                "--live shows the disks of one process; expected a run without mpirun, or without --live");
+    status = sd_fail(
+        messages, SD_ERROR_USER,
+        "--live shows the disks of one process; expected a run without mpirun, or without --live");
   if (status != SD_OK && comm_rank(comm_world()) == 0) sd_messages_print(messages, stderr);
   if (comm_world()) app_begin_saving(); /* a rank that is gone would be waited for */
   return status;
@@ -374,7 +383,8 @@ void app_catch_signals(void) {
   for (size_t k = 0; k < sizeof stops / sizeof *stops; k++) sigaction(stops[k], &action, NULL);
   /* a closed terminal stops a run like Ctrl-C, but not under nohup */
   struct sigaction before;
-  if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, NULL);
+  if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+    sigaction(SIGHUP, &action, NULL);
   /* a file-size limit and a reader that went away are errors of a write, not the end of the process */
   struct sigaction ignore = {.sa_handler = SIG_IGN};
   sigemptyset(&ignore.sa_mask);

@@ -36,14 +36,15 @@ static void facts_free(facts *f) {
   *f = (facts){0};
 }
 
-static void add_dataset(void *user, const char *path, sd_type type, bool text, int rank, const size_t *dims) {
+static void add_dataset(void *user, const char *path, sd_type type, bool text, int rank,
+                        const size_t *dims) {
   static const char *const names[] = {
       [SD_F64] = "float64", [SD_I64] = "int64", [SD_I32] = "int32", [SD_U32] = "uint32"};
   json_t *shape = json_array();
   for (int k = 0; k < rank && k < H5_MAX_RANK; k++)
     json_array_append_new(shape, json_integer((json_int_t)dims[k]));
-  json_array_append_new(
-      user, json_pack("{s:s, s:s, s:o}", "path", path, "type", text ? "text" : names[type], "shape", shape));
+  json_array_append_new(user, json_pack("{s:s, s:s, s:o}", "path", path, "type",
+                                        text ? "text" : names[type], "shape", shape));
 }
 
 /* Of every disk; the page shows totals and the fastest, where the file has them. */
@@ -52,8 +53,10 @@ typedef enum wanted_means { MEANS_AS_WRITTEN, MEANS_ALL } wanted_means;
 /* Without the deck's files they are not known, all else is. */
 static void complete_means(facts *f, const h5_file *file, sd_messages *messages) {
   sd_messages *own = sd_messages_new();
-  if (checkpoint_complete(file, f->path, NULL, sd_deck_load_text, &f->found.packing, own) != SD_OK) {
-    for (size_t k = 0; k < sd_messages_count(own); k++) sd_warn(messages, "%s", sd_messages_text(own, k));
+  if (checkpoint_complete(file, f->path, NULL, sd_deck_load_text, &f->found.packing, own) !=
+      SD_OK) {
+    for (size_t k = 0; k < sd_messages_count(own); k++)
+      sd_warn(messages, "%s", sd_messages_text(own, k));
     sd_warn(messages, "%s: the means of every disk cannot be told", f->path);
     summary_disks_free(&f->found.packing);
   }
@@ -132,13 +135,12 @@ static sd_status refuse_sweep(const char *name, sd_messages *messages) {
   char *points = format_text("%s/points", name);
   bool found = file_is_folder(points);
   free(points);
-  return !found
-             ? SD_OK
-             : sd_fail(
-                   messages, SD_ERROR_USER,
-                   "%s is the folder of a sweep: slipdisk sweep DECK -o %s --status tells how far it is, and "
-                   "slipdisk info %s/points/NAME.h5 of a point",
-                   name, name, name);
+  return !found ? SD_OK
+                : sd_fail(messages, SD_ERROR_USER,
+                          "%s is the folder of a sweep: slipdisk sweep DECK -o %s --status tells "
+                          "how far it is, and "
+                          "slipdisk info %s/points/NAME.h5 of a point",
+                          name, name, name);
 }
 
 /* --- for people ----------------------------------------------------------------------------------- */
@@ -149,8 +151,9 @@ static void print_text(const facts *f, const place *p) {
   if (f->finished)
     printf(", finished\n");
   else
-    printf(", NOT finished: step %" PRId64 " %s %" PRId64 " (%.1f %%)%s%s, %" PRId64 " part%s\n", s->step,
-           report_of(s), s->steps, 100.0 * (double)s->step / (double)(s->steps > 0 ? s->steps : 1),
+    printf(", NOT finished: step %" PRId64 " %s %" PRId64 " (%.1f %%)%s%s, %" PRId64 " part%s\n",
+           s->step, report_of(s), s->steps,
+           100.0 * (double)s->step / (double)(s->steps > 0 ? s->steps : 1),
            *s->phase_name ? " in phase " : "", s->phase_name, f->parts, f->parts == 1 ? "" : "s");
   if (f->finished && file_is_folder(p->folder))
     printf("a newer run of it is not finished: slipdisk info %s.parts\n", f->path);
@@ -159,8 +162,8 @@ static void print_text(const facts *f, const place *p) {
   free(failure);
   printf("%" PRId64 " disks, ", s->disks);
   if (f->clumps) printf("%" PRId64 " clumps, ", f->clumps);
-  printf("%" PRId64 " walls, %" PRId64 " contacts, dt %.6g, measured %.6g of %.6g\n", s->walls, s->contacts,
-         s->dt, (double)s->measured * s->dt, (double)s->step * s->dt);
+  printf("%" PRId64 " walls, %" PRId64 " contacts, dt %.6g, measured %.6g of %.6g\n", s->walls,
+         s->contacts, s->dt, (double)s->measured * s->dt, (double)s->step * s->dt);
   report_summary(stdout, s);
   report_cost(stdout, s, &f->origin);
   printf("\nprovenance\n");
@@ -180,12 +183,14 @@ static void print_text(const facts *f, const place *p) {
     const char *path = json_string_value(json_object_get(set, "path"));
     const char *last = strrchr(path, '/');
     /* the state's columns, and the clock of each element, would be most of the list */
-    if (strncmp(path, "/state/", 7) == 0 || strcmp(last, "/step") == 0 || strcmp(last, "/time") == 0)
+    if (strncmp(path, "/state/", 7) == 0 || strcmp(last, "/step") == 0 ||
+        strcmp(last, "/time") == 0)
       continue;
     printf("  %-46s %-8s", path, json_string_value(json_object_get(set, "type")));
     const json_t *shape = json_object_get(set, "shape");
     for (size_t k = 0; k < json_array_size(shape); k++)
-      printf("%s%" JSON_INTEGER_FORMAT, k ? " x " : " ", json_integer_value(json_array_get(shape, k)));
+      printf("%s%" JSON_INTEGER_FORMAT, k ? " x " : " ",
+             json_integer_value(json_array_get(shape, k)));
     putchar('\n');
   }
 }
@@ -216,7 +221,8 @@ static json_t *ages_json(const summary *s, size_t k, const char *name) {
 static json_t *configurations_json(const summary *s, size_t w) {
   static const char *const names[] = {"S++", "S+-", "S-+", "S--", "stick", "open"};
   json_t *list = json_array();
-  for (size_t k = SD_CONFIGURATIONS * w; k < s->n_configurations && k < SD_CONFIGURATIONS * (w + 1); k++) {
+  for (size_t k = SD_CONFIGURATIONS * w; k < s->n_configurations && k < SD_CONFIGURATIONS * (w + 1);
+       k++) {
     const sd_configuration *c = &s->configurations[k];
     json_t *object = json_row(&configuration_observables, c);
     json_object_set_new(object, "name", json_string(names[k % SD_CONFIGURATIONS]));
@@ -235,8 +241,10 @@ static json_t *slide_json(const summary *s) {
     char *const *names = s->slide_names + 3 * k;
     json_t *object = json_row(&slide_observables, &s->slides[k]);
     json_object_set_new(object, "name", json_string(names[0]));
-    json_object_set_new(object, "contacts", contacts_json(&slide_observables, &s->slides[k], names));
-    if (s->n_configurations) json_object_set_new(object, "configurations", configurations_json(s, k));
+    json_object_set_new(object, "contacts",
+                        contacts_json(&slide_observables, &s->slides[k], names));
+    if (s->n_configurations)
+      json_object_set_new(object, "configurations", configurations_json(s, k));
     json_array_append_new(list, object);
   }
   return list;
@@ -246,7 +254,8 @@ static json_t *until_json(const summary *s) {
   if (!s->has_until) return json_null();
   json_t *object = json_row(&until_observables, s);
   json_object_set_new(object, "observable", json_string(s->observable));
-  json_object_set_new(object, "step", s->until_step >= 0 ? json_integer(s->until_step) : json_null());
+  json_object_set_new(object, "step",
+                      s->until_step >= 0 ? json_integer(s->until_step) : json_null());
   return object;
 }
 
@@ -254,13 +263,14 @@ static json_t *until_json(const summary *s) {
 static json_t *disks_json(const summary *s) {
   const summary_disks *p = &s->packing;
   if (p->n == 0) return json_null();
-  json_t *object =
-      json_pack("{s:o, s:I, s:I, s:o}", "measured", json_number(p->measured), "looks", (json_int_t)p->looks,
-                "bins", (json_int_t)p->bins, "totals", json_row(&total_observables, &p->totals));
+  json_t *object = json_pack("{s:o, s:I, s:I, s:o}", "measured", json_number(p->measured), "looks",
+                             (json_int_t)p->looks, "bins", (json_int_t)p->bins, "totals",
+                             json_row(&total_observables, &p->totals));
   for (size_t k = 0; k < disk_observables.n; k++) {
     const observable *o = &disk_observables.rows[k];
     json_t *values = json_array();
-    for (size_t i = 0; i < p->n; i++) json_array_append_new(values, json_observable(o, &p->disks[i], 0));
+    for (size_t i = 0; i < p->n; i++)
+      json_array_append_new(values, json_observable(o, &p->disks[i], 0));
     json_object_set_new(object, o->name, values);
   }
   return object;
@@ -271,9 +281,9 @@ static json_t *doubts_json(const summary *s) {
   for (size_t k = 0; k < DOUBT_KINDS; k++) {
     const summary_doubt *d = &s->doubts[k];
     if (d->text)
-      json_array_append_new(list,
-                            json_pack("{s:s, s:s, s:o, s:o}", "name", doubt_kinds[k].name, "message", d->text,
-                                      "value", json_number(d->value), "limit", json_number(d->limit)));
+      json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o}", "name", doubt_kinds[k].name,
+                                            "message", d->text, "value", json_number(d->value),
+                                            "limit", json_number(d->limit)));
   }
   return list;
 }
@@ -281,8 +291,10 @@ static json_t *doubts_json(const summary *s) {
 static json_t *provenance_json(const provenance *p) {
   json_t *object = json_object();
   for (size_t k = 0; k < provenance_text_count; k++)
-    json_object_set_new(object, provenance_texts[k].name, json_string_nocheck(provenance_get(p, k)));
-  json_object_set_new(object, "overrides", json_string_nocheck(p->deck_overrides ? p->deck_overrides : ""));
+    json_object_set_new(object, provenance_texts[k].name,
+                        json_string_nocheck(provenance_get(p, k)));
+  json_object_set_new(object, "overrides",
+                      json_string_nocheck(p->deck_overrides ? p->deck_overrides : ""));
   json_object_set_new(object, "seed", json_integer(p->seed));
   json_add(object, &provenance_observables, p, 1, 0);
   return object;
@@ -321,7 +333,8 @@ typedef struct arguments {
 static const option_row rows[] = {
     {"json", 0, OPTION_FLAG, offsetof(arguments, json), NULL, NULL,
      "for programs; of several files an array"},
-    {"deck", 0, OPTION_FLAG, offsetof(arguments, deck), NULL, NULL, "the complete deck it was run with"},
+    {"deck", 0, OPTION_FLAG, offsetof(arguments, deck), NULL, NULL,
+     "the complete deck it was run with"},
     {"deck-as-read", 0, OPTION_FLAG, offsetof(arguments, as_read), NULL, NULL,
      "the deck as it was written, without -D and the point of a sweep"},
     {"names", 0, OPTION_FLAG, offsetof(arguments, names), NULL, NULL,
@@ -342,10 +355,12 @@ const command_line app_info_line = {
 /* All observables: the tables of docs/names.md. */
 static int print_names(void) {
   const observable_list *const lists[] = {
-      &energy_observables,  &series_observables,        &frame_observables,      &clump_observables,
-      &contact_observables, &fact_observables,          &outcome_observables,    &rotation_observables,
-      &slide_observables,   &configuration_observables, &phase_observables,      &until_observables,
-      &disk_observables,    &total_observables,         &provenance_observables, &measurement_observables};
+      &energy_observables,        &series_observables,   &frame_observables,
+      &clump_observables,         &contact_observables,  &fact_observables,
+      &outcome_observables,       &rotation_observables, &slide_observables,
+      &configuration_observables, &phase_observables,    &until_observables,
+      &disk_observables,          &total_observables,    &provenance_observables,
+      &measurement_observables};
   for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) observable_print(stdout, lists[k]);
   return SD_OK;
 }
@@ -361,7 +376,8 @@ static int tell_file(const char *name, const arguments *a, json_t *into) {
   if (status == SD_OK) status = place_find(&p, name, messages);
   bool named_parts = status == SD_OK && file_is_folder(name);
   if (status == SD_OK)
-    status = read_facts(&f, &p, named_parts, into && !text ? MEANS_ALL : MEANS_AS_WRITTEN, messages);
+    status =
+        read_facts(&f, &p, named_parts, into && !text ? MEANS_ALL : MEANS_AS_WRITTEN, messages);
   sd_messages_print(messages, stderr);
   if (status == SD_OK && text)
     fputs(a->deck ? f.origin.deck_full : f.origin.deck_text, stdout);
@@ -387,7 +403,8 @@ int app_info(int argc, char **argv) {
   if (status) return status;
   if (a.names) return print_names();
   if (n == 0) return app_misuse("info", "a result is expected");
-  if (n > 1 && (a.deck || a.as_read)) return app_misuse("info", "--deck and --deck-as-read want one result");
+  if (n > 1 && (a.deck || a.as_read))
+    return app_misuse("info", "--deck and --deck-as-read want one result");
   json_t *list = a.json && !a.deck && !a.as_read ? json_array() : NULL;
   for (int k = argc - n; k < argc; k++) {
     if (!list && k > argc - n) putchar('\n');

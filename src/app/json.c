@@ -28,26 +28,30 @@ json_t *json_text(const char *text) {
 json_t *json_messages(const sd_messages *messages) {
   json_t *list = json_array();
   for (size_t k = 0; k < sd_messages_count(messages); k++)
-    json_array_append_new(list, json_pack("{s:s, s:o}", "kind",
-                                          sd_messages_kind(messages, k) == SD_OK ? "warning" : "error",
-                                          "text", json_text(sd_messages_text(messages, k))));
+    json_array_append_new(list,
+                          json_pack("{s:s, s:o}", "kind",
+                                    sd_messages_kind(messages, k) == SD_OK ? "warning" : "error",
+                                    "text", json_text(sd_messages_text(messages, k))));
   return list;
 }
 
 json_t *json_observable(const observable *o, const void *row, size_t k) {
   double value = observable_value(o, row, k);
   if (o->type == OBSERVABLE_FLAG) return json_boolean(value != 0);
-  return o->type == OBSERVABLE_F64 || !isfinite(value) ? json_number(value) : json_integer((json_int_t)value);
+  return o->type == OBSERVABLE_F64 || !isfinite(value) ? json_number(value)
+                                                       : json_integer((json_int_t)value);
 }
 
-void json_add(json_t *object, const observable_list *list, const void *row, size_t width, size_t k) {
+void json_add(json_t *object, const observable_list *list, const void *row, size_t width,
+              size_t k) {
   for (const observable *o = list->rows; o < list->rows + list->n; o++) {
     const char *name = o->json ? o->json : o->name, *dot = strchr(name, '.');
     json_t *into = object;
     if (!*name || o->width != width) continue;
     if (dot) {
       char group[64] = "";
-      strncat(group, name, (size_t)(dot - name) < sizeof group ? (size_t)(dot - name) : sizeof group - 1);
+      strncat(group, name,
+              (size_t)(dot - name) < sizeof group ? (size_t)(dot - name) : sizeof group - 1);
       into = json_object_get(object, group);
       if (!into && json_object_set_new(object, group, json_object()) == 0)
         into = json_object_get(object, group);

@@ -45,10 +45,10 @@ static const command_line help_line = {
     .optional = true,
     .operands = "[COMMAND]",
     .summary = "Tells the options of a command; without one, all commands",
-    .examples =
-        "slipdisk help run                       # the same as slipdisk run --help\n"
-        "slipdisk help --man run | man -l -\n"
-        "source <(slipdisk help --bash)          # the tab key completes commands, options, decks, results\n",
+    .examples = "slipdisk help run                       # the same as slipdisk run --help\n"
+                "slipdisk help --man run | man -l -\n"
+                "source <(slipdisk help --bash)          # the tab key completes commands, "
+                "options, decks, results\n",
 };
 
 static const struct command {
@@ -95,8 +95,8 @@ static void print_commands(FILE *out) {
   fputs("slipdisk: frictional disks in two dimensions\n\n", out);
   for (size_t k = 0; k < N_COMMANDS; k++)
     if (commands[k].line)
-      fprintf(out, "  slipdisk %-*s %-*s  %s\n", name, commands[k].name, operands, commands[k].line->operands,
-              commands[k].line->summary);
+      fprintf(out, "  slipdisk %-*s %-*s  %s\n", name, commands[k].name, operands,
+              commands[k].line->operands, commands[k].line->summary);
   fputs("\n  slipdisk COMMAND --help     the options of a command\n"
         "  slipdisk version            also -V, --version\n\n",
         out);
@@ -170,7 +170,8 @@ static int run_command(int argc, char **argv) {
     status = SD_ERROR_IO;
   }
   if (status == 0 && one->prints && shortage_seen()) {
-    fprintf(stderr, "error: there was no memory for part of this: what was printed may be incomplete\n");
+    fprintf(stderr,
+            "error: there was no memory for part of this: what was printed may be incomplete\n");
     status = SD_ERROR_IO;
   }
   return status;
@@ -195,8 +196,9 @@ static void end_without_memory(size_t bytes) {
 
 /* Libraries that have no memory call exit (HDF5, the reader of decks), some of them without a word. */
 static void end_of_library(void) {
-  static const char text[] = "error: a library has ended the process, as some do without memory; what was "
-                             "saved before is not damaged\n";
+  static const char text[] =
+      "error: a library has ended the process, as some do without memory; what was "
+      "saved before is not damaged\n";
   if (leaving) return;
   ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
   (void)told; /* there is no other way to tell it */

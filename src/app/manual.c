@@ -17,24 +17,28 @@ static const manual_row statuses[] = {
     {"2", "mistake in deck or command"},
     {"3", "numerical error"},
     {"4", "input or output failed, or no memory"},
-    {"5",
-     "done, but the result is in doubt (energy budget, open contacts, disks too fast: see its warnings)"},
-    {"75",
-     "stopped by a signal after a checkpoint (INT, TERM, HUP, USR1, USR2, XCPU, ALRM): give the command "
-     "again to continue"},
+    {"5", "done, but the result is in doubt (energy budget, open contacts, disks too fast: see its "
+          "warnings)"},
+    {"75", "stopped by a signal after a checkpoint (INT, TERM, HUP, USR1, USR2, XCPU, ALRM): give "
+           "the command "
+           "again to continue"},
 };
 
 static const manual_row environment[] = {
-    {"OMP_NUM_THREADS", "most threads that are chosen where `--threads` does not say; by default the cores"},
-    {"SLIPDISK_AUTHOR", "the author's name in results; by default that of the account, of root \"unknown\""},
-    {"SLIPDISK_PATH", "instruction set of the kernels, `baseline`, `avx2` or `avx512`, to the same bits; by "
-                      "default the best that the machine has"},
+    {"OMP_NUM_THREADS",
+     "most threads that are chosen where `--threads` does not say; by default the cores"},
+    {"SLIPDISK_AUTHOR",
+     "the author's name in results; by default that of the account, of root \"unknown\""},
+    {"SLIPDISK_PATH",
+     "instruction set of the kernels, `baseline`, `avx2` or `avx512`, to the same bits; by "
+     "default the best that the machine has"},
     {"SLIPDISK_PYTHON",
      "the interpreter that `plot` and `film` run, with numpy, h5py and matplotlib; by default "
      "/usr/bin/python3, else python3"},
     {"SLIPDISK_LIBRARY",
      "the shared library that the Python package loads; by default that of its installation"},
-    {"SLIPDISK_PROGRAM", "the program that the Python package runs; by default that of its installation"},
+    {"SLIPDISK_PROGRAM",
+     "the program that the Python package runs; by default that of its installation"},
 };
 
 static const manual_row files[] = {
@@ -42,8 +46,9 @@ static const manual_row files[] = {
     {"NAME.h5", "a result (HDF5, H5MD), written when the run has finished"},
     {"NAME.h5.parts/", "an unfinished run: checkpoints, and what has been recorded so far"},
     {"NAME.sweep/", "a sweep: its points, and tables of their results (`means.csv`)"},
-    {"/usr/share/slipdisk/inputs/", "decks that ship, and programs that use the library (the prefix of the "
-                                    "installation may be another)"},
+    {"/usr/share/slipdisk/inputs/",
+     "decks that ship, and programs that use the library (the prefix of the "
+     "installation may be another)"},
     {"/usr/share/doc/slipdisk/", "the documentation (the same)"},
 };
 
@@ -165,14 +170,15 @@ static void man_head(FILE *out, const char *command, const char *summary) {
   snprintf(name, sizeof name, *command ? "slipdisk\\-%s" : "slipdisk", command);
   snprintf(title, sizeof title, *command ? "SLIPDISK\\-%s" : "SLIPDISK", command);
   for (char *c = title; *c; c++) *c = (char)toupper((unsigned char)*c);
-  fprintf(out, ".TH %s 1 %s \"slipdisk %s\" \"slipdisk\"\n.SH NAME\n%s \\- %c", title, SD_VERSION_DATE,
-          SD_VERSION, name, tolower((unsigned char)*summary));
+  fprintf(out, ".TH %s 1 %s \"slipdisk %s\" \"slipdisk\"\n.SH NAME\n%s \\- %c", title,
+          SD_VERSION_DATE, SD_VERSION, name, tolower((unsigned char)*summary));
   man_bytes(out, summary + 1, strlen(summary + 1), &bold);
   fputc('\n', out);
 }
 
 void manual_command(FILE *out, const command_line *line) {
-  static const option_row help = {.name = "help", .letter = 'h', .help = "the options, on the screen"};
+  static const option_row help = {
+      .name = "help", .letter = 'h', .help = "the options, on the screen"};
   man_head(out, line->name, line->summary);
   fprintf(out, ".SH SYNOPSIS\n\\fBslipdisk %s\\fR [\\fIoptions\\fR] \\fI%s\\fR\n.SH DESCRIPTION\n",
           line->name, line->operands);
@@ -193,11 +199,13 @@ void manual_overview(FILE *out, size_t n, const command_line *const *lines) {
         ".br\n\\fBslipdisk\\fR \\fICOMMAND\\fR \\fB\\-\\-help\\fR\n"
         ".br\n\\fBslipdisk version\\fR\n.SH DESCRIPTION\n",
         out);
-  man_text(out,
-           "Follows disks that touch each other and walls through a normal spring (linear or Hertz), damped, "
-           "and a tangential spring limited by friction, and measures how they rotate, slide and dissipate. "
-           "A deck, a text file, says of which disks; a result is an HDF5 file. Runs survive being killed, "
-           "and give the same bits on any number of threads.");
+  man_text(out, "Follows disks that touch each other and walls through a normal spring (linear or "
+                "Hertz), damped, "
+                "and a tangential spring limited by friction, and measures how they rotate, slide "
+                "and dissipate. "
+                "A deck, a text file, says of which disks; a result is an HDF5 file. Runs survive "
+                "being killed, "
+                "and give the same bits on any number of threads.");
   fputs(".SH COMMANDS\n", out);
   for (size_t k = 0; k < n; k++) {
     fprintf(out, ".TP\n\\fBslipdisk\\-%s\\fR(1)\n", lines[k]->name);
@@ -206,11 +214,12 @@ void manual_overview(FILE *out, size_t n, const command_line *const *lines) {
   man_rows(out, "EXIT STATUS", ROWS(statuses));
   man_rows(out, "ENVIRONMENT", ROWS(environment));
   man_rows(out, "FILES", ROWS(files));
-  man_examples(out,
-               "slipdisk check deck.cfg                 # is the deck in order, how long will it take?\n"
-               "slipdisk run deck.cfg                   # makes deck.h5; the same again continues a run\n"
-               "slipdisk run deck.cfg -D seed=2 -o two.h5\n"
-               "slipdisk info deck.h5                   # means with error bars, energy budget\n");
+  man_examples(
+      out,
+      "slipdisk check deck.cfg                 # is the deck in order, how long will it take?\n"
+      "slipdisk run deck.cfg                   # makes deck.h5; the same again continues a run\n"
+      "slipdisk run deck.cfg -D seed=2 -o two.h5\n"
+      "slipdisk info deck.h5                   # means with error bars, energy budget\n");
 }
 
 /* --- bash ---------------------------------------------------------------------------------------------------- */
@@ -226,7 +235,8 @@ static void bash_kind(FILE *out, const option_row *row) {
 }
 
 static void bash_command(FILE *out, const command_line *line) {
-  fprintf(out, "    %s)\n      operands='%s'\n      options='--help -h", line->name, line->operands);
+  fprintf(out, "    %s)\n      operands='%s'\n      options='--help -h", line->name,
+          line->operands);
   for (size_t k = 0; k < line->n; k++) {
     const option_row *row = &line->rows[k];
     for (int letter = 0; letter <= (row->letter != 0); letter++) {
@@ -260,7 +270,8 @@ static const char bash_code[] =
     "}\n"
     "\n"
     "_slipdisk() {\n"
-    "  local cur=${COMP_WORDS[COMP_CWORD]} last=${COMP_WORDS[COMP_CWORD - 1]} operands= options= kind= row\n"
+    "  local cur=${COMP_WORDS[COMP_CWORD]} last=${COMP_WORDS[COMP_CWORD - 1]} operands= options= "
+    "kind= row\n"
     "  COMPREPLY=()\n"
     "  if ((COMP_CWORD == 1)); then\n"
     "    _slipdisk_words \"$_slipdisk_commands --help --version\"\n"
@@ -295,7 +306,8 @@ static const char bash_code[] =
     "complete -F _slipdisk slipdisk\n";
 
 void manual_bash(FILE *out, size_t n, const command_line *const *lines) {
-  fputs("# bash completion for slipdisk, written by `slipdisk help --bash`\n_slipdisk_commands='version",
+  fputs("# bash completion for slipdisk, written by `slipdisk help "
+        "--bash`\n_slipdisk_commands='version",
         out);
   for (size_t k = 0; k < n; k++) fprintf(out, " %s", lines[k]->name);
   fputs("'\n\n_slipdisk_rows() {\n  case $1 in\n", out);

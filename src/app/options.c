@@ -95,20 +95,21 @@ sd_status options_range(const char *text, size_t count, const char *file, option
   *out = (option_range){.first = 0, .step = 1, .n = count};
   int colons = text ? read_slice(text, value, given) : 2;
   if (colons < 0 || value[2] <= 0)
-    return sd_fail(
-        messages, SD_ERROR_USER,
-        "--frames %s: expected a frame (5, -1 the last) or FIRST:END:STEP, as slices in Python (-1:, "
-        "::10, 0:100:10), with a step of at least 1",
-        text);
+    return sd_fail(messages, SD_ERROR_USER,
+                   "--frames %s: expected a frame (5, -1 the last) or FIRST:END:STEP, as slices in "
+                   "Python (-1:, "
+                   "::10, 0:100:10), with a step of at least 1",
+                   text);
   if (count == SIZE_MAX) return SD_OK;
   if (count == 0) return sd_fail(messages, SD_ERROR_USER, "%s has no frames", file);
   if (colons == 0 && magnitude(value[0]) + (value[0] >= 0) > count)
-    return sd_fail(messages, SD_ERROR_USER, "--frames %s: %s has frames 0 to %zu", text, file, count - 1);
+    return sd_fail(messages, SD_ERROR_USER, "--frames %s: %s has frames 0 to %zu", text, file,
+                   count - 1);
   size_t first = clip(value[0], count), end = given[1] ? clip(value[1], count) : count;
   if (colons == 0) end = first + 1;
   if (end <= first)
-    return sd_fail(messages, SD_ERROR_USER, "--frames %s chooses none of the frames 0 to %zu of %s", text,
-                   count - 1, file);
+    return sd_fail(messages, SD_ERROR_USER, "--frames %s chooses none of the frames 0 to %zu of %s",
+                   text, count - 1, file);
   size_t step = (size_t)value[2];
   *out = (option_range){.first = first, .step = step, .n = (end - first - 1) / step + 1};
   return SD_OK;
@@ -123,7 +124,8 @@ static int refuse_unknown(const command_line *line, const char *given) {
       return app_misuse(line->name, "%s takes no value", word);
     guess_add(&near, line->rows[k].name);
   }
-  if (near.best) return app_misuse(line->name, "unknown option %s (did you mean --%s?)", given, near.best);
+  if (near.best)
+    return app_misuse(line->name, "unknown option %s (did you mean --%s?)", given, near.best);
   return app_misuse(line->name, "unknown option %s", given);
 }
 
@@ -144,7 +146,8 @@ static bool is_deck(const char *path) {
 static bool is_result(const char *path) { return !text_ends(path, ".h5md") && h5_is_file(path); }
 
 /* Takes one option with its value; 0, or the exit status of a mistake. */
-static int take(const command_line *line, const option_row *row, const char *value, void *arguments) {
+static int take(const command_line *line, const option_row *row, const char *value,
+                void *arguments) {
   void *field = (char *)arguments + row->offset;
   char shown[40];
   if (row->letter)
@@ -154,7 +157,9 @@ static int take(const command_line *line, const option_row *row, const char *val
   bool good = true;
   switch (row->kind) {
     case OPTION_FLAG: *(bool *)field = true; break;
-    case OPTION_NUMBER: good = options_number(value, row->limits->least, row->limits->most, field); break;
+    case OPTION_NUMBER:
+      good = options_number(value, row->limits->least, row->limits->most, field);
+      break;
     case OPTION_REAL: {
       option_real *real = field;
       good = real->given = options_reals(value, 1, &real->value);
@@ -176,12 +181,15 @@ static int take(const command_line *line, const option_row *row, const char *val
     case OPTION_STREAM:
       *(const char **)field = value;
       if (row->kind != OPTION_STREAM && strcmp(value, "-") == 0)
-        return app_misuse(line->name, "%s -: the standard output does not take this; expected a name", shown);
+        return app_misuse(line->name,
+                          "%s -: the standard output does not take this; expected a name", shown);
       if (!*value)
-        return app_misuse(line->name, "%s needs the name of a file or a folder, not an empty one", shown);
+        return app_misuse(line->name, "%s needs the name of a file or a folder, not an empty one",
+                          shown);
       if (is_deck(value) || (row->kind != OPTION_RESULT && is_result(value)))
-        return app_misuse(line->name, "%s %s: that is a %s, which would be lost; expected another name",
-                          shown, value, is_deck(value) ? "deck" : "result");
+        return app_misuse(line->name,
+                          "%s %s: that is a %s, which would be lost; expected another name", shown,
+                          value, is_deck(value) ? "deck" : "result");
       break;
     case OPTION_LIST: {
       option_list *list = field;
@@ -193,20 +201,22 @@ static int take(const command_line *line, const option_row *row, const char *val
 }
 
 static int take_operand(const command_line *line, int argc, char **argv, void *arguments) {
-  static const char *const missing[] = {"no deck is given", "one result is expected", "no result is given",
-                                        "no command is given"};
+  static const char *const missing[] = {"no deck is given", "one result is expected",
+                                        "no result is given", "no command is given"};
   void *field = (char *)arguments + line->offset;
   int n = argc - optind;
   if (n == 0 && line->optional) return 0;
-  if (n > 1 && line->operand == OPERAND_COMMAND) return app_misuse(line->name, "one command is expected");
+  if (n > 1 && line->operand == OPERAND_COMMAND)
+    return app_misuse(line->name, "one command is expected");
   if (n == 0 || (n > 1 && line->operand == OPERAND_RESULT))
     return app_misuse(line->name, "%s", missing[line->operand]);
   if (n > 1 && line->operand == OPERAND_DECK)
     return app_misuse(line->name, "one deck is expected, \"%s\" is a second", argv[optind + 1]);
-  for (int k = optind; k < argc && line->operand != OPERAND_DECK && line->operand != OPERAND_COMMAND; k++)
+  for (int k = optind;
+       k < argc && line->operand != OPERAND_DECK && line->operand != OPERAND_COMMAND; k++)
     if (strcmp(argv[k], "-") == 0)
-      return app_misuse(line->name,
-                        "results are not read from the standard input; expected the name of a file");
+      return app_misuse(
+          line->name, "results are not read from the standard input; expected the name of a file");
   if (line->operand == OPERAND_RESULTS)
     *(size_t *)field = (size_t)optind;
   else
@@ -222,7 +232,8 @@ int options_parse(const command_line *line, int argc, char **argv, void *argumen
   for (size_t k = 0; k < line->n; k++) {
     const option_row *row = &line->rows[k];
     bool value = row->kind != OPTION_FLAG;
-    options[k] = (struct option){row->name, value ? required_argument : no_argument, NULL, FIRST + (int)k};
+    options[k] =
+        (struct option){row->name, value ? required_argument : no_argument, NULL, FIRST + (int)k};
     if (row->letter) snprintf(letters + strlen(letters), 3, "%c%s", row->letter, value ? ":" : "");
     if (row->kind != OPTION_LIST) continue;
     option_list *list = (void *)((char *)arguments + row->offset);
@@ -279,7 +290,8 @@ static void print_option(FILE *out, const option_row *row) {
 
 void options_help(FILE *out, const command_line *line) {
   static const option_row help = {.name = "help", .letter = 'h', .help = "this page"};
-  fprintf(out, "usage: slipdisk %s [options] %s\n\n%s.\n", line->name, line->operands, line->summary);
+  fprintf(out, "usage: slipdisk %s [options] %s\n\n%s.\n", line->name, line->operands,
+          line->summary);
   if (line->more) fprintf(out, "%s", line->more);
   fputc('\n', out);
   for (size_t k = 0; k < line->n; k++) print_option(out, &line->rows[k]);

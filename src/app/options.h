@@ -48,7 +48,12 @@ typedef struct option_row {
 } option_row;
 
 /* Operands of a command. A deck may be -, the standard input. The field behind offset is a const char *; of RESULTS a size_t, place in argv of the first. */
-typedef enum operand_kind { OPERAND_DECK, OPERAND_RESULT, OPERAND_RESULTS, OPERAND_COMMAND } operand_kind;
+typedef enum operand_kind {
+  OPERAND_DECK,
+  OPERAND_RESULT,
+  OPERAND_RESULTS,
+  OPERAND_COMMAND
+} operand_kind;
 
 typedef struct command_line {
   const char *name; /* of the command */
@@ -60,7 +65,8 @@ typedef struct command_line {
   const char *operands; /* in the help: "DECK" */
   const char *summary;  /* a line of the list of commands */
   const char *more;     /* lines of its own help; NULL: none */
-  const char *examples; /* command lines, each with its comment: "slipdisk run deck.cfg   # ...\n" */
+  const char
+      *examples; /* command lines, each with its comment: "slipdisk run deck.cfg   # ...\n" */
 } command_line;
 
 /* Fills `arguments`; 0, or the exit status of a mistake, which has been told. */

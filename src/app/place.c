@@ -26,7 +26,8 @@ static bool ends_with(const char *text, size_t length, const char *tail) {
 sd_status place_find(place *p, const char *name, sd_messages *messages) {
   *p = (place){0};
   if (text_ends(name, ".cfg") && file_exists(name))
-    return sd_fail(messages, SD_ERROR_USER, "%s is a deck; slipdisk run %s makes a result of it", name, name);
+    return sd_fail(messages, SD_ERROR_USER, "%s is a deck; slipdisk run %s makes a result of it",
+                   name, name);
   size_t length = strlen(name), tail = strlen(".parts");
   while (length > 1 && name[length - 1] == '/') length--;
   const char *slash = NULL;
@@ -43,10 +44,11 @@ sd_status place_find(place *p, const char *name, sd_messages *messages) {
   p->folder = format_text("%s.parts", p->result);
   if (file_is_folder(p->result) && !file_is_folder(p->folder))
     return sd_fail(messages, SD_ERROR_USER,
-                   "%s is a folder: name a result, its folder RESULT.parts or a checkpoint in it", p->result);
+                   "%s is a folder: name a result, its folder RESULT.parts or a checkpoint in it",
+                   p->result);
   if (file_exists(p->result) || file_is_folder(p->folder)) return SD_OK;
-  return sd_fail(messages, SD_ERROR_USER, "there is neither a result %s nor an unfinished run %s", p->result,
-                 p->folder);
+  return sd_fail(messages, SD_ERROR_USER, "there is neither a result %s nor an unfinished run %s",
+                 p->result, p->folder);
 }
 
 void place_free(place *p) {
@@ -103,7 +105,8 @@ static sd_status open_parts(frames *f, const place *p, const char *base, int64_t
       free(path);
     }
   }
-  const sd_status status = frames_open(f, base, n, (const char *const *)list, sd_deck_load_text, messages);
+  const sd_status status =
+      frames_open(f, base, n, (const char *const *)list, sd_deck_load_text, messages);
   for (size_t k = 0; k < n; k++) free(list[k]);
   free(list);
   return status;

@@ -13,8 +13,9 @@
 #include "io/store/file.h"
 
 #define QUANTITIES "omega|turned|spin|speed|vx|vy|moved|radius|contacts|pressure|fraction|group"
-#define COLOR_HELP                                                                                           \
-  "what colours disks; by default omega (means of every disk), else turned (angle between frames), else "    \
+#define COLOR_HELP                                                                                 \
+  "what colours disks; by default omega (means of every disk), else turned (angle between "        \
+  "frames), else "                                                                                 \
   "spin"
 #define REGION_HELP "the part of the plane that is shown; by default about the disks"
 
@@ -59,13 +60,14 @@ const command_line app_plot_line = {
     .offset = offsetof(arguments, file),
     .operands = "FILE|SWEEP",
     .summary = "Draws a result or a sweep: what fits it, or the kinds that are named",
-    .more =
-        "Rotation, sliding, energies, maps, force networks, distributions, profiles, compression, curves.\n"
-        "Needs python3 with numpy, h5py and matplotlib.\n",
+    .more = "Rotation, sliding, energies, maps, force networks, distributions, profiles, "
+            "compression, curves.\n"
+            "Needs python3 with numpy, h5py and matplotlib.\n",
     .examples =
         "slipdisk plot deck.h5                              # deck.png: what fits this result\n"
         "slipdisk plot deck.h5 --kind list                  # what else there is\n"
-        "slipdisk plot deck.h5 -k rotation -o rotation.pdf  # the mean rotation with its error band\n"};
+        "slipdisk plot deck.h5 -k rotation -o rotation.pdf  # the mean rotation with its error "
+        "band\n"};
 
 static const option_row film_rows[] = {
     {"output", 'o', OPTION_PATH, offsetof(arguments, output), NULL, "FILM",
@@ -93,7 +95,8 @@ const command_line app_film_line = {
     .more = "Needs ffmpeg, and python3 with numpy, h5py and matplotlib.\n",
     .examples = "slipdisk film deck.h5                                # deck.mp4\n"
                 "slipdisk film deck.h5 --frames ::2 -o deck.gif       # every other frame\n"
-                "slipdisk film deck.h5 --color spin --network         # the spin, and forces at contacts\n"};
+                "slipdisk film deck.h5 --color spin --network         # the spin, and forces at "
+                "contacts\n"};
 
 /* --- what is asked for --------------------------------------------------------------------------------- */
 
@@ -112,13 +115,15 @@ static int examine(const char *command, const arguments *a) {
   double v[4];
   if (a->time && !two_numbers(a->time, ':', true, v))
     return app_misuse(command, "--time %s: expected FROM:TO, as 2:3.5 or 2:", a->time);
-  if (a->size &&
-      (!two_numbers(a->size, 'x', false, v) || !(v[0] >= 1 && v[1] >= 1 && v[0] < 2e4 && v[1] < 2e4)))
+  if (a->size && (!two_numbers(a->size, 'x', false, v) ||
+                  !(v[0] >= 1 && v[1] >= 1 && v[0] < 2e4 && v[1] < 2e4)))
     return app_misuse(command, "--size %s: expected WIDTHxHEIGHT", a->size);
   if (a->region && (!options_reals(a->region, 4, v) || !(v[0] < v[1] && v[2] < v[3])))
-    return app_misuse(command, "--region %s: expected X0,X1,Y0,Y1 with X0 < X1 and Y0 < Y1", a->region);
+    return app_misuse(command, "--region %s: expected X0,X1,Y0,Y1 with X0 < X1 and Y0 < Y1",
+                      a->region);
   if (a->fps.given && !(a->fps.value > 0 && a->fps.value <= 1000))
-    return app_misuse(command, "--fps %g: expected a number of frames per second > 0", a->fps.value);
+    return app_misuse(command, "--fps %g: expected a number of frames per second > 0",
+                      a->fps.value);
   return 0;
 }
 
@@ -132,7 +137,8 @@ static char *package_folder(const char *program) {
   for (char *slash; (slash = strrchr(up, '/')) != NULL;) {
     *slash = 0;
     for (size_t k = 0; k < sizeof places / sizeof *places; k++) {
-      char *folder = *places[k] == '/' ? memory_text(places[k]) : format_text("%s/%s", up, places[k]);
+      char *folder =
+          *places[k] == '/' ? memory_text(places[k]) : format_text("%s/%s", up, places[k]);
       char *module = format_text("%s/slipdisk/plot.py", folder);
       bool here = file_exists(module);
       free(module);
@@ -151,10 +157,10 @@ enum { MODULES = sizeof modules / sizeof *modules, FOUND = 64 };
 
 /* Which modules this interpreter lacks, a bit each; -1: it does not run. */
 static int modules_missing(const char *python) {
-  static const char look[] =
-      SAFE_PATH "import importlib.util as u\n"
-                "names = 'numpy', 'h5py', 'matplotlib', 'slipdisk'\n"
-                "sys.exit(64 + sum(1 << k for k, name in enumerate(names) if u.find_spec(name) is None))\n";
+  static const char look[] = SAFE_PATH
+      "import importlib.util as u\n"
+      "names = 'numpy', 'h5py', 'matplotlib', 'slipdisk'\n"
+      "sys.exit(64 + sum(1 << k for k, name in enumerate(names) if u.find_spec(name) is None))\n";
   fflush(NULL);
   pid_t child = fork();
   if (child == 0) {
@@ -188,7 +194,8 @@ static const char *find_python(const char *command) {
                 sizeof told - strlen(told) - 1);
   }
   app_line(stderr,
-           "error: slipdisk %s needs python3 with numpy, h5py and matplotlib: %s (apt install python3-numpy "
+           "error: slipdisk %s needs python3 with numpy, h5py and matplotlib: %s (apt install "
+           "python3-numpy "
            "python3-h5py python3-matplotlib, or set SLIPDISK_PYTHON)",
            command, told);
   return NULL;
@@ -251,7 +258,8 @@ static int become_python(const char *command, const arguments *a) {
   list.word[list.n++] = memory_text(python);
   list.word[list.n++] = memory_text("-c");
   list.word[list.n++] = format_text(
-      SAFE_PATH "import runpy\nrunpy.run_module('slipdisk.%s', run_name='__main__', alter_sys=True)",
+      SAFE_PATH
+      "import runpy\nrunpy.run_module('slipdisk.%s', run_name='__main__', alter_sys=True)",
       command);
   add_all(&list, a);
   list.word[list.n++] = memory_text("--");

@@ -16,8 +16,8 @@ const char *report_duration(double seconds, char *text, size_t size) {
   if (s < 24 * 3600)
     snprintf(text, size, "%" PRId64 ":%02d:%02d", s / 3600, (int)(s / 60 % 60), (int)(s % 60));
   else
-    snprintf(text, size, "%" PRId64 "d %02d:%02d:%02d", s / 86400, (int)(s / 3600 % 24), (int)(s / 60 % 60),
-             (int)(s % 60));
+    snprintf(text, size, "%" PRId64 "d %02d:%02d:%02d", s / 86400, (int)(s / 3600 % 24),
+             (int)(s / 60 % 60), (int)(s % 60));
   return text;
 }
 
@@ -30,7 +30,8 @@ void report_lines(FILE *out, const char *before, const char *text) {
 
 void report_bottom(FILE *out, const char *text) {
   struct winsize window;
-  int width = ioctl(fileno(out), TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col - 1 : 100;
+  int width =
+      ioctl(fileno(out), TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col - 1 : 100;
   fprintf(out, "\r\033[K%.*s", width, text);
   fflush(out);
 }
@@ -60,8 +61,8 @@ static void report_rotations(FILE *out, const summary *found) {
     char omega[64], scaled[64];
     fprintf(out, "  %-19.19s %-26s %-26s %10.4g %10.4g%s\n", found->rotation_names[k],
             with_error(r->omega, r->error, omega, sizeof omega),
-            with_error(r->scaled, r->scaled_error, scaled, sizeof scaled), r->transient, r->measured,
-            r->converged ? "" : " *");
+            with_error(r->scaled, r->scaled_error, scaled, sizeof scaled), r->transient,
+            r->measured, r->converged ? "" : " *");
     doubtful = doubtful || !r->converged;
   }
   if (n < found->n_rotations)
@@ -86,21 +87,24 @@ static void report_phases(FILE *out, const summary *found) {
     char kinetic[40], unbalanced[40], target[40];
     if (!p->asked || p->steps == 0) continue;
     if (!any)
-      fprintf(out, "\nphase                  %12s %12s %12s %12s %12s\n", "steps", "at most", "kinetic",
-              "unbalanced", "target");
+      fprintf(out, "\nphase                  %12s %12s %12s %12s %12s\n", "steps", "at most",
+              "kinetic", "unbalanced", "target");
     any = true;
-    fprintf(out, "  %-20.20s %12" PRId64 " %12" PRId64 " %12s %12s %12s%s\n", found->stage_names[k], p->steps,
-            p->most, if_asked(p->kinetic, p->kinetic_goal, kinetic, sizeof kinetic),
+    fprintf(out, "  %-20.20s %12" PRId64 " %12" PRId64 " %12s %12s %12s%s\n", found->stage_names[k],
+            p->steps, p->most, if_asked(p->kinetic, p->kinetic_goal, kinetic, sizeof kinetic),
             if_asked(p->unbalanced, p->unbalanced_goal, unbalanced, sizeof unbalanced),
-            if_asked(p->target, p->target_goal, target, sizeof target), p->reached ? "" : "  NOT reached");
+            if_asked(p->target, p->target_goal, target, sizeof target),
+            p->reached ? "" : "  NOT reached");
   }
 }
 
 static void report_lost(FILE *out, const summary *found) {
   if (found->waiting > 0) fprintf(out, "\n%" PRId64 " disks wait to be released\n", found->waiting);
   if (found->left == 0) return;
-  fprintf(out, "\n%" PRId64 " disk%s left the bounds", found->outside, found->outside == 1 ? "" : "s");
-  if (found->outside > 0) fprintf(out, ": %s%s", found->lost, found->outside > SUMMARY_LOST ? ", ..." : "");
+  fprintf(out, "\n%" PRId64 " disk%s left the bounds", found->outside,
+          found->outside == 1 ? "" : "s");
+  if (found->outside > 0)
+    fprintf(out, ": %s%s", found->lost, found->outside > SUMMARY_LOST ? ", ..." : "");
   if (found->left > found->outside)
     fprintf(out, " (%" PRId64 " times one left, some came back)", found->left);
   fputc('\n', out);
@@ -119,7 +123,8 @@ static void report_until(FILE *out, const summary *found) {
     return;
   }
   fprintf(out, "%s", found->phase == found->phases ? "NOT reached" : "not yet reached");
-  if (isfinite(g->error)) fprintf(out, ", it is %.3g%s", g->error, g->converged ? "" : " and not reliable");
+  if (isfinite(g->error))
+    fprintf(out, ", it is %.3g%s", g->error, g->converged ? "" : " and not reliable");
   fputc('\n', out);
 }
 
@@ -127,13 +132,14 @@ static void report_until(FILE *out, const summary *found) {
 static void report_configurations(FILE *out, const summary *found, size_t w) {
   static const char *const names[] = {"S++", "S+-", "S-+", "S--", "stick", "open"};
   if (found->n_configurations < SD_CONFIGURATIONS * (w + 1)) return;
-  fprintf(out, "    %-6s %11s %10s %11s %10s %11s %10s %10s %10s %10s\n", "in", "torque", "sd", "1st force",
-          "sd", "2nd force", "sd", "visits", "duration", "sd");
+  fprintf(out, "    %-6s %11s %10s %11s %10s %11s %10s %10s %10s %10s\n", "in", "torque", "sd",
+          "1st force", "sd", "2nd force", "sd", "visits", "duration", "sd");
   for (size_t c = 0; c < SD_CONFIGURATIONS; c++) {
     const sd_configuration *q = &found->configurations[SD_CONFIGURATIONS * w + c];
     if (q->steps == 0) continue;
-    fprintf(out, "    %-6s %11.5g %10.3g %11.5g %10.3g %11.5g %10.3g %10" PRId64, names[c], q->torque,
-            q->torque_sd, q->force[0], q->force_sd[0], q->force[1], q->force_sd[1], q->visits);
+    fprintf(out, "    %-6s %11.5g %10.3g %11.5g %10.3g %11.5g %10.3g %10" PRId64, names[c],
+            q->torque, q->torque_sd, q->force[0], q->force_sd[0], q->force[1], q->force_sd[1],
+            q->visits);
     if (q->visits)
       fprintf(out, " %10.4g %10.3g\n", q->dwell, q->dwell_sd);
     else
@@ -143,33 +149,34 @@ static void report_configurations(FILE *out, const summary *found, size_t w) {
 
 static void report_slides(FILE *out, const summary *found) {
   if (found->n_slides == 0) return;
-  fprintf(out, "\nsliding configurations  %7s %7s %7s %7s %7s %7s\n", "S++", "S+-", "S-+", "S--", "stick",
-          "open");
+  fprintf(out, "\nsliding configurations  %7s %7s %7s %7s %7s %7s\n", "S++", "S+-", "S-+", "S--",
+          "stick", "open");
   size_t n = found->n_slides < MOST_ROWS ? found->n_slides : MOST_ROWS;
   for (size_t k = 0; k < n; k++) {
     const sd_slide *s = &found->slides[k];
-    fprintf(out, "  %-21.21s %7.4f %7.4f %7.4f %7.4f %7.4f %7.4f\n", found->slide_names[3 * k], s->pp, s->pm,
-            s->mp, s->mm, s->stick, s->open);
+    fprintf(out, "  %-21.21s %7.4f %7.4f %7.4f %7.4f %7.4f %7.4f\n", found->slide_names[3 * k],
+            s->pp, s->pm, s->mp, s->mm, s->stick, s->open);
     for (size_t c = 0; c < 2; c++)
       fprintf(out, "    with %-16.16s smallest normal force %.6g, opened %" PRId64 " times\n",
               found->slide_names[3 * k + 1 + c], s->force_min[c], s->openings[c]);
     report_configurations(out, found, k);
   }
-  if (n < found->n_slides) fprintf(out, "  ... and %zu more, in /summary/slide\n", found->n_slides - n);
+  if (n < found->n_slides)
+    fprintf(out, "  ... and %zu more, in /summary/slide\n", found->n_slides - n);
 }
 
 /* The file has all. */
 static void report_fastest(FILE *out, const summary_disks *p) {
   size_t n = p->n_fastest;
   if (n == 0) return;
-  fprintf(out, "  fastest disks        %-26s %9s %9s %9s %9s\n", "Omega", "1st half", "2nd half", "contacts",
-          "sliding");
+  fprintf(out, "  fastest disks        %-26s %9s %9s %9s %9s\n", "Omega", "1st half", "2nd half",
+          "contacts", "sliding");
   for (size_t k = 0; k < n; k++) {
     const sd_disk_mean *d = &p->fastest[k];
     char omega[64];
     fprintf(out, "    disk %-14" PRIu32 "  %-26s %9.3g %9.3g %9.3g %9.3g%s\n", d->disk,
-            with_error(d->omega, d->error, omega, sizeof omega), d->first, d->second, d->coordination,
-            d->sliding, d->converged ? "" : " *");
+            with_error(d->omega, d->error, omega, sizeof omega), d->first, d->second,
+            d->coordination, d->sliding, d->converged ? "" : " *");
   }
 }
 
@@ -179,18 +186,22 @@ static void report_disks(FILE *out, const summary *found) {
   if (p->n == 0) return;
   if (p->later) {
     fprintf(out,
-            "\nmeans of %zu free disks over time %.6g: the result will have them, and info --json computes "
+            "\nmeans of %zu free disks over time %.6g: the result will have them, and info --json "
+            "computes "
             "them now\n",
             p->n, p->measured);
     return;
   }
-  fprintf(out, "\nmeans of %.0f of %zu free disks over time %.6g, %" PRId64 " looks at the contacts\n",
+  fprintf(out,
+          "\nmeans of %.0f of %zu free disks over time %.6g, %" PRId64 " looks at the contacts\n",
           isnan(p->totals.disks) ? 0.0 : p->totals.disks, p->n, p->measured, p->looks);
   if (!(p->totals.disks > 0)) return;
   for (size_t k = 1; k < total_observables.n; k++) { /* the first, how many, is said above */
-    const observable *o = &total_observables.rows[k], *next = k + 1 < total_observables.n ? o + 1 : o;
+    const observable *o = &total_observables.rows[k],
+                     *next = k + 1 < total_observables.n ? o + 1 : o;
     size_t length = strlen(o->name);
-    bool paired = strncmp(next->name, o->name, length) == 0 && strcmp(next->name + length, "_error") == 0;
+    bool paired =
+        strncmp(next->name, o->name, length) == 0 && strcmp(next->name + length, "_error") == 0;
     double x = observable_value(o, &p->totals, 0);
     char value[64];
     if (paired || !isfinite(x))
@@ -210,8 +221,8 @@ static void report_disks(FILE *out, const summary *found) {
 
 static void report_energy(FILE *out, const sd_energy *e) {
   fprintf(out, "\nenergy budget\n");
-  for (const observable *o = energy_observables.rows; o < energy_observables.rows + energy_observables.n;
-       o++) {
+  for (const observable *o = energy_observables.rows;
+       o < energy_observables.rows + energy_observables.n; o++) {
     if (o->offset == offsetof(sd_energy, scale)) continue;
     fprintf(out, "  %-20s %16.9g", o->name, observable_value(o, e, 0));
     if (o->offset == offsetof(sd_energy, residual) && e->scale > 0)
@@ -240,7 +251,8 @@ void report_summary(FILE *out, const summary *found) {
 
 const char *report_of(const summary *found) {
   bool early = found->has_until;
-  for (size_t k = 0; k < found->n_stages; k++) early = early || found->stages[k].asked & SUMMARY_SETTLE;
+  for (size_t k = 0; k < found->n_stages; k++)
+    early = early || found->stages[k].asked & SUMMARY_SETTLE;
   return early ? "of at most" : "of";
 }
 
@@ -249,7 +261,9 @@ void report_cost(FILE *out, const summary *found, const provenance *origin) {
   if (isfinite(found->step_nanoseconds)) /* it is not before the first step */
     snprintf(cost, sizeof cost, "%.4g ns per step, ", found->step_nanoseconds);
   if (origin->ranks > 1) snprintf(ranks, sizeof ranks, "%" PRId64 " ranks of ", origin->ranks);
-  fprintf(out, "\n%" PRId64 " %s %" PRId64 " steps, time %.9g, wall time %s, %s%s%" PRId64 " thread%s (%s)\n",
+  fprintf(out,
+          "\n%" PRId64 " %s %" PRId64 " steps, time %.9g, wall time %s, %s%s%" PRId64
+          " thread%s (%s)\n",
           found->step, report_of(found), found->steps, (double)found->step * found->dt,
           report_duration(origin->wall_seconds, wall, sizeof wall), cost, ranks, origin->threads,
           origin->threads == 1 ? "" : "s", origin->cpu_path);

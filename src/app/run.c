@@ -28,20 +28,19 @@ static const option_row rows[] = {
      "begin anew, and replace a result that is finished"},
     DRIVE_OPTIONS(arguments, drive),
 };
-const command_line app_run_line = {
-    .name = "run",
-    .n = sizeof rows / sizeof *rows,
-    .rows = rows,
-    .operand = OPERAND_DECK,
-    .offset = offsetof(arguments, deck),
-    .operands = "DECK",
-    .summary = "Runs a deck",
-    .more =
-        "A run that was stopped or killed continues from its last checkpoint when the same command is given\n"
-        "again. A DECK of - is the standard input.\n",
-    .examples =
-        "slipdisk run deck.cfg                   # makes deck.h5; given again after a stop it continues\n"
-        "slipdisk run deck.cfg -D seed=2 -o two.h5\n"};
+const command_line app_run_line = {.name = "run",
+                                   .n = sizeof rows / sizeof *rows,
+                                   .rows = rows,
+                                   .operand = OPERAND_DECK,
+                                   .offset = offsetof(arguments, deck),
+                                   .operands = "DECK",
+                                   .summary = "Runs a deck",
+                                   .more = "A run that was stopped or killed continues from its "
+                                           "last checkpoint when the same command is given\n"
+                                           "again. A DECK of - is the standard input.\n",
+                                   .examples = "slipdisk run deck.cfg                   # makes "
+                                               "deck.h5; given again after a stop it continues\n"
+                                               "slipdisk run deck.cfg -D seed=2 -o two.h5\n"};
 
 int app_run(int argc, char **argv) {
   app_catch_signals();
@@ -55,14 +54,16 @@ int app_run(int argc, char **argv) {
     assert(a.deck);
     output = a.output ? memory_text(a.output) : app_default_name(a.deck, "h5");
     again = format_text("resume %s", output);
-    status = comm_world()
-                 ? ranks_load(comm_world(), NULL, a.deck, a.overrides.n, a.overrides.item, &model, messages)
-                 : sd_deck_load(a.deck, a.overrides.n, a.overrides.item, &model, messages);
+    status = comm_world() ? ranks_load(comm_world(), NULL, a.deck, a.overrides.n, a.overrides.item,
+                                       &model, messages)
+                          : sd_deck_load(a.deck, a.overrides.n, a.overrides.item, &model, messages);
     status = drive_agree(status, messages);
     if (status == SD_OK && comm_rank(comm_world()) == 0 && sd_model_deck(model)->sweep_points > 0)
       sd_warn(messages,
-              "%s has a sweep of %zu point%s, which `slipdisk sweep` runs; this is the deck as it stands",
-              a.deck, sd_model_deck(model)->sweep_points, sd_model_deck(model)->sweep_points == 1 ? "" : "s");
+              "%s has a sweep of %zu point%s, which `slipdisk sweep` runs; this is the deck as it "
+              "stands",
+              a.deck, sd_model_deck(model)->sweep_points,
+              sd_model_deck(model)->sweep_points == 1 ? "" : "s");
   }
   if (status == 0) {
     a.drive.result = output;
@@ -96,7 +97,8 @@ const command_line app_resume_line = {
     .summary = "Continues a run from what it has stored",
     .more = "FILE is the name of the result, its folder FILE.parts, or a "
             "checkpoint in it. The deck is not needed.\n",
-    .examples = "slipdisk resume deck.h5                 # without the deck, with all keys that it had\n"};
+    .examples =
+        "slipdisk resume deck.h5                 # without the deck, with all keys that it had\n"};
 
 /* Rank 0 alone looks for the deck of a run. *found: the run is not finished. */
 static sd_status find_origin(const char *name, place *p, provenance *origin, bool *found,
@@ -121,7 +123,8 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   provenance origin = {0};
   sd_model *model = NULL;
   bool found = false;
-  int status = drive_agree(leads ? find_origin(name, &p, &origin, &found, messages) : SD_OK, messages);
+  int status =
+      drive_agree(leads ? find_origin(name, &p, &origin, &found, messages) : SD_OK, messages);
   comm_share(c, &found, sizeof found);
   if (status == SD_OK && !found && !drive->quiet && leads)
     app_line(stderr, "%s is finished already", p.result);

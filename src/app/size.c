@@ -32,7 +32,8 @@ typedef struct rows {
 
 /* No pair twice, and none of two bodies that nothing pushes. */
 static size_t most_contacts(const sd_model *m) {
-  double free = (double)m->n_free, pairs = free * ((double)sd_model_bodies(m) - free) + free * (free - 1) / 2;
+  double free = (double)m->n_free,
+         pairs = free * ((double)sd_model_bodies(m) - free) + free * (free - 1) / 2;
   size_t usual = CONTACTS_PER_DISK * m->n_free;
   return pairs < (double)usual ? (size_t)pairs : usual;
 }
@@ -54,7 +55,8 @@ static int64_t rows_of(const sd_model *m, size_t every_offset) {
 }
 
 static rows count_rows(const sd_model *m) {
-  return (rows){rows_of(m, offsetof(sd_phase, series_every)), rows_of(m, offsetof(sd_phase, frames_every)),
+  return (rows){rows_of(m, offsetof(sd_phase, series_every)),
+                rows_of(m, offsetof(sd_phase, frames_every)),
                 rows_of(m, offsetof(sd_phase, contacts_every))};
 }
 
@@ -77,14 +79,18 @@ static double stored_bytes(const sd_model *m, size_t contacts) {
 
 static double result_bytes(const sd_model *m, const record *r, const rows *n) {
   size_t contacts = most_contacts(m);
-  const char *const texts[] = {sd_model_deck(m)->text, sd_model_deck(m)->full, sd_model_deck(m)->bodies};
-  double bytes = FILE_BYTES + (m->n_walls ? WALLS_BYTES : 0) + BODY_BYTES * (double)sd_model_bodies(m);
-  for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) bytes += texts[k] ? (double)strlen(texts[k]) : 0;
+  const char *const texts[] = {sd_model_deck(m)->text, sd_model_deck(m)->full,
+                               sd_model_deck(m)->bodies};
+  double bytes =
+      FILE_BYTES + (m->n_walls ? WALLS_BYTES : 0) + BODY_BYTES * (double)sd_model_bodies(m);
+  for (size_t k = 0; k < sizeof texts / sizeof *texts; k++)
+    bytes += texts[k] ? (double)strlen(texts[k]) : 0;
   bytes += stored_bytes(m, contacts) + (double)n->series * row_bytes(&r->series, 1);
-  bytes += (double)n->frames * (row_bytes(&r->disks, NOISE_LEFT) + row_bytes(&r->clumps, NOISE_LEFT));
+  bytes +=
+      (double)n->frames * (row_bytes(&r->disks, NOISE_LEFT) + row_bytes(&r->clumps, NOISE_LEFT));
   /* walls move regularly, or not at all */
-  bytes += (double)n->contacts *
-           (row_bytes(&r->contact_index, 1) + (double)contacts * row_bytes(&r->contact_rows, FORCE_LEFT));
+  bytes += (double)n->contacts * (row_bytes(&r->contact_index, 1) +
+                                  (double)contacts * row_bytes(&r->contact_rows, FORCE_LEFT));
   return bytes;
 }
 
@@ -101,8 +107,8 @@ double size_memory(const sd_model *m) {
 static double unsaved_bytes(const sd_model *m, const record *r, const rows *n) {
   const double tables = (double)most_contacts(m) * row_bytes(&r->contact_rows, 1);
   const double disk_rows = row_bytes(&r->disks, 1) + row_bytes(&r->clumps, 1);
-  const double all = (double)n->series * row_bytes(&r->series, 1) + (double)(n->frames - 2) * disk_rows +
-                     (double)(n->contacts - 2) * tables;
+  const double all = (double)n->series * row_bytes(&r->series, 1) +
+                     (double)(n->frames - 2) * disk_rows + (double)(n->contacts - 2) * tables;
   return ROWS_TWICE * fmin(all, SESSION_ROWS_BYTES);
 }
 
@@ -138,7 +144,8 @@ sd_status size_refuse(const sd_model *m, const result_size *size, sd_messages *m
   if (state_refuse(m, messages) != SD_OK) return SD_ERROR_IO;
   if (size->memory > limit)
     sd_warn(messages,
-            "the run needs about %s of memory, and this process can have %s: it may be killed before it ends",
+            "the run needs about %s of memory, and this process can have %s: it may be killed "
+            "before it ends",
             size_text(size->memory, need, sizeof need), size_text(limit, there, sizeof there));
   return SD_OK;
 }
@@ -149,19 +156,21 @@ static const double LARGE = 50e9;
 void size_warn(const result_size *size, const char *folder, sd_messages *messages) {
   struct statvfs disk;
   char bytes[40], room[40],
-      *amount = format_text("%" PRId64 " rows of the series, %" PRId64 " frames, %" PRId64 " contact tables",
+      *amount = format_text("%" PRId64 " rows of the series, %" PRId64 " frames, %" PRId64
+                            " contact tables",
                             size->series, size->frames, size->contacts);
-  double free_bytes = statvfs(folder, &disk) == 0 ? (double)disk.f_bavail * (double)disk.f_frsize : HUGE_VAL;
+  double free_bytes =
+      statvfs(folder, &disk) == 0 ? (double)disk.f_bavail * (double)disk.f_frsize : HUGE_VAL;
   const char *most = size->at_most ? "up to " : "";
   size_text(size->bytes, bytes, sizeof bytes);
   if (2 * size->bytes > free_bytes)
-    sd_warn(
-        messages,
-        "the result will have %sabout %s (%s), and needs twice that while it is put together; the disk has "
-        "room for %s",
-        most, bytes, amount, size_text(free_bytes, room, sizeof room));
+    sd_warn(messages,
+            "the result will have %sabout %s (%s), and needs twice that while it is put together; "
+            "the disk has "
+            "room for %s",
+            most, bytes, amount, size_text(free_bytes, room, sizeof room));
   else if (size->bytes > LARGE)
-    sd_warn(messages, "the result will have %sabout %s (%s); are so few steps between them meant?", most,
-            bytes, amount);
+    sd_warn(messages, "the result will have %sabout %s (%s); are so few steps between them meant?",
+            most, bytes, amount);
   free(amount);
 }

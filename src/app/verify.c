@@ -51,11 +51,11 @@ static bool verify_file(verifier *v, const char *path) {
   sd_status status = v->seal ? h5_reseal(path, why) : SD_OK;
   if (status == SD_OK) status = h5_verify(path, &sealed, &sum, why);
   if (status == SD_OK && !sealed && !v->unsealed)
-    status = sd_fail(
-        why, SD_ERROR_IO,
-        "%s has no checksum: it was written by an older version or by another program, and whether it is "
-        "damaged cannot be told",
-        path);
+    status = sd_fail(why, SD_ERROR_IO,
+                     "%s has no checksum: it was written by an older version or by another "
+                     "program, and whether it is "
+                     "damaged cannot be told",
+                     path);
   v->files++;
   if (status != SD_OK)
     tell_damaged(v, path, why);
@@ -83,7 +83,8 @@ static void verify_chain(verifier *v, const char *inside, const char *checkpoint
     free(path);
   }
   if (status == SD_OK && run_id && sum != last)
-    status = sd_fail(why, SD_ERROR_IO, "%s names another last part than the one that is there", checkpoint);
+    status = sd_fail(why, SD_ERROR_IO, "%s names another last part than the one that is there",
+                     checkpoint);
   if (status != SD_OK) tell_damaged(v, checkpoint, why);
   h5_close(file, NULL);
   free(run_id);
@@ -93,7 +94,8 @@ static void verify_chain(verifier *v, const char *inside, const char *checkpoint
 /* All that slipdisk seals in a folder of parts, or of points; folders of parts in it, too. */
 static sd_status verify_folder(verifier *v, const char *inside, sd_messages *messages) {
   DIR *directory = opendir(inside);
-  if (!directory) return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", inside, strerror(errno));
+  if (!directory)
+    return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", inside, strerror(errno));
   sd_status status = SD_OK;
   errno = 0;
   for (struct dirent *entry; status == SD_OK && (entry = readdir(directory)); errno = 0) {
@@ -123,8 +125,8 @@ static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
   else if (file_exists(name))
     verify_file(v, name);
   else if (!file_is_folder(parts))
-    status = sd_fail(messages, SD_ERROR_USER, "there is neither a result %s nor an unfinished run %s", name,
-                     parts);
+    status = sd_fail(messages, SD_ERROR_USER,
+                     "there is neither a result %s nor an unfinished run %s", name, parts);
   if (status == SD_OK && !file_is_folder(name) && file_is_folder(parts))
     status = verify_folder(v, parts, messages);
   free(points);

@@ -169,8 +169,8 @@ void comm_gather_counts(const comm *c, int mine, int *counts) {
 
 /* --- persistent messages ---------------------------------------------------------------------- */
 
-comm_links *comm_links_new(const comm *c, const void *send, const int *to, void *receive, const int *from,
-                           size_t size) {
+comm_links *comm_links_new(const comm *c, const void *send, const int *to, void *receive,
+                           const int *from, size_t size) {
   return c ? c->kind->links_new(c, send, to, receive, from, size) : NULL;
 }
 void comm_links_start(comm_links *l) {

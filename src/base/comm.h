@@ -83,8 +83,8 @@ void comm_gather_one(const comm *c, const void *send, void *receive, size_t size
  * MPI moves long messages only while it is called: comm_links_progress does that, never waits,
  * and is not collective. */
 typedef struct comm_links comm_links;
-comm_links *comm_links_new(const comm *c, const void *send, const int *to, void *receive, const int *from,
-                           size_t size);
+comm_links *comm_links_new(const comm *c, const void *send, const int *to, void *receive,
+                           const int *from, size_t size);
 void comm_links_start(comm_links *links);
 void comm_links_progress(comm_links *links);
 void comm_links_wait(comm_links *links);

@@ -94,8 +94,8 @@ static void bisect(point *p, size_t n, rectangle *of, int ranks) {
 }
 
 /* Points of all ranks, on every rank; NULL: no memory. */
-static point *gather_points(const comm *c, size_t n, const double *x, const double *y, const float *weight,
-                            size_t *n_all) {
+static point *gather_points(const comm *c, size_t n, const double *x, const double *y,
+                            const float *weight, size_t *n_all) {
   int *counts = memory_new((size_t)comm_size(c), sizeof *counts);
   point *mine = NULL, *all = NULL;
   *n_all = 0;
@@ -117,7 +117,8 @@ static point *gather_points(const comm *c, size_t n, const double *x, const doub
 
 /* --- all -------------------------------------------------------------------------------------- */
 
-sd_status comm_cuts_make(comm_cuts *cuts, size_t n, const double *x, const double *y, const float *weight) {
+sd_status comm_cuts_make(comm_cuts *cuts, size_t n, const double *x, const double *y,
+                         const float *weight) {
   size_t n_all;
   if (!cuts->c) return SD_OK;
 #ifdef SD_HAVE_MPI
@@ -149,7 +150,8 @@ int comm_cuts_near(const comm_cuts *cuts, const double low[2], const double high
 #endif
   for (int q = 0; q < comm_size(cuts->c); q++) {
     const rectangle *r = &cuts->of[q];
-    if (low[0] <= r->high[0] && high[0] >= r->low[0] && low[1] <= r->high[1] && high[1] >= r->low[1])
+    if (low[0] <= r->high[0] && high[0] >= r->low[0] && low[1] <= r->high[1] &&
+        high[1] >= r->low[1])
       ranks[n++] = q;
   }
   return n;

@@ -20,7 +20,8 @@ void comm_cuts_free(comm_cuts *cuts);
 const comm *comm_cuts_comm(const comm_cuts *cuts);
 /* Collective: cuts anew, so that the weights of the points, wherever they stand now, are equal.
  * SD_ERROR_IO, on any rank: Zoltan failed, or there is no memory. */
-sd_status comm_cuts_make(comm_cuts *cuts, size_t n, const double *x, const double *y, const float *weight);
+sd_status comm_cuts_make(comm_cuts *cuts, size_t n, const double *x, const double *y,
+                         const float *weight);
 /* Rank of the rectangle that holds the point: the same answer on all ranks. */
 int comm_cuts_owner(const comm_cuts *cuts, double x, double y);
 /* Ranks whose rectangles meet the box, each once, into ranks[comm_size()]; how many. */

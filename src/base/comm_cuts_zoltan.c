@@ -28,8 +28,8 @@ static int count_points(void *data, int *error) {
 }
 
 /* Points are known by their place here; nothing is sent by Zoltan itself. */
-static void list_points(void *data, int n_global, int n_local, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR local,
-                        int n_weights, float *weight, int *error) {
+static void list_points(void *data, int n_global, int n_local, ZOLTAN_ID_PTR global,
+                        ZOLTAN_ID_PTR local, int n_weights, float *weight, int *error) {
   const zoltan_cuts *c = data;
   (void)n_global, (void)n_local;
   for (size_t k = 0; k < c->n; k++) {
@@ -57,13 +57,15 @@ static void tell_points(void *data, int n_global, int n_local, int n, ZOLTAN_ID_
 }
 
 zoltan_cuts *zoltan_cuts_new(void) {
-  static const char *const parameters[][2] = {
-      {"DEBUG_LEVEL", "0"},    {"LB_METHOD", "RCB"},     {"KEEP_CUTS", "1"},       {"RETURN_LISTS", "NONE"},
-      {"OBJ_WEIGHT_DIM", "1"}, {"NUM_GID_ENTRIES", "1"}, {"NUM_LID_ENTRIES", "1"}, {"IMBALANCE_TOL", "1.01"},
-      {"CHECK_GEOM", "0"},     {"RCB_OUTPUT_LEVEL", "0"}};
+  static const char *const parameters[][2] = {{"DEBUG_LEVEL", "0"},     {"LB_METHOD", "RCB"},
+                                              {"KEEP_CUTS", "1"},       {"RETURN_LISTS", "NONE"},
+                                              {"OBJ_WEIGHT_DIM", "1"},  {"NUM_GID_ENTRIES", "1"},
+                                              {"NUM_LID_ENTRIES", "1"}, {"IMBALANCE_TOL", "1.01"},
+                                              {"CHECK_GEOM", "0"},      {"RCB_OUTPUT_LEVEL", "0"}};
   float version;
   zoltan_cuts *c = memory_new(1, sizeof *c);
-  if (Zoltan_Initialize(0, NULL, &version) != ZOLTAN_OK || !(c->zoltan = Zoltan_Create(comm_ranks))) {
+  if (Zoltan_Initialize(0, NULL, &version) != ZOLTAN_OK ||
+      !(c->zoltan = Zoltan_Create(comm_ranks))) {
     free(c);
     return NULL;
   }
@@ -81,7 +83,8 @@ void zoltan_cuts_free(zoltan_cuts *c) {
   free(c);
 }
 
-sd_status zoltan_cuts_make(zoltan_cuts *c, size_t n, const double *x, const double *y, const float *weight) {
+sd_status zoltan_cuts_make(zoltan_cuts *c, size_t n, const double *x, const double *y,
+                           const float *weight) {
   int changes, n_global, n_local, n_import, n_export, *ranks[4];
   ZOLTAN_ID_PTR ids[4];
   c->n = n;
@@ -89,8 +92,8 @@ sd_status zoltan_cuts_make(zoltan_cuts *c, size_t n, const double *x, const doub
   c->y = y;
   c->weight = weight;
   const int done =
-      Zoltan_LB_Partition(c->zoltan, &changes, &n_global, &n_local, &n_import, &ids[0], &ids[1], &ranks[0],
-                          &ranks[1], &n_export, &ids[2], &ids[3], &ranks[2], &ranks[3]);
+      Zoltan_LB_Partition(c->zoltan, &changes, &n_global, &n_local, &n_import, &ids[0], &ids[1],
+                          &ranks[0], &ranks[1], &n_export, &ids[2], &ids[3], &ranks[2], &ranks[3]);
   return done == ZOLTAN_OK || done == ZOLTAN_WARN ? SD_OK : SD_ERROR_IO;
 }
 

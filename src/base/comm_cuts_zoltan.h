@@ -14,7 +14,8 @@ void zoltan_cuts_free(zoltan_cuts *cuts);
 sd_status zoltan_cuts_make(zoltan_cuts *cuts, size_t n, const double *x, const double *y,
                            const float *weight);
 int zoltan_cuts_owner(const zoltan_cuts *cuts, double x, double y);
-int zoltan_cuts_near(const zoltan_cuts *cuts, const double low[2], const double high[2], int *ranks);
+int zoltan_cuts_near(const zoltan_cuts *cuts, const double low[2], const double high[2],
+                     int *ranks);
 /* The rectangle of a rank. */
 void zoltan_cuts_of(const zoltan_cuts *cuts, int rank, double low[2], double high[2]);
 

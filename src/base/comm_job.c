@@ -46,8 +46,8 @@ static void share(const comm *c, void *data, size_t bytes) {
   const size_t most = (size_t)1 << 24;
   for (size_t at = 0; at < bytes; at += most) {
     MPI_Request request;
-    MPI_Ibcast((char *)data + at, (int)(bytes - at < most ? bytes - at : most), MPI_BYTE, 0, comm_ranks,
-               &request);
+    MPI_Ibcast((char *)data + at, (int)(bytes - at < most ? bytes - at : most), MPI_BYTE, 0,
+               comm_ranks, &request);
     comm_await(&request);
   }
 }
@@ -106,8 +106,8 @@ typedef struct mpi_links {
   int n;
 } mpi_links;
 
-static comm_links *links_new(const comm *c, const void *send, const int *to, void *receive, const int *from,
-                             size_t size) {
+static comm_links *links_new(const comm *c, const void *send, const int *to, void *receive,
+                             const int *from, size_t size) {
   enum { TAG = 1 }; /* 0: comm_queue.c */
   mpi_links *l = memory_new(1, sizeof *l);
   l->base.comm = c;
@@ -134,7 +134,9 @@ static void links_progress(comm_links *l) {
   MPI_Testall(mpi_of(l)->n, mpi_of(l)->request, &all_done, MPI_STATUSES_IGNORE);
 }
 
-static void links_wait(comm_links *l) { MPI_Waitall(mpi_of(l)->n, mpi_of(l)->request, MPI_STATUSES_IGNORE); }
+static void links_wait(comm_links *l) {
+  MPI_Waitall(mpi_of(l)->n, mpi_of(l)->request, MPI_STATUSES_IGNORE);
+}
 
 static void links_free(comm_links *links) {
   mpi_links *l = mpi_of(links);
@@ -219,11 +221,11 @@ static sd_status check_launcher(sd_messages *messages) {
 #else
   const char *built = "without MPI";
 #endif
-  return sd_fail(
-      messages, SD_ERROR_USER,
-      "%s = %d: so many processes were started together, but this program was built %s and cannot find "
-      "the others; expected one process, or a build with -DSLIPDISK_MPI=ON",
-      name, count, built);
+  return sd_fail(messages, SD_ERROR_USER,
+                 "%s = %d: so many processes were started together, but this program was built %s "
+                 "and cannot find "
+                 "the others; expected one process, or a build with -DSLIPDISK_MPI=ON",
+                 name, count, built);
 }
 
 sd_status comm_begin(sd_messages *messages) {

@@ -35,8 +35,8 @@ typedef struct comm_kind {
   void (*exchange)(const comm *c, const void *send, const int *to, void *receive, const int *from,
                    size_t size);
   void (*gather)(const comm *c, const void *send, void *receive, const int *counts, size_t size);
-  comm_links *(*links_new)(const comm *c, const void *send, const int *to, void *receive, const int *from,
-                           size_t size);
+  comm_links *(*links_new)(const comm *c, const void *send, const int *to, void *receive,
+                           const int *from, size_t size);
   void (*links_start)(comm_links *links);
   void (*links_progress)(comm_links *links);
   void (*links_wait)(comm_links *links);

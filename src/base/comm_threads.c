@@ -100,7 +100,8 @@ typedef struct parcel {
 } parcel;
 
 /* Rows from each rank, that this one shows in parcels. */
-static void take(const comm *c, const void *const *all, char *receive, const int *from, size_t size) {
+static void take(const comm *c, const void *const *all, char *receive, const int *from,
+                 size_t size) {
   for (int q = 0; q < c->size; q++) {
     const parcel *p = all[q];
     const size_t n = (size_t)from[q] * size;
@@ -140,8 +141,8 @@ typedef struct thread_links {
   size_t size;
 } thread_links;
 
-static comm_links *links_new(const comm *c, const void *send, const int *to, void *receive, const int *from,
-                             size_t size) {
+static comm_links *links_new(const comm *c, const void *send, const int *to, void *receive,
+                             const int *from, size_t size) {
   const size_t bytes = (size_t)c->size * sizeof *to;
   thread_links *l = memory_new(1, sizeof *l);
   l->base.comm = c;

@@ -15,8 +15,9 @@ enum { EXACT_LIMBS = 67, EXACT_ADDS = 1024 };
 
 typedef struct exact_sum {
   int64_t limb[EXACT_LIMBS];
-  int64_t adds;                       /* since carries were taken */
-  int64_t nan, infinite, infinite_up; /* how many of the terms are; infinite_up: of these, positive */
+  int64_t adds; /* since carries were taken */
+  int64_t nan, infinite,
+      infinite_up; /* how many of the terms are; infinite_up: of these, positive */
 } exact_sum;
 
 /* Each limb but the last in [0, 2^32). */

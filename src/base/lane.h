@@ -58,7 +58,9 @@ LANE_INLINE real_w1 as_real_w1(bits_w1 a) {
   memcpy(&b, &a, sizeof b);
   return b;
 }
-LANE_INLINE bits_w1 multiply32_w1(bits_w1 a, bits_w1 b) { return (a & 0xffffffffu) * (b & 0xffffffffu); }
+LANE_INLINE bits_w1 multiply32_w1(bits_w1 a, bits_w1 b) {
+  return (a & 0xffffffffu) * (b & 0xffffffffu);
+}
 
 #else
 
@@ -86,12 +88,18 @@ LANE_INLINE LANE(real) LANE(gather)(const double *p, const int32_t *index) {
 
 /* masks are bits in mask registers */
 typedef __mmask8 LANE(mask);
-LANE_INLINE LANE(mask) LANE(all_lanes)(int yes) { return (LANE(mask))(yes ? (1u << LANE_WIDTH) - 1u : 0u); }
-LANE_INLINE LANE(mask) LANE(not )(LANE(mask) m) { return (LANE(mask))(m ^ ((1u << LANE_WIDTH) - 1u)); }
+LANE_INLINE LANE(mask) LANE(all_lanes)(int yes) {
+  return (LANE(mask))(yes ? (1u << LANE_WIDTH) - 1u : 0u);
+}
+LANE_INLINE LANE(mask) LANE(not )(LANE(mask) m) {
+  return (LANE(mask))(m ^ ((1u << LANE_WIDTH) - 1u));
+}
 LANE_INLINE int LANE(any)(LANE(mask) m) { return m != 0; }
 LANE_INLINE int LANE(lane_is)(LANE(mask) m, int k) { return m >> k & 1; }
 LANE_INLINE unsigned LANE(bits_of)(LANE(mask) m) { return m & ((1u << LANE_WIDTH) - 1u); }
-LANE_INLINE LANE(mask) LANE(mask_of)(unsigned bits) { return (LANE(mask))(bits & ((1u << LANE_WIDTH) - 1u)); }
+LANE_INLINE LANE(mask) LANE(mask_of)(unsigned bits) {
+  return (LANE(mask))(bits & ((1u << LANE_WIDTH) - 1u));
+}
 #if LANE_WIDTH == 8
 #define LANE_VECTOR __m512d
 #define LANE_INTEGERS __m512i
@@ -233,8 +241,9 @@ LANE_INLINE LANE(block) LANE(transpose)(LANE(block) m) {
   LANE(four) b = __builtin_shufflevector(m.r0, m.r1, 1, 5, 3, 7);
   LANE(four) c = __builtin_shufflevector(m.r2, m.r3, 0, 4, 2, 6);
   LANE(four) d = __builtin_shufflevector(m.r2, m.r3, 1, 5, 3, 7);
-  return (LANE(block)){__builtin_shufflevector(a, c, 0, 1, 4, 5), __builtin_shufflevector(b, d, 0, 1, 4, 5),
-                       __builtin_shufflevector(a, c, 2, 3, 6, 7), __builtin_shufflevector(b, d, 2, 3, 6, 7)};
+  return (LANE(block)){
+      __builtin_shufflevector(a, c, 0, 1, 4, 5), __builtin_shufflevector(b, d, 0, 1, 4, 5),
+      __builtin_shufflevector(a, c, 2, 3, 6, 7), __builtin_shufflevector(b, d, 2, 3, 6, 7)};
 }
 
 LANE_INLINE LANE(four) LANE(load_four)(const double *p) { return *(const LANE(loose_four) *)p; }
@@ -256,14 +265,15 @@ LANE_INLINE LANE(four) LANE(across_row)(const double *rows, int32_t a, int32_t b
 }
 
 LANE_INLINE LANE(block) LANE(across_block)(const double *rows, const int32_t *a, const int32_t *b) {
-  return LANE(transpose)((LANE(block)){LANE(across_row)(rows, a[0], b[0]), LANE(across_row)(rows, a[1], b[1]),
-                                       LANE(across_row)(rows, a[2], b[2]),
-                                       LANE(across_row)(rows, a[3], b[3])});
+  return LANE(transpose)(
+      (LANE(block)){LANE(across_row)(rows, a[0], b[0]), LANE(across_row)(rows, a[1], b[1]),
+                    LANE(across_row)(rows, a[2], b[2]), LANE(across_row)(rows, a[3], b[3])});
 }
 
 LANE_INLINE LANE(block) LANE(gather_block)(const double *rows, const int32_t *at) {
   return LANE(transpose)((LANE(block)){LANE(load_four)(rows + at[0]), LANE(load_four)(rows + at[1]),
-                                       LANE(load_four)(rows + at[2]), LANE(load_four)(rows + at[3])});
+                                       LANE(load_four)(rows + at[2]),
+                                       LANE(load_four)(rows + at[3])});
 }
 
 LANE_INLINE LANE(two) LANE(across_two)(const double *rows, int32_t a, int32_t b) {
@@ -271,13 +281,14 @@ LANE_INLINE LANE(two) LANE(across_two)(const double *rows, int32_t a, int32_t b)
 }
 
 /* Rows of two. */
-LANE_INLINE void LANE(across_half)(const double *rows, const int32_t *a, const int32_t *b, LANE(four) c[2]) {
+LANE_INLINE void LANE(across_half)(const double *rows, const int32_t *a, const int32_t *b,
+                                   LANE(four) c[2]) {
   LANE(four)
-  even = __builtin_shufflevector(LANE(across_two)(rows, a[0], b[0]), LANE(across_two)(rows, a[2], b[2]), 0, 1,
-                                 2, 3);
+  even = __builtin_shufflevector(LANE(across_two)(rows, a[0], b[0]),
+                                 LANE(across_two)(rows, a[2], b[2]), 0, 1, 2, 3);
   LANE(four)
-  odd = __builtin_shufflevector(LANE(across_two)(rows, a[1], b[1]), LANE(across_two)(rows, a[3], b[3]), 0, 1,
-                                2, 3);
+  odd = __builtin_shufflevector(LANE(across_two)(rows, a[1], b[1]),
+                                LANE(across_two)(rows, a[3], b[3]), 0, 1, 2, 3);
   c[0] = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
   c[1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
 }
@@ -287,7 +298,8 @@ LANE_INLINE void LANE(add_row)(double *rows, int32_t to, int32_t from, LANE(four
   LANE(store_four)(rows + from, LANE(across)(LANE(load_four)(rows + from), row));
 }
 
-LANE_INLINE void LANE(add_block)(double *rows, const int32_t *to, const int32_t *from, LANE(block) m) {
+LANE_INLINE void LANE(add_block)(double *rows, const int32_t *to, const int32_t *from,
+                                 LANE(block) m) {
   m = LANE(transpose)(m);
   LANE(add_row)(rows, to[0], from[0], m.r0);
   LANE(add_row)(rows, to[1], from[1], m.r1);
@@ -318,14 +330,17 @@ LANE_INLINE void LANE(gather4)(const double *rows, const int32_t *at, LANE(real)
   LANE(block) m = LANE(gather_block)(rows, at);
   c[0] = m.r0, c[1] = m.r1, c[2] = m.r2, c[3] = m.r3;
 }
-LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[4]) {
+LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b,
+                               LANE(real) c[4]) {
   LANE(block) m = LANE(across_block)(rows, a, b);
   c[0] = m.r0, c[1] = m.r1, c[2] = m.r2, c[3] = m.r3;
 }
-LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[2]) {
+LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b,
+                               LANE(real) c[2]) {
   LANE(across_half)(rows, a, b, c);
 }
-LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from, const LANE(real) c[4]) {
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from,
+                            const LANE(real) c[4]) {
   LANE(add_block)(rows, to, from, (LANE(block)){c[0], c[1], c[2], c[3]});
 }
 LANE_INLINE void LANE(scatter4)(double *rows, size_t stride, const LANE(real) c[4]) {
@@ -336,7 +351,9 @@ LANE_INLINE LANE(real) LANE(whole)(LANE(four) low, LANE(four) high) {
   return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 LANE_INLINE LANE(four) LANE(low)(LANE(real) a) { return __builtin_shufflevector(a, a, 0, 1, 2, 3); }
-LANE_INLINE LANE(four) LANE(high)(LANE(real) a) { return __builtin_shufflevector(a, a, 4, 5, 6, 7); }
+LANE_INLINE LANE(four) LANE(high)(LANE(real) a) {
+  return __builtin_shufflevector(a, a, 4, 5, 6, 7);
+}
 LANE_INLINE LANE(block) LANE(lows)(const LANE(real) c[4]) {
   return (LANE(block)){LANE(low)(c[0]), LANE(low)(c[1]), LANE(low)(c[2]), LANE(low)(c[3])};
 }
@@ -357,21 +374,24 @@ LANE_INLINE void LANE(load4)(const double *rows, size_t stride, LANE(real) c[4])
   c[2] = LANE(whole)(m.r2, n.r2);
   c[3] = LANE(whole)(m.r3, n.r3);
 }
-LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[4]) {
+LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b,
+                               LANE(real) c[4]) {
   LANE(block) m = LANE(across_block)(rows, a, b), n = LANE(across_block)(rows, a + 4, b + 4);
   c[0] = LANE(whole)(m.r0, n.r0);
   c[1] = LANE(whole)(m.r1, n.r1);
   c[2] = LANE(whole)(m.r2, n.r2);
   c[3] = LANE(whole)(m.r3, n.r3);
 }
-LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[2]) {
+LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b,
+                               LANE(real) c[2]) {
   LANE(four) m[2], n[2];
   LANE(across_half)(rows, a, b, m);
   LANE(across_half)(rows, a + 4, b + 4, n);
   c[0] = LANE(whole)(m[0], n[0]);
   c[1] = LANE(whole)(m[1], n[1]);
 }
-LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from, const LANE(real) c[4]) {
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from,
+                            const LANE(real) c[4]) {
   LANE(add_block)(rows, to, from, LANE(lows)(c));
   LANE(add_block)(rows, to + 4, from + 4, LANE(highs)(c));
 }
@@ -407,14 +427,17 @@ LANE_INLINE LANE(real) LANE(across)(LANE(real) b, LANE(real) a) {
 LANE_INLINE LANE(real) LANE(across_two)(const double *rows, int32_t a, int32_t b) {
   return LANE(across)(LANE(load_two)(rows + b), LANE(load_two)(rows + a));
 }
-LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[4]) {
+LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b,
+                               LANE(real) c[4]) {
   for (int k = 0; k < 4; k += 2) {
-    LANE(real) one = LANE(across_two)(rows + k, a[0], b[0]), two = LANE(across_two)(rows + k, a[1], b[1]);
+    LANE(real)
+    one = LANE(across_two)(rows + k, a[0], b[0]), two = LANE(across_two)(rows + k, a[1], b[1]);
     c[k] = LANE(firsts)(one, two);
     c[k + 1] = LANE(seconds)(one, two);
   }
 }
-LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[2]) {
+LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b,
+                               LANE(real) c[2]) {
   LANE(real) one = LANE(load_two)(rows + b[0]) - LANE(load_two)(rows + a[0]);
   LANE(real) two = LANE(load_two)(rows + b[1]) - LANE(load_two)(rows + a[1]);
   c[0] = LANE(firsts)(one, two);
@@ -426,7 +449,8 @@ LANE_INLINE void LANE(add_row)(double *rows, int32_t to, int32_t from, LANE(real
   LANE(store_two)(rows + from, LANE(across)(LANE(load_two)(rows + from), a));
   LANE(store_two)(rows + from + 2, LANE(across)(LANE(load_two)(rows + from + 2), b));
 }
-LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from, const LANE(real) c[4]) {
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from,
+                            const LANE(real) c[4]) {
   LANE(add_row)(rows, to[0], from[0], LANE(firsts)(c[0], c[1]), LANE(firsts)(c[2], c[3]));
   LANE(add_row)(rows, to[1], from[1], LANE(seconds)(c[0], c[1]), LANE(seconds)(c[2], c[3]));
 }
@@ -452,19 +476,22 @@ LANE_INLINE void LANE(scatter4)(double *rows, size_t stride, const LANE(real) c[
 LANE_INLINE void LANE(gather4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
   LANE(gather_rows)(rows, at, 4, c);
 }
-LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[2]) {
+LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b,
+                               LANE(real) c[2]) {
   LANE(real) of_a[2], of_b[2];
   LANE(gather_rows)(rows, a, 2, of_a);
   LANE(gather_rows)(rows, b, 2, of_b);
   for (int k = 0; k < 2; k++) c[k] = of_b[k] - of_a[k];
 }
-LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[4]) {
+LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b,
+                               LANE(real) c[4]) {
   LANE(real) of_a[4], of_b[4];
   LANE(gather4)(rows, a, of_a);
   LANE(gather4)(rows, b, of_b);
   for (int k = 0; k < 4; k++) c[k] = k % 2 ? of_b[k] + of_a[k] : of_b[k] - of_a[k];
 }
-LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from, const LANE(real) c[4]) {
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from,
+                            const LANE(real) c[4]) {
   double column[4][LANE_WIDTH];
   for (int k = 0; k < 4; k++) LANE(store)(column[k], c[k]);
   for (int l = 0; l < LANE_WIDTH; l++)

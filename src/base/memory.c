@@ -113,7 +113,8 @@ static double control_groups_limit(double swap) {
   double least = HUGE_VAL;
   FILE *file = fopen("/proc/self/cgroup", "r");
   while (file && fgets(line, sizeof line, file)) {
-    char *controllers = strchr(line, ':'), *path = controllers ? strchr(controllers + 1, ':') : NULL;
+    char *controllers = strchr(line, ':'),
+         *path = controllers ? strchr(controllers + 1, ':') : NULL;
     if (!path) continue;
     *path++ = 0;
     path[strcspn(path, "\n")] = 0;
@@ -139,7 +140,8 @@ double memory_limit(size_t processes) {
     shared = (double)machine.totalram * machine.mem_unit + swap;
   }
   shared = fmin(shared, control_groups_limit(swap));
-  return fmin(shared / (double)processes, fmin(resource_limit(RLIMIT_AS), resource_limit(RLIMIT_DATA)));
+  return fmin(shared / (double)processes,
+              fmin(resource_limit(RLIMIT_AS), resource_limit(RLIMIT_DATA)));
 }
 
 /* Linux gives memory that it does not have, and kills the process that writes into it. */
@@ -183,7 +185,9 @@ bool memory_resize(size_t n_columns, const memory_column *columns) {
   return true;
 }
 
-bool memory_row(void *at, size_t n, size_t size) { return memory_rows(1, &(memory_column){at, n, size}); }
+bool memory_row(void *at, size_t n, size_t size) {
+  return memory_rows(1, &(memory_column){at, n, size});
+}
 
 bool memory_resize_row(void *at, size_t n, size_t size) {
   return memory_resize(1, &(memory_column){at, n, size});
@@ -194,7 +198,13 @@ static atomic_bool seen;
 void shortage_note(void) { atomic_store_explicit(&seen, true, memory_order_relaxed); }
 bool shortage_seen(void) { return atomic_load_explicit(&seen, memory_order_relaxed); }
 
-enum { LINE = 64, PAGE = 4096, APART = 3 * LINE, LARGE_PAGE = 1 << 21, LARGE_ARENA = 2 * LARGE_PAGE };
+enum {
+  LINE = 64,
+  PAGE = 4096,
+  APART = 3 * LINE,
+  LARGE_PAGE = 1 << 21,
+  LARGE_ARENA = 2 * LARGE_PAGE
+};
 
 /* Stands before the room, whose start is on a line. */
 typedef struct header {

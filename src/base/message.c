@@ -36,7 +36,8 @@ void sd_messages_free(sd_messages *m) {
 /* Control characters are shown as \xHH, so that no text from a file reaches the terminal as a command. */
 static char *words(const char *format, va_list args) {
   char text[LIMIT_LINE + 2];
-  return vsnprintf(text, sizeof text, format, args) < 0 ? memory_text("") : text_escaped(text, LIMIT_LINE);
+  return vsnprintf(text, sizeof text, format, args) < 0 ? memory_text("")
+                                                        : text_escaped(text, LIMIT_LINE);
 }
 
 static void add(sd_messages *m, sd_status kind, const char *format, va_list args) {

@@ -14,12 +14,15 @@ void runs_free(runs *r) {
   *r = (runs){0};
 }
 
-static bool before(runs_head p, runs_head q) { return p.key < q.key || (p.key == q.key && p.run < q.run); }
+static bool before(runs_head p, runs_head q) {
+  return p.key < q.key || (p.key == q.key && p.run < q.run);
+}
 
 void runs_add(runs *r, size_t run, int64_t key) {
   const runs_head head = {key, run};
   size_t k = r->n++;
-  for (; k > 0 && before(head, r->heap[(k - 1) / 2]); k = (k - 1) / 2) r->heap[k] = r->heap[(k - 1) / 2];
+  for (; k > 0 && before(head, r->heap[(k - 1) / 2]); k = (k - 1) / 2)
+    r->heap[k] = r->heap[(k - 1) / 2];
   r->heap[k] = head;
 }
 

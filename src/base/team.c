@@ -93,7 +93,8 @@ void team_wait_all(const team *t) {
   pool *c = t->pool;
   const unsigned round = atomic_load_explicit(&c->round, memory_order_relaxed);
   assert(t->size == c->size);
-  if (pool_forked(c)) return; /* within a task: there are no others to wait for, and its result is not used */
+  if (pool_forked(c))
+    return; /* within a task: there are no others to wait for, and its result is not used */
   if (atomic_fetch_add_explicit(&c->arrived, 1, memory_order_acq_rel) + 1 == c->size) {
     atomic_store_explicit(&c->arrived, 0, memory_order_relaxed);
     atomic_store(&c->round, round + 1);

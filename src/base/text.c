@@ -106,7 +106,8 @@ const char **text_lines(char *text, size_t *n) {
   for (const char *c = text; *c; c++) lines += *c == '\n';
   const char **list = memory_new(lines, sizeof *list);
   *n = 0;
-  for (char *rest = NULL, *line = strtok_r(text, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
+  for (char *rest = NULL, *line = strtok_r(text, "\n", &rest); line;
+       line = strtok_r(NULL, "\n", &rest))
     list[(*n)++] = line;
   return list;
 }

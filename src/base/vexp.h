@@ -21,6 +21,7 @@ LANE_INLINE LANE(real) LANE(exponential)(LANE(real) x) {
   p = p * r + 1.0 / 6.0;
   p = p * r + 0.5;
   p = 1.0 + (r + r * r * p);
-  LANE(bits) power = (LANE(as_bits)(n + 0x1.8p52) + 1023u) << 52; /* n stands in the low bits of the sum */
+  LANE(bits)
+  power = (LANE(as_bits)(n + 0x1.8p52) + 1023u) << 52; /* n stands in the low bits of the sum */
   return p * LANE(as_real)(power);
 }

@@ -21,7 +21,8 @@ static sd_status add_images(sites *s, const configuration *c, const double margi
   for (int j = -1; j <= 1; j++)
     for (int i = -most; i <= most; i++) {
       double shift[2] = {i * c->length[0] + j * c->offset, j * c->length[1]};
-      if ((i == 0 && j == 0) || (i != 0 && shift[0] == 0.0) || (j != 0 && shift[1] == 0.0)) continue;
+      if ((i == 0 && j == 0) || (i != 0 && shift[0] == 0.0) || (j != 0 && shift[1] == 0.0))
+        continue;
       for (size_t k = 0; status == SD_OK && k < m->n_disks; k++) {
         bool near = true;
         double at[2];
@@ -36,7 +37,8 @@ static sd_status add_images(sites *s, const configuration *c, const double margi
   return status;
 }
 
-static sd_status sites_new(sites *s, const configuration *c, const region *g, const double margin[2]) {
+static sd_status sites_new(sites *s, const configuration *c, const region *g,
+                           const double margin[2]) {
   const sd_model *m = c->model;
   sd_status status = SD_OK;
   *s = (sites){.n_disks = m->n_disks};
@@ -80,7 +82,8 @@ static void polygon_box(polygon *p, double half_x, double half_y) {
 
 /* Keeps the part with n.x <= d, unless what is cut off is no deeper than `slack`. Returns false when the polygon has
  * too many corners. */
-static bool polygon_cut(polygon *p, double nx, double ny, double d, double slack, unsigned char by) {
+static bool polygon_cut(polygon *p, double nx, double ny, double d, double slack,
+                        unsigned char by) {
   double deepest = 0.0;
   for (size_t k = 0; k < p->n; k++) {
     const double depth = nx * p->at[k][0] + ny * p->at[k][1] - d;
@@ -133,7 +136,8 @@ typedef struct cutter {
 /* By the radical line of disk i and site j. */
 static bool cut_site(const sites *s, size_t i, size_t j, polygon *p) {
   double dx = s->at[j][0] - s->at[i][0], dy = s->at[j][1] - s->at[i][1];
-  double d = 0.5 * (dx * dx + dy * dy + (s->radius[i] + s->radius[j]) * (s->radius[i] - s->radius[j]));
+  double d =
+      0.5 * (dx * dx + dy * dy + (s->radius[i] + s->radius[j]) * (s->radius[i] - s->radius[j]));
   return polygon_cut(p, dx, dy, d, 0.0, BY_NEIGHBOUR);
 }
 
@@ -196,7 +200,8 @@ static bool needs_images(const cutter *q, size_t i, const polygon *p) {
     for (int c = 0; c < 2; c++) {
       double length = q->c->length[c], corner = q->s->at[i][c] + p->at[k][c];
       if (length == 0.0 || q->margin[c] >= length) continue;
-      if (corner - reach < m->lower[c] - q->margin[c] || corner + reach > m->upper[c] + q->margin[c])
+      if (corner - reach < m->lower[c] - q->margin[c] ||
+          corner + reach > m->upper[c] + q->margin[c])
         return true;
     }
   }
@@ -244,7 +249,9 @@ static void cut_region(const cutter *q, size_t i, polygon *p) {
 }
 
 /* Farther than this from its disk's centre no corner of a cell in the bulk is. */
-static double bulk_reach(const cutter *q, size_t i) { return q->s->radius[i] + CELLS_VOID * q->largest; }
+static double bulk_reach(const cutter *q, size_t i) {
+  return q->s->radius[i] + CELLS_VOID * q->largest;
+}
 
 static bool is_closed(const cutter *q, size_t i, const polygon *p) {
   bool boundless = q->whole->whole[0] && q->whole->whole[1];
@@ -353,7 +360,8 @@ static void statistics(cells *t, const configuration *c, const region *counted, 
   for (size_t i = 0; i < t->n; i++) {
     const sd_disk *d = &m->disks[i];
     if (isfinite(t->area[i])) t->total += t->area[i];
-    if (d->driven || !region_holds(counted, d->position[0], d->position[1]) || !isfinite(t->area[i]))
+    if (d->driven || !region_holds(counted, d->position[0], d->position[1]) ||
+        !isfinite(t->area[i]))
       continue;
     if (!t->closed[i]) {
       t->n_open++;

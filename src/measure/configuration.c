@@ -33,10 +33,11 @@ sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messa
 sd_status frame_data_contacts(frame_data *f, size_t n, sd_messages *messages) {
   f->has_contacts = true;
   f->n_contacts = n;
-  const memory_column rows[] = {{&f->a, n, sizeof *f->a},         {&f->b, n, sizeof *f->b},
-                                {&f->part, n, sizeof *f->part},   {&f->overlap, n, sizeof *f->overlap},
-                                {&f->force, n, sizeof *f->force}, {&f->tau, n, sizeof *f->tau},
-                                {&f->roll, n, sizeof *f->roll},   {&f->slide, n, sizeof *f->slide}};
+  const memory_column rows[] = {
+      {&f->a, n, sizeof *f->a},         {&f->b, n, sizeof *f->b},
+      {&f->part, n, sizeof *f->part},   {&f->overlap, n, sizeof *f->overlap},
+      {&f->force, n, sizeof *f->force}, {&f->tau, n, sizeof *f->tau},
+      {&f->roll, n, sizeof *f->roll},   {&f->slide, n, sizeof *f->slide}};
   if (memory_rows(sizeof rows / sizeof *rows, rows)) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "no memory for %zu contacts", n);
 }
@@ -72,8 +73,8 @@ static void fill_body(frame_data *f, size_t body, const sd_state *s, size_t slot
 }
 
 /* Materials come from `materials`, a model of the frame's bodies. */
-static void fill_contact(frame_data *f, size_t k, const sd_model *materials, const sd_state *s, uint32_t a,
-                         uint32_t b) {
+static void fill_contact(frame_data *f, size_t k, const sd_model *materials, const sd_state *s,
+                         uint32_t a, uint32_t b) {
   f->a[k] = a;
   f->b[k] = b;
   f->part[k] = s->contact_part[k];
@@ -85,18 +86,21 @@ static void fill_contact(frame_data *f, size_t k, const sd_model *materials, con
   f->slide[k] = s->contact_slide[k];
 }
 
-sd_status frame_data_of_state(frame_data *f, const sd_model *m, const sd_state *s, sd_messages *messages) {
+sd_status frame_data_of_state(frame_data *f, const sd_model *m, const sd_state *s,
+                              sd_messages *messages) {
   sd_status status = frame_data_new(f, m->n_disks, m->n_walls, messages);
   if (status == SD_OK) status = frame_data_contacts(f, s->n_contacts, messages);
   if (status != SD_OK) return status;
   fill_moment(f, m, s);
   for (size_t k = 0; k < s->n_bodies; k++) fill_body(f, s->id[k], s, k);
-  for (size_t k = 0; k < s->n_contacts; k++) fill_contact(f, k, m, s, s->contact_a[k], s->contact_b[k]);
+  for (size_t k = 0; k < s->n_contacts; k++)
+    fill_contact(f, k, m, s, s->contact_a[k], s->contact_b[k]);
   return SD_OK;
 }
 
-sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *m, const sd_state *s,
-                             const slot_table *slots, const comm *c, sd_messages *messages) {
+sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *m,
+                             const sd_state *s, const slot_table *slots, const comm *c,
+                             sd_messages *messages) {
   *constants = *m;
   constants->n_disks = s->n_disks;
   constants->disks = NULL;
@@ -117,7 +121,8 @@ sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model 
                                     .driven = k >= s->n_free + s->n_ghosts};
   for (size_t k = 0; k < s->n_bodies; k++) fill_body(f, k, s, k);
   for (size_t k = 0; k < s->n_contacts; k++)
-    fill_contact(f, k, constants, s, slot_of(slots, s->contact_a[k]), slot_of(slots, s->contact_b[k]));
+    fill_contact(f, k, constants, s, slot_of(slots, s->contact_a[k]),
+                 slot_of(slots, s->contact_b[k]));
   return SD_OK;
 }
 
@@ -132,7 +137,8 @@ static void fill_space(sd_model *m, const sd_model *from, const frame_data *f) {
     m->gravity[c] = from->gravity[c];
     m->periodic[c] = from->periodic[c];
     m->lower[c] = from->lower[c];
-    m->upper[c] = scale == 1.0 ? from->upper[c] : from->lower[c] + scale * (from->upper[c] - from->lower[c]);
+    m->upper[c] =
+        scale == 1.0 ? from->upper[c] : from->lower[c] + scale * (from->upper[c] - from->lower[c]);
     m->region_lower[c] = corner + scale * (from->region_lower[c] - corner);
     m->region_upper[c] = corner + scale * (from->region_upper[c] - corner);
   }
@@ -175,7 +181,8 @@ static void into_box(const configuration *c, double at[2]) {
   }
 }
 
-static void fill_disks(configuration *c, const sd_model *from, const frame_data *f, uint32_t *renumbered) {
+static void fill_disks(configuration *c, const sd_model *from, const frame_data *f,
+                       uint32_t *renumbered) {
   sd_model *m = c->model;
   for (uint32_t i = 0; i < from->n_disks; i++) {
     renumbered[i] = UINT32_MAX;
@@ -188,15 +195,16 @@ static void fill_disks(configuration *c, const sd_model *from, const frame_data 
     into_box(c, at);
     renumbered[i] = (uint32_t)m->n_disks;
     c->number[m->n_disks] = i;
-    m->disks[m->n_disks++] = (sd_disk){.position = {at[0], at[1], f->angle[i]},
-                                       .velocity = {f->velocity[i][0], f->velocity[i][1], f->spin[i]},
-                                       .radius = d->radius,
-                                       .mass = d->mass,
-                                       .inertia = d->inertia,
-                                       .force = {d->force[0], d->force[1], d->force[2]},
-                                       .material = d->material,
-                                       .group = d->group,
-                                       .driven = d->driven};
+    m->disks[m->n_disks++] =
+        (sd_disk){.position = {at[0], at[1], f->angle[i]},
+                  .velocity = {f->velocity[i][0], f->velocity[i][1], f->spin[i]},
+                  .radius = d->radius,
+                  .mass = d->mass,
+                  .inertia = d->inertia,
+                  .force = {d->force[0], d->force[1], d->force[2]},
+                  .material = d->material,
+                  .group = d->group,
+                  .driven = d->driven};
   }
 }
 
@@ -209,7 +217,8 @@ static void wall_point(const sd_wall *wall, const frame_data *f, size_t body, co
   at[1] = f->position[body][1] + sine * x + cosine * y;
 }
 
-void configuration_wall_point(const sd_wall *wall, const frame_data *f, size_t body, size_t k, double at[2]) {
+void configuration_wall_point(const sd_wall *wall, const frame_data *f, size_t body, size_t k,
+                              double at[2]) {
   wall_point(wall, f, body, wall->points[k], at);
 }
 
@@ -280,7 +289,8 @@ static sd_status new_bodies(configuration *c, const frame_data *f, uint32_t **re
   return memory_rows(sizeof rows / sizeof *rows, rows) ? SD_OK : SD_ERROR_IO;
 }
 
-static void fill_bodies(configuration *c, const sd_model *from, const frame_data *f, uint32_t *renumbered) {
+static void fill_bodies(configuration *c, const sd_model *from, const frame_data *f,
+                        uint32_t *renumbered) {
   sd_model *m = c->model;
   fill_disks(c, from, f, renumbered);
   for (uint32_t w = 0; w < from->n_walls; w++) {
@@ -326,7 +336,8 @@ static contact_place place_of(const configuration *c, const config_contact *k, p
     return at;
   }
   double d[2];
-  for (int x = 0; x < 2; x++) d[x] = (wall ? wall->pivot[x] : m->disks[k->b].position[x]) - a->position[x];
+  for (int x = 0; x < 2; x++)
+    d[x] = (wall ? wall->pivot[x] : m->disks[k->b].position[x]) - a->position[x];
   configuration_nearest(c, d);
   at.dx = d[0];
   at.dy = d[1];
@@ -340,7 +351,8 @@ static void complete(const configuration *c, config_contact *k) {
   const sd_disk *a = &m->disks[k->a];
   placed_segment g;
   const contact_place at = place_of(c, k, &g);
-  const contact_reaction r = contact_reaction_at(&at, k->force, isfinite(k->tau) ? k->tau : 0.0, k->roll);
+  const contact_reaction r =
+      contact_reaction_at(&at, k->force, isfinite(k->tau) ? k->tau : 0.0, k->roll);
   k->nx = r.nx;
   k->ny = r.ny;
   bool free = configuration_is_free(c, k->b);
@@ -370,8 +382,10 @@ static sd_status take_contacts(configuration *c, const sd_model *from, const fra
   size_t bodies = sd_model_bodies(from);
   for (size_t k = 0; k < f->n_contacts; k++) {
     uint32_t a = f->a[k], b = f->b[k];
-    bool good = a < from->n_disks && b < bodies && renumbered[a] != UINT32_MAX && renumbered[b] != UINT32_MAX;
-    bool straight = good && b >= from->n_disks && from->walls[b - from->n_disks].kind != SD_WALL_CIRCLE;
+    bool good = a < from->n_disks && b < bodies && renumbered[a] != UINT32_MAX &&
+                renumbered[b] != UINT32_MAX;
+    bool straight =
+        good && b >= from->n_disks && from->walls[b - from->n_disks].kind != SD_WALL_CIRCLE;
     if (!good || (straight && (f->part[k] >= c->model->n_segments ||
                                c->model->segments[f->part[k]].body != renumbered[b])))
       return sd_fail(messages, SD_ERROR_USER,
@@ -421,11 +435,13 @@ static void deform(const configuration *c, sd_state *s) {
   s->cell_start[CELL_OFFSET] = c->offset / c->length[0];
   s->cell_speed[CELL_X] = g[SD_CELL_XX];
   s->cell_speed[CELL_Y] = g[SD_CELL_YY];
-  s->cell_speed[CELL_OFFSET] = (g[SD_CELL_XY] * c->length[1] + g[SD_CELL_XX] * c->offset) / c->length[0];
+  s->cell_speed[CELL_OFFSET] =
+      (g[SD_CELL_XY] * c->length[1] + g[SD_CELL_XX] * c->offset) / c->length[0];
 }
 
 /* A system that starts from this frame: the engine finds what touches, and how strongly. */
-static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_disks, sd_messages *messages) {
+static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_disks,
+                               sd_messages *messages) {
   const sd_model *m = c->model;
   sd_state *s = sd_state_new(m);
   if (!s) return sd_fail(messages, SD_ERROR_IO, "no memory for the contacts");
@@ -474,8 +490,9 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
                        .n_own = frame->n_own,
                        .recomputed = !frame->has_contacts};
   if (frame->n_disks != constants->n_disks || frame->n_bodies != sd_model_bodies(constants))
-    return sd_fail(messages, SD_ERROR_USER, "the frame has %zu disks and %zu walls, the run %zu and %zu",
-                   frame->n_disks, frame->n_bodies - frame->n_disks, constants->n_disks, constants->n_walls);
+    return sd_fail(messages, SD_ERROR_USER,
+                   "the frame has %zu disks and %zu walls, the run %zu and %zu", frame->n_disks,
+                   frame->n_bodies - frame->n_disks, constants->n_disks, constants->n_walls);
   uint32_t *renumbered = NULL;
   sd_model *m = c->model = sd_model_new();
   sd_status status = new_bodies(c, frame, &renumbered);

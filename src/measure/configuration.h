@@ -22,12 +22,13 @@
 typedef struct frame_data {
   int64_t step;
   double time;
-  double scale;              /* lengths of the region over those of the deck */
-  double stretch[2], offset; /* of a box that deforms: lengths over these, shift of a row of cells */
+  double scale; /* lengths of the region over those of the deck */
+  double stretch[2],
+      offset; /* of a box that deforms: lengths over these, shift of a row of cells */
   double gradient[SD_CELL_COMPONENTS]; /* its velocity gradient */
   size_t n_bodies, n_disks;
-  const comm *comm;                      /* its ranks share them: ... (NULL: all are here) */
-  size_t n_own;                          /* ... so many of its own, ghosts, prescribed ones, which all have */
+  const comm *comm; /* its ranks share them: ... (NULL: all are here) */
+  size_t n_own;     /* ... so many of its own, ghosts, prescribed ones, which all have */
   double (*position)[2], (*velocity)[2]; /* in the periodic box */
   double *angle, *spin;
   int32_t *activity;   /* [n_disks] SD_IN_PLAY ... */
@@ -49,15 +50,16 @@ sd_status frame_data_of_state(frame_data *f, const sd_model *model, const sd_sta
                               sd_messages *messages);
 /* The same of one rank's part, whose bodies have their slots as numbers. constants: a model of
  * these bodies, of which only `disks` is to be freed, also when it fails. */
-sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *model, const sd_state *part,
-                             const slot_table *slots, const comm *c, sd_messages *messages);
+sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *model,
+                             const sd_state *part, const slot_table *slots, const comm *c,
+                             sd_messages *messages);
 
 typedef struct config_contact {
   uint32_t a, b, part; /* a: a free disk; numbers of configuration.model */
   double nx, ny;       /* unit vector from a to b's surface */
   double lx,
-      ly;      /* branch vector of the disks: to b's centre, or to the surface of a wall or prescribed disk */
-  double x, y; /* the point of contact */
+      ly; /* branch vector of the disks: to b's centre, or to the surface of a wall or prescribed disk */
+  double x, y;   /* the point of contact */
   double fx, fy; /* force on b, without the tangential one where tau is NAN */
   double overlap, force, tau, mu;
   double roll, couple; /* rolling force, and its torque on a, of opposite sign on b */
@@ -71,8 +73,9 @@ typedef struct config_clump {
   size_t n_disks;  /* in play; 0: it is not there */
   uint32_t *disks; /* ascending */
   double mass, inertia;
-  double position[2], velocity[3]; /* of its centre of mass, which may lie beyond the edge of the box */
-  double force[2];                 /* constant, its disks' included */
+  double position[2],
+      velocity[3]; /* of its centre of mass, which may lie beyond the edge of the box */
+  double force[2]; /* constant, its disks' included */
 } config_clump;
 
 typedef struct configuration {
@@ -110,7 +113,8 @@ sd_status configuration_clumps(configuration *c, const sd_model *from, const fra
 void configuration_clumps_free(configuration *c);
 /* Branch vector between rigid bodies: from the centre of a, or of its clump, to that of b, or to the surface of a wall or prescribed
  * disk. */
-void configuration_branch(const configuration *c, const config_contact *k, double from[2], double l[2]);
+void configuration_branch(const configuration *c, const config_contact *k, double from[2],
+                          double l[2]);
 /* Does the disk move by itself? */
 static inline bool configuration_in_clump(const configuration *c, size_t disk) {
   return c->n_clumps > 0 && c->clump_of[disk] >= 0;
@@ -127,18 +131,21 @@ static inline int configuration_material(const sd_model *m, uint32_t body) {
   return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
 }
 /* tau of stored contact c: -k_t zeta where laws need no more, without -0. a, b: its materials. */
-static inline double configuration_tau_of(const sd_model *m, const sd_state *s, size_t c, int a, int b) {
-  return 0.0 + (s->law_columns ? s->contact_tau[c] : 0.0 - sd_model_law(m, a, b)->k_t * s->contact_zeta[c]);
+static inline double configuration_tau_of(const sd_model *m, const sd_state *s, size_t c, int a,
+                                          int b) {
+  return 0.0 + (s->law_columns ? s->contact_tau[c]
+                               : 0.0 - sd_model_law(m, a, b)->k_t * s->contact_zeta[c]);
 }
 /* The model of a rank does not know the materials of all disks. */
-static inline double configuration_tau(const sd_model *m, const sd_state *s, const slot_table *slots,
-                                       size_t c) {
+static inline double configuration_tau(const sd_model *m, const sd_state *s,
+                                       const slot_table *slots, size_t c) {
   return configuration_tau_of(m, s, c, s->material[slot_of(slots, s->contact_a[c])],
                               s->material[slot_of(slots, s->contact_b[c])]);
 }
 /* Is the disk one that this rank adds to sums? */
 static inline bool configuration_counts(const configuration *c, uint32_t disk) {
-  return !c->comm || c->number[disk] < c->n_own || (c->model->disks[disk].driven && comm_rank(c->comm) == 0);
+  return !c->comm || c->number[disk] < c->n_own ||
+         (c->model->disks[disk].driven && comm_rank(c->comm) == 0);
 }
 /* b of a contact can be a disk that moves. */
 static inline bool configuration_is_free(const configuration *c, uint32_t body) {

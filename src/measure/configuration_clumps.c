@@ -33,7 +33,8 @@ static void list_disks(configuration *c, const sd_model *from) {
   }
 }
 
-static double between(const configuration *c, const frame_data *f, uint32_t first, uint32_t disk, int q) {
+static double between(const configuration *c, const frame_data *f, uint32_t first, uint32_t disk,
+                      int q) {
   const uint32_t a = c->number[first], b = c->number[disk];
   return (f->position[b][q] - f->position[a][q]) + (f->image[b][q] - f->image[a][q]) * c->length[q];
 }
@@ -62,8 +63,8 @@ static void measure(configuration *c, const frame_data *f, config_clump *k) {
   for (size_t n = 0; n < k->n_disks; n++) {
     const uint32_t i = k->disks[n];
     for (int q = 0; q < 2; q++) c->arm[i][q] -= centre[q];
-    k->inertia +=
-        m->disks[i].inertia + m->disks[i].mass * (c->arm[i][0] * c->arm[i][0] + c->arm[i][1] * c->arm[i][1]);
+    k->inertia += m->disks[i].inertia +
+                  m->disks[i].mass * (c->arm[i][0] * c->arm[i][0] + c->arm[i][1] * c->arm[i][1]);
   }
 }
 
@@ -103,7 +104,8 @@ void configuration_clumps_free(configuration *c) {
   free(c->arm);
 }
 
-void configuration_branch(const configuration *c, const config_contact *k, double from[2], double l[2]) {
+void configuration_branch(const configuration *c, const config_contact *k, double from[2],
+                          double l[2]) {
   const double *centre = c->model->disks[k->a].position, between[2] = {k->lx, k->ly};
   for (int q = 0; q < 2; q++) {
     from[q] = centre[q];

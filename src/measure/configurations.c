@@ -29,9 +29,9 @@ static void add_ages(sd_configuration *c, const sd_state *s, size_t k, bool now)
     const size_t at = VISIT_AGES * k + (size_t)b;
     const bool here = now && since >= 0 && visits_octave(from - since) == b;
     c->age_steps[b] = s->visit_age_steps[at] + (here ? s->measured - from : 0);
-    c->age_torque[b] =
-        mean_from(s->visit_age_torque[at] + (here ? s->visit_part[VISIT_SUMS * watch + VISIT_TORQUE] : 0),
-                  c->age_steps[b]);
+    c->age_torque[b] = mean_from(s->visit_age_torque[at] +
+                                     (here ? s->visit_part[VISIT_SUMS * watch + VISIT_TORQUE] : 0),
+                                 c->age_steps[b]);
   }
 }
 
@@ -52,26 +52,34 @@ sd_configuration sd_configuration_of(const sd_model *model, const sd_state *s, s
   c.torque = mean_from(sum[VISIT_TORQUE], c.steps);
   c.torque_sd = deviation_from(sum[VISIT_TORQUE], sum[VISIT_TORQUE2], c.steps);
   for (size_t side = 0; side < 2; side++) {
-    c.force[side] =
-        (known ? s->visit_reference[2 * watch + side] : 0) + mean_from(sum[VISIT_FORCE + 2 * side], c.steps);
-    c.force_sd[side] = deviation_from(sum[VISIT_FORCE + 2 * side], sum[VISIT_FORCE2 + 2 * side], c.steps);
+    c.force[side] = (known ? s->visit_reference[2 * watch + side] : 0) +
+                    mean_from(sum[VISIT_FORCE + 2 * side], c.steps);
+    c.force_sd[side] =
+        deviation_from(sum[VISIT_FORCE + 2 * side], sum[VISIT_FORCE2 + 2 * side], c.steps);
   }
   c.dwell = known ? model->dt * mean_from((double)s->visit_steps[k], c.visits) : NAN;
   c.dwell_sd =
-      known ? model->dt * deviation_from((double)s->visit_steps[k], s->visit_steps2[k], c.visits) : NAN;
+      known ? model->dt * deviation_from((double)s->visit_steps[k], s->visit_steps2[k], c.visits)
+            : NAN;
   if (known) add_ages(&c, s, k, now);
   for (int b = 0; !known && b < VISIT_AGES; b++) c.age_torque[b] = NAN;
   return c;
 }
 
-#define ROW(field, type, unit, meaning, column, json)                                                        \
-  { #field, unit, meaning, OBSERVABLE_##type, 1, offsetof(sd_configuration, field), NULL, column, json, NULL }
-#define CONTACT(field, unit, meaning)                                                                        \
-  { #field, unit, meaning, OBSERVABLE_F64, 2, offsetof(sd_configuration, field), NULL, #field, NULL, NULL }
-#define AGE(field, type, unit, meaning)                                                                      \
-  {                                                                                                          \
-#field, unit, meaning, OBSERVABLE_##type, SD_AGES, offsetof(sd_configuration, field), NULL, NULL, NULL,  \
-        NULL                                                                                                 \
+#define ROW(field, type, unit, meaning, column, json)                                              \
+  {                                                                                                \
+#field, unit, meaning, OBSERVABLE_##type, 1, offsetof(sd_configuration, field), NULL, column,  \
+        json, NULL                                                                                 \
+  }
+#define CONTACT(field, unit, meaning)                                                              \
+  {                                                                                                \
+#field, unit, meaning, OBSERVABLE_F64, 2, offsetof(sd_configuration, field), NULL, #field,     \
+        NULL, NULL                                                                                 \
+  }
+#define AGE(field, type, unit, meaning)                                                            \
+  {                                                                                                \
+#field, unit, meaning, OBSERVABLE_##type, SD_AGES, offsetof(sd_configuration, field), NULL,    \
+        NULL, NULL, NULL                                                                           \
   }
 
 static const observable rows[] = {
@@ -85,7 +93,8 @@ static const observable rows[] = {
     ROW(visits, I64, "1", "visits that began and ended while measured", "visits", NULL),
     ROW(dwell, F64, "time", "mean duration of these visits", "dwell", NULL),
     ROW(dwell_sd, F64, "time", "its standard deviation, over visits", "dwell_sd", NULL),
-    AGE(age_torque, F64, "force length", "mean torque by age of the visit: below 32 steps, then octaves"),
+    AGE(age_torque, F64, "force length",
+        "mean torque by age of the visit: below 32 steps, then octaves"),
     AGE(age_steps, I64, "1", "measured steps by age of the visit"),
 };
 const observable_list configuration_observables = OBSERVABLES(

@@ -14,8 +14,9 @@
 typedef struct grid {
   size_t n; /* of at, x and y */
   double (*at)[2];
-  double lower[2], width[2];     /* of the window */
-  double inverse[2], narrows[2]; /* 1/width where it repeats, else 0; 0 and 1: does the window end there? */
+  double lower[2], width[2]; /* of the window */
+  double inverse[2],
+      narrows[2]; /* 1/width where it repeats, else 0; 0 and 1: does the window end there? */
   bool wraps[2];
   double offset; /* of rows of images */
   size_t cells[2];
@@ -154,7 +155,8 @@ static void count_row(const counter *q, double *bin, size_t y) {
     for (int k = 0; k < 9; k++) {
       size_t nx, ny;
       if (!step_cell(g, 0, x, k % 3 - 1, &nx) || !step_cell(g, 1, y, k / 3 - 1, &ny)) continue;
-      const bool shifted = g->offset != 0.0 && k / 3 != 1 && g->cells[1] > 1 && ny + 1 != y && ny != y + 1;
+      const bool shifted =
+          g->offset != 0.0 && k / 3 != 1 && g->cells[1] > 1 && ny + 1 != y && ny != y + 1;
       if (!shifted)
         count_cells(q, bin, c, ny * g->cells[0] + nx);
       else if (k % 3 == 0)
@@ -243,7 +245,8 @@ static sd_status correlate(correlation *t, const configuration *c, const region 
 /* --- forces ------------------------------------------------------------------------------------------- */
 
 /* scaled: values are divided by their mean. */
-static void distribute(distribution *d, double *value, size_t n, double most, size_t bins, bool scaled) {
+static void distribute(distribution *d, double *value, size_t n, double most, size_t bins,
+                       bool scaled) {
   *d = (distribution){.n = n, .mean = NAN, .deviation = NAN, .skewness = NAN, .kurtosis = NAN};
   if (n == 0) return;
   d->mean = gsl_stats_mean(value, 1, n);
@@ -252,7 +255,8 @@ static void distribute(distribution *d, double *value, size_t n, double most, si
   double unit = scaled && d->mean > 0.0 ? d->mean : 1.0;
   for (size_t k = 0; k < n; k++) {
     value[k] /= unit;
-    if (!scaled) value[k] = fmin(value[k], nextafter(most, 0.0)); /* the limit belongs to the last bin */
+    if (!scaled)
+      value[k] = fmin(value[k], nextafter(most, 0.0)); /* the limit belongs to the last bin */
     d->beyond += value[k] >= most;
     gsl_histogram_increment(d->histogram, value[k]); /* what is beyond is left out */
   }
@@ -270,15 +274,18 @@ double distribution_density(const distribution *d, size_t bin) {
   return gsl_histogram_get(h, bin) / ((double)d->n * (h->range[bin + 1] - h->range[bin]));
 }
 
-static sd_status distribute_forces(correlation *t, const configuration *c, const region *g, size_t bins) {
+static sd_status distribute_forces(correlation *t, const configuration *c, const region *g,
+                                   size_t bins) {
   double *value;
   if (!memory_row(&value, 3 * c->n_contacts, sizeof *value)) return SD_ERROR_IO;
-  double *normal = value, *tangential = value + c->n_contacts, *mobilised = tangential + c->n_contacts;
+  double *normal = value, *tangential = value + c->n_contacts,
+         *mobilised = tangential + c->n_contacts;
   size_t n = 0, n_skin = 0;
   for (size_t k = 0; k < c->n_contacts; k++) {
     const config_contact *q = &c->contacts[k];
     const double *centre = c->model->disks[q->a].position;
-    if (!(q->force > 0.0) || !region_holds(g, centre[0] + 0.5 * q->lx, centre[1] + 0.5 * q->ly)) continue;
+    if (!(q->force > 0.0) || !region_holds(g, centre[0] + 0.5 * q->lx, centre[1] + 0.5 * q->ly))
+      continue;
     normal[n++] = q->force;
     if (!(q->mu > 0.0) || !isfinite(q->tau)) continue;
     tangential[n_skin] = fabs(q->tau);
@@ -306,7 +313,8 @@ sd_status correlation_new(correlation *t, const configuration *c, const region *
 }
 
 void correlation_free(correlation *t) {
-  gsl_histogram *all[] = {t->pairs, t->normal.histogram, t->tangential.histogram, t->mobilised.histogram};
+  gsl_histogram *all[] = {t->pairs, t->normal.histogram, t->tangential.histogram,
+                          t->mobilised.histogram};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++)
     if (all[k]) gsl_histogram_free(all[k]);
   *t = (correlation){0};

@@ -26,11 +26,12 @@ typedef struct correlation {
   gsl_histogram *pairs; /* g(r); NULL: fewer than two disks */
   double reach;         /* of g(r) */
   size_t n_disks;
-  double density;                  /* disks per area of the window */
-  double peak_r, peak;             /* highest bin */
-  distribution normal, tangential; /* load-bearing contacts of the region; tangential: with mu > 0 */
-  distribution mobilised;          /* |tau|/(mu F_n), not divided by the mean */
-  size_t n_limit;                  /* contacts that slide */
+  double density;      /* disks per area of the window */
+  double peak_r, peak; /* highest bin */
+  distribution normal,
+      tangential;         /* load-bearing contacts of the region; tangential: with mu > 0 */
+  distribution mobilised; /* |tau|/(mu F_n), not divided by the mean */
+  size_t n_limit;         /* contacts that slide */
 } correlation;
 
 /* bins of every histogram, at least one; g(r) reaches to 5 mean diameters, less in small systems;

@@ -38,7 +38,8 @@ static double period_along(const sd_model *model, const sd_state *state, int c) 
 }
 
 static void fill_position(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {
-  double looks = (double)state->mean_samples, dx = state->sum_x[i] / looks, dy = state->sum_y[i] / looks;
+  double looks = (double)state->mean_samples, dx = state->sum_x[i] / looks,
+         dy = state->sum_y[i] / looks;
   double spread = (state->sum_xx[i] + state->sum_yy[i]) / looks - (dx * dx + dy * dy);
   double x = state->x[i] + state->image_x[i] * period_along(model, state, SD_X);
   double y = state->y[i] + state->image_y[i] * period_along(model, state, SD_Y);
@@ -119,18 +120,20 @@ static void fill_omega(sd_disk_totals *t, const sample *q) {
   /* the error of a mean square goes over to its root */
   for (size_t k = 0; k < q->n; k++) q->x[k] *= q->x[k];
   t->omega_rms = sqrt(gsl_stats_mean(q->x, 1, q->n));
-  t->omega_rms_error =
-      q->n > 1 && t->omega_rms > 0 ? gsl_stats_sd(q->x, 1, q->n) / sqrt(n) / (2 * t->omega_rms) : NAN;
+  t->omega_rms_error = q->n > 1 && t->omega_rms > 0
+                           ? gsl_stats_sd(q->x, 1, q->n) / sqrt(n) / (2 * t->omega_rms)
+                           : NAN;
 
   /* of a median: how many lie below it has a standard deviation of sqrt(n)/2, whatever the distribution */
   for (size_t k = 0; k < q->n; k++) q->x[k] = sqrt(q->x[k]);
   gsl_sort(q->x, 1, q->n);
   double off = 0.5 / sqrt(n);
   t->omega_median = gsl_stats_median_from_sorted_data(q->x, 1, q->n);
-  t->omega_median_error = q->n > 1 ? (gsl_stats_quantile_from_sorted_data(q->x, 1, q->n, 0.5 + off) -
-                                      gsl_stats_quantile_from_sorted_data(q->x, 1, q->n, 0.5 - off)) /
-                                         2
-                                   : NAN;
+  t->omega_median_error = q->n > 1
+                              ? (gsl_stats_quantile_from_sorted_data(q->x, 1, q->n, 0.5 + off) -
+                                 gsl_stats_quantile_from_sorted_data(q->x, 1, q->n, 0.5 - off)) /
+                                    2
+                              : NAN;
 }
 
 static void fill_significance(sd_disk_totals *t, const sample *q) {
@@ -201,7 +204,8 @@ static void fill_powers(sd_disk_totals *t, const sample *q) {
   t->mean_rotation = sum_of(q, MEMBER(rotation)) / n;
 }
 
-sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, const sd_disk_mean *means) {
+sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state,
+                                 const sd_disk_mean *means) {
   (void)model;
   sd_disk_totals t;
   for (size_t k = 0; k < sizeof t / sizeof(double); k++) ((double *)&t)[k] = NAN;
@@ -236,7 +240,7 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, c
 
 /* --- rows -------------------------------------------------------------------------------------------------- */
 
-#define MEAN(name, field, unit, meaning)                                                                     \
+#define MEAN(name, field, unit, meaning)                                                           \
   { name, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_disk_mean, field), NULL, NULL, NULL, NULL }
 
 static const observable means[] = {
@@ -245,7 +249,8 @@ static const observable means[] = {
     MEAN("error", error, "rad/time", "one standard error of omega, correlations included"),
     MEAN("significance", significance, "1", "omega over error"),
     MEAN("omega_first", first, "rad/time", "mean angular velocity in the first half of the record"),
-    MEAN("omega_second", second, "rad/time", "mean angular velocity in the second half of the record"),
+    MEAN("omega_second", second, "rad/time",
+         "mean angular velocity in the second half of the record"),
     MEAN("turned", turned, "rad", "angle turned over the measured time"),
     MEAN("x", x, "length", "mean x, images of a periodic box included"),
     MEAN("y", y, "length", "mean y, images of a periodic box included"),
@@ -261,13 +266,17 @@ static const observable means[] = {
     MEAN("opening", opening, "power", "left in contacts that opened, its share"),
     MEAN("translation", translation, "energy", "mean kinetic energy of translation"),
     MEAN("rotation", rotation, "energy", "mean kinetic energy of rotation"),
-    OBSERVABLE_FIELD("converged", "1", "1: the error is reliable", FLAG, sd_disk_mean, converged, NULL, NULL),
+    OBSERVABLE_FIELD("converged", "1", "1: the error is reliable", FLAG, sd_disk_mean, converged,
+                     NULL, NULL),
 };
-const observable_list disk_observables =
-    OBSERVABLES("disks", "of each free disk with `measure = { disks = true; }`, in /summary/disks", means);
+const observable_list disk_observables = OBSERVABLES(
+    "disks", "of each free disk with `measure = { disks = true; }`, in /summary/disks", means);
 
-#define TOTAL(field, unit, meaning)                                                                          \
-  { #field, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_disk_totals, field), NULL, #field, NULL, NULL }
+#define TOTAL(field, unit, meaning)                                                                \
+  {                                                                                                \
+#field, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_disk_totals, field), NULL, #field, NULL, \
+        NULL                                                                                       \
+  }
 
 static const observable totals[] = {
     TOTAL(disks, "1", "disks that were in play all the time"),
@@ -281,9 +290,11 @@ static const observable totals[] = {
     TOTAL(significant, "1", "fraction of the disks with |Omega| > 3 errors"),
     TOTAL(reliable, "1", "fraction of the disks whose error is reliable"),
     TOTAL(persistence, "1", "Pearson's correlation of Omega in the first and the second half"),
-    TOTAL(persistence_rank, "1", "Spearman's correlation of Omega in the first and the second half"),
+    TOTAL(persistence_rank, "1",
+          "Spearman's correlation of Omega in the first and the second half"),
     TOTAL(skewness, "1", "skewness of the distribution of Omega"),
-    TOTAL(neighbours, "1", "mean Omega_i Omega_j of disks in contact at the end, over the mean Omega^2"),
+    TOTAL(neighbours, "1",
+          "mean Omega_i Omega_j of disks in contact at the end, over the mean Omega^2"),
     TOTAL(coordination, "1", "mean closed contacts per disk"),
     TOTAL(sliding, "1", "fraction of the closed contacts that slide"),
     TOTAL(force, "force", "mean normal force per closed contact"),

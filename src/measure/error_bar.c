@@ -44,7 +44,8 @@ static size_t block_means(const double *x, size_t n, size_t b, double *y) {
 static size_t halved(const double *y, size_t n, double *half) {
   size_t count = (n - 1) / 2;
   const double *first = y + (n - 1 - 2 * count);
-  for (size_t k = 0; k < count; k++) half[k] = first[2 * k] / 4 + first[2 * k + 1] / 2 + first[2 * k + 2] / 4;
+  for (size_t k = 0; k < count; k++)
+    half[k] = first[2 * k] / 4 + first[2 * k + 1] / 2 + first[2 * k + 2] / 4;
   return count;
 }
 
@@ -56,7 +57,8 @@ static bool periodic_variance(const double *x, size_t n, double *square) {
   double y[BLOCKS], largest = 0;
   for (size_t b = 1; n / b >= FEWEST; b = larger(b)) {
     size_t blocks = block_means(x, n, b, y);
-    double found = sums_variance(y, blocks) / (double)blocks, scatter = 1 / sqrt(2 * (double)blocks);
+    double found = sums_variance(y, blocks) / (double)blocks,
+           scatter = 1 / sqrt(2 * (double)blocks);
     if (found >= largest) *square = largest = found;
     *square = fmin(*square, found * (1 + scatter) * (1 + scatter));
   }
@@ -145,8 +147,8 @@ error_bar error_bar_of(const double *x, size_t n) {
   size_t blocks = block_means(x, n, (n + BLOCKS - 1) / BLOCKS, y);
   if (is_constant(y, blocks)) return (error_bar){.error = 0, .correlation = 0.5, .reliable = true};
   size_t halves = n > BLOCKS ? halved(y, blocks, half) : 0;
-  double square =
-      halves ? spectrum_at_zero(half, halves) / (double)halves : spectrum_at_zero(y, blocks) / (double)blocks;
+  double square = halves ? spectrum_at_zero(half, halves) / (double)halves
+                         : spectrum_at_zero(y, blocks) / (double)blocks;
   bool noise = !isnan(square), period = !noise && periodic_variance(y, blocks, &square);
   double all = (double)n, tau = square / sums_variance(x, n) * all / 2;
   error_bar found = {.error = sqrt(square), .correlation = tau};
@@ -198,7 +200,8 @@ static void periodogram(const double *y, size_t n, double found[LOWEST]) {
       last[k] = next;
     }
   for (size_t k = 0; k < LOWEST; k++)
-    found[k] = (last[k] * last[k] + before[k] * before[k] - twice[k] * last[k] * before[k]) / (double)n;
+    found[k] =
+        (last[k] * last[k] + before[k] * before[k] - twice[k] * last[k] * before[k]) / (double)n;
 }
 
 /* Change of the parabola through the logarithms of pairs, from frequency zero to the last. */
@@ -251,7 +254,10 @@ slow slow_of(const double *y, size_t n, double spectrum) {
   double power[LOWEST];
   if (n < SHORTEST_TEST) return SLOW_PARTS;
   periodogram(y, n, power);
-  const double change = change_of(power, n / 4 < LOWEST ? n / 4 : LOWEST), lowest = mean_of(power, AGREE);
-  if (!(change > -level && lowest < most * spectrum && slow_part(y, n, power) < most_slow)) return SLOW_PARTS;
-  return change < level && lowest > least * spectrum && events(y, n) > EVENTS ? SLOW_RESOLVED : SLOW_DIP;
+  const double change = change_of(power, n / 4 < LOWEST ? n / 4 : LOWEST),
+               lowest = mean_of(power, AGREE);
+  if (!(change > -level && lowest < most * spectrum && slow_part(y, n, power) < most_slow))
+    return SLOW_PARTS;
+  return change < level && lowest > least * spectrum && events(y, n) > EVENTS ? SLOW_RESOLVED
+                                                                              : SLOW_DIP;
 }

@@ -9,7 +9,7 @@ typedef struct error_bar {
   double error;       /* of the mean; NAN when it cannot be told */
   double correlation; /* integrated correlation time, samples */
   bool reliable;      /* the record is long enough for it */
-  bool slow;          /* it is too short for slow parts that are in it: a drift may be one of them */
+  bool slow; /* it is too short for slow parts that are in it: a drift may be one of them */
 } error_bar;
 
 /* Standard error of the mean of x[0..n) as a stationary record. */
@@ -21,8 +21,9 @@ enum { DRIFT_SEEN = 2, DRIFT_CERTAIN = 3 };
 /* Remaining drift of a record. */
 typedef struct drift {
   double sigmas; /* difference of the first quarter's mean and the rest's, in its errors */
-  double half;   /* half the difference of the means of the halves: the bias left by a short relaxation */
-  double ratio;  /* difference of the last two quarters over that of the first two, >= 0 */
+  double
+      half; /* half the difference of the means of the halves: the bias left by a short relaxation */
+  double ratio; /* difference of the last two quarters over that of the first two, >= 0 */
 } drift;
 
 /* error: that of the mean of x[0..n). */

@@ -35,7 +35,8 @@ sd_mean sd_mean_of(const double *x, size_t n, bool look) {
   mean.correlation = error.correlation;
   mean.error = hypot(error.error, hypot(start.tail, systematic(left, error, start.quiet)));
   /* a relaxation without noise has no noise, and needs none once little of it is left */
-  bool over = (error.reliable && !(left.sigmas > DRIFT_CERTAIN)) || (start.quiet && left.ratio < 0.5);
+  bool over =
+      (error.reliable && !(left.sigmas > DRIFT_CERTAIN)) || (start.quiet && left.ratio < 0.5);
   mean.converged = start.inside && isfinite(error.error) && over;
   return mean;
 }
@@ -83,7 +84,8 @@ static size_t windows(const double *x, size_t n, double width, double stride, do
     size_t end = (size_t)fmin((double)n, ceil(from + 2 * width));
     y[k] = 0;
     for (size_t b = (size_t)from; b < end; b++)
-      y[k] += x[b] * (triangle(((double)(b + 1) - from) / width) - triangle(((double)b - from) / width));
+      y[k] += x[b] *
+              (triangle(((double)(b + 1) - from) / width) - triangle(((double)b - from) / width));
   }
   return count;
 }
@@ -119,7 +121,8 @@ sd_mean mean_of_record(const double *x, size_t n, double period) {
 }
 
 sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t k) {
-  if (k >= model->n_rotations) return (sd_rotation){UINT32_MAX, NAN, NAN, NAN, NAN, NAN, NAN, NAN, false};
+  if (k >= model->n_rotations)
+    return (sd_rotation){UINT32_MAX, NAN, NAN, NAN, NAN, NAN, NAN, NAN, false};
   uint32_t disk = model->rotations[k];
   double gravity = hypot(model->gravity[0], model->gravity[1]);
   double bin = (double)state->bin_steps * model->dt, scale = 1 / bin;
@@ -141,13 +144,17 @@ sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t 
   };
 }
 
-#define ROTATION(field, unit, meaning, column)                                                               \
-  { #field, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_rotation, field), NULL, column, NULL, NULL }
+#define ROTATION(field, unit, meaning, column)                                                     \
+  {                                                                                                \
+#field, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_rotation, field), NULL, column, NULL,    \
+        NULL                                                                                       \
+  }
 
 static const observable rotations[] = {
     OBSERVABLE_FIELD("disk", "1", "body number", U32, sd_rotation, disk, NULL, NULL),
     ROTATION(omega, "rad/time", "mean angular velocity Omega", "omega"),
-    ROTATION(error, "rad/time", "one standard error of omega, correlations included", "omega_error"),
+    ROTATION(error, "rad/time", "one standard error of omega, correlations included",
+             "omega_error"),
     ROTATION(scaled, "rad", "t_g Omega, t_g = sqrt(2 R/g)", "scaled"),
     ROTATION(scaled_error, "rad", "one standard error of scaled", "scaled_error"),
     ROTATION(transient, "time", "measured time discarded as transient", "transient"),
@@ -206,9 +213,9 @@ sd_slide sd_slide_of(const sd_model *model, const sd_state *state, size_t k) {
 
 OBSERVABLE_GET(sliding, sd_slide, at->contact_positive[k] + at->contact_negative[k])
 
-#define SLIDE(field, meaning, json)                                                                          \
+#define SLIDE(field, meaning, json)                                                                \
   { #field, "1", meaning, OBSERVABLE_F64, 1, offsetof(sd_slide, field), NULL, #field, json, NULL }
-#define CONTACT(field, type, unit, meaning, column, json)                                                    \
+#define CONTACT(field, type, unit, meaning, column, json)                                          \
   { #field, unit, meaning, type, 2, offsetof(sd_slide, field), NULL, column, json, NULL }
 
 static const observable slides[] = {
@@ -290,7 +297,8 @@ static bool stands_out(const double *x, size_t d, size_t n) {
   double rest = sums_mean(x + d, n - d), error = error_bar_of(x + d, n - d).error;
   size_t part = d;
   for (int k = 0; k < PARTS && part > 0; k++, part /= 2) {
-    double short_one = fmax(error * sqrt((double)(n - d) / (double)part), scatter_of(x + d, n - d, part));
+    double short_one =
+        fmax(error * sqrt((double)(n - d) / (double)part), scatter_of(x + d, n - d, part));
     double sigma = hypot(error, short_one);
     /* without an error bar there is nothing against the cut */
     if (!(fabs(sums_mean(x, part) - rest) <= distinct * sigma)) return true;
@@ -352,7 +360,8 @@ transient transient_none(const double *x, size_t n) {
 transient transient_of(const double *x, size_t n) {
   size_t batch = (size_t)fmin((double)n / FEWEST_BATCHES, sqrt((double)n));
   if (batch < SMALLEST) batch = SMALLEST;
-  size_t m = n / batch, last = m / 2, best = 0, start = n - m * batch; /* whole batches up to the end */
+  size_t m = n / batch, last = m / 2, best = 0,
+         start = n - m * batch; /* whole batches up to the end */
   if (m < 4) return transient_none(x, n);
 
   /* some for the fewest batches, some for the root of n: small */
@@ -363,7 +372,8 @@ transient transient_of(const double *x, size_t n) {
     if (square[d] < square[best]) best = d;
   bool quiet = square[best] <= quiet_at * quiet_at * whole;
   free(square);
-  transient found = {.length = start + best * batch, .inside = best < last || quiet, .quiet = quiet};
+  transient found = {
+      .length = start + best * batch, .inside = best < last || quiet, .quiet = quiet};
   if (quiet) {
     found.rest = error_bar_of(x + found.length, n - found.length);
     found.left = drift_of(x + found.length, n - found.length, found.rest.error);

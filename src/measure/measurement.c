@@ -34,13 +34,14 @@ sd_status measurement_new(measurement *m, const sd_model *constants, const frame
                           const double *wanted, size_t bins, sd_messages *messages) {
   sd_status status = configuration_new(&m->c, constants, frame, messages);
   if (status == SD_OK && m->c.model->n_disks == 0)
-    status = sd_fail(messages, SD_ERROR_USER, "step %lld: no disk is in play", (long long)frame->step);
-  if (status == SD_OK && wanted && m->c.offset != 0.0)
     status =
-        sd_fail(messages, SD_ERROR_USER,
-                "step %lld: a region of a sheared box is not measured; leave the region out, the whole box "
-                "is",
-                (long long)frame->step);
+        sd_fail(messages, SD_ERROR_USER, "step %lld: no disk is in play", (long long)frame->step);
+  if (status == SD_OK && wanted && m->c.offset != 0.0)
+    status = sd_fail(
+        messages, SD_ERROR_USER,
+        "step %lld: a region of a sheared box is not measured; leave the region out, the whole box "
+        "is",
+        (long long)frame->step);
   if (status != SD_OK) return status;
   parts_task f = {.m = m, .whole = configuration_region(&m->c, NULL), .bins = bins};
   m->region = configuration_region(&m->c, wanted);
@@ -57,7 +58,8 @@ sd_status measurement_new(measurement *m, const sd_model *constants, const frame
   for (int k = 0; k < PARTS; k++) {
     for (size_t l = 0; l < sd_messages_count(f.messages[k]); l++)
       if (k == CELLS)
-        sd_warn(messages, "step %lld: %s", (long long)m->c.step, sd_messages_text(f.messages[k], l));
+        sd_warn(messages, "step %lld: %s", (long long)m->c.step,
+                sd_messages_text(f.messages[k], l));
       else
         sd_fail(messages, f.status[k], "%s", sd_messages_text(f.messages[k], l));
     sd_messages_free(f.messages[k]);
@@ -90,7 +92,8 @@ double measurement_pressure(const measurement *m, size_t disk) {
   return 0.5 * virial / area;
 }
 
-OBSERVABLE_GET(sliding, measurement, at->c.recomputed || at->c.frictionless ? NAN : (double)at->s.n_sliding)
+OBSERVABLE_GET(sliding, measurement,
+               at->c.recomputed || at->c.frictionless ? NAN : (double)at->s.n_sliding)
 OBSERVABLE_GET(overlap_max, measurement, at->s.n_contacts > 0 ? at->s.overlap_max : NAN)
 
 /* Contacts that were found again have no tangential force. */
@@ -101,11 +104,11 @@ static double at_limit(const void *row, size_t k) {
   return n > 0 && !m->c.recomputed ? (double)m->pairs.n_limit / (double)n : NAN;
 }
 
-#define REAL(name, field, unit, meaning, column, json)                                                       \
+#define REAL(name, field, unit, meaning, column, json)                                             \
   { name, unit, meaning, OBSERVABLE_F64, 1, offsetof(measurement, field), NULL, column, json, NULL }
-#define COUNT(name, field, meaning, column, json)                                                            \
+#define COUNT(name, field, meaning, column, json)                                                  \
   { name, "1", meaning, OBSERVABLE_SIZE, 1, offsetof(measurement, field), NULL, column, json, NULL }
-#define GOT(name, get, unit, meaning, column, json)                                                          \
+#define GOT(name, get, unit, meaning, column, json)                                                \
   { name, unit, meaning, OBSERVABLE_F64, 1, 0, get, column, json, NULL }
 
 static const observable rows[] = {
@@ -114,7 +117,8 @@ static const observable rows[] = {
     COUNT("free", s.free, "free disks in the region", "disks", "disks.free"),
     COUNT("rattlers", s.rattlers, "of these, with too few load-bearing contacts", "rattlers",
           "disks.rattlers"),
-    COUNT("clumps", s.clumps, "rigid bodies made of free disks, in the region", NULL, "disks.clumps"),
+    COUNT("clumps", s.clumps, "rigid bodies made of free disks, in the region", NULL,
+          "disks.clumps"),
     COUNT("prescribed", s.fixed, "prescribed disks in the region", NULL, "disks.prescribed"),
     COUNT("elsewhere", s.outside, "free disks elsewhere", NULL, "disks.elsewhere"),
     COUNT("waiting", c.n_waiting, "disks to be released", NULL, "disks.waiting"),
@@ -123,20 +127,21 @@ static const observable rows[] = {
     COUNT("bearing", s.n_bearing, "of these, load-bearing", "bearing", "contacts.bearing"),
     COUNT("fixed", s.n_wall, "with walls or prescribed disks", NULL, "contacts.fixed"),
     GOT("sliding", sliding, "1", "of these, sliding", "sliding", "contacts.sliding"),
-    OBSERVABLE_FIELD("recomputed", "1", "contacts were found again from positions and velocities", FLAG,
-                     measurement, c.recomputed, NULL, "contacts.recomputed"),
+    OBSERVABLE_FIELD("recomputed", "1", "contacts were found again from positions and velocities",
+                     FLAG, measurement, c.recomputed, NULL, "contacts.recomputed"),
     REAL("z", s.z, "1", "closed contacts per free disk", "z", "contacts.z"),
     REAL("z_bearing", s.z_bearing, "1", "load-bearing contacts per free disk", "z_bearing",
          "contacts.z_bearing"),
-    REAL("z_backbone", s.z_backbone, "1", "the same without rattlers", "z_backbone", "contacts.z_backbone"),
+    REAL("z_backbone", s.z_backbone, "1", "the same without rattlers", "z_backbone",
+         "contacts.z_backbone"),
     REAL("fraction", s.fraction, "1", "packing fraction of the region", "fraction", NULL),
     COUNT("cells_closed", cells.n_closed, "closed cells", NULL, "cells.closed"),
     COUNT("cells_open", cells.n_open, "open cells", NULL, "cells.open"),
     REAL("cells_total", cells.total, "length^2", "area of all cells", NULL, "cells.total"),
     REAL("inside", cells.inside, "1", "packing fraction of the closed cells", "fraction_inside",
          "cells.inside"),
-    REAL("local_mean", cells.mean, "1", "local packing fraction, mean over closed cells", "local_mean",
-         "cells.mean"),
+    REAL("local_mean", cells.mean, "1", "local packing fraction, mean over closed cells",
+         "local_mean", "cells.mean"),
     REAL("local_deviation", cells.deviation, "1", "its standard deviation", "local_deviation",
          "cells.deviation"),
     REAL("local_least", cells.least, "1", "its smallest value", NULL, "cells.least"),
@@ -144,39 +149,49 @@ static const observable rows[] = {
     REAL("width", width, "length", "width of the region", "width", "region.width"),
     REAL("height", height, "length", "height of the region", "height", "region.height"),
     REAL("area", s.area, "length^2", "area of the region", "area", "region.area"),
-    REAL("stress_xx", s.contact[STRESS_XX], "force/length", "stress of the contacts", "stress_xx", ""),
-    REAL("stress_xy", s.contact[STRESS_XY], "force/length", "stress of the contacts", "stress_xy", ""),
-    REAL("stress_yx", s.contact[STRESS_YX], "force/length", "stress of the contacts", "stress_yx", ""),
-    REAL("stress_yy", s.contact[STRESS_YY], "force/length", "stress of the contacts", "stress_yy", ""),
+    REAL("stress_xx", s.contact[STRESS_XX], "force/length", "stress of the contacts", "stress_xx",
+         ""),
+    REAL("stress_xy", s.contact[STRESS_XY], "force/length", "stress of the contacts", "stress_xy",
+         ""),
+    REAL("stress_yx", s.contact[STRESS_YX], "force/length", "stress of the contacts", "stress_yx",
+         ""),
+    REAL("stress_yy", s.contact[STRESS_YY], "force/length", "stress of the contacts", "stress_yy",
+         ""),
     REAL("kinetic_xx", s.kinetic[STRESS_XX], "force/length", "kinetic stress", "kinetic_xx", ""),
     REAL("kinetic_xy", s.kinetic[STRESS_XY], "force/length", "kinetic stress", "kinetic_xy", ""),
     REAL("kinetic_yy", s.kinetic[STRESS_YY], "force/length", "kinetic stress", "kinetic_yy", ""),
-    REAL("pressure", s.contact_principal.mean, "force/length", "half the trace of the stress", "pressure",
-         "stress.pressure"),
+    REAL("pressure", s.contact_principal.mean, "force/length", "half the trace of the stress",
+         "pressure", "stress.pressure"),
     REAL("deviator", s.contact_principal.deviator, "force/length",
          "half the difference of its principal values", "deviator", "stress.deviator"),
     REAL("angle", s.contact_principal.angle, "rad", "direction of the largest stress", "angle",
          "stress.angle"),
-    REAL("anisotropy", s.anisotropy, "1", "of the directions of load-bearing contacts", "anisotropy",
-         "contacts.anisotropy"),
-    REAL("fabric_angle", s.fabric_angle, "rad", "direction of most load-bearing contacts", "fabric_angle",
-         "contacts.fabric_angle"),
-    REAL("mean_force", s.mean_force, "force", "mean normal force of load-bearing contacts", "mean_force",
-         "contacts.mean_force"),
-    REAL("overlap_mean", s.overlap_mean, "length", "mean overlap", "overlap_mean", "contacts.overlap_mean"),
-    GOT("overlap_max", overlap_max, "length", "largest overlap", "overlap_max", "contacts.overlap_max"),
+    REAL("anisotropy", s.anisotropy, "1", "of the directions of load-bearing contacts",
+         "anisotropy", "contacts.anisotropy"),
+    REAL("fabric_angle", s.fabric_angle, "rad", "direction of most load-bearing contacts",
+         "fabric_angle", "contacts.fabric_angle"),
+    REAL("mean_force", s.mean_force, "force", "mean normal force of load-bearing contacts",
+         "mean_force", "contacts.mean_force"),
+    REAL("overlap_mean", s.overlap_mean, "length", "mean overlap", "overlap_mean",
+         "contacts.overlap_mean"),
+    GOT("overlap_max", overlap_max, "length", "largest overlap", "overlap_max",
+        "contacts.overlap_max"),
     REAL("energy_translation", s.energy_translation, "energy",
          "kinetic energy of translation per free disk or clump", "energy_translation",
          "stress.energy_translation"),
-    REAL("energy_rotation", s.energy_rotation, "energy", "kinetic energy of rotation per free disk or clump",
-         "energy_rotation", "stress.energy_rotation"),
-    REAL("unbalanced", s.unbalanced, "1", "mean resultant force on a free disk or clump over mean_force",
-         "unbalanced", "contacts.unbalanced"),
-    REAL("mobilised_mean", pairs.mobilised.mean, "1", "mean of |tau|/(mu F_n)", "mobilised_mean", ""),
+    REAL("energy_rotation", s.energy_rotation, "energy",
+         "kinetic energy of rotation per free disk or clump", "energy_rotation",
+         "stress.energy_rotation"),
+    REAL("unbalanced", s.unbalanced, "1",
+         "mean resultant force on a free disk or clump over mean_force", "unbalanced",
+         "contacts.unbalanced"),
+    REAL("mobilised_mean", pairs.mobilised.mean, "1", "mean of |tau|/(mu F_n)", "mobilised_mean",
+         ""),
     GOT("limit", at_limit, "1", "fraction of the contacts with friction that slide", "limit",
         "contacts.at_limit"),
     COUNT("pairs_disks", pairs.n_disks, "disks of g(r)", NULL, "pairs.disks"),
-    REAL("pairs_density", pairs.density, "1/length^2", "their number per area", NULL, "pairs.density"),
+    REAL("pairs_density", pairs.density, "1/length^2", "their number per area", NULL,
+         "pairs.density"),
     REAL("peak_r", pairs.peak_r, "length", "where g(r) is highest", NULL, "pairs.peak_r"),
     REAL("peak", pairs.peak, "1", "its value there", NULL, "pairs.peak"),
 };

@@ -94,14 +94,15 @@ static bool has_columns(const observable_list *list) {
 
 void observable_print(FILE *out, const observable_list *list) {
   bool columns = has_columns(list);
-  fprintf(out, "**%s**: %s\n\n| name | unit |%s meaning |\n|---|---|%s---|\n", list->name, list->title,
-          columns ? " column |" : "", columns ? "---|" : "");
+  fprintf(out, "**%s**: %s\n\n| name | unit |%s meaning |\n|---|---|%s---|\n", list->name,
+          list->title, columns ? " column |" : "", columns ? "---|" : "");
   for (size_t k = 0; k < list->n; k++) {
     const observable *o = &list->rows[k];
     fprintf(out, "| `%s` | %s | ", o->name, o->unit);
     if (o->column) fprintf(out, "`%s` | ", o->column);
     if (columns && !o->column) fprintf(out, "| ");
-    for (const char *c = o->meaning; *c; c++) fprintf(out, *c == '|' ? "\\|" : "%c", *c); /* ends no cell */
+    for (const char *c = o->meaning; *c; c++)
+      fprintf(out, *c == '|' ? "\\|" : "%c", *c); /* ends no cell */
     fprintf(out, " |\n");
   }
   fputc('\n', out);

@@ -28,11 +28,11 @@ typedef double observable_getter(const void *row, size_t k);
 typedef struct observable {
   const char *name, *unit, *meaning;
   observable_type type;
-  size_t width;           /* elements: 2 for a vector or a pair of contacts; OBSERVABLE_WATCHED ... */
-  size_t offset;          /* of the field */
-  observable_getter *get; /* NULL: the field */
-  const char *column;     /* in tables of sweeps, behind the disk's name; NULL: none */
-  const char *json;       /* in `--json`; NULL: the name; "": not there */
+  size_t width;  /* elements: 2 for a vector or a pair of contacts; OBSERVABLE_WATCHED ... */
+  size_t offset; /* of the field */
+  observable_getter *get;              /* NULL: the field */
+  const char *column;                  /* in tables of sweeps, behind the disk's name; NULL: none */
+  const char *json;                    /* in `--json`; NULL: the name; "": not there */
   bool (*when)(const sd_model *model); /* NULL: always there */
 } observable;
 /* Width of a quantity that each watched disk, wall, group, or disk of measure.contacts has. */
@@ -44,24 +44,28 @@ typedef struct observable {
 size_t observable_width(const observable *o, const sd_model *model);
 
 typedef struct observable_list {
-  const char *name, *title; /* of the list: a group of /summary or the like; what its rows are about */
+  const char *name,
+      *title; /* of the list: a group of /summary or the like; what its rows are about */
   size_t n;
   const observable *rows;
 } observable_list;
 
 /* The list of a static array. */
-#define OBSERVABLES(name, title, rows)                                                                       \
+#define OBSERVABLES(name, title, rows)                                                             \
   { name, title, sizeof(rows) / sizeof *(rows), rows }
 
 /* A row: a field of a structure. */
-#define OBSERVABLE_FIELD(name, unit, meaning, type, structure, field, column, json)                          \
-  { name, unit, meaning, OBSERVABLE_##type, 1, offsetof(structure, field), NULL, column, json, NULL }
+#define OBSERVABLE_FIELD(name, unit, meaning, type, structure, field, column, json)                \
+  {                                                                                                \
+    name, unit, meaning, OBSERVABLE_##type, 1, offsetof(structure, field), NULL, column, json,     \
+        NULL                                                                                       \
+  }
 /* A getter: element k of a row, called `at` in the expression. */
-#define OBSERVABLE_GET(name, structure, expression)                                                          \
-  static double name(const void *row, size_t k) {                                                            \
-    const structure *at = row;                                                                               \
-    (void)k;                                                                                                 \
-    return expression;                                                                                       \
+#define OBSERVABLE_GET(name, structure, expression)                                                \
+  static double name(const void *row, size_t k) {                                                  \
+    const structure *at = row;                                                                     \
+    (void)k;                                                                                       \
+    return expression;                                                                             \
   }
 
 double observable_value(const observable *o, const void *row, size_t k);

@@ -82,7 +82,8 @@ static double rectangle_disk(const region *g, double x, double y, double radius)
     inside = inside && low[c] <= -radius && high[c] >= radius;
   }
   if (inside) return M_PI * radius * radius;
-  const double corner[4][2] = {{low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}};
+  const double corner[4][2] = {
+      {low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}};
   return region_circle_polygon(radius, 4, corner);
 }
 

@@ -28,7 +28,9 @@ typedef struct part {
 } part;
 
 static exact_sum *walls_of(const resultants *r) { return r->sums + WHOLE; }
-static exact_sum *groups_of(const resultants *r, const sd_model *m) { return walls_of(r) + ROW * m->n_walls; }
+static exact_sum *groups_of(const resultants *r, const sd_model *m) {
+  return walls_of(r) + ROW * m->n_walls;
+}
 static exact_sum *disks_of(const resultants *r, const sd_model *m) {
   return groups_of(r, m) + ROW * m->n_groups;
 }
@@ -132,8 +134,8 @@ static void add_force(const part *p, exact_sum *row, uint32_t body) {
 static double virial_of(const part *p, size_t c) {
   const sd_state *s = p->state;
   const uint32_t a = s->contact_a[c], b = s->contact_b[c];
-  const double r =
-      s->radius[slot_of(p->slots, a)] + (b < p->model->n_disks ? s->radius[slot_of(p->slots, b)] : 0.0);
+  const double r = s->radius[slot_of(p->slots, a)] +
+                   (b < p->model->n_disks ? s->radius[slot_of(p->slots, b)] : 0.0);
   return s->contact_force[c] * (r - s->contact_overlap[c]);
 }
 
@@ -194,7 +196,8 @@ static void add_group_forces(exact_sum *rows, const double (*centre)[2], const p
     const uint32_t body[2] = {q->a, q->b};
     int group[2];
     double at[2];
-    for (int x = 0; x < 2; x++) group[x] = body[x] < c->model->n_disks ? c->model->disks[body[x]].group : -1;
+    for (int x = 0; x < 2; x++)
+      group[x] = body[x] < c->model->n_disks ? c->model->disks[body[x]].group : -1;
     for (int x = 0; group[0] != group[1] && x < 2; x++) {
       if (group[x] < 0) continue;
       const double sign = x == 0 ? -1.0 : 1.0, fx = sign * q->fx, fy = sign * q->fy;
@@ -216,8 +219,8 @@ static void group_forces(const resultants *r, const part *p, const configuration
   add_masses(sum, p, c);
   for (size_t k = 0; k < n; k++)
     for (int x = 0; x < 2; x++)
-      centre[k][x] =
-          exact_sum_value(&sum[CENTRE * k + MASS_X + (size_t)x]) / exact_sum_value(&sum[CENTRE * k]);
+      centre[k][x] = exact_sum_value(&sum[CENTRE * k + MASS_X + (size_t)x]) /
+                     exact_sum_value(&sum[CENTRE * k]);
   add_group_forces(groups_of(r, p->model), (const double(*)[2])centre, p, c);
   free(sum);
   free(centre);
@@ -225,8 +228,8 @@ static void group_forces(const resultants *r, const part *p, const configuration
 
 /* --- region and stress --------------------------------------------------------------------------------- */
 
-static sd_status take_geometry(resultants *r, const part *p, const sd_model *constants, const frame_data *f,
-                               sd_messages *messages) {
+static sd_status take_geometry(resultants *r, const part *p, const sd_model *constants,
+                               const frame_data *f, sd_messages *messages) {
   configuration c;
   sd_status status = configuration_new(&c, constants, f, messages);
   if (status == SD_OK) {
@@ -243,9 +246,9 @@ static sd_status take_geometry(resultants *r, const part *p, const sd_model *con
 static sd_status take_frame(resultants *r, const part *p, sd_messages *messages) {
   frame_data f;
   sd_model constants = {0};
-  sd_status status = p->comm
-                         ? frame_data_of_part(&f, &constants, p->model, p->state, p->slots, p->comm, messages)
-                         : frame_data_of_state(&f, p->model, p->state, messages);
+  sd_status status =
+      p->comm ? frame_data_of_part(&f, &constants, p->model, p->state, p->slots, p->comm, messages)
+              : frame_data_of_state(&f, p->model, p->state, messages);
   if (status == SD_OK) status = take_geometry(r, p, p->comm ? &constants : p->model, &f, messages);
   frame_data_free(&f);
   free(constants.disks);
@@ -278,8 +281,8 @@ static void round_all(resultants *r, const sd_model *m, const sd_state *s) {
   round_rows(r->disk, disks_of(r, m), m->n_contact_disks);
 }
 
-sd_status resultants_take(resultants *r, const sd_model *m, const sd_state *s, const slot_table *slots,
-                          const comm *c, sd_messages *messages) {
+sd_status resultants_take(resultants *r, const sd_model *m, const sd_state *s,
+                          const slot_table *slots, const comm *c, sd_messages *messages) {
   const part p = {m, s, slots, c};
   sd_status status = SD_OK;
   memset(r->sums, 0, r->n_sums * sizeof *r->sums);
@@ -291,7 +294,8 @@ sd_status resultants_take(resultants *r, const sd_model *m, const sd_state *s, c
     add_force(&p, walls_of(r) + ROW * k, (uint32_t)(m->n_disks + k));
   for (size_t k = 0; k < m->n_contact_disks; k++)
     add_force(&p, disks_of(r, m) + ROW * k, m->contact_disks[k]);
-  if (m->measure_groups || m->measure_box || m->measure_stress) status = take_frame(r, &p, messages);
+  if (m->measure_groups || m->measure_box || m->measure_stress)
+    status = take_frame(r, &p, messages);
   add_up(&p, r->sums, r->n_sums);
   if (status == SD_OK) round_all(r, m, s);
   return status;

@@ -22,8 +22,8 @@ typedef struct resultant {
 
 typedef struct resultants {
   int64_t contacts, sliding,
-      outside;               /* contacts that do not hold by attraction alone, and disks beyond the bounds */
-  double pressure, fraction; /* in the region, of models that compress or deform */
+      outside; /* contacts that do not hold by attraction alone, and disks beyond the bounds */
+  double pressure, fraction;      /* in the region, of models that compress or deform */
   resultant *wall, *group, *disk; /* of the model's walls, groups, contact_disks */
   double width, height;           /* of the region, NAN: there is none */
   double stress[4], kinetic[4];   /* as in stress.h */

@@ -28,7 +28,8 @@ static int contact_now(const engine *e, size_t k, double *force) {
 static void begin_visits(engine *e, size_t k) {
   sd_state *s = e->state;
   visits_cut(s, k);
-  for (size_t c = 2 * k; s->measured == 0 && c < 2 * k + 2; c++) contact_now(e, c, &s->visit_reference[c]);
+  for (size_t c = 2 * k; s->measured == 0 && c < 2 * k + 2; c++)
+    contact_now(e, c, &s->visit_reference[c]);
 }
 
 void sample_begin(engine *e) {
@@ -36,7 +37,8 @@ void sample_begin(engine *e) {
   double force;
   for (size_t k = 0; k < s->n_rotations; k++) {
     double angle = watched_angle(e, k);
-    double unmeasured = s->measured == 0 ? angle - s->rotation_start[k] : angle - s->rotation_stop[k];
+    double unmeasured =
+        s->measured == 0 ? angle - s->rotation_start[k] : angle - s->rotation_stop[k];
     s->rotation_start[k] += unmeasured;
     s->rotation_last[k] = s->measured == 0 ? angle : s->rotation_last[k] + unmeasured;
   }
@@ -48,7 +50,8 @@ void sample_begin(engine *e) {
 }
 
 void sample_end(engine *e) {
-  for (size_t k = 0; k < e->state->n_rotations; k++) e->state->rotation_stop[k] = watched_angle(e, k);
+  for (size_t k = 0; k < e->state->n_rotations; k++)
+    e->state->rotation_stop[k] = watched_angle(e, k);
 }
 
 /* Neighbouring bins become one: the record covers any length with SD_BINS bins at most. */
@@ -209,7 +212,8 @@ static void sample_contacts(engine *e, size_t begin, size_t end) {
     double contacts = 0.0, sliding = 0.0, force = 0.0;
     for (size_t at = engine_first(e, i); at < engine_first(e, i + 1); at++) {
       size_t k = engine_candidate(e, at);
-      const bool touches = engine_contact_overlap(e, k) > 0.0; /* what attraction alone holds is none */
+      const bool touches =
+          engine_contact_overlap(e, k) > 0.0; /* what attraction alone holds is none */
       contacts += touches ? 1.0 : 0.0;
       sliding += touches && engine_contact_sliding(e, k) != 0 ? 1.0 : 0.0;
       force += engine_contact_force(e, k);
@@ -240,10 +244,13 @@ static void sample_poses(engine *e, size_t begin, size_t end) {
   sd_state *s = e->state;
   const double length[2] = {engine_length(e, SD_X), engine_length(e, SD_Y)};
   size_t k = begin, n = end - begin;
-  add_displacements(n, s->x + k, s->image_x + k, length[0], s->mean_x0 + k, s->sum_x + k, s->sum_xx + k);
-  add_displacements(n, s->y + k, s->image_y + k, length[1], s->mean_y0 + k, s->sum_y + k, s->sum_yy + k);
+  add_displacements(n, s->x + k, s->image_x + k, length[0], s->mean_x0 + k, s->sum_x + k,
+                    s->sum_xx + k);
+  add_displacements(n, s->y + k, s->image_y + k, length[1], s->mean_y0 + k, s->sum_y + k,
+                    s->sum_yy + k);
   add_energies(n, s->mass + k, s->vx + k, s->vy + k, s->sum_kinetic + k);
-  for (size_t i = begin; i < end; i++) s->sum_spin[i] += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
+  for (size_t i = begin; i < end; i++)
+    s->sum_spin[i] += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
 }
 
 /* --- power of prescribed bodies ---------------------------------------------------------------------------- */
@@ -280,7 +287,8 @@ static void add_power(engine *e, size_t kept) {
   for (size_t at = first; at < engine_first(e, slot + 1); at++) {
     if (!engine_contact_closed(e, engine_candidate(e, at))) continue;
     size_t other = engine_partner(e, at);
-    s->sum_injected[other < s->n_free ? other : slot] += power_of(engine_push(e, kept, at - first), d);
+    s->sum_injected[other < s->n_free ? other : slot] +=
+        power_of(engine_push(e, kept, at - first), d);
   }
 }
 

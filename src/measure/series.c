@@ -6,23 +6,32 @@
 
 /* --- energies ------------------------------------------------------------------------------------------ */
 
-#define ENERGY(field, meaning, column)                                                                       \
-  { #field, "energy", meaning, OBSERVABLE_F64, 1, offsetof(sd_energy, field), NULL, column, NULL, NULL }
+#define ENERGY(field, meaning, column)                                                             \
+  {                                                                                                \
+#field, "energy", meaning, OBSERVABLE_F64, 1, offsetof(sd_energy, field), NULL, column, NULL,  \
+        NULL                                                                                       \
+  }
 
 static const observable energies[] = {
-    ENERGY(kinetic_translation, "kinetic energy of the free coordinates, translation", "kinetic_translation"),
-    ENERGY(kinetic_rotation, "kinetic energy of the free coordinates, rotation", "kinetic_rotation"),
+    ENERGY(kinetic_translation, "kinetic energy of the free coordinates, translation",
+           "kinetic_translation"),
+    ENERGY(kinetic_rotation, "kinetic energy of the free coordinates, rotation",
+           "kinetic_rotation"),
     ENERGY(elastic_normal, "elastic energy of the normal springs", NULL),
     ENERGY(elastic_tangential, "elastic energy of the tangential springs", NULL),
     ENERGY(elastic_rolling, "elastic energy of the rolling springs", NULL),
     ENERGY(cohesion, "energy of attraction between bodies, 0 where it ends", NULL),
     ENERGY(external, "potential energy of gravity and constant body forces", NULL),
-    ENERGY(start, "sum of the energies above at step 0, and what disks brought or took along since", NULL),
+    ENERGY(start, "sum of the energies above at step 0, and what disks brought or took along since",
+           NULL),
     ENERGY(work,
-           "work done by prescribed bodies and coordinates, by compression and deforming boxes, since step 0",
+           "work done by prescribed bodies and coordinates, by compression and deforming boxes, "
+           "since step 0",
            "work"),
-    ENERGY(nonconservative_work,
-           "work of the paper's tangential force that does not derive from its energy, since step 0", NULL),
+    ENERGY(
+        nonconservative_work,
+        "work of the paper's tangential force that does not derive from its energy, since step 0",
+        NULL),
     ENERGY(viscous, "energy lost to viscosity since step 0", "viscous"),
     ENERGY(friction, "energy lost to sliding since step 0", "friction"),
     ENERGY(rolling, "energy lost to rolling friction since step 0", NULL),
@@ -32,10 +41,12 @@ static const observable energies[] = {
     ENERGY(damping, "energy lost to non-viscous damping since step 0", NULL),
     ENERGY(relaxed, "energy taken out by the relaxer since step 0", NULL),
     ENERGY(residual, "what the energy budget does not account for", NULL),
-    ENERGY(scale, "larger of |work| + losses and kinetic energy, to compare the residual with", NULL),
+    ENERGY(scale, "larger of |work| + losses and kinetic energy, to compare the residual with",
+           NULL),
 };
 const observable_list energy_observables = OBSERVABLES(
-    "energy", "the energy budget: a series in /observables, at the end attributes of /summary/energy",
+    "energy",
+    "the energy budget: a series in /observables, at the end attributes of /summary/energy",
     energies);
 
 /* --- other series -------------------------------------------------------------------------------------- */
@@ -46,7 +57,9 @@ OBSERVABLE_GET(pressure, moment, at->sums->pressure)
 OBSERVABLE_GET(packing_fraction, moment, at->sums->fraction)
 OBSERVABLE_GET(outside, moment, (double)at->sums->outside)
 
-static uint32_t watched(const moment *now, size_t k) { return slot_of(now->slots, now->model->rotations[k]); }
+static uint32_t watched(const moment *now, size_t k) {
+  return slot_of(now->slots, now->model->rotations[k]);
+}
 
 static double watched_angle(const void *row, size_t k) {
   const moment *now = row;
@@ -123,43 +136,53 @@ bool series_compresses(const sd_model *m) {
   return false;
 }
 
-#define SERIES(name, unit, meaning, type, width, get, when)                                                  \
+#define SERIES(name, unit, meaning, type, width, get, when)                                        \
   { name, unit, meaning, type, width, 0, get, NULL, NULL, when }
 
-#define STRESS(name, meaning) SERIES(#name, "force/length", meaning, OBSERVABLE_F64, 1, name, asks_stress)
-#define RESULTANT(name, unit, meaning, type, width, field, when)                                             \
-  { name, unit, meaning, OBSERVABLE_##type, width, offsetof(resultant, field), NULL, NULL, NULL, when }
+#define STRESS(name, meaning)                                                                      \
+  SERIES(#name, "force/length", meaning, OBSERVABLE_F64, 1, name, asks_stress)
+#define RESULTANT(name, unit, meaning, type, width, field, when)                                   \
+  {                                                                                                \
+    name, unit, meaning, OBSERVABLE_##type, width, offsetof(resultant, field), NULL, NULL, NULL,   \
+        when                                                                                       \
+  }
 /* Of each wall, group or disk `one`. */
-#define RESULTANTS(prefix, one, about, width, when)                                                          \
-  RESULTANT(prefix "_force_x", "force", "x force of the contacts on each " one, F64, width, force_x, when),  \
-      RESULTANT(prefix "_force_y", "force", "y force of the contacts on each " one, F64, width, force_y,     \
-                when),                                                                                       \
-      RESULTANT(prefix "_torque", "force length", "their torque on it about " about, F64, width, torque,     \
-                when),                                                                                       \
-      RESULTANT(prefix "_normal", "force", "sum of F_n of the contacts of each " one, F64, width, normal,    \
-                when),                                                                                       \
-      RESULTANT(prefix "_tangential", "force",                                                               \
-                "sum of their tau, positive where it turns disks counter-clockwise", F64, width, tangential, \
-                when),                                                                                       \
-      RESULTANT(prefix "_contacts", "1", "closed contacts of each " one, I64, width, contacts, when),        \
-      RESULTANT(prefix "_sliding", "1", "of these, contacts that slide", I64, width, sliding, when)
+#define RESULTANTS(prefix, one, about, width, when)                                                \
+  RESULTANT(prefix "_force_x", "force", "x force of the contacts on each " one, F64, width,        \
+            force_x, when),                                                                        \
+      RESULTANT(prefix "_force_y", "force", "y force of the contacts on each " one, F64, width,    \
+                force_y, when),                                                                    \
+      RESULTANT(prefix "_torque", "force length", "their torque on it about " about, F64, width,   \
+                torque, when),                                                                     \
+      RESULTANT(prefix "_normal", "force", "sum of F_n of the contacts of each " one, F64, width,  \
+                normal, when),                                                                     \
+      RESULTANT(prefix "_tangential", "force",                                                     \
+                "sum of their tau, positive where it turns disks counter-clockwise", F64, width,   \
+                tangential, when),                                                                 \
+      RESULTANT(prefix "_contacts", "1", "closed contacts of each " one, I64, width, contacts,     \
+                when),                                                                             \
+      RESULTANT(prefix "_sliding", "1", "of these, contacts that slide", I64, width, sliding,      \
+                when)
 
 static const observable others[] = {
     SERIES("contacts", "1", "closed contacts", OBSERVABLE_I64, 1, contacts, NULL),
-    SERIES("sliding_contacts", "1", "closed contacts that slide", OBSERVABLE_I64, 1, sliding_contacts, NULL),
+    SERIES("sliding_contacts", "1", "closed contacts that slide", OBSERVABLE_I64, 1,
+           sliding_contacts, NULL),
     SERIES("pressure", "force/length",
-           "pressure of the contacts in the region (when a phase compresses or deforms)", OBSERVABLE_F64, 1,
-           pressure, series_compresses),
-    SERIES("packing_fraction", "1", "area of the free disks in play over that of the region (likewise)",
-           OBSERVABLE_F64, 1, packing_fraction, series_compresses),
-    SERIES("outside", "1", "disks beyond the bounds or taken out (with bounds)", OBSERVABLE_I64, 1, outside,
-           has_bounds),
-    SERIES("angle", "rad", "angle of each watched disk, not wrapped", OBSERVABLE_F64, OBSERVABLE_WATCHED,
-           watched_angle, watches),
+           "pressure of the contacts in the region (when a phase compresses or deforms)",
+           OBSERVABLE_F64, 1, pressure, series_compresses),
+    SERIES("packing_fraction", "1",
+           "area of the free disks in play over that of the region (likewise)", OBSERVABLE_F64, 1,
+           packing_fraction, series_compresses),
+    SERIES("outside", "1", "disks beyond the bounds or taken out (with bounds)", OBSERVABLE_I64, 1,
+           outside, has_bounds),
+    SERIES("angle", "rad", "angle of each watched disk, not wrapped", OBSERVABLE_F64,
+           OBSERVABLE_WATCHED, watched_angle, watches),
     SERIES("angular_velocity", "rad/time",
            "angular velocity of each watched disk, counter-clockwise positive", OBSERVABLE_F64,
            OBSERVABLE_WATCHED, watched_spin, watches),
-    SERIES("width", "length", "width of the region (measure.box)", OBSERVABLE_F64, 1, width, asks_box),
+    SERIES("width", "length", "width of the region (measure.box)", OBSERVABLE_F64, 1, width,
+           asks_box),
     SERIES("height", "length", "its height", OBSERVABLE_F64, 1, height, asks_box),
     SERIES("strain_xx", "1",
            "logarithm of the length in x over that at the start (when a phase deforms the box)",
@@ -167,16 +190,20 @@ static const observable others[] = {
     SERIES("strain_yy", "1", "the same in y", OBSERVABLE_F64, 1, strain_yy, cell_deforms),
     SERIES("strain_xy", "1", "shear strain: time integral of rate_xy", OBSERVABLE_F64, 1, strain_xy,
            cell_deforms),
-    SERIES("rate_xx", "1/time", "velocity gradient of the box", OBSERVABLE_F64, 1, rate_xx, cell_deforms),
+    SERIES("rate_xx", "1/time", "velocity gradient of the box", OBSERVABLE_F64, 1, rate_xx,
+           cell_deforms),
     SERIES("rate_yy", "1/time", "the same along y", OBSERVABLE_F64, 1, rate_yy, cell_deforms),
-    SERIES("rate_xy", "1/time", "shear rate: of vx along y", OBSERVABLE_F64, 1, rate_xy, cell_deforms),
-    SERIES("offset", "length", "shift of a row of periodic images against the one below", OBSERVABLE_F64, 1,
-           offset, cell_deforms),
+    SERIES("rate_xy", "1/time", "shear rate: of vx along y", OBSERVABLE_F64, 1, rate_xy,
+           cell_deforms),
+    SERIES("offset", "length", "shift of a row of periodic images against the one below",
+           OBSERVABLE_F64, 1, offset, cell_deforms),
     SERIES("nonaffine_x", "length",
            "root mean square of x displacements since the phase began, beside that of the box",
            OBSERVABLE_F64, 1, nonaffine_x, cell_deforms),
-    SERIES("nonaffine_y", "length", "the same along y", OBSERVABLE_F64, 1, nonaffine_y, cell_deforms),
-    STRESS(stress_xx, "stress of the contacts in the region, compression positive (measure.stress)"),
+    SERIES("nonaffine_y", "length", "the same along y", OBSERVABLE_F64, 1, nonaffine_y,
+           cell_deforms),
+    STRESS(stress_xx,
+           "stress of the contacts in the region, compression positive (measure.stress)"),
     STRESS(stress_xy, "stress of the contacts"),
     STRESS(stress_yx, "stress of the contacts"),
     STRESS(stress_yy, "stress of the contacts"),
@@ -205,12 +232,15 @@ OBSERVABLE_GET(activity, moment_body,
 static bool activity_changes(const sd_model *m) { return m->n_rains > 0 || m->bounds.given; }
 
 static const observable bodies[] = {
-    SERIES("position", "length", "centre of a disk, pivot of a wall", OBSERVABLE_F64, 2, position, NULL),
-    SERIES("image", "1", "periodic images crossed: absolute = position + image * edges", OBSERVABLE_I32, 2,
-           image, NULL),
+    SERIES("position", "length", "centre of a disk, pivot of a wall", OBSERVABLE_F64, 2, position,
+           NULL),
+    SERIES("image", "1", "periodic images crossed: absolute = position + image * edges",
+           OBSERVABLE_I32, 2, image, NULL),
     SERIES("velocity", "length/time", "velocity", OBSERVABLE_F64, 2, velocity, NULL),
-    SERIES("angle", "rad", "angle, counter-clockwise positive, not wrapped", OBSERVABLE_F64, 1, angle, NULL),
-    SERIES("angular_velocity", "rad/time", "spin, counter-clockwise positive", OBSERVABLE_F64, 1, spin, NULL),
+    SERIES("angle", "rad", "angle, counter-clockwise positive, not wrapped", OBSERVABLE_F64, 1,
+           angle, NULL),
+    SERIES("angular_velocity", "rad/time", "spin, counter-clockwise positive", OBSERVABLE_F64, 1,
+           spin, NULL),
     SERIES("activity", "1",
            "0 in play, 1 waiting, 2 removed, 3 outside the bounds (where disks can wait or leave)",
            OBSERVABLE_I32, 1, activity, activity_changes),
@@ -223,10 +253,12 @@ const observable_list frame_observables =
 
 /* --- clumps of a frame ---------------------------------------------------------------------------------- */
 
-OBSERVABLE_GET(clump_position, moment_clump, (k == 0 ? at->state->clump_x : at->state->clump_y)[at->clump])
+OBSERVABLE_GET(clump_position, moment_clump,
+               (k == 0 ? at->state->clump_x : at->state->clump_y)[at->clump])
 OBSERVABLE_GET(clump_image, moment_clump,
                (k == 0 ? at->state->clump_image_x : at->state->clump_image_y)[at->clump])
-OBSERVABLE_GET(clump_velocity, moment_clump, (k == 0 ? at->state->clump_vx : at->state->clump_vy)[at->clump])
+OBSERVABLE_GET(clump_velocity, moment_clump,
+               (k == 0 ? at->state->clump_vx : at->state->clump_vy)[at->clump])
 OBSERVABLE_GET(clump_angle, moment_clump,
                at->state->clump_turn[at->clump] + at->state->clump_theta[at->clump])
 OBSERVABLE_GET(clump_spin, moment_clump, at->state->clump_omega[at->clump])
@@ -236,19 +268,22 @@ OBSERVABLE_GET(clump_torque, moment_clump, at->state->clump_torque[at->clump])
 
 static const observable clump_rows[] = {
     SERIES("position", "length", "centre of mass", OBSERVABLE_F64, 2, clump_position, NULL),
-    SERIES("image", "1", "periodic images crossed by the centre", OBSERVABLE_I32, 2, clump_image, NULL),
-    SERIES("velocity", "length/time", "velocity of the centre", OBSERVABLE_F64, 2, clump_velocity, NULL),
-    SERIES("angle", "rad", "angle turned since the start", OBSERVABLE_F64, 1, clump_angle, NULL),
-    SERIES("angular_velocity", "rad/time", "spin, counter-clockwise positive", OBSERVABLE_F64, 1, clump_spin,
+    SERIES("image", "1", "periodic images crossed by the centre", OBSERVABLE_I32, 2, clump_image,
            NULL),
+    SERIES("velocity", "length/time", "velocity of the centre", OBSERVABLE_F64, 2, clump_velocity,
+           NULL),
+    SERIES("angle", "rad", "angle turned since the start", OBSERVABLE_F64, 1, clump_angle, NULL),
+    SERIES("angular_velocity", "rad/time", "spin, counter-clockwise positive", OBSERVABLE_F64, 1,
+           clump_spin, NULL),
     SERIES("force", "force", "of the contacts of its disks", OBSERVABLE_F64, 2, clump_force, NULL),
-    SERIES("torque", "force length", "of the contacts of its disks, about the centre", OBSERVABLE_F64, 1,
-           clump_torque, NULL),
+    SERIES("torque", "force length", "of the contacts of its disks, about the centre",
+           OBSERVABLE_F64, 1, clump_torque, NULL),
 };
-const observable_list clump_observables = OBSERVABLES(
-    "clumps",
-    "frames of all clumps in /particles/clumps; /particles/disks/clump: 1 + its number of each disk, 0: none",
-    clump_rows);
+const observable_list clump_observables =
+    OBSERVABLES("clumps",
+                "frames of all clumps in /particles/clumps; /particles/disks/clump: 1 + its number "
+                "of each disk, 0: none",
+                clump_rows);
 
 /* --- contacts of a moment --------------------------------------------------------------------------------- */
 
@@ -260,22 +295,24 @@ OBSERVABLE_GET(contact_force, moment_contact, at->state->contact_force[at->conta
 OBSERVABLE_GET(contact_zeta, moment_contact, at->state->contact_zeta[at->contact])
 OBSERVABLE_GET(contact_sliding, moment_contact, at->state->contact_slide[at->contact])
 
-OBSERVABLE_GET(contact_tau, moment_contact, configuration_tau(at->model, at->state, at->slots, at->contact))
+OBSERVABLE_GET(contact_tau, moment_contact,
+               configuration_tau(at->model, at->state, at->slots, at->contact))
 
 static const observable contact_rows[] = {
     SERIES("a", "1", "body number of the disk", OBSERVABLE_U32, 1, contact_a, NULL),
-    SERIES("b", "1", "body number of the partner, disk or wall", OBSERVABLE_U32, 1, contact_b, NULL),
-    SERIES("part", "1", "straight piece of the wall, 0 for round bodies", OBSERVABLE_U32, 1, contact_part,
+    SERIES("b", "1", "body number of the partner, disk or wall", OBSERVABLE_U32, 1, contact_b,
            NULL),
+    SERIES("part", "1", "straight piece of the wall, 0 for round bodies", OBSERVABLE_U32, 1,
+           contact_part, NULL),
     SERIES("overlap", "length", "delta", OBSERVABLE_F64, 1, contact_overlap, NULL),
-    SERIES("force", "force", "normal force F_n, compression positive", OBSERVABLE_F64, 1, contact_force,
-           NULL),
-    SERIES("tau", "force", "tangential force tau (eq. tau): torque on a over its radius", OBSERVABLE_F64, 1,
-           contact_tau, NULL),
-    SERIES("zeta", "length", "tangential displacement, lambda - lambda*", OBSERVABLE_F64, 1, contact_zeta,
-           NULL),
-    SERIES("sliding", "1", "0 stuck, +1/-1 sliding with that sign of tau", OBSERVABLE_I32, 1, contact_sliding,
-           NULL),
+    SERIES("force", "force", "normal force F_n, compression positive", OBSERVABLE_F64, 1,
+           contact_force, NULL),
+    SERIES("tau", "force", "tangential force tau (eq. tau): torque on a over its radius",
+           OBSERVABLE_F64, 1, contact_tau, NULL),
+    SERIES("zeta", "length", "tangential displacement, lambda - lambda*", OBSERVABLE_F64, 1,
+           contact_zeta, NULL),
+    SERIES("sliding", "1", "0 stuck, +1/-1 sliding with that sign of tau", OBSERVABLE_I32, 1,
+           contact_sliding, NULL),
 };
 const observable_list contact_observables =
     OBSERVABLES("contacts", "rows of contact tables, in /contacts", contact_rows);

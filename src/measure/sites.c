@@ -36,7 +36,8 @@ void sites_free(sites *s) {
 /* --- grids ------------------------------------------------------------------------------------------- */
 
 static int octave_of(double radius, double largest) {
-  int o = radius > 0.0 ? (int)fmin(floor(log2(largest / radius)), SITES_OCTAVES - 1) : SITES_OCTAVES - 1;
+  int o = radius > 0.0 ? (int)fmin(floor(log2(largest / radius)), SITES_OCTAVES - 1)
+                       : SITES_OCTAVES - 1;
   return o > 0 ? o : 0;
 }
 
@@ -111,7 +112,8 @@ static void look(search *q, const sites_grid *g, size_t x, size_t y) {
   const size_t c = y * g->cells[0] + x;
   for (size_t k = g->start[c]; k < g->start[c + 1]; k++) {
     const size_t i = g->site[k];
-    const double dx = q->s->at[i][0] - q->at[0], dy = q->s->at[i][1] - q->at[1], r = q->s->radius[i];
+    const double dx = q->s->at[i][0] - q->at[0], dy = q->s->at[i][1] - q->at[1],
+                 r = q->s->radius[i];
     const double power = dx * dx + dy * dy - r * r;
     if (!(power < q->least) || i == q->own) continue;
     q->least = power;
@@ -126,7 +128,8 @@ static void look_around(search *q, const sites_grid *g, const size_t middle[2], 
   for (int64_t y = my - r > 0 ? my - r : 0; y <= my + r && y < ny; y++) {
     const bool edge = y == my - r || y == my + r;
     if (edge) {
-      for (int64_t x = mx - r > 0 ? mx - r : 0; x <= mx + r && x < nx; x++) look(q, g, (size_t)x, (size_t)y);
+      for (int64_t x = mx - r > 0 ? mx - r : 0; x <= mx + r && x < nx; x++)
+        look(q, g, (size_t)x, (size_t)y);
     } else {
       if (mx - r >= 0) look(q, g, (size_t)(mx - r), (size_t)y);
       if (mx + r < nx) look(q, g, (size_t)(mx + r), (size_t)y);
@@ -171,7 +174,8 @@ size_t sites_around(const sites *s, size_t i, uint32_t *found, size_t room, site
   size_t n = 0;
   for (size_t v = y > 0 ? y - 1 : 0; v <= y + 1 && v < g->cells[1]; v++)
     for (size_t u = x > 0 ? x - 1 : 0; u <= x + 1 && u < g->cells[0]; u++)
-      for (size_t k = g->start[v * g->cells[0] + u]; k < g->start[v * g->cells[0] + u + 1] && n < room; k++)
+      for (size_t k = g->start[v * g->cells[0] + u];
+           k < g->start[v * g->cells[0] + u + 1] && n < room; k++)
         if (g->site[k] != i) found[n++] = g->site[k];
   block->complete = s->one_octave && n < room;
   for (int k = 0; k < 2; k++) {

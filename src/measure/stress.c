@@ -45,7 +45,8 @@ static void add_contact(stress *s, const configuration *c, const config_contact 
 
 static void add_body_forces(stress *s, const sd_model *m) {
   for (size_t i = 0; i < m->n_disks; i++)
-    for (int c = 0; c < 2; c++) s->resultant[i][c] += m->disks[i].mass * m->gravity[c] + m->disks[i].force[c];
+    for (int c = 0; c < 2; c++)
+      s->resultant[i][c] += m->disks[i].mass * m->gravity[c] + m->disks[i].force[c];
 }
 
 /* --- rattlers ----------------------------------------------------------------------------------------- */
@@ -121,7 +122,8 @@ typedef struct body {
 static size_t n_bodies(const configuration *c) { return c->model->n_disks + c->n_clumps; }
 
 /* Body k, when it is free and its centre in the region. s may be NULL. */
-static bool body_moves(body *b, const configuration *c, const region *g, const stress *s, size_t k) {
+static bool body_moves(body *b, const configuration *c, const region *g, const stress *s,
+                       size_t k) {
   const sd_model *m = c->model;
   if (k < m->n_disks) {
     const sd_disk *d = &m->disks[k];
@@ -196,7 +198,9 @@ static bool body_counts(const configuration *c, size_t k) {
 }
 
 /* Of all ranks, when the configuration is one of theirs. */
-static void add_up(const configuration *c, exact_sum *sums, size_t n) { comm_total_exact(c->comm, sums, n); }
+static void add_up(const configuration *c, exact_sum *sums, size_t n) {
+  comm_total_exact(c->comm, sums, n);
+}
 
 static void kinetic_stress(double out[4], const configuration *c, const region *g, double area) {
   exact_sum momentum[3] = {0}, sum[4] = {0}; /* x, y, and the mass */
@@ -210,7 +214,8 @@ static void kinetic_stress(double out[4], const configuration *c, const region *
   }
   add_up(c, momentum, 3);
   const double mass = exact_sum_value(&momentum[2]);
-  const double mean[2] = {exact_sum_value(&momentum[0]) / mass, exact_sum_value(&momentum[1]) / mass};
+  const double mean[2] = {exact_sum_value(&momentum[0]) / mass,
+                          exact_sum_value(&momentum[1]) / mass};
   for (size_t i = 0; i < n_bodies(c); i++) {
     if (!body_moves(&b, c, g, NULL, i) || !body_counts(c, i)) continue;
     beside_flow(c, &b, v);
@@ -254,7 +259,8 @@ static void sum_contacts(stress *s, const configuration *c, const region *g) {
     s->n_wall += !configuration_is_free(c, q->b);
     s->n_sliding += q->slide != 0;
     overlap += q->overlap;
-    if (q->overlap > s->overlap_max) s->overlap_max = q->overlap, s->overlap_a = q->a, s->overlap_b = q->b;
+    if (q->overlap > s->overlap_max)
+      s->overlap_max = q->overlap, s->overlap_a = q->a, s->overlap_b = q->b;
     if (!(q->force > 0.0)) continue;
     s->n_bearing++;
     force += q->force;

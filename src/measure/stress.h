@@ -22,7 +22,8 @@ enum { STRESS_XX, STRESS_XY, STRESS_YX, STRESS_YY };
 /* Of a tensor's symmetric part. */
 typedef struct principal {
   double mean, deviator; /* (s1 + s2)/2, (s1 - s2)/2 */
-  double angle; /* of the larger principal value to the x axis, rad, in (-pi/2, pi/2]; NAN: isotropic */
+  double
+      angle; /* of the larger principal value to the x axis, rad, in (-pi/2, pi/2]; NAN: isotropic */
 } principal;
 principal stress_principal(const double tensor[4]);
 
@@ -35,24 +36,28 @@ typedef struct stress {
       virial; /* sum of l.f over its contacts, l from its centre, or that of its clump, to the point of contact */
 
   /* of the region: disks whose centre, contacts whose point lies in it */
-  double area, fraction;       /* of the region; area of disks (also prescribed ones) in it over its own */
+  double area,
+      fraction; /* of the region; area of disks (also prescribed ones) in it over its own */
   size_t free, fixed, outside; /* disks in play: free and prescribed inside, free ones elsewhere */
   size_t rattlers;             /* of the free disks; those of clumps that rattle */
   size_t clumps;               /* whose centre lies in the region */
-  size_t n_contacts, n_bearing, n_wall; /* contacts; of these load-bearing, with a wall or prescribed disk */
+  size_t n_contacts, n_bearing,
+      n_wall; /* contacts; of these load-bearing, with a wall or prescribed disk */
   size_t n_sliding;
   double z, z_bearing; /* contacts per free disk: closed, load-bearing */
-  double z_backbone;   /* load-bearing contacts among and on disks that are no rattlers, per such disk */
+  double
+      z_backbone; /* load-bearing contacts among and on disks that are no rattlers, per such disk */
   double contact[4], kinetic[4];
   principal contact_principal;
-  double fabric[4];                 /* mean of n_x n_y of load-bearing contacts */
-  double anisotropy;                /* 2 (F_1 - F_2): a in P(beta) = (1 + a cos 2(beta - beta_0))/2pi */
-  double fabric_angle;              /* beta_0 */
-  double mean_force;                /* of load-bearing contacts */
-  double overlap_mean, overlap_max; /* closed contacts */
-  uint32_t overlap_a, overlap_b;    /* bodies of the largest, as in configuration.model */
+  double fabric[4];    /* mean of n_x n_y of load-bearing contacts */
+  double anisotropy;   /* 2 (F_1 - F_2): a in P(beta) = (1 + a cos 2(beta - beta_0))/2pi */
+  double fabric_angle; /* beta_0 */
+  double mean_force;   /* of load-bearing contacts */
+  double overlap_mean, overlap_max;           /* closed contacts */
+  uint32_t overlap_a, overlap_b;              /* bodies of the largest, as in configuration.model */
   double energy_translation, energy_rotation; /* kinetic, per free disk or clump */
-  double unbalanced; /* mean resultant on one over mean_force; NAN: tangential forces are not known */
+  double
+      unbalanced; /* mean resultant on one over mean_force; NAN: tangential forces are not known */
 } stress;
 
 /* stress_free also when it fails. */

@@ -37,8 +37,9 @@ static char *better_step(const sd_model *m, const sd_step_limit *limit) {
   double verlet = sd_model_step_limit(&other).dt;
   char *text = format_text("take %.2g or less", best);
   if (m->integrator == SD_GEAR5 && m->dt < verlet / FEWEST_VISCOUS)
-    text = isfinite(verlet) ? append_text(text, ", or integrator = \"verlet\", whose limit is %.3g", verlet)
-                            : append_text(text, ", or integrator = \"verlet\", which has no limit here");
+    text = isfinite(verlet)
+               ? append_text(text, ", or integrator = \"verlet\", whose limit is %.3g", verlet)
+               : append_text(text, ", or integrator = \"verlet\", which has no limit here");
   return text;
 }
 
@@ -46,12 +47,12 @@ char *advice_unstable(const sd_model *m) {
   const sd_step_limit limit = sd_model_step_limit(m);
   if (m->limits.unstable_step || !(m->dt > limit.dt)) return NULL;
   char name[96], *better = better_step(m, &limit);
-  char *text =
-      format_text("beyond %.3g, from which on %s blows up (%s of %s%s); %s; limits.unstable_step = true "
-                  "allows it",
-                  limit.dt, integrators[m->integrator], bound_text(limit.bound),
-                  sd_model_body_name(m, limit.disk, name, sizeof name),
-                  limit.bound == SD_BOUND_FIELD ? "" : " between two others", better);
+  char *text = format_text(
+      "beyond %.3g, from which on %s blows up (%s of %s%s); %s; limits.unstable_step = true "
+      "allows it",
+      limit.dt, integrators[m->integrator], bound_text(limit.bound),
+      sd_model_body_name(m, limit.disk, name, sizeof name),
+      limit.bound == SD_BOUND_FIELD ? "" : " between two others", better);
   free(better);
   return text;
 }
@@ -63,7 +64,8 @@ const char *advice_of_failure(const sd_model *m, const char *otherwise, char *te
   const sd_step_limit limit = sd_model_step_limit(m);
   if (m->dt > NEAR_LIMIT * limit.dt)
     snprintf(text, size,
-             "dt = %g is too large: %.2g of the limit of stability (%s, %s), which many contacts lower to a "
+             "dt = %g is too large: %.2g of the limit of stability (%s, %s), which many contacts "
+             "lower to a "
              "third; take %.2g",
              m->dt, m->dt / limit.dt, integrators[m->integrator], bound_text(limit.bound),
              NEAR_LIMIT / 2 * limit.dt);
@@ -81,17 +83,20 @@ static double check_time_step(const sd_model *m, sd_messages *messages) {
   if (!(m->dt > fmin(longest, limit.dt))) return 0;
   char *better = better_step(m, &limit);
   if (unstable)
-    sd_warn(messages, "dt = %g is beyond the limit of stability %.3g (%s, %s): results mean nothing%s; %s",
+    sd_warn(messages,
+            "dt = %g is beyond the limit of stability %.3g (%s, %s): results mean nothing%s; %s",
             m->dt, limit.dt, integrators[m->integrator], bound_text(limit.bound),
             limit.bound == SD_BOUND_TANGENTIAL ? " where contacts stick" : "", better);
   else if (m->dt > period / FEWEST_STEPS)
     sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; %s", m->dt,
             FEWEST_STEPS, period, better);
   else
-    sd_warn(messages,
-            "dt = %g is more than 1/%g of the limit of stability %.3g (%s, %s), which a disk with many "
-            "contacts lowers; %s",
-            m->dt, FEWEST_VISCOUS, limit.dt, integrators[m->integrator], bound_text(limit.bound), better);
+    sd_warn(
+        messages,
+        "dt = %g is more than 1/%g of the limit of stability %.3g (%s, %s), which a disk with many "
+        "contacts lowers; %s",
+        m->dt, FEWEST_VISCOUS, limit.dt, integrators[m->integrator], bound_text(limit.bound),
+        better);
   free(better);
   return m->dt / fmin(longest, limit.dt);
 }
@@ -102,7 +107,8 @@ static double check_time_step(const sd_model *m, sd_messages *messages) {
 static char *law_name(const sd_model *m, size_t a, size_t b) {
   const char *one = m->materials[a].name, *other = m->materials[b].name;
   if (!one || !other)
-    return a == b ? format_text("materials[%zu]", a) : format_text("material_pairs (%zu, %zu)", a, b);
+    return a == b ? format_text("materials[%zu]", a)
+                  : format_text("material_pairs (%zu, %zu)", a, b);
   return a == b ? format_text("materials.%s", one)
                 : format_text("material_pairs (\"%s\", \"%s\")", one, other);
 }
@@ -110,7 +116,8 @@ static char *law_name(const sd_model *m, size_t a, size_t b) {
 /* Pairs of materials that have a law and bodies. */
 static bool is_used(const sd_model *m, const law_use *use, size_t a, size_t b) {
   bool enough = a == b ? use[a].count > 1 : use[a].count > 0 && use[b].count > 0;
-  return enough && (use[a].free_disk || use[b].free_disk) && law_is_given(sd_model_law(m, (int)a, (int)b));
+  return enough && (use[a].free_disk || use[b].free_disk) &&
+         law_is_given(sd_model_law(m, (int)a, (int)b));
 }
 
 typedef double law_visitor(const sd_model *m, size_t a, size_t b, sd_messages *messages);
@@ -132,7 +139,8 @@ static double mindlin_of(const sd_model *m, size_t a, size_t b, sd_messages *mes
   if (law->tangential != SD_TANGENTIAL_MINDLIN || law->k_t > 0) return 0;
   char *name = law_name(m, a, b);
   sd_warn(messages,
-          "%s: tangential = \"mindlin\" without k_t has no effect: give k_t (force/length^(3/2)) and mu",
+          "%s: tangential = \"mindlin\" without k_t has no effect: give k_t (force/length^(3/2)) "
+          "and mu",
           name);
   free(name);
   return 1;
@@ -143,11 +151,13 @@ static double friction_of(const sd_model *m, size_t a, size_t b, sd_messages *me
   if ((law->mu > 0) == (law->k_t > 0)) return mindlin_of(m, a, b, messages);
   char *name = law_name(m, a, b);
   if (law->mu > 0)
-    sd_warn(messages, "%s: mu = %g without k_t is no friction at all: give k_t, usually 0.3 to 1 times k_n",
+    sd_warn(messages,
+            "%s: mu = %g without k_t is no friction at all: give k_t, usually 0.3 to 1 times k_n",
             name, law->mu);
   else
     sd_warn(messages,
-            "%s: k_t = %g without mu has no effect: the contact slides freely; give mu, or leave k_t out",
+            "%s: k_t = %g without mu has no effect: the contact slides freely; give mu, or leave "
+            "k_t out",
             name, law->k_t);
   free(name);
   return 1;
@@ -181,9 +191,10 @@ static double warn_of_phase(const sd_model *m, size_t k, sd_messages *messages, 
 static double check_relax(const sd_model *m, sd_messages *messages) {
   for (size_t k = 0; k < m->n_phases && m->integrator == SD_GEAR5; k++)
     if (m->phases[k].relax)
-      return warn_of_phase(m, k, messages,
-                           "relax = true with integrator = \"gear5\": the relaxer stops disks, and Gear's "
-                           "higher derivatives do not know; take integrator = \"verlet\"");
+      return warn_of_phase(
+          m, k, messages,
+          "relax = true with integrator = \"gear5\": the relaxer stops disks, and Gear's "
+          "higher derivatives do not know; take integrator = \"verlet\"");
   return 0;
 }
 
@@ -191,13 +202,16 @@ static double check_relax(const sd_model *m, sd_messages *messages) {
 static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
   for (size_t j = 0; j < m->n_motions; j++) {
     int kind = (int)m->motions[j].kind;
-    bool swings = kind == SD_MOTION_HARMONIC || kind == SD_MOTION_PARABOLIC || kind == SD_MOTION_RANDOM ||
-                  kind == SD_MOTION_SQUARE || kind == SD_MOTION_TRIANGLE;
+    bool swings = kind == SD_MOTION_HARMONIC || kind == SD_MOTION_PARABOLIC ||
+                  kind == SD_MOTION_RANDOM || kind == SD_MOTION_SQUARE ||
+                  kind == SD_MOTION_TRIANGLE;
     if (p->active && p->active[j] && swings && m->motions[j].amplitude != 0)
-      return "settle waits for rest, but a motion shakes all the time: switch it off with motions = ()";
+      return "settle waits for rest, but a motion shakes all the time: switch it off with motions "
+             "= ()";
   }
   if (!p->relax && each_law(m, loses_energy, NULL) == 0 && !body_forces_lose(m, p - m->phases))
-    return "settle waits for rest, but nothing takes energy out (gamma_n, restitution, mu with k_t, drag, "
+    return "settle waits for rest, but nothing takes energy out (gamma_n, restitution, mu with "
+           "k_t, drag, "
            "damping): "
            "relax = true brings the disks to rest";
   return NULL;
@@ -213,7 +227,8 @@ static double rounding(const sd_model *m) {
   }
   farthest = rows_largest(m, farthest);
   least = rows_least(m, least);
-  for (size_t k = 0; k < m->n_materials * m->n_materials; k++) stiffest = fmax(stiffest, m->laws[k].k_n);
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
+    stiffest = fmax(stiffest, m->laws[k].k_n);
   return least > 0 && isfinite(least) ? DBL_EPSILON / 2 * farthest * stiffest / least : 0;
 }
 
@@ -226,9 +241,10 @@ static double check_settle(const sd_model *m, sd_messages *messages) {
     if (why) worst = fmax(worst, warn_of_phase(m, k, messages, why));
     double least = s->unbalanced > 0 ? rounding(m) : 0;
     if (!(s->unbalanced < least)) continue;
-    char *text = format_text("settle.unbalanced = %g is below %.2g, the rounding of positions against the "
-                             "overlap under a weight: take more",
-                             s->unbalanced, least);
+    char *text =
+        format_text("settle.unbalanced = %g is below %.2g, the rounding of positions against the "
+                    "overlap under a weight: take more",
+                    s->unbalanced, least);
     worst = fmax(worst, warn_of_phase(m, k, messages, text));
     free(text);
   }
@@ -237,7 +253,8 @@ static double check_settle(const sd_model *m, sd_messages *messages) {
 
 /* Packing fraction at the start, as compress.c has it; 0: no region. */
 static double first_fraction(const sd_model *m) {
-  double area = (m->region_upper[0] - m->region_lower[0]) * (m->region_upper[1] - m->region_lower[1]),
+  double area =
+             (m->region_upper[0] - m->region_lower[0]) * (m->region_upper[1] - m->region_lower[1]),
          sum = 0;
   for (size_t row = rows_first(m); row < rows_count(m); row++) {
     const sd_disk *d = rows_disk(m, row);
@@ -254,7 +271,8 @@ double sd_model_compress_time(const sd_model *m, size_t phase) {
     if (m->phases[k].compress.asked)
       from = m->phases[k].compress.fraction; /* 0: after a pressure it is not known */
   const sd_compress *c = &m->phases[phase].compress;
-  return c->asked && c->fraction > 0 && from > 0 ? fabs(log(c->fraction / from)) / 2 / c->rate : NAN;
+  return c->asked && c->fraction > 0 && from > 0 ? fabs(log(c->fraction / from)) / 2 / c->rate
+                                                 : NAN;
 }
 
 /* A phase may hold what it has reached for a while; it is seldom meant to for most of its length. */
@@ -271,15 +289,15 @@ static double check_compress(const sd_model *m, sd_messages *messages) {
     if (isnan(needed)) ratio = time * p->compress.rate / LOG_SHRUNK;
     if (!(ratio > 1)) continue;
     if (isnan(needed))
-      text =
-          format_text("compress holds its pressure to the end of the phase, long after it is reached: %.3g "
-                      "times 1/rate",
-                      time * p->compress.rate);
-    else
       text = format_text(
-          "compress reaches its packing fraction after about %.3g of %.3g, and the phase goes on to "
-          "its end",
-          needed, time);
+          "compress holds its pressure to the end of the phase, long after it is reached: %.3g "
+          "times 1/rate",
+          time * p->compress.rate);
+    else
+      text = format_text("compress reaches its packing fraction after about %.3g of %.3g, and the "
+                         "phase goes on to "
+                         "its end",
+                         needed, time);
     text = append_text(text, "; with settle = { unbalanced = 1e-3; } it ends there");
     warn_of_phase(m, k, messages, text);
     worst = fmax(worst, ratio);
@@ -292,7 +310,8 @@ static double check_compress(const sd_model *m, sd_messages *messages) {
 
 static bool attracts(const sd_model *m) {
   bool any = false;
-  for (size_t k = 0; k < m->n_materials * m->n_materials; k++) any |= m->laws[k].cohesion != SD_COHESION_NONE;
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
+    any |= m->laws[k].cohesion != SD_COHESION_NONE;
   return any;
 }
 
@@ -304,9 +323,11 @@ static const char *without_effect(const sd_cell *c) {
     rate |= c->rate[k] != 0;
   }
   if (!controlled && c->response > 0)
-    return "cell.response has no effect: no stress is controlled; give stress_xx, stress_yy or stress_xy";
+    return "cell.response has no effect: no stress is controlled; give stress_xx, stress_yy or "
+           "stress_xy";
   if (!controlled && c->max_rate > 0)
-    return "cell.max_rate has no effect: no stress is controlled; give stress_xx, stress_yy or stress_xy";
+    return "cell.max_rate has no effect: no stress is controlled; give stress_xx, stress_yy or "
+           "stress_xy";
   if (!controlled && !rate)
     return "cell has neither a rate nor a stress: the box stays as it is; give rate_xy or the like";
   return NULL;
@@ -321,9 +342,10 @@ static double check_cells(const sd_model *m, sd_messages *messages) {
     if (idle) worst = warn_of_phase(m, k, messages, idle);
     for (int q = SD_CELL_XX; c->asked && q <= SD_CELL_YY; q++) {
       if (!c->controlled[q] || !(c->stress[q] < 0) || attracts(m)) continue;
-      char *text = format_text("cell.%s = %g: compression is positive here, and without cohesion nothing "
-                               "holds disks together under tension",
-                               keys[q], c->stress[q]);
+      char *text =
+          format_text("cell.%s = %g: compression is positive here, and without cohesion nothing "
+                      "holds disks together under tension",
+                      keys[q], c->stress[q]);
       worst = warn_of_phase(m, k, messages, text);
       free(text);
     }
@@ -357,7 +379,8 @@ static int by_key(const void *one, const void *two) {
 static sd_status list_pairs(search *s) {
   const sd_model *m = s->m;
   if (!memory_resize_row(&s->pairs, m->n_memories, sizeof *s->pairs)) return SD_ERROR_IO;
-  for (size_t k = 0; k < m->n_memories; k++) s->pairs[k] = pair_key(m->memories[k].a, m->memories[k].b);
+  for (size_t k = 0; k < m->n_memories; k++)
+    s->pairs[k] = pair_key(m->memories[k].a, m->memories[k].b);
   if (m->n_memories > 1) qsort(s->pairs, m->n_memories, sizeof *s->pairs, by_key);
   return SD_OK;
 }
@@ -377,12 +400,17 @@ static bool begins_away(const sd_model *m, uint32_t a, uint32_t b) {
   return known;
 }
 
-static bool is_free(const sd_model *m, uint32_t body) { return body < m->n_disks && !m->disks[body].driven; }
-static bool waits(const sd_model *m, uint32_t body) { return body < m->n_disks && m->disks[body].waiting; }
+static bool is_free(const sd_model *m, uint32_t body) {
+  return body < m->n_disks && !m->disks[body].driven;
+}
+static bool waits(const sd_model *m, uint32_t body) {
+  return body < m->n_disks && m->disks[body].waiting;
+}
 
 /* Fills in the force on the smaller disk of a pair, and the weight of the lighter free one. */
 static void note_force(const sd_model *m, const sd_disk *d, first_overlap *o) {
-  const int other = o->b < m->n_disks ? m->disks[o->b].material : m->walls[o->b - m->n_disks].material;
+  const int other =
+      o->b < m->n_disks ? m->disks[o->b].material : m->walls[o->b - m->n_disks].material;
   const double g = hypot(m->gravity[0], m->gravity[1]);
   double mass = d->driven ? HUGE_VAL : d->mass;
   if (is_free(m, o->b)) mass = fmin(mass, m->disks[o->b].mass);
@@ -398,7 +426,8 @@ static bool note_overlap(void *user, const overlap *o) {
   double relative = o->depth / d->radius;
   if (relative <= s->worst.relative || d->waiting || waits(m, o->b)) return false;
   if (d->driven && !is_free(m, o->b)) return false;
-  const bool too_deep = m->max_overlap > 0 && relative > m->max_overlap; /* a mistake, though remembered */
+  const bool too_deep =
+      m->max_overlap > 0 && relative > m->max_overlap; /* a mistake, though remembered */
   if ((begins_away(m, o->a, o->b) && !too_deep) || begins_with(s, o->a, o->b)) return false;
   s->worst = (first_overlap){.a = o->a, .b = o->b, .depth = o->depth, .relative = relative};
   note_force(m, d, &s->worst);
@@ -429,12 +458,15 @@ sd_status advice_overlap(const sd_model *m, first_overlap *worst) {
 double advice_tell_overlap(const sd_model *m, const first_overlap *worst, sd_messages *messages) {
   char one[96], two[96], *times = NULL;
   if (!(worst->relative > DEEP_OVERLAP)) return 0;
-  if (worst->weight > 0) times = format_text(", %.3g times the weight", worst->force / worst->weight);
+  if (worst->weight > 0)
+    times = format_text(", %.3g times the weight", worst->force / worst->weight);
   sd_warn(messages,
-          "%s and %s overlap by %.3g at the start, %.3g of the radius: a force of %.3g%s throws them apart; "
+          "%s and %s overlap by %.3g at the start, %.3g of the radius: a force of %.3g%s throws "
+          "them apart; "
           "move them, or let the first phase relax = true",
-          sd_model_body_name(m, worst->a, one, sizeof one), sd_model_body_name(m, worst->b, two, sizeof two),
-          worst->depth, worst->relative, worst->force, times ? times : "");
+          sd_model_body_name(m, worst->a, one, sizeof one),
+          sd_model_body_name(m, worst->b, two, sizeof two), worst->depth, worst->relative,
+          worst->force, times ? times : "");
   free(times);
   return worst->relative / DEEP_OVERLAP;
 }
@@ -454,20 +486,21 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
   double worst = m->measure_configurations && m->n_slides == 0;
   char one[96], two[96];
   if (worst > 0)
-    sd_warn(messages,
-            "measure.configurations = true without measure.sliding has no effect: name the disk and its "
-            "two partners there");
+    sd_warn(messages, "measure.configurations = true without measure.sliding has no effect: name "
+                      "the disk and its "
+                      "two partners there");
   for (size_t k = 0; k < m->n_slides; k++)
     for (int c = 0; c < 2; c++) {
       const sd_slide_watch *w = &m->slides[k];
-      double gap = overlaps_first_gap(m, w->disk, w->partner[c]), ratio = gap / m->disks[w->disk].radius;
+      double gap = overlaps_first_gap(m, w->disk, w->partner[c]),
+             ratio = gap / m->disks[w->disk].radius;
       if (!(ratio > WIDE_GAP) || waits(m, w->disk) || waits(m, w->partner[c])) continue;
-      sd_warn(
-          messages,
-          "measure.sliding: %s and %s do not touch at the start: there are %.3g between them, %.3g radii; "
-          "is the partner the one that is meant?",
-          sd_model_body_name(m, w->disk, one, sizeof one),
-          sd_model_body_name(m, w->partner[c], two, sizeof two), gap, ratio);
+      sd_warn(messages,
+              "measure.sliding: %s and %s do not touch at the start: there are %.3g between them, "
+              "%.3g radii; "
+              "is the partner the one that is meant?",
+              sd_model_body_name(m, w->disk, one, sizeof one),
+              sd_model_body_name(m, w->partner[c], two, sizeof two), gap, ratio);
       worst = fmax(worst, ratio);
     }
   return worst;
@@ -475,9 +508,10 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
 
 /* --- all -------------------------------------------------------------------------------------------------- */
 
-advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,    check_settle,
-                                       check_compress,  check_overlap,  check_watches,  check_cells,
-                                       advice_fields,   advice_joints,  advice_motions, advice_prescribed};
+advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,
+                                       check_settle,    check_compress, check_overlap,
+                                       check_watches,   check_cells,    advice_fields,
+                                       advice_joints,   advice_motions, advice_prescribed};
 const size_t advice_count = sizeof advice_checks / sizeof *advice_checks;
 
 void sd_model_advise(const sd_model *m, sd_messages *messages) {

@@ -28,7 +28,8 @@ char *advice_unstable(const sd_model *model);
 char *advice_first_jump(const sd_model *model);
 
 /* Why a run may have failed: dt near its limit, or else as asked, "is k_n too small?"; in text[size]. */
-const char *advice_of_failure(const sd_model *model, const char *otherwise, char *text, size_t size);
+const char *advice_of_failure(const sd_model *model, const char *otherwise, char *text,
+                              size_t size);
 
 /* The deepest overlap at the start of two bodies of which one is free to move, over the radius of the smaller disk; without
  * contacts that the model begins with. depth 0: none. */
@@ -42,6 +43,7 @@ sd_status advice_overlap(const sd_model *model, first_overlap *worst);
 /* Collective. The deepest of all ranks; of equal ones that of the first rank. */
 void advice_share_overlap(const comm *c, first_overlap *worst);
 /* The warning, where it is deep; what an advice_check returns. */
-double advice_tell_overlap(const sd_model *model, const first_overlap *worst, sd_messages *messages);
+double advice_tell_overlap(const sd_model *model, const first_overlap *worst,
+                           sd_messages *messages);
 
 #endif

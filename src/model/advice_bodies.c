@@ -78,9 +78,11 @@ static bool lies_on(const sd_wall *w, size_t k, const wall_end *e, double near, 
     s->center = w->kind == SD_WALL_ARC ? w->center : w->pivot;
     s->radius = w->radius;
     for (int c = 0; c < 2; c++) s->normal[c] = (e->at[c] - s->center[c]) / w->radius;
-    const double angle = remainder(atan2(s->normal[1], s->normal[0]) - 0.5 * (w->from + w->to), 2.0 * M_PI);
+    const double angle =
+        remainder(atan2(s->normal[1], s->normal[0]) - 0.5 * (w->from + w->to), 2.0 * M_PI);
     return fabs(hypot(s->normal[0], s->normal[1]) - 1.0) * w->radius <= near &&
-           (w->kind == SD_WALL_CIRCLE || (0.5 * (w->to - w->from) - fabs(angle)) * w->radius > near);
+           (w->kind == SD_WALL_CIRCLE ||
+            (0.5 * (w->to - w->from) - fabs(angle)) * w->radius > near);
   }
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
   const double along[2] = {q[0] - p[0], q[1] - p[1]}, from[2] = {e->at[0] - p[0], e->at[1] - p[1]};
@@ -89,7 +91,8 @@ static bool lies_on(const sd_wall *w, size_t k, const wall_end *e, double near, 
   s->normal[0] = -along[1] / length;
   s->normal[1] = along[0] / length;
   return fabs(dot(s->normal, from)) <= near &&
-         (w->kind == SD_WALL_LINE || (on > (first ? near : -near) && on < length - (last ? near : -near)));
+         (w->kind == SD_WALL_LINE ||
+          (on > (first ? near : -near) && on < length - (last ? near : -near)));
 }
 
 static bool is_on_other_side(const double at[2], const void *user) {
@@ -161,8 +164,8 @@ static double tell(const sd_model *m, const twice *t, const char *where, const c
   if (t->count > 1) snprintf(more, sizeof more, " (and %zu more)", t->count - 1);
   sd_warn(messages, "%s %s %s at (%g, %g)%s: %s",
           sd_model_body_name(m, (uint32_t)m->n_disks + t->a, one, sizeof one), where,
-          sd_model_body_name(m, (uint32_t)m->n_disks + t->b, two, sizeof two), t->at[0], t->at[1], more,
-          advice);
+          sd_model_body_name(m, (uint32_t)m->n_disks + t->b, two, sizeof two), t->at[0], t->at[1],
+          more, advice);
   return (double)t->count;
 }
 
@@ -173,15 +176,17 @@ double advice_joints(const sd_model *m, sd_messages *messages) {
   look_at_ends(m, all, n, &ends);
   look_at_surfaces(m, all, n, &surfaces);
   free(all);
-  const double apart = tell(m, &ends, "meets",
-                            "they move apart, so a disk there feels both; name both in the same motions, or "
-                            "draw them as one polyline",
-                            messages);
-  return fmax(apart,
-              tell(m, &surfaces, "ends on",
-                   "a disk on its other side feels both there; let the first end before it, or draw the "
-                   "second in two parts whose ends meet there",
-                   messages));
+  const double apart =
+      tell(m, &ends, "meets",
+           "they move apart, so a disk there feels both; name both in the same motions, or "
+           "draw them as one polyline",
+           messages);
+  return fmax(
+      apart,
+      tell(m, &surfaces, "ends on",
+           "a disk on its other side feels both there; let the first end before it, or draw the "
+           "second in two parts whose ends meet there",
+           messages));
 }
 
 /* --- prescribed bodies that run into one another, between which no force acts ----------------- */
@@ -238,7 +243,8 @@ static double gap_of(const sd_model *m, uint32_t disk, uint32_t body, const disp
   const bool wall = body >= m->n_disks;
   const double *at = wall ? m->walls[body - m->n_disks].pivot : m->disks[body].position;
   const double x[2] = {d->position[0] + all[disk].by[0], d->position[1] + all[disk].by[1]};
-  const double pose[3] = {at[0] + all[body].by[0], at[1] + all[body].by[1], wall ? all[body].by[2] : 0};
+  const double pose[3] = {at[0] + all[body].by[0], at[1] + all[body].by[1],
+                          wall ? all[body].by[2] : 0};
   return overlaps_gap(m, disk, x, body, pose);
 }
 
@@ -288,12 +294,12 @@ double advice_prescribed(const sd_model *m, sd_messages *messages) {
   free(p.list);
   free(p.all);
   if (!(worst.depth > 0)) return 0;
-  sd_warn(
-      messages,
-      "%s and %s are both prescribed, and motions bring them to overlap by %.2g of the radius: no force acts "
-      "between them, only on disks that are free",
-      sd_model_body_name(m, worst.disk, one, sizeof one), sd_model_body_name(m, worst.body, two, sizeof two),
-      worst.depth);
+  sd_warn(messages,
+          "%s and %s are both prescribed, and motions bring them to overlap by %.2g of the radius: "
+          "no force acts "
+          "between them, only on disks that are free",
+          sd_model_body_name(m, worst.disk, one, sizeof one),
+          sd_model_body_name(m, worst.body, two, sizeof two), worst.depth);
   return worst.depth / LEAST_OVERLAP;
 }
 
@@ -311,12 +317,14 @@ static double check_stride(const sd_model *m, sd_messages *messages) {
   sd_model_body_name(m, s.body, body, sizeof body);
   if (motion_source(&m->motions[s.motion]) == SIGNAL_TABLE)
     sd_warn(messages,
-            "%s: %s moves by up to %.3g radii of the smallest disk in a step, and disks may pass through it: "
+            "%s: %s moves by up to %.3g radii of the smallest disk in a step, and disks may pass "
+            "through it: "
             "spread the change over more time (limits.displacement is %g)",
             name, body, s.length, limit);
   else
     sd_warn(messages,
-            "%s: %s moves by up to %.3g radii of the smallest disk in a step, and disks may pass through it: "
+            "%s: %s moves by up to %.3g radii of the smallest disk in a step, and disks may pass "
+            "through it: "
             "take a lower speed, or dt = %.2g or less (limits.displacement is %g)",
             name, body, s.length, m->dt * limit / s.length / 2, limit);
   return s.length / limit;
@@ -333,11 +341,12 @@ char *advice_first_jump(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++) {
     const double jump = strides_first_jump(m, k);
     if (jump > LEAST_JUMP)
-      return format_text("%s begins with a jump by %s%.3g radii of the smallest disk, which throws what is "
-                         "there, whatever dt: %s",
-                         model_motion_name(m, k, name, sizeof name),
-                         motion_source(&m->motions[k]) == SIGNAL_RANDOM ? "up to " : "", jump,
-                         instead(&m->motions[k]));
+      return format_text(
+          "%s begins with a jump by %s%.3g radii of the smallest disk, which throws what is "
+          "there, whatever dt: %s",
+          model_motion_name(m, k, name, sizeof name),
+          motion_source(&m->motions[k]) == SIGNAL_RANDOM ? "up to " : "", jump,
+          instead(&m->motions[k]));
   }
   return NULL;
 }
@@ -354,7 +363,8 @@ static double check_cycles(const sd_model *m, sd_messages *messages) {
   char name[96];
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *q = &m->motions[k];
-    const double steps = motion_is_wave(q) && q->amplitude != 0 ? motion_period(q) / m->dt : HUGE_VAL;
+    const double steps =
+        motion_is_wave(q) && q->amplitude != 0 ? motion_period(q) / m->dt : HUGE_VAL;
     if (!(steps < FEWEST_STEPS)) continue;
     sd_warn(messages, "%s: a cycle takes %.3g steps, fewer than %g: take dt = %.2g or less",
             model_motion_name(m, k, name, sizeof name), steps, FEWEST_STEPS,

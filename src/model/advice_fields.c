@@ -11,7 +11,8 @@
 /* Beyond these a step is coarse: f dt/m of drag, and the angle by which a frame turns in it. */
 static const double COARSE_DRAG = 0.2, COARSE_TURN = 0.05;
 
-static double warn_of_field(const sd_model *m, size_t k, sd_messages *messages, double how, char *text) {
+static double warn_of_field(const sd_model *m, size_t k, sd_messages *messages, double how,
+                            char *text) {
   const char *name = m->fields[k].name;
   if (name && *name)
     sd_warn(messages, "fields.%s: %s", name, text);
@@ -27,7 +28,8 @@ static double check_drag(const sd_model *m, sd_messages *messages) {
   const double rate = body_forces_drag_rate(m, &disk), coarse = rate * m->dt / COARSE_DRAG;
   if (!(coarse > 1)) return 0;
   sd_warn(messages,
-          "fields: drag stops %s within %.2g time steps (f dt/m or f_r dt/I = %.3g): how it stops is not "
+          "fields: drag stops %s within %.2g time steps (f dt/m or f_r dt/I = %.3g): how it stops "
+          "is not "
           "resolved; take dt = %.2g "
           "or less",
           sd_model_body_name(m, disk, name, sizeof name), 1 / (rate * m->dt), rate * m->dt,
@@ -52,13 +54,12 @@ static double check_periodic(const sd_model *m, size_t k, sd_messages *messages)
                         (f->kind == SD_FIELD_DRAG && f->swirl != 0);
   const bool sheared = f->kind == SD_FIELD_DRAG && f->shear_rate != 0 && y && !shears(m);
   if (!(by_place && (x || y)) && !sheared) return 0;
-  return warn_of_field(
-      m, k, messages, 1,
-      format_text(
-          "the force depends on place along %s, where the box repeats: it jumps when a disk passes the edge",
-          x && y && by_place ? "x and y"
-          : x && by_place    ? "x"
-                             : "y"));
+  return warn_of_field(m, k, messages, 1,
+                       format_text("the force depends on place along %s, where the box repeats: it "
+                                   "jumps when a disk passes the edge",
+                                   x && y && by_place ? "x and y"
+                                   : x && by_place    ? "x"
+                                                      : "y"));
 }
 
 /* Velocities of the laboratory are not those beside the flow. */
@@ -69,9 +70,10 @@ static double check_sheared(const sd_model *m, size_t k, sd_messages *messages) 
     const bool sheared = c->asked && (c->rate[SD_CELL_XY] != 0 || c->controlled[SD_CELL_XY]);
     if (!sheared || !body_force_is_on(m, k, (int64_t)p)) continue;
     if (f->kind == SD_FIELD_DAMPING)
-      return warn_of_field(m, k, messages, 1,
-                           format_text("damping acts against velocities in the laboratory, while the box "
-                                       "shears: what moves with the flow is damped too"));
+      return warn_of_field(
+          m, k, messages, 1,
+          format_text("damping acts against velocities in the laboratory, while the box "
+                      "shears: what moves with the flow is damped too"));
     if (f->kind == SD_FIELD_DRAG && f->shear_rate == 0)
       return warn_of_field(
           m, k, messages, 1,
@@ -87,9 +89,10 @@ static double check_frame(const sd_model *m, size_t k, sd_messages *messages) {
   const double turn = fabs(f->omega) * m->dt;
   double worst = 0;
   if (turn > COARSE_TURN)
-    worst = warn_of_field(m, k, messages, turn / COARSE_TURN,
-                          format_text("the frame turns by %.3g rad in a time step; take dt = %.2g or less",
-                                      turn, COARSE_TURN / fabs(f->omega) / 2));
+    worst = warn_of_field(
+        m, k, messages, turn / COARSE_TURN,
+        format_text("the frame turns by %.3g rad in a time step; take dt = %.2g or less", turn,
+                    COARSE_TURN / fabs(f->omega) / 2));
   if (m->gravity[SD_X] == 0 && m->gravity[SD_Y] == 0) return worst;
   warn_of_field(m, k, messages, 1,
                 format_text("gravity turns with the frame: it has a fixed direction in it"));
@@ -107,7 +110,8 @@ static double check_off(const sd_model *m, size_t k, sd_messages *messages) {
 
 /* Can it keep disks from gaining speed along this axis: drag that acts on some, or a force by place? */
 static bool field_holds(const sd_body_force *f) {
-  return (f->kind == SD_FIELD_DRAG && f->gamma > 0) || (f->kind == SD_FIELD_CENTRAL && f->strength != 0);
+  return (f->kind == SD_FIELD_DRAG && f->gamma > 0) ||
+         (f->kind == SD_FIELD_CENTRAL && f->strength != 0);
 }
 
 /* A wall along the axis holds by friction only; one that is bent or slopes stands in the way. */
@@ -115,7 +119,8 @@ static bool wall_holds(const sd_model *m, const sd_wall *w, int axis) {
   bool along = w->kind != SD_WALL_CIRCLE && w->kind != SD_WALL_ARC, rubs = false;
   const double *first = along ? w->points[0] : NULL;
   for (size_t k = 1; along && k < w->n_points; k++)
-    along = fabs(w->points[k][!axis] - first[!axis]) <= 1e-9 * fabs(w->points[k][axis] - first[axis]);
+    along =
+        fabs(w->points[k][!axis] - first[!axis]) <= 1e-9 * fabs(w->points[k][axis] - first[axis]);
   for (size_t b = 0; b < m->n_materials; b++) {
     const sd_contact_law *law = sd_model_law(m, w->material, (int)b);
     rubs = rubs || (law_is_given(law) && law->mu > 0 && (law->k_t > 0 || law->gamma_t > 0));
@@ -153,13 +158,15 @@ static double check_falls(const sd_model *m, sd_messages *messages) {
   double found = 0;
   for (int axis = SD_X; axis <= SD_Y; axis++) {
     const bool rounding = fabs(m->gravity[axis]) < 1e-12 * g;
-    if (!m->periodic[axis] || m->n_free == 0 || is_held(m, axis) || !(pull_of(m, axis) > 1e-9)) continue;
+    if (!m->periodic[axis] || m->n_free == 0 || is_held(m, axis) || !(pull_of(m, axis) > 1e-9))
+      continue;
     const bool forces = m->gravity[axis] == 0 || rounding;
     bool any = !forces;
     for (size_t i = 0; i < model_held(m) && !any; i++) any = m->disks[i].force[axis] != 0;
     if (!any) continue;
     sd_warn(messages,
-            "%s: the box repeats along %c, and nothing there holds the disks: they fall for ever, faster and "
+            "%s: the box repeats along %c, and nothing there holds the disks: they fall for ever, "
+            "faster and "
             "faster; expected a wall or a fixed disk in the way, a wall with friction, or drag",
             forces ? "force" : "gravity", axis == SD_X ? 'x' : 'y');
     found = 1;

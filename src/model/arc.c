@@ -59,7 +59,8 @@ void arc_pieces(const sd_wall *w, uint32_t body, sd_segment piece[3], int64_t nu
 double arc_distance(const sd_wall *w, const double at[2]) {
   const double x = at[0] - w->center[0], y = at[1] - w->center[1];
   const double middle = 0.5 * (w->from + w->to), half = 0.5 * (w->to - w->from);
-  if (fabs(remainder(atan2(y, x) - middle, 2.0 * M_PI)) <= half) return fabs(hypot(x, y) - w->radius);
+  if (fabs(remainder(atan2(y, x) - middle, 2.0 * M_PI)) <= half)
+    return fabs(hypot(x, y) - w->radius);
   double end[2], nearest = HUGE_VAL;
   for (int k = 0; k < 2; k++) {
     direction(k ? w->to : w->from, end);

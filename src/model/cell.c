@@ -11,7 +11,8 @@
 double cell_least_length(const sd_model *m, double *reach) {
   const double farthest = laws_reach(m);
   double largest = 0.0;
-  for (size_t row = 0; row < rows_count(m); row++) largest = fmax(largest, rows_disk(m, row)->radius);
+  for (size_t row = 0; row < rows_count(m); row++)
+    largest = fmax(largest, rows_disk(m, row)->radius);
   if (reach) *reach = farthest;
   return 4.0 * rows_largest(m, largest) * 1.2 + 2.0 * farthest;
 }
@@ -37,7 +38,9 @@ static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
 static void check_bodies(const sd_model *m, size_t phase, sd_messages *msg) {
   char name[96];
   if (!m->periodic[0] || !m->periodic[1])
-    FAIL("phases[%zu].cell: the box is not periodic in %s; expected a box that is periodic in x and y", phase,
+    FAIL("phases[%zu].cell: the box is not periodic in %s; expected a box that is periodic in x "
+         "and y",
+         phase,
          m->periodic[0]   ? "y"
          : m->periodic[1] ? "x"
                           : "x and y");
@@ -48,11 +51,13 @@ static void check_bodies(const sd_model *m, size_t phase, sd_messages *msg) {
     FAIL("%s: rigid bodies do not deform with the box of phases[%zu].cell; expected no clumps",
          sd_model_body_name(m, (uint32_t)sd_model_bodies(m), name, sizeof name), phase);
   if (m->gravity[0] != 0.0 || m->gravity[1] != 0.0)
-    FAIL("gravity: disks fall through the periodic box of phases[%zu].cell; expected no gravity", phase);
+    FAIL("gravity: disks fall through the periodic box of phases[%zu].cell; expected no gravity",
+         phase);
   check_disks(m, phase, msg);
   for (size_t q = 0; q < m->n_motions; q++)
     if (m->motions[q].coordinate != SD_THETA)
-      FAIL("%s: it prescribes positions in the box of phases[%zu].cell; expected motions of theta alone",
+      FAIL("%s: it prescribes positions in the box of phases[%zu].cell; expected motions of theta "
+           "alone",
            model_motion_name(m, q, name, sizeof name), phase);
 }
 
@@ -74,10 +79,11 @@ static void check_rates(const sd_model *m, size_t phase, sd_messages *msg) {
       FAIL("phases[%zu].cell.stress_%s = %g: expected a number", phase, component[k], c->stress[k]);
   }
   if (controlled && largest == 0.0)
-    FAIL("phases[%zu].cell: all stresses are 0, and give no scale; expected one that is not", phase);
+    FAIL("phases[%zu].cell: all stresses are 0, and give no scale; expected one that is not",
+         phase);
   if (!(c->response >= 0.0) || !(c->max_rate >= 0.0))
-    FAIL("phases[%zu].cell: response = %g, max_rate = %g: expected numbers >= 0", phase, c->response,
-         c->max_rate);
+    FAIL("phases[%zu].cell: response = %g, max_rate = %g: expected numbers >= 0", phase,
+         c->response, c->max_rate);
 }
 
 /* Lengths at the end of the phases whose rates are given: control and rest may end at any. */
@@ -95,7 +101,8 @@ static void check_lengths(const sd_model *m, int c, sd_messages *msg) {
     if (rate != 0.0 && ends_early) return;
     length *= exp(rate * (double)p->steps * m->dt);
     if (length > least || rate == 0.0) continue;
-    FAIL("phases[%zu].cell.%s = %g: the box is %.4g long in %c at the end of this phase; expected more than "
+    FAIL("phases[%zu].cell.%s = %g: the box is %.4g long in %c at the end of this phase; expected "
+         "more than "
          "%.4g, 4.8 times the largest radius%s",
          k, keys[c], rate, length, "xy"[c], least,
          reach > 0.0 ? " and twice the gap over which disks attract each other" : "");

@@ -35,14 +35,15 @@ static inline double cell_offset(const sd_model *m, const sd_state *s) {
 }
 
 /* Velocity gradient of the box: xx, yy, xy. */
-static inline void cell_gradient_of(const sd_model *m, const sd_state *s, double g[SD_CELL_COMPONENTS]) {
+static inline void cell_gradient_of(const sd_model *m, const sd_state *s,
+                                    double g[SD_CELL_COMPONENTS]) {
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) g[k] = 0.0;
   if (!s->n_cell) return;
   const double aspect = (m->upper[0] - m->lower[0]) / (m->upper[1] - m->lower[1]);
   g[SD_CELL_XX] = s->cell_speed[CELL_X] / s->cell[CELL_X];
   g[SD_CELL_YY] = s->cell_speed[CELL_Y] / s->cell[CELL_Y];
-  g[SD_CELL_XY] =
-      aspect * (s->cell_speed[CELL_OFFSET] - g[SD_CELL_XX] * s->cell[CELL_OFFSET]) / s->cell[CELL_Y];
+  g[SD_CELL_XY] = aspect * (s->cell_speed[CELL_OFFSET] - g[SD_CELL_XX] * s->cell[CELL_OFFSET]) /
+                  s->cell[CELL_Y];
 }
 
 #endif

@@ -8,7 +8,9 @@
 
 size_t sd_model_clumps(const sd_model *m) { return m->n_clumps; }
 
-const sd_clump *sd_model_clump(const sd_model *m, size_t k) { return k < m->n_clumps ? &m->clumps[k] : NULL; }
+const sd_clump *sd_model_clump(const sd_model *m, size_t k) {
+  return k < m->n_clumps ? &m->clumps[k] : NULL;
+}
 
 static const char *name_of(const sd_model *m, size_t k, char text[96]) {
   return sd_model_body_name(m, (uint32_t)(sd_model_bodies(m) + k), text, 96);
@@ -44,8 +46,9 @@ static sd_status list_disks(sd_model *m) {
 typedef struct member {
   uint32_t disk;
   bool placed;
-  size_t beside;   /* the member placed before whose surface is nearest to its own; until then: so far */
-  double gap;      /* from there */
+  size_t
+      beside; /* the member placed before whose surface is nearest to its own; until then: so far */
+  double gap; /* from there */
   double cells[2]; /* by how many periods it is moved to stand beside the first */
 } member;
 
@@ -63,14 +66,16 @@ static double periods(const sd_model *m, uint32_t a, uint32_t b, int coordinate)
 static double gap_of(const sd_model *m, uint32_t a, uint32_t b) {
   const sd_disk *p = &m->disks[a], *q = &m->disks[b];
   double d[2];
-  for (int c = 0; c < 2; c++) d[c] = q->position[c] - p->position[c] - period(m, c) * periods(m, a, b, c);
+  for (int c = 0; c < 2; c++)
+    d[c] = q->position[c] - p->position[c] - period(m, c) * periods(m, a, b, c);
   return hypot(d[0], d[1]) - (p->radius + q->radius);
 }
 
 static void place(const sd_model *m, member *of, size_t n, size_t k) {
   of[k].placed = true;
   for (int c = 0; c < 2; c++)
-    of[k].cells[c] = of[of[k].beside].cells[c] - (k ? periods(m, of[of[k].beside].disk, of[k].disk, c) : 0.0);
+    of[k].cells[c] =
+        of[of[k].beside].cells[c] - (k ? periods(m, of[of[k].beside].disk, of[k].disk, c) : 0.0);
   for (size_t j = 0; j < n; j++) {
     const double gap = of[j].placed ? 0.0 : gap_of(m, of[k].disk, of[j].disk);
     if (of[j].placed || gap >= of[j].gap) continue;
@@ -115,7 +120,8 @@ static double radius_of(const sd_model *m, const member *of, size_t n) {
       for (int q = 0; q < 2 && pass == 0; q++) centre[q] += d->mass * at[q];
       if (pass == 0) mass += d->mass;
       if (pass == 1)
-        radius = fmax(radius, hypot(at[0] - centre[0] / mass, at[1] - centre[1] / mass) + d->radius);
+        radius =
+            fmax(radius, hypot(at[0] - centre[0] / mass, at[1] - centre[1] / mass) + d->radius);
     }
   }
   return radius;
@@ -222,18 +228,20 @@ static void derive(sd_model *m, sd_clump *c, member *of) {
 
 /* --- checks ------------------------------------------------------------------------------------------ */
 
-static void check_disk(const sd_model *m, const char *clump, uint32_t i, bool waiting, sd_messages *msg) {
+static void check_disk(const sd_model *m, const char *clump, uint32_t i, bool waiting,
+                       sd_messages *msg) {
   const sd_disk *d = &m->disks[i];
   char text[96];
   const char *name = sd_model_body_name(m, i, text, sizeof text);
   if (d->driven || d->locked[SD_X] || d->locked[SD_Y] || d->locked[SD_THETA])
-    sd_fail(msg, SD_ERROR_USER, "%s: %s is fixed, locked or moved: expected that of the whole clump", clump,
-            name);
+    sd_fail(msg, SD_ERROR_USER,
+            "%s: %s is fixed, locked or moved: expected that of the whole clump", clump, name);
   if (d->velocity[SD_X] != 0.0 || d->velocity[SD_Y] != 0.0 || d->velocity[SD_THETA] != 0.0)
-    sd_fail(msg, SD_ERROR_USER, "%s: %s has a velocity: expected one of the whole clump", clump, name);
+    sd_fail(msg, SD_ERROR_USER, "%s: %s has a velocity: expected one of the whole clump", clump,
+            name);
   if (d->waiting != waiting)
-    sd_fail(msg, SD_ERROR_USER, "%s: %s %s for rain, others do not: expected all or none", clump, name,
-            d->waiting ? "waits" : "does not wait");
+    sd_fail(msg, SD_ERROR_USER, "%s: %s %s for rain, others do not: expected all or none", clump,
+            name, d->waiting ? "waits" : "does not wait");
 }
 
 /* A clump that spans a periodic box would turn into its own image. */
@@ -246,11 +254,13 @@ static void check_length(const sd_model *m, const sd_clump *c, const member *of,
     reach = fmax(reach, hypot(offset[n][0], offset[n][1]) + m->disks[c->disks[n]].radius);
   for (int q = 0; q < 2; q++)
     if (m->periodic[q] && !c->locked[SD_THETA] && !(2.0 * reach < m->upper[q] - m->lower[q]))
-      sd_fail(msg, SD_ERROR_USER, "%s: it is longer than the periodic box in %c: expected locked = \"theta\"",
-              name, "xy"[q]);
+      sd_fail(msg, SD_ERROR_USER,
+              "%s: it is longer than the periodic box in %c: expected locked = \"theta\"", name,
+              "xy"[q]);
     else if (around >> q & 1u)
-      sd_fail(msg, SD_ERROR_USER, "%s: it closes around the periodic box in %c: expected locked = \"theta\"",
-              name, "xy"[q]);
+      sd_fail(msg, SD_ERROR_USER,
+              "%s: it closes around the periodic box in %c: expected locked = \"theta\"", name,
+              "xy"[q]);
 }
 
 static void check_clump(const sd_model *m, size_t k, const member *of, sd_messages *msg) {

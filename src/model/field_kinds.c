@@ -13,7 +13,8 @@ static const deck_shape kinds[] = {FIELD_KINDS(SHAPE) LAST_WORD};
 
 const char *field_kind_name(sd_field_kind kind) { return kinds[kind].name; }
 
-static const deck_shape per_words[] = {WORD("disk", SD_FIELD_PER_DISK), WORD("radius", SD_FIELD_PER_RADIUS),
+static const deck_shape per_words[] = {WORD("disk", SD_FIELD_PER_DISK),
+                                       WORD("radius", SD_FIELD_PER_RADIUS),
                                        WORD("mass", SD_FIELD_PER_MASS), LAST_WORD};
 
 static const deck_key field_keys[] = {
@@ -22,26 +23,29 @@ static const deck_key field_keys[] = {
     {"disk", BODIES, "(all)", NULL, "disks on which it acts, by name or number"},
     {"group", NAMES, "(all)", NULL, "groups of disks on which it acts"},
     {"gamma", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "-", NULL,
-     "drag: coefficient f; per radius: over R, per mass: over m (the rate at which velocities decay)",
+     "drag: coefficient f; per radius: over R, per mass: over m (the rate at which velocities "
+     "decay)",
      SETS(sd_body_force, gamma)},
     {"gamma_rotation", NUMBER(DECK_NOT_NEGATIVE, "force length time"), "0.0", NULL,
-     "drag: torque over angular velocity; per radius: over R^3, per mass: over the moment of inertia",
+     "drag: torque over angular velocity; per radius: over R^3, per mass: over the moment of "
+     "inertia",
      SETS(sd_body_force, gamma_rotation)},
-    {"per", CHOICE, "\"disk\"", per_words, "drag, central: equal for all disks, or times radius or mass",
-     SETS(sd_body_force, per)},
+    {"per", CHOICE, "\"disk\"", per_words,
+     "drag, central: equal for all disks, or times radius or mass", SETS(sd_body_force, per)},
     {"centre", NUMBERS(DECK_ANY, "length"), "(0.0, 0.0)", NULL,
      "centre of force or of rotation; drag: where the fluid has the velocity `flow`",
      SETS(sd_body_force, centre)},
-    {"flow", NUMBERS(DECK_ANY, "length/time"), "(0.0, 0.0)", NULL, "drag: velocity of the fluid at `centre`",
-     SETS(sd_body_force, flow)},
+    {"flow", NUMBERS(DECK_ANY, "length/time"), "(0.0, 0.0)", NULL,
+     "drag: velocity of the fluid at `centre`", SETS(sd_body_force, flow)},
     {"shear_rate", NUMBER(DECK_ANY, "1/time"), "0.0", NULL,
-     "drag: du_x/dy of the fluid; it turns disks at -shear_rate/2", SETS(sd_body_force, shear_rate)},
-    {"swirl", ANGLE("rad/time"), "0.0", NULL, "drag: the fluid turns about `centre`, and disks with it",
-     SETS(sd_body_force, swirl)},
+     "drag: du_x/dy of the fluid; it turns disks at -shear_rate/2",
+     SETS(sd_body_force, shear_rate)},
+    {"swirl", ANGLE("rad/time"), "0.0", NULL,
+     "drag: the fluid turns about `centre`, and disks with it", SETS(sd_body_force, swirl)},
     {"alpha", NUMBER(DECK_NOT_NEGATIVE, "-"), "-", NULL, "damping: fraction of the force, below 1",
      SETS(sd_body_force, alpha)},
-    {"alpha_rotation", NUMBER(DECK_NOT_NEGATIVE, "-"), "(as alpha)", NULL, "damping: fraction of the torque",
-     SETS(sd_body_force, alpha_rotation)},
+    {"alpha_rotation", NUMBER(DECK_NOT_NEGATIVE, "-"), "(as alpha)", NULL,
+     "damping: fraction of the torque", SETS(sd_body_force, alpha_rotation)},
     {"strength", NUMBER(DECK_ANY, "force/length^power"), "-", NULL,
      "central: force at distance 1, > 0 towards the centre; per mass: an acceleration",
      SETS(sd_body_force, strength)},
@@ -54,7 +58,8 @@ static const deck_key field_keys[] = {
      SETS(sd_body_force, omega)},
 };
 TABLE(deck_fields, "fields", false,
-      "A force on free disks that follows from their place and velocity. Fields add up; without `disk` and "
+      "A force on free disks that follows from their place and velocity. Fields add up; without "
+      "`disk` and "
       "`group` "
       "one acts on all disks.",
       field_keys);
@@ -147,10 +152,12 @@ void body_forces_limit(const sd_model *m, sd_step_limit *limit) {
 
 /* --- checks --------------------------------------------------------------------------------------------------- */
 
-static void check_one(const sd_model *m, const sd_body_force *f, const char *name, sd_messages *msg) {
-  const double numbers[] = {f->centre[0], f->centre[1],  f->gamma, f->gamma_rotation, f->flow[0],
-                            f->flow[1],   f->shear_rate, f->swirl, f->alpha,          f->alpha_rotation,
-                            f->strength,  f->softening,  f->omega};
+static void check_one(const sd_model *m, const sd_body_force *f, const char *name,
+                      sd_messages *msg) {
+  const double numbers[] = {f->centre[0], f->centre[1],      f->gamma,      f->gamma_rotation,
+                            f->flow[0],   f->flow[1],        f->shear_rate, f->swirl,
+                            f->alpha,     f->alpha_rotation, f->strength,   f->softening,
+                            f->omega};
   for (size_t k = 0; k < COUNT(numbers); k++)
     if (!isfinite(numbers[k])) {
       sd_fail(msg, SD_ERROR_USER, "%s: expected finite numbers", name);
@@ -186,7 +193,8 @@ static void check_damping(const sd_model *m, sd_messages *msg) {
   free(sum);
   if (worst >= 1)
     sd_fail(msg, SD_ERROR_USER,
-            "fields[%zu].alpha: damping fields take %g of the force: expected less than 1", at, worst);
+            "fields[%zu].alpha: damping fields take %g of the force: expected less than 1", at,
+            worst);
 }
 
 void body_forces_check(const sd_model *m, sd_messages *msg) {

@@ -9,15 +9,16 @@
 #include "model/keys.h"
 #include "model/model.h"
 
-#define FIELD_KINDS(ROW)                                                                                     \
-  ROW(SD_FIELD_DRAG, drag, "gamma* gamma_rotation per centre flow shear_rate swirl",                         \
-      "viscous drag: gamma (u - v), u the velocity of the fluid where the disk is")                          \
-  ROW(SD_FIELD_DAMPING, damping, "alpha* alpha_rotation",                                                    \
-      "Cundall's non-viscous damping: each coordinate loses alpha of the sum of all other forces, against "  \
-      "its velocity")                                                                                        \
-  ROW(SD_FIELD_CENTRAL, central, "strength* power softening per centre",                                     \
-      "towards a point: strength times the distance to this power")                                          \
-  ROW(SD_FIELD_ROTATION, rotation, "omega* centre",                                                          \
+#define FIELD_KINDS(ROW)                                                                           \
+  ROW(SD_FIELD_DRAG, drag, "gamma* gamma_rotation per centre flow shear_rate swirl",               \
+      "viscous drag: gamma (u - v), u the velocity of the fluid where the disk is")                \
+  ROW(SD_FIELD_DAMPING, damping, "alpha* alpha_rotation",                                          \
+      "Cundall's non-viscous damping: each coordinate loses alpha of the sum of all other "        \
+      "forces, against "                                                                           \
+      "its velocity")                                                                              \
+  ROW(SD_FIELD_CENTRAL, central, "strength* power softening per centre",                           \
+      "towards a point: strength times the distance to this power")                                \
+  ROW(SD_FIELD_ROTATION, rotation, "omega* centre",                                                \
       "a frame that turns about a point: centrifugal and Coriolis force")
 
 enum { FIELD_MOST_POWER = 8 };

@@ -28,23 +28,28 @@ static void check_run(const sd_model *m, sd_messages *msg) {
   deck_key_check(&deck_top, m, "", msg);
   deck_key_check(&deck_limits, &m->limits, "limits", msg);
   if (m->n_disks == 0) sd_fail(msg, SD_ERROR_USER, "disks: expected at least one disk");
-  if (m->n_phases == 0) sd_fail(msg, SD_ERROR_USER, "phases: expected a duration, `steps` or `time`");
+  if (m->n_phases == 0)
+    sd_fail(msg, SD_ERROR_USER, "phases: expected a duration, `steps` or `time`");
   if (m->n_materials == 0) sd_fail(msg, SD_ERROR_USER, "materials: expected at least one material");
   for (size_t k = 0; k < m->n_phases; k++)
-    if (m->phases[k].steps < 1) sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
+    if (m->phases[k].steps < 1)
+      sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
 }
 
 /* Numbers beyond LIMIT_NUMBER, the limit of decks, are as bad as those that are not finite. */
-static void check_number(const sd_model *m, uint32_t body, const char *key, double value, double least,
-                         bool open, sd_messages *msg) {
+static void check_number(const sd_model *m, uint32_t body, const char *key, double value,
+                         double least, bool open, sd_messages *msg) {
   char name[96];
-  const bool large = value >= least && !(value <= LIMIT_NUMBER), good = open ? value > least : value >= least;
+  const bool large = value >= least && !(value <= LIMIT_NUMBER),
+             good = open ? value > least : value >= least;
   if (good && !large) return;
   sd_model_body_name(m, body, name, sizeof name);
   if (large || least < 0.0)
-    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number of at most 1e100", name, key, value);
+    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number of at most 1e100", name, key,
+            value);
   else
-    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number %s 0", name, key, value, open ? ">" : ">=");
+    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number %s 0", name, key, value,
+            open ? ">" : ">=");
 }
 
 static void check_disks(const sd_model *m, sd_messages *msg) {
@@ -56,7 +61,8 @@ static void check_disks(const sd_model *m, sd_messages *msg) {
     const uint32_t i = rows_number(m, row);
     const double *const numbers[3] = {d->position, d->velocity, d->force};
     for (int c = 0; c < 3; c++) {
-      for (int k = 0; k < 3; k++) check_number(m, i, keys[k][c], numbers[k][c], -LIMIT_NUMBER, false, msg);
+      for (int k = 0; k < 3; k++)
+        check_number(m, i, keys[k][c], numbers[k][c], -LIMIT_NUMBER, false, msg);
       if (d->locked[c] && d->velocity[c] != 0.0)
         sd_fail(msg, SD_ERROR_USER, "%s: a locked coordinate cannot have a velocity",
                 sd_model_body_name(m, i, name, sizeof name));
@@ -74,7 +80,8 @@ static bool has_size(double x) { return fabs(x) <= LIMIT_NUMBER; }
 
 static bool wall_is_finite(const sd_wall *w) {
   bool good = has_size(w->pivot[0]) && has_size(w->pivot[1]) && has_size(w->radius) &&
-              has_size(w->center[0]) && has_size(w->center[1]) && has_size(w->from) && has_size(w->to);
+              has_size(w->center[0]) && has_size(w->center[1]) && has_size(w->from) &&
+              has_size(w->to);
   for (size_t k = 0; k < w->n_points; k++)
     good = good && has_size(w->points[k][0]) && has_size(w->points[k][1]);
   return good;
@@ -90,13 +97,15 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
     if ((unsigned)wall->kind >= SD_WALL_KINDS)
       sd_fail(msg, SD_ERROR_USER, "%s: kind %d: expected SD_WALL_LINE ...", name, (int)wall->kind);
     if (!wall_is_finite(wall))
-      sd_fail(msg, SD_ERROR_USER, "%s: points, pivot and radius must be finite, at most 1e100", name);
+      sd_fail(msg, SD_ERROR_USER, "%s: points, pivot and radius must be finite, at most 1e100",
+              name);
     const bool arc = wall->kind == SD_WALL_ARC;
     if ((arc || wall->kind == SD_WALL_CIRCLE) && !(wall->radius > 0.0))
       sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
     if (arc && !(wall->to > wall->from && wall->to - wall->from <= ARC_RING))
-      sd_fail(msg, SD_ERROR_USER, "%s: from = %g, to = %g: expected from < to, at most a whole turn apart",
-              name, wall->from, wall->to);
+      sd_fail(msg, SD_ERROR_USER,
+              "%s: from = %g, to = %g: expected from < to, at most a whole turn apart", name,
+              wall->from, wall->to);
     if (arc || wall->kind == SD_WALL_CIRCLE) continue;
     size_t least = 2;
     if (wall->n_points < least || (wall->kind != SD_WALL_POLYLINE && wall->n_points != 2)) {
@@ -106,7 +115,8 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
     }
     for (size_t k = 0; k < wall->n_points - (wall->closed ? 0 : 1); k++) {
       size_t next = (k + 1) % wall->n_points;
-      if (wall->points[k][0] == wall->points[next][0] && wall->points[k][1] == wall->points[next][1])
+      if (wall->points[k][0] == wall->points[next][0] &&
+          wall->points[k][1] == wall->points[next][1])
         sd_fail(msg, SD_ERROR_USER, "%s: points %zu and %zu coincide", name, k, next);
     }
   }
@@ -134,16 +144,19 @@ static void check_motions(const sd_model *m, sd_messages *msg) {
         sd_fail(msg, SD_ERROR_USER, "%s: body %u does not exist", name, q->bodies[b]);
       else if (q->coordinate == SD_SURFACE &&
                (q->bodies[b] < m->n_disks || q->bodies[b] >= m->n_disks + m->n_walls))
-        sd_fail(msg, SD_ERROR_USER, "%s: only walls have a surface that moves; others turn (theta)", name);
+        sd_fail(msg, SD_ERROR_USER, "%s: only walls have a surface that moves; others turn (theta)",
+                name);
       else if (q->coordinate == SD_SURFACE && rolls_on_surface(m, q->bodies[b]))
         sd_fail(msg, SD_ERROR_USER,
                 "%s: the surface of a round wall with rolling resistance (k_r); turn the wall "
                 "(theta) instead",
                 name);
-    if (!has_size(q->amplitude) || !has_size(q->omega) || !has_size(q->phase) || !has_size(q->velocity))
-      sd_fail(msg, SD_ERROR_USER, "%s: amplitude, omega, phase and velocity must be finite, at most 1e100",
-              name);
-    if (!(q->ramp >= 0.0)) sd_fail(msg, SD_ERROR_USER, "%s: ramp = %g: expected >= 0", name, q->ramp);
+    if (!has_size(q->amplitude) || !has_size(q->omega) || !has_size(q->phase) ||
+        !has_size(q->velocity))
+      sd_fail(msg, SD_ERROR_USER,
+              "%s: amplitude, omega, phase and velocity must be finite, at most 1e100", name);
+    if (!(q->ramp >= 0.0))
+      sd_fail(msg, SD_ERROR_USER, "%s: ramp = %g: expected >= 0", name, q->ramp);
     motion_check(q, m->dt, name, msg);
   }
 }
@@ -195,10 +208,12 @@ static void check_watches(const sd_model *m, sd_messages *msg) {
       sd_fail(msg, SD_ERROR_USER, "measure.contacts: disk %u does not exist", m->contact_disks[k]);
   for (size_t k = 0; k < m->n_slides; k++) {
     const sd_slide_watch *s = &m->slides[k];
-    if (s->disk >= m->n_disks || s->partner[0] >= sd_model_bodies(m) || s->partner[1] >= sd_model_bodies(m))
+    if (s->disk >= m->n_disks || s->partner[0] >= sd_model_bodies(m) ||
+        s->partner[1] >= sd_model_bodies(m))
       sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: no such disk or wall", k);
     else if (m->disks[s->disk].driven)
-      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: the disk is prescribed; name a free one", k);
+      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: the disk is prescribed; name a free one",
+              k);
   }
 }
 
@@ -214,7 +229,8 @@ static void check_until(const sd_model *m, sd_messages *msg) {
     sd_fail(msg, SD_ERROR_USER, "until.observable: t_g Omega does not exist without gravity");
   if (!last->measure) sd_fail(msg, SD_ERROR_USER, "until: expected a last phase that measures");
   if (u->least < 1 || u->least > last->steps)
-    sd_fail(msg, SD_ERROR_USER, "until: expected 1 to %lld steps at least, the length of the last phase",
+    sd_fail(msg, SD_ERROR_USER,
+            "until: expected 1 to %lld steps at least, the length of the last phase",
             (long long)last->steps);
 }
 
@@ -227,12 +243,14 @@ static void check_box(const sd_model *m, sd_messages *msg) {
     char axis = c == SD_X ? 'x' : 'y';
     if (!(length > least) && reach > 0.0)
       sd_fail(msg, SD_ERROR_USER,
-              "box.%c: length %g: expected more than %.6g, 4.8 times the largest radius and twice the gap "
+              "box.%c: length %g: expected more than %.6g, 4.8 times the largest radius and twice "
+              "the gap "
               "(%g) over which disks attract each other",
               axis, length, least, reach);
     else if (!(length > least))
-      sd_fail(msg, SD_ERROR_USER, "box.%c: length %g: expected more than 4.8 times the largest radius (%g)",
-              axis, length, least / 4.8);
+      sd_fail(msg, SD_ERROR_USER,
+              "box.%c: length %g: expected more than 4.8 times the largest radius (%g)", axis,
+              length, least / 4.8);
     for (size_t row = 0; row < rows_count(m); row++) {
       double p = rows_disk(m, row)->position[c];
       if (p < m->lower[c] || p >= m->upper[c]) {
@@ -250,7 +268,8 @@ static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages 
   for (uint32_t w = 0; w < m->n_walls; w++)
     if (m->walls[w].kind != SD_WALL_LINE)
       sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu].compress: %s has a size of its own, which does not change; expected lines only",
+              "phases[%zu].compress: %s has a size of its own, which does not change; expected "
+              "lines only",
               phase, sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
 }
 
@@ -263,7 +282,8 @@ static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg)
     for (size_t k = 0; k < phase; k++) moved |= m->phases[k].active && m->phases[k].active[q];
     if (moved && motion_is_feedback(motion))
       sd_fail(msg, SD_ERROR_USER,
-              "%s: its wall may be anywhere when phases[%zu].compress begins, which expects walls that only "
+              "%s: its wall may be anywhere when phases[%zu].compress begins, which expects walls "
+              "that only "
               "compression moves, or servo walls all the time",
               model_motion_name(m, q, name, sizeof name), phase);
   }
@@ -276,10 +296,12 @@ static void check_compress(const sd_model *m, sd_messages *msg) {
     const sd_compress *c = &p->compress;
     if (!c->asked) continue;
     if ((c->pressure > 0.0) == (c->fraction > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: expected either pressure > 0 or fraction > 0", k);
+      sd_fail(msg, SD_ERROR_USER,
+              "phases[%zu].compress: expected either pressure > 0 or fraction > 0", k);
     if (!(c->rate > 0.0) || !(c->rate * m->dt <= 1e-3))
       sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu].compress.rate = %g: expected a number > 0 and at most %g, a thousandth per time "
+              "phases[%zu].compress.rate = %g: expected a number > 0 and at most %g, a thousandth "
+              "per time "
               "step",
               k, c->rate, 1e-3 / m->dt);
     if (!(m->region_upper[0] > m->region_lower[0] && m->region_upper[1] > m->region_lower[1]))
@@ -288,7 +310,8 @@ static void check_compress(const sd_model *m, sd_messages *msg) {
     for (size_t q = 0; q < m->n_motions; q++)
       if (p->active && p->active[q] && m->motions[q].coordinate < SD_THETA)
         sd_fail(msg, SD_ERROR_USER,
-                "%s: it prescribes positions that phases[%zu].compress changes; expected a phase in which it "
+                "%s: it prescribes positions that phases[%zu].compress changes; expected a phase "
+                "in which it "
                 "is off",
                 model_motion_name(m, q, name, sizeof name), k);
     check_moved_walls(m, k, msg);
@@ -321,13 +344,15 @@ static void check_round_walls(const sd_model *m, sd_messages *msg) {
     double reach = wall->inside ? wall->radius : wall->radius + m->largest_radius;
     for (int c = 0; c < 2; c++)
       if (m->periodic[c] && !(m->upper[c] - m->lower[c] > 2.0 * reach))
-        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: the periodic box must be wider than %g to hold it",
-                name, wall->radius, 2.0 * reach);
+        sd_fail(msg, SD_ERROR_USER,
+                "%s: radius = %g: the periodic box must be wider than %g to hold it", name,
+                wall->radius, 2.0 * reach);
     for (size_t row = 0; wall->inside && row < rows_count(m); row++) {
       const sd_disk *d = rows_disk(m, row);
       if (!d->driven && d->radius >= wall->radius)
         sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: %s, of radius %g, does not fit into it", name,
-                wall->radius, sd_model_body_name(m, rows_number(m, row), disk, sizeof disk), d->radius);
+                wall->radius, sd_model_body_name(m, rows_number(m, row), disk, sizeof disk),
+                d->radius);
     }
   }
 }
@@ -348,12 +373,12 @@ static bool tell_rounding(const sd_model *m, uint32_t body, double far, sd_messa
   char name[96];
   const double rounding = DBL_EPSILON * far;
   if (!(rounding > COARSE * m->smallest_radius)) return false;
-  sd_fail(
-      msg, SD_ERROR_USER,
-      "%s: a coordinate of %.3g is rounded by %.2g, and the smallest disk has a radius of %g: expected at "
-      "most %.3g",
-      sd_model_body_name(m, body, name, sizeof name), far, rounding, m->smallest_radius,
-      COARSE * m->smallest_radius / DBL_EPSILON);
+  sd_fail(msg, SD_ERROR_USER,
+          "%s: a coordinate of %.3g is rounded by %.2g, and the smallest disk has a radius of %g: "
+          "expected at "
+          "most %.3g",
+          sd_model_body_name(m, body, name, sizeof name), far, rounding, m->smallest_radius,
+          COARSE * m->smallest_radius / DBL_EPSILON);
   return true;
 }
 
@@ -371,14 +396,15 @@ static void check_raining(const sd_model *m, size_t k, size_t row, sd_messages *
   const sd_rain *r = &m->rains[k];
   const sd_disk *d = rows_disk(m, row);
   const uint32_t i = rows_number(m, row);
-  const double radius = i < model_held(m) ? clumps_grain(m, i, r->first + r->count).radius : d->radius;
+  const double radius =
+      i < model_held(m) ? clumps_grain(m, i, r->first + r->count).radius : d->radius;
   char name[96];
   sd_model_body_name(m, i, name, sizeof name);
   if (!d->waiting || d->driven)
     sd_fail(msg, SD_ERROR_USER, "%s: expected a free disk that waits for rains[%zu]", name, k);
   if (!(2.0 * radius <= r->upper - r->lower))
-    sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: it does not fit into rain %g wide", name, d->radius,
-            r->upper - r->lower);
+    sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: it does not fit into rain %g wide", name,
+            d->radius, r->upper - r->lower);
 }
 
 static void check_rains(const sd_model *m, sd_messages *msg) {
@@ -390,7 +416,8 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
     const sd_rain *r = &m->rains[k];
     const size_t end = r->first + r->count;
     if (r->count < 1 || end > m->n_disks || r->batch < 1 || r->interval < 1)
-      sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected disks that exist, a batch and an interval >= 1", k);
+      sd_fail(msg, SD_ERROR_USER,
+              "rains[%zu]: expected disks that exist, a batch and an interval >= 1", k);
     if (!(r->gap >= 0.0) || !isfinite(r->gap) || !isfinite(r->speed) || !isfinite(r->floor))
       sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected a gap >= 0, and a speed and a floor", k);
     for (size_t row = r->first < held ? r->first : held; row < n; row++) {
@@ -403,7 +430,8 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
   }
   comm_add(m->comm, counts, 2);
   if (counts[0] != counts[1])
-    sd_fail(msg, SD_ERROR_USER, "%lld disks wait, %lld belong to rain: expected each to belong to one",
+    sd_fail(msg, SD_ERROR_USER,
+            "%lld disks wait, %lld belong to rain: expected each to belong to one",
             (long long)counts[0], (long long)counts[1]);
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {

@@ -22,11 +22,11 @@ typedef struct image {
 } image;
 
 /* Sizes that must be those of the program. */
-static const uint32_t layout[] = {SD_VERSION_NUMBER,   sizeof(sd_model),       sizeof(sd_contact_law),
-                                  sizeof(sd_disk),     sizeof(sd_wall),        sizeof(sd_motion),
-                                  sizeof(sd_phase),    sizeof(sd_rain),        sizeof(sd_contact_memory),
-                                  sizeof(sd_material), sizeof(sd_slide_watch), sizeof(sd_body_force),
-                                  sizeof(sd_clump)};
+static const uint32_t layout[] = {
+    SD_VERSION_NUMBER,         sizeof(sd_model),    sizeof(sd_contact_law), sizeof(sd_disk),
+    sizeof(sd_wall),           sizeof(sd_motion),   sizeof(sd_phase),       sizeof(sd_rain),
+    sizeof(sd_contact_memory), sizeof(sd_material), sizeof(sd_slide_watch), sizeof(sd_body_force),
+    sizeof(sd_clump)};
 
 static bool failed(const image *im) { return im->damaged || im->starved; }
 
@@ -90,7 +90,7 @@ static void text(image *im, void *place) {
   }
 }
 
-#define FORGET_ALL(im, list, n, member)                                                                      \
+#define FORGET_ALL(im, list, n, member)                                                            \
   for (size_t k_ = 0; k_ < (n); k_++) forget(im, &(list)[k_].member)
 
 static void walk_disks(image *im, sd_model *m) {
@@ -178,12 +178,13 @@ static void walk_materials(image *im, sd_model *m) {
 
 /* After the struct itself. */
 static void walk(image *im, sd_model *m) {
-  void *places[] = {&m->title,    &m->materials,     &m->laws,        &m->groups,      &m->disks,
-                    &m->walls,    &m->motions,       &m->fields,      &m->phases,      &m->rains,
-                    &m->memories, &m->rotations,     &m->slides,      &m->mistakes,    &m->deck,
-                    &m->segments, &m->contact_disks, &m->clumps,      &m->clump_disks, &m->clump_offsets,
-                    &m->advised,  &m->tiles.walls,   &m->derivatives, &m->mine,        &m->known,
-                    &m->comm};
+  void *places[] = {&m->title,         &m->materials,   &m->laws,        &m->groups,
+                    &m->disks,         &m->walls,       &m->motions,     &m->fields,
+                    &m->phases,        &m->rains,       &m->memories,    &m->rotations,
+                    &m->slides,        &m->mistakes,    &m->deck,        &m->segments,
+                    &m->contact_disks, &m->clumps,      &m->clump_disks, &m->clump_offsets,
+                    &m->advised,       &m->tiles.walls, &m->derivatives, &m->mine,
+                    &m->known,         &m->comm};
   for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
   if (!failed(im)) walk_materials(im, m);
   if (!failed(im)) walk_bodies(im, m);
@@ -231,12 +232,14 @@ static void drop(sd_model *m) {
 /* Numbers that tables are indexed with before sd_model_finish looks at them. */
 static bool kinds_exist(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
-    if ((unsigned)m->motions[k].kind >= SD_MOTION_KINDS || (unsigned)m->motions[k].coordinate >= SD_MOVED)
+    if ((unsigned)m->motions[k].kind >= SD_MOTION_KINDS ||
+        (unsigned)m->motions[k].coordinate >= SD_MOVED)
       return false;
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
     if ((unsigned)m->laws[k].normal >= SD_NORMAL_LAWS) return false;
   for (size_t k = 0; k < m->n_fields; k++)
-    if ((unsigned)m->fields[k].kind >= SD_FIELD_KINDS || (unsigned)m->fields[k].per > SD_FIELD_PER_MASS)
+    if ((unsigned)m->fields[k].kind >= SD_FIELD_KINDS ||
+        (unsigned)m->fields[k].per > SD_FIELD_PER_MASS)
       return false;
   return (unsigned)m->integrator <= SD_VERLET && (unsigned)m->variant <= SD_CONSERVATIVE;
 }
@@ -245,7 +248,8 @@ sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages
   *out = NULL;
   if (size < sizeof layout || memcmp(bytes, layout, sizeof layout) != 0)
     return sd_fail(messages, SD_ERROR_USER,
-                   "the model was saved by another version of slipdisk; this is version %s", SD_VERSION);
+                   "the model was saved by another version of slipdisk; this is version %s",
+                   SD_VERSION);
   sd_model *m = memory_new(1, sizeof *m);
   image im = {.bytes = (unsigned char *)(uintptr_t)bytes, .n = sizeof layout, .capacity = size};
   transfer(&im, m, sizeof *m);

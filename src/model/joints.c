@@ -13,7 +13,8 @@
 
 static bool has_ends(const sd_wall *w) {
   if (w->kind == SD_WALL_ARC) return !arc_is_ring(w);
-  return w->n_points >= 2 && (w->kind == SD_WALL_SEGMENT || (w->kind == SD_WALL_POLYLINE && !w->closed));
+  return w->n_points >= 2 &&
+         (w->kind == SD_WALL_SEGMENT || (w->kind == SD_WALL_POLYLINE && !w->closed));
 }
 
 static wall_end end_of(const sd_wall *w, uint32_t number, int end) {
@@ -72,7 +73,8 @@ double joints_tolerance(const wall_end *e) {
 }
 
 bool joints_meet(const wall_end *a, const wall_end *b) {
-  return hypot(b->at[0] - a->at[0], b->at[1] - a->at[1]) <= fmin(joints_tolerance(a), joints_tolerance(b));
+  return hypot(b->at[0] - a->at[0], b->at[1] - a->at[1]) <=
+         fmin(joints_tolerance(a), joints_tolerance(b));
 }
 
 size_t joints_near(const wall_end *ends, size_t n, size_t k) {
@@ -97,9 +99,11 @@ bool joints_rigid(const sd_model *m, const wall_end *one, const wall_end *two) {
     const sd_motion *motion = &m->motions[k];
     const bool first = moves(motion, (uint32_t)m->n_disks + a),
                second = moves(motion, (uint32_t)m->n_disks + b);
-    if (motion->coordinate == SD_SURFACE || !(first || second)) continue; /* a surface runs, its wall stays */
+    if (motion->coordinate == SD_SURFACE || !(first || second))
+      continue; /* a surface runs, its wall stays */
     if (first != second || motion_is_feedback(motion)) return false;
-    if (motion->coordinate == SD_THETA && (image || p->pivot[0] != q->pivot[0] || p->pivot[1] != q->pivot[1]))
+    if (motion->coordinate == SD_THETA &&
+        (image || p->pivot[0] != q->pivot[0] || p->pivot[1] != q->pivot[1]))
       return false;
   }
   return true;
@@ -146,8 +150,8 @@ static uint32_t vertex_at(const sd_model *m, const size_t *first, const wall_end
 }
 
 /* Ends that meet, and stay together, are one vertex. */
-static void join(const sd_model *m, const size_t *first, const wall_end *ends, size_t n, uint32_t *same,
-                 bool *meets) {
+static void join(const sd_model *m, const size_t *first, const wall_end *ends, size_t n,
+                 uint32_t *same, bool *meets) {
   for (size_t k = 0; k < n; k++)
     for (size_t j = k + 1, end = joints_near(ends, n, k); j < end; j++) {
       if (!joints_meet(&ends[k], &ends[j]) || !joints_rigid(m, &ends[k], &ends[j])) continue;

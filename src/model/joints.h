@@ -7,8 +7,9 @@
 /* One end of a wall: of a segment, of an open polyline, of an arc. */
 typedef struct wall_end {
   uint32_t wall;
-  int end;       /* 0: where the wall begins, 1: where it ends */
-  double at[2];  /* its place at the start of the run; in a periodic box that of its image in there */
+  int end; /* 0: where the wall begins, 1: where it ends */
+  double
+      at[2]; /* its place at the start of the run; in a periodic box that of its image in there */
   int cells[2];  /* how many periods away the image is */
   double along;  /* length of the piece that ends there */
   double way[2]; /* unit vector from there along the wall */

@@ -8,18 +8,21 @@
 #include "base/limits.h"
 #include "model/model.h"
 
-static const deck_shape integrators[] = {WORD("gear5", SD_GEAR5), WORD("verlet", SD_VERLET), LAST_WORD};
-static const deck_shape variants[] = {WORD("paper", SD_PAPER), WORD("conservative", SD_CONSERVATIVE),
-                                      LAST_WORD};
-static const deck_shape outside_words[] = {WORD("report", SD_OUTSIDE_REPORT), WORD("stop", SD_OUTSIDE_STOP),
+static const deck_shape integrators[] = {WORD("gear5", SD_GEAR5), WORD("verlet", SD_VERLET),
+                                         LAST_WORD};
+static const deck_shape variants[] = {WORD("paper", SD_PAPER),
+                                      WORD("conservative", SD_CONSERVATIVE), LAST_WORD};
+static const deck_shape outside_words[] = {WORD("report", SD_OUTSIDE_REPORT),
+                                           WORD("stop", SD_OUTSIDE_STOP),
                                            WORD("remove", SD_OUTSIDE_REMOVE), LAST_WORD};
 /* Bit c: the box repeats along coordinate c. */
-static const deck_shape periodic_directions[] = {WORD("none", 0), WORD("x", 1), WORD("y", 2), WORD("xy", 3),
-                                                 LAST_WORD};
+static const deck_shape periodic_directions[] = {WORD("none", 0), WORD("x", 1), WORD("y", 2),
+                                                 WORD("xy", 3), LAST_WORD};
 
 static const deck_key top_keys[] = {
     {"title", TEXT, "\"\"", NULL, "one line about this run", SETS(sd_model, title)},
-    {"seed", INTEGER(DECK_NOT_NEGATIVE, "-"), "1", NULL, "seed of all random streams", SETS(sd_model, seed)},
+    {"seed", INTEGER(DECK_NOT_NEGATIVE, "-"), "1", NULL, "seed of all random streams",
+     SETS(sd_model, seed)},
     {"integrator", CHOICE, "\"gear5\"", integrators,
      "Gear predictor-corrector of fifth order, or velocity Verlet", SETS(sd_model, integrator)},
     {"dt", NUMBER(DECK_POSITIVE, "time"), "required", NULL, "time step", SETS(sd_model, dt)},
@@ -29,10 +32,13 @@ static const deck_key top_keys[] = {
     {"skin", NUMBER(DECK_NOT_NEGATIVE, "length"), "0.0", NULL,
      "margin of the neighbour list; 0: chosen as the run goes", SETS(sd_model, skin)},
     {"max_overlap", NUMBER(DECK_UP_TO_1, "-"), "0.5", NULL,
-     "a run stops when an overlap exceeds this fraction of the smaller radius", SETS(sd_model, max_overlap)},
+     "a run stops when an overlap exceeds this fraction of the smaller radius",
+     SETS(sd_model, max_overlap)},
     {"checkpoint", NUMBER(DECK_POSITIVE, "s"), "60.0", NULL, "wall time between checkpoints"},
-    {"steps", INTEGER(DECK_AT_LEAST_1, "steps"), "-", NULL, "length of the run when there are no phases"},
-    {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "the same as a time, rounded to whole steps"},
+    {"steps", INTEGER(DECK_AT_LEAST_1, "steps"), "-", NULL,
+     "length of the run when there are no phases"},
+    {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL,
+     "the same as a time, rounded to whole steps"},
     {"constants", GROUP, "-", NULL, "named numbers, for arithmetic in the other values"},
     {"gravity", GROUP, "-", NULL, "strength and direction of gravity"},
     {"box", GROUP, "-", NULL, "periodic directions"},
@@ -57,7 +63,8 @@ static const deck_key top_keys[] = {
     {"limits", GROUP, "-", NULL, "beyond which a finished run is in doubt"},
     {"sweep", GROUPS, "-", NULL, "points that `slipdisk sweep` runs: this deck with some keys set"},
 };
-TABLE_EITHER(deck_top, "deck", true, "Keys of the deck itself, outside any group.", top_keys, "steps/time");
+TABLE_EITHER(deck_top, "deck", true, "Keys of the deck itself, outside any group.", top_keys,
+             "steps/time");
 
 static const deck_key gravity_keys[] = {
     {"g", NUMBER(DECK_NOT_NEGATIVE, "length/time^2"), "0.0", NULL, "strength"},
@@ -66,12 +73,15 @@ static const deck_key gravity_keys[] = {
 TABLE(deck_gravity, "gravity", true, "Gravity; without this group there is none.", gravity_keys);
 
 static const deck_key box_keys[] = {
-    {"x", NUMBERS(DECK_ANY, "length"), "-", NULL, "[lower, upper] edge; required when periodic in x"},
-    {"y", NUMBERS(DECK_ANY, "length"), "-", NULL, "[lower, upper] edge; required when periodic in y"},
+    {"x", NUMBERS(DECK_ANY, "length"), "-", NULL,
+     "[lower, upper] edge; required when periodic in x"},
+    {"y", NUMBERS(DECK_ANY, "length"), "-", NULL,
+     "[lower, upper] edge; required when periodic in y"},
     {"periodic", CHOICE, "\"none\"", periodic_directions,
      "directions in which the box repeats; its edges are no walls"},
     {"file", TEXT, "-", NULL,
-     "result of a run, H5MD or LAMMPS data file that gives the periodic edges not given here; of the last "
+     "result of a run, H5MD or LAMMPS data file that gives the periodic edges not given here; of "
+     "the last "
      "frame"},
 };
 TABLE(deck_box, "box", true, "The periodic box; without this group space is open.", box_keys);
@@ -82,10 +92,12 @@ static const deck_key bounds_keys[] = {
     {"y", NUMBERS(DECK_ANY, "length"), "(of the container, else far out)", NULL,
      "[lower, upper] limit of the centres"},
     {"outside", CHOICE, "\"report\"", outside_words,
-     "a disk that leaves: tell and go on, end the run, or tell and take it out", SETS(sd_bounds, outside)},
+     "a disk that leaves: tell and go on, end the run, or tell and take it out",
+     SETS(sd_bounds, outside)},
 };
 TABLE(deck_bounds, "bounds", true,
-      "Where the disks belong. Disks that leave are counted, and named with place and step.", bounds_keys);
+      "Where the disks belong. Disks that leave are counted, and named with place and step.",
+      bounds_keys);
 
 static const deck_key limits_keys[] = {
     {"residual", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.01", NULL,
@@ -97,10 +109,12 @@ static const deck_key limits_keys[] = {
      "of what a disk or a wall moves by in one step, over the radius; 0: none",
      SETS(sd_limits, displacement)},
     {"unstable_step", BOOL, "(false)", NULL,
-     "dt may be beyond the limit of stability (`slipdisk check` prints it)", SETS(sd_limits, unstable_step)},
+     "dt may be beyond the limit of stability (`slipdisk check` prints it)",
+     SETS(sd_limits, unstable_step)},
 };
 TABLE(deck_limits, "limits", true,
-      "Limits beyond which a finished run is in doubt: it is told, and the exit status is 5.", limits_keys);
+      "Limits beyond which a finished run is in doubt: it is told, and the exit status is 5.",
+      limits_keys);
 
 static const deck_key phase_keys[] = {
     {"name", TEXT, "-", NULL, "name in messages and results", SETS(sd_phase, name)},
@@ -108,12 +122,16 @@ static const deck_key phase_keys[] = {
     {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "length as a time, rounded to whole steps"},
     {"motions", BODIES, "(all)", NULL, "motions that are on, by name or number; () for none"},
     {"fields", BODIES, "(all)", NULL, "fields that are on, by name or number; () for none"},
-    {"measure", BOOL, "(true in the last phase)", NULL, "statistics are gathered", SETS(sd_phase, measure)},
+    {"measure", BOOL, "(true in the last phase)", NULL, "statistics are gathered",
+     SETS(sd_phase, measure)},
     {"settle", GROUP, "-", NULL, "criterion at which the phase ends before its length"},
-    {"relax", BOOL, "false", NULL, "seek equilibrium: not dynamics, but velocities steered downhill (FIRE)",
+    {"relax", BOOL, "false", NULL,
+     "seek equilibrium: not dynamics, but velocities steered downhill (FIRE)",
      SETS(sd_phase, relax)},
-    {"compress", GROUP, "-", NULL, "shrink the periodic box, or the container, with all that is in it"},
-    {"cell", GROUP, "-", NULL, "deform the periodic box: shear, extension, at given rates or stresses"},
+    {"compress", GROUP, "-", NULL,
+     "shrink the periodic box, or the container, with all that is in it"},
+    {"cell", GROUP, "-", NULL,
+     "deform the periodic box: shear, extension, at given rates or stresses"},
     {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
      "steps between rows of the time series; 0: none", SETS(sd_phase, series_every)},
     {"frames", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
@@ -124,21 +142,23 @@ static const deck_key phase_keys[] = {
 TABLE_EITHER(deck_phases, "phases", false, "A part of the run.", phase_keys, "steps/time");
 
 static const deck_key settle_keys[] = {
-    {"kinetic", NUMBER(DECK_POSITIVE, "energy"), "-", NULL, "kinetic energy per free disk at most this",
-     SETS(sd_settle, kinetic)},
+    {"kinetic", NUMBER(DECK_POSITIVE, "energy"), "-", NULL,
+     "kinetic energy per free disk at most this", SETS(sd_settle, kinetic)},
     {"unbalanced", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
-     "mean resultant force on a disk over mean contact force at most this", SETS(sd_settle, unbalanced)},
+     "mean resultant force on a disk over mean contact force at most this",
+     SETS(sd_settle, unbalanced)},
     {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1000", NULL, "steps from one look to the next",
      SETS(sd_settle, every)},
 };
 TABLE(deck_settle, "phases.settle", true,
-      "The phase ends at the first look at which all that is given here holds; its length is the most it may "
+      "The phase ends at the first look at which all that is given here holds; its length is the "
+      "most it may "
       "take.",
       settle_keys);
 
 static const deck_key compress_keys[] = {
-    {"pressure", NUMBER(DECK_POSITIVE, "force/length"), "-", NULL, "to be reached; either this or fraction",
-     SETS(sd_compress, pressure)},
+    {"pressure", NUMBER(DECK_POSITIVE, "force/length"), "-", NULL,
+     "to be reached; either this or fraction", SETS(sd_compress, pressure)},
     {"fraction", NUMBER(DECK_UP_TO_1, "-"), "-", NULL, "packing fraction to be reached",
      SETS(sd_compress, fraction)},
     {"rate", NUMBER(DECK_POSITIVE, "1/time"), "required", NULL,
@@ -147,25 +167,28 @@ static const deck_key compress_keys[] = {
      "relative distance from the target that is near enough", SETS(sd_compress, tolerance)},
 };
 TABLE_EITHER(deck_compress, "phases.compress", true,
-             "Lengths of the box or container and all positions change by the same factor. With `settle` the "
+             "Lengths of the box or container and all positions change by the same factor. With "
+             "`settle` the "
              "phase ends when the target is reached, too.",
              compress_keys, "pressure/fraction");
 
-#define CELL_RATE(name, component, meaning)                                                                  \
+#define CELL_RATE(name, component, meaning)                                                        \
   { name, NUMBER(DECK_ANY, "1/time"), "-", NULL, meaning, SETS(sd_cell, rate[component]) }
-#define CELL_STRESS(name, component, meaning)                                                                \
+#define CELL_STRESS(name, component, meaning)                                                      \
   { name, NUMBER(DECK_ANY, "force/length"), "-", NULL, meaning, SETS(sd_cell, stress[component]) }
 static const deck_key cell_keys[] = {
     CELL_RATE("rate_xx", SD_CELL_XX,
               "rate at which the box becomes longer in x, over its length; without it 0"),
     CELL_RATE("rate_yy", SD_CELL_YY, "the same in y"),
     CELL_RATE("rate_xy", SD_CELL_XY, "shear rate: how vx grows along y (Lees-Edwards)"),
-    CELL_STRESS("stress_xx", SD_CELL_XX, "stress that the length in x follows, compression positive"),
+    CELL_STRESS("stress_xx", SD_CELL_XX,
+                "stress that the length in x follows, compression positive"),
     CELL_STRESS("stress_yy", SD_CELL_YY, "the same in y"),
     CELL_STRESS("stress_xy", SD_CELL_XY,
                 "shear stress that the shear follows; a positive rate makes it negative"),
     {"response", NUMBER(DECK_POSITIVE, "time"), "-", NULL,
-     "time in which a controlled stress comes to its value; without it 4 sqrt(mean mass/largest stress)",
+     "time in which a controlled stress comes to its value; without it 4 sqrt(mean mass/largest "
+     "stress)",
      SETS(sd_cell, response)},
     {"max_rate", NUMBER(DECK_NOT_NEGATIVE, "1/time"), "0", NULL,
      "largest rate of controlled components; 0: any", SETS(sd_cell, max_rate)},
@@ -174,7 +197,8 @@ static const deck_key cell_keys[] = {
      SETS(sd_cell, boundary)},
 };
 TABLE(deck_cell, "phases.cell", true,
-      "The periodic box deforms with all that is in it. Of each component either the rate or the stress is "
+      "The periodic box deforms with all that is in it. Of each component either the rate or the "
+      "stress is "
       "given; "
       "what is not given stays as it is.",
       cell_keys);
@@ -187,8 +211,8 @@ static const deck_key output_keys[] = {
     {"contacts", INTEGER(DECK_NOT_NEGATIVE, "steps"), "0", NULL,
      "steps between stored contact tables; 0: none"},
 };
-TABLE(deck_output, "output", true, "How often results are stored, where a phase does not say otherwise.",
-      output_keys);
+TABLE(deck_output, "output", true,
+      "How often results are stored, where a phase does not say otherwise.", output_keys);
 
 static const deck_key measure_keys[] = {
     {"rotation", BODIES, "(all free disks when at most 16, else none)", NULL,
@@ -200,11 +224,12 @@ static const deck_key measure_keys[] = {
     {"disks", BOOL, "false", NULL,
      "means of every free disk, and of all: rotation, position, contacts, powers",
      SETS(sd_model, measure_disks)},
-    {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL, "disks: steps between looks at the contacts",
-     SETS(sd_model, measure_every)},
+    {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL,
+     "disks: steps between looks at the contacts", SETS(sd_model, measure_every)},
     {"walls", BOOL, "-", NULL, "series: force and torque on every wall, its contacts",
      SETS(sd_model, measure_walls)},
-    {"groups", BOOL, "-", NULL, "series: the same of every group of disks", SETS(sd_model, measure_groups)},
+    {"groups", BOOL, "-", NULL, "series: the same of every group of disks",
+     SETS(sd_model, measure_groups)},
     {"contacts", BODIES, "-", NULL, "series: the same of these disks, by name or number"},
     {"box", BOOL, "-", NULL, "series: width and height of the region", SETS(sd_model, measure_box)},
     {"stress", BOOL, "-", NULL, "series: stress of the region, of contacts and kinetic",
@@ -218,8 +243,8 @@ static const deck_key sliding_keys[] = {
     {"partners", BODIES, "required", NULL,
      "the two disks or walls that it touches, first and second sign of S++"},
 };
-TABLE(deck_sliding, "measure.sliding", false, "A disk and the two partners whose contacts are watched.",
-      sliding_keys);
+TABLE(deck_sliding, "measure.sliding", false,
+      "A disk and the two partners whose contacts are watched.", sliding_keys);
 
 static const deck_key until_keys[] = {
     {"observable", TEXT, "(omega of the first watched disk)", NULL,
@@ -232,8 +257,8 @@ static const deck_key until_keys[] = {
      "the last phase ends after this time at the latest, goal reached or not"},
 };
 TABLE_EITHER(deck_until, "until", true,
-             "The last phase goes on beyond its own length until an error bar is small enough.", until_keys,
-             "error/relative");
+             "The last phase goes on beyond its own length until an error bar is small enough.",
+             until_keys, "error/relative");
 
 const deck_key *deck_key_at(const deck_table *table, size_t k) {
   if (k < table->n) return &table->key[k];
@@ -270,7 +295,8 @@ bool deck_in_range(deck_range range, double x) {
 
 const char *deck_expected(deck_range range, double x) {
   static const char *const sized[] = {"from -1e100 to 1e100", "> 0, from 1e-100 to 1e100",
-                                      "0 or from 1e-100 to 1e100", "from 1 to 1e100", "from 1e-100 to 1"};
+                                      "0 or from 1e-100 to 1e100", "from 1 to 1e100",
+                                      "from 1e-100 to 1"};
   bool wrong_size = fabs(x) > LIMIT_NUMBER || (x != 0 && fabs(x) < 1 / LIMIT_NUMBER);
   return wrong_size ? sized[range] : deck_range_text(range);
 }
@@ -279,7 +305,8 @@ const char *deck_expected(deck_range range, double x) {
 
 static int word_value(const deck_shape *word, const char *quoted) {
   for (; word->name; word++)
-    if (strncmp(quoted + 1, word->name, strlen(word->name)) == 0 && quoted[1 + strlen(word->name)] == '"')
+    if (strncmp(quoted + 1, word->name, strlen(word->name)) == 0 &&
+        quoted[1 + strlen(word->name)] == '"')
       return word->kind;
   return 0;
 }
@@ -311,7 +338,8 @@ static bool has_sign(deck_range range, double x) {
   return true;
 }
 
-void deck_key_check(const deck_table *table, const void *members, const char *place, sd_messages *messages) {
+void deck_key_check(const deck_table *table, const void *members, const char *place,
+                    sd_messages *messages) {
   const deck_key *key;
   for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
     const void *member = (const char *)members + key->offset;
@@ -320,7 +348,8 @@ void deck_key_check(const deck_table *table, const void *members, const char *pl
     double x = number ? *(const double *)member : (double)*(const int64_t *)member;
     bool absent = x == 0 && strchr("-(", key->initial[0]);
     if (!absent && !has_sign(key->range, x))
-      sd_fail(messages, SD_ERROR_USER, "%s%s%s = %g: expected a number %s", place, *place ? "." : "",
-              key->name, x, deck_range_text(key->range == DECK_UP_TO_1 ? DECK_POSITIVE : key->range));
+      sd_fail(messages, SD_ERROR_USER, "%s%s%s = %g: expected a number %s", place,
+              *place ? "." : "", key->name, x,
+              deck_range_text(key->range == DECK_UP_TO_1 ? DECK_POSITIVE : key->range));
   }
 }

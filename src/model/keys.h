@@ -88,8 +88,8 @@ typedef struct deck_table {
 } deck_table;
 
 /* Groups whose keys set members of the model. */
-extern const deck_table deck_top, deck_gravity, deck_box, deck_bounds, deck_limits, deck_phases, deck_settle,
-    deck_compress, deck_cell, deck_output, deck_measure, deck_sliding, deck_until;
+extern const deck_table deck_top, deck_gravity, deck_box, deck_bounds, deck_limits, deck_phases,
+    deck_settle, deck_compress, deck_cell, deck_output, deck_measure, deck_sliding, deck_until;
 
 /* --- how rows are written: {name, type, default, words, meaning, member} ------------------------------------- */
 
@@ -111,16 +111,16 @@ extern const deck_table deck_top, deck_gravity, deck_box, deck_bounds, deck_limi
 #define ROWS KEY_TYPE(DECK_KEY_ROWS, DECK_ANY, "-")
 #define VALUES KEY_TYPE(DECK_KEY_VALUES, DECK_ANY, "-")
 #define TABLE(id, name, one, meaning, keys) TABLE_EITHER(id, name, one, meaning, keys, NULL)
-#define TABLE_EITHER(id, name, one, meaning, keys, either)                                                   \
+#define TABLE_EITHER(id, name, one, meaning, keys, either)                                         \
   const deck_table id = {name, meaning, one, COUNT(keys), keys, either, NULL}
-#define TABLE_WITH(id, name, one, meaning, keys, more)                                                       \
+#define TABLE_WITH(id, name, one, meaning, keys, more)                                             \
   const deck_table id = {name, meaning, one, COUNT(keys), keys, NULL, &(more)}
-#define WORD(name, value)                                                                                    \
+#define WORD(name, value)                                                                          \
   { name, value, NULL, NULL }
-#define LAST_WORD                                                                                            \
+#define LAST_WORD                                                                                  \
   { NULL, 0, NULL, NULL }
 
-#define SETS(type, member)                                                                                   \
+#define SETS(type, member)                                                                         \
   offsetof(type, member),                           \
       _Generic(((type *)NULL)->member,              \
                double: DECK_SETS_NUMBER,            \
@@ -147,6 +147,7 @@ const char *deck_expected(deck_range range, double x);
 /* Sets the members of a new struct to their defaults, where these are plain values. */
 void deck_key_defaults(const deck_table *table, void *members);
 /* Reports numbers of the wrong sign as "place.key = value"; 0 stands for what is not given and has no default. */
-void deck_key_check(const deck_table *table, const void *members, const char *place, sd_messages *messages);
+void deck_key_check(const deck_table *table, const void *members, const char *place,
+                    sd_messages *messages);
 
 #endif

@@ -11,11 +11,11 @@
 #ifndef MODEL_LAW_COHESION_H
 #define MODEL_LAW_COHESION_H
 
-#define COHESION_LAWS(ROW)                                                                                   \
-  ROW(SD_COHESION_NONE, none, "", "no attraction")                                                           \
-  ROW(SD_COHESION_CONSTANT, constant, "pull_off* range",                                                     \
-      "pull_off while touching, falling linearly to 0 at gap `range`; acts on approach, too")                \
-  ROW(SD_COHESION_BRIDGE, bridge, "pull_off* range* rupture*",                                               \
+#define COHESION_LAWS(ROW)                                                                         \
+  ROW(SD_COHESION_NONE, none, "", "no attraction")                                                 \
+  ROW(SD_COHESION_CONSTANT, constant, "pull_off* range",                                           \
+      "pull_off while touching, falling linearly to 0 at gap `range`; acts on approach, too")      \
+  ROW(SD_COHESION_BRIDGE, bridge, "pull_off* range* rupture*",                                     \
       "pull_off exp(-gap/range) from the first touch until gap `rupture`")
 
 #endif
@@ -32,7 +32,8 @@ typedef struct LANE(cohesion) {
 } LANE(cohesion);
 
 /* Part of pull_off that A has at a gap. any: there may be bridges. */
-LANE_INLINE LANE(real) LANE(cohesion_part)(const LANE(cohesion) * c, LANE(real) delta, const int any) {
+LANE_INLINE LANE(real)
+    LANE(cohesion_part)(const LANE(cohesion) * c, LANE(real) delta, const int any) {
   const LANE(real) zero = LANE(splat)(0.0), gap = LANE(max)(-delta, zero) * c->per_range;
   LANE(real) part = LANE(max)(1.0 - gap, zero);
   return any ? LANE(select)(c->bridge, LANE(exponential)(-gap), part) : part;

@@ -9,9 +9,13 @@
 #define MODEL_LAW_HERTZ_H
 
 static inline double hertz_force(double k, double delta) { return k * delta * sqrt(delta); }
-static inline double hertz_energy(double k, double delta) { return 0.4 * k * delta * delta * sqrt(delta); }
+static inline double hertz_energy(double k, double delta) {
+  return 0.4 * k * delta * delta * sqrt(delta);
+}
 static inline double hertz_stiffness(double k, double delta) { return 1.5 * k * sqrt(delta); }
-static inline double hertz_viscosity(double tsuji, double delta) { return tsuji * sqrt(sqrt(delta)); }
+static inline double hertz_viscosity(double tsuji, double delta) {
+  return tsuji * sqrt(sqrt(delta));
+}
 static inline double hertz_factor(double b) { return sqrt(5.0) * b; }
 
 #endif

@@ -15,9 +15,12 @@ static inline double linear_factor(double b) { return 2.0 * b; }
 #ifdef LANE_WIDTH
 
 LANE_INLINE LANE(real) LANE(linear_elastic)(LANE(real) k, LANE(real) delta) { return k * delta; }
-LANE_INLINE LANE(real) LANE(linear_damping)(LANE(real) gamma_n, LANE(real) tsuji, LANE(real) delta) {
+LANE_INLINE LANE(real)
+    LANE(linear_damping)(LANE(real) gamma_n, LANE(real) tsuji, LANE(real) delta) {
   return (void)delta, gamma_n + tsuji;
 }
-LANE_INLINE LANE(real) LANE(linear_stored)(LANE(real) k, LANE(real) delta) { return 0.5 * k * delta * delta; }
+LANE_INLINE LANE(real) LANE(linear_stored)(LANE(real) k, LANE(real) delta) {
+  return 0.5 * k * delta * delta;
+}
 
 #endif

@@ -18,9 +18,11 @@ static const deck_shape tangential_words[] = {WORD("spring", SD_TANGENTIAL_SPRIN
                                               WORD("mindlin", SD_TANGENTIAL_MINDLIN), LAST_WORD};
 
 static const deck_key law_keys[] = {
-    {"law", CHOICE, "\"linear\"", normal_words, "normal law, see below", SETS(sd_contact_law, normal)},
+    {"law", CHOICE, "\"linear\"", normal_words, "normal law, see below",
+     SETS(sd_contact_law, normal)},
     {"k_n", NUMBER(DECK_POSITIVE, "force/length"), "required", NULL,
-     "normal stiffness; hertz: k_n of F = k_n delta^(3/2), force/length^(3/2)", SETS(sd_contact_law, k_n)},
+     "normal stiffness; hertz: k_n of F = k_n delta^(3/2), force/length^(3/2)",
+     SETS(sd_contact_law, k_n)},
     {"k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL,
      "stiffness of the tangential spring; mindlin: force/length^(3/2)", SETS(sd_contact_law, k_t)},
     {"gamma_n", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL, "normal viscosity",
@@ -28,7 +30,8 @@ static const deck_key law_keys[] = {
     {"mu", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL, "coefficient of friction (Amonton)",
      SETS(sd_contact_law, mu)},
     {"restitution", NUMBER(DECK_UP_TO_1, "-"), "-", NULL,
-     "coefficient of restitution e at any speed (1: none of its damping), whose damping is added to gamma_n",
+     "coefficient of restitution e at any speed (1: none of its damping), whose damping is added "
+     "to gamma_n",
      SETS(sd_contact_law, restitution)},
     {"limit_damping", BOOL, "true", NULL,
      "the normal force of an overlap never pulls; false: its damping may, until the overlap ends",
@@ -45,8 +48,10 @@ static const deck_key law_keys[] = {
     {"gamma_r", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL,
      "rolling viscosity, within the limit of rolling friction", SETS(sd_contact_law, gamma_r)},
     {"mu_r", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL,
-     "coefficient of rolling friction: the couple is at most mu_r R_eff F_n", SETS(sd_contact_law, mu_r)},
-    {"cohesion", CHOICE, "\"none\"", cohesion_words, "attraction, see below", SETS(sd_contact_law, cohesion)},
+     "coefficient of rolling friction: the couple is at most mu_r R_eff F_n",
+     SETS(sd_contact_law, mu_r)},
+    {"cohesion", CHOICE, "\"none\"", cohesion_words, "attraction, see below",
+     SETS(sd_contact_law, cohesion)},
     {"pull_off", NUMBER(DECK_POSITIVE, "force"), "-", NULL, "largest attraction",
      SETS(sd_contact_law, pull_off)},
     {"range", NUMBER(DECK_NOT_NEGATIVE, "length"), "-", NULL,
@@ -81,10 +86,12 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
       {bridge && !(law->rupture > 0), "rupture", law->rupture, "expected a gap > 0"},
   };
   for (size_t k = 0; k < sizeof rules / sizeof *rules; k++) {
-    if (!rules[k].wrong || isnan(rules[k].value)) continue; /* what is no number was told of before */
+    if (!rules[k].wrong || isnan(rules[k].value))
+      continue; /* what is no number was told of before */
     *key = rules[k].key;
     *value = rules[k].value;
-    return k == 0 ? format_text("%s = %g", rules[k].text, law->mu) : format_text("%s", rules[k].text);
+    return k == 0 ? format_text("%s = %g", rules[k].text, law->mu)
+                  : format_text("%s", rules[k].text);
   }
   return NULL;
 }

@@ -19,7 +19,8 @@ static void middle(const sd_model *m, double at[2]) {
   }
   n = rows_sum(m, n);
   for (int c = 0; c < 2; c++) sum[c] = rows_sum(m, sum[c]);
-  for (int c = 0; c < 2; c++) at[c] = n > 0.0 ? sum[c] / n : 0.5 * (m->region_lower[c] + m->region_upper[c]);
+  for (int c = 0; c < 2; c++)
+    at[c] = n > 0.0 ? sum[c] / n : 0.5 * (m->region_lower[c] + m->region_upper[c]);
 }
 
 static int sign_of(double x) { return (x > 0.0) - (x < 0.0); }
@@ -84,16 +85,20 @@ static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
   if (q->n_bodies != 1 || !is_wall(m, q->bodies[0]) || q->coordinate > SD_Y)
     sd_fail(msg, SD_ERROR_USER, "motion \"%s\": a %s moves one wall along x or y", name, kind);
   if (!isfinite(q->force) || !isfinite(q->pressure) || q->ramp > 0.0)
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected a finite force or pressure, and no ramp", name);
+    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected a finite force or pressure, and no ramp",
+            name);
   if (q->kind == SD_MOTION_LOAD && !(q->mass > 0.0))
     sd_fail(msg, SD_ERROR_USER, "motion \"%s\": mass = %g: expected a number > 0", name, q->mass);
   if (q->kind == SD_MOTION_SERVO) {
     if (!(q->velocity > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": speed = %g: expected a number > 0", name, q->velocity);
+      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": speed = %g: expected a number > 0", name,
+              q->velocity);
     if ((q->force == 0.0) == (q->pressure == 0.0))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected either a force or a pressure, not 0", name);
+      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected either a force or a pressure, not 0",
+              name);
     if (q->pressure != 0.0 && !(q->length > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": length = %g: expected a number > 0", name, q->length);
+      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": length = %g: expected a number > 0", name,
+              q->length);
     for (int k = 0; k < 2; k++)
       if (q->beside[k] != 0 && !is_wall(m, q->beside[k]))
         sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u is no wall", name, q->beside[k]);
@@ -101,7 +106,9 @@ static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
   if (sd_messages_errors(msg) > before) return;
   double push = q->kind == SD_MOTION_SERVO && q->pressure != 0.0 ? q->pressure : q->force;
   if (sd_model_side(m, q->bodies[0], q->coordinate) * push < 0.0)
-    sd_warn(msg, "motion \"%s\": a %s of %g along %c pushes %s away from the disks, and nothing will hold it",
+    sd_warn(msg,
+            "motion \"%s\": a %s of %g along %c pushes %s away from the disks, and nothing will "
+            "hold it",
             name, kind, push, q->coordinate == SD_X ? 'x' : 'y',
             sd_model_body_name(m, q->bodies[0], wall, sizeof wall));
 }
@@ -111,8 +118,8 @@ static void check_clashes(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_phases; k++)
     if (sd_model_clash(m, k, q))
       sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu]: motion \"%s\" leaves a wall to the disks that motion \"%s\" moves too", k,
-              m->motions[q[0]].name ? m->motions[q[0]].name : "?",
+              "phases[%zu]: motion \"%s\" leaves a wall to the disks that motion \"%s\" moves too",
+              k, m->motions[q[0]].name ? m->motions[q[0]].name : "?",
               m->motions[q[1]].name ? m->motions[q[1]].name : "?");
 }
 
@@ -142,7 +149,8 @@ static double disks_along(const sd_model *m, const sd_wall *wall, int across) {
   if (m->region_upper[across] > m->region_lower[across])
     high = low + m->region_upper[across] - m->region_lower[across];
   if (wall->kind == SD_WALL_SEGMENT)
-    high = low + hypot(wall->points[1][0] - wall->points[0][0], wall->points[1][1] - wall->points[0][1]);
+    high = low +
+           hypot(wall->points[1][0] - wall->points[0][0], wall->points[1][1] - wall->points[0][1]);
   return fmin(fmax(floor((high - low) / (2.0 * radius)), 1.0), (double)m->n_free);
 }
 
@@ -152,15 +160,18 @@ void loads_check_steps(const sd_model *m, sd_messages *msg) {
     if (q->kind != SD_MOTION_LOAD || m->n_free == 0) continue;
     const sd_wall *wall = &m->walls[q->bodies[0] - m->n_disks];
     double largest = 0.0; /* radius */
-    for (size_t row = 0; row < rows_count(m); row++) largest = fmax(largest, rows_disk(m, row)->radius);
+    for (size_t row = 0; row < rows_count(m); row++)
+      largest = fmax(largest, rows_disk(m, row)->radius);
     largest = rows_largest(m, largest);
     double stiffness = 0.0, n = disks_along(m, wall, q->coordinate == SD_X ? SD_Y : SD_X);
     for (int b = 0; b < (int)m->n_materials; b++)
-      stiffness = fmax(stiffness, law_typical_stiffness(sd_model_law(m, wall->material, b), largest));
+      stiffness =
+          fmax(stiffness, law_typical_stiffness(sd_model_law(m, wall->material, b), largest));
     double period = 2.0 * M_PI * sqrt(q->mass / (n * stiffness));
     if (m->dt * STEPS_PER_PERIOD > period)
       sd_warn(msg,
-              "motion \"%s\": mass = %g is small: its period on the disks that fit along the wall (%g) is "
+              "motion \"%s\": mass = %g is small: its period on the disks that fit along the wall "
+              "(%g) is "
               "%.3g, or %.3g time steps; expected %d or more",
               q->name ? q->name : "?", q->mass, n, period, period / m->dt, STEPS_PER_PERIOD);
   }

@@ -76,7 +76,8 @@ void sd_model_free(sd_model *m) {
   sd_messages_free(m->mistakes);
   sd_messages_free(m->advised);
   if (m->deck) {
-    char *const texts[] = {m->deck->path, m->deck->text, m->deck->overrides, m->deck->full, m->deck->bodies};
+    char *const texts[] = {m->deck->path, m->deck->text, m->deck->overrides, m->deck->full,
+                           m->deck->bodies};
     for (size_t k = 0; k < COUNT(texts); k++) free(texts[k]);
   }
   free(m->deck);
@@ -101,7 +102,8 @@ uint32_t sd_model_find(const sd_model *m, const char *name) {
   for (size_t k = 0; k < m->n_walls; k++)
     if (m->walls[k].name && strcmp(m->walls[k].name, name) == 0) return (uint32_t)(m->n_disks + k);
   for (size_t k = 0; k < m->n_clumps; k++)
-    if (m->clumps[k].name && strcmp(m->clumps[k].name, name) == 0) return (uint32_t)(sd_model_bodies(m) + k);
+    if (m->clumps[k].name && strcmp(m->clumps[k].name, name) == 0)
+      return (uint32_t)(sd_model_bodies(m) + k);
   return UINT32_MAX;
 }
 
@@ -118,7 +120,8 @@ const sd_contact_law *sd_model_law(const sd_model *m, int a, int b) {
 
 const char *sd_model_body_name(const sd_model *m, uint32_t body, char *text, size_t size) {
   const size_t bodies = sd_model_bodies(m);
-  const bool disk = body < m->n_disks, wall = !disk && body < bodies, exists = body < model_movables(m);
+  const bool disk = body < m->n_disks, wall = !disk && body < bodies,
+             exists = body < model_movables(m);
   const char *kind = disk ? "disk" : wall ? "wall" : "clump";
   const size_t number = disk ? body : wall ? body - m->n_disks : body - bodies;
   const char *name = disk     ? (m->parted || number < model_held(m) ? m->disks[number].name : NULL)
@@ -176,9 +179,11 @@ static bool grow_rows(sd_model *m, void *list, size_t n, size_t size, const char
 }
 
 /* *copy gets n elements; false: no memory, or NULL instead of elements. Nothing to copy is NULL. */
-static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *copy, const char *what) {
+static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *copy,
+                    const char *what) {
   void *to = NULL;
-  if (!from && n) sd_fail(mistakes(m), SD_ERROR_USER, "%s: expected %zu elements, not NULL", what, n);
+  if (!from && n)
+    sd_fail(mistakes(m), SD_ERROR_USER, "%s: expected %zu elements, not NULL", what, n);
   if (from && n && grow_rows(m, &to, n, size, what)) memcpy(to, from, n * size);
   memcpy(copy, &to, sizeof to);
   return to || !n;
@@ -203,7 +208,8 @@ static const deck_key *key_of(sd_model *m, const char *path, void **members) {
   for (size_t t = 0; t < COUNT(tables); t++) {
     const deck_key *key;
     for (size_t k = 0; (key = deck_key_at(tables[t].table, k)); k++) {
-      if (key->target == DECK_SETS_NOTHING || key->target == DECK_SETS_PAIR || n == COUNT(names)) continue;
+      if (key->target == DECK_SETS_NOTHING || key->target == DECK_SETS_PAIR || n == COUNT(names))
+        continue;
       snprintf(names[n], sizeof names[n], "%s%s", tables[t].group, key->name);
       if (strcmp(names[n], path) == 0) {
         *members = tables[t].members;
@@ -236,7 +242,8 @@ void sd_model_set(sd_model *m, const char *path, double value) {
     case DECK_SETS_OFF: *(bool *)at = value == 0.0; return;
     default: sd_fail(mistakes(m), SD_ERROR_USER, "%s = %g: expected a text", path, value); return;
   }
-  if (!whole) sd_fail(mistakes(m), SD_ERROR_USER, "%s = %.17g: expected a whole number", path, value);
+  if (!whole)
+    sd_fail(mistakes(m), SD_ERROR_USER, "%s = %.17g: expected a whole number", path, value);
 }
 
 void sd_model_set_text(sd_model *m, const char *path, const char *value) {
@@ -260,14 +267,16 @@ void sd_model_set_text(sd_model *m, const char *path, const char *value) {
     }
   char words[256] = "";
   for (const deck_shape *word = key->words; word->name; word++)
-    snprintf(words + strlen(words), sizeof words - strlen(words), "%s\"%s\"", *words ? ", " : "", word->name);
+    snprintf(words + strlen(words), sizeof words - strlen(words), "%s\"%s\"", *words ? ", " : "",
+             word->name);
   sd_fail(mistakes(m), SD_ERROR_USER, "%s = \"%s\": expected one of %s", path, value, words);
 }
 
 void sd_model_set_gravity(sd_model *m, double x, double y) {
   m->finished = false;
   if (!(fabs(x) <= LIMIT_NUMBER) || !(fabs(y) <= LIMIT_NUMBER))
-    sd_fail(mistakes(m), SD_ERROR_USER, "gravity (%g, %g): expected finite numbers, at most 1e100", x, y);
+    sd_fail(mistakes(m), SD_ERROR_USER, "gravity (%g, %g): expected finite numbers, at most 1e100",
+            x, y);
   m->gravity[SD_X] = x;
   m->gravity[SD_Y] = y;
 }
@@ -275,8 +284,8 @@ void sd_model_set_gravity(sd_model *m, double x, double y) {
 /* False: a mistake, which is kept. */
 static bool has_extent(sd_model *m, const char *what, double lower, double upper) {
   if (upper > lower && fabs(upper) <= LIMIT_NUMBER && fabs(lower) <= LIMIT_NUMBER) return true;
-  sd_fail(mistakes(m), SD_ERROR_USER, "%s from %g to %g: expected finite edges, the lower one first", what,
-          lower, upper);
+  sd_fail(mistakes(m), SD_ERROR_USER,
+          "%s from %g to %g: expected finite edges, the lower one first", what, lower, upper);
   return false;
 }
 
@@ -329,20 +338,22 @@ void sd_model_set_law(sd_model *m, int a, int b, const sd_contact_law *law) {
   const int n = (int)m->n_materials;
   m->finished = false;
   if (a < 0 || b < 0 || a >= n || b >= n) {
-    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: expected two of the %d that there are",
-            a, b, n);
+    sd_fail(mistakes(m), SD_ERROR_USER,
+            "law of materials %d and %d: expected two of the %d that there are", a, b, n);
     return;
   }
   if (!law) {
-    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: expected a law, not NULL", a, b);
+    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: expected a law, not NULL", a,
+            b);
     return;
   }
   if (!(law->k_n > 0.0))
-    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: k_n = %g: expected a number > 0", a, b,
-            law->k_n);
+    sd_fail(mistakes(m), SD_ERROR_USER,
+            "law of materials %d and %d: k_n = %g: expected a number > 0", a, b, law->k_n);
   if ((unsigned)law->normal >= SD_NORMAL_LAWS) {
-    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: normal = %d: expected a normal law", a,
-            b, (int)law->normal);
+    sd_fail(mistakes(m), SD_ERROR_USER,
+            "law of materials %d and %d: normal = %d: expected a normal law", a, b,
+            (int)law->normal);
     return;
   }
   m->laws[a * n + b] = m->laws[b * n + a] = *law;
@@ -363,8 +374,8 @@ uint32_t sd_model_add_disks(sd_model *m, size_t n, const sd_disk *disks) {
   const size_t first = m->n_disks;
   if (n == 0) return (uint32_t)first;
   if (!disks || n > LIMIT_DISKS - first) {
-    sd_fail(mistakes(m), SD_ERROR_USER, "%zu disks%s: expected at most %d", n, disks ? "" : ", NULL",
-            LIMIT_DISKS);
+    sd_fail(mistakes(m), SD_ERROR_USER, "%zu disks%s: expected at most %d", n,
+            disks ? "" : ", NULL", LIMIT_DISKS);
     return (uint32_t)first;
   }
   if (!grow_rows(m, &m->disks, first + n, sizeof *m->disks, "disks")) return (uint32_t)first;
@@ -373,7 +384,9 @@ uint32_t sd_model_add_disks(sd_model *m, size_t n, const sd_disk *disks) {
   return (uint32_t)first;
 }
 
-uint32_t sd_model_add_disk(sd_model *m, const sd_disk *disk) { return sd_model_add_disks(m, 1, disk); }
+uint32_t sd_model_add_disk(sd_model *m, const sd_disk *disk) {
+  return sd_model_add_disks(m, 1, disk);
+}
 
 void sd_model_set_disk(sd_model *m, uint32_t number, const sd_disk *disk) {
   if (number >= m->n_disks) {
@@ -426,7 +439,8 @@ uint32_t sd_model_add_clump(sd_model *m, const sd_clump *clump) {
   const char *name = clump->name ? clump->name : "?";
   for (size_t k = 0; k < clump->n_disks; k++)
     if (clump->disks[k] >= m->n_disks)
-      sd_fail(mistakes(m), SD_ERROR_USER, "clump \"%s\": disk %u does not exist", name, clump->disks[k]);
+      sd_fail(mistakes(m), SD_ERROR_USER, "clump \"%s\": disk %u does not exist", name,
+              clump->disks[k]);
     else if (m->disks[clump->disks[k]].clump)
       sd_fail(mistakes(m), SD_ERROR_USER, "clump \"%s\": disk %u belongs to a clump already", name,
               clump->disks[k]);
@@ -455,15 +469,19 @@ int sd_model_add_motion(sd_model *m, const sd_motion *motion) {
   sd_motion *to = &m->motions[m->n_motions++];
   *to = *motion;
   to->name = memory_text(motion->name);
-  if (!copy_of(m, motion->bodies, motion->n_bodies, sizeof *motion->bodies, &to->bodies, "a motion"))
+  if (!copy_of(m, motion->bodies, motion->n_bodies, sizeof *motion->bodies, &to->bodies,
+               "a motion"))
     to->n_bodies = 0;
-  if (!copy_of(m, motion->table_time, motion->n_table, sizeof(double), &to->table_time, "a motion") ||
-      !copy_of(m, motion->table_value, motion->n_table, sizeof(double), &to->table_value, "a motion"))
+  if (!copy_of(m, motion->table_time, motion->n_table, sizeof(double), &to->table_time,
+               "a motion") ||
+      !copy_of(m, motion->table_value, motion->n_table, sizeof(double), &to->table_value,
+               "a motion"))
     to->n_table = 0;
   if (motion->kind == SD_MOTION_RANDOM && motion->stream == 0) to->stream = OWN_STREAM;
   /* phases that name their motions were added without this one */
   for (size_t k = 0; k < m->n_phases; k++)
-    if (m->phases[k].active) activate(m, &m->phases[k].active, m->n_motions - 1, m->n_motions, false);
+    if (m->phases[k].active)
+      activate(m, &m->phases[k].active, m->n_motions - 1, m->n_motions, false);
   return number;
 }
 
@@ -478,7 +496,8 @@ int sd_model_add_field(sd_model *m, const sd_body_force *field) {
   sd_body_force *to = &m->fields[m->n_fields++];
   *to = *field;
   to->name = memory_text(field->name);
-  if (!copy_of(m, field->disks, field->n_disks, sizeof *field->disks, &to->disks, "a field")) to->n_disks = 0;
+  if (!copy_of(m, field->disks, field->n_disks, sizeof *field->disks, &to->disks, "a field"))
+    to->n_disks = 0;
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].fields) activate(m, &m->phases[k].fields, m->n_fields - 1, m->n_fields, false);
   return number;
@@ -538,14 +557,16 @@ static void give_stream(sd_model *m, size_t k) {
     ordinal += m->motions[i].kind == SD_MOTION_RANDOM &&
                m->motions[i].stream == stream_number(thing, index, ordinal, q->coordinate);
   if (index >= STREAM_INDICES || ordinal >= STREAM_ORDINALS)
-    sd_fail(mistakes(m), SD_ERROR_USER, "motion \"%s\": expected at most %d random motions of one coordinate",
+    sd_fail(mistakes(m), SD_ERROR_USER,
+            "motion \"%s\": expected at most %d random motions of one coordinate",
             q->name ? q->name : "?", STREAM_ORDINALS);
   else
     q->stream = stream_number(thing, index, ordinal, q->coordinate);
 }
 
 void model_complete(sd_model *m) {
-  const sd_phase endless = {.name = "run", .measure = m->n_rotations || m->n_slides || m->measure_disks};
+  const sd_phase endless = {.name = "run",
+                            .measure = m->n_rotations || m->n_slides || m->measure_disks};
   if (m->n_phases == 0) sd_model_add_phase(m, &endless);
   for (size_t k = 0; k < m->n_phases; k++)
     if (!m->phases[k].active) activate(m, &m->phases[k].active, 0, m->n_motions, true);
@@ -570,5 +591,6 @@ sd_status model_tell_mistakes(sd_model *m, sd_messages *messages) {
 
 void model_copy_mistakes(sd_model *to, const sd_model *from) {
   for (size_t k = 0; from->mistakes && k < sd_messages_count(from->mistakes); k++)
-    sd_fail(mistakes(to), sd_messages_status(from->mistakes), "%s", sd_messages_text(from->mistakes, k));
+    sd_fail(mistakes(to), sd_messages_status(from->mistakes), "%s",
+            sd_messages_text(from->mistakes, k));
 }

@@ -67,11 +67,12 @@ typedef struct sd_tiles {
   size_t first, count; /* disks */
   bool away;           /* each rank has some of them (rows.h) */
   bool of_file;
-  size_t entry;                   /* of the deck's list of packings, or of files */
-  int64_t inputs, contact_inputs; /* of a file: sums of what it says of disks and contacts, in any order */
-  size_t n_contacts;              /* of a file: that come along */
-  size_t n_walls;                 /* where it is away, and contacts come along */
-  bool forces_carried;            /* forces of those contacts hold at step 0 */
+  size_t entry; /* of the deck's list of packings, or of files */
+  int64_t inputs,
+      contact_inputs;  /* of a file: sums of what it says of disks and contacts, in any order */
+  size_t n_contacts;   /* of a file: that come along */
+  size_t n_walls;      /* where it is away, and contacts come along */
+  bool forces_carried; /* forces of those contacts hold at step 0 */
   sd_tile_wall *walls;
   sd_packing_kind kind;
   double lower[2], upper[2], spacing,
@@ -118,20 +119,26 @@ typedef struct sd_rows {
 /* --- derived by sd_model_finish ------------------------------------------------------------------- */
 
 /* Pieces of walls: straight ones, parts of a circle, and the ends of an arc. */
-typedef enum sd_piece { SD_PIECE_STRAIGHT, SD_PIECE_CURVE, SD_PIECE_FIRST_END, SD_PIECE_LAST_END } sd_piece;
+typedef enum sd_piece {
+  SD_PIECE_STRAIGHT,
+  SD_PIECE_CURVE,
+  SD_PIECE_FIRST_END,
+  SD_PIECE_LAST_END
+} sd_piece;
 
 /* A piece of a wall in the wall's own frame (origin at the pivot, angle 0 at the start). */
 typedef struct sd_segment {
   uint32_t body;
   sd_piece piece;
-  double start[2];    /* one end; for a line any point; of an arc: the centre of the circle */
-  double tangent[2];  /* unit vector from the start to the other end */
-  double length;      /* HUGE_VAL for a line (then it also extends backwards) */
-  double previous[2]; /* tangent of the piece before; -tangent at a free end: bounds the start's own region */
-  bool end_cap;       /* the far end is free and pushes as a point */
-  double arc;         /* arc length of the start along a polyline */
-  int64_t next;       /* feature number of the piece that follows, -1: none */
-  double radius;      /* of an arc; its directions from the centre: of the ends, and between them */
+  double start[2];   /* one end; for a line any point; of an arc: the centre of the circle */
+  double tangent[2]; /* unit vector from the start to the other end */
+  double length;     /* HUGE_VAL for a line (then it also extends backwards) */
+  double previous
+      [2]; /* tangent of the piece before; -tangent at a free end: bounds the start's own region */
+  bool end_cap;  /* the far end is free and pushes as a point */
+  double arc;    /* arc length of the start along a polyline */
+  int64_t next;  /* feature number of the piece that follows, -1: none */
+  double radius; /* of an arc; its directions from the centre: of the ends, and between them */
   double first[2], last[2], middle[2];
   bool wide; /* an arc of more than half a turn */
   /* of its start and end: number of the vertex, which pieces that meet there share, 0: none; ends of other walls are there */
@@ -165,7 +172,8 @@ struct sd_model {
   double lower[2], upper[2]; /* box; only read along periodic directions */
   bool periodic[2];
   sd_container_kind container;
-  double region_lower[2], region_upper[2]; /* of the container or box: what is called full; equal: none */
+  double region_lower[2],
+      region_upper[2]; /* of the container or box: what is called full; equal: none */
   sd_bounds bounds;
 
   size_t n_materials;
@@ -207,11 +215,11 @@ struct sd_model {
   bool measure_walls, measure_groups; /* series of the forces on each of them */
   bool measure_box, measure_stress;   /* series of width and height of the region, of its stress */
   bool measure_disks;                 /* means of every free disk */
-  bool measure_configurations;        /* torque, forces and duration of the configurations in slides */
-  int64_t measure_every;              /* steps between looks at its contacts, >= 1 */
+  bool measure_configurations; /* torque, forces and duration of the configurations in slides */
+  int64_t measure_every;       /* steps between looks at its contacts, >= 1 */
 
-  struct sd_deck
-      *deck; /* that it was read from (sd_model_deck in deck.h), freed with it; NULL: built by hand */
+  struct sd_deck *
+      deck; /* that it was read from (sd_model_deck in deck.h), freed with it; NULL: built by hand */
 
   sd_messages *mistakes; /* of the calls that built it, for sd_model_finish; NULL: none */
 
@@ -234,12 +242,15 @@ struct sd_model {
   double largest_radius;  /* of a free disk */
   double smallest_radius; /* of a free disk; infinite without any */
   double shortest_period; /* as sd_model_shortest_period; where there are servos */
-  uint32_t *clump_disks;  /* of all clumps, one after the other, by number: what sd_clump.disks points to */
+  uint32_t *
+      clump_disks; /* of all clumps, one after the other, by number: what sd_clump.disks points to */
   double (*clump_offsets)[2]; /* of each of these from its clump's centre, at the start */
 };
 
 /* Bodies that a motion can name: disks, walls, clumps. */
-static inline size_t model_movables(const sd_model *m) { return m->n_disks + m->n_walls + m->n_clumps; }
+static inline size_t model_movables(const sd_model *m) {
+  return m->n_disks + m->n_walls + m->n_clumps;
+}
 
 /* "motion "shake"", or "motion 3" of one without a name; in text[size]. */
 const char *model_motion_name(const sd_model *model, size_t number, char *text, size_t size);

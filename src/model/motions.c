@@ -18,15 +18,18 @@
 static void check_random(const sd_motion *q, double dt, const char *name, sd_messages *msg) {
   (void)dt;
   if (!(q->omega > 0.0) || !(q->damping > 0.0) || q->interval < 1)
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected omega > 0, damping > 0, interval >= 1", name);
+    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected omega > 0, damping > 0, interval >= 1",
+            name);
 }
 
 static void check_table(const sd_motion *q, double dt, const char *name, sd_messages *msg) {
   (void)dt;
-  if (q->n_table < 3) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: expected 3 rows or more", name);
+  if (q->n_table < 3)
+    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: expected 3 rows or more", name);
   for (size_t r = 0; r < q->n_table; r++)
     if (!isfinite(q->table_time[r]) || !isfinite(q->table_value[r])) {
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: expected finite numbers (row %zu)", name, r);
+      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: expected finite numbers (row %zu)", name,
+              r);
       break;
     }
   for (size_t r = 1; r < q->n_table; r++)
@@ -35,8 +38,8 @@ static void check_table(const sd_motion *q, double dt, const char *name, sd_mess
       break;
     }
   if (q->periodic && q->n_table && q->table_value[0] != q->table_value[q->n_table - 1])
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: periodic, so the last value must equal the first",
-            name);
+    sd_fail(msg, SD_ERROR_USER,
+            "motion \"%s\": table: periodic, so the last value must equal the first", name);
 }
 
 #define ROW(kind, word, source, amplitude, check, ...) [kind] = {#word, source, amplitude, check},
@@ -45,8 +48,9 @@ const motion_kind motion_kinds[SD_MOTION_KINDS] = {MOTION_KINDS(ROW)};
 
 double motion_period(const sd_motion *q) {
   if (motion_is_wave(q)) return 2 * M_PI / fabs(q->omega);
-  return motion_source(q) == SIGNAL_TABLE && q->periodic ? q->table_time[q->n_table - 1] - q->table_time[0]
-                                                         : 0;
+  return motion_source(q) == SIGNAL_TABLE && q->periodic
+             ? q->table_time[q->n_table - 1] - q->table_time[0]
+             : 0;
 }
 
 /* Steps per cycle of a wave below which its values at the steps are those of another wave. */
@@ -57,9 +61,10 @@ void motion_check(const sd_motion *q, double dt, const char *name, sd_messages *
   const double steps = swings ? motion_period(q) / dt : HUGE_VAL;
   if (steps < FEWEST_STEPS)
     sd_fail(messages, SD_ERROR_USER,
-            "%s: a cycle takes %.3g steps: expected %g or more: a lower frequency or a smaller dt", name,
-            steps, FEWEST_STEPS);
-  if (motion_kinds[q->kind].check) motion_kinds[q->kind].check(q, dt, q->name ? q->name : "?", messages);
+            "%s: a cycle takes %.3g steps: expected %g or more: a lower frequency or a smaller dt",
+            name, steps, FEWEST_STEPS);
+  if (motion_kinds[q->kind].check)
+    motion_kinds[q->kind].check(q, dt, q->name ? q->name : "?", messages);
 }
 
 double motion_reach(const sd_motion *q) {
@@ -67,7 +72,7 @@ double motion_reach(const sd_motion *q) {
 }
 
 void motion_shape(const sd_motion *q, double shape[WAVE_SHAPE]) {
-#define SHAPE_CASE(kind, word, ...)                                                                          \
+#define SHAPE_CASE(kind, word, ...)                                                                \
   case kind: word##_shape(q, shape); return;
   switch (q->kind) {
     WAVEFORMS(SHAPE_CASE)
@@ -126,7 +131,8 @@ double motion_stride(const sd_motion *q, double dt) {
     case SIGNAL_STEADY: return fabs(q->velocity) * dt;
     case SIGNAL_TABLE: return table_stride(q, dt);
     case SIGNAL_RANDOM:
-      return 3 * fabs(q->amplitude) * fmin(q->omega * dt * (double)q->interval, 2) / (double)q->interval;
+      return 3 * fabs(q->amplitude) * fmin(q->omega * dt * (double)q->interval, 2) /
+             (double)q->interval;
     case SIGNAL_FEEDBACK: return q->kind == SD_MOTION_SERVO ? q->velocity * dt : 0;
     case SIGNAL_WAVE: break;
   }
@@ -199,13 +205,15 @@ double strides_arm(const sd_model *m, uint32_t body) {
 
 /* Per unit of the motion, over the radius of the smallest free disk. */
 static double lever(const sd_model *m, const sd_motion *q, uint32_t body) {
-  if (!(m->smallest_radius > 0) || !isfinite(m->smallest_radius) || q->coordinate == SD_SURFACE) return 0;
+  if (!(m->smallest_radius > 0) || !isfinite(m->smallest_radius) || q->coordinate == SD_SURFACE)
+    return 0;
   return (q->coordinate == SD_THETA ? strides_arm(m, body) : 1) / m->smallest_radius;
 }
 
 static bool runs(const sd_model *m, size_t motion) {
   bool any = m->n_phases == 0;
-  for (size_t k = 0; k < m->n_phases; k++) any = any || !m->phases[k].active || m->phases[k].active[motion];
+  for (size_t k = 0; k < m->n_phases; k++)
+    any = any || !m->phases[k].active || m->phases[k].active[motion];
   return any;
 }
 
@@ -226,7 +234,8 @@ bool strides_longest(const sd_model *m, body_stride *longest) {
       const double length = far * lever(m, q, body);
       sums[body] += length;
       if (length > all[body].length) all[body] = (body_stride){body, k, length};
-      if (sums[body] > longest->length) *longest = (body_stride){body, all[body].motion, sums[body]};
+      if (sums[body] > longest->length)
+        *longest = (body_stride){body, all[body].motion, sums[body]};
     }
   }
   free(all);

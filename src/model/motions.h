@@ -18,17 +18,17 @@
  * about; keys as in deck_keys.h. Rows of periodic waves stand in waveforms.h.
  */
 
-#define MOTION_KINDS(ROW)                                                                                    \
-  ROW(SD_MOTION_VELOCITY, velocity, SIGNAL_STEADY, NULL, NULL, "velocity* ramp", "u = v t")                  \
-  WAVEFORMS(ROW)                                                                                             \
-  ROW(SD_MOTION_RANDOM, random, SIGNAL_RANDOM, harmonic_amplitude, check_random,                             \
-      "amplitude/acceleration* frequency/omega* damping interval independent ramp",                          \
-      "u'' + 2 c w u' + w^2 u = white noise, of rms displacement A (eq. 52)")                                \
-  ROW(SD_MOTION_TABLE, table, SIGNAL_TABLE, NULL, check_table,                                               \
-      "file/times* columns values factor periodic ramp", "natural cubic spline through a table")             \
-  ROW(SD_MOTION_LOAD, load, SIGNAL_FEEDBACK, NULL, NULL, "mass* force",                                      \
-      "wall, x or y: moves freely along the coordinate, under its weight, a force and the disks")            \
-  ROW(SD_MOTION_SERVO, servo, SIGNAL_FEEDBACK, NULL, NULL, "force/pressure* speed* length",                  \
+#define MOTION_KINDS(ROW)                                                                          \
+  ROW(SD_MOTION_VELOCITY, velocity, SIGNAL_STEADY, NULL, NULL, "velocity* ramp", "u = v t")        \
+  WAVEFORMS(ROW)                                                                                   \
+  ROW(SD_MOTION_RANDOM, random, SIGNAL_RANDOM, harmonic_amplitude, check_random,                   \
+      "amplitude/acceleration* frequency/omega* damping interval independent ramp",                \
+      "u'' + 2 c w u' + w^2 u = white noise, of rms displacement A (eq. 52)")                      \
+  ROW(SD_MOTION_TABLE, table, SIGNAL_TABLE, NULL, check_table,                                     \
+      "file/times* columns values factor periodic ramp", "natural cubic spline through a table")   \
+  ROW(SD_MOTION_LOAD, load, SIGNAL_FEEDBACK, NULL, NULL, "mass* force",                            \
+      "wall, x or y: moves freely along the coordinate, under its weight, a force and the disks")  \
+  ROW(SD_MOTION_SERVO, servo, SIGNAL_FEEDBACK, NULL, NULL, "force/pressure* speed* length",        \
       "wall, x or y: moves so that it exerts a given force on the disks")
 
 typedef enum signal_source {
@@ -50,9 +50,13 @@ typedef struct motion_kind {
 
 extern const motion_kind motion_kinds[SD_MOTION_KINDS];
 
-static inline signal_source motion_source(const sd_motion *q) { return motion_kinds[q->kind].source; }
+static inline signal_source motion_source(const sd_motion *q) {
+  return motion_kinds[q->kind].source;
+}
 static inline bool motion_is_wave(const sd_motion *q) { return motion_source(q) == SIGNAL_WAVE; }
-static inline bool motion_is_feedback(const sd_motion *q) { return motion_source(q) == SIGNAL_FEEDBACK; }
+static inline bool motion_is_feedback(const sd_motion *q) {
+  return motion_source(q) == SIGNAL_FEEDBACK;
+}
 
 /* Tells what is refused: too few steps in a cycle, and what its kind refuses. name: as in model_motion_name. */
 void motion_check(const sd_motion *motion, double dt, const char *name, sd_messages *messages);

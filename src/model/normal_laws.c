@@ -1,8 +1,9 @@
 /* normal_laws.c: see normal_laws.h. */
 #include "model/normal_laws.h"
 
-#define ROW_OF(number, word, keys, meaning)                                                                  \
-  [number] = {#word, word##_force, word##_energy, word##_stiffness, word##_factor, word##_viscosity},
+#define ROW_OF(number, word, keys, meaning)                                                        \
+  [number] = {#word,         word##_force,    word##_energy, word##_stiffness,                     \
+              word##_factor, word##_viscosity},
 const normal_law normal_laws[SD_NORMAL_LAWS] = {NORMAL_LAWS(ROW_OF)};
 #undef ROW_OF
 

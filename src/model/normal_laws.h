@@ -25,8 +25,8 @@
 #include "model/model.h"
 
 /* ROW(number, name in the deck, keys as in deck_keys.h, meaning) */
-#define NORMAL_LAWS(ROW)                                                                                     \
-  ROW(SD_NORMAL_LINEAR, linear, "", "F = k_n delta (eq. 2)")                                                 \
+#define NORMAL_LAWS(ROW)                                                                           \
+  ROW(SD_NORMAL_LINEAR, linear, "", "F = k_n delta (eq. 2)")                                       \
   ROW(SD_NORMAL_HERTZ, hertz, "", "F = k_n delta^(3/2)")
 
 typedef struct normal_law {

@@ -61,7 +61,8 @@ static uint64_t mixed(double i, double j) {
 static size_t hash(const level *l, double i, double j) {
   enum { SIDE = 8 };
   const double p = floor(i / SIDE) + 0.0, q = floor(j / SIDE) + 0.0;
-  const uint64_t block = mixed(p, q), within = (uint64_t)fmax(0.0, (i - SIDE * p) + SIDE * (j - SIDE * q));
+  const uint64_t block = mixed(p, q),
+                 within = (uint64_t)fmax(0.0, (i - SIDE * p) + SIDE * (j - SIDE * q));
   return (size_t)((block ^ within) & (l->n_cells - 1));
 }
 
@@ -82,7 +83,8 @@ static bool check_cell(grid *g, const level *l, size_t i, const double at[2], do
   for (uint32_t j = l->head[hash(l, p, q)]; j != NONE; j = g->next[j]) {
     const sd_disk *d = &g->m->disks[j];
     const double x = wrapped(g, d->position[0], 0), y = wrapped(g, d->position[1], 1);
-    const double dx = x - at[0], dy = y - at[1], touch = (d->radius + g->m->disks[i].radius) * (1 + 1e-9);
+    const double dx = x - at[0], dy = y - at[1],
+                 touch = (d->radius + g->m->disks[i].radius) * (1 + 1e-9);
     if (j == i || fabs(dx) > touch || fabs(dy) > touch) continue;
     /* another cell may share the slot of the table */
     bool here = cell_of(l, x) == p && cell_of(l, y) == q;
@@ -94,11 +96,14 @@ static bool check_cell(grid *g, const level *l, size_t i, const double at[2], do
 /* The disk reaches no farther than one cell: its radius and that of the other make one at most. */
 static bool check_around(grid *g, const level *l, size_t i, const double at[2]) {
   const double reach = (g->m->disks[i].radius + l->largest) * (1 + 1e-9);
-  const double x = cell_of(l, at[0]), left = cell_of(l, at[0] - reach), right = cell_of(l, at[0] + reach);
-  const double y = cell_of(l, at[1]), below = cell_of(l, at[1] - reach), above = cell_of(l, at[1] + reach);
+  const double x = cell_of(l, at[0]), left = cell_of(l, at[0] - reach),
+               right = cell_of(l, at[0] + reach);
+  const double y = cell_of(l, at[1]), below = cell_of(l, at[1] - reach),
+               above = cell_of(l, at[1] + reach);
   for (int p = -1; p <= 1; p++)
     for (int q = -1; q <= 1; q++) {
-      if ((p && x + p == x) || (q && y + q == y)) continue; /* so far away that there are no next cells */
+      if ((p && x + p == x) || (q && y + q == y))
+        continue; /* so far away that there are no next cells */
       if (x + p < left || x + p > right || y + q < below || y + q > above) continue;
       if (check_cell(g, l, i, at, x + p, y + q)) return true;
     }
@@ -107,7 +112,8 @@ static bool check_around(grid *g, const level *l, size_t i, const double at[2]) 
 
 /* All images of a disk that may touch a disk of the level. */
 static bool check_level(grid *g, const level *l, size_t i) {
-  double x[2] = {wrapped(g, g->m->disks[i].position[0], 0), wrapped(g, g->m->disks[i].position[1], 1)};
+  double x[2] = {wrapped(g, g->m->disks[i].position[0], 0),
+                 wrapped(g, g->m->disks[i].position[1], 1)};
   bool over[2][3];
   for (int c = 0; c < 2; c++) {
     bool box = g->length[c] > 0;
@@ -251,7 +257,8 @@ static double distance_to_segment(const double *p, const double *a, const double
 typedef struct wall_tree {
   const sd_wall *wall;
   wall_bounds bounds;
-  size_t n, leaves; /* a power of two; node k has the children 2k and 2k + 1, leaf i is node leaves + i */
+  size_t n,
+      leaves; /* a power of two; node k has the children 2k and 2k + 1, leaf i is node leaves + i */
   double (*low)[2], (*high)[2];
 } wall_tree;
 
@@ -284,7 +291,8 @@ static double nearest_segment(const wall_tree *t, size_t node, const double *p, 
   double dx = fmax(t->low[node][0] - p[0], p[0] - t->high[node][0]);
   double dy = fmax(t->low[node][1] - p[1], p[1] - t->high[node][1]);
   if (fmax(dx, dy) >= nearest) return nearest;
-  if (node < t->leaves) return nearest_segment(t, 2 * node + 1, p, nearest_segment(t, 2 * node, p, nearest));
+  if (node < t->leaves)
+    return nearest_segment(t, 2 * node + 1, p, nearest_segment(t, 2 * node, p, nearest));
   size_t k = node - t->leaves;
   const sd_wall *w = t->wall;
   return fmin(nearest, distance_to_segment(p, w->points[k], w->points[(k + 1) % w->n_points],
@@ -378,7 +386,8 @@ double overlaps_gap(const sd_model *m, uint32_t disk, const double x[2], uint32_
 }
 
 double overlaps_first_gap(const sd_model *m, uint32_t disk, uint32_t body) {
-  const double *at = body < m->n_disks ? m->disks[body].position : m->walls[body - m->n_disks].pivot;
+  const double *at =
+      body < m->n_disks ? m->disks[body].position : m->walls[body - m->n_disks].pivot;
   const double pose[3] = {at[0], at[1], 0};
   return overlaps_gap(m, disk, m->disks[disk].position, body, pose);
 }

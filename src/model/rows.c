@@ -27,8 +27,8 @@ double rows_extreme(const sd_model *m, double value, uint32_t *disk) {
 bool rows_reserve(sd_model *m, size_t n) {
   assert(!m->mine);
   m->mine = memory_new(1, sizeof *m->mine);
-  return memory_resize(
-      2, (memory_column[]){{&m->mine->disk, n, sizeof(sd_disk)}, {&m->mine->number, n, sizeof(uint32_t)}});
+  return memory_resize(2, (memory_column[]){{&m->mine->disk, n, sizeof(sd_disk)},
+                                            {&m->mine->number, n, sizeof(uint32_t)}});
 }
 
 void rows_add(sd_model *m, const sd_disk *disk, uint32_t number) {
@@ -61,7 +61,8 @@ size_t rows_of_tiles(const sd_model *m) {
 }
 
 sd_disk model_tile_disk(const sd_tiles *t, double radius, const double position[2]) {
-  const double mass = t->mass == 0.0 ? t->density * 3.14159265358979323846 * radius * radius : t->mass;
+  const double mass =
+      t->mass == 0.0 ? t->density * 3.14159265358979323846 * radius * radius : t->mass;
   return (sd_disk){.position = {position[0], position[1], 0.0},
                    .radius = radius,
                    .mass = mass,
@@ -106,7 +107,8 @@ static run_of share(const comm *c, size_t n, bool few) {
 
 static void add_own(sd_model *m, uint32_t disk) {
   sd_rows *r = m->mine;
-  if (disk < m->n_derivatives) memcpy(r->derivatives[r->n], m->derivatives[disk], sizeof *r->derivatives);
+  if (disk < m->n_derivatives)
+    memcpy(r->derivatives[r->n], m->derivatives[disk], sizeof *r->derivatives);
   rows_add(m, &m->disks[disk], disk);
 }
 
@@ -118,8 +120,8 @@ static bool take_own(sd_model *m, bool few) {
   if (!m->mine) m->mine = memory_new(1, sizeof *m->mine);
   sd_rows *r = m->mine;
   n = r->n + (own.end - own.begin);
-  if (!memory_resize(2,
-                     (memory_column[]){{&r->disk, n, sizeof(sd_disk)}, {&r->number, n, sizeof(uint32_t)}}) ||
+  if (!memory_resize(2, (memory_column[]){{&r->disk, n, sizeof(sd_disk)},
+                                          {&r->number, n, sizeof(uint32_t)}}) ||
       (m->n_derivatives > 0 && !memory_row(&r->derivatives, n, sizeof *r->derivatives)))
     return false;
   for (uint32_t i = 0; i < model_held(m); i++) {
@@ -135,7 +137,8 @@ static bool take_memories(sd_model *m, bool few) {
   sd_rows *r = m->mine;
   r->n_memories = own.end - own.begin;
   if (!memory_resize_row(&r->memories, r->n_memories, sizeof *r->memories)) return false;
-  if (r->n_memories > 0) memcpy(r->memories, m->memories + own.begin, r->n_memories * sizeof *r->memories);
+  if (r->n_memories > 0)
+    memcpy(r->memories, m->memories + own.begin, r->n_memories * sizeof *r->memories);
   return true;
 }
 

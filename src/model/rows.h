@@ -17,12 +17,18 @@
 /* --- while a model is made -------------------------------------------------------------------- */
 
 /* Disks [0, model_held) have their rows in model->disks, on all ranks. */
-static inline size_t model_held(const sd_model *m) { return m->tiles.away ? m->tiles.first : m->n_disks; }
+static inline size_t model_held(const sd_model *m) {
+  return m->tiles.away ? m->tiles.first : m->n_disks;
+}
 
 /* The rows of this rank: those that are held, then its own. */
-static inline size_t rows_count(const sd_model *m) { return model_held(m) + (m->mine ? m->mine->n : 0); }
+static inline size_t rows_count(const sd_model *m) {
+  return model_held(m) + (m->mine ? m->mine->n : 0);
+}
 /* The first row that only this rank counts: ranks add up what they have from here on. */
-static inline size_t rows_first(const sd_model *m) { return comm_rank(m->comm) == 0 ? 0 : model_held(m); }
+static inline size_t rows_first(const sd_model *m) {
+  return comm_rank(m->comm) == 0 ? 0 : model_held(m);
+}
 
 static inline const sd_disk *rows_disk(const sd_model *m, size_t row) {
   const size_t held = model_held(m);

@@ -31,13 +31,15 @@ typedef struct oscillator {
 } oscillator;
 
 /* tsuji: law_tsuji of the law; moved: bits 1 << coordinate that motions prescribe. Tangential spring and rotation: physics.md 5. */
-static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, double tsuji, unsigned moved) {
+static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, double tsuji,
+                                unsigned moved) {
   bool still = (d->locked[SD_X] || moved & 1u << SD_X) && (d->locked[SD_Y] || moved & 1u << SD_Y);
   bool turns = !d->locked[SD_THETA] && !(moved & 1u << SD_THETA);
   double inverse_mass = still ? 0.0 : 1.0 / d->mass;
   double inverse_inertia = turns ? d->radius * d->radius / d->inertia : 0.0;
   double gamma = law->gamma_n, rubs = law->mu > 0.0 ? 2.0 * (inverse_mass + inverse_inertia) : 0.0;
-  double k_t = law->tangential == SD_TANGENTIAL_MINDLIN ? law->k_t * sqrt(0.01 * d->radius) : law->k_t;
+  double k_t =
+      law->tangential == SD_TANGENTIAL_MINDLIN ? law->k_t * sqrt(0.01 * d->radius) : law->k_t;
   if (tsuji > 0.0)
     gamma += normal_laws[law->normal].viscosity(tsuji * sqrt(d->mass * law->k_n), 0.01 * d->radius);
   return (oscillator){.normal2 = 2.0 * law_typical_stiffness(law, d->radius) * inverse_mass,
@@ -73,7 +75,8 @@ double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
 
 /* The positive root of a w2 t^2 + b c t = 1. */
 static double longest(const sd_model *m, double w2, double c) {
-  double a = STIFF[m->integrator] * w2, b = VISCOUS[m->integrator] * c, s = b + sqrt(b * b + 4.0 * a);
+  double a = STIFF[m->integrator] * w2, b = VISCOUS[m->integrator] * c,
+         s = b + sqrt(b * b + 4.0 * a);
   return s > 0.0 ? 2.0 / s : HUGE_VAL;
 }
 
@@ -108,8 +111,8 @@ static sd_step_limit limit_here(const sd_model *m) {
       const sd_contact_law *law = sd_model_law(m, (int)own, (int)b);
       if (!law_is_given(law) || use[b].count == (own == b)) continue;
       const sd_disk felt = felt_at(m, row);
-      const oscillator o =
-          oscillator_of(&felt, law, tsuji[law - m->laws], moved && row < model_held(m) ? moved[row] : 0);
+      const oscillator o = oscillator_of(&felt, law, tsuji[law - m->laws],
+                                         moved && row < model_held(m) ? moved[row] : 0);
       const sd_step_limit now = limit_of(m, &o, rows_number(m, row));
       if (is_shorter(&now, &limit)) limit = now;
     }

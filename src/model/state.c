@@ -12,30 +12,35 @@
 #include "model/walls.h"
 #include "slipdisk/deck.h"
 
-#define COLUMN(name, type, extent, unit, meaning)                                                            \
+#define COLUMN(name, type, extent, unit, meaning)                                                  \
   { #name, type, extent, offsetof(sd_state, name), unit, meaning }
 
 const sd_field sd_fields[] = {
     COLUMN(step, SD_I64, SD_PER_RUN, "1", "steps completed since the start"),
     COLUMN(phase, SD_I64, SD_PER_RUN, "1", "index of the running phase"),
     COLUMN(phase_step, SD_I64, SD_PER_RUN, "1", "steps completed in this phase"),
-    COLUMN(work_driven, SD_F64, SD_PER_RUN, "energy", "work done by prescribed bodies and coordinates"),
-    COLUMN(energy_start, SD_F64, SD_PER_RUN, "energy", "kinetic, elastic and external energy at step 0"),
+    COLUMN(work_driven, SD_F64, SD_PER_RUN, "energy",
+           "work done by prescribed bodies and coordinates"),
+    COLUMN(energy_start, SD_F64, SD_PER_RUN, "energy",
+           "kinetic, elastic and external energy at step 0"),
     COLUMN(measured, SD_I64, SD_PER_RUN, "1", "steps measured"),
     COLUMN(bin_steps, SD_I64, SD_PER_RUN, "1", "steps per bin of the angle record"),
     COLUMN(bins, SD_I64, SD_PER_RUN, "1", "full bins of the angle record"),
     COLUMN(box_scale, SD_F64, SD_PER_RUN, "1", "lengths of the region over those of the deck"),
-    COLUMN(field_power, SD_F64, SD_PER_RUN, "power", "power of force fields at the end of the last step"),
+    COLUMN(field_power, SD_F64, SD_PER_RUN, "power",
+           "power of force fields at the end of the last step"),
     COLUMN(relaxed, SD_F64, SD_PER_RUN, "energy", "taken out by the relaxer"),
     COLUMN(relax_alpha, SD_F64, SD_PER_RUN, "1", "how far the relaxer steers velocities"),
-    COLUMN(relax_steps, SD_I64, SD_PER_RUN, "1", "steps downhill since the relaxer stopped the disks"),
+    COLUMN(relax_steps, SD_I64, SD_PER_RUN, "1",
+           "steps downhill since the relaxer stopped the disks"),
     COLUMN(released, SD_I64, SD_PER_RUN, "1", "disks that rain has let go"),
     COLUMN(outside, SD_I64, SD_PER_RUN, "1", "times that a disk left the bounds"),
     COLUMN(mean_samples, SD_I64, SD_PER_RUN, "1", "looks at the contacts for the means of disks"),
     COLUMN(mean_bin_steps, SD_I64, SD_PER_RUN, "1", "steps per bin of the disks' angle records"),
     COLUMN(mean_bins, SD_I64, SD_PER_RUN, "1", "full bins of the disks' angle records"),
-    COLUMN(fast_step, SD_I64, SD_PER_RUN, "1",
-           "first step after which a free disk was faster than limits.displacement allows, -1: none"),
+    COLUMN(
+        fast_step, SD_I64, SD_PER_RUN, "1",
+        "first step after which a free disk was faster than limits.displacement allows, -1: none"),
     COLUMN(fast_disk, SD_I64, SD_PER_RUN, "1", "body number of that disk, -1: none"),
     COLUMN(fast_displacement, SD_F64, SD_PER_RUN, "1", "its displacement per step over its radius"),
 
@@ -49,7 +54,8 @@ const sd_field sd_fields[] = {
     COLUMN(omega, SD_F64, SD_PER_BODY, "rad/time", "angular velocity, counter-clockwise positive"),
     COLUMN(image_x, SD_I32, SD_PER_BODY, "1", "periodic images crossed along x"),
     COLUMN(image_y, SD_I32, SD_PER_BODY, "1", "periodic images crossed along y"),
-    COLUMN(radius, SD_F64, SD_PER_BODY, "length", "radius; negative for a drum, 0 for a straight wall"),
+    COLUMN(radius, SD_F64, SD_PER_BODY, "length",
+           "radius; negative for a drum, 0 for a straight wall"),
     COLUMN(mass, SD_F64, SD_PER_BODY, "mass", "mass; 0 for walls"),
     COLUMN(inertia, SD_F64, SD_PER_BODY, "mass length^2", "moment of inertia; 0 for walls"),
     COLUMN(material, SD_I32, SD_PER_BODY, "1", "index into the materials"),
@@ -60,23 +66,33 @@ const sd_field sd_fields[] = {
     COLUMN(force_x, SD_F64, SD_PER_BODY, "force", "x force of the contacts at the last step"),
     COLUMN(force_y, SD_F64, SD_PER_BODY, "force", "y force of the contacts at the last step"),
     COLUMN(torque, SD_F64, SD_PER_BODY, "force length", "torque of the contacts at the last step"),
-    COLUMN(loss_viscous, SD_F64, SD_PER_BODY, "energy", "lost to viscosity in this body's contacts"),
+    COLUMN(loss_viscous, SD_F64, SD_PER_BODY, "energy",
+           "lost to viscosity in this body's contacts"),
     COLUMN(loss_friction, SD_F64, SD_PER_BODY, "energy", "lost to sliding in this body's contacts"),
-    COLUMN(loss_opening, SD_F64, SD_PER_BODY, "energy", "left in this body's contacts when they opened"),
-    COLUMN(nonconservative_work, SD_F64, SD_PER_BODY, "energy", "put in by the paper's tangential force"),
-    COLUMN(past_viscous, SD_F64, SD_PER_BODY, "energy", "of loss_viscous: in contacts that have ended"),
-    COLUMN(past_friction, SD_F64, SD_PER_BODY, "energy", "of loss_friction: in contacts that have ended"),
+    COLUMN(loss_opening, SD_F64, SD_PER_BODY, "energy",
+           "left in this body's contacts when they opened"),
+    COLUMN(nonconservative_work, SD_F64, SD_PER_BODY, "energy",
+           "put in by the paper's tangential force"),
+    COLUMN(past_viscous, SD_F64, SD_PER_BODY, "energy",
+           "of loss_viscous: in contacts that have ended"),
+    COLUMN(past_friction, SD_F64, SD_PER_BODY, "energy",
+           "of loss_friction: in contacts that have ended"),
     COLUMN(past_nonconservative_work, SD_F64, SD_PER_BODY, "energy",
            "of nonconservative_work: in contacts that have ended"),
 
     COLUMN(surface, SD_F64, SD_PER_SURFACE, "length",
            "way of the wall's surface along it beyond surface_turn"),
-    COLUMN(surface_turn, SD_F64, SD_PER_SURFACE, "length", "the rest of it, in multiples of a fixed length"),
-    COLUMN(surface_speed, SD_F64, SD_PER_SURFACE, "length/time", "velocity of the wall's surface along it"),
-    COLUMN(surface_force, SD_F64, SD_PER_SURFACE, "force", "of the contacts on the surface at the last step"),
-    COLUMN(base_surface, SD_F64, SD_PER_SURFACE, "length", "prescribed way without the running motions"),
+    COLUMN(surface_turn, SD_F64, SD_PER_SURFACE, "length",
+           "the rest of it, in multiples of a fixed length"),
+    COLUMN(surface_speed, SD_F64, SD_PER_SURFACE, "length/time",
+           "velocity of the wall's surface along it"),
+    COLUMN(surface_force, SD_F64, SD_PER_SURFACE, "force",
+           "of the contacts on the surface at the last step"),
+    COLUMN(base_surface, SD_F64, SD_PER_SURFACE, "length",
+           "prescribed way without the running motions"),
 
-    COLUMN(activity, SD_I32, SD_PER_FREE, "1", "0 in play, 1 waiting, 2 removed, 3 outside the bounds"),
+    COLUMN(activity, SD_I32, SD_PER_FREE, "1",
+           "0 in play, 1 waiting, 2 removed, 3 outside the bounds"),
     COLUMN(x2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of x"),
     COLUMN(y2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of y"),
     COLUMN(theta2, SD_F64, SD_PER_FREE, "rad", "dt^2/2 times the 2nd derivative of the angle"),
@@ -90,14 +106,17 @@ const sd_field sd_fields[] = {
     COLUMN(y5, SD_F64, SD_PER_FREE, "length", "dt^5/120 times the 5th derivative of y"),
     COLUMN(theta5, SD_F64, SD_PER_FREE, "rad", "dt^5/120 times the 5th derivative of the angle"),
 
-    COLUMN(field_x, SD_F64, SD_PER_FIELDED, "force", "x force of the model's fields at the last step"),
-    COLUMN(field_y, SD_F64, SD_PER_FIELDED, "force", "y force of the model's fields at the last step"),
+    COLUMN(field_x, SD_F64, SD_PER_FIELDED, "force",
+           "x force of the model's fields at the last step"),
+    COLUMN(field_y, SD_F64, SD_PER_FIELDED, "force",
+           "y force of the model's fields at the last step"),
     COLUMN(field_torque, SD_F64, SD_PER_FIELDED, "force length",
            "torque of the model's fields at the last step"),
     COLUMN(power_work, SD_F64, SD_PER_FIELDED, "power",
            "at which fields do work on the disk, at the last step"),
     COLUMN(power_drag, SD_F64, SD_PER_FIELDED, "power", "lost to drag, at the last step"),
-    COLUMN(power_damping, SD_F64, SD_PER_FIELDED, "power", "lost to non-viscous damping, at the last step"),
+    COLUMN(power_damping, SD_F64, SD_PER_FIELDED, "power",
+           "lost to non-viscous damping, at the last step"),
     COLUMN(field_work, SD_F64, SD_PER_FIELDED, "energy", "work of the model's fields on the disk"),
     COLUMN(loss_drag, SD_F64, SD_PER_FIELDED, "energy", "lost to drag"),
     COLUMN(loss_damping, SD_F64, SD_PER_FIELDED, "energy", "lost to non-viscous damping"),
@@ -106,18 +125,22 @@ const sd_field sd_fields[] = {
     COLUMN(contact_b, SD_U32, SD_PER_CONTACT, "1", "body number of the second disk or wall"),
     COLUMN(contact_part, SD_U32, SD_PER_CONTACT, "1", "straight piece of the wall"),
     COLUMN(contact_side, SD_F64, SD_PER_CONTACT, "1", "side of a straight wall, 0: round"),
-    COLUMN(contact_slide, SD_I32, SD_PER_CONTACT, "1", "0 stuck, +1/-1 sliding with that sign of torque"),
-#define RECORD_COLUMN(name, unit, meaning) COLUMN(contact_##name, SD_F64, SD_PER_CONTACT, unit, meaning),
+    COLUMN(contact_slide, SD_I32, SD_PER_CONTACT, "1",
+           "0 stuck, +1/-1 sliding with that sign of torque"),
+#define RECORD_COLUMN(name, unit, meaning)                                                         \
+  COLUMN(contact_##name, SD_F64, SD_PER_CONTACT, unit, meaning),
     SD_CONTACT_RECORD(RECORD_COLUMN)
 #undef RECORD_COLUMN
-#define MORE_COLUMN(name, unit, meaning) COLUMN(contact_##name, SD_F64, SD_PER_LAW_CONTACT, unit, meaning),
+#define MORE_COLUMN(name, unit, meaning)                                                           \
+  COLUMN(contact_##name, SD_F64, SD_PER_LAW_CONTACT, unit, meaning),
         SD_CONTACT_MORE(MORE_COLUMN)
 #undef MORE_COLUMN
             COLUMN(past_rolling, SD_F64, SD_PER_LAW_FREE, "energy",
                    "lost to rolling in this disk's contacts that have ended"),
     COLUMN(loss_bridge, SD_F64, SD_PER_LAW_FREE, "energy", "lost when bridges of this disk formed"),
 
-    COLUMN(motion_start, SD_I64, SD_PER_MOTION, "1", "step at which the motion was switched on, -1: off"),
+    COLUMN(motion_start, SD_I64, SD_PER_MOTION, "1",
+           "step at which the motion was switched on, -1: off"),
     COLUMN(motion_u0, SD_F64, SD_PER_MOTION, "length or rad",
            "random motion: displacement at the last draw; load, servo: displacement"),
     COLUMN(motion_v0, SD_F64, SD_PER_MOTION, "1/time",
@@ -143,39 +166,51 @@ const sd_field sd_fields[] = {
     COLUMN(nonaffine_y, SD_F64, SD_PER_CELL_DISK, "length", "y displacement, likewise"),
 
     COLUMN(phase_steps, SD_I64, SD_PER_PHASE, "1", "steps that the phase took, 0: not over"),
-    COLUMN(phase_reached, SD_I32, SD_PER_PHASE, "1", "1: ended with what settle and compress asked for"),
-    COLUMN(phase_kinetic, SD_F64, SD_PER_PHASE, "energy", "kinetic energy per disk at the end of a settling"),
-    COLUMN(phase_unbalanced, SD_F64, SD_PER_PHASE, "1", "unbalanced force at the end of a settling"),
-    COLUMN(phase_target, SD_F64, SD_PER_PHASE, "force/length or 1", "pressure or packing fraction reached"),
+    COLUMN(phase_reached, SD_I32, SD_PER_PHASE, "1",
+           "1: ended with what settle and compress asked for"),
+    COLUMN(phase_kinetic, SD_F64, SD_PER_PHASE, "energy",
+           "kinetic energy per disk at the end of a settling"),
+    COLUMN(phase_unbalanced, SD_F64, SD_PER_PHASE, "1",
+           "unbalanced force at the end of a settling"),
+    COLUMN(phase_target, SD_F64, SD_PER_PHASE, "force/length or 1",
+           "pressure or packing fraction reached"),
 
     COLUMN(rotation_start, SD_F64, SD_PER_ROTATION, "rad", "angle when measuring began"),
     COLUMN(rotation_bin, SD_F64, SD_PER_ROTATION_BIN, "rad", "angle turned in each full bin"),
     COLUMN(rotation_last, SD_F64, SD_PER_ROTATION, "rad", "angle at the end of the last full bin"),
     COLUMN(rotation_stop, SD_F64, SD_PER_ROTATION, "rad", "angle when measuring last stopped"),
-    COLUMN(slide_count, SD_I64, SD_PER_SLIDE_COUNT, "1", "steps in each configuration of two contacts"),
+    COLUMN(slide_count, SD_I64, SD_PER_SLIDE_COUNT, "1",
+           "steps in each configuration of two contacts"),
     COLUMN(slide_force_min, SD_F64, SD_PER_SLIDE_CONTACT, "force", "smallest normal force"),
     COLUMN(slide_openings, SD_I64, SD_PER_SLIDE_CONTACT, "1", "times the contact opened"),
     COLUMN(slide_was_open, SD_I32, SD_PER_SLIDE_CONTACT, "1", "contact was open at the last step"),
 
-    COLUMN(visit_class, SD_I32, SD_PER_VISIT, "1", "sliding configuration of two contacts, -1: none yet"),
+    COLUMN(visit_class, SD_I32, SD_PER_VISIT, "1",
+           "sliding configuration of two contacts, -1: none yet"),
     COLUMN(visit_since, SD_I64, SD_PER_VISIT, "1", "measured steps when it began, -1: before"),
     COLUMN(visit_from, SD_I64, SD_PER_VISIT, "1", "measured steps from which on visit_part sums"),
-    COLUMN(visit_reference, SD_F64, SD_PER_VISIT_CONTACT, "force", "normal force that sums leave out"),
+    COLUMN(visit_reference, SD_F64, SD_PER_VISIT_CONTACT, "force",
+           "normal force that sums leave out"),
     COLUMN(visit_part, SD_F64, SD_PER_VISIT_PART, "mixed",
            "sums of torque, forces, squares, since visit_from"),
-    COLUMN(visit_sum, SD_F64, SD_PER_VISIT_SUM, "mixed", "the same in each configuration, until visit_from"),
-    COLUMN(visit_count, SD_I64, SD_PER_VISIT_CLASS, "1", "visits to each configuration, begun and ended"),
+    COLUMN(visit_sum, SD_F64, SD_PER_VISIT_SUM, "mixed",
+           "the same in each configuration, until visit_from"),
+    COLUMN(visit_count, SD_I64, SD_PER_VISIT_CLASS, "1",
+           "visits to each configuration, begun and ended"),
     COLUMN(visit_steps, SD_I64, SD_PER_VISIT_CLASS, "1", "steps of these visits"),
     COLUMN(visit_steps2, SD_F64, SD_PER_VISIT_CLASS, "1", "sum of their squared steps"),
-    COLUMN(visit_age_torque, SD_F64, SD_PER_VISIT_AGE, "force length", "sum of torques by age of the visit"),
+    COLUMN(visit_age_torque, SD_F64, SD_PER_VISIT_AGE, "force length",
+           "sum of torques by age of the visit"),
     COLUMN(visit_age_steps, SD_I64, SD_PER_VISIT_AGE, "1", "steps by age of the visit"),
 
     COLUMN(mean_angle, SD_F64, SD_PER_MEAN, "rad", "angle when measuring began"),
     COLUMN(mean_last, SD_F64, SD_PER_MEAN, "rad", "angle at the end of the last full bin"),
     COLUMN(mean_stop, SD_F64, SD_PER_MEAN, "rad", "angle when measuring last stopped"),
     COLUMN(mean_bin, SD_F64, SD_PER_MEAN_BIN, "rad", "angle turned in each full bin"),
-    COLUMN(mean_x0, SD_F64, SD_PER_MEAN, "length", "absolute x when measuring began; NAN: not in play"),
-    COLUMN(mean_y0, SD_F64, SD_PER_MEAN, "length", "absolute y when measuring began; NAN: not in play"),
+    COLUMN(mean_x0, SD_F64, SD_PER_MEAN, "length",
+           "absolute x when measuring began; NAN: not in play"),
+    COLUMN(mean_y0, SD_F64, SD_PER_MEAN, "length",
+           "absolute y when measuring began; NAN: not in play"),
     COLUMN(sum_x, SD_F64, SD_PER_MEAN, "length", "sum of displacements along x"),
     COLUMN(sum_y, SD_F64, SD_PER_MEAN, "length", "sum of displacements along y"),
     COLUMN(sum_xx, SD_F64, SD_PER_MEAN, "length^2", "sum of squared displacements along x"),
@@ -201,25 +236,34 @@ const sd_field sd_fields[] = {
     COLUMN(clump_omega, SD_F64, SD_PER_CLUMP, "rad/time", "angular velocity"),
     COLUMN(clump_image_x, SD_I32, SD_PER_CLUMP, "1", "periodic images crossed along x"),
     COLUMN(clump_image_y, SD_I32, SD_PER_CLUMP, "1", "periodic images crossed along y"),
-    COLUMN(clump_base_x, SD_F64, SD_PER_CLUMP, "length", "prescribed x without the running motions"),
-    COLUMN(clump_base_y, SD_F64, SD_PER_CLUMP, "length", "prescribed y without the running motions"),
-    COLUMN(clump_base_theta, SD_F64, SD_PER_CLUMP, "rad", "prescribed theta without the running motions"),
-    COLUMN(clump_force_x, SD_F64, SD_PER_CLUMP, "force", "x force of the contacts at the last step"),
-    COLUMN(clump_force_y, SD_F64, SD_PER_CLUMP, "force", "y force of the contacts at the last step"),
+    COLUMN(clump_base_x, SD_F64, SD_PER_CLUMP, "length",
+           "prescribed x without the running motions"),
+    COLUMN(clump_base_y, SD_F64, SD_PER_CLUMP, "length",
+           "prescribed y without the running motions"),
+    COLUMN(clump_base_theta, SD_F64, SD_PER_CLUMP, "rad",
+           "prescribed theta without the running motions"),
+    COLUMN(clump_force_x, SD_F64, SD_PER_CLUMP, "force",
+           "x force of the contacts at the last step"),
+    COLUMN(clump_force_y, SD_F64, SD_PER_CLUMP, "force",
+           "y force of the contacts at the last step"),
     COLUMN(clump_torque, SD_F64, SD_PER_CLUMP, "force length",
            "torque of the contacts about the centre at the last step"),
     COLUMN(clump_x2, SD_F64, SD_PER_CLUMP, "length", "dt^2/2 times the 2nd derivative of x"),
     COLUMN(clump_y2, SD_F64, SD_PER_CLUMP, "length", "dt^2/2 times the 2nd derivative of y"),
-    COLUMN(clump_theta2, SD_F64, SD_PER_CLUMP, "rad", "dt^2/2 times the 2nd derivative of the angle"),
+    COLUMN(clump_theta2, SD_F64, SD_PER_CLUMP, "rad",
+           "dt^2/2 times the 2nd derivative of the angle"),
     COLUMN(clump_x3, SD_F64, SD_PER_CLUMP, "length", "dt^3/6 times the 3rd derivative of x"),
     COLUMN(clump_y3, SD_F64, SD_PER_CLUMP, "length", "dt^3/6 times the 3rd derivative of y"),
-    COLUMN(clump_theta3, SD_F64, SD_PER_CLUMP, "rad", "dt^3/6 times the 3rd derivative of the angle"),
+    COLUMN(clump_theta3, SD_F64, SD_PER_CLUMP, "rad",
+           "dt^3/6 times the 3rd derivative of the angle"),
     COLUMN(clump_x4, SD_F64, SD_PER_CLUMP, "length", "dt^4/24 times the 4th derivative of x"),
     COLUMN(clump_y4, SD_F64, SD_PER_CLUMP, "length", "dt^4/24 times the 4th derivative of y"),
-    COLUMN(clump_theta4, SD_F64, SD_PER_CLUMP, "rad", "dt^4/24 times the 4th derivative of the angle"),
+    COLUMN(clump_theta4, SD_F64, SD_PER_CLUMP, "rad",
+           "dt^4/24 times the 4th derivative of the angle"),
     COLUMN(clump_x5, SD_F64, SD_PER_CLUMP, "length", "dt^5/120 times the 5th derivative of x"),
     COLUMN(clump_y5, SD_F64, SD_PER_CLUMP, "length", "dt^5/120 times the 5th derivative of y"),
-    COLUMN(clump_theta5, SD_F64, SD_PER_CLUMP, "rad", "dt^5/120 times the 5th derivative of the angle"),
+    COLUMN(clump_theta5, SD_F64, SD_PER_CLUMP, "rad",
+           "dt^5/120 times the 5th derivative of the angle"),
 };
 
 const size_t sd_field_count = sizeof sd_fields / sizeof *sd_fields;
@@ -281,7 +325,9 @@ static void *column_new(size_t n, sd_type type) {
   return p;
 }
 
-static bool in_room(const sd_field *f) { return f->extent != SD_PER_RUN && !state_of_contacts(f->extent); }
+static bool in_room(const sd_field *f) {
+  return f->extent != SD_PER_RUN && !state_of_contacts(f->extent);
+}
 
 static sd_status columns_new(sd_state *s) {
   arena_plan plan = {0};
@@ -293,8 +339,9 @@ static sd_status columns_new(sd_state *s) {
   plan = (arena_plan){0};
   for (size_t k = 0; k < sd_field_count; k++)
     if (in_room(&sd_fields[k]))
-      *field_pointer(s, &sd_fields[k]) = room + arena_column(&plan, sd_extent_size(s, sd_fields[k].extent) *
-                                                                        sd_type_size(sd_fields[k].type));
+      *field_pointer(s, &sd_fields[k]) =
+          room + arena_column(&plan, sd_extent_size(s, sd_fields[k].extent) *
+                                         sd_type_size(sd_fields[k].type));
   return SD_OK;
 }
 
@@ -310,8 +357,8 @@ static void copy_share(const team *t, void *with) {
     const size_t size = sd_type_size(sd_fields[k].type);
     size_t begin, end;
     team_share(t, sd_extent_size(f->s, sd_fields[k].extent), &begin, &end);
-    memcpy((char *)sd_field_data(f->s, &sd_fields[k]) + begin * size, (const char *)f->from[k] + begin * size,
-           (end - begin) * size);
+    memcpy((char *)sd_field_data(f->s, &sd_fields[k]) + begin * size,
+           (const char *)f->from[k] + begin * size, (end - begin) * size);
   }
 }
 
@@ -373,7 +420,8 @@ size_t state_disk_bytes(bool free) {
   size_t bytes = sizeof(sd_disk);
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
-    if (f->extent == SD_PER_BODY || (free && f->extent == SD_PER_FREE)) bytes += sd_type_size(f->type);
+    if (f->extent == SD_PER_BODY || (free && f->extent == SD_PER_FREE))
+      bytes += sd_type_size(f->type);
   }
   return bytes;
 }
@@ -390,12 +438,13 @@ sd_status state_refuse(const sd_model *m, sd_messages *messages) {
   const double needed = state_least_bytes(m);
   if (memory_fits(needed)) return SD_OK;
   const char *path = m->deck ? m->deck->path : NULL;
-  return sd_fail(messages, SD_ERROR_IO,
-                 "%s%sthe run needs at least %.3g GB of memory (%zu disks%s), and this process can have %.3g "
-                 "GB; expected "
-                 "fewer disks, another machine, or ranks of several machines (docs/cluster.md)",
-                 path ? path : "", path ? ": " : "", 1e-9 * needed, m->n_disks,
-                 m->measure_disks ? ", measure.disks = true" : "", 1e-9 * memory_limit(1));
+  return sd_fail(
+      messages, SD_ERROR_IO,
+      "%s%sthe run needs at least %.3g GB of memory (%zu disks%s), and this process can have %.3g "
+      "GB; expected "
+      "fewer disks, another machine, or ranks of several machines (docs/cluster.md)",
+      path ? path : "", path ? ": " : "", 1e-9 * needed, m->n_disks,
+      m->measure_disks ? ", measure.disks = true" : "", 1e-9 * memory_limit(1));
 }
 
 sd_state *state_new_part(const sd_model *m, size_t n_free, size_t n_ghosts) {
@@ -405,7 +454,8 @@ sd_state *state_new_part(const sd_model *m, size_t n_free, size_t n_ghosts) {
   s->box_scale = 1.0;
   s->fast_step = s->fast_disk = -1;
   if (columns_new(s) == SD_OK && sd_state_reserve_contacts(s, 8) == SD_OK) {
-    if (s->n_cell) s->cell[CELL_X] = s->cell_start[CELL_X] = s->cell[CELL_Y] = s->cell_start[CELL_Y] = 1.0;
+    if (s->n_cell)
+      s->cell[CELL_X] = s->cell_start[CELL_X] = s->cell[CELL_Y] = s->cell_start[CELL_Y] = 1.0;
     return s;
   }
   sd_state_free(s);
@@ -471,8 +521,9 @@ uint64_t state_hash_bytes(uint64_t hash, const void *data, size_t bytes) {
 uint64_t sd_state_hash(const sd_state *s) {
   uint64_t hash = STATE_HASH;
   for (size_t k = 0; k < sd_field_count; k++)
-    hash = state_hash_bytes(hash, sd_field_data(s, &sd_fields[k]),
-                            sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
+    hash =
+        state_hash_bytes(hash, sd_field_data(s, &sd_fields[k]),
+                         sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
   return hash;
 }
 
@@ -481,7 +532,8 @@ const sd_field *sd_state_difference(const sd_state *a, const sd_state *b) {
     const sd_field *f = &sd_fields[k];
     size_t n = sd_extent_size(a, f->extent);
     if (n != sd_extent_size(b, f->extent)) return f;
-    if (n && memcmp(sd_field_data(a, f), sd_field_data(b, f), n * sd_type_size(f->type)) != 0) return f;
+    if (n && memcmp(sd_field_data(a, f), sd_field_data(b, f), n * sd_type_size(f->type)) != 0)
+      return f;
   }
   return NULL;
 }

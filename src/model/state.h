@@ -12,25 +12,25 @@ enum { SD_FORCE_CARRIED = 4 };
 
 struct sd_state {
   /* per run */
-  int64_t step;                      /* completed since the start */
-  int64_t phase;                     /* index of the running phase; n_phases when finished */
-  int64_t phase_step;                /* completed in this phase */
-  double work_driven;                /* by prescribed bodies and coordinates on the rest, since step 0 */
-  double energy_start;               /* kinetic + elastic + external at step 0 */
-  int64_t measured;                  /* steps measured so far */
-  int64_t bin_steps;                 /* steps per bin of the angle record */
-  int64_t bins;                      /* full bins in the angle record */
-  double box_scale;                  /* lengths of the region over those of the model; 1 unless compressed */
-  double field_power;                /* of force fields at the end of the last step */
-  double relaxed;                    /* energy taken out by the relaxer since step 0 */
-  double relax_alpha;                /* how far velocities are steered; set when a phase begins */
-  int64_t relax_steps;               /* steps downhill since they were last stopped */
-  int64_t released;                  /* disks that rain has let go */
-  int64_t outside;                   /* times that a disk left the bounds */
-  int64_t mean_samples;              /* looks at the contacts for the means */
+  int64_t step;         /* completed since the start */
+  int64_t phase;        /* index of the running phase; n_phases when finished */
+  int64_t phase_step;   /* completed in this phase */
+  double work_driven;   /* by prescribed bodies and coordinates on the rest, since step 0 */
+  double energy_start;  /* kinetic + elastic + external at step 0 */
+  int64_t measured;     /* steps measured so far */
+  int64_t bin_steps;    /* steps per bin of the angle record */
+  int64_t bins;         /* full bins in the angle record */
+  double box_scale;     /* lengths of the region over those of the model; 1 unless compressed */
+  double field_power;   /* of force fields at the end of the last step */
+  double relaxed;       /* energy taken out by the relaxer since step 0 */
+  double relax_alpha;   /* how far velocities are steered; set when a phase begins */
+  int64_t relax_steps;  /* steps downhill since they were last stopped */
+  int64_t released;     /* disks that rain has let go */
+  int64_t outside;      /* times that a disk left the bounds */
+  int64_t mean_samples; /* looks at the contacts for the means */
   int64_t mean_bin_steps, mean_bins; /* like bin_steps and bins */
-  int64_t fast_step;        /* first step after which a free disk was beyond limits.displacement; -1 */
-  int64_t fast_disk;        /* its body number */
+  int64_t fast_step; /* first step after which a free disk was beyond limits.displacement; -1 */
+  int64_t fast_disk; /* its body number */
   double fast_displacement; /* its speed times dt, in radii */
 
   void *columns; /* what the columns but those of contacts stand in */
@@ -51,12 +51,15 @@ struct sd_state {
   int32_t *image_x, *image_y;
   double *radius, *mass, *inertia;
   int32_t *material, *group;
-  double *base_x, *base_y, *base_theta; /* prescribed coordinates: pose without the running motions */
-  double *force_x, *force_y, *torque;   /* from contacts at the last step */
-  double *loss_viscous;  /* energy lost in this body's contacts since step 0: half of each contact's, */
+  double *base_x, *base_y,
+      *base_theta;                    /* prescribed coordinates: pose without the running motions */
+  double *force_x, *force_y, *torque; /* from contacts at the last step */
+  double
+      *loss_viscous; /* energy lost in this body's contacts since step 0: half of each contact's, */
   double *loss_friction; /* the whole where the other side is a wall or prescribed */
   double *loss_opening;  /* left in contacts when they opened */
-  double *nonconservative_work; /* put in by the paper's tangential force, which is not that of a potential */
+  double *
+      nonconservative_work; /* put in by the paper's tangential force, which is not that of a potential */
   double *past_viscous, *past_friction,
       *past_nonconservative_work; /* of loss_viscous, loss_friction, nonconservative_work: in contacts that
                                                        have ended */
@@ -90,8 +93,9 @@ struct sd_state {
 #undef SD_CONTACT_POINTER
 
   /* per motion */
-  int64_t *motion_start;                                 /* step at which it was switched on, -1: off */
-  double *motion_u0, *motion_v0, *motion_u1, *motion_v1; /* random: oscillator at the last and next draw;
+  int64_t *motion_start; /* step at which it was switched on, -1: off */
+  double *motion_u0, *motion_v0, *motion_u1,
+      *motion_v1; /* random: oscillator at the last and next draw;
                                                             load: displacement, velocity; servo: these and
                                                             the smoothed force */
 
@@ -100,10 +104,11 @@ struct sd_state {
   double *cell_start; /* at step cell_from; from there on they change at cell_speed */
   int64_t *cell_from;
   double *cell_speed;
-  double *cell_force;      /* sum of f (x) n over contacts with images n cells away: xx, xy, yx, yy */
-  double *cell_mean;       /* running means of the rates that follow stresses: xx, yy, xy */
+  double *cell_force; /* sum of f (x) n over contacts with images n cells away: xx, xy, yx, yy */
+  double *cell_mean;  /* running means of the rates that follow stresses: xx, yy, xy */
   double *cell_u, *cell_v; /* where disks are in the box, over its edges, when last looked at */
-  double *nonaffine_x, *nonaffine_y; /* displacement since the phase began, without that of the box */
+  double *nonaffine_x,
+      *nonaffine_y; /* displacement since the phase began, without that of the box */
 
   /* per phase, when it ended */
   int64_t *phase_steps;                     /* that it took; 0: not over */
@@ -112,10 +117,11 @@ struct sd_state {
   double *phase_target;                     /* compress: pressure or packing fraction */
 
   /* statistics of the measured phases */
-  double *rotation_start;  /* angle when measuring began */
-  double *rotation_bin;    /* angle turned in each full bin */
-  double *rotation_last;   /* angle at the last bin's end */
-  double *rotation_stop;   /* angle when a measured phase ended: what is turned until the next is left out */
+  double *rotation_start; /* angle when measuring began */
+  double *rotation_bin;   /* angle turned in each full bin */
+  double *rotation_last;  /* angle at the last bin's end */
+  double *
+      rotation_stop; /* angle when a measured phase ended: what is turned until the next is left out */
   int64_t *slide_count;    /* steps in configuration 4 * (first contact) + (second contact) */
   double *slide_force_min; /* smallest normal force, 0 when the contact opened */
   int64_t *slide_openings; /* times the contact opened */
@@ -135,24 +141,26 @@ struct sd_state {
   int64_t *visit_age_steps; /* steps of it */
 
   /* means of the free disks, by slot; sums over looks unless said otherwise */
-  double *mean_angle, *mean_last, *mean_stop;       /* angles as rotation_start, _last, _stop */
-  double *mean_bin;                                 /* angle turned in each full bin */
-  double *mean_x0, *mean_y0;                        /* absolute position at the start; NAN: was not in play */
-  double *sum_x, *sum_y, *sum_xx, *sum_yy;          /* displacement from there, and its squares */
-  double *sum_contacts, *sum_sliding;               /* closed contacts, and those that slide */
-  double *sum_force;                                /* normal forces */
-  double *sum_injected;                             /* power of prescribed bodies on this disk */
-  double *sum_kinetic, *sum_spin;                   /* kinetic energies of translation and rotation */
-  double *sum_viscous, *sum_friction, *sum_opening; /* losses in measured phases; while one goes on, less
+  double *mean_angle, *mean_last, *mean_stop; /* angles as rotation_start, _last, _stop */
+  double *mean_bin;                           /* angle turned in each full bin */
+  double *mean_x0, *mean_y0; /* absolute position at the start; NAN: was not in play */
+  double *sum_x, *sum_y, *sum_xx, *sum_yy; /* displacement from there, and its squares */
+  double *sum_contacts, *sum_sliding;      /* closed contacts, and those that slide */
+  double *sum_force;                       /* normal forces */
+  double *sum_injected;                    /* power of prescribed bodies on this disk */
+  double *sum_kinetic, *sum_spin;          /* kinetic energies of translation and rotation */
+  double *sum_viscous, *sum_friction,
+      *sum_opening;      /* losses in measured phases; while one goes on, less
                                                           what had been lost (loss_*) when it began */
-  int64_t *sum_openings;                            /* contacts that opened in measured steps */
+  int64_t *sum_openings; /* contacts that opened in measured steps */
 
   /* per clump: its centre of mass as a free body */
   double *clump_x, *clump_y, *clump_theta, *clump_turn;
   double *clump_vx, *clump_vy, *clump_omega;
   int32_t *clump_image_x, *clump_image_y;
   double *clump_base_x, *clump_base_y, *clump_base_theta;
-  double *clump_force_x, *clump_force_y, *clump_torque; /* of the contacts of its disks at the last step */
+  double *clump_force_x, *clump_force_y,
+      *clump_torque; /* of the contacts of its disks at the last step */
   double *clump_x2, *clump_y2, *clump_theta2, *clump_x3, *clump_y3, *clump_theta3;
   double *clump_x4, *clump_y4, *clump_theta4, *clump_x5, *clump_y5, *clump_theta5;
 };

@@ -18,26 +18,28 @@ bool model_moves_surfaces(const sd_model *m) {
 
 /* Makes the pieces into which side k of a wall is cut; *arc: the length of the wall so far. Returns
  * how many there are. */
-static size_t derive_side(const sd_model *m, const sd_wall *w, size_t k, uint32_t body, sd_segment *first,
-                          double *arc) {
+static size_t derive_side(const sd_model *m, const sd_wall *w, size_t k, uint32_t body,
+                          sd_segment *first, double *arc) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
   const double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
   const bool line = w->kind == SD_WALL_LINE;
   const size_t n = wall_cuts(m, w, k);
   for (size_t j = 0; j < n; j++) {
     const double part = (double)j / (double)n;
-    first[j] = (sd_segment){.body = body,
-                            .start = {p[0] + part * dx - w->pivot[0], p[1] + part * dy - w->pivot[1]},
-                            .tangent = {dx / length, dy / length},
-                            .length = line ? HUGE_VAL : length / (double)n,
-                            .arc = *arc,
-                            .next = -1};
+    first[j] =
+        (sd_segment){.body = body,
+                     .start = {p[0] + part * dx - w->pivot[0], p[1] + part * dy - w->pivot[1]},
+                     .tangent = {dx / length, dy / length},
+                     .length = line ? HUGE_VAL : length / (double)n,
+                     .arc = *arc,
+                     .next = -1};
     *arc += length / (double)n;
   }
   return n;
 }
 
-static void derive_wall(const sd_model *m, size_t wall, uint32_t body, sd_segment *first, size_t number) {
+static void derive_wall(const sd_model *m, size_t wall, uint32_t body, sd_segment *first,
+                        size_t number) {
   const sd_wall *w = &m->walls[wall];
   size_t n = 0;
   double arc = 0.0;
@@ -70,7 +72,8 @@ void model_find_pieces(sd_model *m) {
     else
       derive_wall(m, w, body, m->segments + at, at);
     const size_t n = wall_pieces(m, wall);
-    for (size_t k = at; k < at + n; k++) wall_piece_images(m, wall->kind == SD_WALL_LINE, &m->segments[k]);
+    for (size_t k = at; k < at + n; k++)
+      wall_piece_images(m, wall->kind == SD_WALL_LINE, &m->segments[k]);
     at += n;
   }
   assert(at == m->n_segments);
@@ -106,7 +109,8 @@ static bool ends_on_image(const sd_model *m, const sd_wall *w, int cells[2]) {
   cells[0] = cells[1] = 0;
   for (int c = 0; c < 2; c++) {
     const double way = w->points[w->n_points - 1][c] - w->points[0][c], period = period_of(m, c);
-    const double n = period > 0.0 ? nearbyint(way / period) : 0.0, near = NEARLY * shortest_period(m);
+    const double n = period > 0.0 ? nearbyint(way / period) : 0.0,
+                 near = NEARLY * shortest_period(m);
     if (!(fabs(n) < 1e6) || !(fabs(way - n * period) <= near)) return false;
     cells[c] = (int)n;
   }
@@ -155,7 +159,9 @@ void wall_piece_images(const sd_model *m, bool endless, sd_segment *s) {
     s->image[c] = period_of(m, c) > 0.0 && (!endless || fabs(s->tangent[c]) <= NEARLY);
     switch (s->piece) {
       case SD_PIECE_STRAIGHT: s->center[c] = endless ? 0.0 : 0.5 * s->length * s->tangent[c]; break;
-      case SD_PIECE_CURVE: s->center[c] = s->wide ? 0.0 : 0.5 * s->radius * (s->first[c] + s->last[c]); break;
+      case SD_PIECE_CURVE:
+        s->center[c] = s->wide ? 0.0 : 0.5 * s->radius * (s->first[c] + s->last[c]);
+        break;
       case SD_PIECE_FIRST_END: s->center[c] = s->radius * s->first[c]; break;
       case SD_PIECE_LAST_END: s->center[c] = s->radius * s->last[c]; break;
     }
@@ -189,21 +195,23 @@ static const char *periodic_in(const sd_model *m) {
 
 static void check_line(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
   const sd_wall *wall = &m->walls[w];
-  const double dx = wall->points[1][0] - wall->points[0][0], dy = wall->points[1][1] - wall->points[0][1];
+  const double dx = wall->points[1][0] - wall->points[0][0],
+               dy = wall->points[1][1] - wall->points[0][1];
   const size_t turned = turned_by(m, w);
   char motion[96];
   if (fmin(fabs(dx), fabs(dy)) > NEARLY * hypot(dx, dy))
     sd_fail(msg, SD_ERROR_USER,
-            "%s: a line along (%g, %g) does not fit to its images in a box that is periodic in %s; expected "
+            "%s: a line along (%g, %g) does not fit to its images in a box that is periodic in %s; "
+            "expected "
             "a line "
             "along x or y, or a segment or polyline",
             name, dx, dy, periodic_in(m));
   else if (turned < m->n_motions)
-    sd_fail(
-        msg, SD_ERROR_USER,
-        "%s: %s turns a line, which does not fit to its images in a box that is periodic in %s; expected a "
-        "segment or polyline, which has ends",
-        name, model_motion_name(m, turned, motion, sizeof motion), periodic_in(m));
+    sd_fail(msg, SD_ERROR_USER,
+            "%s: %s turns a line, which does not fit to its images in a box that is periodic in "
+            "%s; expected a "
+            "segment or polyline, which has ends",
+            name, model_motion_name(m, turned, motion, sizeof motion), periodic_in(m));
 }
 
 /* A disk touches one image of a piece at a time, and it is that whose middle is nearest. */
@@ -218,13 +226,15 @@ static void check_width(const sd_model *m, size_t w, const char *name, sd_messag
     if (!(period > 0.0) || width < room) continue;
     if (wall->kind == SD_WALL_ARC)
       sd_fail(msg, SD_ERROR_USER,
-              "%s: the arc, %g wide, and its image in %c can touch a disk at the same time; expected less "
+              "%s: the arc, %g wide, and its image in %c can touch a disk at the same time; "
+              "expected less "
               "than %g, or "
               "several arcs",
               name, width, "xy"[c], room);
     else
       sd_fail(msg, SD_ERROR_USER,
-              "%s: the wall and its image in %c can touch a disk at the same time: box.%c has the length %g; "
+              "%s: the wall and its image in %c can touch a disk at the same time: box.%c has the "
+              "length %g; "
               "expected "
               "more than %g",
               name, "xy"[c], "xy"[c], period, width + 2.0 * (largest + gap));
@@ -242,7 +252,8 @@ static bool lie_together(const sd_wall *w, size_t k, size_t other, const double 
     along[end] = dx * t[0] + dy * t[1];
     across[end] = fabs(dx * t[1] - dy * t[0]);
   }
-  const double from = fmax(0.0, fmin(along[0], along[1])), to = fmin(length, fmax(along[0], along[1]));
+  const double from = fmax(0.0, fmin(along[0], along[1])),
+               to = fmin(length, fmax(along[0], along[1]));
   return fmax(across[0], across[1]) < near && to - from > NEARLY * length;
 }
 
@@ -257,7 +268,8 @@ static bool covers_image(const sd_model *m, const sd_wall *w, double near) {
     for (int64_t u = -most[0]; u <= most[0]; u++)
       for (size_t k = 0; k < n && (u != 0 || v != 0); k++)
         for (size_t j = 0; j < n; j++)
-          if (lie_together(w, k, j, (const double[2]){(double)u * x, (double)v * y}, j == k ? near : slight))
+          if (lie_together(w, k, j, (const double[2]){(double)u * x, (double)v * y},
+                           j == k ? near : slight))
             return true;
   return false;
 }
@@ -272,18 +284,21 @@ static void check_length(const sd_model *m, size_t w, const char *name, sd_messa
   double gap;
   const double least = cell_least_length(m, &gap), near = 2.0 * ((least - 2.0 * gap) / 4.8 + gap);
   bool longer = false;
-  for (int c = 0; c < 2; c++) longer = longer || (m->periodic[c] && wide[c] > period_of(m, c) - slight);
+  for (int c = 0; c < 2; c++)
+    longer = longer || (m->periodic[c] && wide[c] > period_of(m, c) - slight);
   if (wall->kind == SD_WALL_LINE || wall->kind == SD_WALL_ARC) return;
   if (turned < m->n_motions && hypot(wide[0], wide[1]) > shortest_period(m) - slight)
     sd_fail(msg, SD_ERROR_USER,
-            "%s: %s turns a wall of size %g, which may come to lie on its own image; expected less than the "
+            "%s: %s turns a wall of size %g, which may come to lie on its own image; expected less "
+            "than the "
             "length %g of "
             "the periodic box",
             name, model_motion_name(m, turned, motion, sizeof motion), hypot(wide[0], wide[1]),
             shortest_period(m));
   else if (longer && (wall_segments(wall) > MOST_SIDES || covers_image(m, wall, near)))
     sd_fail(msg, SD_ERROR_USER,
-            "%s: longer than the periodic box, it lies on or too near to its own image, which would push as "
+            "%s: longer than the periodic box, it lies on or too near to its own image, which "
+            "would push as "
             "well; expected "
             "a line, or a wall whose last point is the image of its first",
             name);
@@ -319,7 +334,8 @@ static void check_copies(const sd_model *m, size_t w, const char *name, sd_messa
     if (!is_copy(m, &m->walls[k], &m->walls[w])) continue;
     sd_model_body_name(m, (uint32_t)(m->n_disks + k), other, sizeof other);
     sd_fail(msg, SD_ERROR_USER,
-            "%s: it stands where an image of %s is, which pushes as well; expected one of them", name, other);
+            "%s: it stands where an image of %s is, which pushes as well; expected one of them",
+            name, other);
     return;
   }
 }
@@ -339,7 +355,8 @@ void wall_images_check(const sd_model *m, sd_messages *msg) {
     pieces += count_pieces(m, wall);
     if (pieces <= MOST_PIECES) continue;
     sd_fail(msg, SD_ERROR_USER,
-            "%s: too long for a box of length %g: it would be cut into more than %g pieces; expected a line, "
+            "%s: too long for a box of length %g: it would be cut into more than %g pieces; "
+            "expected a line, "
             "or a "
             "shorter wall",
             name, shortest_period(m), MOST_PIECES);
@@ -364,8 +381,8 @@ wall_bounds wall_bounds_of(const sd_wall *w) {
   return b;
 }
 
-wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds *b, const double at[2],
-                         double reach) {
+wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds *b,
+                         const double at[2], double reach) {
   wall_range r = {0};
   for (int c = 0; c < 2; c++) {
     const double lower = b->lower[c], upper = b->upper[c], period = period_of(m, c);

@@ -60,7 +60,7 @@ typedef struct wall_range {
   double first[2], last[2];
 } wall_range;
 
-wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds *bounds, const double at[2],
-                         double reach);
+wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds *bounds,
+                         const double at[2], double reach);
 
 #endif

@@ -14,24 +14,25 @@
 #include "model/model.h"
 
 /* Rows of motions.h. Rotated: sine and cosine go from step to step by a rotation. Phased: a function of the phase. */
-#define ROTATED_WAVES(ROW)                                                                                   \
-  ROW(SD_MOTION_HARMONIC, harmonic, SIGNAL_WAVE, harmonic_amplitude, NULL,                                   \
+#define ROTATED_WAVES(ROW)                                                                         \
+  ROW(SD_MOTION_HARMONIC, harmonic, SIGNAL_WAVE, harmonic_amplitude, NULL,                         \
       "amplitude/acceleration* frequency/omega* phase ramp", "u = A sin(w t + phi) (eq. 20)")
-#define PHASED_WAVES(ROW)                                                                                    \
-  ROW(SD_MOTION_PARABOLIC, parabolic, SIGNAL_WAVE, parabolic_amplitude, NULL,                                \
-      "amplitude/acceleration* frequency/omega* phase ramp",                                                 \
-      "the same, each half wave replaced by a parabola (eq. 21)")                                            \
-  ROW(SD_MOTION_TRIANGLE, triangle, SIGNAL_WAVE, NULL, NULL, "amplitude* frequency/omega* phase ramp",       \
-      "the same, each quarter a straight line: constant speed between -A and A")                             \
-  ROW(SD_MOTION_SQUARE, square, SIGNAL_WAVE, square_amplitude, check_square,                                 \
-      "amplitude/acceleration* frequency/omega* rise* phase ramp",                                           \
+#define PHASED_WAVES(ROW)                                                                          \
+  ROW(SD_MOTION_PARABOLIC, parabolic, SIGNAL_WAVE, parabolic_amplitude, NULL,                      \
+      "amplitude/acceleration* frequency/omega* phase ramp",                                       \
+      "the same, each half wave replaced by a parabola (eq. 21)")                                  \
+  ROW(SD_MOTION_TRIANGLE, triangle, SIGNAL_WAVE, NULL, NULL,                                       \
+      "amplitude* frequency/omega* phase ramp",                                                    \
+      "the same, each quarter a straight line: constant speed between -A and A")                   \
+  ROW(SD_MOTION_SQUARE, square, SIGNAL_WAVE, square_amplitude, check_square,                       \
+      "amplitude/acceleration* frequency/omega* rise* phase ramp",                                 \
       "rests at -A and A in turn, with smooth changes of sides")
 #define WAVEFORMS(ROW) ROTATED_WAVES(ROW) PHASED_WAVES(ROW)
 
 /* Keys of the deck that set a member of sd_motion: member and key, kind, range, unit, default, meaning. */
-#define WAVE_KEYS(KEY)                                                                                       \
-  KEY(phase, DECK_KEY_ANGLE, DECK_ANY, "rad", "0.0", "phase phi in sin(w t + phi)")                          \
-  KEY(rise, DECK_KEY_NUMBER, DECK_UP_TO_1, "-", "-",                                                         \
+#define WAVE_KEYS(KEY)                                                                             \
+  KEY(phase, DECK_KEY_ANGLE, DECK_ANY, "rad", "0.0", "phase phi in sin(w t + phi)")                \
+  KEY(rise, DECK_KEY_NUMBER, DECK_UP_TO_1, "-", "-",                                               \
       "square: share of half a period that a change of sides takes")
 
 /* A for the largest acceleration a w^2; the numbers that the text below wants. */
@@ -69,15 +70,17 @@ static inline void square_shape(const sd_motion *q, double shape[WAVE_SHAPE]) {
   shape[1] = 1.875 * q->amplitude * (2.0 * q->omega / (M_PI * q->rise));
   shape[2] = 4.0 / q->rise; /* dq over turns */
 }
-static inline void check_square(const sd_motion *q, double dt, const char *name, sd_messages *messages) {
+static inline void check_square(const sd_motion *q, double dt, const char *name,
+                                sd_messages *messages) {
   const double least = 8.0; /* steps in which a change of sides is resolved */
   double steps = q->rise * M_PI / (fabs(q->omega) * dt);
   if (!(q->rise > 0.0 && q->rise <= 1.0))
-    sd_fail(messages, SD_ERROR_USER, "motion \"%s\": rise = %g: expected a number > 0, at most 1", name,
-            q->rise);
+    sd_fail(messages, SD_ERROR_USER, "motion \"%s\": rise = %g: expected a number > 0, at most 1",
+            name, q->rise);
   else if (steps < least)
     sd_fail(messages, SD_ERROR_USER,
-            "motion \"%s\": rise = %g: a change of sides takes %.3g steps, expected %g or more: a larger "
+            "motion \"%s\": rise = %g: a change of sides takes %.3g steps, expected %g or more: a "
+            "larger "
             "rise or a smaller dt",
             name, q->rise, steps, least);
 }
@@ -134,9 +137,9 @@ LANE_INLINE void LANE(square)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE], 
 }
 
 /* Of any phased form. */
-LANE_INLINE void LANE(wave_at)(sd_motion_kind form, LANE(real) t, const LANE(real) shape[WAVE_SHAPE],
-                               LANE(real) * u, LANE(real) * v) {
-#define WAVE_CASE(kind, word, ...)                                                                           \
+LANE_INLINE void LANE(wave_at)(sd_motion_kind form, LANE(real) t,
+                               const LANE(real) shape[WAVE_SHAPE], LANE(real) * u, LANE(real) * v) {
+#define WAVE_CASE(kind, word, ...)                                                                 \
   case kind: LANE(word)(t, shape, u, v); return;
   switch (form) {
     PHASED_WAVES(WAVE_CASE)

@@ -22,7 +22,8 @@ static const double QUIET = 0.5;
 /* --- pressure and packing fraction -------------------------------------------------------------------- */
 
 double compress_area(const sd_model *m, const sd_state *s) {
-  double width = m->region_upper[0] - m->region_lower[0], height = m->region_upper[1] - m->region_lower[1];
+  double width = m->region_upper[0] - m->region_lower[0],
+         height = m->region_upper[1] - m->region_lower[1];
   return width * height * cell_scale(s, SD_X) * cell_scale(s, SD_Y);
 }
 
@@ -95,11 +96,14 @@ double compress_fraction(const engine *e) {
 
 /* --- target ------------------------------------------------------------------------------------------- */
 
-static const sd_compress *target_of(const engine *e) { return &e->model->phases[e->state->phase].compress; }
+static const sd_compress *target_of(const engine *e) {
+  return &e->model->phases[e->state->phase].compress;
+}
 
 bool compress_done(const engine *e) {
   const sd_compress *c = target_of(e);
-  if (c->pressure > 0.0) return fabs(compress_pressure(e) - c->pressure) <= c->tolerance * c->pressure;
+  if (c->pressure > 0.0)
+    return fabs(compress_pressure(e) - c->pressure) <= c->tolerance * c->pressure;
   return fabs(compress_fraction(e) - c->fraction) <= c->tolerance * c->fraction;
 }
 
@@ -130,10 +134,11 @@ static sd_status check_width(const engine *e, double f, sd_messages *messages) {
   largest = comm_largest(e->comm, largest);
   for (int c = 0; c < 2; c++)
     if (e->model->periodic[c] && !(f * engine_length(e, c) > 4.0 * largest * 1.2 + 2.0 * reach))
-      return sd_fail(messages, SD_ERROR_NUMERIC,
-                     "step %lld: the compressed box would be %g long in %c; expected more than 4.8 times the "
-                     "largest radius (%g) and twice the gap over which disks attract each other (%g)",
-                     (long long)s->step, f * engine_length(e, c), c == SD_X ? 'x' : 'y', largest, reach);
+      return sd_fail(
+          messages, SD_ERROR_NUMERIC,
+          "step %lld: the compressed box would be %g long in %c; expected more than 4.8 times the "
+          "largest radius (%g) and twice the gap over which disks attract each other (%g)",
+          (long long)s->step, f * engine_length(e, c), c == SD_X ? 'x' : 'y', largest, reach);
   return SD_OK;
 }
 
@@ -149,8 +154,8 @@ sd_status compress_step(engine *e, sd_messages *messages) {
   const sd_status status = rescale(e, f, messages);
   if (status != SD_OK) return status;
   sd_energy after = energy_of(e);
-  e->state->work_driven += (potential(&after) - potential(&before)) + (after.friction - before.friction) +
-                           (after.opening - before.opening) + (after.rolling - before.rolling) +
-                           (after.bridge - before.bridge);
+  e->state->work_driven += (potential(&after) - potential(&before)) +
+                           (after.friction - before.friction) + (after.opening - before.opening) +
+                           (after.rolling - before.rolling) + (after.bridge - before.bridge);
   return SD_OK;
 }

@@ -104,7 +104,8 @@ static void two_circles(const place_space *s, const body *a, const body *b, doub
 static void circle_line(const body *a, const body *b, double r, int variant, double p[2]) {
   double side = variant & 2 ? -r : r, from = a->radius + r;
   double x = b->x - side * b->ty, y = b->y + side * b->tx;
-  double along = (a->x - x) * b->tx + (a->y - y) * b->ty, off = (a->x - x) * -b->ty + (a->y - y) * b->tx;
+  double along = (a->x - x) * b->tx + (a->y - y) * b->ty,
+         off = (a->x - x) * -b->ty + (a->y - y) * b->tx;
   double half = root(from * from - off * off, from * from);
   along += variant & 1 ? -half : half;
   p[0] = variant < 4 ? x + along * b->tx : NAN;
@@ -174,7 +175,8 @@ static sd_status add_pockets(front *f, uint32_t a, uint32_t b) {
 /* --- bodies -------------------------------------------------------------------------------------------------- */
 
 /* Boxes so far apart that no disk touches both; images are not looked for. */
-static bool boxes_apart(const front *f, const body *b, const double lower[2], const double upper[2]) {
+static bool boxes_apart(const front *f, const body *b, const double lower[2],
+                        const double upper[2]) {
   for (int c = 0; c < 2; c++) {
     const double gap = fmax(b->lower[c] - upper[c], lower[c] - b->upper[c]);
     if (f->s->edge[c] && gap > 2.0 * (1.0 + 1e-9) * f->largest) return true;
@@ -217,7 +219,8 @@ static void add_fixed(front *f, body b) {
   }
   const double at[2] = {b.x, b.y}, along[2] = {b.tx, b.ty};
   for (int c = 0; c < 2; c++) {
-    const double other = at[c] + (isinf(b.length) ? 0.0 : b.length * along[c]), wide = fabs(b.radius);
+    const double other = at[c] + (isinf(b.length) ? 0.0 : b.length * along[c]),
+                 wide = fabs(b.radius);
     b.lower[c] = isinf(b.length) ? -HUGE_VAL : fmin(at[c], other) - wide;
     b.upper[c] = isinf(b.length) ? HUGE_VAL : fmax(at[c], other) + wide;
   }
@@ -251,7 +254,8 @@ static void add_wall(front *f, const sd_wall *wall) {
 /* The lower edge carries disks also where the box is periodic in y; the sides only where they are edges. */
 static sd_status add_edges_and_walls(front *f) {
   const place_space *s = f->s;
-  const double *low = s->lower, *high = s->upper, left[2] = {low[0], high[1]}, right[2] = {high[0], low[1]};
+  const double *low = s->lower, *high = s->upper, left[2] = {low[0], high[1]},
+               right[2] = {high[0], low[1]};
   sd_status status = SD_OK;
   add_fixed(f, straight(low, right, true));
   if (s->edge[0]) add_fixed(f, straight(low, left, true));
@@ -318,7 +322,8 @@ static sd_status fill(front *f, size_t n, double *radius, double (*position)[2],
   return status;
 }
 
-sd_status front_fill(place_space *s, size_t n, double *radius, double (*position)[2], size_t *placed) {
+sd_status front_fill(place_space *s, size_t n, double *radius, double (*position)[2],
+                     size_t *placed) {
   front f = {.s = s, .smallest = HUGE_VAL};
   *placed = 0;
   for (size_t k = 0; k < n; k++) {

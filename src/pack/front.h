@@ -12,6 +12,7 @@
 
 /* Places disks of these radii until the region is full; how many is *placed. radius[] is put into the order in
  * which they were placed: a pocket is offered to the next few. SD_ERROR_IO: out of memory. */
-sd_status front_fill(place_space *s, size_t n, double *radius, double (*position)[2], size_t *placed);
+sd_status front_fill(place_space *s, size_t n, double *radius, double (*position)[2],
+                     size_t *placed);
 
 #endif

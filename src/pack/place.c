@@ -111,7 +111,8 @@ static sd_status make_room(place_space *s, size_t disks, size_t nodes) {
 }
 
 static sd_status add_node(place_space *s, int64_t cell, uint32_t disk) {
-  if (s->n_nodes == s->node_capacity && make_room(s, s->capacity, 2 * s->node_capacity + 1024) != SD_OK)
+  if (s->n_nodes == s->node_capacity &&
+      make_room(s, s->capacity, 2 * s->node_capacity + 1024) != SD_OK)
     return SD_ERROR_IO;
   assert(cell >= 0 && cell < s->cells[0] * s->cells[1] && disk < s->n);
   s->next[s->n_nodes] = s->head[cell];
@@ -147,8 +148,9 @@ sd_status place_add(place_space *s, double x, double y, double radius) {
   return status;
 }
 
-sd_status place_begin(place_space *s, const sd_model *m, size_t n_there, const place_interior *inside,
-                      const double lower[2], const double upper[2], size_t expected) {
+sd_status place_begin(place_space *s, const sd_model *m, size_t n_there,
+                      const place_interior *inside, const double lower[2], const double upper[2],
+                      size_t expected) {
   *s = (place_space){.model = m, .interior = *inside};
   for (int c = 0; c < 2; c++) {
     s->lower[c] = lower[c];
@@ -164,7 +166,8 @@ sd_status place_begin(place_space *s, const sd_model *m, size_t n_there, const p
     const sd_disk *disk = &m->disks[i];
     bool sound = isfinite(disk->position[0]) && isfinite(disk->position[1]) && disk->radius > 0 &&
                  isfinite(disk->radius);
-    if (sound && !disk->waiting) status = place_add(s, disk->position[0], disk->position[1], disk->radius);
+    if (sound && !disk->waiting)
+      status = place_add(s, disk->position[0], disk->position[1], disk->radius);
   }
   return status;
 }
@@ -214,7 +217,8 @@ static double from_wall(const sd_wall *wall, double x, double y, double within) 
   if (wall->kind == SD_WALL_ARC) return arc_distance(wall, (const double[2]){x, y});
   for (size_t k = 0; k + 1 < wall->n_points + (wall->closed ? 1 : 0); k++) {
     const double *a = wall->points[k], *b = wall->points[(k + 1) % wall->n_points];
-    if (wall->kind != SD_WALL_LINE && (beyond(x, a[0], b[0], within) || beyond(y, a[1], b[1], within)))
+    if (wall->kind != SD_WALL_LINE &&
+        (beyond(x, a[0], b[0], within) || beyond(y, a[1], b[1], within)))
       continue;
     nearest = fmin(nearest, from_piece(x, y, a, b, wall->kind == SD_WALL_LINE));
   }
@@ -254,7 +258,8 @@ bool place_fits(const place_space *s, double x, double y, double radius) {
   const double centre[2] = {x, y};
   double least = radius * (1 - PLACE_SLACK);
   for (int c = 0; c < 2; c++)
-    if (s->edge[c] && (centre[c] - s->lower[c] < least || s->upper[c] - centre[c] < least)) return false;
+    if (s->edge[c] && (centre[c] - s->lower[c] < least || s->upper[c] - centre[c] < least))
+      return false;
   if (fabs(x - s->interior.x) > place_half_width(&s->interior, y)) return false;
   return clear_of_disks(s, x, y, radius) && clear_of_walls(s, x, y, radius);
 }
@@ -279,8 +284,8 @@ size_t place_near(place_space *s, double x, double y, double reach) {
 
 /* --- random placement ------------------------------------------------------------------------------------------ */
 
-sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *radius, double (*position)[2],
-                       size_t *placed) {
+sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *radius,
+                       double (*position)[2], size_t *placed) {
   size_t *order = NULL;
   sd_status status = SD_OK;
   /* equal disks come to a fraction of 0.53 with it; ten times as many tries would come to 0.54 */

@@ -47,8 +47,9 @@ typedef struct place_space {
 
 /* A space for about `expected` new disks beside the first n_there of the model; to be ended in any case. SD_ERROR_IO: out of
  * memory. */
-sd_status place_begin(place_space *s, const sd_model *m, size_t n_there, const place_interior *inside,
-                      const double lower[2], const double upper[2], size_t expected);
+sd_status place_begin(place_space *s, const sd_model *m, size_t n_there,
+                      const place_interior *inside, const double lower[2], const double upper[2],
+                      size_t expected);
 void place_end(place_space *s);
 
 /* Puts a coordinate back into the periodic box. */
@@ -64,8 +65,8 @@ size_t place_near(place_space *s, double x, double y, double reach);
 /* Random sequential addition, the largest disks first: each goes to a point drawn evenly from the rectangle, and
  * again until it fits (B. Widom, J. Chem. Phys. 44, 3888 (1966)). position[k] is that of radius[k], NAN
  * for those that found no place within a number of tries that grows as n; how many did is *placed. */
-sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *radius, double (*position)[2],
-                       size_t *placed);
+sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *radius,
+                       double (*position)[2], size_t *placed);
 
 /* Where n disks wait: rows from `lower` to `upper` in x, upwards from y, `spacing` or more apart. */
 void place_waiting(double lower, double upper, double y, double spacing, size_t first, size_t n,

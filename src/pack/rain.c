@@ -56,7 +56,8 @@ typedef struct rain_drop {
 /* Top of the highest disk over the strip, no lower than the rain's floor less its gap. */
 static double top_of(const engine *e, const sd_rain *r) {
   const sd_state *s = e->state;
-  double top = r->floor - r->gap, middle = 0.5 * (r->lower + r->upper), half = 0.5 * (r->upper - r->lower);
+  double top = r->floor - r->gap, middle = 0.5 * (r->lower + r->upper),
+         half = 0.5 * (r->upper - r->lower);
   for (size_t i = 0; i < s->n_disks; i++) {
     if (i < s->n_free && !body_in_play(s, i)) continue;
     double dx = engine_nearest(e, SD_X, s->x[i] - middle);
@@ -66,8 +67,8 @@ static double top_of(const engine *e, const sd_rain *r) {
 }
 
 /* An arc may cross the vertical twice; its ends are those of what is between them. */
-static bool arc_blocks(const placed_segment *g, const nearest_point *q, double x, double y, double radius,
-                       double low) {
+static bool arc_blocks(const placed_segment *g, const nearest_point *q, double x, double y,
+                       double radius, double low) {
   if (q->active && hypot(q->dx, q->dy) < radius * (1.0 - ROUNDING)) return true;
   const double dx = x - g->x;
   if (g->piece != SD_PIECE_CURVE || fabs(dx) >= g->radius) return false;
@@ -92,18 +93,20 @@ static bool circle_blocks(const engine *e, size_t slot, double x, double y, doub
   const sd_state *s = e->state;
   double dx = engine_nearest(e, SD_X, s->x[slot] - x), dy = s->y[slot] - y;
   double r = hypot(dx, dy), wall = s->radius[slot];
-  return wall < 0.0 ? r + radius > -wall * (1.0 + ROUNDING) : r < (wall + radius) * (1.0 - ROUNDING);
+  return wall < 0.0 ? r + radius > -wall * (1.0 + ROUNDING)
+                    : r < (wall + radius) * (1.0 - ROUNDING);
 }
 
 /* What stands in the way of a disk at (x, y), whose fall leads to y = low; NULL: nothing. */
-static const char *obstacle(const engine *e, double x, double y, double radius, double low, char *text,
-                            size_t size) {
+static const char *obstacle(const engine *e, double x, double y, double radius, double low,
+                            char *text, size_t size) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
   for (size_t k = 0; k < m->n_segments; k++) {
     placed_segment image;
     const placed_segment *g = walls_image(engine_periods(e), engine_segment(e, k), x, y, &image);
-    if (segment_blocks(g, x, y, radius, low)) return sd_model_body_name(m, m->segments[k].body, text, size);
+    if (segment_blocks(g, x, y, radius, low))
+      return sd_model_body_name(m, m->segments[k].body, text, size);
   }
   for (size_t slot = s->n_disks; slot < s->n_bodies; slot++)
     if (s->radius[slot] != 0.0 && circle_blocks(e, slot, x, y, radius))
@@ -117,7 +120,8 @@ static const char *obstacle(const engine *e, double x, double y, double radius, 
 /* --- rows --------------------------------------------------------------------------------------------- */
 
 static clump_grain grain_of(const rain_sizes *b, size_t disk, size_t end) {
-  return b->radius ? (clump_grain){1, b->radius[disk - b->first]} : clumps_grain(b->model, disk, end);
+  return b->radius ? (clump_grain){1, b->radius[disk - b->first]}
+                   : clumps_grain(b->model, disk, end);
 }
 
 size_t rain_row(const rain_sizes *b, size_t first, size_t end, double width) {
@@ -155,7 +159,8 @@ static gsl_rng *numbers_of(const engine *e, const sd_rain *r, int64_t batch) {
 
 static bool is_due(const engine *e, const sd_rain *r) {
   int64_t batch = e->state->step / r->interval;
-  return e->state->step % r->interval == 0 && batch < (int64_t)((r->count + r->batch - 1) / r->batch);
+  return e->state->step % r->interval == 0 &&
+         batch < (int64_t)((r->count + r->batch - 1) / r->batch);
 }
 
 /* First disk of the batch that is due. */
@@ -169,7 +174,8 @@ static size_t count_due(const engine *e, const sd_rain *r) {
 }
 
 /* Largest of the grains in these n disks; *taken: the sum of their diameters; returns how many there are. */
-static size_t measure_row(const rain_sizes *b, size_t first, size_t n, double *largest, double *taken) {
+static size_t measure_row(const rain_sizes *b, size_t first, size_t n, double *largest,
+                          double *taken) {
   size_t grains = 0;
   *largest = *taken = 0.0;
   for (size_t k = 0; k < n; grains++) {
@@ -182,9 +188,9 @@ static size_t measure_row(const rain_sizes *b, size_t first, size_t n, double *l
 }
 
 /* A row of n disks upon `low`, whose fall leads to y = end; `gaps` is scratch. drops: of the first. */
-static sd_status place_row(const engine *e, const sd_rain *r, const rain_sizes *b, size_t first, size_t n,
-                           double low, double end, gsl_rng *numbers, double *gaps, rain_drop *drops,
-                           sd_messages *messages) {
+static sd_status place_row(const engine *e, const sd_rain *r, const rain_sizes *b, size_t first,
+                           size_t n, double low, double end, gsl_rng *numbers, double *gaps,
+                           rain_drop *drops, sd_messages *messages) {
   const sd_model *m = e->model;
   double taken, largest;
   const size_t grains = measure_row(b, first, n, &largest, &taken);
@@ -199,11 +205,13 @@ static sd_status place_row(const engine *e, const sd_rain *r, const rain_sizes *
     char name[96], wall[96];
     const char *what = obstacle(e, x, y, radius, end, wall, sizeof wall);
     if (what)
-      return sd_fail(messages, SD_ERROR_NUMERIC,
-                     "step %lld: rain: %s has no room at (%g, %g), %s is in the way; expected a higher "
-                     "container, fewer disks, or more time between batches",
-                     (long long)e->state->step, sd_model_body_name(m, disk, name, sizeof name), x, y, what);
-    for (size_t i = 0; i < grain.disks; i++) *drops++ = (rain_drop){disk + (uint32_t)i, i == 0, x, y};
+      return sd_fail(
+          messages, SD_ERROR_NUMERIC,
+          "step %lld: rain: %s has no room at (%g, %g), %s is in the way; expected a higher "
+          "container, fewer disks, or more time between batches",
+          (long long)e->state->step, sd_model_body_name(m, disk, name, sizeof name), x, y, what);
+    for (size_t i = 0; i < grain.disks; i++)
+      *drops++ = (rain_drop){disk + (uint32_t)i, i == 0, x, y};
     left += 2.0 * radius;
     disk += (uint32_t)grain.disks;
   }
@@ -211,8 +219,8 @@ static sd_status place_row(const engine *e, const sd_rain *r, const rain_sizes *
 }
 
 /* drops: of the batch, above `top`; walls are posed. radius NULL: as the model has them. */
-static sd_status plan(const engine *e, const sd_rain *r, double top, const double *radius, rain_drop *drops,
-                      sd_messages *messages) {
+static sd_status plan(const engine *e, const sd_rain *r, double top, const double *radius,
+                      rain_drop *drops, sd_messages *messages) {
   const size_t begin = first_due(e, r), last = begin + count_due(e, r);
   const rain_sizes b = {e->model, radius, begin};
   double *gaps = NULL, low = top + r->gap;
@@ -226,7 +234,8 @@ static sd_status plan(const engine *e, const sd_rain *r, double top, const doubl
     measure_row(&b, first, n, &largest, &taken);
     /* a lid that presses on the highest disk is in the way, too */
     double end = fmax(top - 0.5 * largest, r->floor);
-    status = place_row(e, r, &b, first, n, low, end, numbers, gaps, drops + (first - begin), messages);
+    status =
+        place_row(e, r, &b, first, n, low, end, numbers, gaps, drops + (first - begin), messages);
     low += (2.0 + ROW_GAP) * largest;
   }
   free(gaps);
@@ -285,7 +294,8 @@ static void accelerate(engine *e, const sd_rain *r) {
 }
 
 /* Radii of the disks of a batch, wherever they wait: bits of each are there once. */
-static void share_radii(const engine *e, const sd_rain *r, size_t n, double *radius, int64_t *bits) {
+static void share_radii(const engine *e, const sd_rain *r, size_t n, double *radius,
+                        int64_t *bits) {
   fill_radii(e, r, radius);
   memcpy(bits, radius, n * sizeof *bits);
   comm_add(e->comm, bits, n);
@@ -306,7 +316,8 @@ static sd_status release(engine *e, const sd_rain *r, sd_messages *messages) {
   if (status != SD_OK) sd_fail(messages, status, "out of memory for a batch of rain");
   status = comm_agree(c, status);
   if (status == SD_OK) share_radii(e, r, n, radius, bits);
-  if (status == SD_OK && comm_rank(c) == 0) status = plan(e, r, top, c ? radius : NULL, drops, messages);
+  if (status == SD_OK && comm_rank(c) == 0)
+    status = plan(e, r, top, c ? radius : NULL, drops, messages);
   status = comm_agree(c, status);
   if (status == SD_OK) comm_share(c, drops, n * sizeof *drops);
   if (status == SD_OK) set_out(e, r, drops);

@@ -49,7 +49,8 @@ static void measure_clumps(const engine *e, const team *t, exact_sum *sum) {
 
 /* The coordinates of a disk are added up first: exact additions cost more. */
 static void measure(const engine *e, const team *t, exact_sum *sum) {
-  const columns *x = engine_columns(e, SD_X), *y = engine_columns(e, SD_Y), *a = engine_columns(e, SD_THETA);
+  const columns *x = engine_columns(e, SD_X), *y = engine_columns(e, SD_Y),
+                *a = engine_columns(e, SD_THETA);
   const double *mass = e->state->mass, *inertia = e->state->inertia;
   size_t begin, end;
   team_share(t, e->state->n_free, &begin, &end);
@@ -132,7 +133,8 @@ void relax_step(engine *e, const team *t, relax_sums *of_team) {
   clumps_place_all(e);
   assert(!(speed2 < 0.0) && !(push2 < 0.0) && s->relax_alpha >= 0.0 && s->relax_alpha <= ALPHA);
   /* M v^2/2 before and after, from the sums */
-  s->relaxed += 0.5 * (speed2 - (keep * keep * speed2 + 2.0 * keep * steer * power + steer * steer * push2));
+  s->relaxed +=
+      0.5 * (speed2 - (keep * keep * speed2 + 2.0 * keep * steer * power + steer * steer * push2));
   if (!downhill)
     relax_begin(e);
   else if (++s->relax_steps > PATIENCE)

@@ -57,7 +57,8 @@ static void add_up(const engine *e, settle_sums *all) {
   for (size_t i = 0; i < s->n_free; i++) {
     all->n[OUTSIDE] += s->activity[i] == SD_OUTSIDE;
     if (s->activity[i] != SD_IN_PLAY || engine_in_clump(e, i)) continue;
-    exact_sum_add(&all->of[SETTLE_KINETIC], moving(&c[SD_X], s->mass, i) + moving(&c[SD_Y], s->mass, i) +
+    exact_sum_add(&all->of[SETTLE_KINETIC], moving(&c[SD_X], s->mass, i) +
+                                                moving(&c[SD_Y], s->mass, i) +
                                                 moving(&c[SD_THETA], s->inertia, i));
     exact_sum_add(&all->of[SETTLE_FORCE], hypot(resultant(&c[SD_X], i), resultant(&c[SD_Y], i)));
     all->n[DISKS]++;
@@ -102,5 +103,6 @@ bool settle_reached(const engine *e, const settle_measure *now) {
   const sd_settle *asked = &e->model->phases[e->state->phase].settle;
   if (rain_waits(e) || !walls_rest(e, asked->kinetic)) return false;
   return (asked->kinetic <= 0.0 || now->kinetic <= asked->kinetic) &&
-         (asked->unbalanced <= 0.0 || now->unbalanced <= asked->unbalanced) && cell_near(e, SERVO_NEAR);
+         (asked->unbalanced <= 0.0 || now->unbalanced <= asked->unbalanced) &&
+         cell_near(e, SERVO_NEAR);
 }

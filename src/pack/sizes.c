@@ -37,7 +37,8 @@ double sizes_quantile(const sizes *s, double u) {
     case SD_SIZES_GAUSSIAN:
     case SD_SIZES_LOGNORMAL: {
       double z = normal_quantile(scaled(s, s->lower), scaled(s, s->upper), u);
-      x = s->kind == SD_SIZES_GAUSSIAN ? s->radius + s->deviation * z : s->radius * exp(s->deviation * z);
+      x = s->kind == SD_SIZES_GAUSSIAN ? s->radius + s->deviation * z
+                                       : s->radius * exp(s->deviation * z);
       break;
     }
     default: break;
@@ -83,7 +84,8 @@ double sizes_mean_area(const sizes *s) {
 static void draw_list(const sizes *s, size_t n, double *radius) {
   assert(s->n > 0);
   double *remainder = memory_new(s->n, sizeof *remainder), total = 0;
-  size_t *count = memory_new(s->n, sizeof *count), *order = memory_new(s->n, sizeof *order), given = 0;
+  size_t *count = memory_new(s->n, sizeof *count), *order = memory_new(s->n, sizeof *order),
+         given = 0;
   for (size_t k = 0; k < s->n; k++) total += s->weights[k];
   for (size_t k = 0; k < s->n; k++) {
     double share = (double)n * (s->weights[k] / total);

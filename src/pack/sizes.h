@@ -11,11 +11,12 @@
 
 typedef struct sizes {
   sd_size_kind kind;
-  double radius;       /* gaussian: mean; lognormal: median, before the cut */
-  double deviation;    /* gaussian: of R; lognormal: of ln R, before the cut */
-  double exponent;     /* powerlaw: a in p(R) ~ R^-a */
-  double lower, upper; /* smallest and largest radius that there can be, of every kind; 0 < lower <= upper */
-  size_t n;            /* list */
+  double radius;    /* gaussian: mean; lognormal: median, before the cut */
+  double deviation; /* gaussian: of R; lognormal: of ln R, before the cut */
+  double exponent;  /* powerlaw: a in p(R) ~ R^-a */
+  double lower,
+      upper; /* smallest and largest radius that there can be, of every kind; 0 < lower <= upper */
+  size_t n;  /* list */
   const double *radii, *weights; /* list: weights >= 0, of any positive sum */
 } sizes;
 

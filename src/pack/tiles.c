@@ -32,11 +32,12 @@ static double edge_of(const sd_tiles *t, size_t tile) {
   return t->lower[0] + (t->upper[0] - t->lower[0]) * ((double)tile / (double)t->n);
 }
 
-static sd_status fill_slab(const sd_model *m, size_t tile, gsl_rng *rng, const tiles_fill *how, size_t n,
-                           double *radius, double (*position)[2], size_t *placed) {
+static sd_status fill_slab(const sd_model *m, size_t tile, gsl_rng *rng, const tiles_fill *how,
+                           size_t n, double *radius, double (*position)[2], size_t *placed) {
   const sd_tiles *t = &m->tiles;
   const place_interior rectangle = {0};
-  const double lower[2] = {edge_of(t, tile), t->lower[1]}, upper[2] = {edge_of(t, tile + 1), t->upper[1]};
+  const double lower[2] = {edge_of(t, tile), t->lower[1]},
+               upper[2] = {edge_of(t, tile + 1), t->upper[1]};
   place_space space;
   sd_status status = place_begin(&space, m, t->first, &rectangle, lower, upper, n);
   if (status == SD_OK) status = tiles_place(&space, rng, how, n, radius, position, placed);
@@ -45,16 +46,16 @@ static sd_status fill_slab(const sd_model *m, size_t tile, gsl_rng *rng, const t
 }
 
 /* Of rain: the first row is `spacing` above the lower edge. */
-static void make_waiting(const sd_tiles *t, size_t tile, gsl_rng *rng, const tiles_fill *how, size_t n,
-                         double *radius, double (*position)[2], size_t *placed) {
-  place_waiting(t->lower[0], t->upper[0], t->lower[1] + t->spacing, t->spacing, model_tile_begin(t, tile), n,
-                position);
+static void make_waiting(const sd_tiles *t, size_t tile, gsl_rng *rng, const tiles_fill *how,
+                         size_t n, double *radius, double (*position)[2], size_t *placed) {
+  place_waiting(t->lower[0], t->upper[0], t->lower[1] + t->spacing, t->spacing,
+                model_tile_begin(t, tile), n, position);
   *placed = n;
   sizes_draw(how->sizes, rng, n, radius);
 }
 
-static sd_status make_disks(const sd_model *m, size_t tile, size_t n, double *radius, double (*position)[2],
-                            size_t *placed) {
+static sd_status make_disks(const sd_model *m, size_t tile, size_t n, double *radius,
+                            double (*position)[2], size_t *placed) {
   const sd_tiles *t = &m->tiles;
   const sizes drawn = {.kind = t->sizes,
                        .radius = t->radius,
@@ -81,7 +82,8 @@ sd_status tiles_make(const sd_model *m, size_t tile, sd_disk *disks, size_t *pla
   const size_t n = model_tile_size(&m->tiles, tile);
   double *radius, (*position)[2];
   *placed = 0;
-  if (!memory_rows(2, (memory_column[]){{&radius, n, sizeof *radius}, {&position, n, sizeof *position}}))
+  if (!memory_rows(
+          2, (memory_column[]){{&radius, n, sizeof *radius}, {&position, n, sizeof *position}}))
     return SD_ERROR_IO;
   const sd_status status = make_disks(m, tile, n, radius, position, placed);
   for (size_t k = 0; status == SD_OK && *placed == n && k < n; k++)

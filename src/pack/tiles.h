@@ -10,8 +10,9 @@
 #include "pack/sizes.h"
 
 /* Message of a tile that is too small: its number, how many tiles there are, disks that it holds, disks that it shall hold. */
-#define TILES_FULL                                                                                           \
-  "tile %zu of %zu holds %zu disks only, where %zu were asked for; expected fewer disks or a larger region"
+#define TILES_FULL                                                                                 \
+  "tile %zu of %zu holds %zu disks only, where %zu were asked for; expected fewer disks or a "     \
+  "larger region"
 
 /* How a region is filled with n disks. */
 typedef struct tiles_fill {

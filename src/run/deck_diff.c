@@ -60,7 +60,8 @@ static void resynchronise(const char *a, const char *b, int *skip_a, int *skip_b
   }
 }
 
-static const char *tell(const char *line, int count, const char *whose, int *told, sd_messages *messages) {
+static const char *tell(const char *line, int count, const char *whose, int *told,
+                        sd_messages *messages) {
   for (int k = 0; k < count && *line; k++, line = next_of(line)) {
     size_t blank = strspn(line, " \t");
     if ((*told)++ < MOST)

@@ -60,9 +60,11 @@ static size_t find_together(const ensemble *e, const share *shares, size_t first
   *steps = INT64_MAX;
   for (size_t k = first; k < e->n && n < most; k++) {
     const share *s = &shares[k];
-    if (!s->engine || !engine_lanes(s->engine) || engine_kernels(s->engine) != engine_kernels(leader))
+    if (!s->engine || !engine_lanes(s->engine) ||
+        engine_kernels(s->engine) != engine_kernels(leader))
       continue;
-    if (k != first && (!lanes_alike(leader->model, s->engine->model) || !lanes_in_step(leader, s->engine)))
+    if (k != first &&
+        (!lanes_alike(leader->model, s->engine->model) || !lanes_in_step(leader, s->engine)))
       continue;
     who[n++] = k;
     int64_t room = loop_room(s->engine), now = s->left < room ? s->left : room;
@@ -119,7 +121,8 @@ static void advance_some(ensemble *e, share *shares, size_t first, sd_status *st
     bool over = s->left == 0 || sd_simulation_finished(e->members[who[k]]);
     if (status[who[k]] == SD_OK && !over) continue;
     if (status[who[k]] == SD_OK)
-      status[who[k]] = neighbours_check_finite(systems[k], systems[k]->state->step, messages[who[k]]);
+      status[who[k]] =
+          neighbours_check_finite(systems[k], systems[k]->state->step, messages[who[k]]);
     s->engine = NULL;
   }
 }

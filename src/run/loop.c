@@ -75,8 +75,10 @@ static void note_goals(const engine *e, const settle_measure *rest) {
     s->phase_unbalanced[s->phase] = rest->unbalanced;
   }
   if (p->compress.asked)
-    s->phase_target[s->phase] = p->compress.pressure > 0.0 ? compress_pressure(e) : compress_fraction(e);
-  s->phase_reached[s->phase] = (!rest || settle_reached(e, rest)) && (!p->compress.asked || compress_done(e));
+    s->phase_target[s->phase] =
+        p->compress.pressure > 0.0 ? compress_pressure(e) : compress_fraction(e);
+  s->phase_reached[s->phase] =
+      (!rest || settle_reached(e, rest)) && (!p->compress.asked || compress_done(e));
 }
 
 /* Stops measuring, notes the goals of the phase and its values at the end. rest: NULL: it has no
@@ -147,15 +149,19 @@ static int64_t next_stop(const engine *e) {
   return next - step < stop - now ? now + (next - step) : stop;
 }
 
-static bool rain_is_due(const engine *e) { return rain_next(e, e->state->step - 1) == e->state->step; }
+static bool rain_is_due(const engine *e) {
+  return rain_next(e, e->state->step - 1) == e->state->step;
+}
 
 static sd_status between_steps(engine *e, sd_messages *messages) {
   const sd_phase *p = phase_of(e);
   int64_t now = e->state->phase_step;
   sd_status status = SD_OK;
-  if (e->model->bounds.given && e->state->step % OUTSIDE_EVERY == 0) status = outside_look(e, messages);
+  if (e->model->bounds.given && e->state->step % OUTSIDE_EVERY == 0)
+    status = outside_look(e, messages);
   if (status == SD_OK && rain_is_due(e)) status = rain_release(e, messages);
-  if (status == SD_OK && p->compress.asked && now % COMPRESS_EVERY == 0) status = compress_step(e, messages);
+  if (status == SD_OK && p->compress.asked && now % COMPRESS_EVERY == 0)
+    status = compress_step(e, messages);
   if (status == SD_OK && p->cell.asked && now % CELL_EVERY == 0) status = cell_change(e, messages);
   return status;
 }

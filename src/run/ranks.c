@@ -63,7 +63,8 @@ static sd_status spread(ranks *r, sd_state *state, uint32_t *order, int threads)
   return status;
 }
 
-sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads, sd_messages *messages) {
+sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads,
+                       sd_messages *messages) {
   rows_free(r->model->mine); /* those of a checkpoint stand for them */
   const sd_status status = tell(r, spread(r, state, order, threads), messages);
   sd_state_free(state);
@@ -88,7 +89,8 @@ static fast fast_of(const engine *e) {
 static bool is_before(const fast *a, const fast *b) {
   if (a->step < 0 || b->step < 0) return a->step >= 0 && b->step < 0;
   if (a->step != b->step) return a->step < b->step;
-  return a->displacement != b->displacement ? a->displacement > b->displacement : a->order < b->order;
+  return a->displacement != b->displacement ? a->displacement > b->displacement
+                                            : a->order < b->order;
 }
 
 /* The first of all ranks, of one step the fastest, on each of them; none is looked for any more
@@ -148,17 +150,19 @@ sd_status ranks_store(ranks *r, bool rows, sd_messages *messages) {
 }
 
 const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
-  const sd_status status =
-      resultants_take(&r->sums, r->model, r->part->state, engine_slots(r->part), r->comm, r->messages);
+  const sd_status status = resultants_take(&r->sums, r->model, r->part->state,
+                                           engine_slots(r->part), r->comm, r->messages);
   return tell(r, status, messages) == SD_OK ? &r->sums : NULL;
 }
 
 /* Each rank writes its share of a checkpoint, or (rows) of a part. */
-static sd_status write_share(ranks *r, bool rows, const char *path, int64_t *seals, sd_messages *messages) {
+static sd_status write_share(ranks *r, bool rows, const char *path, int64_t *seals,
+                             sd_messages *messages) {
   int64_t sum = 0;
   char *head = comm_text(r->comm, path), *share = h5_share_path(head, (size_t)comm_rank(r->comm));
-  const sd_status status = comm_agree(r->comm, rows ? record_share_seal(&r->rows, share, &sum, r->messages)
-                                                    : ranks_write_share(r->part, share, &sum, r->messages));
+  const sd_status status =
+      comm_agree(r->comm, rows ? record_share_seal(&r->rows, share, &sum, r->messages)
+                               : ranks_write_share(r->part, share, &sum, r->messages));
   if (status == SD_OK)
     ranks_gather_sums(r->comm, sum, seals);
   else
@@ -176,8 +180,8 @@ sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *me
   return write_share(r, true, path, seals, messages);
 }
 
-sd_status ranks_sample(ranks *r, unsigned what, int64_t frame, int64_t moment_number, size_t *n_contacts,
-                       size_t *bytes, sd_messages *messages) {
+sd_status ranks_sample(ranks *r, unsigned what, int64_t frame, int64_t moment_number,
+                       size_t *n_contacts, size_t *bytes, sd_messages *messages) {
   int64_t at[2] = {frame, moment_number};
   comm_share(r->comm, at, sizeof at);
   const sd_status status =

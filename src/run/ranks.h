@@ -20,8 +20,10 @@ typedef struct ranks ranks;
 
 /* How evenly the work was shared, when that was last looked at. */
 typedef struct ranks_balance {
-  int64_t cuts;  /* how often the disks were shared out anew, the first time included; 0: they never were */
-  double excess; /* by which part the busiest rank worked longer than the mean; NAN: not looked at yet */
+  int64_t
+      cuts; /* how often the disks were shared out anew, the first time included; 0: they never were */
+  double
+      excess; /* by which part the busiest rank worked longer than the mean; NAN: not looked at yet */
   int64_t least, most; /* disks of a rank */
 } ranks_balance;
 
@@ -35,7 +37,8 @@ ranks_balance ranks_balance_of(const ranks *r);
 /* Shares out the disks. Each rank has some of them, wherever they lie, with some of the contacts
  * (state), whose slots in the whole ascend (order). Both are taken over. threads: of each, as
  * rank 0 says. */
-sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads, sd_messages *messages);
+sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads,
+                       sd_messages *messages);
 /* Disks of step 0 (ranks_first.h), shared out; then loop_begin_phase and loop_start. */
 sd_status ranks_start(ranks *r, int threads, sd_messages *messages);
 /* n steps at most, and what is done between them; state->step tells how many. Fewer after a
@@ -53,8 +56,8 @@ sd_status ranks_write(ranks *r, const char *path, int64_t *seals, sd_messages *m
 /* Each rank keeps its rows of frame `frame`, or of the contacts of moment `moment_number` (rank 0
  * says which), of the next part. n_contacts, bytes: of all ranks, now and since the last part. The
  * states are stored. */
-sd_status ranks_sample(ranks *r, unsigned what, int64_t frame, int64_t moment_number, size_t *n_contacts,
-                       size_t *bytes, sd_messages *messages);
+sd_status ranks_sample(ranks *r, unsigned what, int64_t frame, int64_t moment_number,
+                       size_t *n_contacts, size_t *bytes, sd_messages *messages);
 /* Each writes them as a share of the part `path`. */
 sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages);
 

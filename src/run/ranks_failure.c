@@ -28,7 +28,8 @@ static bool is_told(const sd_messages *m, const char *text) {
   return false;
 }
 
-static void tell_errors(const comm *c, sd_status status, const sd_messages *own, sd_messages *messages) {
+static void tell_errors(const comm *c, sd_status status, const sd_messages *own,
+                        sd_messages *messages) {
   size_t length, bytes = 0;
   char *mine = errors_of(own, &length);
   int *counts = memory_new((size_t)comm_size(c), sizeof *counts);

@@ -51,7 +51,8 @@ sd_status ranks_load(const comm *c, const char *text, const char *path, size_t n
   *out = NULL;
   status = comm_agree(c, status);
   if (status == SD_OK)
-    status = load(c, read ? read : text, text ? path : deck_source(path), n_overrides, overrides, out, own);
+    status = load(c, read ? read : text, text ? path : deck_source(path), n_overrides, overrides,
+                  out, own);
   ranks_tell(c, status, own, leads ? messages : NULL);
   sd_messages_free(own);
   free(read);
@@ -92,7 +93,8 @@ static void fill_contacts(const sd_model *m, const directory *d, sd_state *s) {
     number[n + k] = wall_of(t, &list[k]) ? list[k].a : list[k].b;
   }
   directory_get(d, 2 * n, number, turned);
-  if (sd_state_reserve_contacts(s, s->n_contacts + n) != SD_OK) comm_fail(d->comm, "no memory for contacts");
+  if (sd_state_reserve_contacts(s, s->n_contacts + n) != SD_OK)
+    comm_fail(d->comm, "no memory for contacts");
   for (size_t k = 0; k < n; k++) {
     sd_contact_memory c = list[k];
     const sd_tile_wall *wall = wall_of(t, &c);
@@ -133,8 +135,10 @@ sd_status ranks_first_new(const comm *c, const sd_model *m, sd_state **state, ui
   sd_state *s = *state = state_new_part(m, own->n, 0);
   *order = route_room(c, own->n, sizeof **order);
   if (!s) return give_up(c, "no memory for its disks");
-  for (size_t k = 0; k < own->n; k++) engine_fill_disk(s, &own->disk[k], own->number[k], (uint32_t)k);
-  for (size_t k = 0; own->derivatives && k < own->n; k++) engine_fill_derivatives(s, k, own->derivatives[k]);
+  for (size_t k = 0; k < own->n; k++)
+    engine_fill_disk(s, &own->disk[k], own->number[k], (uint32_t)k);
+  for (size_t k = 0; own->derivatives && k < own->n; k++)
+    engine_fill_derivatives(s, k, own->derivatives[k]);
   engine_fill_prescribed(m, s);
   const sd_status status = find_order(c, m, s, *order);
   if (!comm_all_well(c, status)) return status;
@@ -156,8 +160,8 @@ static size_t moves_free_disk(const sd_model *m) {
 }
 
 static void refuse(sd_messages *messages, const char *key, const char *what) {
-  sd_fail(messages, SD_ERROR_USER, "%s: %s, which ranks do not share; run it without mpirun, with --threads",
-          key, what);
+  sd_fail(messages, SD_ERROR_USER,
+          "%s: %s, which ranks do not share; run it without mpirun, with --threads", key, what);
 }
 
 sd_status ranks_suit(const sd_model *m, sd_messages *messages) {
@@ -165,22 +169,25 @@ sd_status ranks_suit(const sd_model *m, sd_messages *messages) {
   const size_t motion = moves_free_disk(m);
   char name[100];
   if (lanes_suit(m))
-    return sd_fail(
-        messages, SD_ERROR_USER,
-        "disks: %zu free disk%s, so few are for one process; run it without mpirun, or the points of a "
-        "sweep under it",
-        m->n_free, m->n_free == 1 ? "" : "s");
+    return sd_fail(messages, SD_ERROR_USER,
+                   "disks: %zu free disk%s, so few are for one process; run it without mpirun, or "
+                   "the points of a "
+                   "sweep under it",
+                   m->n_free, m->n_free == 1 ? "" : "s");
   if (m->n_clumps > 0) refuse(messages, "clumps", "rigid bodies of several disks");
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].cell.asked) {
       snprintf(name, sizeof name, "phases[%zu].cell", k);
       refuse(messages, name, "a box that deforms");
     }
-  if (m->n_rotations > 0) refuse(messages, "measure.rotation", "means of single disks (() watches none)");
-  if (m->n_slides > 0) refuse(messages, "measure.sliding", "contacts of single disks that are watched");
+  if (m->n_rotations > 0)
+    refuse(messages, "measure.rotation", "means of single disks (() watches none)");
+  if (m->n_slides > 0)
+    refuse(messages, "measure.sliding", "contacts of single disks that are watched");
   if (motion < m->n_motions)
     sd_fail(messages, SD_ERROR_USER,
-            "%s: it moves a free disk, which ranks do not share; fix the disk, or run it without mpirun",
+            "%s: it moves a free disk, which ranks do not share; fix the disk, or run it without "
+            "mpirun",
             model_motion_name(m, motion, name, sizeof name));
   return sd_messages_errors(messages) > before ? SD_ERROR_USER : SD_OK;
 }

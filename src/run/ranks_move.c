@@ -64,7 +64,8 @@ static sd_status find_owners(shares *p) {
       p->owner[i] = (int)(s->id[i] % (uint32_t)comm_size(p->comm));
       continue;
     }
-    const bool inside = s->x[i] > low[0] && s->x[i] < high[0] && s->y[i] > low[1] && s->y[i] < high[1];
+    const bool inside =
+        s->x[i] > low[0] && s->x[i] < high[0] && s->y[i] > low[1] && s->y[i] < high[1];
     p->owner[i] = inside ? comm_rank(p->comm) : comm_cuts_owner(p->cuts, s->x[i], s->y[i]);
   }
   return SD_OK;
@@ -83,13 +84,15 @@ static sd_status call_disks(shares *p) {
   const uint32_t *order = p->from->halo->order;
   route *r = &p->disks;
   uint32_t *found = NULL;
-  if (need(p->comm, route_new(r, p->comm, s->n_free, NULL, p->owner) == SD_OK) != SD_OK) return SD_ERROR_IO;
+  if (need(p->comm, route_new(r, p->comm, s->n_free, NULL, p->owner) == SD_OK) != SD_OK)
+    return SD_ERROR_IO;
   route_count(r);
   const size_t n = r->n_receive;
-  const memory_column arrays[] = {{&p->place, n, sizeof *p->place},   {&p->order, n, sizeof *p->order},
-                                  {&p->x, n, sizeof *p->x},           {&p->y, n, sizeof *p->y},
-                                  {&p->radius, n, sizeof *p->radius}, {&p->activity, n, sizeof *p->activity},
-                                  {&found, n, sizeof *found}};
+  const memory_column arrays[] = {
+      {&p->place, n, sizeof *p->place},   {&p->order, n, sizeof *p->order},
+      {&p->x, n, sizeof *p->x},           {&p->y, n, sizeof *p->y},
+      {&p->radius, n, sizeof *p->radius}, {&p->activity, n, sizeof *p->activity},
+      {&found, n, sizeof *found}};
   sd_status status = need(p->comm, memory_resize(sizeof arrays / sizeof *arrays, arrays));
   const route_column known[] = {{order, p->order, sizeof *order},
                                 {s->x, p->x, sizeof *p->x},
@@ -135,8 +138,8 @@ static bool is_beyond(const box *b, int c, double at, double beside) {
 }
 
 /* The disk and its periodic images, `beside` wide: to whose rectangles do they reach? */
-static sd_status add_ghost(const shares *p, sends *l, const box *b, uint32_t i, double beside, int *ranks,
-                           uint8_t *seen) {
+static sd_status add_ghost(const shares *p, sends *l, const box *b, uint32_t i, double beside,
+                           int *ranks, uint8_t *seen) {
   const double at[2] = {p->x[i], p->y[i]};
   if (at[0] - beside > b->low[0] && at[0] + beside < b->high[0] && at[1] - beside > b->low[1] &&
       at[1] + beside < b->high[1])
@@ -165,7 +168,8 @@ static box box_of(const shares *p, const sd_state *s) {
   comm_cuts_mine(p->cuts, b.low, b.high);
   for (int c = 0; c < 2; c++) {
     if (!p->model->periodic[c]) continue;
-    const double upper = p->model->lower[c] + s->box_scale * (p->model->upper[c] - p->model->lower[c]);
+    const double upper =
+        p->model->lower[c] + s->box_scale * (p->model->upper[c] - p->model->lower[c]);
     b.lower[c] = p->model->lower[c];
     b.upper[c] = upper;
     b.length[c] = upper - b.lower[c];
@@ -208,7 +212,8 @@ static sd_status place_ghosts(shares *p) {
   free(found);
   for (size_t k = 0; k < r->n_receive && status == SD_OK; k++) p->ghost_place[k] += (uint32_t)n_own;
   if (status == SD_OK)
-    status = route_columns(r, &(route_column){p->order, p->order, sizeof *p->order}, 1, p->ghost_place);
+    status =
+        route_columns(r, &(route_column){p->order, p->order, sizeof *p->order}, 1, p->ghost_place);
   return status;
 }
 
@@ -248,7 +253,8 @@ static int32_t *find_contact_owners(const shares *p) {
   const size_t n = s->n_contacts, known = s->n_free + s->n_ghosts;
   int32_t *found = route_room(p->comm, 2 * n, sizeof *found);
   for (size_t k = 0; k < n; k++) {
-    const uint32_t a = engine_slot(p->from, s->contact_a[k]), b = engine_slot(p->from, s->contact_b[k]);
+    const uint32_t a = engine_slot(p->from, s->contact_a[k]),
+                   b = engine_slot(p->from, s->contact_b[k]);
     assert(a < known && s->id[a] == s->contact_a[k] && s->id[b] == s->contact_b[k]);
     found[k] = p->owner[a];
     found[n + k] = b < known ? p->owner[b] : p->owner[a];
@@ -310,8 +316,8 @@ static sd_status make_halo(shares *p, double skin, halo **out) {
   return halo_connect(h, p->ghosts.to, p->ghosts.from);
 }
 
-sd_status move_parts(const comm_cuts *cuts, const engine *from, bool first, double skin, sd_state **state,
-                     halo **h) {
+sd_status move_parts(const comm_cuts *cuts, const engine *from, bool first, double skin,
+                     sd_state **state, halo **h) {
   const comm *c = comm_cuts_comm(cuts);
   const sd_model *model = from->model;
   shares p = {.comm = c, .model = model, .cuts = cuts, .from = from, .first = first};
@@ -342,9 +348,11 @@ sd_status move_first_cut(comm_cuts *cuts, const sd_state *s) {
   const comm *c = comm_cuts_comm(cuts);
   float *weight = NULL;
   const bool there = memory_resize_row(&weight, s->n_free, sizeof *weight);
-  for (size_t i = 0; there && i < s->n_free; i++) weight[i] = s->activity[i] == SD_IN_PLAY ? 1.0f : IDLE;
+  for (size_t i = 0; there && i < s->n_free; i++)
+    weight[i] = s->activity[i] == SD_IN_PLAY ? 1.0f : IDLE;
   sd_status status = there ? SD_OK : SD_ERROR_IO;
-  if (comm_or(c, status != SD_OK) == 0) status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
+  if (comm_or(c, status != SD_OK) == 0)
+    status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
   free(weight);
   return status;
 }
@@ -363,7 +371,8 @@ sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
   for (size_t i = 0; there && i < s->n_free; i++)
     weight[i] = (float)(rate * (double)(engine_first(e, i + 1) - engine_first(e, i) + REST)) *
                 (s->activity[i] == SD_IN_PLAY ? 1.0f : IDLE);
-  if (comm_or(c, status != SD_OK) == 0) status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
+  if (comm_or(c, status != SD_OK) == 0)
+    status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
   free(weight);
   return status;
 }
@@ -393,8 +402,8 @@ static sd_status count_buckets(const comm *c, const order_place *list, size_t n,
   b->strips = (most + b->width - 1) / b->width;
   b->n = (size_t)((uint64_t)comm_largest(c, level) + 1) * (size_t)b->strips + 1;
   int64_t *counts;
-  if (!memory_rows(
-          2, (memory_column[]){{&b->begin, b->n + 1, sizeof *b->begin}, {&counts, b->n, sizeof *counts}}))
+  if (!memory_rows(2, (memory_column[]){{&b->begin, b->n + 1, sizeof *b->begin},
+                                        {&counts, b->n, sizeof *counts}}))
     return SD_ERROR_IO;
   for (size_t k = 0; k < n; k++) counts[bucket_of(b, &list[k])]++;
   comm_add(c, counts, b->n);
@@ -423,13 +432,15 @@ static void number_places(order_place *came, size_t n, size_t first, uint32_t *n
 }
 
 /* Slots in the whole of the places of this rank, which ascend. rank: room for n. Collective. */
-static sd_status find_order(const comm *c, const order_place *list, size_t n, int *rank, uint32_t *order) {
+static sd_status find_order(const comm *c, const order_place *list, size_t n, int *rank,
+                            uint32_t *order) {
   buckets b = {0};
   route r = {0};
   order_place *came = NULL;
   uint32_t *number = NULL;
   sd_status status = count_buckets(c, list, n, &b);
-  for (size_t k = 0; status == SD_OK && k < n; k++) rank[k] = keeper_of(c, &b, bucket_of(&b, &list[k]));
+  for (size_t k = 0; status == SD_OK && k < n; k++)
+    rank[k] = keeper_of(c, &b, bucket_of(&b, &list[k]));
   if (status == SD_OK) status = route_new(&r, c, n, NULL, rank);
   if (status != SD_OK) comm_fail(c, "no memory");
   if (status == SD_OK) route_count(&r);
@@ -439,7 +450,8 @@ static sd_status find_order(const comm *c, const order_place *list, size_t n, in
     comm_fail(c, "no memory");
     status = SD_ERROR_IO;
   }
-  if (status == SD_OK) status = route_columns(&r, &(route_column){list, came, sizeof *came}, 1, NULL);
+  if (status == SD_OK)
+    status = route_columns(&r, &(route_column){list, came, sizeof *came}, 1, NULL);
   if (status == SD_OK) {
     number_places(came, n_came, first_kept(c, &b), number);
     route_answer(&r, (route_column){number, order, sizeof *order});
@@ -455,7 +467,8 @@ static sd_status find_order(const comm *c, const order_place *list, size_t n, in
 sd_status ranks_order(const comm *c, const sd_model *m, sd_state *part, uint32_t *order) {
   order_place *list = NULL;
   int *rank = NULL;
-  const memory_column arrays[] = {{&list, part->n_free, sizeof *list}, {&rank, part->n_free, sizeof *rank}};
+  const memory_column arrays[] = {{&list, part->n_free, sizeof *list},
+                                  {&rank, part->n_free, sizeof *rank}};
   const bool there = memory_resize(sizeof arrays / sizeof *arrays, arrays);
   sd_status status = there ? order_part(m, part, c, list) : SD_ERROR_IO;
   if (status != SD_OK) comm_fail(c, "no memory for the order of its disks");

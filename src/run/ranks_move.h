@@ -19,8 +19,8 @@ sd_status move_cut_again(comm_cuts *cuts, const engine *part, double busy);
  * has: an engine with a halo, contacts and motions stored, poses of ghosts refreshed; or (first)
  * with model, state and the order of its disks alone, which lie anywhere, as do its contacts.
  * skin: of the lists to come. SD_ERROR_IO: no memory, on any rank. */
-sd_status move_parts(const comm_cuts *cuts, const engine *from, bool first, double skin, sd_state **state,
-                     halo **h);
+sd_status move_parts(const comm_cuts *cuts, const engine *from, bool first, double skin,
+                     sd_state **state, halo **h);
 
 /* --- the order that all disks have in the whole, when each rank has some ---------------------- */
 

@@ -53,7 +53,8 @@ static sd_status order_new(const engine *e, checkpoint_order *order, sd_messages
                                   {&order->contact, s->n_contacts, sizeof *order->contact}};
   if (!memory_resize(sizeof arrays / sizeof *arrays, arrays)) {
     free(list);
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the results of rank %d", comm_rank(e->comm));
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the results of rank %d",
+                   comm_rank(e->comm));
   }
   for (size_t i = 0; i < s->n_free; i++) order->disk_key[i] = (int64_t)e->halo->order[i];
   for (uint32_t c = 0; c < s->n_contacts; c++) list[c] = place_of(e, c);
@@ -66,7 +67,8 @@ static sd_status order_new(const engine *e, checkpoint_order *order, sd_messages
   return SD_OK;
 }
 
-sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum, sd_messages *messages) {
+sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum,
+                            sd_messages *messages) {
   checkpoint_order order;
   sd_status status = order_new(part, &order, messages);
   if (status == SD_OK) status = checkpoint_write_share(path, part->state, &order, sum, messages);
@@ -75,15 +77,15 @@ sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum, 
 }
 
 /* Disks that are driven are on all ranks, and written by the first. */
-sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame, int64_t moment_number,
-                             record_share *rows, sd_messages *messages) {
+sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame,
+                             int64_t moment_number, record_share *rows, sd_messages *messages) {
   const sd_state *s = part->state;
   const size_t driven = comm_rank(part->comm) == 0 ? s->n_free + s->n_ghosts : s->n_disks;
   checkpoint_order order;
   sd_status status = order_new(part, &order, messages);
   if (status == SD_OK)
-    status = record_share_sample(rows, what, s, driven, engine_slots(part), &order, frame, moment_number,
-                                 messages);
+    status = record_share_sample(rows, what, s, driven, engine_slots(part), &order, frame,
+                                 moment_number, messages);
   order_free(&order);
   return status;
 }
@@ -109,8 +111,10 @@ static int by_order(const void *one, const void *two) {
 /* The first of each rank, and of these the first. */
 static void add_lost(const engine *part, summary_lost *lost) {
   int *counts = memory_new((size_t)comm_size(part->comm), sizeof *counts);
-  struct summary_lost_disk *all = memory_new((size_t)comm_size(part->comm) * SUMMARY_LOST, sizeof *all);
-  for (size_t k = 0; k < lost->told; k++) lost->first[k].order = part->halo->order[lost->first[k].order];
+  struct summary_lost_disk *all =
+      memory_new((size_t)comm_size(part->comm) * SUMMARY_LOST, sizeof *all);
+  for (size_t k = 0; k < lost->told; k++)
+    lost->first[k].order = part->halo->order[lost->first[k].order];
   lost->n = (int64_t)comm_total(part->comm, (double)lost->n);
   size_t n = 0;
   comm_gather_counts(part->comm, (int)lost->told, counts);
@@ -154,7 +158,8 @@ static size_t disk_row(const sd_model *m, const sd_field *f) {
 }
 
 static size_t contact_row(const sd_state *s, const sd_field *f) {
-  const bool there = f->extent == SD_PER_CONTACT || (f->extent == SD_PER_LAW_CONTACT && s->law_columns);
+  const bool there =
+      f->extent == SD_PER_CONTACT || (f->extent == SD_PER_LAW_CONTACT && s->law_columns);
   return there ? sd_type_size(f->type) : 0;
 }
 
@@ -190,11 +195,13 @@ static void add(moving *m, const sd_field *f, size_t size) {
 
 void moving_disks(moving *m, const sd_model *model, bool bodies) {
   for (size_t k = 0; k < sd_field_count; k++)
-    if (!bodies || sd_fields[k].extent == SD_PER_BODY) add(m, &sd_fields[k], disk_row(model, &sd_fields[k]));
+    if (!bodies || sd_fields[k].extent == SD_PER_BODY)
+      add(m, &sd_fields[k], disk_row(model, &sd_fields[k]));
 }
 
 void moving_contacts(moving *m) {
-  for (size_t k = 0; k < sd_field_count; k++) add(m, &sd_fields[k], contact_row(m->to, &sd_fields[k]));
+  for (size_t k = 0; k < sd_field_count; k++)
+    add(m, &sd_fields[k], contact_row(m->to, &sd_fields[k]));
 }
 
 static bool is_zero(const char *data, size_t bytes) {
@@ -204,7 +211,8 @@ static bool is_zero(const char *data, size_t bytes) {
 
 /* At the start most columns are zero on all ranks, as those of new parts are. */
 static size_t leave_zeros(const moving *m, size_t n, route_column *list) {
-  const size_t rows = state_of_contacts(m->field[0]->extent) ? m->from->n_contacts : m->from->n_free;
+  const size_t rows =
+      state_of_contacts(m->field[0]->extent) ? m->from->n_contacts : m->from->n_free;
   int64_t has[MOVING_NARROW];
   size_t left = 0;
   assert(n <= MOVING_NARROW);

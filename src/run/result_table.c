@@ -42,18 +42,20 @@ static result_column *column(result_table *s, result_kind kind, const char *name
   return c;
 }
 
-void result_table_number(result_table *s, size_t row, const char *name, const char *unit, const char *meaning,
-                         double x) {
+void result_table_number(result_table *s, size_t row, const char *name, const char *unit,
+                         const char *meaning, double x) {
   result_column *c = column(s, RESULT_NUMBER, name, unit, meaning);
   if (c) c->number[row] = x;
 }
 
-void result_table_integer(result_table *s, size_t row, const char *name, const char *meaning, int64_t x) {
+void result_table_integer(result_table *s, size_t row, const char *name, const char *meaning,
+                          int64_t x) {
   result_column *c = column(s, RESULT_INTEGER, name, "1", meaning);
   if (c) c->integer[row] = x;
 }
 
-void result_table_text(result_table *s, size_t row, const char *name, const char *meaning, const char *text) {
+void result_table_text(result_table *s, size_t row, const char *name, const char *meaning,
+                       const char *text) {
   result_column *c = column(s, RESULT_TEXT, name, "", meaning);
   if (!c) return;
   free(c->text[row]);
@@ -72,11 +74,13 @@ static void column_free(result_column *c, size_t n) {
   free(c->name);
 }
 
-void result_table_collect(result_table *s, size_t n, const char *const *patterns, sd_messages *messages) {
+void result_table_collect(result_table *s, size_t n, const char *const *patterns,
+                          sd_messages *messages) {
   if (n == 0) return;
   for (size_t p = 0; p < n; p++) {
     bool any = false;
-    for (size_t k = 0; k < s->n_columns; k++) any = any || fnmatch(patterns[p], s->columns[k].name, 0) == 0;
+    for (size_t k = 0; k < s->n_columns; k++)
+      any = any || fnmatch(patterns[p], s->columns[k].name, 0) == 0;
     if (!any) sd_warn(messages, "collect: \"%s\" is no column of the table", patterns[p]);
   }
   size_t kept = 0;
@@ -111,7 +115,8 @@ static void put_number(FILE *out, double x) {
 
 static void put_cell(FILE *out, const result_column *c, size_t row) {
   if (c->kind == RESULT_NUMBER) put_number(out, c->number[row]);
-  if (c->kind == RESULT_INTEGER && c->integer[row] != RESULT_EMPTY) fprintf(out, "%" PRId64, c->integer[row]);
+  if (c->kind == RESULT_INTEGER && c->integer[row] != RESULT_EMPTY)
+    fprintf(out, "%" PRId64, c->integer[row]);
   if (c->kind == RESULT_TEXT && c->text[row]) text_cell(out, c->text[row]);
 }
 

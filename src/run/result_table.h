@@ -26,16 +26,19 @@ typedef struct result_table {
 } result_table;
 
 /* Cells: the column is made when there is none of this name. */
-void result_table_number(result_table *s, size_t row, const char *name, const char *unit, const char *meaning,
-                         double x);
-void result_table_integer(result_table *s, size_t row, const char *name, const char *meaning, int64_t x);
-void result_table_text(result_table *s, size_t row, const char *name, const char *meaning, const char *text);
+void result_table_number(result_table *s, size_t row, const char *name, const char *unit,
+                         const char *meaning, double x);
+void result_table_integer(result_table *s, size_t row, const char *name, const char *meaning,
+                          int64_t x);
+void result_table_text(result_table *s, size_t row, const char *name, const char *meaning,
+                       const char *text);
 result_column *result_table_find(const result_table *s, const char *name); /* NULL: none */
 /* The columns made so far are not subject to result_table_collect. */
 void result_table_keep_all(result_table *s);
 /* Removes columns that match none of the patterns (fnmatch) and need not stay; a pattern that matches nothing is a
  * warning. */
-void result_table_collect(result_table *s, size_t n, const char *const *patterns, sd_messages *messages);
+void result_table_collect(result_table *s, size_t n, const char *const *patterns,
+                          sd_messages *messages);
 void result_table_free(result_table *s);
 
 /* As CSV (RFC 4180, numbers to the last bit, empty cells where nothing is known). */

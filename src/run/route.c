@@ -87,14 +87,16 @@ static sd_status reserve(const comm *c, char **buffer, size_t *capacity, size_t 
 
 /* One column of what goes to others, into rows of all columns. */
 static void pack(const route *r, const route_column *c, size_t offset, size_t all) {
-  const size_t before = before_own(r, r->to), own = (size_t)r->to[comm_rank(r->comm)], after = before + own;
+  const size_t before = before_own(r, r->to), own = (size_t)r->to[comm_rank(r->comm)],
+               after = before + own;
   char *to = r->out + offset;
   copy_rows(&(row_copy){to, all, NULL, c->from, c->size, r->row}, before, c->size);
-  copy_rows(&(row_copy){to + all * before, all, NULL, c->from, c->size, r->row + after}, r->n_send - after,
-            c->size);
+  copy_rows(&(row_copy){to + all * before, all, NULL, c->from, c->size, r->row + after},
+            r->n_send - after, c->size);
 }
 
-static void unpack(const route *r, const route_column *c, size_t offset, size_t all, const uint32_t *place) {
+static void unpack(const route *r, const route_column *c, size_t offset, size_t all,
+                   const uint32_t *place) {
   const size_t before = before_own(r, r->from), own = (size_t)r->from[comm_rank(r->comm)],
                after = before + own;
   const size_t sent = before_own(r, r->to);
@@ -102,13 +104,14 @@ static void unpack(const route *r, const route_column *c, size_t offset, size_t 
   char *to = c->to;
   if (place) {
     copy_rows(&(row_copy){to, c->size, place, in, all, NULL}, before, c->size);
-    copy_rows(&(row_copy){to, c->size, place + before, c->from, c->size, r->row + sent}, own, c->size);
-    copy_rows(&(row_copy){to, c->size, place + after, in + all * before, all, NULL}, r->n_receive - after,
+    copy_rows(&(row_copy){to, c->size, place + before, c->from, c->size, r->row + sent}, own,
               c->size);
+    copy_rows(&(row_copy){to, c->size, place + after, in + all * before, all, NULL},
+              r->n_receive - after, c->size);
   } else {
     copy_rows(&(row_copy){to, c->size, NULL, in, all, NULL}, before, c->size);
-    copy_rows(&(row_copy){to + c->size * before, c->size, NULL, c->from, c->size, r->row + sent}, own,
-              c->size);
+    copy_rows(&(row_copy){to + c->size * before, c->size, NULL, c->from, c->size, r->row + sent},
+              own, c->size);
     copy_rows(&(row_copy){to + c->size * after, c->size, NULL, in + all * before, all, NULL},
               r->n_receive - after, c->size);
   }
@@ -134,8 +137,11 @@ sd_status route_columns(route *r, const route_column *column, size_t n, const ui
 }
 
 void route_answer(const route *r, route_column column) {
-  route back = {
-      .comm = r->comm, .n_send = r->n_receive, .n_receive = r->n_send, .to = r->from, .from = r->to};
+  route back = {.comm = r->comm,
+                .n_send = r->n_receive,
+                .n_receive = r->n_send,
+                .to = r->from,
+                .from = r->to};
   back.row = route_room(r->comm, back.n_send, sizeof *back.row);
   for (size_t k = 0; k < back.n_send; k++) back.row[k] = (uint32_t)k;
   route_columns(&back, &column, 1, r->row);
@@ -198,7 +204,8 @@ void directory_put(directory *d, size_t n, const uint32_t *number, const void *r
   uint32_t *come = call(d, &r, n, number);
   char *values = route_room(d->comm, r.n_receive, d->size);
   route_columns(&r, &(route_column){rows, values, d->size}, 1, NULL);
-  for (size_t k = 0; k < r.n_receive; k++) memcpy(row_of(d, come[k]), values + k * d->size, d->size);
+  for (size_t k = 0; k < r.n_receive; k++)
+    memcpy(row_of(d, come[k]), values + k * d->size, d->size);
   route_free(&r);
   free(come);
   free(values);
@@ -208,7 +215,8 @@ void directory_get(const directory *d, size_t n, const uint32_t *number, void *r
   route r;
   uint32_t *come = call(d, &r, n, number);
   char *values = route_room(d->comm, r.n_receive, d->size);
-  for (size_t k = 0; k < r.n_receive; k++) memcpy(values + k * d->size, row_of(d, come[k]), d->size);
+  for (size_t k = 0; k < r.n_receive; k++)
+    memcpy(values + k * d->size, row_of(d, come[k]), d->size);
   route_answer(&r, (route_column){values, rows, d->size});
   route_free(&r);
   free(come);

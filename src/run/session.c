@@ -37,14 +37,17 @@ static unsigned phase_due(const sd_phase *phase, int64_t offset) {
          (hits(phase->contacts_every, offset) ? RECORD_CONTACTS : 0u);
 }
 
-static bool is_over(const sd_model *model, sd_stage now) { return now.phase >= (int64_t)model->n_phases; }
+static bool is_over(const sd_model *model, sd_stage now) {
+  return now.phase >= (int64_t)model->n_phases;
+}
 
 unsigned session_due(const sd_model *model, sd_stage now) {
   /* both ends of a run are always recorded */
   if (now.step == 0 || is_over(model, now)) return RECORD_ALL;
   unsigned due = phase_due(&model->phases[now.phase], now.phase_step);
   /* the last step of a phase is step 0 of the next */
-  if (now.phase_step == 0 && now.phase > 0) due |= phase_due(&model->phases[now.phase - 1], now.before);
+  if (now.phase_step == 0 && now.phase > 0)
+    due |= phase_due(&model->phases[now.phase - 1], now.before);
   return due;
 }
 
@@ -84,15 +87,19 @@ static int64_t most_steps(const sd_model *model, sd_stage now) {
 bool session_leads(const session *s) { return comm_rank(s->options.comm) == 0; }
 
 /* Ends what rank 0 alone does with files: its status, on all ranks. */
-static sd_status agree(const session *s, sd_status status) { return comm_wait(s->options.comm, status); }
+static sd_status agree(const session *s, sd_status status) {
+  return comm_wait(s->options.comm, status);
+}
 
 static void remove_shares(const session *s, const char *path, size_t n) {
   for (size_t k = 0; k < n; k++) checkpoint_remove_share(s->parts_folder.at, path, k);
 }
 
 /* rows: on rank 0. shared: with those of the ranks. */
-static sd_status seal_rows(session *s, record *rows, bool shared, const char *path, sd_messages *messages) {
-  const record_link link = {.run_id = s->origin.run_id, .number = s->parts + 1, .after = s->last_part};
+static sd_status seal_rows(session *s, record *rows, bool shared, const char *path,
+                           sd_messages *messages) {
+  const record_link link = {
+      .run_id = s->origin.run_id, .number = s->parts + 1, .after = s->last_part};
   const size_t n = shared ? (size_t)comm_size(s->options.comm) : 0;
   int64_t *seals = memory_new(n, sizeof *seals);
   sd_status status = SD_OK;
@@ -107,7 +114,8 @@ static sd_status seal_rows(session *s, record *rows, bool shared, const char *pa
 
 /* Rows of rank 0 that are to be sealed; NULL: none. */
 static record *full_rows(session *s) {
-  if (!record_empty(&s->shared) && !record_has_shares(&s->shared)) record_take_series(&s->rows, &s->shared);
+  if (!record_empty(&s->shared) && !record_has_shares(&s->shared))
+    record_take_series(&s->rows, &s->shared);
   return !record_empty(&s->shared) ? &s->shared : !record_empty(&s->rows) ? &s->rows : NULL;
 }
 
@@ -125,11 +133,13 @@ static sd_status seal(session *s, sd_messages *messages) {
   return status;
 }
 
-static const sd_state *state_of(const session *s) { return simulation_engine(s->simulation)->state; }
+static const sd_state *state_of(const session *s) {
+  return simulation_engine(s->simulation)->state;
+}
 
 static sd_status collect_disks(session *s, sd_messages *messages) {
-  return summary_disks_collect(&s->found.packing, s->model, state_of(s), sd_simulation_threads(s->simulation),
-                               messages);
+  return summary_disks_collect(&s->found.packing, s->model, state_of(s),
+                               sd_simulation_threads(s->simulation), messages);
 }
 
 /* Summary and provenance as of now; a result has the means of every disk, however many there are,
@@ -163,8 +173,8 @@ static sd_status write_head(session *s, int64_t *seals, const char *path, sd_mes
                                     (size_t)s->found.contacts};
   const sd_status status = folder_check(&s->parts_folder, messages);
   if (status != SD_OK) return status;
-  return checkpoint_write(s->parts_folder.at, path, state_of(s), &parts, seals ? &shares : NULL, &s->origin,
-                          &s->found, messages);
+  return checkpoint_write(s->parts_folder.at, path, state_of(s), &parts, seals ? &shares : NULL,
+                          &s->origin, &s->found, messages);
 }
 
 /* The state, which is stored, as a file of the folder: of one rank all, of several first the shares
@@ -220,7 +230,8 @@ static void keep_emergency(session *s, sd_messages *messages) {
   char *path = session_leads(s) ? folder_emergency(s->parts_folder.path, step) : NULL;
   if (path) drop_emergency(s, path);
   if (write_state(s, path, messages) == SD_OK && path)
-    sd_warn(messages, "the state at step %" PRId64 " is kept as %s; the last good one is step %" PRId64, step,
+    sd_warn(messages,
+            "the state at step %" PRId64 " is kept as %s; the last good one is step %" PRId64, step,
             path, s->saved_step);
   free(path);
 }
@@ -228,8 +239,8 @@ static void keep_emergency(session *s, sd_messages *messages) {
 /* Each rank keeps frames and contacts of its own disks. */
 static sd_status sample_shares(session *s, unsigned rows, sd_messages *messages) {
   record *r = &s->shared;
-  return ranks_sample(s->simulation->ranks, rows, (int64_t)r->disks.n_rows, (int64_t)r->contact_index.n_rows,
-                      &r->n_contacts, &s->shared_bytes, messages);
+  return ranks_sample(s->simulation->ranks, rows, (int64_t)r->disks.n_rows,
+                      (int64_t)r->contact_index.n_rows, &r->n_contacts, &s->shared_bytes, messages);
 }
 
 sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
@@ -242,7 +253,8 @@ sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
   if (status != SD_OK) return status;
   if (what & RECORD_SERIES) {
     now.energy = sd_simulation_energy(s->simulation);
-    if (spread && !(now.others = ranks_resultants(s->simulation->ranks, messages))) return SD_ERROR_IO;
+    if (spread && !(now.others = ranks_resultants(s->simulation->ranks, messages)))
+      return SD_ERROR_IO;
   }
   record *r = spread ? &s->shared : &s->rows;
   if (session_leads(s))
@@ -283,8 +295,8 @@ void session_report(session *s, bool always) {
   sd_stage stage = sd_simulation_stage(s->simulation);
   bool finished = is_over(s->model, stage);
   bool new_phase = !finished && stage.phase != s->told_phase;
-  int32_t tells =
-      s->options.progress && (always || new_phase || passed >= fmax(PROGRESS_SECONDS, s->tell_every));
+  int32_t tells = s->options.progress &&
+                  (always || new_phase || passed >= fmax(PROGRESS_SECONDS, s->tell_every));
   comm_share(s->options.comm, &tells, sizeof tells);
   if (!tells) return;
 
@@ -307,7 +319,8 @@ void session_report(session *s, bool always) {
                                .phase = name ? name : "",
                                .new_phase = new_phase,
                                .rate = s->rate,
-                               .seconds_left = s->rate > 0 ? (double)(expected - s->step) / s->rate : NAN,
+                               .seconds_left =
+                                   s->rate > 0 ? (double)(expected - s->step) / s->rate : NAN,
                                .at_most = !finished && may_settle(s->model, stage),
                                .waiting = finished ? 0 : rain_waiting(s->model, state_of(s)),
                                .energy = &energy,
@@ -340,14 +353,15 @@ sd_status session_stop(session *s, sd_messages *messages) {
 
 /* Rows of all ranks take more than so many bytes. */
 static bool is_full(session *s, size_t most_bytes) {
-  int32_t full =
-      session_leads(s) && record_bytes(&s->rows) + record_bytes(&s->shared) + s->shared_bytes > most_bytes;
+  int32_t full = session_leads(s) &&
+                 record_bytes(&s->rows) + record_bytes(&s->shared) + s->shared_bytes > most_bytes;
   comm_share(s->options.comm, &full, sizeof full);
   return full != 0;
 }
 
 sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messages *messages) {
-  const unsigned due = status == SD_OK ? session_due(s->model, sd_simulation_stage(s->simulation)) : 0;
+  const unsigned due =
+      status == SD_OK ? session_due(s->model, sd_simulation_stage(s->simulation)) : 0;
   if (status == SD_ERROR_NUMERIC) keep_emergency(s, messages);
   if (status == SD_OK) status = session_sample(s, due, messages);
   if (status == SD_OK && due && is_full(s, most_bytes)) status = seal(s, messages);
@@ -374,8 +388,8 @@ sd_status session_identity(const session *s, char **id, sd_messages *messages) {
   else
     *id = memory_text("");
   if (!*id)
-    *id = format_text("%lld bytes of %lld.%09ld", (long long)facts.st_size, (long long)facts.st_mtim.tv_sec,
-                      facts.st_mtim.tv_nsec);
+    *id = format_text("%lld bytes of %lld.%09ld", (long long)facts.st_size,
+                      (long long)facts.st_mtim.tv_sec, facts.st_mtim.tv_nsec);
   return SD_OK;
 }
 
@@ -386,11 +400,11 @@ sd_status session_may_publish(const session *s, sd_status kind, sd_messages *mes
   bool may = !*there || strcmp(there, s->replaces) == 0;
   free(there);
   if (may) return SD_OK;
-  return sd_fail(
-      messages, kind,
-      "%s has appeared, or was changed, since this run was started: it is not overwritten. Move it away, "
-      "and the same command goes on; or start over with --force",
-      s->result);
+  return sd_fail(messages, kind,
+                 "%s has appeared, or was changed, since this run was started: it is not "
+                 "overwritten. Move it away, "
+                 "and the same command goes on; or start over with --force",
+                 s->result);
 }
 
 static sd_status merge_from(session *s, const sd_state *state, const h5_file *checkpoint,
@@ -415,8 +429,8 @@ static sd_status merge_spread(session *s, sd_messages *messages) {
   h5_file *file = NULL;
   sd_status status = h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages);
   if (status == SD_OK && s->found.packing.n > 0)
-    status = checkpoint_collect_disks(file, s->model, &s->found.packing, sd_simulation_threads(s->simulation),
-                                      messages);
+    status = checkpoint_collect_disks(file, s->model, &s->found.packing,
+                                      sd_simulation_threads(s->simulation), messages);
   if (status == SD_OK) status = merge_from(s, NULL, file, messages);
   h5_close(file, NULL);
   free(path);
@@ -439,7 +453,8 @@ static sd_status merge(session *s, sd_messages *messages) {
   /* a run that goes on after its end has no summary */
   if (status == SD_OK && !s->has_found) status = describe(s, messages);
   if (status == SD_OK && session_leads(s))
-    status = simulation_is_spread(s->simulation) ? merge_spread(s, messages) : merge_here(s, messages);
+    status =
+        simulation_is_spread(s->simulation) ? merge_spread(s, messages) : merge_here(s, messages);
   status = agree(s, status);
   if (status == SD_OK)
     status = agree(s, session_leads(s) ? folder_remove(&s->parts_folder, messages) : SD_OK);
@@ -451,17 +466,20 @@ static void warn_of_goal(const session *s, sd_messages *messages) {
   const summary *f = &s->found;
   if (!f->has_until || f->until_step >= 0) return;
   if (!isfinite(f->goal.error))
-    sd_warn(messages,
-            "max_time came before the goal of until: the record of %s is too short for an error bar",
-            f->observable);
+    sd_warn(
+        messages,
+        "max_time came before the goal of until: the record of %s is too short for an error bar",
+        f->observable);
   else
-    sd_warn(messages,
-            "max_time came before the goal of until: the error bar of %s is %.3g%s, asked for is %.3g",
-            f->observable, f->goal.error, f->goal.converged ? "" : " and not reliable", f->goal.goal);
+    sd_warn(
+        messages,
+        "max_time came before the goal of until: the error bar of %s is %.3g%s, asked for is %.3g",
+        f->observable, f->goal.error, f->goal.converged ? "" : " and not reliable", f->goal.goal);
 }
 
 /* " kinetic energy per disk 1e-3, asked for is 1e-6"; nothing where nothing was asked for or it is there. */
-static int tell_goal(char *text, size_t size, const char *what, double value, double goal, bool missed) {
+static int tell_goal(char *text, size_t size, const char *what, double value, double goal,
+                     bool missed) {
   if (!(goal > 0.0) || !missed) return 0;
   return snprintf(text, size, "; %s %.3g, asked for is %.3g", what, value, goal);
 }
@@ -474,22 +492,24 @@ static void warn_of_phases(const session *s, sd_messages *messages) {
     if (!p->asked || p->reached) continue;
     char text[400] = "";
     size_t n = 0;
-    n += (size_t)tell_goal(text + n, sizeof text - n, "kinetic energy per disk", p->kinetic, p->kinetic_goal,
-                           p->kinetic > p->kinetic_goal);
-    n += (size_t)tell_goal(text + n, sizeof text - n, "unbalanced force", p->unbalanced, p->unbalanced_goal,
-                           p->unbalanced > p->unbalanced_goal);
+    n += (size_t)tell_goal(text + n, sizeof text - n, "kinetic energy per disk", p->kinetic,
+                           p->kinetic_goal, p->kinetic > p->kinetic_goal);
+    n += (size_t)tell_goal(text + n, sizeof text - n, "unbalanced force", p->unbalanced,
+                           p->unbalanced_goal, p->unbalanced > p->unbalanced_goal);
     const sd_compress *c = &s->model->phases[k].compress;
-    tell_goal(text + n, sizeof text - n, c->pressure > 0.0 ? "pressure" : "packing fraction", p->target,
-              p->target_goal, fabs(p->target - p->target_goal) > c->tolerance * p->target_goal);
-    sd_warn(messages, "phase \"%s\" has ended after %s%" PRId64 " steps and is not %s%s%s", f->stage_names[k],
-            p->steps == p->most ? "all its " : "", p->steps,
+    tell_goal(text + n, sizeof text - n, c->pressure > 0.0 ? "pressure" : "packing fraction",
+              p->target, p->target_goal,
+              fabs(p->target - p->target_goal) > c->tolerance * p->target_goal);
+    sd_warn(messages, "phase \"%s\" has ended after %s%" PRId64 " steps and is not %s%s%s",
+            f->stage_names[k], p->steps == p->most ? "all its " : "", p->steps,
             p->asked & SUMMARY_SETTLE ? "at rest" : "at its target", text,
             p->asked & SUMMARY_SETTLE && !s->model->phases[k].relax
                 ? "; a longer phase is needed, or one more with relax = true"
                 : "");
   }
   if (f->waiting > 0)
-    sd_warn(messages, "the run is over and %" PRId64 " disks still wait for their rain", f->waiting);
+    sd_warn(messages, "the run is over and %" PRId64 " disks still wait for their rain",
+            f->waiting);
 }
 
 sd_status session_finish(session *s, sd_messages *messages) {

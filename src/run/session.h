@@ -23,15 +23,17 @@ typedef struct session_rest {
 } session_rest;
 
 typedef struct session_progress {
-  int64_t step, steps; /* done, and the most that there can be: phases end early by settle and until */
-  int64_t expected;    /* steps at which the run will probably end */
-  double time;         /* of the model */
+  int64_t step,
+      steps;        /* done, and the most that there can be: phases end early by settle and until */
+  int64_t expected; /* steps at which the run will probably end */
+  double time;      /* of the model */
   const char *phase;   /* name; "" when finished */
   bool new_phase;      /* first report of this phase */
   double rate;         /* steps per second of wall time, lately; 0: not known yet */
   double seconds_left; /* of wall time; NAN: not known */
-  bool at_most;        /* a phase from here on may settle earlier: percentages and times are bounds */
-  int64_t waiting;     /* disks that have not begun to fall; steps are still cheaper than they will be */
+  bool at_most; /* a phase from here on may settle earlier: percentages and times are bounds */
+  int64_t
+      waiting; /* disks that have not begun to fall; steps are still cheaper than they will be */
   const sd_energy *energy;
   const sd_goal *goal;      /* of `until`; NULL: none, or the last phase has not begun */
   const session_rest *rest; /* of the present phase; NULL: it does not settle */
@@ -43,13 +45,15 @@ enum { SESSION_ROWS_BYTES = 64 << 20 };
 typedef struct session_options {
   const char *result; /* path of the file to be made */
   int threads;        /* 0: chosen from the system's size */
-  bool force;         /* start over, whatever is there; an old result stays until the new one replaces it */
+  bool force; /* start over, whatever is there; an old result stays until the new one replaces it */
   /* may be NULL; when it becomes true, on any rank, the run stops at a checkpoint */
   volatile sig_atomic_t *stop;
   /* its ranks share the disks, and all run this session; NULL: one process has them */
   const comm *comm;
-  void (*progress)(void *user, const session_progress *progress); /* may be NULL; about 5 times a second */
-  void (*look)(void *user, sd_simulation *simulation); /* may be NULL; between pieces of steps; reads only */
+  void (*progress)(void *user,
+                   const session_progress *progress); /* may be NULL; about 5 times a second */
+  void (*look)(void *user,
+               sd_simulation *simulation); /* may be NULL; between pieces of steps; reads only */
   void *user;
 } session_options;
 
@@ -64,10 +68,12 @@ sd_status session_open(const sd_model *model, const session_options *options, se
 sd_status session_run(session *s, sd_messages *messages);
 void session_close(session *s);
 
-int64_t session_began(const session *s);     /* step at which this session began */
-int64_t session_saved(const session *s);     /* step of its last checkpoint; negative: there is none */
-bool session_was_finished(const session *s); /* only left-overs were there: session_run has nothing to do */
-const summary *session_summary(const session *s); /* as of the last checkpoint; NULL before the first */
+int64_t session_began(const session *s); /* step at which this session began */
+int64_t session_saved(const session *s); /* step of its last checkpoint; negative: there is none */
+bool session_was_finished(
+    const session *s); /* only left-overs were there: session_run has nothing to do */
+const summary *
+session_summary(const session *s); /* as of the last checkpoint; NULL before the first */
 const provenance *session_provenance(const session *s);
 /* How the ranks of the job shared the steps; NULL: one process made them. */
 const struct ranks *session_ranks(const session *s);

@@ -40,7 +40,8 @@ static sd_status check_deck(const session *s, sd_messages *messages) {
   const char *full = sd_model_deck(s->model)->full;
   if (deck_same(origin->deck_full, full)) return SD_OK;
   sd_fail(messages, SD_ERROR_USER,
-          "%s is an unfinished run of another deck (started %s); --force starts over, -o writes elsewhere",
+          "%s is an unfinished run of another deck (started %s); --force starts over, -o writes "
+          "elsewhere",
           s->result, origin->started);
   deck_diff(origin->deck_full, full, messages);
   return SD_ERROR_USER;
@@ -53,20 +54,21 @@ typedef struct some_disks {
 } some_disks;
 
 /* Those in slots [first, first + n) are those of the model. */
-static sd_status check_disks(const session *s, const h5_file *file, size_t first, size_t n, some_disks *d,
-                             sd_messages *messages) {
+static sd_status check_disks(const session *s, const h5_file *file, size_t first, size_t n,
+                             some_disks *d, sd_messages *messages) {
   sd_status status = h5_get_values(file, "/state/id", SD_U32, first, n, 1, d->id, messages);
   if (status == SD_OK)
     status = h5_get_values(file, "/state/radius", SD_F64, first, n, 1, d->radius, messages);
-  if (status == SD_OK) status = h5_get_values(file, "/state/mass", SD_F64, first, n, 1, d->mass, messages);
+  if (status == SD_OK)
+    status = h5_get_values(file, "/state/mass", SD_F64, first, n, 1, d->mass, messages);
   for (size_t k = 0; status == SD_OK && k < n; k++) {
     if (d->id[k] >= s->model->n_disks || !model_knows(s->model, d->id[k])) continue;
     const sd_disk *disk = &s->model->disks[d->id[k]];
     if (disk->radius == d->radius[k] && disk->mass == d->mass[k]) continue;
-    status =
-        sd_fail(messages, SD_ERROR_USER,
-                "disk %u is not the one that %s was started with: a file that the deck names has changed",
-                d->id[k], s->result);
+    status = sd_fail(
+        messages, SD_ERROR_USER,
+        "disk %u is not the one that %s was started with: a file that the deck names has changed",
+        d->id[k], s->result);
   }
   return status;
 }
@@ -84,18 +86,18 @@ static sd_status check_inputs(const session *s, const h5_file *file, sd_messages
   free(d.radius);
   free(d.mass);
   if (status == SD_OK && s->origin.inputs != 0 && s->origin.inputs != provenance_inputs(s->model))
-    return sd_fail(
-        messages, SD_ERROR_USER,
-        "a file that the deck names, of disks or of a motion's table, is not the one that %s was started "
-        "with; --force starts over, -o writes elsewhere",
-        s->result);
+    return sd_fail(messages, SD_ERROR_USER,
+                   "a file that the deck names, of disks or of a motion's table, is not the one "
+                   "that %s was started "
+                   "with; --force starts over, -o writes elsewhere",
+                   s->result);
   return status;
 }
 
 /* Checks deck, state and parts of a checkpoint in an open file, and takes them over; the state
  * only where this process is alone. */
-static sd_status read_checkpoint(session *s, const h5_file *file, const char *path, sd_state **state,
-                                 sd_messages *messages) {
+static sd_status read_checkpoint(session *s, const h5_file *file, const char *path,
+                                 sd_state **state, sd_messages *messages) {
   sd_status status = check_deck(s, messages);
   if (status == SD_OK)
     status = s->options.comm ? checkpoint_check_state(file, s->model, messages)
@@ -108,7 +110,8 @@ static sd_status read_checkpoint(session *s, const h5_file *file, const char *pa
   s->replaces = checkpoint_get_replaces(file);
   if (s->parts < 0 || !s->replaces)
     return sd_fail(messages, SD_ERROR_IO, "%s does not say how many parts it has", path);
-  return merge_check_parts(&s->parts_folder, &s->rows, s->origin.run_id, s->parts, s->last_part, messages);
+  return merge_check_parts(&s->parts_folder, &s->rows, s->origin.run_id, s->parts, s->last_part,
+                           messages);
 }
 
 /* Tries one checkpoint. SD_ERROR_IO: it, or a part of it, is damaged; SD_ERROR_USER: it belongs to something else. A folder
@@ -138,16 +141,19 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
 /* Puts aside the `n` newest, which cannot be used, and says why. */
 static void step_back(session *s, const int64_t *steps, size_t n, const sd_messages *why,
                       sd_messages *messages) {
-  for (size_t k = 0; k < sd_messages_count(why); k++) sd_warn(messages, "%s", sd_messages_text(why, k));
+  for (size_t k = 0; k < sd_messages_count(why); k++)
+    sd_warn(messages, "%s", sd_messages_text(why, k));
   for (size_t k = 0; k < n; k++) folder_set_aside(&s->parts_folder, steps[k]);
-  sd_warn(messages, "the checkpoint of step %" PRId64 " cannot be used, that of step %" PRId64 " is taken",
+  sd_warn(messages,
+          "the checkpoint of step %" PRId64 " cannot be used, that of step %" PRId64 " is taken",
           steps[0], steps[n]);
 }
 
 /* The newest checkpoint that is good, with its parts; saved_step stays -1 when there is none, and
  * of a run that is finished. As long as another stands in for it a damaged one is a warning;
  * without memory none can be told to be damaged. */
-static sd_status find_checkpoint(session *s, const char *finished, sd_state **state, sd_messages *messages) {
+static sd_status find_checkpoint(session *s, const char *finished, sd_state **state,
+                                 sd_messages *messages) {
   int64_t *steps;
   size_t n, k = 0;
   sd_status status = folder_checkpoints(s->parts_folder.path, &steps, &n, messages);
@@ -162,13 +168,14 @@ static sd_status find_checkpoint(session *s, const char *finished, sd_state **st
       for (size_t m = 0; m < sd_messages_count(why); m++)
         sd_fail(messages, status, "%s", sd_messages_text(why, m));
       if (status == SD_ERROR_IO && shortage_seen())
-        sd_fail(messages, status, "no memory to go on with %s; what is saved is left as it is", s->result);
+        sd_fail(messages, status, "no memory to go on with %s; what is saved is left as it is",
+                s->result);
       else if (status == SD_ERROR_IO)
-        sd_fail(
-            messages, status,
-            "%s cannot go on: no checkpoint can be used together with its parts. What is in %s is left as "
-            "it is; --force starts over",
-            s->result, s->parts_folder.path);
+        sd_fail(messages, status,
+                "%s cannot go on: no checkpoint can be used together with its parts. What is in %s "
+                "is left as "
+                "it is; --force starts over",
+                s->result, s->parts_folder.path);
     }
   }
   sd_messages_free(why);
@@ -182,11 +189,11 @@ static void warn_of_ranks(const session *s, sd_messages *messages) {
   const size_t n = (size_t)comm_size(s->options.comm), disks = s->model->n_free;
   if (!s->options.comm) return;
   if (disks < WORTH * n)
-    sd_warn(
-        messages,
-        "%zu ranks share %zu free disks: with fewer than %d each they wait for each other longer than they "
-        "work; fewer ranks are faster",
-        n, disks, WORTH);
+    sd_warn(messages,
+            "%zu ranks share %zu free disks: with fewer than %d each they wait for each other "
+            "longer than they "
+            "work; fewer ranks are faster",
+            n, disks, WORTH);
 }
 
 /* there: identity of the file that may be replaced in the end; "": none. */
@@ -201,8 +208,8 @@ static sd_status prepare_fresh(session *s, const char *there, sd_messages *messa
 
 /* On every rank. */
 static sd_status begin_fresh(session *s, sd_messages *messages) {
-  sd_status status = simulation_new(s->model, s->options.threads, SIMULATION_SUITABLE, s->options.comm,
-                                    s->options.stop, &s->simulation, messages);
+  sd_status status = simulation_new(s->model, s->options.threads, SIMULATION_SUITABLE,
+                                    s->options.comm, s->options.stop, &s->simulation, messages);
   if (status != SD_OK) return status;
   if (session_leads(s)) warn_of_ranks(s, messages);
   /* of a large system the first checkpoint takes long: there is nothing in it yet that a stop
@@ -225,8 +232,9 @@ static sd_status read_some(session *s, sd_state **state, uint32_t **order, sd_me
   const comm *c = s->options.comm;
   char *parts = format_text("%s.parts", s->result), *path = folder_checkpoint(parts, s->saved_step);
   sd_messages *mine = sd_messages_new();
-  const sd_status status = comm_agree(
-      c, checkpoint_get_some(path, s->model, (size_t)comm_rank(c), (size_t)comm_size(c), state, order, mine));
+  const sd_status status =
+      comm_agree(c, checkpoint_get_some(path, s->model, (size_t)comm_rank(c), (size_t)comm_size(c),
+                                        state, order, mine));
   ranks_tell(c, status, mine, session_leads(s) ? messages : NULL);
   sd_messages_free(mine);
   free(path);
@@ -244,7 +252,8 @@ static sd_status begin_again(session *s, sd_state *state, sd_messages *messages)
   if (status == SD_OK)
     status = simulation_resume(s->model, state, order, s->options.threads, SIMULATION_SUITABLE,
                                s->options.comm, s->options.stop, &s->simulation, messages);
-  if (status == SD_OK) s->began = s->step = s->saved_step = s->told_step = sd_simulation_step(s->simulation);
+  if (status == SD_OK)
+    s->began = s->step = s->saved_step = s->told_step = sd_simulation_step(s->simulation);
   if (status == SD_OK && session_leads(s)) warn_of_ranks(s, messages);
   return status;
 }
@@ -259,9 +268,11 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
   if (file_is_folder(s->result))
     status = sd_fail(messages, SD_ERROR_USER, "%s is a folder, a result is a file", s->result);
   else if (file_is_link(s->result))
-    status = sd_fail(messages, SD_ERROR_USER, "%s is a symbolic link, a result is a file", s->result);
+    status =
+        sd_fail(messages, SD_ERROR_USER, "%s is a symbolic link, a result is a file", s->result);
   else if (file_is_special(s->result))
-    status = sd_fail(messages, SD_ERROR_USER, "%s is a device or a pipe, a result is a file", s->result);
+    status =
+        sd_fail(messages, SD_ERROR_USER, "%s is a device or a pipe, a result is a file", s->result);
   else if (!s->options.force && **there && !file_exists(parts))
     status = refuse_existing(s, *there, messages);
   if (status == SD_OK) status = folder_open(parts, false, &s->parts_folder, messages);
@@ -276,7 +287,8 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
 typedef enum beginning { FINISHED, AGAIN, FRESH } beginning;
 
 /* All that concerns files, on rank 0. */
-static sd_status find_beginning(session *s, beginning *how, sd_state **state, sd_messages *messages) {
+static sd_status find_beginning(session *s, beginning *how, sd_state **state,
+                                sd_messages *messages) {
   char *there = NULL;
   sd_status status = prepare(s, &there, messages);
   if (status == SD_OK && !s->options.force) {
@@ -289,8 +301,8 @@ static sd_status find_beginning(session *s, beginning *how, sd_state **state, sd
   if (status == SD_OK && *how == FINISHED) status = folder_remove(&s->parts_folder, messages);
   if (status == SD_OK && *how == AGAIN) status = prepare_again(s, messages);
   if (status == SD_OK && *how == FRESH)
-    status =
-        !s->options.force && *there ? refuse_existing(s, there, messages) : prepare_fresh(s, there, messages);
+    status = !s->options.force && *there ? refuse_existing(s, there, messages)
+                                         : prepare_fresh(s, there, messages);
   free(there);
   return status;
 }
@@ -353,4 +365,6 @@ int64_t session_saved(const session *s) { return s->saved_step; }
 bool session_was_finished(const session *s) { return s->was_finished; }
 const summary *session_summary(const session *s) { return s->has_found ? &s->found : NULL; }
 const provenance *session_provenance(const session *s) { return &s->origin; }
-const struct ranks *session_ranks(const session *s) { return s->simulation ? s->simulation->ranks : NULL; }
+const struct ranks *session_ranks(const session *s) {
+  return s->simulation ? s->simulation->ranks : NULL;
+}

@@ -40,12 +40,13 @@ static void leave(group *g, size_t member, sd_status status) {
   session_member *m = &g->members[member];
   session *s = m->session;
   if (status == SD_OK && !s->was_finished)
-    status =
-        sd_simulation_finished(s->simulation) ? session_finish(s, m->messages) : session_stop(s, m->messages);
+    status = sd_simulation_finished(s->simulation) ? session_finish(s, m->messages)
+                                                   : session_stop(s, m->messages);
   if (status == SD_ERROR_IO && session_leads(s) && s->saved_step >= 0 &&
       folder_check(&s->parts_folder, NULL) == SD_OK)
     sd_fail(m->messages, SD_ERROR_IO,
-            "files that were written before are left as they were: with them the run can continue from step "
+            "files that were written before are left as they were: with them the run can continue "
+            "from step "
             "%" PRId64,
             s->saved_step);
   m->status = status;
@@ -81,7 +82,9 @@ static bool is_behind(sd_stage a, sd_stage b) {
   return a.phase < b.phase || (a.phase == b.phase && a.phase_step < b.phase_step);
 }
 
-static sd_stage stage_of(const group *g, size_t k) { return sd_simulation_stage(g->simulations[k]); }
+static sd_stage stage_of(const group *g, size_t k) {
+  return sd_simulation_stage(g->simulations[k]);
+}
 
 /* Lanes are for systems at the same place of the same phase. So those who are behind go first, and the others wait: in
  * lanes a few take as long as many. Returns how many go, and the steps until something may be due for one of them or
@@ -96,7 +99,8 @@ static size_t find_going(group *g, int64_t *steps) {
     const session *s = session_of(g, k);
     sd_stage now = stage_of(g, k);
     g->waits[k] = is_behind(last, now);
-    int64_t next = g->waits[k] ? now.phase_step - last.phase_step : session_next(s->model, now) - s->step;
+    int64_t next =
+        g->waits[k] ? now.phase_step - last.phase_step : session_next(s->model, now) - s->step;
     if (now.phase == last.phase && next < *steps) *steps = next;
     going += !g->waits[k];
   }
@@ -135,13 +139,15 @@ static void advance(group *g) {
 
 static bool can_be_saved(const group *g, size_t k) {
   const session *s = session_of(g, k);
-  return g->status[k] == SD_OK && s->saved_step != s->step && !sd_simulation_finished(s->simulation);
+  return g->status[k] == SD_OK && s->saved_step != s->step &&
+         !sd_simulation_finished(s->simulation);
 }
 
 /* Checkpoints of all when it is time for one of them: after a kill they are at the same step again. */
 static void save(group *g) {
   bool due = false;
-  for (size_t k = 0; k < g->n; k++) due = due || (can_be_saved(g, k) && session_of(g, k)->world.save);
+  for (size_t k = 0; k < g->n; k++)
+    due = due || (can_be_saved(g, k) && session_of(g, k)->world.save);
   if (!due) return;
   for (size_t k = 0; k < g->n; k++)
     if (can_be_saved(g, k)) g->status[k] = session_checkpoint(session_of(g, k), g->messages[k]);

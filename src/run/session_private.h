@@ -19,16 +19,17 @@ struct session {
   char *result;
   sd_simulation *simulation;
   folder parts_folder; /* lock < 0: not open */
-  record rows, shared; /* shared: sampled while the disks are spread over ranks; one of them is empty */
+  record rows,
+      shared; /* shared: sampled while the disks are spread over ranks; one of them is empty */
   size_t shared_bytes; /* of the ranks' rows of shared */
   provenance origin;
   summary found;
   bool has_found;
   bool was_finished;
-  bool fresh;                             /* nothing to continue was found */
-  int64_t parts;                          /* sealed */
-  uint64_t last_part;                     /* sum in the seal of the last of them */
-  char *replaces;                         /* identity of the result that may be replaced; "": none */
+  bool fresh;         /* nothing to continue was found */
+  int64_t parts;      /* sealed */
+  uint64_t last_part; /* sum in the seal of the last of them */
+  char *replaces;     /* identity of the result that may be replaced; "": none */
   int64_t began, step, steps, saved_step; /* saved_step -1: no checkpoint yet */
   double saved_at, wall_mark;
   double told_at, rate; /* progress */

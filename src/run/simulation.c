@@ -44,13 +44,15 @@ static bool all_in_play(const sd_state *s) {
   return true;
 }
 
-sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **out, sd_messages *messages) {
+sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **out,
+                            sd_messages *messages) {
   return simulation_new(model, threads, SIMULATION_SUITABLE, NULL, NULL, out, messages);
 }
 
 static bool is_finished(const sd_model *model, sd_messages *messages) {
   if (!model->finished)
-    sd_fail(messages, SD_ERROR_USER, "the model is not finished: call sd_model_finish after the last change");
+    sd_fail(messages, SD_ERROR_USER,
+            "the model is not finished: call sd_model_finish after the last change");
   return model->finished;
 }
 
@@ -111,8 +113,8 @@ static sd_status refuse_coincident(const sd_model *model, sd_messages *messages)
   return c.found ? SD_ERROR_USER : SD_OK;
 }
 
-static sd_status start(const sd_model *model, int threads, simulation_step step, sd_simulation **out,
-                       sd_messages *messages) {
+static sd_status start(const sd_model *model, int threads, simulation_step step,
+                       sd_simulation **out, sd_messages *messages) {
   sd_status status = refuse_coincident(model, messages);
   if (status == SD_OK) status = state_refuse(model, messages);
   if (status != SD_OK) return status;
@@ -161,9 +163,10 @@ sd_status simulation_resume(const sd_model *model, sd_state *state, uint32_t *or
   return status == SD_OK ? SD_OK : fail_new(*out, out, status);
 }
 
-sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threads, sd_simulation **out,
-                               sd_messages *messages) {
-  return simulation_resume(model, state, NULL, threads, SIMULATION_SUITABLE, NULL, NULL, out, messages);
+sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threads,
+                               sd_simulation **out, sd_messages *messages) {
+  return simulation_resume(model, state, NULL, threads, SIMULATION_SUITABLE, NULL, NULL, out,
+                           messages);
 }
 
 void simulation_free(sd_simulation *sim) {
@@ -191,9 +194,11 @@ bool simulation_finished(const sd_simulation *sim) { return loop_finished(&sim->
 
 /* --- observers -------------------------------------------------------------------------------- */
 
-sd_status sd_simulation_observe(sd_simulation *sim, int64_t every, sd_observer *observer, void *user) {
+sd_status sd_simulation_observe(sd_simulation *sim, int64_t every, sd_observer *observer,
+                                void *user) {
   bool outer;
-  if (every < 1 || !observer || !simulation_enter(sim, NEED_CHANGE, "sd_simulation_observe", &outer, NULL))
+  if (every < 1 || !observer ||
+      !simulation_enter(sim, NEED_CHANGE, "sd_simulation_observe", &outer, NULL))
     return SD_ERROR_USER;
   sim->observers = memory_grow(sim->observers, sim->n_observers + 1, sizeof *sim->observers);
   sim->observers[sim->n_observers++] = (simulation_observer){every, observer, user};
@@ -222,8 +227,8 @@ sd_status observers_call(sd_simulation *sim, sd_messages *messages) {
     sim->door.observed = false;
     if (worst == SD_OK) worst = status;
     if (status != SD_OK && status != SD_INTERRUPTED)
-      sd_fail(messages, status, "step %lld: an observer ended the run with status %d", (long long)step,
-              (int)status);
+      sd_fail(messages, status, "step %lld: an observer ended the run with status %d",
+              (long long)step, (int)status);
   }
   return worst;
 }
@@ -253,10 +258,11 @@ static sd_status advance_all(sd_simulation *sim, int64_t n, sd_messages *message
 
 sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
   bool outer;
-  if (!simulation_enter(sim, NEED_CHANGE, "sd_simulation_advance", &outer, messages)) return SD_ERROR_USER;
+  if (!simulation_enter(sim, NEED_CHANGE, "sd_simulation_advance", &outer, messages))
+    return SD_ERROR_USER;
   const sd_status status =
-      n < 0 ? sd_fail(messages, SD_ERROR_USER, "sd_simulation_advance: %lld steps: expected 0 or more",
-                      (long long)n)
+      n < 0 ? sd_fail(messages, SD_ERROR_USER,
+                      "sd_simulation_advance: %lld steps: expected 0 or more", (long long)n)
             : advance_all(sim, n, messages);
   simulation_leave(sim, outer);
   return status;
@@ -264,7 +270,8 @@ sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *mess
 
 sd_status sd_simulation_rebuild(sd_simulation *sim, sd_messages *messages) {
   bool outer;
-  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_rebuild", &outer, messages)) return SD_ERROR_USER;
+  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_rebuild", &outer, messages))
+    return SD_ERROR_USER;
   const sd_status status = simulation_state(sim)
                                ? loop_rebuild(&sim->engine, engine_lanes(&sim->engine), messages)
                                : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
@@ -282,7 +289,9 @@ static simulation_door *door_of(const sd_simulation *sim) {
   return &((sd_simulation *)(uintptr_t)sim)->door; /* reading a number does not change the system */
 }
 
-static bool in_force(const sd_simulation *sim) { return sim->engine.fields && sim->engine.fields->calling; }
+static bool in_force(const sd_simulation *sim) {
+  return sim->engine.fields && sim->engine.fields->calling;
+}
 
 static bool refuse(const char *call, const char *why, sd_messages *messages) {
   sd_fail(messages, SD_ERROR_USER, "%s: %s", call, why);
@@ -297,10 +306,11 @@ bool simulation_enter(sd_simulation *sim, simulation_need need, const char *call
   if (!*outer && (holder & ~(uintptr_t)DOOMED) != me())
     return refuse(call, "another thread is in a call of this simulation", messages);
   while (*outer && atomic_load(&d->readers) > 0) sched_yield();
-  const char *why = in_force(sim)                        ? "not within a force field: its step is being made"
-                    : d->observed && need == NEED_CHANGE ? "not within an observer, which only reads"
-                    : d->broken ? "the process was forked within a force field: its step was not ended"
-                                : NULL;
+  const char *why =
+      in_force(sim)                        ? "not within a force field: its step is being made"
+      : d->observed && need == NEED_CHANGE ? "not within an observer, which only reads"
+      : d->broken ? "the process was forked within a force field: its step was not ended"
+                  : NULL;
   if (!why) return true;
   simulation_leave(sim, *outer);
   return refuse(call, why, messages);
@@ -311,7 +321,8 @@ void simulation_leave(sd_simulation *sim, bool outer) {
 }
 
 void sd_simulation_free(sd_simulation *sim) {
-  if (sim && (atomic_fetch_or(&sim->door.holder, DOOMED) & ~(uintptr_t)DOOMED) == 0) simulation_free(sim);
+  if (sim && (atomic_fetch_or(&sim->door.holder, DOOMED) & ~(uintptr_t)DOOMED) == 0)
+    simulation_free(sim);
 }
 
 bool simulation_read_begin(const sd_simulation *sim) {
@@ -339,7 +350,8 @@ sd_status simulation_store(sd_simulation *sim, bool rows, sd_messages *messages)
   if (sim->ranks) return ranks_store(sim->ranks, rows, messages);
   motion_store(e);
   const sd_status status = rows ? contacts_store_rows(e) : contacts_store(e);
-  return status == SD_OK ? SD_OK : sd_fail(messages, status, "no memory for the contacts of the state");
+  return status == SD_OK ? SD_OK
+                         : sd_fail(messages, status, "no memory for the contacts of the state");
 }
 
 const sd_state *simulation_state(sd_simulation *sim) {
@@ -366,7 +378,8 @@ int64_t sd_simulation_step(const sd_simulation *sim) {
 
 bool sd_simulation_column_at(sd_simulation *sim, size_t k, sd_column *out) {
   bool outer;
-  if (k >= sd_field_count || !simulation_enter(sim, NEED_STATE, "sd_simulation_column", &outer, NULL))
+  if (k >= sd_field_count ||
+      !simulation_enter(sim, NEED_STATE, "sd_simulation_column", &outer, NULL))
     return false;
   const bool good = simulation_state(sim);
   const sd_field *f = &sd_fields[k];
@@ -414,7 +427,8 @@ sd_stage sd_simulation_stage(const sd_simulation *sim) {
 }
 
 sd_goal sd_simulation_goal(const sd_simulation *sim) {
-  if (!simulation_read_begin(sim)) return (sd_goal){.value = NAN, .error = NAN, .goal = NAN, .measured = NAN};
+  if (!simulation_read_begin(sim))
+    return (sd_goal){.value = NAN, .error = NAN, .goal = NAN, .measured = NAN};
   const sd_goal goal = sd_goal_of(sim->engine.model, run_state(sim));
   simulation_read_end(sim);
   return goal;
@@ -435,7 +449,8 @@ sd_energy sd_simulation_energy(sd_simulation *sim) {
 
 static uint32_t slot_in(const sd_simulation *sim, uint32_t body) {
   const sd_model *m = sim->engine.model;
-  if (body >= SD_WALL(0) && body - SD_WALL(0) < m->n_walls) body = body - SD_WALL(0) + (uint32_t)m->n_disks;
+  if (body >= SD_WALL(0) && body - SD_WALL(0) < m->n_walls)
+    body = body - SD_WALL(0) + (uint32_t)m->n_disks;
   return body < sd_model_bodies(m) ? engine_slot(&sim->engine, body) : UINT32_MAX;
 }
 

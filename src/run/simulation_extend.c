@@ -24,7 +24,8 @@
 
 /* Contacts and motions go into the state, from which the work can be built anew. */
 static sd_status store(sd_simulation *sim, sd_messages *messages) {
-  return simulation_state(sim) ? SD_OK : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  return simulation_state(sim) ? SD_OK
+                               : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
 }
 
 static sd_status add_force_field(sd_simulation *sim, sd_force_field *field, void *user,
@@ -80,7 +81,8 @@ static void drop_contacts_of_removed(sd_state *s, const engine *e) {
   for (size_t c = 0; c < s->n_contacts; c++) {
     const uint32_t ends[2] = {engine_slot(e, s->contact_a[c]), engine_slot(e, s->contact_b[c])};
     bool in_play = true;
-    for (int k = 0; k < 2; k++) in_play = in_play && (ends[k] >= s->n_free || body_in_play(s, ends[k]));
+    for (int k = 0; k < 2; k++)
+      in_play = in_play && (ends[k] >= s->n_free || body_in_play(s, ends[k]));
     if (!in_play) continue;
     for (size_t k = 0; k < sd_field_count; k++) {
       const sd_field *f = &sd_fields[k];
@@ -94,9 +96,11 @@ static void drop_contacts_of_removed(sd_state *s, const engine *e) {
   s->n_contacts = kept;
 }
 
-static sd_status check_removable(const engine *e, size_t n, const uint32_t *disks, sd_messages *messages) {
+static sd_status check_removable(const engine *e, size_t n, const uint32_t *disks,
+                                 sd_messages *messages) {
   char name[96];
-  if (!disks && n) return sd_fail(messages, SD_ERROR_USER, "remove_disks: expected %zu numbers, not NULL", n);
+  if (!disks && n)
+    return sd_fail(messages, SD_ERROR_USER, "remove_disks: expected %zu numbers, not NULL", n);
   for (size_t k = 0; k < n; k++) {
     if (disks[k] >= e->model->n_disks)
       return sd_fail(messages, SD_ERROR_USER,
@@ -115,7 +119,8 @@ static sd_status check_removable(const engine *e, size_t n, const uint32_t *disk
   return SD_OK;
 }
 
-static sd_status remove_disks(sd_simulation *sim, size_t n, const uint32_t *disks, sd_messages *messages) {
+static sd_status remove_disks(sd_simulation *sim, size_t n, const uint32_t *disks,
+                              sd_messages *messages) {
   engine *e = &sim->engine;
   sd_state *s = e->state;
   sd_status status = check_removable(e, n, disks, messages);
@@ -204,7 +209,8 @@ static sd_status larger_state(const sd_model *m, const sd_state *old, size_t n, 
     memcpy(to + (front + n) * size, from + front * size, (all - front) * size);
   }
   for (size_t i = 0; i < s->n_bodies; i++) s->id[i] += s->id[i] >= first ? (uint32_t)n : 0;
-  for (size_t c = 0; c < s->n_contacts; c++) s->contact_b[c] += s->contact_b[c] >= first ? (uint32_t)n : 0;
+  for (size_t c = 0; c < s->n_contacts; c++)
+    s->contact_b[c] += s->contact_b[c] >= first ? (uint32_t)n : 0;
   for (size_t k = 0; k < n; k++)
     engine_fill_disk(s, &m->disks[first + k], first + (uint32_t)k, (uint32_t)(old->n_free + k));
   if (s->n_free >= ORDER_LEAST && order_disks(m, s) != SD_OK) {
@@ -221,9 +227,10 @@ static sd_status check_box(const engine *e, size_t n, const sd_disk *disks, sd_m
   for (size_t k = 0; k < n; k++)
     for (int c = 0; c < 2; c++)
       if (engine_length(e, c) > 0.0 && engine_beyond(e, c, disks[k].position[c]))
-        status = sd_fail(
-            messages, SD_ERROR_USER, "disk %zu: %c = %g lies outside the periodic box, which is %g wide now",
-            e->model->n_disks + k, c == SD_X ? 'x' : 'y', disks[k].position[c], engine_length(e, c));
+        status = sd_fail(messages, SD_ERROR_USER,
+                         "disk %zu: %c = %g lies outside the periodic box, which is %g wide now",
+                         e->model->n_disks + k, c == SD_X ? 'x' : 'y', disks[k].position[c],
+                         engine_length(e, c));
   return status;
 }
 
@@ -245,11 +252,12 @@ static bool check_overlap(void *user, const overlap *o) {
   const bool later = o->b < m->n_disks && o->b > o->a;
   sd_model_body_name(m, later ? o->b : o->a, one, sizeof one);
   sd_model_body_name(m, later ? o->a : o->b, two, sizeof two);
-  c->status = o->coincident
-                  ? sd_fail(c->messages, SD_ERROR_USER, "%s and %s have the same centre", one, two)
-                  : sd_fail(c->messages, SD_ERROR_USER,
-                            "%s and %s overlap by %g, more than max_overlap = %g of the %sradius %g", one,
-                            two, o->depth, m->max_overlap, o->b < m->n_disks ? "smaller " : "", smaller);
+  c->status =
+      o->coincident
+          ? sd_fail(c->messages, SD_ERROR_USER, "%s and %s have the same centre", one, two)
+          : sd_fail(c->messages, SD_ERROR_USER,
+                    "%s and %s overlap by %g, more than max_overlap = %g of the %sradius %g", one,
+                    two, o->depth, m->max_overlap, o->b < m->n_disks ? "smaller " : "", smaller);
   return true;
 }
 
@@ -282,8 +290,9 @@ static sd_status check_overlaps(const engine *e, const sd_model *new_model, sd_m
       const uint32_t slot = engine_slot(e, (uint32_t)first + w);
       const double pose[3] = {s->x[slot], s->y[slot], s->turn[slot] + s->theta[slot]};
       const uint32_t wall = (uint32_t)now.n_disks + w;
-      check_overlap(&check,
-                    &(overlap){i, wall, i, -overlaps_gap(&now, i, now.disks[i].position, wall, pose), false});
+      check_overlap(
+          &check,
+          &(overlap){i, wall, i, -overlaps_gap(&now, i, now.disks[i].position, wall, pose), false});
     }
   free(now.disks);
   return check.status;
@@ -322,7 +331,8 @@ static sd_status add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, u
   sd_state *old = e->state;
   e->state = state;
   e->model = model;
-  if (fields_resize(e) != SD_OK) status = sd_fail(messages, SD_ERROR_IO, "out of memory for a force field");
+  if (fields_resize(e) != SD_OK)
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for a force field");
   if (status == SD_OK) status = loop_rebuild(e, small, messages);
   sd_state_free(old);
   sd_model_free(sim->owned);
@@ -332,15 +342,17 @@ static sd_status add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, u
   for (uint32_t k = 0; k < n; k++)
     body_forces_renew(e, engine_slot(e, number + k), engine_slot(e, number + k) + 1);
   for (uint32_t k = 0; k < n; k++) /* they begin to fall freely */
-    for (int c = 0; c < SD_COORDINATES; c++) engine_accelerate(e, c, engine_slot(e, number + k), 0.0);
+    for (int c = 0; c < SD_COORDINATES; c++)
+      engine_accelerate(e, c, engine_slot(e, number + k), 0.0);
   keep_residual(e, residual);
   return SD_OK;
 }
 
-sd_status sd_simulation_add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, uint32_t *first,
-                                  sd_messages *messages) {
+sd_status sd_simulation_add_disks(sd_simulation *sim, size_t n, const sd_disk *disks,
+                                  uint32_t *first, sd_messages *messages) {
   bool outer;
-  if (!simulation_enter(sim, NEED_CHANGE, "sd_simulation_add_disks", &outer, messages)) return SD_ERROR_USER;
+  if (!simulation_enter(sim, NEED_CHANGE, "sd_simulation_add_disks", &outer, messages))
+    return SD_ERROR_USER;
   const sd_status status = add_disks(sim, n, disks, first, messages);
   simulation_leave(sim, outer);
   return status;

@@ -27,13 +27,13 @@ typedef struct simulation_door {
   atomic_uintptr_t holder; /* the thread in a call, 0: none; + DOOMED: it was freed meanwhile */
   atomic_int readers;      /* threads that read a number this moment */
   bool observed;           /* an observer is being called */
-  bool broken;             /* a process that was forked in a force field has no threads to end the step */
+  bool broken; /* a process that was forked in a force field has no threads to end the step */
 } simulation_door;
 
 /* True: the call may go on, and simulation_leave ends it with *outer. False: refused, which `messages` (may be NULL) say of the
  * function `call`. */
-bool simulation_enter(sd_simulation *simulation, simulation_need need, const char *call, bool *outer,
-                      sd_messages *messages);
+bool simulation_enter(sd_simulation *simulation, simulation_need need, const char *call,
+                      bool *outer, sd_messages *messages);
 /* May free the simulation. */
 void simulation_leave(sd_simulation *simulation, bool outer);
 
@@ -97,7 +97,8 @@ sd_status observers_call(sd_simulation *simulation, sd_messages *messages);
 /* --- simulation_store.c ------------------------------------------------------------------------------ */
 /* The model of the deck that a checkpoint or a result holds. c: of ranks that share it
  * (ranks_load), and the deck is that of rank 0; NULL: of one process. */
-sd_status simulation_model_of(const comm *c, const provenance *origin, sd_model **out, sd_messages *messages);
+sd_status simulation_model_of(const comm *c, const provenance *origin, sd_model **out,
+                              sd_messages *messages);
 
 /* Below this many free disks a thread costs more than it does. */
 enum { SIMULATION_DISKS_PER_THREAD = 1000 };

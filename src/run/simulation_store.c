@@ -76,17 +76,20 @@ static h5_file *file_of(sd_simulation *sim, sd_messages *messages) {
 
 sd_status sd_simulation_save(sd_simulation *sim, const char *path, sd_messages *messages) {
   bool outer;
-  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_save", &outer, messages)) return SD_ERROR_USER;
+  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_save", &outer, messages))
+    return SD_ERROR_USER;
   h5_file *file = file_of(sim, messages);
   const sd_status status = file ? h5_save(file, -1, path, NULL, messages) : SD_ERROR_IO;
   simulation_leave(sim, outer);
   return status;
 }
 
-sd_status sd_simulation_save_memory(sd_simulation *sim, void **data, size_t *size, sd_messages *messages) {
+sd_status sd_simulation_save_memory(sd_simulation *sim, void **data, size_t *size,
+                                    sd_messages *messages) {
   bool outer;
   *data = NULL;
-  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_save_memory", &outer, messages)) return SD_ERROR_USER;
+  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_save_memory", &outer, messages))
+    return SD_ERROR_USER;
   h5_file *file = file_of(sim, messages);
   const sd_status status = file ? h5_save_memory(file, data, size, messages) : SD_ERROR_IO;
   simulation_leave(sim, outer);
@@ -102,8 +105,9 @@ sd_status simulation_model_of(const comm *c, const provenance *origin, sd_model 
        *lines = memory_text(origin->deck_overrides);
   size_t n = 0;
   const char **overrides = text_lines(lines, &n);
-  const sd_status status = c ? ranks_load(c, origin->deck_text, path, n, overrides, out, messages)
-                             : sd_deck_load_text(origin->deck_text, path, n, overrides, out, messages);
+  const sd_status status =
+      c ? ranks_load(c, origin->deck_text, path, n, overrides, out, messages)
+        : sd_deck_load_text(origin->deck_text, path, n, overrides, out, messages);
   free(overrides);
   free(lines);
   free(path);
@@ -129,8 +133,8 @@ static sd_status get_deck(const h5_file *file, sd_model **out, sd_messages *mess
   provenance_read(&origin, file);
   sd_status status = simulation_model_of(NULL, &origin, out, messages);
   if (status == SD_OK && origin.inputs != 0 && origin.inputs != provenance_inputs(*out))
-    status =
-        sd_fail(messages, SD_ERROR_USER, "the files that the deck reads have changed since the run began");
+    status = sd_fail(messages, SD_ERROR_USER,
+                     "the files that the deck reads have changed since the run began");
   provenance_free(&origin);
   return status;
 }
@@ -142,9 +146,11 @@ static sd_status load(h5_file *file, const char *name, int threads, sd_simulatio
   sd_state *state = NULL;
   sd_status status = checkpoint_check_format(file, name, messages);
   if (status == SD_OK && !h5_exists(file, "/state"))
-    status = sd_fail(messages, SD_ERROR_USER, "%s holds no state from which a simulation could go on", name);
+    status = sd_fail(messages, SD_ERROR_USER,
+                     "%s holds no state from which a simulation could go on", name);
   if (status == SD_OK)
-    status = h5_exists(file, IMAGE) ? get_image(file, &model, messages) : get_deck(file, &model, messages);
+    status = h5_exists(file, IMAGE) ? get_image(file, &model, messages)
+                                    : get_deck(file, &model, messages);
   if (status == SD_OK) status = checkpoint_get_state(file, model, &state, messages);
   h5_close(file, NULL);
   if (status == SD_OK) status = sd_simulation_resume(model, state, threads, out, messages);
@@ -155,7 +161,8 @@ static sd_status load(h5_file *file, const char *name, int threads, sd_simulatio
   return status;
 }
 
-sd_status sd_simulation_load(const char *path, int threads, sd_simulation **out, sd_messages *messages) {
+sd_status sd_simulation_load(const char *path, int threads, sd_simulation **out,
+                             sd_messages *messages) {
   h5_file *file = NULL;
   *out = NULL;
   sd_status status = h5_open_whole(path, &file, messages);
@@ -206,7 +213,8 @@ static sd_status clone(sd_simulation *sim, sd_simulation **out, sd_messages *mes
 sd_status sd_simulation_clone(sd_simulation *sim, sd_simulation **out, sd_messages *messages) {
   bool outer;
   *out = NULL;
-  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_clone", &outer, messages)) return SD_ERROR_USER;
+  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_clone", &outer, messages))
+    return SD_ERROR_USER;
   const sd_status status = clone(sim, out, messages);
   simulation_leave(sim, outer);
   return status;

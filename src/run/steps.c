@@ -77,8 +77,10 @@ static void member(const team *t, void *with) {
   subnormal_restore(mode);
 }
 
-void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atomic_t *stop, unsigned *bits) {
-  steps_task task = {.e = e, .until = until, .measure = steps_are_measured(e), .stop = stop, .bits = bits};
+void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atomic_t *stop,
+                unsigned *bits) {
+  steps_task task = {
+      .e = e, .until = until, .measure = steps_are_measured(e), .stop = stop, .bits = bits};
   if (e->model->phases[e->state->phase].relax)
     task.sums = memory_new((size_t)engine_threads(e), sizeof *task.sums);
   if (until > e->state->step) step_begin(e, until - e->state->step);
@@ -130,13 +132,15 @@ ranks_balance ranks_balance_of(const ranks *r) { return r->balance; }
 static sd_status renew_part(engine *e, sd_messages *messages);
 
 sd_status ranks_take_part(ranks *r, const engine *from, bool first) {
-  engine next = {.comm = r->comm, .renew = renew_part, .ranks = r, .model = r->model, .pool = r->pool};
+  engine next = {
+      .comm = r->comm, .renew = renew_part, .ranks = r, .model = r->model, .pool = r->pool};
   sd_status status = move_parts(r->cuts, from, first, r->skin, &next.state, &next.halo);
   drop_part(r);
   *r->part = next;
   if (status == SD_OK) status = engine_build(r->part, r->threads, r->messages);
   /* together, or not at all: the others would wait */
-  if (comm_all_well(r->comm, status) && halo_list_prescribed(r->part) != SD_OK) status = SD_ERROR_IO;
+  if (comm_all_well(r->comm, status) && halo_list_prescribed(r->part) != SD_OK)
+    status = SD_ERROR_IO;
   if (status != SD_OK && sd_messages_errors(r->messages) == 0)
     sd_fail(r->messages, status, "no memory for the disks of this rank");
   engine_ready(r->part, r->messages);
@@ -149,7 +153,8 @@ sd_status ranks_store_part(ranks *r, bool rows) {
   halo_refresh(e, NULL);
   motion_store(e);
   const sd_status status = rows ? contacts_store_rows(e) : contacts_store(e);
-  return status == SD_OK ? SD_OK : sd_fail(r->messages, SD_ERROR_IO, "out of memory for the contacts");
+  return status == SD_OK ? SD_OK
+                         : sd_fail(r->messages, SD_ERROR_IO, "out of memory for the contacts");
 }
 
 /* engine_renew of a part. */
@@ -186,7 +191,8 @@ static sd_status renew(ranks *r) {
   sd_status status = neighbours_check_finite(e, step, r->messages);
   if (!comm_all_well(r->comm, status)) return status;
   neighbours_tune(e);
-  r->skin = r->model->skin > 0.0 ? r->model->skin : engine_skin(e); /* not what one step has asked for */
+  r->skin =
+      r->model->skin > 0.0 ? r->model->skin : engine_skin(e); /* not what one step has asked for */
   if (step - r->cut_step >= CUT_LEAST) {
     note_balance(r);
     if (r->balance.excess > IMBALANCE) {
@@ -195,7 +201,8 @@ static sd_status renew(ranks *r) {
     }
     r->cut_step = step;
     r->busy = 0.0;
-    if (!comm_all_well(r->comm, status)) return sd_fail(r->messages, SD_ERROR_IO, "cannot balance the ranks");
+    if (!comm_all_well(r->comm, status))
+      return sd_fail(r->messages, SD_ERROR_IO, "cannot balance the ranks");
   }
   /* wider, until no disk or wall outruns the lists in one step; what is not finite outruns any */
   for (;;) {
@@ -206,7 +213,8 @@ static sd_status renew(ranks *r) {
     status = neighbours_check_next(r->part, r->messages);
     if (!comm_all_well(r->comm, status)) return status;
     if (!isfinite(r->skin))
-      return sd_fail(r->messages, SD_ERROR_NUMERIC, "step %lld: a wall is not finite", (long long)step + 1);
+      return sd_fail(r->messages, SD_ERROR_NUMERIC, "step %lld: a wall is not finite",
+                     (long long)step + 1);
     r->skin = fmax(1.5 * r->skin, comm_largest(r->comm, engine_outrun_skin(r->part)));
   }
 }
@@ -224,7 +232,8 @@ void ranks_steps(engine *e, int64_t n) {
     if (r->bits & HALO_STALE && !(r->bits & HALO_FAILED)) {
       /* lists are for steps: at the end those of one rank alone are not made anew either */
       const int64_t step = e->state->step;
-      const sd_status status = step < until ? renew(r) : neighbours_check_finite(e, step, r->messages);
+      const sd_status status =
+          step < until ? renew(r) : neighbours_check_finite(e, step, r->messages);
       engine_end(e, status);
       if (!comm_all_well(r->comm, status)) r->bits |= HALO_FAILED;
     }

@@ -37,7 +37,8 @@ static inline bool steps_are_measured(const engine *e) {
 /* Steps of the team of one engine up to step `until`, in the present phase. Where ranks share
  * them it ends before, with the bits of step_agree in *bits, when lists are stale, a rank has
  * failed, or any is to stop (stop: this one). */
-void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atomic_t *stop, unsigned *bits);
+void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atomic_t *stop,
+                unsigned *bits);
 
 /* --- parts of ranks --------------------------------------------------------------------------- */
 

@@ -79,11 +79,12 @@ static void tell_mistakes(mistakes *all, const sweep *s, sd_messages *messages) 
       sd_fail(messages, SD_ERROR_USER, "%s (point %zu, %s)", m->text, m->point,
               s->deck.points[m->point].name);
     else
-      sd_fail(messages, SD_ERROR_USER, "%s (point %zu, %s, and others: %zu of %zu sets of values)", m->text,
-              m->point, s->deck.points[m->point].name, m->sets, s->deck.n_sets);
+      sd_fail(messages, SD_ERROR_USER, "%s (point %zu, %s, and others: %zu of %zu sets of values)",
+              m->text, m->point, s->deck.points[m->point].name, m->sets, s->deck.n_sets);
     free(m->text);
   }
-  if (all->more > 0) sd_fail(messages, SD_ERROR_USER, "%zu more mistakes of other points", all->more);
+  if (all->more > 0)
+    sd_fail(messages, SD_ERROR_USER, "%zu more mistakes of other points", all->more);
 }
 
 sd_status sweep_check(const sweep *s, sweep_visitor *visit, void *user, size_t *usable,
@@ -139,7 +140,8 @@ void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messag
   free(text);
 }
 
-sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **result, sd_messages *messages) {
+sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **result,
+                     sd_messages *messages) {
   *model = NULL;
   *result = sweep_point_path(s, point, ".h5");
   return deck_sweep_model(&s->deck, point, model, messages);
@@ -172,23 +174,25 @@ static void tell_progress(void *user, const session_progress *p) {
 }
 
 /* A finished result stays, unless it is none of this deck's: that is a mistake. */
-static sd_status leave_finished(const sweep *s, size_t point, sweep_status *status, sd_messages *messages) {
+static sd_status leave_finished(const sweep *s, size_t point, sweep_status *status,
+                                sd_messages *messages) {
   sweep_result r;
   sd_status looked = SD_OK;
   sweep_look(s, point, &r);
   *status = r.status;
   if (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED)
     looked = sd_fail(messages, SD_ERROR_USER,
-                     "%s/points/%s.h5 %s (%s); --force runs the point again, -o writes elsewhere", s->folder,
-                     s->deck.points[point].name,
-                     r.status == SWEEP_OTHER ? "is the result of another deck" : "cannot be read", r.message);
+                     "%s/points/%s.h5 %s (%s); --force runs the point again, -o writes elsewhere",
+                     s->folder, s->deck.points[point].name,
+                     r.status == SWEEP_OTHER ? "is the result of another deck" : "cannot be read",
+                     r.message);
   sweep_result_free(&r);
   return looked;
 }
 
 /* One attempt; *out stays NULL when there is nothing to run. *again: another process was perhaps faster. */
-static sd_status try_to_open(runner *r, session **out, int threads, sweep_status *status, bool *again,
-                             sd_messages *messages) {
+static sd_status try_to_open(runner *r, session **out, int threads, sweep_status *status,
+                             bool *again, sd_messages *messages) {
   const sweep *s = r->all->s;
   const sweep_options *options = r->all->options;
   size_t point = r->all->points[r->k];
@@ -348,8 +352,8 @@ static char *count_strangers(const sweep_contents *c) {
 char *sweep_strangers_text(const sweep *s, const sweep_contents *c) {
   if (!c->example) return NULL;
   char *counts = count_strangers(c);
-  char *text = format_text("%s has %s of points that this sweep does not have, such as %s", s->folder, counts,
-                           c->example);
+  char *text = format_text("%s has %s of points that this sweep does not have, such as %s",
+                           s->folder, counts, c->example);
   free(counts);
   return text;
 }
@@ -360,7 +364,8 @@ sd_status sweep_refuse_strangers(const sweep *s, const sweep_contents *c, const 
   char *text = sweep_strangers_text(s, c);
   assert(text);
   sd_fail(messages, SD_ERROR_USER,
-          "%s, and nothing of its own: %s; -o writes elsewhere, --mix lets them stay there", text, instead);
+          "%s, and nothing of its own: %s; -o writes elsewhere, --mix lets them stay there", text,
+          instead);
   free(text);
   return SD_ERROR_USER;
 }
@@ -369,7 +374,8 @@ sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *
                               sd_messages *messages) {
   if (t->points == 0) return SD_OK;
   sd_fail(messages, SD_ERROR_USER,
-          "%s%zu point%s in %s %s of another deck: %s. Is a -D missing? -o writes elsewhere, --mix leaves "
+          "%s%zu point%s in %s %s of another deck: %s. Is a -D missing? -o writes elsewhere, --mix "
+          "leaves "
           "them as "
           "they are and goes on with the others, --force runs all again",
           t->sampled ? "at least " : "", t->points, t->points == 1 ? "" : "s", s->folder,

@@ -55,7 +55,8 @@ typedef struct sweep_result {
   unsigned doubts; /* of a finished one; bits 1 << doubt_kind */
   bool has_found;
   summary found; /* finished: at the end; else as of the last checkpoint */
-  char *message; /* failed, damaged, other deck: why, lines joined by "; "; done: its doubts. "" else */
+  char *
+      message; /* failed, damaged, other deck: why, lines joined by "; "; done: its doubts. "" else */
   size_t n_differences; /* of another deck */
   sweep_difference *differences;
 } sweep_result;
@@ -85,10 +86,11 @@ void sweep_tally_free(sweep_tally *t);
 /* Contents of the folder, by the names of files. */
 enum { SWEEP_HAS_RESULT = 1, SWEEP_HAS_PARTS = 2 };
 typedef struct sweep_contents {
-  unsigned char *has;              /* [n_points], bits */
-  size_t known;                    /* points that have any */
-  size_t results, parts, failures; /* of points that this sweep does not have: .h5, .h5.parts, .failed */
-  char *example;                   /* name of such a point; NULL: there are none */
+  unsigned char *has; /* [n_points], bits */
+  size_t known;       /* points that have any */
+  size_t results, parts,
+      failures;  /* of points that this sweep does not have: .h5, .h5.parts, .failed */
+  char *example; /* name of such a point; NULL: there are none */
 } sweep_contents;
 void sweep_list(const sweep *s, sweep_contents *out);
 /* "FOLDER has 9 results and 1 unfinished run of points that this sweep does not have, such as tilt=0", to be freed; NULL:
@@ -106,8 +108,9 @@ sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *
 /* Outcome of a point that sweep_run was given. */
 typedef struct sweep_end {
   size_t point;
-  sd_status ran;               /* SD_INTERRUPTED: stopped at a checkpoint */
-  sweep_status status;         /* of the point after that; SWEEP_RUNNING: left to the process that runs it */
+  sd_status ran; /* SD_INTERRUPTED: stopped at a checkpoint */
+  sweep_status
+      status; /* of the point after that; SWEEP_RUNNING: left to the process that runs it */
   const sd_messages *messages; /* till the call returns */
 } sweep_end;
 
@@ -117,7 +120,8 @@ typedef struct sweep_options {
   bool force;  /* run finished points again */
   volatile sig_atomic_t *stop;
   void (*progress)(void *user, size_t k, const session_progress *progress); /* may be NULL */
-  void (*left)(void *user, size_t k, const sweep_end *end); /* of each point, once, when its time has come */
+  void (*left)(void *user, size_t k,
+               const sweep_end *end); /* of each point, once, when its time has come */
   void *user;
 } sweep_options;
 
@@ -126,7 +130,8 @@ typedef struct sweep_options {
  * when a run fails its messages are kept in NAME.failed, too, and the others go on. */
 void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_options *options);
 /* The model of a point and where its result goes (to be freed), for those who run it themselves. */
-sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **result, sd_messages *messages);
+sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **result,
+                     sd_messages *messages);
 /* Keeps in NAME.failed why a point did not come to its end; NULL: it did, and the file goes. */
 void sweep_note(const sweep *s, size_t point, const char *text);
 void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messages);

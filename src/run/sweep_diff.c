@@ -50,7 +50,8 @@ char *sweep_differences_text(const sweep_result *r) {
     text = append_text(text, "%s%s", k ? "; " : "", one);
     free(one);
   }
-  return r->n_differences <= TOLD ? text : append_text(text, "; and %zu more", r->n_differences - TOLD);
+  return r->n_differences <= TOLD ? text
+                                  : append_text(text, "; and %zu more", r->n_differences - TOLD);
 }
 
 void sweep_differences_free(sweep_result *r) {
@@ -73,8 +74,8 @@ static void count(sweep_tally *t, sweep_difference *d) {
     sweep_tally_line *line = &t->list[k];
     if (strcmp(line->first.path, d->path) != 0) continue;
     line->points++;
-    line->varies =
-        line->varies || !same_text(line->first.there, d->there) || !same_text(line->first.here, d->here);
+    line->varies = line->varies || !same_text(line->first.there, d->there) ||
+                   !same_text(line->first.here, d->here);
     return;
   }
   if (t->n == MOST_TOLD) {
@@ -95,8 +96,9 @@ void sweep_tally_add(sweep_tally *t, sweep_result *r) {
 
 char *sweep_tally_text(const sweep_tally *t, size_t k) {
   const sweep_tally_line *line = &t->list[k];
-  return append_text(words(&line->first), "%s (%zu point%s)", line->varies ? ", and other values" : "",
-                     line->points, line->points == 1 ? "" : "s");
+  return append_text(words(&line->first), "%s (%zu point%s)",
+                     line->varies ? ", and other values" : "", line->points,
+                     line->points == 1 ? "" : "s");
 }
 
 void sweep_tally_free(sweep_tally *t) {

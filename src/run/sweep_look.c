@@ -19,7 +19,8 @@ char *sweep_point_path(const sweep *s, size_t point, const char *ending) {
 }
 
 sweep_status sweep_peek(const sweep *s, size_t point) {
-  char *result = sweep_point_path(s, point, ".h5"), *parts = sweep_point_path(s, point, ".h5.parts"),
+  char *result = sweep_point_path(s, point, ".h5"),
+       *parts = sweep_point_path(s, point, ".h5.parts"),
        *failed = sweep_point_path(s, point, ".failed");
   sweep_status status = SWEEP_WAITING;
   /* A result without parts is finished. Both are there at the end of the merge, after a kill
@@ -45,7 +46,8 @@ static bool same_text(const sweep *s, size_t point, const provenance *origin) {
   const char *rest = origin->deck_overrides;
   if (strcmp(origin->deck_text, s->deck.deck_text) != 0) return false;
   for (size_t k = 0; k < s->deck.n_overrides + p->n_overrides; k++) {
-    const char *text = k < s->deck.n_overrides ? s->deck.overrides[k] : p->overrides[k - s->deck.n_overrides];
+    const char *text =
+        k < s->deck.n_overrides ? s->deck.overrides[k] : p->overrides[k - s->deck.n_overrides];
     size_t n = strlen(text);
     if (strncmp(rest, text, n) != 0 || rest[n] != '\n') return false;
     rest += n + 1;

@@ -25,12 +25,15 @@ static void put_parameters(result_table *t, size_t row, const sweep *s, const sw
   }
 }
 
-static void put_point(result_table *t, const sweep *s, size_t k, size_t point, const sweep_result *r) {
+static void put_point(result_table *t, const sweep *s, size_t k, size_t point,
+                      const sweep_result *r) {
   const sweep_point *p = &s->deck.points[point];
   result_table_integer(t, k, "point", "number of the point, as for --point", (int64_t)point);
   result_table_text(t, k, "name", "the result is points/NAME.h5", p->name);
-  result_table_text(t, k, "status", "done, or why there are no numbers", sweep_status_names[r->status]);
-  result_table_integer(t, k, "set", "points of the same set differ in the replica only", (int64_t)p->set);
+  result_table_text(t, k, "status", "done, or why there are no numbers",
+                    sweep_status_names[r->status]);
+  result_table_integer(t, k, "set", "points of the same set differ in the replica only",
+                       (int64_t)p->set);
   result_table_integer(t, k, "replica", "number of the replica", p->replica);
   result_table_integer(t, k, "seed", "seed of the random streams", p->seed);
   put_parameters(t, k, s, p);
@@ -53,7 +56,8 @@ static void put_columns(result_table *t, size_t row, const char *owner, const ob
 }
 
 static void put_configuration(result_table *t, size_t row, const summary *f, size_t k) {
-  char *const *names = &f->slide_names[3 * (k / SD_CONFIGURATIONS)], *name = f->configuration_names[k];
+  char *const *names = &f->slide_names[3 * (k / SD_CONFIGURATIONS)],
+              *name = f->configuration_names[k];
   put_columns(t, row, name, &configuration_observables, &f->configurations[k], 1, 0);
   for (size_t c = 0; c < 2; c++) {
     char *owner = format_text("%s.%s", name, names[1 + c]);
@@ -106,7 +110,8 @@ typedef struct pool {
   double squares, errors; /* of the distances from the mean; of the error bars */
 } pool;
 
-static void fill_pools(pool *p, const sweep *s, const result_column *c, const result_column *error) {
+static void fill_pools(pool *p, const sweep *s, const result_column *c,
+                       const result_column *error) {
   for (size_t pass = 0; pass < 2; pass++)
     for (size_t k = 0; k < s->deck.n_points; k++) {
       pool *one = &p[s->deck.points[k].set];
@@ -123,8 +128,10 @@ static void fill_pools(pool *p, const sweep *s, const result_column *c, const re
 }
 
 /* Mean, the error that the error bars give, and the one that the scatter gives. */
-static void put_means(result_table *m, const sweep *s, const result_table *t, const result_column *c) {
-  char *error_name = format_text("%s_error", c->name), *scatter_name = format_text("%s_scatter", c->name);
+static void put_means(result_table *m, const sweep *s, const result_table *t,
+                      const result_column *c) {
+  char *error_name = format_text("%s_error", c->name),
+       *scatter_name = format_text("%s_scatter", c->name);
   pool *pools = memory_new(m->n_rows, sizeof *pools);
   const result_column *error = result_table_find(t, error_name);
   fill_pools(pools, s, c, error);
@@ -135,7 +142,8 @@ static void put_means(result_table *m, const sweep *s, const result_table *t, co
     result_table_number(m, set, error_name, c->unit,
                         "one standard error, from the error bars of the replicas",
                         p->n > 0 ? sqrt(p->errors) / p->n : NAN);
-    result_table_number(m, set, scatter_name, c->unit, "one standard error, from the scatter of the replicas",
+    result_table_number(m, set, scatter_name, c->unit,
+                        "one standard error, from the scatter of the replicas",
                         p->n > 1 ? sqrt(p->squares / (p->n * (p->n - 1))) : NAN);
   }
   free(pools);
@@ -158,16 +166,16 @@ static void fill_means(result_table *m, const sweep *s, const result_table *t) {
       replicas->integer[s->deck.points[k].set]++;
   for (size_t c = 0; c < t->n_columns; c++) {
     const result_column *from = &t->columns[c];
-    bool wanted = !from->always && from->kind == RESULT_NUMBER && !text_ends(from->name, "_error") &&
-                  strcmp(from->name, "ns_per_step") != 0;
+    bool wanted = !from->always && from->kind == RESULT_NUMBER &&
+                  !text_ends(from->name, "_error") && strcmp(from->name, "ns_per_step") != 0;
     if (wanted) put_means(m, s, t, from);
   }
 }
 
 /* --- writing ----------------------------------------------------------------------------------------------- */
 
-static sd_status write_h5(const sweep *s, const result_table *t, const result_table *m, const char *path,
-                          sd_messages *messages) {
+static sd_status write_h5(const sweep *s, const result_table *t, const result_table *m,
+                          const char *path, sd_messages *messages) {
   h5_file *file;
   sd_status status = h5_new(&file, messages);
   if (status != SD_OK) return status;
@@ -175,7 +183,8 @@ static sd_status write_h5(const sweep *s, const result_table *t, const result_ta
   result_table_write_h5(m, file, "/means");
   h5_put_text(file, "/parameters/deck_text", s->deck.deck_text);
   char *lines = memory_text("");
-  for (size_t k = 0; k < s->deck.n_overrides; k++) lines = append_text(lines, "%s\n", s->deck.overrides[k]);
+  for (size_t k = 0; k < s->deck.n_overrides; k++)
+    lines = append_text(lines, "%s\n", s->deck.overrides[k]);
   h5_put_text(file, "/parameters/deck_overrides", lines);
   h5_attr_text(file, "/parameters", "deck_path", s->deck.deck_path);
   for (size_t j = 0; j < s->deck.n_parameters; j++)
@@ -212,7 +221,8 @@ static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
   sweep_tally_free(&others);
   result_table_keep_all(&t);
   for (size_t k = 0; k < s->deck.n_points; k++) {
-    if (results[k].status == SWEEP_DONE && results[k].has_found) put_result(&t, k, &results[k].found);
+    if (results[k].status == SWEEP_DONE && results[k].has_found)
+      put_result(&t, k, &results[k].found);
     sweep_result_free(&results[k]);
   }
   free(results);
@@ -238,7 +248,8 @@ sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messa
   if (status != SD_OK) return status;
   /* drafts that a kill has left */
   static const char *const tables[] = {"table.csv", "table.h5", "means.csv"};
-  for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) file_remove_drafts(s->folder, tables[k], NULL);
+  for (size_t k = 0; k < sizeof tables / sizeof *tables; k++)
+    file_remove_drafts(s->folder, tables[k], NULL);
   status = make_tables(s, mix, messages);
   folder_close(&lock);
   return status;

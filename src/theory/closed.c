@@ -40,7 +40,8 @@ double sd_sync_limit_sine(const sd_three_disk *disk, double amplitude, double om
  * -cos(u_c -+ h); their difference fixes sin u_c = q, their mean is -cos(u_c) cos(h). */
 double sd_sync_mean_sine(const sd_three_disk *disk, double amplitude, double omega) {
   double plus = sd_tep_torque(disk, 1, 1), minus = sd_tep_torque(disk, -1, -1);
-  double rate = 1 / (disk->inertia * amplitude * omega * omega); /* of Omega/(Theta_b w_b) in phase */
+  double rate =
+      1 / (disk->inertia * amplitude * omega * omega); /* of Omega/(Theta_b w_b) in phase */
   double h = M_PI * plus / (plus - minus), q = rate * minus * h / sin(h);
   if (!(fabs(q) < 1)) return NAN;
 
@@ -58,7 +59,8 @@ double sd_async_first_order(const sd_three_disk *disk, double amplitude, double 
 
 /* Omega is constant and beyond both supports for a fraction x of the period, in S++ when it is negative and
  * S-- when positive; S+- and S-+ share the rest: T x + (T+- + T-+) (1 - x)/2 = 0. */
-double sd_async_limit(const sd_three_disk *disk, sd_waveform waveform, double amplitude, double omega) {
+double sd_async_limit(const sd_three_disk *disk, sd_waveform waveform, double amplitude,
+                      double omega) {
   double mixed = sd_tep_torque(disk, 1, -1) + sd_tep_torque(disk, -1, 1);
   double torque = mixed < 0 ? sd_tep_torque(disk, 1, 1) : -sd_tep_torque(disk, -1, -1);
   double x = mixed / (2 * torque + fabs(mixed));
@@ -136,7 +138,8 @@ double sd_slight_tilt_torque(const sd_three_disk *disk) {
 /* The print of (31) has mu where the half sum of (15) and (16) has mu^2. */
 double sd_slight_tilt_torque_sync(const sd_three_disk *disk) {
   double mu = disk->mu;
-  return disk->weight * disk->radius * mu * mu * sin(disk->tilt) / ((1 + mu * mu) * cos(disk->half_aperture));
+  return disk->weight * disk->radius * mu * mu * sin(disk->tilt) /
+         ((1 + mu * mu) * cos(disk->half_aperture));
 }
 
 /* --- closed forms of single collisions, for tests --------------------------------------------- */
@@ -159,8 +162,8 @@ sd_collision sd_restitution(double k_n, double gamma_n, double m_eff) {
   return (sd_collision){.restitution = exp(-b * t), .duration = t};
 }
 
-sd_oblique sd_gross_sliding(double mass, double inertia, double radius, double mu, double restitution,
-                            double v_n, double v_t, double spin) {
+sd_oblique sd_gross_sliding(double mass, double inertia, double radius, double mu,
+                            double restitution, double v_n, double v_t, double spin) {
   double surface = v_t + radius * spin, sense = surface < 0 ? -1 : 1;
   double impulse = mu * mass * (1 + restitution) * v_n; /* of friction */
   sd_oblique after = {
@@ -173,8 +176,8 @@ sd_oblique sd_gross_sliding(double mass, double inertia, double radius, double m
 }
 
 /* Friction mu m g slows the centre and spins the disk until v = R spin (I = m R^2/2: t = u/(3 mu g)). */
-void sd_slide_to_roll(double mass, double inertia, double radius, double mu, double g, double u, double *time,
-                      double *speed) {
+void sd_slide_to_roll(double mass, double inertia, double radius, double mu, double g, double u,
+                      double *time, double *speed) {
   double ratio = mass * radius * radius / inertia;
   *time = u / (mu * g * (1 + ratio));
   *speed = u * ratio / (1 + ratio);

@@ -57,7 +57,8 @@ static void choose(const sliding_system *y, double u, const bool active[2], int 
 }
 
 /* Next corner of a sliding piece that starts at (u, omega); which: the contact that reverses, -1: none. */
-static double slide_until(const sliding_system *y, double u, double omega, const int s[2], int *which) {
+static double slide_until(const sliding_system *y, double u, double omega, const int s[2],
+                          int *which) {
   double rate = rate_of(y, s), next = y->end;
   *which = -1;
   for (int i = 0; i < 2 && i < y->n; i++) {
@@ -150,18 +151,20 @@ static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}; /* by SD_PP
 
 static sd_status check(const sd_three_disk *disk, const sd_drive *drive, sd_messages *messages) {
   if (!(disk->half_aperture > 0 && disk->half_aperture < M_PI / 2))
-    return sd_fail(messages, SD_ERROR_USER, "theory: half aperture = %g: expected a value in (0, pi/2)",
+    return sd_fail(messages, SD_ERROR_USER,
+                   "theory: half aperture = %g: expected a value in (0, pi/2)",
                    disk->half_aperture);
   if (!(disk->mu > 0 && disk->weight > 0 && disk->radius > 0 && disk->inertia > 0))
     return sd_fail(messages, SD_ERROR_USER,
-                   "theory: mu = %g, weight = %g, radius = %g, inertia = %g: expected values > 0", disk->mu,
-                   disk->weight, disk->radius, disk->inertia);
+                   "theory: mu = %g, weight = %g, radius = %g, inertia = %g: expected values > 0",
+                   disk->mu, disk->weight, disk->radius, disk->inertia);
   if (!(drive->omega > 0) || !(drive->amplitude[0] >= 0) || !(drive->amplitude[1] >= 0) ||
       !(drive->amplitude[0] + drive->amplitude[1] > 0) || !isfinite(drive->phase[0]) ||
-      !isfinite(drive->phase[1]) || !(drive->support_radius[0] > 0) || !(drive->support_radius[1] > 0))
-    return sd_fail(
-        messages, SD_ERROR_USER,
-        "theory: a drive needs a frequency > 0, finite phases, support radii > 0 and an amplitude > 0");
+      !isfinite(drive->phase[1]) || !(drive->support_radius[0] > 0) ||
+      !(drive->support_radius[1] > 0))
+    return sd_fail(messages, SD_ERROR_USER,
+                   "theory: a drive needs a frequency > 0, finite phases, support radii > 0 and an "
+                   "amplitude > 0");
   return SD_OK;
 }
 
@@ -184,11 +187,12 @@ static sd_status prepare(const sd_three_disk *disk, const sd_drive *drive, slidi
     sd_tep tep = sd_tep_solve(disk, signs[k][0], signs[k][1]);
     torque[k] = sd_tep_torque(disk, signs[k][0], signs[k][1]);
     if (needed && !(tep.compressive && tep.stable))
-      return sd_fail(messages, SD_ERROR_USER,
-                     "theory: configuration S%c%c has no stable equilibrium with both normal forces "
-                     "compressive (tilt %g, half aperture %g, mu %g)",
-                     signs[k][0] > 0 ? '+' : '-', signs[k][1] > 0 ? '+' : '-', disk->tilt,
-                     disk->half_aperture, disk->mu);
+      return sd_fail(
+          messages, SD_ERROR_USER,
+          "theory: configuration S%c%c has no stable equilibrium with both normal forces "
+          "compressive (tilt %g, half aperture %g, mu %g)",
+          signs[k][0] > 0 ? '+' : '-', signs[k][1] > 0 ? '+' : '-', disk->tilt, disk->half_aperture,
+          disk->mu);
     y->rate[k >> 1][k & 1] = torque[k] / (disk->inertia * drive->omega * drive->omega);
   }
   return SD_OK;
@@ -310,8 +314,8 @@ static double gap_at(double u, void *argument) {
   return sliding_wave(g->y, g->i, u) - (g->omega + g->rate * (u - g->u));
 }
 
-bool sliding_root(double (*of)(double, void *), void *with, double lower, double upper, double least,
-                  double part, double *root) {
+bool sliding_root(double (*of)(double, void *), void *with, double lower, double upper,
+                  double least, double part, double *root) {
   gsl_function f = {of, with};
   bool found = false;
   *root = lower;
@@ -402,7 +406,8 @@ static double supports_meet(const sliding_system *y, int i, int j, double u) {
 }
 
 /* When the slope of w_i leaves [low, high]. */
-static double outruns(const sliding_system *y, int i, double u, double low, double high, int *release) {
+static double outruns(const sliding_system *y, int i, double u, double low, double high,
+                      int *release) {
   double a = y->amplitude[i], plus = HUGE_VAL, minus = HUGE_VAL;
   if (y->waveform == SD_SINE) {
     if (fabs(high) < a) plus = next_at(asin(high / a), y->phase[i], u);
@@ -422,7 +427,8 @@ double sliding_stuck_until(const sliding_system *y, int i, double u, const int s
   bool both = y->n == 2;
   double high = both ? (i == 0 ? y->rate[0][s[1] < 0] : y->rate[s[0] < 0][0]) : y->rate[0][0];
   double low = both ? (i == 0 ? y->rate[1][s[1] < 0] : y->rate[s[0] < 0][1]) : y->rate[1][1];
-  double next = outruns(y, i, u, low, high, release), meet = both ? supports_meet(y, i, j, u) : HUGE_VAL;
+  double next = outruns(y, i, u, low, high, release),
+         meet = both ? supports_meet(y, i, j, u) : HUGE_VAL;
   *which = -1;
   if (meet < next) {
     next = meet;

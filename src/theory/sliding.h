@@ -40,8 +40,8 @@ double sliding_meeting(const sliding_system *y, int i, double u, double omega, d
 
 /* A root of `of` in [lower, upper], where its sign differs, by Brent's method, to the larger of
  * `least` and that part of itself. False: it is less exact. */
-bool sliding_root(double (*of)(double, void *), void *with, double lower, double upper, double least,
-                  double part, double *root);
+bool sliding_root(double (*of)(double, void *), void *with, double lower, double upper,
+                  double least, double part, double *root);
 
 /* End of a piece in which contact i sticks and the other one has the sign s[1-i]. *release is the sign with
  * which i slides on when w_i outruns the torques; 0 when the other contact's velocity is met (*which is its

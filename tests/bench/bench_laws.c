@@ -28,22 +28,27 @@ static const struct {
     {"restitution", "k_n = \"k\"; k_t = \"kt\"; restitution = 0.6; mu = 0.3;"},
     {"no-cutoff", "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; limit_damping = false;"},
     {"hertz", "law = \"hertz\"; k_n = \"k/sqrt(d)\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3;"},
-    {"hertz-restitution", "law = \"hertz\"; k_n = \"k/sqrt(d)\"; k_t = \"kt\"; restitution = 0.6; mu = 0.3;"},
+    {"hertz-restitution",
+     "law = \"hertz\"; k_n = \"k/sqrt(d)\"; k_t = \"kt\"; restitution = 0.6; mu = 0.3;"},
     {"gamma_t", "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; gamma_t = \"c\"; mu = 0.3;"},
-    {"mindlin", "law = \"hertz\"; k_n = \"k/sqrt(d)\"; tangential = \"mindlin\"; k_t = \"kt/sqrt(d)\"; "
-                "gamma_n = \"c\"; mu = 0.3;"},
+    {"mindlin",
+     "law = \"hertz\"; k_n = \"k/sqrt(d)\"; tangential = \"mindlin\"; k_t = \"kt/sqrt(d)\"; "
+     "gamma_n = \"c\"; mu = 0.3;"},
     {"mu_kinetic", "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; mu_kinetic = 0.2;"},
-    {"rolling",
-     "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; k_r = \"k\"; gamma_r = \"c\"; mu_r = 0.05;"},
-    {"constant", "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; cohesion = \"constant\"; pull_off = "
-                 "\"w\"; range = \"d\";"},
-    {"bridge", "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; cohesion = \"bridge\"; pull_off = "
-               "\"w\"; range = \"d\"; rupture = \"2*d\";"},
-    {"everything", "law = \"hertz\"; k_n = \"k/sqrt(d)\"; restitution = 0.6; limit_damping = false; "
-                   "tangential = \"mindlin\"; k_t = \"kt/sqrt(d)\"; "
-                   "gamma_t = \"c\"; mu = 0.3; mu_kinetic = 0.2; k_r = \"k\"; gamma_r = \"c\"; mu_r = 0.05; "
-                   "cohesion = \"bridge\"; "
-                   "pull_off = \"w\"; range = \"d\"; rupture = \"2*d\";"},
+    {"rolling", "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; k_r = \"k\"; gamma_r = "
+                "\"c\"; mu_r = 0.05;"},
+    {"constant",
+     "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; cohesion = \"constant\"; pull_off = "
+     "\"w\"; range = \"d\";"},
+    {"bridge",
+     "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; cohesion = \"bridge\"; pull_off = "
+     "\"w\"; range = \"d\"; rupture = \"2*d\";"},
+    {"everything",
+     "law = \"hertz\"; k_n = \"k/sqrt(d)\"; restitution = 0.6; limit_damping = false; "
+     "tangential = \"mindlin\"; k_t = \"kt/sqrt(d)\"; "
+     "gamma_t = \"c\"; mu = 0.3; mu_kinetic = 0.2; k_r = \"k\"; gamma_r = \"c\"; mu_r = 0.05; "
+     "cohesion = \"bridge\"; "
+     "pull_off = \"w\"; range = \"d\"; rupture = \"2*d\";"},
 };
 enum { LAWS = sizeof laws / sizeof *laws, SYSTEMS = 2, CASES = LAWS * SYSTEMS };
 
@@ -72,30 +77,36 @@ static double cpu_seconds(void) {
 
 static void advance(law_case *c, int64_t steps) {
   sd_messages *messages = sd_messages_new();
-  if (sd_simulation_advance(c->simulation, steps, messages) != SD_OK) give_up(laws[c->law].name, messages);
+  if (sd_simulation_advance(c->simulation, steps, messages) != SD_OK)
+    give_up(laws[c->law].name, messages);
   sd_messages_free(messages);
 }
 
 static void load(law_case *c, int disks) {
   static const char *const decks[SYSTEMS] = {
-      "dt = 2e-6; gravity = { g = 10; }; constants = { k = 1e3; kt = 1e5; c = 5; d = 1e-3; w = 0.3; };\n"
+      "dt = 2e-6; gravity = { g = 10; }; constants = { k = 1e3; kt = 1e5; c = 5; d = 1e-3; w = "
+      "0.3; };\n"
       "disks = ( { x = 0; y = 0; radius = 1; mass = 0.1; },\n"
       "{ name = \"l\"; x = -1; y = \"-sqrt(3)\"; radius = 1; mass = 0.1; fixed = true; },\n"
       "{ name = \"r\"; x = 1; y = \"-sqrt(3)\"; radius = 1; mass = 0.1; fixed = true; } );\n"
-      "motions = ( { disk = (\"l\", \"r\"); coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.04; "
+      "motions = ( { disk = (\"l\", \"r\"); coordinate = \"theta\"; type = \"harmonic\"; amplitude "
+      "= 0.04; "
       "omega = \"20 pi\"; "
       "} );\n",
-      "dt = 1e-3; gravity = { g = 1; }; constants = { k = 2.5e3; kt = 1.25e3; c = 10; d = 0.005; w = 1; };\n"
+      "dt = 1e-3; gravity = { g = 1; }; constants = { k = 2.5e3; kt = 1.25e3; c = 10; d = 0.005; w "
+      "= 1; };\n"
       "container = { type = \"channel\"; width = 100; height = 1000; };\n"
-      "packings = ( { type = \"front\"; count = %d; density = 1.27; sizes = \"uniform\"; lower = 0.4; upper "
+      "packings = ( { type = \"front\"; count = %d; density = 1.27; sizes = \"uniform\"; lower = "
+      "0.4; upper "
       "= 0.6; } );\n"};
   char text[4096], form[2048];
   snprintf(form, sizeof form, "%s", decks[c->system]);
-  int n = snprintf(text, sizeof text,
-                   "integrator = \"verlet\"; contact_variant = \"conservative\"; steps = 1e15; measure = { "
-                   "rotation = (); };\n"
-                   "materials = ( { name = \"m\"; %s } );\n",
-                   laws[c->law].keys);
+  int n = snprintf(
+      text, sizeof text,
+      "integrator = \"verlet\"; contact_variant = \"conservative\"; steps = 1e15; measure = { "
+      "rotation = (); };\n"
+      "materials = ( { name = \"m\"; %s } );\n",
+      laws[c->law].keys);
   char *number = strstr(form, "%d");
   if (number) {
     *number = '\0';
@@ -137,7 +148,8 @@ static void print_row(FILE *out, const law_case *c, const law_case *linear, int 
           csv ? "%s,%s,%zu,%zu,%.3f,%.4f,%.4f,%.4f\n"
               : "| %s | `%s` | %zu | %zu | %.1f | %.2f (%.2f-%.2f) |\n",
           system_names[c->system], laws[c->law].name, c->free_disks, c->contacts,
-          gsl_stats_median_from_sorted_data(sorted, 1, n), gsl_stats_median_from_sorted_data(ratio, 1, n),
+          gsl_stats_median_from_sorted_data(sorted, 1, n),
+          gsl_stats_median_from_sorted_data(ratio, 1, n),
           gsl_stats_quantile_from_sorted_data(ratio, 1, n, 0.25),
           gsl_stats_quantile_from_sorted_data(ratio, 1, n, 0.75));
 }
@@ -163,7 +175,9 @@ static options read_options(int argc, char **argv) {
     if (strcmp(word, "--quick") == 0)
       o.quick = true;
     else if (!value)
-      give_up("unknown option; options: --quick, --only NAME,..., --repeats N, --disks N, --csv FILE", NULL);
+      give_up(
+          "unknown option; options: --quick, --only NAME,..., --repeats N, --disks N, --csv FILE",
+          NULL);
     else if (k++, strcmp(word, "--only") == 0)
       o.only = value;
     else if (strcmp(word, "--csv") == 0)
@@ -184,8 +198,10 @@ int main(int argc, char **argv) {
   size_t n = 0;
   for (int system = 0; system < SYSTEMS; system++)
     for (int law = 0; law < LAWS; law++)
-      if (law == 0 || is_asked(laws[law].name, o.only)) cases[n++] = (law_case){.law = law, .system = system};
-  for (size_t k = 0; k < n; k++) prepare(&cases[k], o.quick ? 0.02 : 1, o.quick ? 0.01 : 0.1, o.disks);
+      if (law == 0 || is_asked(laws[law].name, o.only))
+        cases[n++] = (law_case){.law = law, .system = system};
+  for (size_t k = 0; k < n; k++)
+    prepare(&cases[k], o.quick ? 0.02 : 1, o.quick ? 0.01 : 0.1, o.disks);
   for (int r = 0; r < o.repeats; r++)
     for (size_t k = 0; k < n; k++) {
       law_case *c = &cases[k];
@@ -196,7 +212,8 @@ int main(int argc, char **argv) {
   FILE *csv = o.csv ? fopen(o.csv, "w") : NULL;
   if (o.csv && !csv) give_up(o.csv, NULL);
   if (csv)
-    fprintf(csv, "system,law,free_disks,contacts,median_ns_per_disk,ratio,ratio_quartile1,ratio_quartile3\n");
+    fprintf(csv, "system,law,free_disks,contacts,median_ns_per_disk,ratio,ratio_quartile1,ratio_"
+                 "quartile3\n");
   printf("| system | law | disks | contacts | ns per disk and step | over linear "
          "|\n|---|---|---:|---:|---:|---:|\n");
   for (size_t k = 0; k < n; k++) {

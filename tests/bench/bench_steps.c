@@ -32,13 +32,14 @@ typedef struct options {
 
 static void print_cases(const bench_case *cases, size_t n, double (*ns)[MAX_REPEATS], int repeats) {
   printf("\nns per step of one system: time / (steps x members)\n");
-  printf("%-32s %7s %5s %8s %10s %10s %21s %12s\n", "case", "members", "disks", "contacts", "ns/step",
-         "least", "quartiles", "ns/disk-step");
+  printf("%-32s %7s %5s %8s %10s %10s %21s %12s\n", "case", "members", "disks", "contacts",
+         "ns/step", "least", "quartiles", "ns/disk-step");
   for (size_t k = 0; k < n; k++) {
     const bench_case *c = &cases[k];
     spread s = spread_of(ns[k], repeats);
-    printf("%-32s %7zu %5zu %8zu %10.2f %10.2f %10.2f %10.2f %12.2f\n", c->name, c->members, c->free_disks,
-           c->contacts, s.median, s.least, s.low, s.high, s.median / (double)c->free_disks);
+    printf("%-32s %7zu %5zu %8zu %10.2f %10.2f %10.2f %10.2f %12.2f\n", c->name, c->members,
+           c->free_disks, c->contacts, s.median, s.least, s.low, s.high,
+           s.median / (double)c->free_disks);
   }
 }
 
@@ -121,20 +122,21 @@ static void stop_server(server *s) {
   waitpid(s->pid, NULL, 0);
 }
 
-static void print_ratio(FILE *csv, const char *name, int n, const double *mine, const double *theirs) {
+static void print_ratio(FILE *csv, const char *name, int n, const double *mine,
+                        const double *theirs) {
   double ratio[MAX_REPEATS];
   for (int r = 0; r < n; r++) ratio[r] = mine[r] / theirs[r];
   spread a = spread_of(mine, n), b = spread_of(theirs, n), q = spread_of(ratio, n);
-  printf("%-32s %10.2f %10.2f %10.3f %10.3f %10.3f\n", name, a.median, b.median, a.median / b.median, q.low,
-         q.high);
+  printf("%-32s %10.2f %10.2f %10.3f %10.3f %10.3f\n", name, a.median, b.median,
+         a.median / b.median, q.low, q.high);
   if (csv)
-    fprintf(csv, "%s,%.3f,%.3f,%.4f,%.4f,%.4f\n", name, a.median, b.median, a.median / b.median, q.low,
-            q.high);
+    fprintf(csv, "%s,%.3f,%.3f,%.4f,%.4f,%.4f\n", name, a.median, b.median, a.median / b.median,
+            q.low, q.high);
 }
 
 /* The case is asked of both in turn; which goes first changes every time. False: the other does not have it. */
-static bool ask_both(const server *here, const server *there, const char *name, int repeat, double *mine,
-                     double *theirs) {
+static bool ask_both(const server *here, const server *there, const char *name, int repeat,
+                     double *mine, double *theirs) {
   bool first = repeat % 2 == 0;
   if (first) ask_server(here, name, mine);
   bool has = ask_server(there, name, theirs);
@@ -143,7 +145,8 @@ static bool ask_both(const server *here, const server *there, const char *name, 
 }
 
 static void compare(const options *o, const char *self, const bench_case *cases, size_t n) {
-  double(*mine)[MAX_REPEATS] = room(n, sizeof *mine), (*theirs)[MAX_REPEATS] = room(n, sizeof *theirs);
+  double(*mine)[MAX_REPEATS] = room(n, sizeof *mine),
+  (*theirs)[MAX_REPEATS] = room(n, sizeof *theirs);
   bool *both = room(n, sizeof *both);
   FILE *csv = o->csv ? open_table(o->csv, "w") : NULL;
   signal(SIGPIPE, SIG_IGN);
@@ -156,8 +159,10 @@ static void compare(const options *o, const char *self, const bench_case *cases,
   for (int r = 0; r < o->repeats; r++)
     for (size_t k = 0; k < n; k++)
       if (both[k]) ask_both(&here, &there, cases[k].name, r, &mine[k][r], &theirs[k][r]);
-  if (csv) fprintf(csv, "case,this_median_ns,other_median_ns,ratio,ratio_quartile1,ratio_quartile3\n");
-  printf("\n%-32s %10s %10s %10s %21s\n", "case", "this, ns", "other, ns", "ratio", "quartiles of ratios");
+  if (csv)
+    fprintf(csv, "case,this_median_ns,other_median_ns,ratio,ratio_quartile1,ratio_quartile3\n");
+  printf("\n%-32s %10s %10s %10s %21s\n", "case", "this, ns", "other, ns", "ratio",
+         "quartiles of ratios");
   for (size_t k = 0; k < n; k++)
     if (both[k])
       print_ratio(csv, cases[k].name, o->repeats, mine[k], theirs[k]);
@@ -174,25 +179,30 @@ static void compare(const options *o, const char *self, const bench_case *cases,
 /* --- command line ------------------------------------------------------------------------------------ */
 
 static _Noreturn void usage(int status) {
-  fprintf(status ? stderr : stdout,
-          "bench_steps: cost of a step of one system in ns, one thread\n"
-          "  --quick          short and rough\n"
-          "  --only NAME,...  cases whose name holds one of these, such as random/ or /gear5/avx512,lanes\n"
-          "  --repeats N      repeats of each case (15; with --quick 5)\n"
-          "  --csv FILE       writes a table\n"
-          "  --compare OTHER  runs OTHER, bench_steps of another build, in alternation and prints ratios "
-          "this/other\n"
-          "  --markdown FILE  prints the table of --csv FILE as Markdown, and measures nothing\n"
-          "  --list           names of the cases\n"
-          "  --scaling        packings of many sizes, ns per disk-step; with --only, --repeats, --csv, "
-          "--quick, and\n"
-          "    --sizes N,...      disks (1e2,1e3,1e4,1e5,1e6)\n"
-          "    --threads N,...    (1); more than one: the time that passes\n"
-          "    --packings NAME,...  (floor): gas, fluid, thrown, shaken, floor, smooth, pressed, or all\n"
-          "    --shuffle          also with disks whose numbers know nothing of their places\n"
-          "  --ratios         disks of different sizes, walls of many segments, ns per contact; with --only, "
-          "--repeats, --csv,\n"
-          "                   --quick, and --sizes N, disks (1e4)\n");
+  fprintf(
+      status ? stderr : stdout,
+      "bench_steps: cost of a step of one system in ns, one thread\n"
+      "  --quick          short and rough\n"
+      "  --only NAME,...  cases whose name holds one of these, such as random/ or "
+      "/gear5/avx512,lanes\n"
+      "  --repeats N      repeats of each case (15; with --quick 5)\n"
+      "  --csv FILE       writes a table\n"
+      "  --compare OTHER  runs OTHER, bench_steps of another build, in alternation and prints "
+      "ratios "
+      "this/other\n"
+      "  --markdown FILE  prints the table of --csv FILE as Markdown, and measures nothing\n"
+      "  --list           names of the cases\n"
+      "  --scaling        packings of many sizes, ns per disk-step; with --only, --repeats, --csv, "
+      "--quick, and\n"
+      "    --sizes N,...      disks (1e2,1e3,1e4,1e5,1e6)\n"
+      "    --threads N,...    (1); more than one: the time that passes\n"
+      "    --packings NAME,...  (floor): gas, fluid, thrown, shaken, floor, smooth, pressed, or "
+      "all\n"
+      "    --shuffle          also with disks whose numbers know nothing of their places\n"
+      "  --ratios         disks of different sizes, walls of many segments, ns per contact; with "
+      "--only, "
+      "--repeats, --csv,\n"
+      "                   --quick, and --sizes N, disks (1e4)\n");
   exit(status);
 }
 
@@ -230,12 +240,15 @@ static options read_options(int argc, char **argv) {
       o.threads = value;
     else if (strcmp(a, "--packings") == 0)
       o.packings = value;
-    else if (strcmp(a, "--repeats") != 0 || (o.repeats = atoi(value)) < 1 || o.repeats > MAX_REPEATS)
+    else if (strcmp(a, "--repeats") != 0 || (o.repeats = atoi(value)) < 1 ||
+             o.repeats > MAX_REPEATS)
       usage(EXIT_FAILURE);
   }
-  if (o.ratios && (o.scaling || o.threads || o.packings || o.shuffle || o.serve || o.list || o.compare))
+  if (o.ratios &&
+      (o.scaling || o.threads || o.packings || o.shuffle || o.serve || o.list || o.compare))
     usage(EXIT_FAILURE);
-  if (!o.scaling && ((o.sizes && !o.ratios) || o.threads || o.packings || o.shuffle)) usage(EXIT_FAILURE);
+  if (!o.scaling && ((o.sizes && !o.ratios) || o.threads || o.packings || o.shuffle))
+    usage(EXIT_FAILURE);
   if (o.scaling && (o.serve || o.list || o.compare)) usage(EXIT_FAILURE);
   if (o.repeats == 0) o.repeats = o.quick ? 5 : 15;
   o.seconds = o.quick ? 0.02 : 0.04;

@@ -32,13 +32,13 @@ typedef struct bench_system {
   const char *key, *drives[DRIVES];     /* what members are driven by, besides the first */
 } bench_system;
 
-#define ENDLESS(first)                                                                                       \
+#define ENDLESS(first)                                                                             \
   { "phases." first, "phases.measure.steps=1e15" }
-#define TURNING(type)                                                                                        \
+#define TURNING(type)                                                                              \
   { "phases.rest.steps=2e5", "phases.measure.steps=1e15", "motions[*].type=" type }
-#define SHAKEN                                                                                               \
+#define SHAKEN                                                                                     \
   "motions[*].amplitude", { "1e-4", "4e-5", "8e-5", "2e-5" }
-#define TURNED                                                                                               \
+#define TURNED                                                                                     \
   "motions[*].amplitude", { "0.04", "1e-3", "0.01", "0.1" }
 static const char *const tilts[TILTS] = {"0.04 pi", "0", "0.02 pi", "0.08 pi", "0.06 pi"};
 
@@ -66,7 +66,13 @@ static const bench_system systems[] = {
      "motions[*].velocity",
      {"-1", "0.5", "-2", "1"}},
     {"epo", "epo/symmetric.cfg", ENDLESS("rest.steps=2e5"), 0.8, 0, NULL, {NULL}},
-    {"heap", "packing/heap.cfg", {"phases.settle.steps=1e5", "phases.rest.steps=1e15"}, 2.1, 0, NULL, {NULL}},
+    {"heap",
+     "packing/heap.cfg",
+     {"phases.settle.steps=1e5", "phases.rest.steps=1e15"},
+     2.1,
+     0,
+     NULL,
+     {NULL}},
     {"relax",
      "packing/heap.cfg",
      {"phases.settle.steps=1e5", "phases.rest.steps=1e15", "phases.rest.relax=true"},
@@ -80,7 +86,10 @@ enum { SYSTEMS = sizeof systems / sizeof *systems };
 
 static const char *const integrators[] = {"gear5", "verlet"};
 static const char *const paths[] = {"avx512", "avx2", "baseline"};
-enum { INTEGRATORS = sizeof integrators / sizeof *integrators, PATHS = sizeof paths / sizeof *paths };
+enum {
+  INTEGRATORS = sizeof integrators / sizeof *integrators,
+  PATHS = sizeof paths / sizeof *paths
+};
 
 typedef struct bench_case {
   const bench_system *system;
@@ -130,14 +139,15 @@ static char *packing_deck(void) {
   const double mean = 0.02, spacing = 2.45 * mean;
   char *text = malloc(ROOM);
   if (!text) give_up("out of memory", NULL);
-  int n = snprintf(text, ROOM,
-                   "dt = 2e-5; gravity = { g = 9.81; };\n"
-                   "box = { x = (0.0, %.17g); periodic = \"x\"; };\n"
-                   "materials = ( { name = \"grain\"; k_n = 1e4; k_t = 5e3; gamma_n = 5; mu = 0.5; } );\n"
-                   "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); } );\n"
-                   "phases = ( { steps = 1e15; } );\n"
-                   "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (",
-                   WIDE * spacing);
+  int n = snprintf(
+      text, ROOM,
+      "dt = 2e-5; gravity = { g = 9.81; };\n"
+      "box = { x = (0.0, %.17g); periodic = \"x\"; };\n"
+      "materials = ( { name = \"grain\"; k_n = 1e4; k_t = 5e3; gamma_n = 5; mu = 0.5; } );\n"
+      "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); } );\n"
+      "phases = ( { steps = 1e15; } );\n"
+      "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (",
+      WIDE * spacing);
   uint32_t seed = 1;
   for (int k = 0; k < WIDE * HIGH; k++) {
     int row = k / WIDE;
@@ -154,10 +164,12 @@ static sd_model *load(const bench_system *system, const char *integrator, size_t
   snprintf(choice[0], sizeof *choice, "integrator=%s", integrator);
   snprintf(choice[1], sizeof *choice, "seed=%zu", member + 1);
   snprintf(choice[2], sizeof *choice, "gravity.tilt=%s", tilts[member % TILTS]);
-  if (member > 0) snprintf(choice[3], sizeof *choice, "%s=%s", system->key, system->drives[member % DRIVES]);
+  if (member > 0)
+    snprintf(choice[3], sizeof *choice, "%s=%s", system->key, system->drives[member % DRIVES]);
   const char *overrides[MAX_OVERRIDES + 4];
   size_t n = 0;
-  for (size_t k = 0; k < MAX_OVERRIDES && system->overrides[k]; k++) overrides[n++] = system->overrides[k];
+  for (size_t k = 0; k < MAX_OVERRIDES && system->overrides[k]; k++)
+    overrides[n++] = system->overrides[k];
   for (size_t k = 0; k < (member > 0 ? 4 : 1); k++) overrides[n++] = choice[k];
   sd_messages *messages = sd_messages_new();
   sd_model *model = NULL;
@@ -262,7 +274,8 @@ static void make_members(bench_case *c) {
     sd_state *state = copy_of(c->model[k], sd_simulation_state(from[k]));
     if (sd_simulation_resume(c->model[k], state, 1, &c->simulation[k], c->messages[k]) != SD_OK)
       give_up(c->name, c->messages[k]);
-    if (strcmp(sd_simulation_path(c->simulation[k]), c->path) != 0) give_up("not on its path", NULL);
+    if (strcmp(sd_simulation_path(c->simulation[k]), c->path) != 0)
+      give_up("not on its path", NULL);
   }
   const sd_state *first = sd_simulation_state(c->simulation[0]);
   c->free_disks = first->n_free;

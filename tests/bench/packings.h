@@ -53,12 +53,15 @@ static void free_packing(packing *p) {
 
 /* A (1 - cos wt): a sine that begins a quarter of a period early, and a constant. */
 static void add_floor_motions(sd_model *m, const packing_kind *kind) {
-  double omega = 2.0 * acos(-1.0) / (PERIOD * m->dt), amplitude = 9.81 * kind->shaking / (omega * omega);
+  double omega = 2.0 * acos(-1.0) / (PERIOD * m->dt),
+         amplitude = 9.81 * kind->shaking / (omega * omega);
   m->n_motions = 2;
   m->motions = room(2, sizeof *m->motions);
   sd_motion *wave = &m->motions[0], *raise = &m->motions[1];
-  *wave = (sd_motion){
-      .kind = SD_MOTION_HARMONIC, .amplitude = amplitude, .omega = omega, .phase = -0.5 * acos(-1.0)};
+  *wave = (sd_motion){.kind = SD_MOTION_HARMONIC,
+                      .amplitude = amplitude,
+                      .omega = omega,
+                      .phase = -0.5 * acos(-1.0)};
   *raise = (sd_motion){.kind = SD_MOTION_TABLE, .amplitude = 1.0, .n_table = 3};
   raise->table_time = room(3, sizeof(double));
   raise->table_value = room(3, sizeof(double));
@@ -107,7 +110,8 @@ static sd_model *packing_model(packing *p, sd_integrator integrator, int64_t res
   m->n_materials = 1;
   m->materials = room(1, sizeof *m->materials);
   m->laws = room(1, sizeof *m->laws);
-  m->laws[0] = (sd_contact_law){.k_n = 1e4, .k_t = 5e3, .gamma_n = p->kind->gamma_n, .mu = p->kind->mu};
+  m->laws[0] =
+      (sd_contact_law){.k_n = 1e4, .k_t = 5e3, .gamma_n = p->kind->gamma_n, .mu = p->kind->mu};
   m->n_disks = p->n_disks;
   m->disks = p->disks;
   m->n_memories = p->n_contacts;
@@ -136,8 +140,8 @@ static packing loose_packing(const packing_kind *kind, size_t count) {
     double radius = mean * (0.8 + 0.4 * next_uniform(&seed));
     double x = spacing * ((double)(k % wide) + 0.5 * (double)(row % 2)),
            y = spacing * (0.5 + 0.87 * (double)row);
-    p.disks[k] =
-        (sd_disk){.position = {x, y, 0.0}, .radius = radius, .mass = 3.57 * acos(-1.0) * radius * radius};
+    p.disks[k] = (sd_disk){
+        .position = {x, y, 0.0}, .radius = radius, .mass = 3.57 * acos(-1.0) * radius * radius};
     p.disks[k].group = -1;
   }
   return p;
@@ -197,26 +201,31 @@ static uint32_t *shuffled_numbers(size_t n) {
 }
 
 /* The contact in copy k of n, in which disk i of the base has the number base_disks * k + i before numbers are mixed. */
-static sd_contact_memory copied_contact(const packing *base, sd_contact_memory c, size_t k, size_t n) {
+static sd_contact_memory copied_contact(const packing *base, sd_contact_memory c, size_t k,
+                                        size_t n) {
   size_t disks = base->n_disks, other = k;
   if (c.b < disks) {
     double apart = base->disks[c.b].position[SD_X] - base->disks[c.a].position[SD_X];
-    long across =
-        lround(apart / base->width); /* the partner's nearest image is in the copy beside this one */
+    long across = lround(
+        apart / base->width); /* the partner's nearest image is in the copy beside this one */
     other = (size_t)((long)(k + n) - across) % n;
     c.b = (uint32_t)(disks * other + c.b);
   } else {
     c.b = (uint32_t)(disks * n);
-    c.record.lambda_ref += c.side * base->width * (double)k; /* lambda counts the floor's arc length, too */
+    c.record.lambda_ref +=
+        c.side * base->width * (double)k; /* lambda counts the floor's arc length, too */
   }
   c.a = (uint32_t)(disks * k + c.a);
   return c;
 }
 
 static packing repeated_packing(const packing *base, size_t copies, bool shuffled) {
-  packing p = {
-      base->kind, base->width * (double)copies, base->n_disks * copies, base->n_contacts * copies, NULL,
-      NULL};
+  packing p = {base->kind,
+               base->width * (double)copies,
+               base->n_disks * copies,
+               base->n_contacts * copies,
+               NULL,
+               NULL};
   uint32_t *number = shuffled ? shuffled_numbers(p.n_disks) : NULL;
   p.disks = room(p.n_disks, sizeof *p.disks);
   p.contacts = room(p.n_contacts + 1, sizeof *p.contacts);

@@ -25,8 +25,8 @@ static const ratio_system ratio_systems[] = {
     {"narrow", "narrow", "", NARROW, 1.95, 0, 0, false, false},
     {"intruder", "narrow", LARGE(""), NARROW, 2.6, 260, 0, false, false},
     {"driven", "narrow", LARGE(" fixed = true;"), NARROW, 2.6, 260, 0, false, true},
-    {"decades", "narrow", "", "sizes = \"powerlaw\"; lower = 1; upper = 100; exponent = 3;", 5.9, 500, 0,
-     false, false},
+    {"decades", "narrow", "", "sizes = \"powerlaw\"; lower = 1; upper = 100; exponent = 3;", 5.9,
+     500, 0, false, false},
     {"flat", "flat", "", NARROW, 0, 0, 8, false, false},
     {"rough", "flat", "", NARROW, 0, 0, 8, true, false},
 };
@@ -58,19 +58,19 @@ static char *ratio_deck(const ratio_system *s, size_t disks) {
   char *text = room(size, 1), region[96] = "";
   if (s->depth > 0)
     snprintf(region, sizeof region, " x = (%.6f, %.6f); y = (0, 400);", -0.5 * width, 0.5 * width);
-  int at =
-      add_line(text, size,
-               "integrator = \"verlet\"; dt = 7e-4; gravity = { g = 1; };\n"
-               "materials = ( { name = \"grain\"; k_n = 3e4; k_t = 1.5e4; gamma_n = 150; mu = 0.5; } );\n"
-               "packings = ( { type = \"front\"; count = %zu; density = 1; %s%s } );\n"
-               "disks = ( %s );\nphases = ( { steps = 1e15; } );\n"
-               "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 0.01; "
-               "frequency = 1; }",
-               disks, s->sizes, region, s->disks);
+  int at = add_line(
+      text, size,
+      "integrator = \"verlet\"; dt = 7e-4; gravity = { g = 1; };\n"
+      "materials = ( { name = \"grain\"; k_n = 3e4; k_t = 1.5e4; gamma_n = 150; mu = 0.5; } );\n"
+      "packings = ( { type = \"front\"; count = %zu; density = 1; %s%s } );\n"
+      "disks = ( %s );\nphases = ( { steps = 1e15; } );\n"
+      "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 0.01; "
+      "frequency = 1; }",
+      disks, s->sizes, region, s->disks);
   if (s->moves)
-    at += add_line(
-        text + at, size - (size_t)at,
-        ", { disk = \"large\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 0.1; frequency = 0.3; }");
+    at += add_line(text + at, size - (size_t)at,
+                   ", { disk = \"large\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = "
+                   "0.1; frequency = 0.3; }");
   at += add_line(text + at, size - (size_t)at, " );\n");
   if (!(s->depth > 0)) {
     add_line(text + at, size - (size_t)at,
@@ -85,7 +85,8 @@ static char *ratio_deck(const ratio_system *s, size_t disks) {
   const size_t segments = s->rough ? disks : 1;
   for (size_t k = 0; k <= segments; k++)
     at += add_line(text + at, size - (size_t)at, "%s(%.6f, %.6f)", k ? ", " : "",
-                   width * ((double)k / (double)segments - 0.5), s->rough ? -0.1 * (double)(k % 2) : 0.0);
+                   width * ((double)k / (double)segments - 0.5),
+                   s->rough ? -0.1 * (double)(k % 2) : 0.0);
   add_line(text + at, size - (size_t)at, "); } );\n");
   return text;
 }
@@ -139,14 +140,16 @@ static ratio_cost cost_of(const ratio_case *c, int repeats) {
   double ns[MAX_REPEATS];
   for (int r = 0; r < repeats; r++)
     ns[r] = (c->seconds[r] - list * (double)c->in_repeat[r]) / (double)c->steps;
-  const double step = spread_of(ns, repeats).median, share = (double)c->builds / (double)c->all_steps;
-  return (ratio_cost){1e9 * step / contacts, 1e9 * list / contacts, 1e9 * (step + list * share) / contacts};
+  const double step = spread_of(ns, repeats).median,
+               share = (double)c->builds / (double)c->all_steps;
+  return (ratio_cost){1e9 * step / contacts, 1e9 * list / contacts,
+                      1e9 * (step + list * share) / contacts};
 }
 
 static void print_ratios(const ratio_case *list, size_t n, int repeats, FILE *csv) {
-  const char *title =
-      "case,disks,contacts,candidates,steps_per_list,step_ns,list_ns,whole_ns,ratio_step,ratio_list,"
-      "ratio_whole";
+  const char *title = "case,disks,contacts,candidates,steps_per_list,step_ns,list_ns,whole_ns,"
+                      "ratio_step,ratio_list,"
+                      "ratio_whole";
   if (csv) fprintf(csv, "%s\n", title);
   printf("\nns per contact, and over that of the case of narrow sizes (of a flat floor)\n"
          "%-10s %8s %9s %10s %10s %8s %8s %8s %20s\n",
@@ -158,12 +161,12 @@ static void print_ratios(const ratio_case *list, size_t n, int repeats, FILE *cs
     const ratio_cost a = cost_of(c, repeats), b = cost_of(than, repeats);
     const double steps = (double)c->all_steps / fmax((double)c->builds, 1.0);
     printf("%-10s %8zu %9zu %10zu %10.0f %8.2f %8.1f %8.2f %6.2f %6.2f %6.2f\n", c->system->name,
-           c->model->n_free, c->contacts, c->candidates, steps, a.step, a.list, a.whole, a.step / b.step,
-           a.list / b.list, a.whole / b.whole);
+           c->model->n_free, c->contacts, c->candidates, steps, a.step, a.list, a.whole,
+           a.step / b.step, a.list / b.list, a.whole / b.whole);
     if (csv)
-      fprintf(csv, "%s,%zu,%zu,%zu,%.1f,%.3f,%.2f,%.3f,%.3f,%.3f,%.3f\n", c->system->name, c->model->n_free,
-              c->contacts, c->candidates, steps, a.step, a.list, a.whole, a.step / b.step, a.list / b.list,
-              a.whole / b.whole);
+      fprintf(csv, "%s,%zu,%zu,%zu,%.1f,%.3f,%.2f,%.3f,%.3f,%.3f,%.3f\n", c->system->name,
+              c->model->n_free, c->contacts, c->candidates, steps, a.step, a.list, a.whole,
+              a.step / b.step, a.list / b.list, a.whole / b.whole);
   }
 }
 

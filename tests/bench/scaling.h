@@ -25,7 +25,8 @@ typedef struct scaling_options {
 typedef struct scaling_case {
   scaling_row row; /* what is known before, and at the end all of it */
   size_t integrator;
-  sd_model *model; /* shared with the cases of the same packing and integrator; the last one frees it */
+  sd_model
+      *model; /* shared with the cases of the same packing and integrator; the last one frees it */
   bool owns_model;
   sd_simulation *simulation;
   sd_messages *messages;
@@ -63,7 +64,8 @@ static sd_simulation *start(const scaling_case *c) {
   if (sd_simulation_new(c->model, c->row.threads, &simulation, c->messages) != SD_OK ||
       sd_messages_count(c->messages))
     give_up(c->row.name, c->messages);
-  if (sd_simulation_threads(simulation) != c->row.threads) give_up("not as many threads as asked for", NULL);
+  if (sd_simulation_threads(simulation) != c->row.threads)
+    give_up("not as many threads as asked for", NULL);
   return simulation;
 }
 
@@ -81,8 +83,8 @@ static size_t add_size(const scaling_options *o, const packing *base, size_t dis
       snprintf(r->packing, sizeof r->packing, "%s", base->kind->name);
       snprintf(r->numbers, sizeof r->numbers, shuffled ? "shuffled" : "placed");
       snprintf(r->integrator, sizeof r->integrator, "%s", integrators[i]);
-      snprintf(r->name, sizeof r->name, "%s/%zu/%s/%s/%d", r->packing, disks, r->numbers, r->integrator,
-               r->threads);
+      snprintf(r->name, sizeof r->name, "%s/%zu/%s/%s/%d", r->packing, disks, r->numbers,
+               r->integrator, r->threads);
       if (!is_asked(r->name, o->only)) continue;
       if (n + 1 == MAX_SCALING) give_up("too many cases", NULL);
       if (!model) {
@@ -124,13 +126,16 @@ static double seconds_now(const scaling_case *c) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static const work *work_of(const scaling_case *c) { return &simulation_engine(c->simulation)->work; }
+static const work *work_of(const scaling_case *c) {
+  return &simulation_engine(c->simulation)->work;
+}
 
 /* Seconds that the steps take, and how often lists are made anew in them. */
 static double advance_packing(scaling_case *c, int64_t steps, int64_t *builds) {
   int64_t before = work_of(c)->builds;
   double begin = seconds_now(c);
-  if (sd_simulation_advance(c->simulation, steps, c->messages) != SD_OK) give_up(c->row.name, c->messages);
+  if (sd_simulation_advance(c->simulation, steps, c->messages) != SD_OK)
+    give_up(c->row.name, c->messages);
   double seconds = seconds_now(c) - begin;
   *builds = work_of(c)->builds - before;
   c->row.all_steps += steps;
@@ -144,8 +149,8 @@ static void prepare_packing(const scaling_options *o, scaling_case *c) {
   int64_t steps = o->quick ? QUICK_STEPS : PERIOD, builds;
   double each = advance_packing(c, steps, &builds) / (double)steps;
   c->row.steps = (int64_t)(o->seconds / each) + 1;
-  int64_t least =
-      o->quick ? LEAST_STEPS : PERIOD / o->repeats + 1; /* all repeats together: a period at least */
+  int64_t least = o->quick ? LEAST_STEPS
+                           : PERIOD / o->repeats + 1; /* all repeats together: a period at least */
   if (c->row.steps < least) c->row.steps = least;
 }
 
@@ -167,7 +172,8 @@ static double time_build(scaling_case *c) {
 /* ns per disk-step of the repeats, without the lists; these by themselves. */
 static void fill_row(scaling_case *c, int repeats) {
   scaling_row *r = &c->row;
-  double disks = (double)r->disks, ns[MAX_REPEATS], build = spread_of(c->build_seconds, BUILD_REPEATS).median;
+  double disks = (double)r->disks, ns[MAX_REPEATS],
+         build = spread_of(c->build_seconds, BUILD_REPEATS).median;
   for (int k = 0; k < repeats; k++)
     ns[k] = 1e9 * (c->seconds[k] - build * (double)c->builds[k]) / ((double)r->steps * disks);
   r->repeats = repeats;

@@ -23,8 +23,12 @@ typedef struct scaling_row {
 static double lists_per_step(const scaling_row *r) {
   return (double)(r->builds ? r->builds : 1) / (double)r->all_steps;
 }
-static double total_ns(const scaling_row *r) { return r->ns.median + lists_per_step(r) * r->build_ns; }
-static double share_of(const scaling_row *r) { return lists_per_step(r) * r->build_ns / total_ns(r); }
+static double total_ns(const scaling_row *r) {
+  return r->ns.median + lists_per_step(r) * r->build_ns;
+}
+static double share_of(const scaling_row *r) {
+  return lists_per_step(r) * r->build_ns / total_ns(r);
+}
 static const char *below(const scaling_row *r) { return r->builds ? "" : "<"; }
 
 static void print_scaling_head(FILE *out, const char *mark, int repeats, double seconds) {
@@ -33,31 +37,33 @@ static void print_scaling_head(FILE *out, const char *mark, int repeats, double 
 
 /* --- screen and CSV ---------------------------------------------------------------------------------- */
 
-#define SCALING_COLUMNS                                                                                      \
-  "case,packing,disks,numbers,integrator,threads,path,candidates_per_disk,contacts_per_disk,steps,repeats,"  \
+#define SCALING_COLUMNS                                                                            \
+  "case,packing,disks,numbers,integrator,threads,path,candidates_per_disk,contacts_per_disk,"      \
+  "steps,repeats,"                                                                                 \
   "median_ns,least_ns,quartile1_ns,quartile3_ns,build_ns,all_steps,builds,total_ns\n"
 
 static void print_scaling_title(FILE *csv) {
-  printf(
-      "\nns per disk-step without making lists; lists: ns per disk of one, their number in 1000 steps, and\n"
-      "their share of the time\n");
-  printf("%-36s %8s %10s %9s %9s %19s %8s %9s %8s\n", "case", "contacts", "candidates", "ns", "least",
-         "quartiles", "list", "per 1000", "share");
+  printf("\nns per disk-step without making lists; lists: ns per disk of one, their number in 1000 "
+         "steps, and\n"
+         "their share of the time\n");
+  printf("%-36s %8s %10s %9s %9s %19s %8s %9s %8s\n", "case", "contacts", "candidates", "ns",
+         "least", "quartiles", "list", "per 1000", "share");
   fflush(stdout);
   if (csv) fprintf(csv, SCALING_COLUMNS);
 }
 
 static void print_scaling_row(const scaling_row *r) {
-  printf("%-36s %8.3f %10.3f %9.2f %9.2f %9.2f %9.2f %8.1f %1s%7.3f %1s%4.1f %%\n", r->name, r->contacts,
-         r->candidates, r->ns.median, r->ns.least, r->ns.low, r->ns.high, r->build_ns, below(r),
-         1e3 * lists_per_step(r), below(r), 100.0 * share_of(r));
+  printf("%-36s %8.3f %10.3f %9.2f %9.2f %9.2f %9.2f %8.1f %1s%7.3f %1s%4.1f %%\n", r->name,
+         r->contacts, r->candidates, r->ns.median, r->ns.least, r->ns.low, r->ns.high, r->build_ns,
+         below(r), 1e3 * lists_per_step(r), below(r), 100.0 * share_of(r));
 }
 
 static void write_scaling_row(FILE *f, const scaling_row *r) {
-  fprintf(f, "%s,%s,%zu,%s,%s,%d,%s,%.4f,%.4f,%lld,%d,%.4f,%.4f,%.4f,%.4f,%.3f,%lld,%lld,%.4f\n", r->name,
-          r->packing, r->disks, r->numbers, r->integrator, r->threads, r->path, r->candidates, r->contacts,
-          (long long)r->steps, r->repeats, r->ns.median, r->ns.least, r->ns.low, r->ns.high, r->build_ns,
-          (long long)r->all_steps, (long long)r->builds, total_ns(r));
+  fprintf(f, "%s,%s,%zu,%s,%s,%d,%s,%.4f,%.4f,%lld,%d,%.4f,%.4f,%.4f,%.4f,%.3f,%lld,%lld,%.4f\n",
+          r->name, r->packing, r->disks, r->numbers, r->integrator, r->threads, r->path,
+          r->candidates, r->contacts, (long long)r->steps, r->repeats, r->ns.median, r->ns.least,
+          r->ns.low, r->ns.high, r->build_ns, (long long)r->all_steps, (long long)r->builds,
+          total_ns(r));
 }
 
 /* Is it a table of --scaling? */
@@ -86,10 +92,11 @@ static size_t read_scaling_csv(const char *path, scaling_row *rows) {
     if (strcmp(line, SCALING_COLUMNS) == 0) continue;
     if (n == MAX_SCALING ||
         sscanf(line,
-               "%95[^,],%23[^,],%zu,%15[^,],%15[^,],%d,%15[^,],%lf,%lf,%lld,%d,%lf,%lf,%lf,%lf,%lf,%lld,%lld",
-               r.name, r.packing, &r.disks, r.numbers, r.integrator, &r.threads, r.path, &r.candidates,
-               &r.contacts, &steps, &r.repeats, &r.ns.median, &r.ns.least, &r.ns.low, &r.ns.high, &r.build_ns,
-               &all_steps, &builds) != 18)
+               "%95[^,],%23[^,],%zu,%15[^,],%15[^,],%d,%15[^,],%lf,%lf,%lld,%d,%lf,%lf,%lf,%lf,%lf,"
+               "%lld,%lld",
+               r.name, r.packing, &r.disks, r.numbers, r.integrator, &r.threads, r.path,
+               &r.candidates, &r.contacts, &steps, &r.repeats, &r.ns.median, &r.ns.least, &r.ns.low,
+               &r.ns.high, &r.build_ns, &all_steps, &builds) != 18)
       give_up("not a row of bench_steps --scaling --csv", NULL);
     r.steps = steps;
     r.all_steps = all_steps;
@@ -104,7 +111,8 @@ static size_t read_scaling_csv(const char *path, scaling_row *rows) {
 /* --- Markdown ---------------------------------------------------------------------------------------- */
 
 static bool same_line(const scaling_row *a, const scaling_row *b) {
-  return strcmp(a->packing, b->packing) == 0 && a->disks == b->disks && strcmp(a->numbers, b->numbers) == 0;
+  return strcmp(a->packing, b->packing) == 0 && a->disks == b->disks &&
+         strcmp(a->numbers, b->numbers) == 0;
 }
 
 static bool same_column(const scaling_row *a, const scaling_row *b) {
@@ -114,7 +122,8 @@ static bool same_column(const scaling_row *a, const scaling_row *b) {
 
 /* The first row of each kind, in the order of the table. */
 static size_t list_firsts(const scaling_row *rows, size_t n,
-                          bool (*same)(const scaling_row *, const scaling_row *), const scaling_row **first) {
+                          bool (*same)(const scaling_row *, const scaling_row *),
+                          const scaling_row **first) {
   size_t found = 0;
   for (size_t k = 0; k < n; k++) {
     bool known = false;
@@ -127,8 +136,8 @@ static size_t list_firsts(const scaling_row *rows, size_t n,
 /* All, the median and quartiles of what is not lists, and lists. */
 static void print_scaling_cell(const scaling_row *r) {
   if (r)
-    printf(" %.1f = %.1f (%.1f-%.1f) + %s%.1f |", total_ns(r), r->ns.median, r->ns.low, r->ns.high, below(r),
-           lists_per_step(r) * r->build_ns);
+    printf(" %.1f = %.1f (%.1f-%.1f) + %s%.1f |", total_ns(r), r->ns.median, r->ns.low, r->ns.high,
+           below(r), lists_per_step(r) * r->build_ns);
   else
     printf(" - |");
 }
@@ -146,8 +155,8 @@ static void print_scaling_markdown(const char *path) {
   printf("\n|---|---:|---|---:|---:|");
   for (size_t c = 0; c < columns; c++) printf("---|");
   for (size_t l = 0; l < lines; l++) {
-    printf("\n| `%s` | %zu | %s | %.2f | %.2f |", line[l]->packing, line[l]->disks, line[l]->numbers,
-           line[l]->contacts, line[l]->candidates);
+    printf("\n| `%s` | %zu | %s | %.2f | %.2f |", line[l]->packing, line[l]->disks,
+           line[l]->numbers, line[l]->contacts, line[l]->candidates);
     for (size_t c = 0; c < columns; c++) {
       const scaling_row *cell = NULL;
       for (size_t k = 0; k < n; k++)
@@ -155,9 +164,9 @@ static void print_scaling_markdown(const char *path) {
       print_scaling_cell(cell);
     }
   }
-  printf(
-      "\n\nns per disk-step: all = median (quartiles) without making lists + lists. Contacts and candidates "
-      "per disk.\n");
+  printf("\n\nns per disk-step: all = median (quartiles) without making lists + lists. Contacts "
+         "and candidates "
+         "per disk.\n");
 }
 
 #endif

@@ -56,12 +56,13 @@ static const char *processor(char *text, int size) {
 }
 
 /* What was measured where; before and how: words around the number of repeats and their length. */
-static void print_where(FILE *out, const char *mark, const char *before, int repeats, double seconds,
-                        const char *how) {
+static void print_where(FILE *out, const char *mark, const char *before, int repeats,
+                        double seconds, const char *how) {
   char text[256];
-  fprintf(out, "%sslipdisk %s (%s), %s, %s\n", mark, SD_VERSION, SD_GIT_REVISION, SD_COMPILER, SD_BUILD_TYPE);
-  fprintf(out, "%s%s, %s%d repeats of about %g s%s\n", mark, processor(text, sizeof text), before, repeats,
-          seconds, how);
+  fprintf(out, "%sslipdisk %s (%s), %s, %s\n", mark, SD_VERSION, SD_GIT_REVISION, SD_COMPILER,
+          SD_BUILD_TYPE);
+  fprintf(out, "%s%s, %s%d repeats of about %g s%s\n", mark, processor(text, sizeof text), before,
+          repeats, seconds, how);
 }
 
 static void print_head(FILE *out, const char *mark, int repeats, double seconds) {
@@ -71,18 +72,21 @@ static void print_head(FILE *out, const char *mark, int repeats, double seconds)
 /* --- CSV --------------------------------------------------------------------------------------------- */
 
 /* members: systems that are advanced together; vectors: 0 for one by itself. ns are per step of one system. */
-#define TABLE_COLUMNS                                                                                        \
-  "case,system,integrator,path,members,vectors,free_disks,contacts,steps,repeats,median_ns,least_ns,"        \
+#define TABLE_COLUMNS                                                                              \
+  "case,system,integrator,path,members,vectors,free_disks,contacts,steps,repeats,median_ns,least_" \
+  "ns,"                                                                                            \
   "quartile1_ns,quartile3_ns,median_ns_per_disk\n"
 
-static void write_csv(FILE *f, const bench_case *cases, size_t n, double (*ns)[MAX_REPEATS], int repeats) {
+static void write_csv(FILE *f, const bench_case *cases, size_t n, double (*ns)[MAX_REPEATS],
+                      int repeats) {
   fprintf(f, TABLE_COLUMNS);
   for (size_t k = 0; k < n; k++) {
     const bench_case *c = &cases[k];
     spread s = spread_of(ns[k], repeats);
-    fprintf(f, "%s,%s,%s,%s,%zu,%zu,%zu,%zu,%lld,%d,%.3f,%.3f,%.3f,%.3f,%.4f\n", c->name, c->system->name,
-            c->integrator, c->path, c->members, c->vectors, c->free_disks, c->contacts, (long long)c->steps,
-            repeats, s.median, s.least, s.low, s.high, s.median / (double)c->free_disks);
+    fprintf(f, "%s,%s,%s,%s,%zu,%zu,%zu,%zu,%lld,%d,%.3f,%.3f,%.3f,%.3f,%.4f\n", c->name,
+            c->system->name, c->integrator, c->path, c->members, c->vectors, c->free_disks,
+            c->contacts, (long long)c->steps, repeats, s.median, s.least, s.low, s.high,
+            s.median / (double)c->free_disks);
   }
 }
 
@@ -106,9 +110,10 @@ static size_t read_csv(const char *path, table_row *rows) {
     } else if (!titled) {
       titled = strcmp(line, TABLE_COLUMNS) == 0;
       if (!titled) give_up("not a table of bench_steps --csv", NULL);
-    } else if (sscanf(line, "%63[^,],%31[^,],%15[^,],%15[^,],%zu,%zu,%zu,%*u,%*u,%*u,%lf,%lf,%lf,%lf", r.name,
-                      r.system, r.integrator, r.path, &r.members, &r.vectors, &r.free_disks, &r.ns.median,
-                      &r.ns.least, &r.ns.low, &r.ns.high) != 11 ||
+    } else if (sscanf(line,
+                      "%63[^,],%31[^,],%15[^,],%15[^,],%zu,%zu,%zu,%*u,%*u,%*u,%lf,%lf,%lf,%lf",
+                      r.name, r.system, r.integrator, r.path, &r.members, &r.vectors, &r.free_disks,
+                      &r.ns.median, &r.ns.least, &r.ns.low, &r.ns.high) != 11 ||
                n == MAX_CASES) {
       give_up("not a row of bench_steps --csv", NULL);
     } else {
@@ -127,8 +132,9 @@ static const char *const path_titles[PATHS] = {"AVX-512", "AVX2", "baseline"}; /
 static const table_row *find_row(const table_row *rows, size_t n, const table_row *like, size_t p,
                                  size_t vectors) {
   for (size_t k = 0; k < n; k++)
-    if (strcmp(rows[k].system, like->system) == 0 && strcmp(rows[k].integrator, like->integrator) == 0 &&
-        strcmp(rows[k].path, paths[p]) == 0 && rows[k].vectors == vectors)
+    if (strcmp(rows[k].system, like->system) == 0 &&
+        strcmp(rows[k].integrator, like->integrator) == 0 && strcmp(rows[k].path, paths[p]) == 0 &&
+        rows[k].vectors == vectors)
       return &rows[k];
   return NULL;
 }
@@ -163,8 +169,8 @@ static void print_lines(bool lanes, const table_row *rows, size_t n) {
     const table_row *r = &rows[k];
     bool known = false;
     for (size_t j = 0; j < k; j++)
-      known =
-          known || (strcmp(rows[j].system, r->system) == 0 && strcmp(rows[j].integrator, r->integrator) == 0);
+      known = known || (strcmp(rows[j].system, r->system) == 0 &&
+                        strcmp(rows[j].integrator, r->integrator) == 0);
     if (known || lanes != (r->free_disks == 1)) continue;
     if (!titled) print_title(lanes, rows, n);
     titled = true;
@@ -192,7 +198,8 @@ static void print_markdown(const char *path) {
     widest = rows[k].name;
   }
   gsl_sort(wide, 1, n);
-  printf("\nMedians, ns per step of one system. The quartiles are %.1f %% of the median apart (median of all "
+  printf("\nMedians, ns per step of one system. The quartiles are %.1f %% of the median apart "
+         "(median of all "
          "cases), "
          "%.1f %% at most\n(`%s`).\n",
          100.0 * gsl_stats_median_from_sorted_data(wide, 1, n), 100.0 * most, widest);

@@ -31,11 +31,13 @@ static sd_model *model_of(size_t n, double (*place)[2], const double *radius) {
   sd_model_set_gravity(m, 0, -G);
   sd_model_add_material(m, "steel", &law);
   for (size_t k = 0; k < n; k++)
-    sd_model_add_disk(
-        m,
-        &(sd_disk){.position = {place[k][0], place[k][1], 0}, .radius = radius[k], .mass = 1, .group = -1});
+    sd_model_add_disk(m, &(sd_disk){.position = {place[k][0], place[k][1], 0},
+                                    .radius = radius[k],
+                                    .mass = 1,
+                                    .group = -1});
   double points[2][2] = {{-50, 0}, {50, 0}};
-  sd_model_add_wall(m, &(sd_wall){.name = "floor", .kind = SD_WALL_LINE, .n_points = 2, .points = points});
+  sd_model_add_wall(
+      m, &(sd_wall){.name = "floor", .kind = SD_WALL_LINE, .n_points = 2, .points = points});
   assert_int_equal(sd_model_finish(m, messages), SD_OK);
   sd_messages_free(messages);
   return m;

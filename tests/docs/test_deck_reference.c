@@ -127,7 +127,8 @@ static void test_messages(void **state) {
   for (size_t k = 0; k < sd_messages_count(messages); k++) {
     char text[1024], *at;
     snprintf(text, sizeof text, "%s", sd_messages_text(messages, k));
-    while ((at = strstr(text, folder))) memmove(at, at + strlen(folder), strlen(at + strlen(folder)) + 1);
+    while ((at = strstr(text, folder)))
+      memmove(at, at + strlen(folder), strlen(at + strlen(folder)) + 1);
     char *end = strchrnul(line, '\n');
     bool last = !*end;
     *end = 0;

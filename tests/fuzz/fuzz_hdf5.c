@@ -43,7 +43,8 @@ static unsigned byte(input *in) {
 static herr_t add_path(hid_t group, const char *name, const H5O_info_t *info, void *user) {
   seed *s = user;
   (void)group, (void)info;
-  if (s->n_paths < MOST_PATHS && strcmp(name, ".") != 0 && asprintf(&s->paths[s->n_paths], "/%s", name) > 0)
+  if (s->n_paths < MOST_PATHS && strcmp(name, ".") != 0 &&
+      asprintf(&s->paths[s->n_paths], "/%s", name) > 0)
     s->n_paths++;
   return 0;
 }
@@ -60,7 +61,8 @@ static hid_t open_image(const void *image, size_t size) {
 int LLVMFuzzerInitialize(int *argc, char ***argv);
 int LLVMFuzzerInitialize(int *argc, char ***argv) {
   (void)argc, (void)argv;
-  char *names = strdup(getenv("SLIPDISK_FUZZ_FILES") ? getenv("SLIPDISK_FUZZ_FILES") : ""), *rest = NULL;
+  char *names = strdup(getenv("SLIPDISK_FUZZ_FILES") ? getenv("SLIPDISK_FUZZ_FILES") : ""),
+       *rest = NULL;
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   h5_probe_nothing();
   for (char *name = strtok_r(names, ":", &rest); name && n_seeds < MOST_FILES;
@@ -90,8 +92,19 @@ static const char *some_path(const seed *s, input *in) {
 }
 
 static hsize_t some_extent(input *in) {
-  static const hsize_t odd[] = {
-      0, 1, 2, 3, 4, 5, 100, 5000, 5001, 1 << 20, (hsize_t)1 << 31, (hsize_t)1 << 32, (hsize_t)1 << 40};
+  static const hsize_t odd[] = {0,
+                                1,
+                                2,
+                                3,
+                                4,
+                                5,
+                                100,
+                                5000,
+                                5001,
+                                1 << 20,
+                                (hsize_t)1 << 31,
+                                (hsize_t)1 << 32,
+                                (hsize_t)1 << 40};
   return odd[byte(in) % (sizeof odd / sizeof *odd)];
 }
 
@@ -114,7 +127,8 @@ static void replace(hid_t file, const char *path, input *in) {
     total *= dims[k] = some_extent(in);
     chunk[k] = dims[k] < 4 ? dims[k] + (dims[k] == 0) : 4;
   }
-  hid_t type = some_type(in), space = rank ? H5Screate_simple(rank, dims, NULL) : H5Screate(H5S_SCALAR);
+  hid_t type = some_type(in),
+        space = rank ? H5Screate_simple(rank, dims, NULL) : H5Screate(H5S_SCALAR);
   hid_t made = H5Pcreate(H5P_DATASET_CREATE);
   unsigned form = byte(in) % 5;
   if (form == 1 && rank) H5Pset_chunk(made, rank, chunk);
@@ -142,7 +156,8 @@ static void rewrite(hid_t file, const char *path, input *in) {
   size_t n = (size_t)H5Sget_simple_extent_npoints(space) * H5Tget_size(type), at = byte(in) << 8,
          length = byte(in) % 33;
   at |= byte(in);
-  unsigned char *data = n > 0 && n < 1 << 20 && H5Tget_class(type) != H5T_STRING ? calloc(n, 1) : NULL;
+  unsigned char *data =
+      n > 0 && n < 1 << 20 && H5Tget_class(type) != H5T_STRING ? calloc(n, 1) : NULL;
   if (data && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0) {
     at %= n;
     fill(in, data + at, length < n - at ? length : n - at);
@@ -165,7 +180,8 @@ static void put_text(hid_t file, const char *path, const char *attribute, input 
   H5Tset_size(type, variable ? H5T_VARIABLE : n + 1);
   if (attribute) {
     H5Adelete_by_name(file, path, attribute, H5P_DEFAULT);
-    hid_t attr = H5Acreate_by_name(file, path, attribute, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    hid_t attr = H5Acreate_by_name(file, path, attribute, type, space, H5P_DEFAULT, H5P_DEFAULT,
+                                   H5P_DEFAULT);
     if (attr >= 0) H5Awrite(attr, type, variable ? (const void *)&pointer : text), H5Aclose(attr);
   } else {
     H5Ldelete(file, path, H5P_DEFAULT);
@@ -185,8 +201,8 @@ static void attribute(hid_t file, const char *path, input *in) {
   int n = H5Aget_num_attrs(object);
   char name[80] = "";
   if (n > 0)
-    H5Aget_name_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, byte(in) % (unsigned)n, name, sizeof name,
-                       H5P_DEFAULT);
+    H5Aget_name_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, byte(in) % (unsigned)n, name,
+                       sizeof name, H5P_DEFAULT);
   H5Oclose(object);
   if (!*name) return;
   unsigned what = byte(in) % 4;
@@ -196,14 +212,14 @@ static void attribute(hid_t file, const char *path, input *in) {
   }
   H5Adelete_by_name(file, path, name, H5P_DEFAULT);
   if (what == 1) return;
-  static const int64_t odd[] = {0,    1, 2, 3, 255, -1, INT64_MIN, INT64_MAX, UINT32_MAX, INT64_C(1) << 40,
-                                5000, 7, 8, 9, 10};
+  static const int64_t odd[] = {
+      0, 1, 2, 3, 255, -1, INT64_MIN, INT64_MAX, UINT32_MAX, INT64_C(1) << 40, 5000, 7, 8, 9, 10};
   hsize_t length = byte(in) % 3 + 1;
   int64_t value[3];
   for (int k = 0; k < 3; k++) value[k] = odd[byte(in) % (sizeof odd / sizeof *odd)];
   hid_t space = what == 2 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &length, NULL);
-  hid_t attr =
-      H5Acreate_by_name(file, path, name, H5T_NATIVE_INT64, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t attr = H5Acreate_by_name(file, path, name, H5T_NATIVE_INT64, space, H5P_DEFAULT,
+                                 H5P_DEFAULT, H5P_DEFAULT);
   if (attr >= 0) H5Awrite(attr, H5T_NATIVE_INT64, value), H5Aclose(attr);
   H5Sclose(space);
 }
@@ -212,7 +228,9 @@ static void relink(hid_t file, const char *path, const char *other, input *in) {
   H5Ldelete(file, path, H5P_DEFAULT);
   switch (byte(in) % 5) {
     case 0: H5Lcreate_soft(other, file, path, H5P_DEFAULT, H5P_DEFAULT); break;
-    case 1: H5Lcreate_external("/proc/self/fd/0", other, file, path, H5P_DEFAULT, H5P_DEFAULT); break;
+    case 1:
+      H5Lcreate_external("/proc/self/fd/0", other, file, path, H5P_DEFAULT, H5P_DEFAULT);
+      break;
     case 2: H5Lcreate_hard(file, other, file, path, H5P_DEFAULT, H5P_DEFAULT); break;
     case 3: H5Lcreate_hard(file, "/", file, path, H5P_DEFAULT, H5P_DEFAULT); break;
     default: break;
@@ -233,7 +251,8 @@ static void alter(hid_t file, const seed *s, input *in) {
 
 /* --- readers ------------------------------------------------------------------------------------------ */
 
-static void look(void *user, const char *path, sd_type type, bool text, int rank, const size_t *dims) {
+static void look(void *user, const char *path, sd_type type, bool text, int rank,
+                 const size_t *dims) {
   (void)type, (void)text, (void)rank, (void)dims;
   *(size_t *)user += strlen(path);
 }
@@ -245,7 +264,8 @@ static void read_result(const char *path) {
     summary found;
     provenance origin;
     size_t total = 0;
-    if (summary_read(&found, file, messages) == SD_OK) summary_disks_read_all(&found.packing, file, messages);
+    if (summary_read(&found, file, messages) == SD_OK)
+      summary_disks_read_all(&found.packing, file, messages);
     provenance_read(&origin, file);
     if (origin.deck_full) {
       sd_model *m = NULL;
@@ -278,10 +298,11 @@ static void read_frames(const char *path) {
 }
 
 static void read_table(const char *path, size_t k) {
-  static const char *const asked[] = {
-      "contacts = true;", "dataset = \"/compound\"; mass = 1;", "dataset = \"/matrix\"; mass = 1;",
-      "dataset = \"/columns\"; mass = 1;",
-      "dataset = \"/particles/disks\"; mass = 1; columns = (\"x\", \"y\", \"vx\", \"omega\", \"radius\");"};
+  static const char *const asked[] = {"contacts = true;", "dataset = \"/compound\"; mass = 1;",
+                                      "dataset = \"/matrix\"; mass = 1;",
+                                      "dataset = \"/columns\"; mass = 1;",
+                                      "dataset = \"/particles/disks\"; mass = 1; columns = (\"x\", "
+                                      "\"y\", \"vx\", \"omega\", \"radius\");"};
   char text[600];
   snprintf(text, sizeof text,
            "dt = 1e-4; steps = 1; max_overlap = 1; materials = ( { name = \"a\"; k_n = 1; } );\n"

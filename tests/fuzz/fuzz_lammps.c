@@ -7,7 +7,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
       "dt = 1e-4; steps = 1; max_overlap = 1; materials = ( { name = \"a\"; k_n = 1; } );\n"
       "box = { periodic = \"xy\"; file = \"%s\"; };\n"
       "disk_files = ( { file = \"%s\"; format = \"lammps\"; density = 1; },\n"
-      "  { file = \"%s\"; format = \"lammps\"; columns = (\"x\", \"y\", \"radius\", \"mass\", \"name = id\", "
+      "  { file = \"%s\"; format = \"lammps\"; columns = (\"x\", \"y\", \"radius\", \"mass\", "
+      "\"name = id\", "
       "\"group = type\"); } );";
   char text[700];
   const char *path = fuzz_file(data, size);

@@ -84,7 +84,8 @@ static long number(const char *name, long otherwise) {
 }
 
 __attribute__((constructor)) static void begin(void) {
-  const char *kind = getenv("INJECT_CALL"), *doing = getenv("INJECT_DO"), *log = getenv("INJECT_LOG");
+  const char *kind = getenv("INJECT_CALL"), *doing = getenv("INJECT_DO"),
+             *log = getenv("INJECT_LOG");
   const char *from = getenv("INJECT_FROM");
   not_program = from && strcmp(from, "library") == 0;
   not_library = from && strcmp(from, "program") == 0;
@@ -93,7 +94,8 @@ __attribute__((constructor)) static void begin(void) {
   gate = getenv("INJECT_GATE");
   const long seed = number("INJECT_CLOCK", 0);
   if (seed > 0) chance = 1000 * (uint64_t)seed + (uint64_t)number("OMPI_COMM_WORLD_RANK", 0) + 1;
-  if (kind) counted = strcmp(kind, "writing") == 0 ? writing : strcmp(kind, "any") == 0 ? any : kind;
+  if (kind)
+    counted = strcmp(kind, "writing") == 0 ? writing : strcmp(kind, "any") == 0 ? any : kind;
   when = number("INJECT_WHEN", 0);
   times = number("INJECT_TIMES", 1);
   budget = number("INJECT_BYTES", -1);
@@ -104,7 +106,8 @@ __attribute__((constructor)) static void begin(void) {
            : strcmp(doing, "wait") == 0 ? WAIT
                                         : atoi(doing);
   if (log)
-    log_file = (int)syscall(SYS_openat, AT_FDCWD, log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    log_file =
+        (int)syscall(SYS_openat, AT_FDCWD, log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   dl_iterate_phdr(note_program, NULL);
   ready = below != NULL;
 }
@@ -123,7 +126,8 @@ static void die(void) {
 
 /* Signals are let in only while it sleeps, so that none is missed. */
 static void wait_at_gate(void) {
-  const int note = gate ? (int)syscall(SYS_openat, AT_FDCWD, gate, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
+  const int note =
+      gate ? (int)syscall(SYS_openat, AT_FDCWD, gate, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
   if (note < 0) return;
   sigset_t all, before;
   sigfillset(&all);
@@ -131,7 +135,8 @@ static void wait_at_gate(void) {
   (void)!syscall(SYS_write, note, "\n", 1);
   syscall(SYS_close, note);
   const struct timespec moment = {0, 2000000};
-  while (syscall(SYS_faccessat, AT_FDCWD, gate, F_OK) == 0 && ppoll(NULL, 0, &moment, &before) == 0) continue;
+  while (syscall(SYS_faccessat, AT_FDCWD, gate, F_OK) == 0 && ppoll(NULL, 0, &moment, &before) == 0)
+    continue;
   pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
@@ -141,7 +146,9 @@ static bool concerns(const char *path) {
   return !pattern || fnmatch(pattern, path, FNM_EXTMATCH) == 0;
 }
 
-static bool is_program(void) { return (uintptr_t)caller >= program_begin && (uintptr_t)caller < program_end; }
+static bool is_program(void) {
+  return (uintptr_t)caller >= program_begin && (uintptr_t)caller < program_end;
+}
 
 /* Is it one of the words between the commas? */
 static bool is_among(const char *word, const char *list) {
@@ -200,54 +207,54 @@ static int on_path(const char *kind, int at, const char *name) {
 
 static int on_fd(const char *kind, int fd) { return fd < 0 ? GO_ON : on_path(kind, fd, ""); }
 
-#define REAL(type, name, ...)                                                                                \
-  static type (*real)(__VA_ARGS__);                                                                          \
-  caller = __builtin_return_address(0);                                                                      \
+#define REAL(type, name, ...)                                                                      \
+  static type (*real)(__VA_ARGS__);                                                                \
+  caller = __builtin_return_address(0);                                                            \
   if (!real) *(void **)&real = dlsym(RTLD_NEXT, name)
-#define FAIL_ON(decision, failed)                                                                            \
-  do {                                                                                                       \
-    int sd_error = (decision);                                                                               \
-    if (sd_error > 0) {                                                                                      \
-      errno = sd_error;                                                                                      \
-      return failed;                                                                                         \
-    }                                                                                                        \
+#define FAIL_ON(decision, failed)                                                                  \
+  do {                                                                                             \
+    int sd_error = (decision);                                                                     \
+    if (sd_error > 0) {                                                                            \
+      errno = sd_error;                                                                            \
+      return failed;                                                                               \
+    }                                                                                              \
   } while (0)
 
 /* --- open and close ------------------------------------------------------------------------------- */
 
-#define MODE_OF(flags)                                                                                       \
-  mode_t mode = 0;                                                                                           \
-  if ((flags) & (O_CREAT | O_TMPFILE)) {                                                                     \
-    va_list args;                                                                                            \
-    va_start(args, flags);                                                                                   \
-    mode = (mode_t)va_arg(args, int);                                                                        \
-    va_end(args);                                                                                            \
+#define MODE_OF(flags)                                                                             \
+  mode_t mode = 0;                                                                                 \
+  if ((flags) & (O_CREAT | O_TMPFILE)) {                                                           \
+    va_list args;                                                                                  \
+    va_start(args, flags);                                                                         \
+    mode = (mode_t)va_arg(args, int);                                                              \
+    va_end(args);                                                                                  \
   }
-#define OPENS(name)                                                                                          \
-  EXPORT int name(const char *path, int flags, ...) {                                                        \
-    REAL(int, #name, const char *, int, ...);                                                                \
-    MODE_OF(flags)                                                                                           \
-    FAIL_ON(on_path("open", AT_FDCWD, path), -1);                                                            \
-    return real(path, flags, mode);                                                                          \
+#define OPENS(name)                                                                                \
+  EXPORT int name(const char *path, int flags, ...) {                                              \
+    REAL(int, #name, const char *, int, ...);                                                      \
+    MODE_OF(flags)                                                                                 \
+    FAIL_ON(on_path("open", AT_FDCWD, path), -1);                                                  \
+    return real(path, flags, mode);                                                                \
   }
-#define OPENS_AT(name)                                                                                       \
-  EXPORT int name(int at, const char *path, int flags, ...) {                                                \
-    REAL(int, #name, int, const char *, int, ...);                                                           \
-    MODE_OF(flags)                                                                                           \
-    FAIL_ON(on_path("open", at, path), -1);                                                                  \
-    return real(at, path, flags, mode);                                                                      \
+#define OPENS_AT(name)                                                                             \
+  EXPORT int name(int at, const char *path, int flags, ...) {                                      \
+    REAL(int, #name, int, const char *, int, ...);                                                 \
+    MODE_OF(flags)                                                                                 \
+    FAIL_ON(on_path("open", at, path), -1);                                                        \
+    return real(at, path, flags, mode);                                                            \
   }
-#define OPENS_TEMPLATE(name, declared, given)                                                                \
-  EXPORT int name declared {                                                                                 \
-    REAL(int, #name, char *, int, int);                                                                      \
-    FAIL_ON(on_path("open", AT_FDCWD, path), -1);                                                            \
-    return real given;                                                                                       \
+#define OPENS_TEMPLATE(name, declared, given)                                                      \
+  EXPORT int name declared {                                                                       \
+    REAL(int, #name, char *, int, int);                                                            \
+    FAIL_ON(on_path("open", AT_FDCWD, path), -1);                                                  \
+    return real given;                                                                             \
   }
-#define OPENS_STREAM(name)                                                                                   \
-  EXPORT FILE *name(const char *path, const char *mode) {                                                    \
-    REAL(FILE *, #name, const char *, const char *);                                                         \
-    FAIL_ON(on_path("open", AT_FDCWD, path), NULL);                                                          \
-    return real(path, mode);                                                                                 \
+#define OPENS_STREAM(name)                                                                         \
+  EXPORT FILE *name(const char *path, const char *mode) {                                          \
+    REAL(FILE *, #name, const char *, const char *);                                               \
+    FAIL_ON(on_path("open", AT_FDCWD, path), NULL);                                                \
+    return real(path, mode);                                                                       \
   }
 OPENS(open)
 OPENS(open64)
@@ -299,25 +306,25 @@ static ssize_t share(const char *kind, int fd, size_t n, bool *dies) {
   return (ssize_t)n;
 }
 
-#define MOVES(kind, name, call, data)                                                                        \
-  EXPORT ssize_t name(int fd, data *bytes, size_t n) {                                                       \
-    REAL(ssize_t, call, int, data *, size_t);                                                                \
-    bool dies = false;                                                                                       \
-    ssize_t m = share(kind, fd, n, &dies);                                                                   \
-    if (m < 0) return -1;                                                                                    \
-    ssize_t result = real(fd, bytes, (size_t)m);                                                             \
-    if (dies) die();                                                                                         \
-    return result;                                                                                           \
+#define MOVES(kind, name, call, data)                                                              \
+  EXPORT ssize_t name(int fd, data *bytes, size_t n) {                                             \
+    REAL(ssize_t, call, int, data *, size_t);                                                      \
+    bool dies = false;                                                                             \
+    ssize_t m = share(kind, fd, n, &dies);                                                         \
+    if (m < 0) return -1;                                                                          \
+    ssize_t result = real(fd, bytes, (size_t)m);                                                   \
+    if (dies) die();                                                                               \
+    return result;                                                                                 \
   }
-#define MOVES_AT(kind, name, call, data, offset)                                                             \
-  EXPORT ssize_t name(int fd, data *bytes, size_t n, offset at) {                                            \
-    REAL(ssize_t, call, int, data *, size_t, offset);                                                        \
-    bool dies = false;                                                                                       \
-    ssize_t m = share(kind, fd, n, &dies);                                                                   \
-    if (m < 0) return -1;                                                                                    \
-    ssize_t result = real(fd, bytes, (size_t)m, at);                                                         \
-    if (dies) die();                                                                                         \
-    return result;                                                                                           \
+#define MOVES_AT(kind, name, call, data, offset)                                                   \
+  EXPORT ssize_t name(int fd, data *bytes, size_t n, offset at) {                                  \
+    REAL(ssize_t, call, int, data *, size_t, offset);                                              \
+    bool dies = false;                                                                             \
+    ssize_t m = share(kind, fd, n, &dies);                                                         \
+    if (m < 0) return -1;                                                                          \
+    ssize_t result = real(fd, bytes, (size_t)m, at);                                               \
+    if (dies) die();                                                                               \
+    return result;                                                                                 \
   }
 MOVES("read", read, "read", void)
 MOVES("write", write, "write", const void)
@@ -340,45 +347,47 @@ EXPORT ssize_t __pread_chk(int fd, void *bytes, size_t n, off_t at, size_t size)
 
 /* --- calls on an open file, and on one path ------------------------------------------------------- */
 
-#define ON_FD(kind, type, name, declared, given, ...)                                                        \
-  EXPORT type name declared {                                                                                \
-    REAL(type, #name, __VA_ARGS__);                                                                          \
-    FAIL_ON(on_fd(kind, fd), (type)-1);                                                                      \
-    return real given;                                                                                       \
+#define ON_FD(kind, type, name, declared, given, ...)                                              \
+  EXPORT type name declared {                                                                      \
+    REAL(type, #name, __VA_ARGS__);                                                                \
+    FAIL_ON(on_fd(kind, fd), (type)-1);                                                            \
+    return real given;                                                                             \
   }
-#define ON_PATH(kind, name, declared, given, ...)                                                            \
-  EXPORT int name declared {                                                                                 \
-    REAL(int, #name, __VA_ARGS__);                                                                           \
-    FAIL_ON(on_path(kind, AT_FDCWD, path), -1);                                                              \
-    return real given;                                                                                       \
+#define ON_PATH(kind, name, declared, given, ...)                                                  \
+  EXPORT int name declared {                                                                       \
+    REAL(int, #name, __VA_ARGS__);                                                                 \
+    FAIL_ON(on_path(kind, AT_FDCWD, path), -1);                                                    \
+    return real given;                                                                             \
   }
-#define ON_PATH_AT(kind, name, declared, given, ...)                                                         \
-  EXPORT int name declared {                                                                                 \
-    REAL(int, #name, __VA_ARGS__);                                                                           \
-    FAIL_ON(on_path(kind, at, path), -1);                                                                    \
-    return real given;                                                                                       \
+#define ON_PATH_AT(kind, name, declared, given, ...)                                               \
+  EXPORT int name declared {                                                                       \
+    REAL(int, #name, __VA_ARGS__);                                                                 \
+    FAIL_ON(on_path(kind, at, path), -1);                                                          \
+    return real given;                                                                             \
   }
 ON_FD("fsync", int, fsync, (int fd), (fd), int)
 ON_FD("fsync", int, fdatasync, (int fd), (fd), int)
 ON_FD("truncate", int, ftruncate, (int fd, off_t size), (fd, size), int, off_t)
 ON_FD("truncate", int, ftruncate64, (int fd, off64_t size), (fd, size), int, off64_t)
-ON_FD("allocate", int, fallocate, (int fd, int mode, off_t at, off_t n), (fd, mode, at, n), int, int, off_t,
-      off_t)
-ON_FD("allocate", int, fallocate64, (int fd, int mode, off64_t at, off64_t n), (fd, mode, at, n), int, int,
-      off64_t, off64_t)
+ON_FD("allocate", int, fallocate, (int fd, int mode, off_t at, off_t n), (fd, mode, at, n), int,
+      int, off_t, off_t)
+ON_FD("allocate", int, fallocate64, (int fd, int mode, off64_t at, off64_t n), (fd, mode, at, n),
+      int, int, off64_t, off64_t)
 ON_FD("lock", int, flock, (int fd, int operation), (fd, operation), int, int)
 ON_FD("mmap", void *, mmap, (void *place, size_t n, int protection, int flags, int fd, off_t at),
       (place, n, protection, flags, fd, at), void *, size_t, int, int, int, off_t)
 ON_PATH("unlink", unlink, (const char *path), (path), const char *)
-ON_PATH_AT("unlink", unlinkat, (int at, const char *path, int flags), (at, path, flags), int, const char *,
-           int)
+ON_PATH_AT("unlink", unlinkat, (int at, const char *path, int flags), (at, path, flags), int,
+           const char *, int)
 ON_PATH("mkdir", mkdir, (const char *path, mode_t mode), (path, mode), const char *, mode_t)
-ON_PATH_AT("mkdir", mkdirat, (int at, const char *path, mode_t mode), (at, path, mode), int, const char *,
-           mode_t)
+ON_PATH_AT("mkdir", mkdirat, (int at, const char *path, mode_t mode), (at, path, mode), int,
+           const char *, mode_t)
 ON_PATH("rmdir", rmdir, (const char *path), (path), const char *)
 ON_PATH("stat", access, (const char *path, int mode), (path, mode), const char *, int)
-ON_PATH("stat", stat, (const char *path, struct stat *facts), (path, facts), const char *, struct stat *)
-ON_PATH("stat", lstat, (const char *path, struct stat *facts), (path, facts), const char *, struct stat *)
+ON_PATH("stat", stat, (const char *path, struct stat *facts), (path, facts), const char *,
+        struct stat *)
+ON_PATH("stat", lstat, (const char *path, struct stat *facts), (path, facts), const char *,
+        struct stat *)
 ON_PATH("stat", stat64, (const char *path, struct stat64 *facts), (path, facts), const char *,
         struct stat64 *)
 ON_PATH("stat", lstat64, (const char *path, struct stat64 *facts), (path, facts), const char *,
@@ -394,16 +403,16 @@ ON_PATH_AT("stat", statx, (int at, const char *path, int flags, unsigned mask, s
 
 /* --- calls on two paths: the new name counts ------------------------------------------------------ */
 
-#define TO_PATH(kind, name, declared, given, folder, ...)                                                    \
-  EXPORT int name declared {                                                                                 \
-    REAL(int, #name, __VA_ARGS__);                                                                           \
-    FAIL_ON(on_path(kind, folder, path), -1);                                                                \
-    return real given;                                                                                       \
+#define TO_PATH(kind, name, declared, given, folder, ...)                                          \
+  EXPORT int name declared {                                                                       \
+    REAL(int, #name, __VA_ARGS__);                                                                 \
+    FAIL_ON(on_path(kind, folder, path), -1);                                                      \
+    return real given;                                                                             \
   }
-TO_PATH("rename", rename, (const char *from, const char *path), (from, path), AT_FDCWD, const char *,
-        const char *)
-TO_PATH("rename", renameat, (int old, const char *from, int at, const char *path), (old, from, at, path), at,
-        int, const char *, int, const char *)
+TO_PATH("rename", rename, (const char *from, const char *path), (from, path), AT_FDCWD,
+        const char *, const char *)
+TO_PATH("rename", renameat, (int old, const char *from, int at, const char *path),
+        (old, from, at, path), at, int, const char *, int, const char *)
 TO_PATH("rename", renameat2, (int old, const char *from, int at, const char *path, unsigned flags),
         (old, from, at, path, flags), at, int, const char *, int, const char *, unsigned)
 TO_PATH("link", link, (const char *from, const char *path), (from, path), AT_FDCWD, const char *,
@@ -432,11 +441,11 @@ EXPORT int clock_gettime(clockid_t clock, struct timespec *t) {
 
 /* --- folders -------------------------------------------------------------------------------------- */
 
-#define READS_FOLDER(name, entry)                                                                            \
-  EXPORT struct entry *name(DIR *folder) {                                                                   \
-    REAL(struct entry *, #name, DIR *);                                                                      \
-    FAIL_ON(on_fd("readdir", dirfd(folder)), NULL);                                                          \
-    return real(folder);                                                                                     \
+#define READS_FOLDER(name, entry)                                                                  \
+  EXPORT struct entry *name(DIR *folder) {                                                         \
+    REAL(struct entry *, #name, DIR *);                                                            \
+    FAIL_ON(on_fd("readdir", dirfd(folder)), NULL);                                                \
+    return real(folder);                                                                           \
   }
 READS_FOLDER(readdir, dirent)
 READS_FOLDER(readdir64, dirent64)

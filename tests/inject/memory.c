@@ -63,7 +63,9 @@ static bool fails(const void *caller) {
   return false;
 }
 
-void *malloc(size_t size) { return fails(__builtin_return_address(0)) ? NULL : __libc_malloc(size); }
+void *malloc(size_t size) {
+  return fails(__builtin_return_address(0)) ? NULL : __libc_malloc(size);
+}
 
 void *calloc(size_t n, size_t size) {
   return fails(__builtin_return_address(0)) ? NULL : __libc_calloc(n, size);
@@ -108,7 +110,8 @@ static int find_program(struct dl_phdr_info *info, size_t size, void *unused) {
   first = UINTPTR_MAX;
   for (int k = 0; k < info->dlpi_phnum; k++) {
     if (info->dlpi_phdr[k].p_type != PT_LOAD) continue;
-    uintptr_t begin = info->dlpi_addr + info->dlpi_phdr[k].p_vaddr, end = begin + info->dlpi_phdr[k].p_memsz;
+    uintptr_t begin = info->dlpi_addr + info->dlpi_phdr[k].p_vaddr,
+              end = begin + info->dlpi_phdr[k].p_memsz;
     first = begin < first ? begin : first;
     last = end > last ? end : last;
   }
@@ -135,8 +138,8 @@ int __libc_start_main(int (*main)(int, char **, char **), int argc, char **argv,
 /* The loader's and the libraries' own beginnings are over when this is called. */
 int __libc_start_main(int (*main)(int, char **, char **), int argc, char **argv, void (*init)(void),
                       void (*fini)(void), void (*loader_fini)(void), void *stack) {
-  int (*real)(int (*)(int, char **, char **), int, char **, void (*)(void), void (*)(void), void (*)(void),
-              void *);
+  int (*real)(int (*)(int, char **, char **), int, char **, void (*)(void), void (*)(void),
+              void (*)(void), void *);
   *(void **)&real = dlsym(RTLD_NEXT, "__libc_start_main");
   program_main = main;
   return real(counted_main, argc, argv, init, fini, loader_fini, stack);

@@ -35,8 +35,8 @@ static void step_and_integrator_do_not_matter(void **unused) {
              verlet = vibrate(0.04, steps[k], 200, 1, "integrator=verlet;");
     double gear_omega = gear.rotation.turned / gear.rotation.measured;
     double verlet_omega = verlet.rotation.turned / verlet.rotation.measured;
-    print_message("dt %g: Omega %.4g +- %.2g, all of the run %.7g (gear5) %.7g (verlet)\n", steps[k],
-                  gear.rotation.omega, gear.rotation.error, gear_omega, verlet_omega);
+    print_message("dt %g: Omega %.4g +- %.2g, all of the run %.7g (gear5) %.7g (verlet)\n",
+                  steps[k], gear.rotation.omega, gear.rotation.error, gear_omega, verlet_omega);
     close_to(verlet_omega, gear_omega, 1e-3, "integrator");
     if (k > 0)
       between(fabs(gear.rotation.omega - last.rotation.omega) /
@@ -64,8 +64,8 @@ static void error_bars_are_the_scatter_of_seeds(void **unused) {
       squares += (omega[s] - sum) * (omega[s] - sum) / (SEEDS - 1);
       chi += (omega[s] - sum) * (omega[s] - sum) / (error[s] * error[s]);
     }
-    print_message("tilt %g pi: mean of seeds %.4g +- %.2g, scatter %.3g, chi^2 %.2f\n", tilts[k], sum,
-                  sqrt(weight), sqrt(squares), chi);
+    print_message("tilt %g pi: mean of seeds %.4g +- %.2g, scatter %.3g, chi^2 %.2f\n", tilts[k],
+                  sum, sqrt(weight), sqrt(squares), chi);
     between(chi, 0.6, 24.3, "chi^2 of 8 seeds");
     if (k == 0)
       assert_true(sum < -15 * sqrt(weight));

@@ -16,8 +16,12 @@
 static const sd_contact_law rough = {.k_n = 1e7, .k_t = 1e7, .mu = 10};
 
 static uint32_t add_arc(sd_model *m, double x, double y, double radius, double from, double to) {
-  const sd_wall w = {
-      .kind = SD_WALL_ARC, .center = {x, y}, .pivot = {x, y}, .radius = radius, .from = from, .to = to};
+  const sd_wall w = {.kind = SD_WALL_ARC,
+                     .center = {x, y},
+                     .pivot = {x, y},
+                     .radius = radius,
+                     .from = from,
+                     .to = to};
   sd_model_add_wall(m, &w);
   return (uint32_t)(m->n_disks + m->n_walls - 1);
 }
@@ -52,9 +56,10 @@ static void test_a_pendulum(void **unused) {
       before = x;
     }
     const double a2 = amplitude * amplitude, small = 2 * M_PI * sqrt(1.5 * l / g);
-    SYSTEM_NEAR((last - first) / 2, small * (1 + a2 / 16 + 11 * a2 * a2 / 3072), 2e-5 * small, "period, %s",
+    SYSTEM_NEAR((last - first) / 2, small * (1 + a2 / 16 + 11 * a2 * a2 / 3072), 2e-5 * small,
+                "period, %s", system_integrators[!k]);
+    SYSTEM_NEAR(most / (mass * g * l * (1 - cos(amplitude))), 0, 1e-7, "energy, %s",
                 system_integrators[!k]);
-    SYSTEM_NEAR(most / (mass * g * l * (1 - cos(amplitude))), 0, 1e-7, "energy, %s", system_integrators[!k]);
     SYSTEM_NEAR((double)system_touch(s, 0, 1).pieces, 1, 0, "one contact");
     system_end(s);
   }
@@ -102,7 +107,8 @@ static void test_around_the_ends(void **unused) {
   const double r = 0.5, d = 0.49;
   for (size_t k = 0; k < sizeof laps / sizeof *laps; k++) {
     const lap *arc = &laps[k];
-    sd_model *m = system_new(SD_VERLET, SD_PAPER, 2e-4, (sd_contact_law){.k_n = 100, .k_t = 10, .mu = 1e6});
+    sd_model *m =
+        system_new(SD_VERLET, SD_PAPER, 2e-4, (sd_contact_law){.k_n = 100, .k_t = 10, .mu = 1e6});
     double start[2], p[2];
     place_at(arc, d, 0, start);
     system_disk(m, start[0], start[1], r, 1);
@@ -132,9 +138,10 @@ static void test_around_the_ends(void **unused) {
       parts |= 1u << now.part;
     }
     assert_int_equal(parts, 7);
-    const double theta = (double)system_at(s, 0).theta, length = arc->radius * (arc->to - arc->from);
-    SYSTEM_NEAR(system_touch(s, 0, 1).stretch, r * (theta - 2 * M_PI - arc->turn) - 2 * length, 1e-9,
-                "lap %zu", k);
+    const double theta = (double)system_at(s, 0).theta,
+                 length = arc->radius * (arc->to - arc->from);
+    SYSTEM_NEAR(system_touch(s, 0, 1).stretch, r * (theta - 2 * M_PI - arc->turn) - 2 * length,
+                1e-9, "lap %zu", k);
     system_end(s);
   }
 }
@@ -178,8 +185,8 @@ static void test_a_ring_is_a_circle(void **unused) {
 /* A disk larger than a bowl lies on both of its rims: each carries half of the weight. */
 static void test_on_the_rims(void **unused) {
   (void)unused;
-  sd_model *m =
-      system_new(SD_VERLET, SD_PAPER, 1e-5, (sd_contact_law){.k_n = 1e5, .k_t = 1e5, .gamma_n = 30, .mu = 0});
+  sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-5,
+                           (sd_contact_law){.k_n = 1e5, .k_t = 1e5, .gamma_n = 30, .mu = 0});
   m->gravity[1] = -10;
   system_disk(m, 0.01, sqrt(3) + 0.001, 2, 0.2);
   add_arc(m, 0, 0, 1, -M_PI, 0);
@@ -237,14 +244,16 @@ static void test_geometry(void **unused) {
     }
     sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1});
     system_disk(m, 100, 100, 1, 1);
-    const double from = 7 * u[0] - 3, to = from + (n % 10 ? 0.02 + 6 * u[1] : 2 * M_PI), radius = 0.5 + u[2];
+    const double from = 7 * u[0] - 3, to = from + (n % 10 ? 0.02 + 6 * u[1] : 2 * M_PI),
+                 radius = 0.5 + u[2];
     add_arc(m, 1, -1, radius, from, to);
     sd_simulation *s = system_start(m);
     double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, nearest = HUGE_VAL,
            active = HUGE_VAL;
     const double at[2] = {1 + 4 * u[3] - 2, -1 + 4 * u[4] - 2};
     for (int k = 0; k <= 20000; k++) {
-      const double a = from + (to - from) * k / 20000, p[2] = {1 + radius * cos(a), -1 + radius * sin(a)};
+      const double a = from + (to - from) * k / 20000,
+                   p[2] = {1 + radius * cos(a), -1 + radius * sin(a)};
       for (int c = 0; c < 2; c++) low[c] = fmin(low[c], p[c]), high[c] = fmax(high[c], p[c]);
       nearest = fmin(nearest, hypot(p[0] - at[0], p[1] - at[1]));
     }

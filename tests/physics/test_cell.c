@@ -33,13 +33,14 @@ static void stress_of(sd_simulation *sim, double contact[4], double kinetic[4]) 
 static sd_model *pair_model(const char *integrator, const char *variant, bool boxed) {
   text t = {0};
   const double lift = boxed ? 0.0 : 10.0, flow = boxed ? 0.0 : 0.05 * 10.0;
-  text_add(&t,
-           "dt = 5e-4; integrator = \"%s\"; contact_variant = \"%s\";\n"
-           "materials = ( { name = \"m\"; k_n = 100; k_t = 70; mu = 0.3; gamma_n = 0.5; } );\n"
-           "disks = ( { x = 5.1; y = 9.98; radius = 0.5; mass = 1.3; vx = 0.1; vy = 0.4; omega = 2; },\n"
-           "  { x = 5.5; y = %.17g; radius = 0.6; mass = 1; vx = %.17g; vy = -0.5; omega = 1; } );\n"
-           "measure = { rotation = (); };\n",
-           integrator, variant, 1.02 + lift, -0.6 + flow);
+  text_add(
+      &t,
+      "dt = 5e-4; integrator = \"%s\"; contact_variant = \"%s\";\n"
+      "materials = ( { name = \"m\"; k_n = 100; k_t = 70; mu = 0.3; gamma_n = 0.5; } );\n"
+      "disks = ( { x = 5.1; y = 9.98; radius = 0.5; mass = 1.3; vx = 0.1; vy = 0.4; omega = 2; },\n"
+      "  { x = 5.5; y = %.17g; radius = 0.6; mass = 1; vx = %.17g; vy = -0.5; omega = 1; } );\n"
+      "measure = { rotation = (); };\n",
+      integrator, variant, 1.02 + lift, -0.6 + flow);
   if (boxed)
     text_add(&t, "box = { x = (0, 10); y = (0, 10); periodic = \"xy\"; };\n"
                  "phases = ( { steps = 3000; cell = { rate_xy = 0.05; boundary = true; }; } );\n");
@@ -55,8 +56,10 @@ static sd_model *pair_model(const char *integrator, const char *variant, bool bo
 static void test_pair(void **unused) {
   (void)unused;
   for (int k = 0; k < 4; k++) {
-    const char *integrator = k % 2 ? "gear5" : "verlet", *variant = k / 2 ? "paper" : "conservative";
-    sd_model *m = pair_model(integrator, variant, true), *open = pair_model(integrator, variant, false);
+    const char *integrator = k % 2 ? "gear5" : "verlet",
+               *variant = k / 2 ? "paper" : "conservative";
+    sd_model *m = pair_model(integrator, variant, true),
+             *open = pair_model(integrator, variant, false);
     sd_simulation *sim = begin_run(m, 1), *beside = begin_run(open, 1);
     double most = 0.0;
     int64_t touched = 0, wrapped = 0;
@@ -77,8 +80,8 @@ static void test_pair(void **unused) {
       wrapped += s->n_contacts > 0 && s->image_y[0] == 1;
     }
     const sd_energy a = sd_simulation_energy(sim), b = sd_simulation_energy(beside);
-    print_message("  %s %s: %lld steps in touch, %lld of them beyond the edge; apart by %.2g\n", integrator,
-                  variant, (long long)touched, (long long)wrapped, most);
+    print_message("  %s %s: %lld steps in touch, %lld of them beyond the edge; apart by %.2g\n",
+                  integrator, variant, (long long)touched, (long long)wrapped, most);
     assert_true(touched > 300 && wrapped > 100 && touched > wrapped + 20);
     assert_true(most < 2e-11);
     assert_true(b.friction > 1e-4 && b.viscous > 1e-4);
@@ -99,16 +102,16 @@ enum { WIDE = 6, HIGH = 6 };
 static sd_model *lattice(double dt, double overlap, const char *phases) {
   text t = {0};
   const double a = 1.0 - overlap, height = a * sqrt(0.75);
-  text_add(
-      &t,
-      "dt = %g; max_overlap = 0.9; integrator = \"verlet\"; materials = ( { name = \"m\"; k_n = 2; } );\n"
-      "box = { x = (1, %.17g); y = (-2, %.17g); periodic = \"xy\"; };\n"
-      "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); mass = 1; rows = (",
-      dt, 1.0 + a * WIDE, -2.0 + height * HIGH);
+  text_add(&t,
+           "dt = %g; max_overlap = 0.9; integrator = \"verlet\"; materials = ( { name = \"m\"; k_n "
+           "= 2; } );\n"
+           "box = { x = (1, %.17g); y = (-2, %.17g); periodic = \"xy\"; };\n"
+           "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); mass = 1; rows = (",
+           dt, 1.0 + a * WIDE, -2.0 + height * HIGH);
   for (int row = 0; row < HIGH; row++)
     for (int k = 0; k < WIDE; k++)
-      text_add(&t, "%s(%.17g, %.17g, 0.5)", row || k ? ", " : "", 1.0 + a * (k + 0.5 * (row % 2) + 0.2),
-               -2.0 + height * (row + 0.3));
+      text_add(&t, "%s(%.17g, %.17g, 0.5)", row || k ? ", " : "",
+               1.0 + a * (k + 0.5 * (row % 2) + 0.2), -2.0 + height * (row + 0.3));
   text_add(&t, "); } ); measure = { rotation = (); };\n%s", phases);
   sd_model *m = model_of(t.s);
   free(t.s);
@@ -122,7 +125,8 @@ static void lattice_stress(double k_n, double overlap, const double f[4], double
   const double area = a * a * sqrt(0.75) * (f[0] * f[3] - f[1] * f[2]);
   for (int e = 0; e < 4; e++) s[e] = 0.0;
   for (int b = 0; b < 3; b++) {
-    const double l[2] = {f[0] * bond[b][0] + f[1] * bond[b][1], f[2] * bond[b][0] + f[3] * bond[b][1]};
+    const double l[2] = {f[0] * bond[b][0] + f[1] * bond[b][1],
+                         f[2] * bond[b][0] + f[3] * bond[b][1]};
     const double r = hypot(l[0], l[1]), force = fmax(k_n * (1.0 - r), 0.0);
     for (int e = 0; e < 4; e++) s[e] += force / r * l[e / 2] * l[e % 2] / area;
   }
@@ -159,11 +163,14 @@ static void test_lattice(void **unused) {
       }
       assert_true(fabs(expected[0]) > 0.05);
       for (size_t i = 0; i < s->n_free; i++)
-        between(hypot(s->nonaffine_x[i], s->nonaffine_y[i]), 0.0, 2.0 * (k == 0 ? 0.15 : 0.2), "drift");
+        between(hypot(s->nonaffine_x[i], s->nonaffine_y[i]), 0.0, 2.0 * (k == 0 ? 0.15 : 0.2),
+                "drift");
       double low = 1e300, high = -1e300;
       for (size_t i = 0; i < s->n_free; i++) {
-        low = fmin(low, fmin(s->nonaffine_x[i] - s->nonaffine_x[0], s->nonaffine_y[i] - s->nonaffine_y[0]));
-        high = fmax(high, fmax(s->nonaffine_x[i] - s->nonaffine_x[0], s->nonaffine_y[i] - s->nonaffine_y[0]));
+        low = fmin(low, fmin(s->nonaffine_x[i] - s->nonaffine_x[0],
+                             s->nonaffine_y[i] - s->nonaffine_y[0]));
+        high = fmax(high, fmax(s->nonaffine_x[i] - s->nonaffine_x[0],
+                               s->nonaffine_y[i] - s->nonaffine_y[0]));
       }
       between(low, -1e-11, 0.0, "non-affine");
       between(high, 0.0, 1e-11, "non-affine");
@@ -209,7 +216,8 @@ static void test_whole_shear(void **unused) {
   (void)unused;
   const double a = 0.9, whole = a * WIDE / (a * sqrt(0.75) * HIGH);
   char phase[200];
-  snprintf(phase, sizeof phase, "phases = ( { steps = 4000; cell = { rate_xy = %.17g; }; } );", whole / 1.2);
+  snprintf(phase, sizeof phase, "phases = ( { steps = 4000; cell = { rate_xy = %.17g; }; } );",
+           whole / 1.2);
   sd_model *m = lattice(6e-4, 0.1, phase);
   sd_simulation *sim = begin_run(m, 1);
   double start[4], now[4], kinetic[4];
@@ -228,7 +236,8 @@ static void test_whole_shear(void **unused) {
           s->x[i] + s->image_x[i] * (m->upper[0] - m->lower[0]) + s->image_y[i] * cell_offset(m, s);
       const sd_disk *d = &m->disks[s->id[i]];
       const double middle = 0.5 * (m->lower[1] + m->upper[1]);
-      between(x - d->position[0] - k * whole * (d->position[1] - middle), -1e-10, 1e-10, "absolute x");
+      between(x - d->position[0] - k * whole * (d->position[1] - middle), -1e-10, 1e-10,
+              "absolute x");
       between(y - d->position[1], -1e-10, 1e-10, "absolute y");
     }
   }
@@ -245,7 +254,8 @@ typedef struct request {
   double skin;
 } request;
 
-static const request usual = {.integrator = "verlet", .variant = "conservative", .more = "", .dt = 0.04};
+static const request usual = {
+    .integrator = "verlet", .variant = "conservative", .more = "", .dt = 0.04};
 
 enum { SIDE = 12 };
 static const double EDGE = 1.15 * SIDE;
@@ -266,7 +276,8 @@ static sd_model *packing(const request *r, const char *phases) {
       at[c] = 1.15 * (place[c] + 0.5) + 0.2 * (next_uniform(&seed) - 0.5) + r->shift[c];
       at[c] -= EDGE * floor(at[c] / EDGE);
     }
-    text_add(&t, "%s(%.17g, %.17g, %.2f)", k ? ", " : "", at[0], at[1], 0.4 + 0.2 * next_uniform(&seed));
+    text_add(&t, "%s(%.17g, %.17g, %.2f)", k ? ", " : "", at[0], at[1],
+             0.4 + 0.2 * next_uniform(&seed));
   }
   text_add(&t, "); } ); measure = { rotation = (); };\n%s%s", r->more, phases);
   sd_model *m = model_of(t.s);
@@ -278,8 +289,8 @@ static sd_model *packing(const request *r, const char *phases) {
 static void test_translation(void **unused) {
   (void)unused;
   request r = usual;
-  const char *phases =
-      "phases = ( { steps = 1000; cell = { rate_xx = -1e-3; rate_yy = -5e-4; rate_xy = 0.01; }; } );";
+  const char *phases = "phases = ( { steps = 1000; cell = { rate_xx = -1e-3; rate_yy = -5e-4; "
+                       "rate_xy = 0.01; }; } );";
   sd_model *m = packing(&r, phases);
   r.shift[0] = 3.21;
   r.shift[1] = 5.43;
@@ -315,7 +326,8 @@ static void test_translation(void **unused) {
 static const char *const lively =
     "phases = ( { time = 100; cell = { rate_xy = 0.01; rate_xx = -1e-3; rate_yy = -1e-3; }; },\n"
     "{ time = 200; cell = { rate_xy = 0.01; stress_xx = 0.02; stress_yy = 0.02; }; },\n"
-    "{ time = 60; cell = { stress_xy = -4e-3; stress_yy = 0.02; boundary = true; }; }, { time = 20; } );";
+    "{ time = 60; cell = { stress_xy = -4e-3; stress_yy = 0.02; boundary = true; }; }, { time = "
+    "20; } );";
 
 /* The residual is that of the integrator: it falls with the square of dt. */
 static void test_energy(void **unused) {
@@ -333,8 +345,8 @@ static void test_energy(void **unused) {
       advance(sim, sd_model_steps(m));
       const sd_energy e = sd_simulation_energy(sim);
       residual[fine] = fabs(e.residual) / e.scale;
-      print_message("  %s %s dt %g: work %.4g, friction %.4g, residual/scale %.2g\n", r.integrator, r.variant,
-                    r.dt, e.work, e.friction, e.residual / e.scale);
+      print_message("  %s %s dt %g: work %.4g, friction %.4g, residual/scale %.2g\n", r.integrator,
+                    r.variant, r.dt, e.work, e.friction, e.residual / e.scale);
       assert_true(e.friction > 0.1 * e.work && e.viscous > 0.1 * e.work);
       sd_simulation_free(sim);
       sd_model_free(m);
@@ -347,8 +359,9 @@ static void test_energy(void **unused) {
 /* Mean over the second half of the time is what was asked for: contacts and velocities beside the flow. */
 static void test_stress_is_reached(void **unused) {
   (void)unused;
-  sd_model *m = packing(&usual, "phases = ( { steps = 40000; cell = { rate_xy = 0.003; stress_xx = 0.01; "
-                                "stress_yy = 0.01; }; } );");
+  sd_model *m =
+      packing(&usual, "phases = ( { steps = 40000; cell = { rate_xy = 0.003; stress_xx = 0.01; "
+                      "stress_yy = 0.01; }; } );");
   sd_simulation *sim = begin_run(m, 1);
   double mean[4] = {0}, contact[4], kinetic[4];
   int samples = 0;
@@ -361,8 +374,8 @@ static void test_stress_is_reached(void **unused) {
   }
   for (int e = 0; e < 4; e++) mean[e] /= samples;
   const sd_state *s = sd_simulation_state(sim);
-  print_message("  xx %.5f yy %.5f xy %.5f %.5f; lengths %.4f %.4f\n", mean[0], mean[3], mean[1], mean[2],
-                s->cell[0], s->cell[1]);
+  print_message("  xx %.5f yy %.5f xy %.5f %.5f; lengths %.4f %.4f\n", mean[0], mean[3], mean[1],
+                mean[2], s->cell[0], s->cell[1]);
   between(mean[0] / 0.01, 0.98, 1.02, "stress_xx");
   between(mean[3] / 0.01, 0.98, 1.02, "stress_yy");
   between(-mean[2] / mean[3], 0.15, 0.5, "effective friction");
@@ -375,8 +388,9 @@ static void test_stress_is_reached(void **unused) {
 static void test_settles_at_the_stress(void **unused) {
   (void)unused;
   sd_model *m = packing(
-      &usual, "phases = ( { steps = 40000; cell = { stress_xx = 0.01; stress_yy = 0.01; }; settle = { "
-              "kinetic = 1e9; every = 100; }; } );");
+      &usual,
+      "phases = ( { steps = 40000; cell = { stress_xx = 0.01; stress_yy = 0.01; }; settle = { "
+      "kinetic = 1e9; every = 100; }; } );");
   sd_simulation *sim = begin_run(m, 1);
   double contact[4], kinetic[4];
   stress_of(sim, contact, kinetic);
@@ -436,8 +450,8 @@ static void test_skin(void **unused) {
     sd_model *m = packing(&r, lively);
     sd_simulation *sim = begin_run(m, 1);
     advance(sim, sd_model_steps(m));
-    print_message("  skin %g: %lld builds in %lld steps\n", skins[k], (long long)engine_of(sim)->work.builds,
-                  (long long)sd_simulation_step(sim));
+    print_message("  skin %g: %lld builds in %lld steps\n", skins[k],
+                  (long long)engine_of(sim)->work.builds, (long long)sd_simulation_step(sim));
     hash[k] = sd_state_hash(sd_simulation_state(sim));
     sd_simulation_free(sim);
     sd_model_free(m);
@@ -464,11 +478,12 @@ static void refused(const char *deck, const char *expected) {
 
 static void test_mistakes(void **unused) {
   (void)unused;
-#define DECK(box, more, cell)                                                                                \
-  "dt = 1e-3; materials = ( { name = \"m\"; k_n = 1; } ); disks = ( { x = 1; y = 1; radius = 0.5; mass = "   \
-  "1; } );"                                                                                                  \
-  "box = { x = (0, 9); y = (0, 9); periodic = \"" box "\"; };" more "phases = ( { steps = 9; cell = { " cell \
-  " }; } );"
+#define DECK(box, more, cell)                                                                      \
+  "dt = 1e-3; materials = ( { name = \"m\"; k_n = 1; } ); disks = ( { x = 1; y = 1; radius = "     \
+  "0.5; mass = "                                                                                   \
+  "1; } );"                                                                                        \
+  "box = { x = (0, 9); y = (0, 9); periodic = \"" box "\"; };" more                                \
+  "phases = ( { steps = 9; cell = { " cell " }; } );"
   refused(DECK("x", "", "rate_xy = 1;"), "expected a box that is periodic in x and y");
   refused(DECK("xy", "gravity = { g = 1; };", "rate_xy = 1;"), "expected no gravity");
   refused(DECK("xy", "", "rate_xy = 1; stress_xy = 2;"), "given together with rate_xy");
@@ -486,7 +501,8 @@ static void test_mistakes(void **unused) {
           "box = { x = (0, 9); y = (0, 9); periodic = \"xy\"; };\n"
           "phases = ( { time = 1; cell = { rate_xx = -0.1; }; },\n"
           "  { time = 5; cell = { rate_yy = -0.5; }; } );",
-          "test.cfg:5: phases[1].cell.rate_yy = -0.5: the box is 0.7388 long in y at the end of this phase; "
+          "test.cfg:5: phases[1].cell.rate_yy = -0.5: the box is 0.7388 long in y at the end of "
+          "this phase; "
           "expected "
           "more than 2.4");
   refused(DECK("xy", "measure = { disks = true; };", "rate_xy = 1;"), "measure.disks");

@@ -16,13 +16,15 @@ static const sd_clump *clump_of(sd_simulation *s, size_t k) {
   return sd_model_clump(sd_simulation_model(s), k);
 }
 
-static uint32_t add_clump(sd_model *m, size_t n, const uint32_t *disks, double vx, double vy, double omega) {
+static uint32_t add_clump(sd_model *m, size_t n, const uint32_t *disks, double vx, double vy,
+                          double omega) {
   const sd_clump c = {.n_disks = n, .disks = disks, .velocity = {vx, vy, omega}};
   return sd_model_add_clump(m, &c);
 }
 
 /* Two disks at a distance of 2 d, with their centre at (x, y) and an angle to the x axis. */
-static void add_dimer(sd_model *m, double x, double y, double angle, double d, double radius, double mass) {
+static void add_dimer(sd_model *m, double x, double y, double angle, double d, double radius,
+                      double mass) {
   const double dx = d * cos(angle), dy = d * sin(angle);
   const uint32_t disks[] = {system_disk(m, x - dx, y - dy, radius, mass),
                             system_disk(m, x + dx, y + dy, radius, mass)};
@@ -31,12 +33,13 @@ static void add_dimer(sd_model *m, double x, double y, double angle, double d, d
 
 static sd_simulation *dimer_in(const char *acting, const char *motion) {
   text deck = {0};
-  text_add(
-      &deck,
-      "integrator = \"verlet\"; dt = 1e-3; time = 200; materials = ( { name = \"m\"; k_n = 1; } );\n"
-      "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), (0.8, 0)); } "
-      ");\nclumps = ( { disk = (0, 1); %s } );\nfields = ( %s );\n",
-      motion, acting);
+  text_add(&deck,
+           "integrator = \"verlet\"; dt = 1e-3; time = 200; materials = ( { name = \"m\"; k_n = 1; "
+           "} );\n"
+           "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), "
+           "(0.8, 0)); } "
+           ");\nclumps = ( { disk = (0, 1); %s } );\nfields = ( %s );\n",
+           motion, acting);
   sd_model *m = model_of(deck.s);
   free(deck.s);
   return begin_run(m, 1);
@@ -52,17 +55,18 @@ static void free_both(sd_simulation *s) {
  * work. The central field takes the centrifugal force away. */
 static void fields_take_the_corrected_velocity_of_a_clump(void **unused) {
   (void)unused;
-  sd_simulation *s =
-      dimer_in("{ type = \"drag\"; gamma = 3e3; gamma_rotation = 1e3; flow = (0.3, -0.2); swirl = 0.5; }",
-               "velocity = (3, -1); omega = 2;");
+  sd_simulation *s = dimer_in(
+      "{ type = \"drag\"; gamma = 3e3; gamma_rotation = 1e3; flow = (0.3, -0.2); swirl = 0.5; }",
+      "velocity = (3, -1); omega = 2;");
   advance(s, 50);
   const sd_state *q = sd_simulation_state(s);
   SYSTEM_NEAR(q->clump_vx[0], 0.3 - 0.5 * q->clump_y[0], 1e-3, "velocity of the stream");
   SYSTEM_NEAR(q->clump_vy[0], -0.2 + 0.5 * q->clump_x[0], 1e-3, "velocity of the stream");
   SYSTEM_NEAR(q->clump_omega[0], 0.5, 1e-3, "spin of the stream");
   free_both(s);
-  s = dimer_in("{ type = \"rotation\"; omega = 3; }, { type = \"central\"; strength = 9; per = \"mass\"; }",
-               "velocity = (0.6, -0.8); omega = 2;");
+  s = dimer_in(
+      "{ type = \"rotation\"; omega = 3; }, { type = \"central\"; strength = 9; per = \"mass\"; }",
+      "velocity = (0.6, -0.8); omega = 2;");
   advance(s, 100000);
   q = sd_simulation_state(s);
   SYSTEM_NEAR(hypot(q->clump_vx[0], q->clump_vy[0]), 1, 1e-10, "speed under the Coriolis force");
@@ -78,14 +82,16 @@ static void drag_acts_on_each_disk(void **unused) {
   const double f = 0.3, f_r = 0.05, d = 0.8, M = 1.4, I = 2 * 0.7 * (0.5 + d * d), t = 2;
   for (int integrator = 0; integrator < 2; integrator++) {
     text deck = {0};
-    text_add(&deck,
-             "integrator = \"%s\"; dt = 1e-3; time = 2; materials = ( { name = \"m\"; k_n = 1; k_t = 1; "
-             "gamma_n = 0; mu = 0; } "
-             ");\ndisk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), (0.8, "
-             "0)); } );\n"
-             "clumps = ( { disk = (0, 1); velocity = (3, -1); omega = 2; } );\n"
-             "fields = ( { type = \"drag\"; gamma = %g; gamma_rotation = %g; } );\n",
-             integrator ? "verlet" : "gear5", f, f_r);
+    text_add(
+        &deck,
+        "integrator = \"%s\"; dt = 1e-3; time = 2; materials = ( { name = \"m\"; k_n = 1; k_t = 1; "
+        "gamma_n = 0; mu = 0; } "
+        ");\ndisk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), "
+        "(0.8, "
+        "0)); } );\n"
+        "clumps = ( { disk = (0, 1); velocity = (3, -1); omega = 2; } );\n"
+        "fields = ( { type = \"drag\"; gamma = %g; gamma_rotation = %g; } );\n",
+        integrator ? "verlet" : "gear5", f, f_r);
     sd_model *m = model_of(deck.s);
     free(deck.s);
     sd_simulation *s = begin_run(m, 1);
@@ -96,7 +102,8 @@ static void drag_acts_on_each_disk(void **unused) {
     SYSTEM_NEAR(q->clump_vy[0], -slowed, 1e-6, "velocity along y");
     SYSTEM_NEAR(q->clump_omega[0], 2 * turned, 1e-6, "angular velocity");
     const sd_energy e = sd_simulation_energy(s);
-    SYSTEM_NEAR(e.drag, 5 * M * (1 - slowed * slowed) + 2 * I * (1 - turned * turned), 1e-5, "lost to drag");
+    SYSTEM_NEAR(e.drag, 5 * M * (1 - slowed * slowed) + 2 * I * (1 - turned * turned), 1e-5,
+                "lost to drag");
     SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "energy");
     sd_simulation_free(s);
     sd_model_free(m);
@@ -107,20 +114,22 @@ static void drag_acts_on_each_disk(void **unused) {
  * 1 - alpha_rotation. */
 static void damping_acts_on_the_whole_clump(void **unused) {
   (void)unused;
-  const double alpha = 0.4, g = 10, v0 = 7, up = v0 / (g * (1 + alpha)), top = 0.5 * v0 * up, M = 1.4,
-               I = 2 * 0.7 * (0.5 + 0.8 * 0.8);
+  const double alpha = 0.4, g = 10, v0 = 7, up = v0 / (g * (1 + alpha)), top = 0.5 * v0 * up,
+               M = 1.4, I = 2 * 0.7 * (0.5 + 0.8 * 0.8);
   const int steps = 10000;
   for (int integrator = 0; integrator < 2; integrator++) {
     text deck = {0};
-    text_add(&deck,
-             "integrator = \"%s\"; dt = %.17g; time = 10; gravity = { g = %g; }; materials = ( { name = "
-             "\"m\"; k_n "
-             "= 1; k_t = 1; gamma_n = 0; mu = 0; } );\n"
-             "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), (0.8, "
-             "0)); } );\n"
-             "clumps = ( { disk = (0, 1); velocity = (0, %g); torque = 3; } );\n"
-             "fields = ( { type = \"damping\"; alpha = %g; alpha_rotation = 0.25; } );\n",
-             integrator ? "verlet" : "gear5", up / steps, g, v0, alpha);
+    text_add(
+        &deck,
+        "integrator = \"%s\"; dt = %.17g; time = 10; gravity = { g = %g; }; materials = ( { name = "
+        "\"m\"; k_n "
+        "= 1; k_t = 1; gamma_n = 0; mu = 0; } );\n"
+        "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), "
+        "(0.8, "
+        "0)); } );\n"
+        "clumps = ( { disk = (0, 1); velocity = (0, %g); torque = 3; } );\n"
+        "fields = ( { type = \"damping\"; alpha = %g; alpha_rotation = 0.25; } );\n",
+        integrator ? "verlet" : "gear5", up / steps, g, v0, alpha);
     sd_model *m = model_of(deck.s);
     free(deck.s);
     sd_simulation *s = begin_run(m, 1);
@@ -143,7 +152,8 @@ static void damping_acts_on_the_whole_clump(void **unused) {
 
 /* A field of the program pushes each disk: a couple of forces turns the clump. */
 static void push_apart(const sd_force_columns *c, void *user) {
-  for (size_t i = 0; i < c->n_free; i++) c->force_y[i] += (c->id[i] ? 1 : -1) * *(const double *)user;
+  for (size_t i = 0; i < c->n_free; i++)
+    c->force_y[i] += (c->id[i] ? 1 : -1) * *(const double *)user;
 }
 
 static void fields_of_programs_have_levers(void **unused) {

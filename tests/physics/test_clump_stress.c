@@ -25,8 +25,9 @@ static resultants row_of(sd_simulation *s) {
   resultants r;
   const sd_model *m = sd_simulation_model(s);
   resultants_new(&r, m);
-  assert_int_equal(resultants_take(&r, m, sd_simulation_state(s), engine_slots(engine_of(s)), NULL, NULL),
-                   SD_OK);
+  assert_int_equal(
+      resultants_take(&r, m, sd_simulation_state(s), engine_slots(engine_of(s)), NULL, NULL),
+      SD_OK);
   return r;
 }
 
@@ -65,7 +66,8 @@ static void all_say_the_same(sd_simulation *s, double small) {
 /* --- two dimers in a periodic box ---------------------------------------------------------------------- */
 
 enum { WIDTH = 11, HEIGHT = 7 };
-static const double K = 1000, RADIUS = 1, D = 0.8, OVERLAP = 0.01, FORCE = 10, AREA = WIDTH * HEIGHT;
+static const double K = 1000, RADIUS = 1, D = 0.8, OVERLAP = 0.01, FORCE = 10,
+                    AREA = WIDTH * HEIGHT;
 
 static sd_model *box_of(double width, double height) {
   sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-3, (sd_contact_law){.k_n = K});
@@ -79,7 +81,8 @@ static sd_model *box_of(double width, double height) {
 }
 
 /* Of these directions; its disks stand in the box. */
-static void add_dimer(sd_model *m, double x, double y, double dx, double dy, const double velocity[3]) {
+static void add_dimer(sd_model *m, double x, double y, double dx, double dy,
+                      const double velocity[3]) {
   uint32_t disks[2];
   for (int n = 0; n < 2; n++) {
     const double way = n ? D : -D, at[2] = {x + way * dx, y + way * dy};
@@ -88,7 +91,8 @@ static void add_dimer(sd_model *m, double x, double y, double dx, double dy, con
       in[k] = m->periodic[k] ? at[k] - m->upper[k] * floor(at[k] / m->upper[k]) : at[k];
     disks[n] = system_disk(m, in[0], in[1], RADIUS, 0.5);
   }
-  const sd_clump c = {.n_disks = 2, .disks = disks, .velocity = {velocity[0], velocity[1], velocity[2]}};
+  const sd_clump c = {
+      .n_disks = 2, .disks = disks, .velocity = {velocity[0], velocity[1], velocity[2]}};
   sd_model_add_clump(m, &c);
 }
 
@@ -115,7 +119,8 @@ static void two_dimers_touch_anywhere(void **unused) {
     const double expected[4] = {l[0] * FORCE / AREA, 0, l[1] * FORCE / AREA, 0};
     assert_int_equal(r.contacts, 1);
     for (int k = 0; k < 4; k++)
-      SYSTEM_NEAR(r.stress[k], expected[k], 1e-11 * FORCE, "stress %s at place %d", component[k], place);
+      SYSTEM_NEAR(r.stress[k], expected[k], 1e-11 * FORCE, "stress %s at place %d", component[k],
+                  place);
     measurement found = measurement_of(s, false);
     SYSTEM_NEAR(found.s.unbalanced, 1, 1e-10, "one force on each dimer");
     assert_int_equal(found.s.clumps, 2);
@@ -145,8 +150,8 @@ static void a_row_of_dimers_carries_its_force(void **unused) {
     assert_int_equal(again.s.n_contacts, 3);
     SYSTEM_NEAR(again.s.contact[STRESS_XX], FORCE / HEIGHT, 1e-10 * FORCE, "contacts found again");
     for (size_t i = 0; i < 6; i++)
-      SYSTEM_NEAR(measurement_pressure(&found, i) * 3 * pitch * HEIGHT, 0.5 * FORCE * 3 * pitch, 1e-9 * FORCE,
-                  "pressure of disk %zu", i);
+      SYSTEM_NEAR(measurement_pressure(&found, i) * 3 * pitch * HEIGHT, 0.5 * FORCE * 3 * pitch,
+                  1e-9 * FORCE, "pressure of disk %zu", i);
     measurement_free(&found);
     measurement_free(&again);
     all_say_the_same(s, 1e-11 * FORCE);
@@ -171,7 +176,8 @@ static void kinetic_stress_is_that_of_the_centres(void **unused) {
   resultants_free(&r);
   measurement found = measurement_of(s, false);
   const double inertia = 2 * 0.5 * (RADIUS * RADIUS / 2 + D * D);
-  SYSTEM_NEAR(found.s.energy_translation, 0.25 * (v[0] * v[0] + v[1] * v[1]), 1e-13, "energy of translation");
+  SYSTEM_NEAR(found.s.energy_translation, 0.25 * (v[0] * v[0] + v[1] * v[1]), 1e-13,
+              "energy of translation");
   SYSTEM_NEAR(found.s.energy_rotation, 0.25 * inertia * v[2] * v[2], 1e-12, "energy of rotation");
   measurement_free(&found);
   all_say_the_same(s, 1e-13);
@@ -183,8 +189,12 @@ static void a_given_mass_counts(void **unused) {
   (void)unused;
   sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-3, (sd_contact_law){.k_n = K});
   const uint32_t disks[2] = {system_disk(m, 0, 0, 1, 1), system_disk(m, 1.5, 0, 0.5, 0.2)};
-  const sd_clump c = {
-      .n_disks = 2, .disks = disks, .mass = 6, .inertia = 7, .velocity = {1, 0, 2}, .force = {0, 3, 0}};
+  const sd_clump c = {.n_disks = 2,
+                      .disks = disks,
+                      .mass = 6,
+                      .inertia = 7,
+                      .velocity = {1, 0, 2},
+                      .force = {0, 3, 0}};
   sd_model_add_clump(m, &c);
   system_disk(m, 5, 0, 1, 1);
   sd_simulation *s = start(m);
@@ -201,19 +211,24 @@ static void a_given_mass_counts(void **unused) {
 
 static const char *const pressed =
     "integrator = \"verlet\"; contact_variant = \"conservative\"; dt = 1e-3;\n"
-    "materials = ( { name = \"g\"; k_n = 1e4; k_t = 5e3; restitution = 0.3; mu = %g; }, { name = \"smooth\"; "
+    "materials = ( { name = \"g\"; k_n = 1e4; k_t = 5e3; restitution = 0.3; mu = %g; }, { name = "
+    "\"smooth\"; "
     "k_n = 1e4; } );\n"
     "material_pairs = ( { materials = (\"g\", \"smooth\"); k_n = 1e4; restitution = 0.3; } );\n"
     "container = { type = \"%s\"; width = %g; height = %g; %s };\n"
-    "packings = ( { type = \"random\"; fraction = %g; radius = 0.5; density = 1; material = \"g\"; %s } );\n"
-    "phases = ( { time = 100; compress = { pressure = 10; rate = 0.05; }; settle = { unbalanced = 0.01; }; "
+    "packings = ( { type = \"random\"; fraction = %g; radius = 0.5; density = 1; material = \"g\"; "
+    "%s } );\n"
+    "phases = ( { time = 100; compress = { pressure = 10; rate = 0.05; }; settle = { unbalanced = "
+    "0.01; }; "
     "},\n"
     "  { time = 60; relax = true; settle = { unbalanced = 1e-10; }; } );\n"
     "measure = { stress = true; box = true; %s rotation = (); };\n";
 static const char *const dimers = "clump = { at = ([-0.8, 0], [0.8, 0]); };";
-static const char *const rods = "clump = { at = ([-1.6, 0], [-0.8, 0], [0, 0], [0.8, 0], [1.6, 0]); };";
+static const char *const rods =
+    "clump = { at = ([-1.6, 0], [-0.8, 0], [0, 0], [0.8, 0], [1.6, 0]); };";
 
-static sd_simulation *press(const char *grains, double mu, bool walls, double size, double fraction) {
+static sd_simulation *press(const char *grains, double mu, bool walls, double size,
+                            double fraction) {
   text t = {0};
   text_add(&t, pressed, mu, walls ? "box" : "periodic", size, size,
            walls ? "open = false; material = \"smooth\";" : "", fraction, grains,
@@ -251,9 +266,10 @@ static void check_pressed(const char *name, sd_simulation *s, double size) {
   const double p = compress_pressure(engine_of(s)), small = 1e-7 * p;
   measurement found = measurement_of(s, false);
   const double unbalanced = settle_look(engine_of(s)).unbalanced;
-  print_message("  %s: pressure %.6g, stress %.6g %.6g %.6g %.6g, unbalanced %.2g, %zu rattlers of %zu\n",
-                name, p, found.s.contact[0], found.s.contact[1], found.s.contact[2], found.s.contact[3],
-                unbalanced, found.s.rattlers, found.s.free);
+  print_message(
+      "  %s: pressure %.6g, stress %.6g %.6g %.6g %.6g, unbalanced %.2g, %zu rattlers of %zu\n",
+      name, p, found.s.contact[0], found.s.contact[1], found.s.contact[2], found.s.contact[3],
+      unbalanced, found.s.rattlers, found.s.free);
   assert_true(unbalanced < 1e-10);
   assert_true(found.width < size);
   SYSTEM_NEAR(p, 10, 0.5, "pressure, as far as the relaxation leaves it");
@@ -267,7 +283,8 @@ static void check_pressed(const char *name, sd_simulation *s, double size) {
     const double here = measurement_pressure(&found, i);
     if (isfinite(here)) sum += here * found.cells.area[i];
   }
-  if (found.cells.n_open == 0) SYSTEM_NEAR(sum / found.s.area, p, 1e-9 * p, "mean of the pressures on disks");
+  if (found.cells.n_open == 0)
+    SYSTEM_NEAR(sum / found.s.area, p, 1e-9 * p, "mean of the pressures on disks");
   measurement_free(&found);
 }
 
@@ -296,8 +313,8 @@ static void a_periodic_box_has_a_symmetric_stress(void **unused) {
       measurement found = measurement_of(s, false), again = measurement_of(s, true);
       assert_int_equal(again.s.n_contacts, found.s.n_contacts);
       for (int c = 0; c < 4; c++)
-        SYSTEM_NEAR(again.s.contact[c], found.s.contact[c], 1e-9, "stress %s of contacts found again",
-                    component[c]);
+        SYSTEM_NEAR(again.s.contact[c], found.s.contact[c], 1e-9,
+                    "stress %s of contacts found again", component[c]);
       measurement_free(&found);
       measurement_free(&again);
     }

@@ -17,13 +17,15 @@ static const sd_clump *clump_of(sd_simulation *s, size_t k) {
   return sd_model_clump(sd_simulation_model(s), k);
 }
 
-static uint32_t add_clump(sd_model *m, size_t n, const uint32_t *disks, double vx, double vy, double omega) {
+static uint32_t add_clump(sd_model *m, size_t n, const uint32_t *disks, double vx, double vy,
+                          double omega) {
   const sd_clump c = {.n_disks = n, .disks = disks, .velocity = {vx, vy, omega}};
   return sd_model_add_clump(m, &c);
 }
 
 /* Two disks at a distance of 2 d, with their centre at (x, y) and an angle to the x axis. */
-static void add_dimer(sd_model *m, double x, double y, double angle, double d, double radius, double mass) {
+static void add_dimer(sd_model *m, double x, double y, double angle, double d, double radius,
+                      double mass) {
   const double dx = d * cos(angle), dy = d * sin(angle);
   const uint32_t disks[] = {system_disk(m, x - dx, y - dy, radius, mass),
                             system_disk(m, x + dx, y + dy, radius, mass)};
@@ -52,7 +54,8 @@ static momenta momenta_of(sd_simulation *s) {
 static void a_free_clump_keeps_its_momenta(void **unused) {
   (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
-    sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e4});
+    sd_model *m =
+        system_new((sd_integrator)integrator, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e4});
     const uint32_t disks[] = {system_disk(m, 0.2, 0, 1, 1), system_disk(m, 1.7, 0.2, 0.7, 0.5),
                               system_disk(m, 1, 1, 0.3, 2)};
     add_clump(m, 3, disks, 0.3, 0.1, 2.0);
@@ -68,12 +71,14 @@ static void a_free_clump_keeps_its_momenta(void **unused) {
     SYSTEM_NEAR(c->inertia, inertia, 1e-14 * inertia, "moment of inertia");
     const momenta before = momenta_of(s);
     const sd_energy e = sd_simulation_energy(s);
-    SYSTEM_NEAR(e.kinetic_translation + e.kinetic_rotation, 3.5 * 0.05 + inertia * 2, 1e-13, "energy");
+    SYSTEM_NEAR(e.kinetic_translation + e.kinetic_rotation, 3.5 * 0.05 + inertia * 2, 1e-13,
+                "energy");
     system_advance(s, 100000);
     const momenta after = momenta_of(s);
     SYSTEM_NEAR(after.x, before.x, 1e-12, "momentum along x");
     SYSTEM_NEAR(after.y, before.y, 1e-12, "momentum along y");
-    SYSTEM_NEAR(after.angular, before.angular, 1e-11, "angular momentum"); /* 30 lengths from the origin */
+    SYSTEM_NEAR(after.angular, before.angular, 1e-11,
+                "angular momentum"); /* 30 lengths from the origin */
     SYSTEM_NEAR(sd_simulation_energy(s).residual, 0, 1e-12, "energy");
     const system_body a = system_at(s, 0), b = system_at(s, 1);
     SYSTEM_NEAR(hypot(b.x - a.x, b.y - a.y), hypot(1.5, 0.2), 1e-13, "distance");
@@ -119,10 +124,11 @@ static void one_end_falls_on_a_wall(void **unused) {
   (void)unused;
   const double d = 0.8, radius = 1, mass = 0.5, v = 1, angle = 0.6, k = 1e9;
   const double M = 2 * mass, I = 2 * mass * (radius * radius / 2 + d * d), arm = -d * cos(angle);
-  const double J = 2 * v / (1 / M + arm * arm / I), duration = M_PI * sqrt(1 / (1 / M + arm * arm / I) / k);
+  const double J = 2 * v / (1 / M + arm * arm / I),
+               duration = M_PI * sqrt(1 / (1 / M + arm * arm / I) / k);
   for (int integrator = 0; integrator < 2; integrator++) {
-    sd_model *m =
-        system_new((sd_integrator)integrator, SD_CONSERVATIVE, duration / 400, (sd_contact_law){.k_n = k});
+    sd_model *m = system_new((sd_integrator)integrator, SD_CONSERVATIVE, duration / 400,
+                             (sd_contact_law){.k_n = k});
     add_dimer(m, 0, d * sin(angle) + radius + 1e-9, angle, d, radius, mass);
     m->clumps[0].velocity[SD_Y] = -v;
     floor_at(m, 0);
@@ -178,7 +184,8 @@ static sd_simulation *bouncing(int integrator, bool clump) {
   sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, 1e-5, law);
   m->gravity[SD_Y] = -9.81;
   for (uint32_t k = 0; k < 6; k++) {
-    const uint32_t i = system_disk(m, 0.9 * (k % 3), 0.6 + 1.1 * (k / 3) + 0.01 * k, 0.5, 1 + 0.1 * k);
+    const uint32_t i =
+        system_disk(m, 0.9 * (k % 3), 0.6 + 1.1 * (k / 3) + 0.01 * k, 0.5, 1 + 0.1 * k);
     if (clump)
       add_clump(m, 1, &i, 0.2, 0, 60.0 - 7 * k);
     else
@@ -254,11 +261,13 @@ static void edges_of_a_periodic_box_are_not_felt(void **unused) {
     assert_true(sd_simulation_energy(b).friction > 1e-3);
     for (int k = 0; k < 2; k++) images += abs(q->clump_image_x[k]) + abs(q->clump_image_y[k]);
     for (int k = 0; k < 2; k++) {
-      SYSTEM_NEAR(q->clump_vx[k], p->clump_vx[k], 1e-8, "velocity of clump %d, shifted by %g", k, shift);
-      SYSTEM_NEAR(q->clump_omega[k], p->clump_omega[k], 1e-8, "angular velocity of clump %d, shifted by %g",
-                  k, shift);
+      SYSTEM_NEAR(q->clump_vx[k], p->clump_vx[k], 1e-8, "velocity of clump %d, shifted by %g", k,
+                  shift);
+      SYSTEM_NEAR(q->clump_omega[k], p->clump_omega[k], 1e-8,
+                  "angular velocity of clump %d, shifted by %g", k, shift);
     }
-    for (size_t k = 0; k < 4; k++) { /* each disk is beside the others of its clump, images counted */
+    for (size_t k = 0; k < 4;
+         k++) { /* each disk is beside the others of its clump, images counted */
       const size_t c = k / 2;
       const double dx = q->x[k] + 10 * q->image_x[k] - q->clump_x[c] - 10 * q->clump_image_x[c];
       const double dy = q->y[k] + 10 * q->image_y[k] - q->clump_y[c] - 10 * q->clump_image_y[c];
@@ -274,9 +283,10 @@ static void edges_of_a_periodic_box_are_not_felt(void **unused) {
 
 /* Disks of a body of up to 0.7 of the box, each with its own mass, in any order, anywhere, along either axis. */
 enum { MEMBERS = 4, ORDERS = 24 };
-static const double bodies[][MEMBERS][3] = {{{0.5, 0, 0.2}, {1.7, 0, 0.2}, {2.9, 0, 0.2}, {2.9, 0.3, 0.2}},
-                                            {{0, 0, 0.6}, {0.7, 0.1, 0.3}, {1.4, 0, 0.5}, {2.3, 0.1, 0.4}},
-                                            {{0, 0, 0.8}, {0.9, 0, 0.1}, {-1.6, 0, 0.1}, {-0.5, 0.8, 0.1}}};
+static const double bodies[][MEMBERS][3] = {
+    {{0.5, 0, 0.2}, {1.7, 0, 0.2}, {2.9, 0, 0.2}, {2.9, 0.3, 0.2}},
+    {{0, 0, 0.6}, {0.7, 0.1, 0.3}, {1.4, 0, 0.5}, {2.3, 0.1, 0.4}},
+    {{0, 0, 0.8}, {0.9, 0, 0.1}, {-1.6, 0, 0.1}, {-0.5, 0.8, 0.1}}};
 
 /* Element `place` of permutation `order` of four. */
 static int permuted(int order, int place) {
@@ -315,14 +325,15 @@ static void the_shape_does_not_depend_on_the_order(void **unused) {
     for (int axis = 0; axis < 2; axis++) {
       sd_model *free_one = body_of(body, axis, 0, 0, false);
       sd_simulation *open = system_start(free_one);
-      const double inertia = free_one->clumps[0].inertia, radius = clumps_grain(free_one, 0, MEMBERS).radius;
+      const double inertia = free_one->clumps[0].inertia,
+                   radius = clumps_grain(free_one, 0, MEMBERS).radius;
       system_end(open);
       for (int order = 0; order < ORDERS; order++)
         for (double shift = 0; shift < 4; shift += 0.75) {
           sd_model *m = body_of(body, axis, shift, order, true);
           sd_simulation *s = system_start(m);
-          SYSTEM_NEAR(m->clumps[0].inertia, inertia, 1e-12 * inertia, "body %d, order %d, shift %g", body,
-                      order, shift);
+          SYSTEM_NEAR(m->clumps[0].inertia, inertia, 1e-12 * inertia, "body %d, order %d, shift %g",
+                      body, order, shift);
           SYSTEM_NEAR(clumps_grain(m, 0, MEMBERS).radius, radius, 1e-12, "the circle around it");
           if (order % 5 == 0) system_advance(s, 100);
           const sd_state *q = sd_simulation_state(s);
@@ -346,7 +357,8 @@ static void a_body_that_closes_around_the_box_is_refused(void **unused) {
       sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e3});
       uint32_t disks[4];
       for (int c = 0; c < 2; c++) m->periodic[c] = true, m->upper[c] = 4;
-      for (int k = 0; k < 4; k++) disks[k] = system_disk(m, axis ? 1 : 0.3 + k, axis ? 0.3 + k : 1, 0.1, 1);
+      for (int k = 0; k < 4; k++)
+        disks[k] = system_disk(m, axis ? 1 : 0.3 + k, axis ? 0.3 + k : 1, 0.1, 1);
       add_clump(m, 4, disks, 0, 0, 0);
       m->clumps[0].locked[SD_THETA] = held != 0;
       m->phases = calloc(1, sizeof *m->phases);
@@ -390,20 +402,23 @@ static void a_plate_is_dragged(void **unused) {
   SYSTEM_NEAR(q->clump_theta[0], 0, 0, "its angle");
   const sd_energy e = sd_simulation_energy(s);
   assert_true(e.friction > 1e-3);
-  SYSTEM_NEAR(e.work, -pull, 2e-3 * fabs(pull), "work of the plate"); /* against the rectangle rule */
+  SYSTEM_NEAR(e.work, -pull, 2e-3 * fabs(pull),
+              "work of the plate"); /* against the rectangle rule */
   SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "energy");
   system_end(s);
 }
 
 /* --- packings ------------------------------------------------------------------------------------------------ */
 
-static const char *const heap =
-    "gravity = { g = 9.81; }; contact_variant = \"conservative\"; materials = ( { name = \"m\"; k_n = 2e4; "
-    "k_t = 1e4; "
-    "gamma_n = 0.5; mu = 0.5; } ); container = { type = \"box\"; width = 1.5; height = 1.2; open = true; };\n"
-    "packings = ( { type = \"square\"; count = 1000; spacing = 0.04; sizes = \"uniform\"; lower = 0.008; "
-    "upper = 0.011; density "
-    "= 40.0; clump = { at = ([-0.8, 0.0], [0.8, 0.0]); }; } );\n";
+static const char *const heap = "gravity = { g = 9.81; }; contact_variant = \"conservative\"; "
+                                "materials = ( { name = \"m\"; k_n = 2e4; "
+                                "k_t = 1e4; "
+                                "gamma_n = 0.5; mu = 0.5; } ); container = { type = \"box\"; width "
+                                "= 1.5; height = 1.2; open = true; };\n"
+                                "packings = ( { type = \"square\"; count = 1000; spacing = 0.04; "
+                                "sizes = \"uniform\"; lower = 0.008; "
+                                "upper = 0.011; density "
+                                "= 40.0; clump = { at = ([-0.8, 0.0], [0.8, 0.0]); }; } );\n";
 
 static sd_model *heap_of(double dt, const char *more) {
   text t = {0};
@@ -424,9 +439,10 @@ static void a_packing_closes_its_budget(void **unused) {
     const sd_energy e = sd_simulation_energy(s);
     assert_int_equal(sd_model_clumps(m), 1000);
     residual[k] = fabs(e.residual) / e.scale;
-    print_message("  dt %g: residual/scale %.2g, friction/scale %.2g, %zu contacts\n", m->dt, residual[k],
-                  e.friction / e.scale, sd_simulation_state(s)->n_contacts);
-    assert_true(steps < 20000 || (e.friction > 0.01 * e.scale && sd_simulation_state(s)->n_contacts > 500));
+    print_message("  dt %g: residual/scale %.2g, friction/scale %.2g, %zu contacts\n", m->dt,
+                  residual[k], e.friction / e.scale, sd_simulation_state(s)->n_contacts);
+    assert_true(steps < 20000 ||
+                (e.friction > 0.01 * e.scale && sd_simulation_state(s)->n_contacts > 500));
     sd_simulation_free(s);
     sd_model_free(m);
   }

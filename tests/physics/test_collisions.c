@@ -14,8 +14,8 @@
 #include "system.h"
 
 enum { DISKS, LINE, LINE_BACK, SEGMENT, POLYLINE, CIRCLE, DRUM, KINDS };
-static const char *const kind_names[] = {"disks",  "line", "line from behind", "segment", "polyline",
-                                         "circle", "drum"};
+static const char *const kind_names[] = {
+    "disks", "line", "line from behind", "segment", "polyline", "circle", "drum"};
 
 /* A disk hits a partner whose surface lies in direction beta; the partner (if a wall) and the frame move. */
 typedef struct hit {
@@ -56,7 +56,8 @@ static void hit_wall(sd_model *m, const hit *h) {
   else if (h->kind == POLYLINE)
     w = system_straight(m, SD_WALL_POLYLINE, 3, (const double(*)[2])p);
   else
-    w = system_straight(m, h->kind == SEGMENT ? SD_WALL_SEGMENT : SD_WALL_LINE, 2, (const double(*)[2])p);
+    w = system_straight(m, h->kind == SEGMENT ? SD_WALL_SEGMENT : SD_WALL_LINE, 2,
+                        (const double(*)[2])p);
   for (int c = 0; c < 2; c++)
     if (h->frame[c] != 0) system_move(m, system_wall_body(m, w), c, h->frame[c]);
   if (h->spin[1] != 0) system_move(m, system_wall_body(m, w), SD_THETA, h->spin[1]);
@@ -97,9 +98,11 @@ static outcome hit_run(const hit *h) {
     out.overlap = fmax(out.overlap, c.overlap);
     out.force = fmax(out.force, c.force);
     double sine = fmax(scale * sin(w * (double)k * h->dt), 0);
-    if (w * (double)k * h->dt < M_PI) out.work_out = fmax(out.work_out, fabs(c.force - sine) / scale);
+    if (w * (double)k * h->dt < M_PI)
+      out.work_out = fmax(out.work_out, fabs(c.force - sine) / scale);
     if (pushed && c.force <= 0) break;
-    if ((double)k * h->dt * w > 100) fail_msg("%s, beta %g: never apart", kind_names[h->kind], h->beta);
+    if ((double)k * h->dt * w > 100)
+      fail_msg("%s, beta %g: never apart", kind_names[h->kind], h->beta);
   }
   out.duration = (double)pushing * h->dt;
   for (int k = 0; k < 400 && system_touch(s, 0, 1).closed; k++) system_advance(s, 1000);
@@ -116,7 +119,8 @@ static outcome hit_run(const hit *h) {
   return out;
 }
 
-static hit head_on(int kind, sd_integrator integrator, sd_variant variant, double k_n, double mass) {
+static hit head_on(int kind, sd_integrator integrator, sd_variant variant, double k_n,
+                   double mass) {
   hit h = {.kind = kind,
            .radius = {1, kind == DRUM ? 5 : 1.7},
            .mass = {mass, 2.3},
@@ -139,7 +143,8 @@ static void restitution_over_a_grid_of_damping(void **unused) {
     for (int integrator = 0; integrator < 2; integrator++)
       for (size_t d = 0; d < sizeof damping / sizeof *damping; d += BRIEF(1, 4), run++) {
         /* masses, directions, variants and frames change from run to run */
-        hit h = head_on(kind, (sd_integrator)integrator, (sd_variant)(run % 2), 1e4, run % 3 ? 1 : 0.2);
+        hit h =
+            head_on(kind, (sd_integrator)integrator, (sd_variant)(run % 2), 1e4, run % 3 ? 1 : 0.2);
         h.beta = run % 4 ? 0.37 * run : M_PI + (run % 3 - 1) * 1e-17;
         h.frame[0] = run % 5 ? 0.03 : 0;
         h.frame[1] = run % 5 ? -0.05 : 0;
@@ -148,10 +153,10 @@ static void restitution_over_a_grid_of_damping(void **unused) {
         sd_collision expected = sd_restitution(h.law.k_n, h.law.gamma_n, m);
         outcome out = hit_run(&h);
         double e = out.v_n / h.speed;
-        SYSTEM_NEAR(e, expected.restitution, 1e-4, "%s, %s, damping %g: restitution", kind_names[kind],
-                    system_integrators[integrator], damping[d]);
-        SYSTEM_NEAR(out.duration, expected.duration, 2.5 * h.dt, "%s, damping %g: duration", kind_names[kind],
-                    damping[d]);
+        SYSTEM_NEAR(e, expected.restitution, 1e-4, "%s, %s, damping %g: restitution",
+                    kind_names[kind], system_integrators[integrator], damping[d]);
+        SYSTEM_NEAR(out.duration, expected.duration, 2.5 * h.dt, "%s, damping %g: duration",
+                    kind_names[kind], damping[d]);
         SYSTEM_NEAR(out.v_t, 0, 1e-9, "%s: nothing along the surface", kind_names[kind]);
         SYSTEM_NEAR(out.spin[0], 0, 1e-8, "%s: no spin", kind_names[kind]);
         worst = fmax(worst, fabs(e - expected.restitution));
@@ -170,7 +175,8 @@ static void restitution_converges(void **unused) {
       double m = reduced(&h);
       h.law.gamma_n = 0.6 * sqrt(h.law.k_n * m);
       h.dt = 4e-3 / (1 << k) / sqrt(h.law.k_n / m);
-      error[k] = fabs(hit_run(&h).v_n / h.speed - sd_restitution(h.law.k_n, h.law.gamma_n, m).restitution);
+      error[k] =
+          fabs(hit_run(&h).v_n / h.speed - sd_restitution(h.law.k_n, h.law.gamma_n, m).restitution);
     }
     print_message("restitution, %s: errors %.2g %.2g %.2g at w dt = 4e-3, 2e-3, 1e-3\n",
                   system_integrators[integrator], error[0], error[1], error[2]);
@@ -192,8 +198,10 @@ static void tests_1_and_2_elastic_normal_impact(void **unused) {
       outcome out = hit_run(&h);
       double m = reduced(&h), root = sqrt(m / h.law.k_n);
       SYSTEM_NEAR(out.work_out, 0, 5e-6, "%s: force against time", kind_names[kind]);
-      SYSTEM_NEAR(out.overlap, h.speed * root, 1e-6 * h.speed * root, "%s: overlap", kind_names[kind]);
-      SYSTEM_NEAR(out.force, h.speed * sqrt(m * h.law.k_n), 1e-6 * h.speed * sqrt(m * h.law.k_n), "force");
+      SYSTEM_NEAR(out.overlap, h.speed * root, 1e-6 * h.speed * root, "%s: overlap",
+                  kind_names[kind]);
+      SYSTEM_NEAR(out.force, h.speed * sqrt(m * h.law.k_n), 1e-6 * h.speed * sqrt(m * h.law.k_n),
+                  "force");
       SYSTEM_NEAR(out.duration, M_PI * root, 2 * h.dt, "%s: duration", kind_names[kind]);
       SYSTEM_NEAR(out.v_n, h.speed, 1e-6 * h.speed, "%s: speed", kind_names[kind]);
       /* the force of the last step works over the gap, too: what that gives is booked, and nothing else is lost */
@@ -211,12 +219,14 @@ static void test_3_restitution_asked_for(void **unused) {
       double m = reduced(&h), low = 0, high = 4 * sqrt(h.law.k_n * m);
       for (int k = 0; k < 60; k++) {
         h.law.gamma_n = 0.5 * (low + high);
-        *(sd_restitution(h.law.k_n, h.law.gamma_n, m).restitution > e ? &low : &high) = h.law.gamma_n;
+        *(sd_restitution(h.law.k_n, h.law.gamma_n, m).restitution > e ? &low : &high) =
+            h.law.gamma_n;
       }
       outcome out = hit_run(&h);
       SYSTEM_NEAR(out.v_n / h.speed, e, 1e-4, "%s: restitution", kind_names[kind]);
       double kinetic = 0.5 * m * h.speed * h.speed;
-      SYSTEM_NEAR(out.energy.viscous / kinetic, 1 - e * e, 2e-4, "%s: viscous loss", kind_names[kind]);
+      SYSTEM_NEAR(out.energy.viscous / kinetic, 1 - e * e, 2e-4, "%s: viscous loss",
+                  kind_names[kind]);
     }
 }
 
@@ -246,7 +256,8 @@ static bool reference_forces(reference_run *q, const planar *p, double f[6], boo
   beta += 2 * M_PI * nearbyint((q->beta - beta) / (2 * M_PI));
   double approach = (p->v[3] - p->v[0]) * nx + (p->v[4] - p->v[1]) * ny;
   double normal = fmax(h->law.k_n * delta - h->law.gamma_n * approach, 0);
-  double lambda = ra * p->x[2] + rb * p->x[5] - beta * (ra + rb), cap = h->law.mu * normal / h->law.k_t;
+  double lambda = ra * p->x[2] + rb * p->x[5] - beta * (ra + rb),
+         cap = h->law.mu * normal / h->law.k_t;
   double zeta = fmin(fmax(lambda - q->star, -cap), cap);
   if (commit) q->star = lambda - zeta, q->beta = beta;
   double tau = -h->law.k_t * zeta, push = h->variant == SD_CONSERVATIVE ? tau * (ra + rb) / r : tau;
@@ -268,9 +279,9 @@ static outcome reference(const hit *h, double dt) {
                        0.5 * h->mass[1] * h->radius[1] * h->radius[1]};
   double inverse[6] = {1 / h->mass[0], 1 / h->mass[0], 1 / inertia[0], 0, 0, 0};
   if (disks) inverse[3] = inverse[4] = 1 / h->mass[1], inverse[5] = 1 / inertia[1];
-  planar p = {
-      .x = {0, 0, 0, sum * nx, sum * ny, 0},
-      .v = {h->speed * nx - h->slide * ny, h->speed * ny + h->slide * nx, h->spin[0], 0, 0, h->spin[1]}};
+  planar p = {.x = {0, 0, 0, sum * nx, sum * ny, 0},
+              .v = {h->speed * nx - h->slide * ny, h->speed * ny + h->slide * nx, h->spin[0], 0, 0,
+                    h->spin[1]}};
   reference_run q = {.h = h, .beta = h->beta, .star = -h->beta * sum};
   double f[6];
   bool touching = true;
@@ -316,8 +327,10 @@ static void compare(const hit *h, const outcome *out, const outcome *expected, d
   double scale =
       h->speed + fabs(h->slide) + h->radius[0] * fabs(h->spin[0]) + h->radius[1] * fabs(h->spin[1]);
   const char *kind = kind_names[h->kind], *integrator = system_integrators[h->integrator];
-  SYSTEM_NEAR(out->v_n, expected->v_n, tolerance * scale, "%s, %s, %s: v_n", what, kind, integrator);
-  SYSTEM_NEAR(out->v_t, expected->v_t, tolerance * scale, "%s, %s, %s: v_t", what, kind, integrator);
+  SYSTEM_NEAR(out->v_n, expected->v_n, tolerance * scale, "%s, %s, %s: v_n", what, kind,
+              integrator);
+  SYSTEM_NEAR(out->v_t, expected->v_t, tolerance * scale, "%s, %s, %s: v_t", what, kind,
+              integrator);
   SYSTEM_NEAR(h->radius[0] * out->spin[0], h->radius[0] * expected->spin[0], tolerance * scale,
               "%s, %s, %s: spin", what, kind, integrator);
   if (h->kind == DISKS)
@@ -343,18 +356,20 @@ static void check_gross_sliding(const hit *soft, double e, const char *what) {
   h.law.k_t = 100 * h.law.k_n;
   outcome out = hit_run(&h);
   double m = h.mass[0], r = h.radius[0], sense = h.slide + r * h.spin[0] < 0 ? -1 : 1;
-  sd_oblique slid = sd_gross_sliding(m, 0.5 * m * r * r, r, h.law.mu, e, h.speed, h.slide, h.spin[0]);
+  sd_oblique slid =
+      sd_gross_sliding(m, 0.5 * m * r * r, r, h.law.mu, e, h.speed, h.slide, h.spin[0]);
   assert_true(slid.sliding);
   outcome closed = {.v_n = slid.v_n, .v_t = slid.v_t, .spin = {slid.spin, 0}};
   compare(&h, &out, &closed, 3e-5, "gross sliding");
   double scale = fabs(h.slide) + r * fabs(h.spin[0]), impulse = h.law.mu * (1 + e) * h.speed;
   SYSTEM_NEAR(out.v_t, h.slide - sense * impulse, 3e-5 * scale, "%s: v_t", what);
-  SYSTEM_NEAR(r * (out.spin[0] - h.spin[0]), -sense * 2 * impulse, 3e-5 * scale, "%s: R d omega", what);
+  SYSTEM_NEAR(r * (out.spin[0] - h.spin[0]), -sense * 2 * impulse, 3e-5 * scale, "%s: R d omega",
+              what);
   double before = m * (h.slide * h.slide + 0.5 * r * r * h.spin[0] * h.spin[0]);
   double after = m * (slid.v_t * slid.v_t + 0.5 * r * r * slid.spin * slid.spin);
   SYSTEM_NEAR(out.energy.friction, 0.5 * (before - after), 1e-4 * before, "%s: friction", what);
-  SYSTEM_NEAR(out.energy.viscous, 0.5 * m * (1 - e * e) * h.speed * h.speed, 1e-4 * m * h.speed * h.speed,
-              "%s: viscosity", what);
+  SYSTEM_NEAR(out.energy.viscous, 0.5 * m * (1 - e * e) * h.speed * h.speed,
+              1e-4 * m * h.speed * h.speed, "%s: viscosity", what);
 }
 
 /* The oscillators, and the closed form where the surface slides all through. Returns whether it did. */

@@ -120,7 +120,8 @@ static void add_step(watch *w, const run *r) {
   const int class = contacts_now(r, force, &torque);
   if (class != w->class) {
     sums *ended = w->class >= 0 ? &w->in[w->class] : NULL;
-    if (ended && w->age >= 0) ended->visits++, ended->steps += w->age, ended->steps2 += w->age * w->age;
+    if (ended && w->age >= 0)
+      ended->visits++, ended->steps += w->age, ended->steps2 += w->age * w->age;
     w->age = ended ? 0 : -1;
     w->class = class;
   }
@@ -128,7 +129,8 @@ static void add_step(watch *w, const run *r) {
   in->n++;
   in->torque += torque;
   in->torque2 += (long double)torque * torque;
-  for (int k = 0; k < 2; k++) in->force[k] += force[k], in->force2[k] += (long double)force[k] * force[k];
+  for (int k = 0; k < 2; k++)
+    in->force[k] += force[k], in->force2[k] += (long double)force[k] * force[k];
   if (w->age < 0) return;
   in->age[octave_of(w->age)]++;
   in->age_torque[octave_of(w->age)] += torque;
@@ -146,7 +148,8 @@ static void same(double a, double b, double size, const char *what, size_t k) {
 }
 
 /* Visits do not go on from one phase to the next. Returns the classes that were visited. */
-static unsigned brute_force(const char *const *overrides, size_t n, const int64_t phases[2], bool both) {
+static unsigned brute_force(const char *const *overrides, size_t n, const int64_t phases[2],
+                            bool both) {
   watch w = {.class = -1};
   run r = begin("three_disk/random.cfg", n, overrides);
   int64_t measured = 0;
@@ -236,13 +239,14 @@ static void nothing_is_known(void **unused) {
   r = begin("three_disk/random.cfg", 1, overrides);
   advance(&r, 10);
   q = sd_configuration_of(r.model, state_of(&r), 0);
-  assert_true(q.disk == 0 && q.steps == 0 && isnan(q.torque) && isnan(q.force[0]) && q.age_steps[0] == 0);
+  assert_true(q.disk == 0 && q.steps == 0 && isnan(q.torque) && isnan(q.force[0]) &&
+              q.age_steps[0] == 0);
   end(&r);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(steady_rotation), cmocka_unit_test(every_step_counts),
-                                     cmocka_unit_test(torques_turn_the_disk),
-                                     cmocka_unit_test(nothing_is_known)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(steady_rotation), cmocka_unit_test(every_step_counts),
+      cmocka_unit_test(torques_turn_the_disk), cmocka_unit_test(nothing_is_known)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,8 +35,9 @@ static void closed_ratchet_loop(void **unused) {
     for (int variant = 0; variant < 2; variant++)
       for (int sense = -1; sense <= 1; sense += 2) {
         const double dt = 1e-4, omega = 2 * M_PI / (LOOP_STEPS * dt);
-        sd_model *m = system_new((sd_integrator)integrator, (sd_variant)variant, dt,
-                                 (sd_contact_law){.k_n = 1e4, .k_t = loop_k_t, .gamma_n = 0, .mu = 1e9});
+        sd_model *m =
+            system_new((sd_integrator)integrator, (sd_variant)variant, dt,
+                       (sd_contact_law){.k_n = 1e4, .k_t = loop_k_t, .gamma_n = 0, .mu = 1e9});
         system_disk(m, 0, 0, 1, 1);
         system_disk(m, 1.99, 0, 1, 1);
         m->disks[0].inertia = 1e90;
@@ -60,15 +61,17 @@ static void closed_ratchet_loop(void **unused) {
                gain = (to.nonconservative_work - from.nonconservative_work) / LOOPS;
         double elastic = (to.elastic_tangential + to.elastic_normal) - scale;
         double expected = variant == SD_PAPER ? loop_gain(LOOP_STEPS, sense) : 0;
-        print_message(
-            "%s, %s: work per loop %.3e (booked %.3e), the paper's force %.3e, energy %.1e of %.1e\n",
-            system_integrators[integrator], system_variants[variant], work, booked, expected, elastic, scale);
+        print_message("%s, %s: work per loop %.3e (booked %.3e), the paper's force %.3e, energy "
+                      "%.1e of %.1e\n",
+                      system_integrators[integrator], system_variants[variant], work, booked,
+                      expected, elastic, scale);
         SYSTEM_NEAR(elastic, 0, 1e-10 * scale, "the same energy after %d loops", LOOPS);
         SYSTEM_NEAR(work, -expected, 1e-12 * scale, "%s: work per loop", system_variants[variant]);
         /* as booked: a trapezoid over displacements, of second order */
         SYSTEM_NEAR(booked, work, 2e-3 * fabs(expected) + 1e-5 * scale, "%s: booked work",
                     system_variants[variant]);
-        SYSTEM_NEAR(gain, expected, 2e-3 * fabs(expected), "%s: booked gain", system_variants[variant]);
+        SYSTEM_NEAR(gain, expected, 2e-3 * fabs(expected), "%s: booked gain",
+                    system_variants[variant]);
         system_end(s);
       }
 }
@@ -103,8 +106,8 @@ typedef struct drift {
  * before they part. */
 static drift free_pair(sd_integrator integrator, sd_variant variant, double dt) {
   const double k_t = 2e3;
-  sd_model *m =
-      system_new(integrator, variant, dt, (sd_contact_law){.k_n = 1e3, .k_t = k_t, .gamma_n = 0, .mu = 1e9});
+  sd_model *m = system_new(integrator, variant, dt,
+                           (sd_contact_law){.k_n = 1e3, .k_t = k_t, .gamma_n = 0, .mu = 1e9});
   system_disk(m, 0.3, 0.1, 1, 1);
   system_disk(m, 0.3 + 2.2 * cos(3.0), 0.1 + 2.2 * sin(3.0), 1.2, 1.7);
   system_velocity(m, 0, -0.5, 0.4, 0.8);
@@ -135,10 +138,11 @@ static void conservative_variant_conserves(void **unused) {
   (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     drift d[3];
-    for (int k = 0; k < 3; k++) d[k] = free_pair((sd_integrator)integrator, SD_CONSERVATIVE, 1e-4 / (1 << k));
+    for (int k = 0; k < 3; k++)
+      d[k] = free_pair((sd_integrator)integrator, SD_CONSERVATIVE, 1e-4 / (1 << k));
     print_message("%s: energy %.1e %.1e %.1e, angular momentum %.1e %.1e %.1e, momentum %.1e\n",
-                  system_integrators[integrator], d[0].energy, d[1].energy, d[2].energy, d[0].angular,
-                  d[1].angular, d[2].angular, d[0].momentum);
+                  system_integrators[integrator], d[0].energy, d[1].energy, d[2].energy,
+                  d[0].angular, d[1].angular, d[2].angular, d[0].momentum);
     for (int k = 0; k < 3; k++) SYSTEM_NEAR(d[k].momentum, 0, 2e-13, "momentum");
     SYSTEM_NEAR(d[2].energy, 0, 2e-7, "energy");
     SYSTEM_NEAR(d[2].angular, 0, 2e-8, "angular momentum");
@@ -150,9 +154,9 @@ static void papers_variant_does_not(void **unused) {
   (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     drift d = free_pair((sd_integrator)integrator, SD_PAPER, 2.5e-5);
-    print_message(
-        "%s, paper: angular momentum off by %.3e, integral of tau delta %.3e; energy %.1e, booked %.1e\n",
-        system_integrators[integrator], d.angular, d.torque, d.energy, d.energy_end);
+    print_message("%s, paper: angular momentum off by %.3e, integral of tau delta %.3e; energy "
+                  "%.1e, booked %.1e\n",
+                  system_integrators[integrator], d.angular, d.torque, d.energy, d.energy_end);
     SYSTEM_NEAR(d.momentum, 0, 2e-13, "momentum");
     SYSTEM_NEAR(d.angular, d.torque, 1e-4 * fabs(d.torque), "angular momentum");
     assert_true(fabs(d.torque) > 1e-4);
@@ -248,17 +252,21 @@ static void energy_budget_closes(void **unused) {
   static const struct {
     const char *name;
     scene *make;
-  } scenes[] = {
-      {"two disks", two_disks},       {"shaken plate", shaken_plate}, {"paddle", paddle},
-      {"turning drum", turning_drum}, {"periodic gas", periodic_gas}, {"over a ridge", over_a_ridge}};
+  } scenes[] = {{"two disks", two_disks},
+                {"shaken plate", shaken_plate},
+                {"paddle", paddle},
+                {"turning drum", turning_drum},
+                {"periodic gas", periodic_gas},
+                {"over a ridge", over_a_ridge}};
   for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++)
     for (int integrator = 0; integrator < 2; integrator++)
       for (int variant = 0; variant < 2; variant++) {
         double r[4] = {0};
         for (int h = 0; h < BRIEF(4, 1); h++)
           r[h] = budget(scenes[k].make, integrator, variant, 4e-5 / (1 << (2 * h)));
-        print_message("%s, %s, %s: residual %.1e %.1e %.1e %.1e at dt = 4e-5 ... 6.25e-7\n", scenes[k].name,
-                      system_integrators[integrator], system_variants[variant], r[0], r[1], r[2], r[3]);
+        print_message("%s, %s, %s: residual %.1e %.1e %.1e %.1e at dt = 4e-5 ... 6.25e-7\n",
+                      scenes[k].name, system_integrators[integrator], system_variants[variant],
+                      r[0], r[1], r[2], r[3]);
         /* first order at worst: contacts open and close between two steps, joints are passed */
         assert_true(r[0] < 1e-3 && r[3] < 2e-5 && r[3] < 0.06 * r[0] + 2e-7);
       }

@@ -21,7 +21,14 @@ static const struct {
 } laws[] = {
     {"linear", {.k_n = 1e3, .k_t = 5e2, .gamma_n = 1, .mu = 0.3}},
     {"dashpots, rolling",
-     {.k_n = 1e3, .k_t = 5e2, .gamma_n = 1, .gamma_t = 2, .mu = 0.3, .k_r = 300, .mu_r = 0.2, .gamma_r = 1}},
+     {.k_n = 1e3,
+      .k_t = 5e2,
+      .gamma_n = 1,
+      .gamma_t = 2,
+      .mu = 0.3,
+      .k_r = 300,
+      .mu_r = 0.2,
+      .gamma_r = 1}},
     {"mindlin, pull-off",
      {.normal = SD_NORMAL_HERTZ,
       .tangential = SD_TANGENTIAL_MINDLIN,
@@ -43,21 +50,39 @@ static const struct {
       .rupture = 0.05}},
 };
 
-enum { DISK, FIXED, LINE, SEGMENT, END, POLYLINE, VERTEX, INSIDE, OUTSIDE, BOWL, ROOF, RIM, SHAPES };
+enum {
+  DISK,
+  FIXED,
+  LINE,
+  SEGMENT,
+  END,
+  POLYLINE,
+  VERTEX,
+  INSIDE,
+  OUTSIDE,
+  BOWL,
+  ROOF,
+  RIM,
+  SHAPES
+};
 static const char *const shapes[] = {
     "disk",   "fixed disk",  "line",        "segment",   "end of a segment", "polyline",
     "vertex", "in a circle", "on a circle", "in an arc", "on an arc",        "end of an arc"};
 
 static void add_arc(sd_model *m, double y, double from, double to) {
-  sd_model_add_wall(
-      m, &(sd_wall){
-             .kind = SD_WALL_ARC, .center = {0, y}, .pivot = {0.3, y}, .radius = 2, .from = from, .to = to});
+  sd_model_add_wall(m, &(sd_wall){.kind = SD_WALL_ARC,
+                                  .center = {0, y},
+                                  .pivot = {0.3, y},
+                                  .radius = 2,
+                                  .from = from,
+                                  .to = to});
 }
 
 /* What the disk at (0, 1) stands on at (0, 0), or beside it. */
 static void add_partner(sd_model *m, int shape) {
   const double flat[][2] = {{-3, 0}, {3, 0}}, half[][2] = {{-3, -0.2}, {-0.3, 0}},
-               bent[][2] = {{-3, 0}, {-1, 0}, {2, 0}, {3, 1}}, roof[][2] = {{-2, -1}, {0, 0}, {2, -1.1}};
+               bent[][2] = {{-3, 0}, {-1, 0}, {2, 0}, {3, 1}},
+               roof[][2] = {{-2, -1}, {0, 0}, {2, -1.1}};
   if (shape == DISK || shape == FIXED) system_disk(m, 0, -0.7, 0.7, 3);
   if (shape == FIXED) {
     m->disks[1].driven = true;
@@ -90,7 +115,8 @@ static sd_simulation *start(int shape, size_t law, sd_variant variant) {
   return system_start(m);
 }
 
-static void near(double got, double expected, const char *what, int shape, size_t law, int variant) {
+static void near(double got, double expected, const char *what, int shape, size_t law,
+                 int variant) {
   SYSTEM_NEAR(got, expected, 1e-10 * (1 + fabs(expected)), "%s: %s, %s, %s", what, shapes[shape],
               laws[law].name, system_variants[variant]);
 }
@@ -128,8 +154,9 @@ static void check_series(sd_simulation *s, int shape, size_t law, int variant) {
   const system_body a = system_at(s, 0), b = system_at(s, 1);
   resultants r;
   resultants_new(&r, m);
-  assert_int_equal(
-      resultants_take(&r, m, sd_simulation_state(s), engine_slots(simulation_engine(s)), NULL, NULL), SD_OK);
+  assert_int_equal(resultants_take(&r, m, sd_simulation_state(s),
+                                   engine_slots(simulation_engine(s)), NULL, NULL),
+                   SD_OK);
   const resultant *of_b = m->n_walls ? r.wall : &r.group[1];
   NEAR(r.group[0].force_x, a.force_x, "x of the group");
   NEAR(r.group[0].force_y, a.force_y, "y of the group");
@@ -150,7 +177,8 @@ static void check_engine(sd_simulation *s, int shape, size_t law, int variant) {
   for (size_t k = 0; k < p->count; k++) {
     if (p->a[k] < 0 || !pairs_closed(p, k)) continue;
     const contact_reaction r = contact_reaction_of(e, k);
-    const double sign = e->state->id[p->a[k]] == 0 ? -1 : 1; /* of two disks the first has the lower slot */
+    const double sign =
+        e->state->id[p->a[k]] == 0 ? -1 : 1; /* of two disks the first has the lower slot */
     NEAR(sign * r.fx, a.force_x, "x of the engine");
     NEAR(sign * r.fy, a.force_y, "y of the engine");
     NEAR(sign < 0 ? r.torque_a : r.torque_b, a.torque, "torque of the engine");

@@ -17,8 +17,8 @@ typedef struct own_lambda {
   bool begun;
 } own_lambda;
 
-static double own_stretch(own_lambda *own, const system_body *a, const system_body *b, double radius_a,
-                          double radius_b) {
+static double own_stretch(own_lambda *own, const system_body *a, const system_body *b,
+                          double radius_a, double radius_b) {
   long double sum = (long double)radius_a + radius_b, sign = sum < 0 ? -1 : 1;
   long double dx = (long double)b->x - a->x, dy = (long double)b->y - a->y;
   long double beta = atan2l(sign * dy, sign * dx), turn = 2 * acosl(-1.0L);
@@ -37,8 +37,8 @@ static double stored_zeta(sd_simulation *s, const system_contact *c) {
 }
 
 /* Compares with the engine for n steps. Returns the turns of the contact line. */
-static double compare_stretch(sd_simulation *s, uint32_t b, double radius_b, int64_t n, double bound,
-                              const char *what) {
+static double compare_stretch(sd_simulation *s, uint32_t b, double radius_b, int64_t n,
+                              double bound, const char *what) {
   double radius = sd_simulation_model(s)->disks[0].radius, worst = 0, most = 0;
   own_lambda own = {0};
   long double first = 0;
@@ -86,7 +86,8 @@ static void pair_revolves_ten_turns_stuck(void **unused) {
   for (int integrator = 0; integrator < 2; integrator++)
     for (int variant = 0; variant < 2; variant++) {
       if (BRIEF(0, variant != integrator)) continue;
-      const double r = 0.4, q = 0.7, overlap = 1e-3, turn = 2 * M_PI, way = r + q - overlap, phase = 2.9;
+      const double r = 0.4, q = 0.7, overlap = 1e-3, turn = 2 * M_PI, way = r + q - overlap,
+                   phase = 2.9;
       sd_model *m = system_new((sd_integrator)integrator, (sd_variant)variant, 1e-4,
                                (sd_contact_law){.k_n = 1e4, .k_t = 2e3, .gamma_n = 0, .mu = 1e9});
       system_disk(m, 0.2, -0.1, r, 1);
@@ -138,7 +139,8 @@ static void ten_thousand_radians_against_a_support(void **unused) {
     compare_stretch(s, 1, 1, 500000, 1e-12, "turning by 1e4 rad");
     system_body support = system_at(s, 1), disk = system_at(s, 0);
     /* dt is not a decimal number, so neither is the time */
-    SYSTEM_NEAR((double)(support.theta - (long double)rate * dt * 500000), 0, 2e-12, "angle of the support");
+    SYSTEM_NEAR((double)(support.theta - (long double)rate * dt * 500000), 0, 2e-12,
+                "angle of the support");
     SYSTEM_NEAR((double)disk.theta, -1e4, 1e-3, "angle of the disk");
     system_end(s);
   }
@@ -177,17 +179,20 @@ static void new_contact_starts_at_the_moment_of_touch(void **unused) {
           const double touch = ((2 * begun + 1) * M_PI + asin(0.1)) / 20;
           from = theta, first = c.stretch, begun++;
           /* of second order: a dt^2/2 over u_n, times the speed of the surface */
-          SYSTEM_NEAR(first, radius * spin * ((k + 1) * dt - touch), 2e-8, "stretch at the first evaluation");
+          SYSTEM_NEAR(first, radius * spin * ((k + 1) * dt - touch), 2e-8,
+                      "stretch at the first evaluation");
         }
         if (was && !c.closed) dropped += 0.5 * 1e3 * stretch * stretch;
         stretch = c.stretch;
-        if (c.closed) SYSTEM_NEAR(c.stretch, first + (double)(radius * (theta - from)), 1e-14, "stretch");
+        if (c.closed)
+          SYSTEM_NEAR(c.stretch, first + (double)(radius * (theta - from)), 1e-14, "stretch");
         was = c.closed;
       }
       assert_in_range(begun, 6, 7);
       sd_energy e = sd_simulation_energy(s);
       SYSTEM_NEAR(e.opening, dropped, 1e-12 * dropped, "what the skin still held when it opened");
-      assert_true(dropped > 0 && fabs(e.friction) < 0.01 * dropped); /* steps of touch and of separation */
+      assert_true(dropped > 0 &&
+                  fabs(e.friction) < 0.01 * dropped); /* steps of touch and of separation */
       system_end(s);
     }
 }
@@ -220,7 +225,8 @@ static void skin_is_free_where_nothing_presses(void **unused) {
         from = d.theta;
         freed++;
       } else if (freed) {
-        SYSTEM_NEAR(c.stretch, (double)(radius * (d.theta - from)), 1e-14, "stretch since it was pressed");
+        SYSTEM_NEAR(c.stretch, (double)(radius * (d.theta - from)), 1e-14,
+                    "stretch since it was pressed");
         pressed++;
       }
     }
@@ -260,9 +266,9 @@ static void pairs_of_materials_have_their_own_constants(void **unused) {
         m->disks[d].driven = true;
         m->disks[d].material = k % M;
       } else {
-        size_t w = kind == 1
-                       ? system_straight(m, SD_WALL_SEGMENT, 2, (const double[][2]){{x - 1, 0}, {x + 1, 0}})
-                       : system_circle(m, x, -1, 1, false);
+        size_t w = kind == 1 ? system_straight(m, SD_WALL_SEGMENT, 2,
+                                               (const double[][2]){{x - 1, 0}, {x + 1, 0}})
+                             : system_circle(m, x, -1, 1, false);
         m->walls[w].material = k % M;
       }
     }

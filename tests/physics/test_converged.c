@@ -14,7 +14,11 @@
 #include "brief.h"
 #include "validation.h"
 
-enum { N = 4096, SEEDS = BRIEF(400, 40), LEAST = BRIEF(150, 1000) }; /* LEAST: records that tell a coverage */
+enum {
+  N = 4096,
+  SEEDS = BRIEF(400, 40),
+  LEAST = BRIEF(150, 1000)
+}; /* LEAST: records that tell a coverage */
 static double x[N];
 static gsl_rng *generator;
 
@@ -142,9 +146,10 @@ static void records_called_converged_are_covered(void **unused) {
     }
     const double error = sqrt(squares), part = (double)good.n / SEEDS,
                  chance = 1.5 / sqrt(SEEDS) * BRIEF(0, 1);
-    print_message("  %-25s n %4zu: converged %.3f, error/true %.2f, within one %.3f; others %.2f, %.3f\n",
-                  q->name, q->n, part, good.error / good.n / error, (double)good.within / good.n,
-                  other.error / other.n / error, (double)other.within / other.n);
+    print_message(
+        "  %-25s n %4zu: converged %.3f, error/true %.2f, within one %.3f; others %.2f, %.3f\n",
+        q->name, q->n, part, good.error / good.n / error, (double)good.within / good.n,
+        other.error / other.n / error, (double)other.within / other.n);
     between(part, q->least - chance, q->most + chance, q->name);
     /* a bar that is not called reliable is not too small either */
     if (other.n >= LEAST) between(other.error / other.n / error, 0.9, 10, q->name);
@@ -170,13 +175,15 @@ static void three_disks_are_covered(void **unused) {
   enum { RUNS = BRIEF(100, 4) };
   const struct {
     double amplitude, time, least, most;
-  } cases[] = {{1e-5, 1.5, 0, 0.12}, {1e-4, 1.5, 0, 0.12}, {6e-4, 1.5, 0, 0.05}, {6e-4, 6, 0.85, 1}};
+  } cases[] = {
+      {1e-5, 1.5, 0, 0.12}, {1e-4, 1.5, 0, 0.12}, {6e-4, 1.5, 0, 0.05}, {6e-4, 6, 0.85, 1}};
   for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
     double omega[RUNS], error[RUNS], mean = 0;
     bool converged[RUNS];
     for (unsigned r = 0; r < RUNS; r++) {
       char more[128];
-      snprintf(more, sizeof more, "motions[*].amplitude=%.17g;integrator=verlet;", cases[c].amplitude);
+      snprintf(more, sizeof more, "motions[*].amplitude=%.17g;integrator=verlet;",
+               cases[c].amplitude);
       const sd_rotation found = vibrate(0.02, 4e-5, cases[c].time, r + 1, more).rotation;
       omega[r] = found.omega;
       error[r] = found.error;

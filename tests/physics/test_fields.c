@@ -29,7 +29,8 @@ static double complex velocity_of(sd_simulation *s) {
   return b.vx + I * b.vy;
 }
 
-static void near(double complex value, double complex expected, double tolerance, const char *what) {
+static void near(double complex value, double complex expected, double tolerance,
+                 const char *what) {
   SYSTEM_NEAR(creal(value), creal(expected), tolerance, "%s, real part", what);
   SYSTEM_NEAR(cimag(value), cimag(expected), tolerance, "%s, imaginary part", what);
 }
@@ -42,8 +43,8 @@ static void balanced(sd_simulation *s, double most, const char *what) {
 
 static int64_t steps_in(double time, double dt) { return (int64_t)nearbyint(time / dt); }
 
-#define BOTH(integrator)                                                                                     \
-  for (sd_integrator integrator = SD_GEAR5; integrator <= SD_VERLET;                                         \
+#define BOTH(integrator)                                                                           \
+  for (sd_integrator integrator = SD_GEAR5; integrator <= SD_VERLET;                               \
        integrator = (sd_integrator)(integrator + 1))
 
 /* --- drag ---------------------------------------------------------------------------------------------- */
@@ -57,14 +58,17 @@ static void drag_decays(sd_field_per per, double rate, double turn_rate) {
       sd_model *m = one_disk(integrator, dt, 1, 3 - I);
       m->disks[0].velocity[SD_THETA] = 7;
       sd_model_add_field(
-          m, &(sd_body_force){
-                 .kind = SD_FIELD_DRAG, .per = per, .gamma = 0.6, .gamma_rotation = 0.4, .power = 1});
+          m,
+          &(sd_body_force){
+              .kind = SD_FIELD_DRAG, .per = per, .gamma = 0.6, .gamma_rotation = 0.4, .power = 1});
       sd_simulation *s = system_start(m);
       system_advance(s, steps_in(t, dt));
-      const double complex v = (3 - I) * exp(-rate * t), z = 1 + (3 - I) * (1 - exp(-rate * t)) / rate;
+      const double complex v = (3 - I) * exp(-rate * t),
+                           z = 1 + (3 - I) * (1 - exp(-rate * t)) / rate;
       near(velocity_of(s), v, 1e-6, "velocity under drag");
       near(place_of(s), z, 1e-6, "place under drag");
-      SYSTEM_NEAR(system_at(s, 0).omega, 7 * exp(-turn_rate * t), 1e-6, "angular velocity under drag");
+      SYSTEM_NEAR(system_at(s, 0).omega, 7 * exp(-turn_rate * t), 1e-6,
+                  "angular velocity under drag");
       error[fine] = cabs(place_of(s) - z);
       const sd_energy e = sd_simulation_energy(s);
       const double left = 0.5 * 2 * creal(v * conj(v)) + 0.5 * 0.25 * 49 * exp(-2 * turn_rate * t);
@@ -122,7 +126,8 @@ static void shear_flow_carries_and_turns(void **unused) {
     balanced(s, 1e-6, "shear flow");
     /* the fluid's work: integral of f u (u - v) and f_r w (w - omega) */
     const sd_energy e = sd_simulation_energy(s);
-    SYSTEM_NEAR(e.work, 0.8 * u * u * tau * (1 - exp(-t / tau)) + 0.4 * tau_r * (1 - exp(-t / tau_r)), 1e-5,
+    SYSTEM_NEAR(e.work,
+                0.8 * u * u * tau * (1 - exp(-t / tau)) + 0.4 * tau_r * (1 - exp(-t / tau_r)), 1e-5,
                 "work of the fluid");
     system_end(s);
   }
@@ -178,10 +183,12 @@ static void a_spring_gives_ellipses(void **unused) {
 static void point_gravity_gives_kepler_ellipses(void **unused) {
   (void)unused;
   BOTH(integrator) {
-    const double a = 1.5, e = 0.6, strength = 3, mu = strength / 2, period = 2 * M_PI * sqrt(a * a * a / mu);
+    const double a = 1.5, e = 0.6, strength = 3, mu = strength / 2,
+                 period = 2 * M_PI * sqrt(a * a * a / mu);
     const double dt = period / 40000, speed = sqrt(mu / a * (1 + e) / (1 - e));
     sd_model *m = one_disk(integrator, dt, a * (1 - e), I * speed);
-    sd_model_add_field(m, &(sd_body_force){.kind = SD_FIELD_CENTRAL, .strength = strength, .power = -2});
+    sd_model_add_field(
+        m, &(sd_body_force){.kind = SD_FIELD_CENTRAL, .strength = strength, .power = -2});
     sd_simulation *s = system_start(m);
     for (int half = 1; half <= 6; half++) {
       system_advance(s, 20000);
@@ -209,15 +216,17 @@ static void every_power_has_its_potential(void **unused) {
     for (int soft = 0; soft < 2; soft++) {
       const double strength = power % 3 ? 0.3 : -0.3, softening = soft ? 0.4 : 0, dt = 2e-4;
       sd_model *m = one_disk(integrator, dt, 1.3 + 0.4 * I, 0.1 * I - 0.5);
-      sd_model_add_field(
-          m, &(sd_body_force){
-                 .kind = SD_FIELD_CENTRAL, .strength = strength, .power = power, .softening = softening});
+      sd_model_add_field(m, &(sd_body_force){.kind = SD_FIELD_CENTRAL,
+                                             .strength = strength,
+                                             .power = power,
+                                             .softening = softening});
       sd_simulation *s = system_start(m);
       system_advance(s, 4000);
       const double u = potential(strength, power, softening, place_of(s)),
                    u0 = potential(strength, power, softening, 1.3 + 0.4 * I);
       assert_true(fabs(u - u0) > 1e-4);
-      SYSTEM_NEAR(sd_simulation_energy(s).work, u0 - u, 1e-6 * (1 + fabs(u0 - u)), "work, power %d", power);
+      SYSTEM_NEAR(sd_simulation_energy(s).work, u0 - u, 1e-6 * (1 + fabs(u0 - u)), "work, power %d",
+                  power);
       balanced(s, 1e-6, "central");
       system_end(s);
     }
@@ -241,7 +250,8 @@ static void a_free_disk_is_straight_in_the_laboratory(void **unused) {
     near(place_of(s), centre + cexp(-I * omega * t) * lab, 1e-6, "place in a rotating frame");
     /* work of the centrifugal force alone */
     const double r2 = cabs(lab) * cabs(lab), r02 = cabs(z0 - centre) * cabs(z0 - centre);
-    SYSTEM_NEAR(sd_simulation_energy(s).work, omega * omega * (r2 - r02), 1e-5, "work of the frame");
+    SYSTEM_NEAR(sd_simulation_energy(s).work, omega * omega * (r2 - r02), 1e-5,
+                "work of the frame");
     balanced(s, 1e-6, "rotating frame");
     system_end(s);
   }
@@ -255,8 +265,8 @@ static void a_pendulum_turns_with_the_sky(void **unused) {
     sd_model *m = one_disk(integrator, dt, 1, -I * omega); /* at rest in the laboratory */
     sd_model_add_field(m, &(sd_body_force){.kind = SD_FIELD_ROTATION, .omega = omega});
     sd_model_add_field(
-        m,
-        &(sd_body_force){.kind = SD_FIELD_CENTRAL, .strength = w * w, .per = SD_FIELD_PER_MASS, .power = 1});
+        m, &(sd_body_force){
+               .kind = SD_FIELD_CENTRAL, .strength = w * w, .per = SD_FIELD_PER_MASS, .power = 1});
     sd_simulation *s = system_start(m);
     system_advance(s, steps_in(t, dt));
     near(place_of(s), cexp(-I * omega * t) * cos(w * t), 1e-4, "Foucault's pendulum");
@@ -272,12 +282,14 @@ static void coriolis_does_no_work(void **unused) {
   const int steps = BRIEF(1000000, 20000);
   sd_model *m = one_disk(SD_VERLET, dt, 1, 1);
   sd_model_add_field(m, &(sd_body_force){.kind = SD_FIELD_ROTATION, .omega = omega});
-  sd_model_add_field(
-      m, &(sd_body_force){
-             .kind = SD_FIELD_CENTRAL, .strength = omega * omega, .per = SD_FIELD_PER_MASS, .power = 1});
+  sd_model_add_field(m, &(sd_body_force){.kind = SD_FIELD_CENTRAL,
+                                         .strength = omega * omega,
+                                         .per = SD_FIELD_PER_MASS,
+                                         .power = 1});
   sd_simulation *s = system_start(m);
   system_advance(s, steps);
-  SYSTEM_NEAR(cabs(velocity_of(s)), 1, 1e-11, "speed after %d steps under the Coriolis force", steps);
+  SYSTEM_NEAR(cabs(velocity_of(s)), 1, 1e-11, "speed after %d steps under the Coriolis force",
+              steps);
   system_end(s);
 }
 
@@ -309,8 +321,8 @@ static void a_damped_oscillator_loses_a_fraction_per_half_cycle(void **unused) {
                  dt = half / 20000;
     sd_model *m = one_disk(integrator, dt, 1, 0);
     sd_model_add_field(
-        m,
-        &(sd_body_force){.kind = SD_FIELD_CENTRAL, .strength = w * w, .per = SD_FIELD_PER_MASS, .power = 1});
+        m, &(sd_body_force){
+               .kind = SD_FIELD_CENTRAL, .strength = w * w, .per = SD_FIELD_PER_MASS, .power = 1});
     sd_model_add_field(m, &(sd_body_force){.kind = SD_FIELD_DAMPING, .alpha = alpha, .power = 1});
     sd_simulation *s = system_start(m);
     double amplitude = 1;
@@ -337,13 +349,15 @@ static void damping_takes_from_gravity_and_torques(void **unused) {
     sd_model_set_gravity(m, 0, -g);
     m->disks[0].force[SD_THETA] = 3;
     sd_model_add_field(
-        m, &(sd_body_force){.kind = SD_FIELD_DAMPING, .alpha = alpha, .alpha_rotation = 0.25, .power = 1});
+        m, &(sd_body_force){
+               .kind = SD_FIELD_DAMPING, .alpha = alpha, .alpha_rotation = 0.25, .power = 1});
     sd_simulation *s = system_start(m);
     system_advance(s, 10000);
     near(place_of(s), top * I, 1e-4 * top, "top of the flight");
     system_advance(s, 30000);
     const double fall = 0.5 * g * (1 - alpha) * down * down;
-    near(place_of(s), (top - fall) * I, 1e-4 * fall, "fall"); /* of first order where the force jumps */
+    near(place_of(s), (top - fall) * I, 1e-4 * fall,
+         "fall"); /* of first order where the force jumps */
     SYSTEM_NEAR(system_at(s, 0).omega, 0.75 * 3 / 0.25 * (up + down), 1e-4, "spin");
     balanced(s, 1e-6, "flight");
     system_end(s);

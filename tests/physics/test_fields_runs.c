@@ -16,16 +16,19 @@
 
 /* Every kind: all on, then some, then others; one is on a group. */
 static const char every_kind[] =
-    "fields = ( { name = \"air\"; type = \"drag\"; gamma = 3; gamma_rotation = 2; per = \"mass\"; flow = "
+    "fields = ( { name = \"air\"; type = \"drag\"; gamma = 3; gamma_rotation = 2; per = \"mass\"; "
+    "flow = "
     "(0.5, 0); "
     "shear_rate = 2; swirl = 0.3; centre = (0.1, 0.2); },\n"
     "{ name = \"oil\"; type = \"drag\"; gamma = 0.4; per = \"radius\"; group = \"grains\"; },\n"
-    "{ name = \"pull\"; type = \"central\"; strength = 0.1; power = -2; softening = 0.05; centre = (0.5, "
+    "{ name = \"pull\"; type = \"central\"; strength = 0.1; power = -2; softening = 0.05; centre = "
+    "(0.5, "
     "0.5); per = \"mass\"; },\n"
     "{ name = \"push\"; type = \"central\"; strength = -0.02; power = 3; disk = (0, 3, 5); },\n"
     "{ name = \"frame\"; type = \"rotation\"; omega = 3; centre = (0.3, 0); },\n"
     "{ name = \"local\"; type = \"damping\"; alpha = 0.2; } );\n"
-    "phases = ( { steps = 150; }, { steps = 1; fields = (); }, { steps = 100; fields = (\"oil\", \"local\", "
+    "phases = ( { steps = 150; }, { steps = 1; fields = (); }, { steps = 100; fields = (\"oil\", "
+    "\"local\", "
     "4); }, "
     "{ steps = 100000; } );\n";
 
@@ -37,16 +40,22 @@ static sd_model *packing(int n, int wide, const char *integrator) {
            "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (",
            integrator);
   add_lattice(&t, n - n / 3, wide, 0.03, 0.028, 0.0405, 0.0182, 21);
-  text_add(&t, "); }, { columns = (\"x\", \"y\", \"radius\"); density = 3.57; group = \"grains\"; rows = (");
-  add_lattice(&t, n / 3, wide, 0.03, 0.028 + 0.042 * ((n - n / 3 + wide - 1) / wide), 0.0405, 0.0182, 5);
-  text_add(&t,
-           "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; points = ((0, 4), (0, 0), (%g, 0), "
-           "(%g, 4)); } );\n"
-           "locks = ( { disk = 2; coordinates = \"y\"; } );\n"
-           "motions = ( { wall = \"box\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
-           "frequency = 80; },\n"
-           "{ disk = 4; coordinate = \"x\"; type = \"harmonic\"; amplitude = 1e-3; frequency = 50; } );\n%s",
-           width, width, every_kind);
+  text_add(
+      &t,
+      "); }, { columns = (\"x\", \"y\", \"radius\"); density = 3.57; group = \"grains\"; rows = (");
+  add_lattice(&t, n / 3, wide, 0.03, 0.028 + 0.042 * ((n - n / 3 + wide - 1) / wide), 0.0405,
+              0.0182, 5);
+  text_add(
+      &t,
+      "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; points = ((0, 4), (0, 0), (%g, "
+      "0), "
+      "(%g, 4)); } );\n"
+      "locks = ( { disk = 2; coordinates = \"y\"; } );\n"
+      "motions = ( { wall = \"box\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
+      "frequency = 80; },\n"
+      "{ disk = 4; coordinate = \"x\"; type = \"harmonic\"; amplitude = 1e-3; frequency = 50; } "
+      ");\n%s",
+      width, width, every_kind);
   sd_model *model = model_of(t.s);
   free(t.s);
   return model;
@@ -67,7 +76,8 @@ static void threads_and_paths_give_the_same_bits(void **unused) {
   static const char *const integrators[] = {"gear5", "verlet"};
   const int64_t steps = BRIEF(500, 300);
   for (int c = 0; c < 4; c++) {
-    sd_model *model = c < 2 ? packing(2500, 60, integrators[c]) : packing(13, 4, integrators[c - 2]);
+    sd_model *model =
+        c < 2 ? packing(2500, 60, integrators[c]) : packing(13, 4, integrators[c - 2]);
     sd_state *one = state_after(model, 1, NULL, steps);
     assert_true(one->loss_drag[0] > 0 && one->loss_damping[0] > 0 && one->field_work[0] != 0);
     for (int threads = 2; threads <= 3; threads++) {
@@ -118,8 +128,9 @@ static void the_budget_closes(void **unused) {
     sd_simulation *sim = begin_run(model, 1);
     advance(sim, 20000);
     const sd_energy e = sd_simulation_energy(sim);
-    print_message("  %s: residual %.2g of the scale; work %.3g, drag %.3g, damping %.3g, viscous %.3g\n",
-                  integrators[c], e.residual / e.scale, e.work, e.drag, e.damping, e.viscous);
+    print_message(
+        "  %s: residual %.2g of the scale; work %.3g, drag %.3g, damping %.3g, viscous %.3g\n",
+        integrators[c], e.residual / e.scale, e.work, e.drag, e.damping, e.viscous);
     assert_true(e.drag > 1e-3 && e.damping > 1e-4);
     between(fabs(e.residual / e.scale), 0, c ? 3e-6 : 3e-5, "residual");
     sd_simulation_free(sim);
@@ -133,10 +144,13 @@ static void fields_act_on_groups_in_phases(void **unused) {
   (void)unused;
   sd_model *model = model_of(
       "dt = 1e-3; integrator = \"verlet\"; " MATERIAL
-      "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 1; vx = 1; rows = ((0, 0), (0, 3)); },\n"
-      "{ columns = (\"x\", \"y\"); radius = 1; mass = 1; vx = 1; group = \"g\"; rows = ((0, 6), (0, 9)); } "
+      "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 1; vx = 1; rows = ((0, 0), (0, "
+      "3)); },\n"
+      "{ columns = (\"x\", \"y\"); radius = 1; mass = 1; vx = 1; group = \"g\"; rows = ((0, 6), "
+      "(0, 9)); } "
       ");\n"
-      "fields = ( { name = \"d\"; type = \"drag\"; gamma = 2; group = \"g\"; }, { type = \"drag\"; gamma = "
+      "fields = ( { name = \"d\"; type = \"drag\"; gamma = 2; group = \"g\"; }, { type = \"drag\"; "
+      "gamma = "
       "1; disk = 1; } );\n"
       "phases = ( { time = 1; }, { time = 1; fields = 1; }, { time = 1; fields = (); } );");
   sd_simulation *sim = begin_run(model, 1);
@@ -170,9 +184,12 @@ static void disks_come_and_go(void **unused) {
     const double before = sd_simulation_energy(sim).residual;
     const uint32_t gone[] = {7, 20};
     assert_int_equal(sd_simulation_remove_disks(sim, 2, gone, NULL), SD_OK);
-    const sd_disk more[] = {
-        {.position = {0.1, 1, 0}, .radius = 0.02, .mass = 0.004, .group = -1},
-        {.position = {0.2, 1, 0}, .velocity = {1, 0, 0}, .radius = 0.02, .mass = 0.004, .group = -1}};
+    const sd_disk more[] = {{.position = {0.1, 1, 0}, .radius = 0.02, .mass = 0.004, .group = -1},
+                            {.position = {0.2, 1, 0},
+                             .velocity = {1, 0, 0},
+                             .radius = 0.02,
+                             .mass = 0.004,
+                             .group = -1}};
     uint32_t first;
     assert_int_equal(sd_simulation_add_disks(sim, 2, more, &first, NULL), SD_OK);
     const sd_energy e = sd_simulation_energy(sim);
@@ -182,7 +199,8 @@ static void disks_come_and_go(void **unused) {
     assert_true(s->field_x[slot] != 0 && s->power_drag[slot] > 0);
     advance(sim, 2000);
     assert_true(sd_simulation_state(sim)->loss_drag[sd_simulation_slot(sim, first + 1)] > 0);
-    between(fabs(sd_simulation_energy(sim).residual / sd_simulation_energy(sim).scale), 0, 1e-3, "residual");
+    between(fabs(sd_simulation_energy(sim).residual / sd_simulation_energy(sim).scale), 0, 1e-3,
+            "residual");
     sd_simulation_free(sim);
     sd_model_free(model);
   }
@@ -191,32 +209,33 @@ static void disks_come_and_go(void **unused) {
 /* Rain sinks in a fluid, and the box is compressed while it drags. */
 static void rain_and_compression(void **unused) {
   (void)unused;
-  sd_model *model =
-      model_of("dt = 2e-5; integrator = \"verlet\"; gravity = { g = 9.81; }; " MATERIAL
-               "container = { type = \"box\"; width = 0.5; height = 1; };\n"
-               "packings = ( { type = \"rain\"; count = 40; rows = 2; radius = 0.02; density = 3.57; } );\n"
-               "fields = ( { type = \"drag\"; gamma = 20; per = \"mass\"; }, { name = \"local\"; type = "
-               "\"damping\"; alpha = 0.5; } );\n"
-               "phases = ( { time = 1.5; }, { time = 0.5; } );");
+  sd_model *model = model_of(
+      "dt = 2e-5; integrator = \"verlet\"; gravity = { g = 9.81; }; " MATERIAL
+      "container = { type = \"box\"; width = 0.5; height = 1; };\n"
+      "packings = ( { type = \"rain\"; count = 40; rows = 2; radius = 0.02; density = 3.57; } );\n"
+      "fields = ( { type = \"drag\"; gamma = 20; per = \"mass\"; }, { name = \"local\"; type = "
+      "\"damping\"; alpha = 0.5; } );\n"
+      "phases = ( { time = 1.5; }, { time = 0.5; } );");
   sd_simulation *sim = begin_run(model, 1);
   advance(sim, 100000);
   const sd_energy e = sd_simulation_energy(sim);
-  print_message("  rain: residual %.2g of the scale; drag %.3g, damping %.3g\n", e.residual / e.scale, e.drag,
-                e.damping);
+  print_message("  rain: residual %.2g of the scale; drag %.3g, damping %.3g\n",
+                e.residual / e.scale, e.drag, e.damping);
   between(fabs(e.residual / e.scale), 0, 1e-5, "residual of rain");
   assert_true(e.drag > 0 && e.damping > 0);
   sd_simulation_free(sim);
   sd_model_free(model);
-  model = model_of("dt = 2e-5; integrator = \"verlet\"; " MATERIAL
-                   "container = { type = \"periodic\"; width = 1; height = 1; };\n"
-                   "packings = ( { type = \"random\"; count = 200; radius = 0.02; density = 3.57; } );\n"
-                   "fields = ( { type = \"drag\"; gamma = 50; per = \"mass\"; flow = (0.3, 0); } );\n"
-                   "phases = ( { time = 1; compress = { fraction = 0.84; rate = 1; }; } );");
+  model = model_of(
+      "dt = 2e-5; integrator = \"verlet\"; " MATERIAL
+      "container = { type = \"periodic\"; width = 1; height = 1; };\n"
+      "packings = ( { type = \"random\"; count = 200; radius = 0.02; density = 3.57; } );\n"
+      "fields = ( { type = \"drag\"; gamma = 50; per = \"mass\"; flow = (0.3, 0); } );\n"
+      "phases = ( { time = 1; compress = { fraction = 0.84; rate = 1; }; } );");
   sim = begin_run(model, 1);
   advance(sim, 50000);
   const sd_energy c = sd_simulation_energy(sim);
-  print_message("  compressed: residual %.2g of the scale; work %.3g, drag %.3g\n", c.residual / c.scale,
-                c.work, c.drag);
+  print_message("  compressed: residual %.2g of the scale; work %.3g, drag %.3g\n",
+                c.residual / c.scale, c.work, c.drag);
   between(fabs(c.residual / c.scale), 0, 1e-5, "residual of a compression");
   sd_simulation_free(sim);
   sd_model_free(model);
@@ -254,13 +273,15 @@ static void mistakes_are_told(void **unused) {
   told("{ type = \"drag\"; gamma = 1; alpha = 0.3; }",
        "fields[0].alpha = 0.3: does not belong to type \"drag\"");
   told("{ type = \"dampings\"; alpha = 0.3; }", "did you mean \"damping\"?");
-  told("{ type = \"damping\"; alpha = 1; }", "fields[0].alpha = 1: it would hold every disk where it is");
+  told("{ type = \"damping\"; alpha = 1; }",
+       "fields[0].alpha = 1: it would hold every disk where it is");
   told("{ type = \"damping\"; alpha = 0.6; }, { type = \"damping\"; alpha = 0.5; }",
        "damping fields take 1.1 of the force");
   told("{ type = \"central\"; strength = 1; power = 9; }", "expected a whole number from -8 to 8");
   told("{ type = \"rotation\"; omega = \"0.5 pi\"; }", NULL);
   told("{ type = \"rotation\"; omega = 100; }", "the frame turns by 0.1 rad in a time step");
-  told("{ name = \"a\"; type = \"rotation\"; omega = 1; }, { name = \"a\"; type = \"rotation\"; omega = 1; }",
+  told("{ name = \"a\"; type = \"rotation\"; omega = 1; }, { name = \"a\"; type = \"rotation\"; "
+       "omega = 1; }",
        "two fields have this name");
   told("{ type = \"drag\"; gamma = 1; group = \"grains\"; }", "no group of disks is called that");
   told("{ type = \"drag\"; gamma = 1; disk = \"e\"; }", "no disk is called that");
@@ -276,31 +297,39 @@ static void warnings_of_boxes_frames_and_phases(void **unused) {
   struct {
     const char *deck, *expected;
   } decks[] = {
-      {"gravity = { g = 1; }; steps = 9; fields = ( { name = \"f\"; type = \"rotation\"; omega = 1; } );",
+      {"gravity = { g = 1; }; steps = 9; fields = ( { name = \"f\"; type = \"rotation\"; omega = "
+       "1; } );",
        "fields.f: gravity turns with the frame"},
-      {"box = { x = (-9, 9); periodic = \"x\"; }; steps = 9; fields = ( { type = \"central\"; strength = 1; "
+      {"box = { x = (-9, 9); periodic = \"x\"; }; steps = 9; fields = ( { type = \"central\"; "
+       "strength = 1; "
        "} );",
        "fields[0]: the force depends on place along x, where the box repeats"},
-      {"box = { x = (-9, 9); periodic = \"x\"; }; steps = 9; fields = ( { type = \"drag\"; gamma = 1; "
+      {"box = { x = (-9, 9); periodic = \"x\"; }; steps = 9; fields = ( { type = \"drag\"; gamma = "
+       "1; "
        "shear_rate = 1; } );",
        NULL},
-      {"box = { y = (-9, 9); periodic = \"y\"; }; steps = 9; fields = ( { type = \"drag\"; gamma = 1; "
+      {"box = { y = (-9, 9); periodic = \"y\"; }; steps = 9; fields = ( { type = \"drag\"; gamma = "
+       "1; "
        "shear_rate = 1; } );",
        "depends on place along y"},
-      {"fields = ( { name = \"f\"; type = \"drag\"; gamma = 1; } ); phases = ( { steps = 9; fields = (); } "
+      {"fields = ( { name = \"f\"; type = \"drag\"; gamma = 1; } ); phases = ( { steps = 9; fields "
+       "= (); } "
        ");",
        "fields.f: it is on in no phase"},
-      {"fields = ( { type = \"drag\"; gamma = 1; } ); phases = ( { steps = 9; settle = { kinetic = 1; }; } "
+      {"fields = ( { type = \"drag\"; gamma = 1; } ); phases = ( { steps = 9; settle = { kinetic = "
+       "1; }; } "
        ");",
        NULL},
-      {"fields = ( { type = \"damping\"; alpha = 0.5; } ); phases = ( { steps = 9; fields = (); settle = { "
+      {"fields = ( { type = \"damping\"; alpha = 0.5; } ); phases = ( { steps = 9; fields = (); "
+       "settle = { "
        "kinetic = 1; }; }, { steps = 9; } );",
        "nothing takes energy out"},
   };
   for (size_t k = 0; k < sizeof decks / sizeof *decks; k++) {
     text t = {0};
     text_add(&t,
-             "dt = 1e-3; materials = ( { name = \"a\"; k_n = 1e4; } ); disks = ( { x = 0; y = 0; radius = 1; "
+             "dt = 1e-3; materials = ( { name = \"a\"; k_n = 1e4; } ); disks = ( { x = 0; y = 0; "
+             "radius = 1; "
              "mass = 1; }, "
              "{ x = 3; y = 0; radius = 1; mass = 1; } );\n%s",
              decks[k].deck);
@@ -329,10 +358,12 @@ static void models_own_their_fields(void **unused) {
   const bool on[] = {true};
   uint32_t *disks = malloc(sizeof *disks);
   disks[0] = 0;
-  assert_int_equal(
-      sd_model_add_field(
-          m, &(sd_body_force){.name = "d", .kind = SD_FIELD_DRAG, .gamma = 1, .n_disks = 1, .disks = disks}),
-      0);
+  assert_int_equal(sd_model_add_field(m, &(sd_body_force){.name = "d",
+                                                          .kind = SD_FIELD_DRAG,
+                                                          .gamma = 1,
+                                                          .n_disks = 1,
+                                                          .disks = disks}),
+                   0);
   free(disks);
   sd_model_add_phase(m, &(sd_phase){.steps = 1000, .fields = (bool *)(uintptr_t)on});
   assert_int_equal(sd_model_add_field(m, &(sd_body_force){.kind = SD_FIELD_DRAG, .gamma = 5}),

@@ -12,8 +12,8 @@
 enum { SMALL, GENERAL };
 
 /* Two disks collide head-on along x; in a periodic box the general step does it. */
-static sd_simulation *collision(sd_contact_law law, sd_integrator integrator, double speed, double dt,
-                                int way) {
+static sd_simulation *collision(sd_contact_law law, sd_integrator integrator, double speed,
+                                double dt, int way) {
   sd_model *m = system_new(integrator, SD_CONSERVATIVE, dt, law);
   system_disk(m, 0, 0, 1, 0.1);
   system_disk(m, 2 + 1e-3 * speed, 0, 1, 0.3);
@@ -85,8 +85,12 @@ static void restitution(void **unused) {
 /* Small systems and the general step: the same bits. */
 static void two_ways(void **unused) {
   (void)unused;
-  const sd_contact_law law = {
-      .k_n = 1e4, .k_t = 3e3, .gamma_n = 0.1, .mu = 0.3, .normal = SD_NORMAL_HERTZ, .restitution = 0.6};
+  const sd_contact_law law = {.k_n = 1e4,
+                              .k_t = 3e3,
+                              .gamma_n = 0.1,
+                              .mu = 0.3,
+                              .normal = SD_NORMAL_HERTZ,
+                              .restitution = 0.6};
   for (int integrator = 0; integrator < 2; integrator++) {
     sd_simulation *one = collision(law, (sd_integrator)integrator, 0.5, 1e-5, SMALL);
     sd_simulation *two = collision(law, (sd_integrator)integrator, 0.5, 1e-5, GENERAL);

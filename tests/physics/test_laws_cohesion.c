@@ -12,18 +12,21 @@
 #include "laws.h"
 
 static const law constant = {.k_n = 1e4, .cohesion = "constant", .pull_off = 3, .range = 2e-3};
-static const law bridge = {.k_n = 1e4, .cohesion = "bridge", .pull_off = 3, .range = 1e-3, .rupture = 4e-3};
+static const law bridge = {
+    .k_n = 1e4, .cohesion = "bridge", .pull_off = 3, .range = 1e-3, .rupture = 4e-3};
 static const law *const both[] = {&constant, &bridge};
 
 /* Energy that it takes to part two touching disks. */
 static double work_of_parting(const law *l) {
-  if (strcmp(l->cohesion, "bridge") == 0) return l->pull_off * l->range * (1 - exp(-l->rupture / l->range));
+  if (strcmp(l->cohesion, "bridge") == 0)
+    return l->pull_off * l->range * (1 - exp(-l->rupture / l->range));
   return 0.5 * l->pull_off * l->range;
 }
 
 static void head(text *t, double dt, int integrator, const law *l, const char *more) {
-  text_add(t, "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15; %s\n", dt,
-           system_integrators[integrator], more);
+  text_add(
+      t, "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15; %s\n",
+      dt, system_integrators[integrator], more);
   text_add(t, "materials = ( ");
   law_add(t, "name = \"m\"", l);
   text_add(t, " );\n");
@@ -46,23 +49,27 @@ static void force_against_distance(void **unused) {
         head(&t, dt, SD_VERLET, &l, "");
         text_add(&t, "disks = ( { x = 0; y = 0; radius = 1; mass = 1; locked = (\"x\", \"y\"); }");
         if (wall == 0)
-          text_add(&t, ", { name = \"o\"; x = %.17g; y = 0; radius = 0.5; mass = 1; fixed = true; }",
+          text_add(&t,
+                   ", { name = \"o\"; x = %.17g; y = 0; radius = 0.5; mass = 1; fixed = true; }",
                    1.5 + far);
         text_add(&t, " );\n");
         if (wall == 1)
           text_add(&t,
-                   "walls = ( { name = \"o\"; type = \"line\"; points = ( (%.17g, -1), (%.17g, 1) ); } );\n",
+                   "walls = ( { name = \"o\"; type = \"line\"; points = ( (%.17g, -1), (%.17g, 1) "
+                   "); } );\n",
                    1 + far, 1 + far);
         if (wall == 2)
           text_add(&t,
-                   "walls = ( { name = \"o\"; type = \"circle\"; center = (%.17g, 0); radius = 2; side = "
+                   "walls = ( { name = \"o\"; type = \"circle\"; center = (%.17g, 0); radius = 2; "
+                   "side = "
                    "\"outside\"; } );\n",
                    3 + far);
-        text_add(
-            &t,
-            "motions = ( { %s = \"o\"; coordinate = \"x\"; type = \"table\"; times = (0, 1, 2, 3, 4, 5, 6); "
-            "values = (0, %.17g, %.17g, 0, 0, %.17g, %.17g); } );\n",
-            wall ? "wall" : "disk", near - far, near - far, 0.25 * l.range - far, 0.25 * l.range - far);
+        text_add(&t,
+                 "motions = ( { %s = \"o\"; coordinate = \"x\"; type = \"table\"; times = (0, 1, "
+                 "2, 3, 4, 5, 6); "
+                 "values = (0, %.17g, %.17g, 0, 0, %.17g, %.17g); } );\n",
+                 wall ? "wall" : "disk", near - far, near - far, 0.25 * l.range - far,
+                 0.25 * l.range - far);
         sd_simulation *s = laws_begin(&t, false);
         double tension = 0, worst = 0;
         bool bridged = false;
@@ -89,12 +96,13 @@ static void force_against_distance(void **unused) {
         /* each bridge that forms loses its work of parting; the drive puts it in when it breaks */
         double expected = k ? formed * work_of_parting(&l) : 0, part = fmax(1 - gap / l.range, 0);
         double stored = k ? 0 : -0.5 * l.pull_off * l.range * part * part;
-        if (bridged && k) stored = -l.pull_off * l.range * (exp(-gap / l.range) - exp(-l.rupture / l.range));
+        if (bridged && k)
+          stored = -l.pull_off * l.range * (exp(-gap / l.range) - exp(-l.rupture / l.range));
         assert_true(formed > 0 && gap > 0);
         SYSTEM_NEAR(e.bridge, expected, 1e-9, "%s: lost to bridges", l.cohesion);
         SYSTEM_NEAR(e.cohesion, stored, 1e-9, "%s: stored", l.cohesion);
-        SYSTEM_NEAR(e.work, expected + stored, 1e-4 * (1 + formed) * work_of_parting(&l), "%s: work",
-                    l.cohesion);
+        SYSTEM_NEAR(e.work, expected + stored, 1e-4 * (1 + formed) * work_of_parting(&l),
+                    "%s: work", l.cohesion);
         SYSTEM_NEAR(e.residual, 0, 1e-6 * work_of_parting(&l), "%s: residual", l.cohesion);
         system_end(s);
       }
@@ -119,10 +127,12 @@ static void rest_of_a_pair(void **unused) {
     SYSTEM_NEAR(delta, l.pull_off / l.k_n, 1e-9, "%s: overlap at rest", l.cohesion);
     SYSTEM_NEAR(h.mass[0] * a.vx + h.mass[1] * b.vx, 0, 1e-14, "momentum");
     sd_energy e = sd_simulation_energy(s);
-    SYSTEM_NEAR(e.cohesion, -work_of_parting(&l) - l.pull_off * delta, 1e-8, "%s: stored", l.cohesion);
-    print_message("%s: residual %.2e of %.2e; start %.3e cohesion %.3e bridge %.3e visc %.3e el %.3e\n",
-                  l.cohesion, e.residual, e.scale, e.start, e.cohesion, e.bridge, e.viscous,
-                  e.elastic_normal);
+    SYSTEM_NEAR(e.cohesion, -work_of_parting(&l) - l.pull_off * delta, 1e-8, "%s: stored",
+                l.cohesion);
+    print_message(
+        "%s: residual %.2e of %.2e; start %.3e cohesion %.3e bridge %.3e visc %.3e el %.3e\n",
+        l.cohesion, e.residual, e.scale, e.start, e.cohesion, e.bridge, e.viscous,
+        e.elastic_normal);
     assert_true(laws_residual(s) < 1e-6);
     system_end(s);
   }
@@ -131,8 +141,12 @@ static void rest_of_a_pair(void **unused) {
 /* --- impacts --------------------------------------------------------------------------------------------- */
 
 static hit head_on(double speed, double gap, double dt, sd_integrator integrator) {
-  hit h = {
-      .radius = {0.5, 0.4}, .mass = {0.1, 0.3}, .beta = 0.3, .gap = gap, .dt = dt, .integrator = integrator};
+  hit h = {.radius = {0.5, 0.4},
+           .mass = {0.1, 0.3},
+           .beta = 0.3,
+           .gap = gap,
+           .dt = dt,
+           .integrator = integrator};
   h.velocity[0][0] = speed * cos(h.beta);
   h.velocity[0][1] = speed * sin(h.beta);
   return h;
@@ -165,8 +179,8 @@ static void bridges_in_impacts(void **unused) {
         double after = speed_after(l, &h, 0.01 / speed + 0.1, &e),
                expected = sqrt(fmax(speed * speed - critical * critical, 0));
         /* near the critical speed a small energy is a large speed */
-        SYSTEM_NEAR(after * after, expected * expected, 1e-4 * speed * speed, "%s: speed^2 after %g",
-                    l->cohesion, speed);
+        SYSTEM_NEAR(after * after, expected * expected, 1e-4 * speed * speed,
+                    "%s: speed^2 after %g", l->cohesion, speed);
         SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "%s: residual", l->cohesion);
         /* one that sticks bounces, without damping, in its bridge */
         SYSTEM_NEAR(e.bridge, k ? taken : 0, 1e-9, "%s: lost to a bridge", l->cohesion);
@@ -218,7 +232,8 @@ static void critical_speed(void **unused) {
     h = head_on(speed, 3e-3, 2.5e-7, SD_VERLET);
     sd_energy e;
     double after = speed_after(&l, &h, 0.01 / speed + 0.1, &e);
-    SYSTEM_NEAR(after * after, expected * expected, 1e-4 * speed * speed, "speed^2 after %g", speed);
+    SYSTEM_NEAR(after * after, expected * expected, 1e-4 * speed * speed, "speed^2 after %g",
+                speed);
     SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "residual");
   }
 }
@@ -273,18 +288,22 @@ static void friction_under_attraction(void **unused) {
         snprintf(gravity, sizeof gravity, "gravity = { g = %.17g; tilt = %.17g; };", g, tilt);
         head(&t, dt, SD_VERLET, &l, gravity);
         double rest = (sign * m * g * cos(tilt) + l.pull_off) / l.k_n, y = sign * (R - rest);
-        text_add(&t,
-                 "disks = ( { x = 0; y = %.17g; radius = %g; mass = %g; locked = (\"theta\"); } );\n"
-                 "walls = ( { type = \"line\"; points = ( (-1, 0), (1, 0) ); } );\n",
-                 y, R, m);
+        text_add(
+            &t,
+            "disks = ( { x = 0; y = %.17g; radius = %g; mass = %g; locked = (\"theta\"); } );\n"
+            "walls = ( { type = \"line\"; points = ( (-1, 0), (1, 0) ); } );\n",
+            y, R, m);
         sd_simulation *s = laws_begin(&t, false);
         system_advance(s, 40000);
         double v = system_at(s, 0).vx;
         system_advance(s, 10000);
         double a = (system_at(s, 0).vx - v) / (10000 * dt);
-        double expected = over < 0 ? 0 : -g * sin(tilt) + mu * (sign * g * cos(tilt) + l.pull_off / m);
-        SYSTEM_NEAR(a, expected, 1e-4 * g, "%s, %s: acceleration", l.cohesion, ceiling ? "ceiling" : "floor");
-        print_message("%s, %s: residual %.2e\n", l.cohesion, ceiling ? "ceiling" : "floor", laws_residual(s));
+        double expected =
+            over < 0 ? 0 : -g * sin(tilt) + mu * (sign * g * cos(tilt) + l.pull_off / m);
+        SYSTEM_NEAR(a, expected, 1e-4 * g, "%s, %s: acceleration", l.cohesion,
+                    ceiling ? "ceiling" : "floor");
+        print_message("%s, %s: residual %.2e\n", l.cohesion, ceiling ? "ceiling" : "floor",
+                      laws_residual(s));
         assert_true(laws_residual(s) < 1e-6);
         system_end(s);
       }

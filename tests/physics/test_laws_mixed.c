@@ -65,9 +65,10 @@ static void add_laws(text *t, uint64_t *seed) {
 }
 
 static void add_head(text *t, double dt, uint64_t seed) {
-  text_add(
-      t, "dt = %.17g; integrator = \"%s\"; contact_variant = \"%s\"; steps = 1e15; gravity = { g = 60; };\n",
-      dt, system_integrators[seed % 2], system_variants[seed / 2 % 2]);
+  text_add(t,
+           "dt = %.17g; integrator = \"%s\"; contact_variant = \"%s\"; steps = 1e15; gravity = { g "
+           "= 60; };\n",
+           dt, system_integrators[seed % 2], system_variants[seed / 2 % 2]);
 }
 
 /* A packing that falls on a shaken floor with segments and a round wall. */
@@ -78,25 +79,30 @@ static sd_model *packing(uint64_t seed, double dt, const char *integrator) {
   add_laws(&t, &seed);
   text_add(&t, "box = { x = (0, %.17g); periodic = \"x\"; };\n", WIDE * 2.01 * mean_radius);
   text_add(&t,
-           "walls = ( { name = \"f\"; type = \"line\"; points = ( (0, 0), (1, 0) ); material = \"a\"; },\n"
+           "walls = ( { name = \"f\"; type = \"line\"; points = ( (0, 0), (1, 0) ); material = "
+           "\"a\"; },\n"
            "{ type = \"segment\"; points = ( (0.03, 0.09), (0.1, 0.12) ); material = \"b\"; },\n"
-           "{ type = \"circle\"; center = (0.25, 0.1); radius = 0.04; side = \"outside\"; material = \"c\"; "
+           "{ type = \"circle\"; center = (0.25, 0.1); radius = 0.04; side = \"outside\"; material "
+           "= \"c\"; "
            "} );\n");
-  text_add(&t, "motions = ( { wall = \"f\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
-               "frequency = 40; } );\n");
+  text_add(&t,
+           "motions = ( { wall = \"f\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
+           "frequency = 40; } );\n");
   text_add(&t, "disk_rows = ( ");
   for (int k = 0; k < 3; k++) {
     text_add(&t,
-             "%s{ columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); density = 3.57; material "
+             "%s{ columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); density = 3.57; "
+             "material "
              "= \"%c\"; rows = (",
              k ? ", " : "", 'a' + k);
     bool first = true;
     for (int n = 0; n < WIDE * HIGH; n++) {
-      double x = 2.01 * mean_radius * (n % WIDE + 0.5), y = mean_radius * (1.02 + 2.01 * (n / WIDE));
+      double x = 2.01 * mean_radius * (n % WIDE + 0.5),
+             y = mean_radius * (1.02 + 2.01 * (n / WIDE));
       double r = mean_radius * (0.9 + 0.1 * next_uniform(&seed)), v[3];
       for (int c = 0; c < 3; c++) v[c] = 0.4 * (next_uniform(&seed) - 0.5);
-      bool clear =
-          (hypot(x - 0.25, y - 0.1) > 0.062) && (x > 0.13 || fabs(y - 0.09 - (x - 0.03) * 3 / 7) > 0.024);
+      bool clear = (hypot(x - 0.25, y - 0.1) > 0.062) &&
+                   (x > 0.13 || fabs(y - 0.09 - (x - 0.03) * 3 / 7) > 0.024);
       if (n % 3 != k || !clear) continue;
       text_add(&t, "%s(%.6f, %.6f, %.6f, %.3f, %.3f, %.2f)", first ? "" : ", ", x, y, r, v[0], v[1],
                10 * v[2]);
@@ -180,25 +186,32 @@ static void small_systems(void **unused) {
     uint64_t draws = seed;
     add_head(&t, 1e-5, seed);
     add_laws(&t, &draws);
-    text_add(&t, "disks = ( { x = 0.001; y = 0.0355; radius = 0.02; density = 3.57; material = \"a\"; vy = "
-                 "-0.3; omega = 9; },\n"
-                 "{ x = 0.003; y = 0.0761; radius = 0.018; density = 3.57; material = \"b\"; vx = 0.1; omega "
-                 "= -5; },\n"
-                 "{ x = -0.021; y = 0; radius = 0.02; density = 3.57; material = \"b\"; fixed = true; },\n"
-                 "{ name = \"r\"; x = 0.021; y = 0; radius = 0.02; density = 3.57; material = \"c\"; fixed = "
-                 "true; } );\n"
-                 "motions = ( { disk = \"r\"; coordinate = (\"y\", \"theta\"); type = \"harmonic\"; "
-                 "amplitude = 2e-3; frequency = 60; } );\n");
+    text_add(
+        &t,
+        "disks = ( { x = 0.001; y = 0.0355; radius = 0.02; density = 3.57; material = \"a\"; vy = "
+        "-0.3; omega = 9; },\n"
+        "{ x = 0.003; y = 0.0761; radius = 0.018; density = 3.57; material = \"b\"; vx = 0.1; "
+        "omega "
+        "= -5; },\n"
+        "{ x = -0.021; y = 0; radius = 0.02; density = 3.57; material = \"b\"; fixed = true; },\n"
+        "{ name = \"r\"; x = 0.021; y = 0; radius = 0.02; density = 3.57; material = \"c\"; fixed "
+        "= "
+        "true; } );\n"
+        "motions = ( { disk = \"r\"; coordinate = (\"y\", \"theta\"); type = \"harmonic\"; "
+        "amplitude = 2e-3; frequency = 60; } );\n");
     if (seed % 3 == 0)
-      text_add(&t, "walls = ( { type = \"circle\"; center = (0, 0.05); radius = 0.07; side = \"inside\"; "
-                   "material = \"c\"; } );\n");
+      text_add(
+          &t,
+          "walls = ( { type = \"circle\"; center = (0, 0.05); radius = 0.07; side = \"inside\"; "
+          "material = \"c\"; } );\n");
     sd_model *m = model_of(t.s);
     free(t.s);
     sd_state *state[2];
     for (int way = 0; way < 2; way++) {
       sd_simulation *s = NULL;
-      assert_int_equal(
-          simulation_new(m, 1, way ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL, NULL, &s, NULL), SD_OK);
+      assert_int_equal(simulation_new(m, 1, way ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL,
+                                      NULL, &s, NULL),
+                       SD_OK);
       if (!way) small += simulation_is_small(s);
       advance(s, 4000);
       if (way && seed % 4 == 0) s = go_on_from_copy(s, 1);
@@ -240,8 +253,8 @@ static void budget_closes(void **unused) {
       sd_model_free(m);
     }
   for (int k = 0; k < LEVELS; k++)
-    print_message("dt %.2e: residual/scale typically %.1e, at most %.1e\n", 5e-6 / (1 << k), exp(logs[k]),
-                  worst[k]);
+    print_message("dt %.2e: residual/scale typically %.1e, at most %.1e\n", 5e-6 / (1 << k),
+                  exp(logs[k]), worst[k]);
   /* every term took part */
   assert_true(total.rolling > 0 && total.bridge > 0 && total.viscous > 0 && total.friction > 0);
   assert_true(total.elastic_rolling > 0 && total.cohesion < 0);

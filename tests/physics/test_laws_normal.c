@@ -89,8 +89,8 @@ static void linear_viscosity(void **unused) {
           hit h = head_on(&l, speeds[k], SD_VERLET, floor, BRIEF(100000, 20000));
           l.gamma_n = 2 * b * sqrt(l.k_n * hit_mass(&h));
           double residual, e = restitution(&l, &h, speeds[k], &residual);
-          SYSTEM_NEAR(e, expected, BRIEF(1e-4, 5e-4), "gamma_n, b = %g, speed %g, cutoff %d", b, speeds[k],
-                      !pulls);
+          SYSTEM_NEAR(e, expected, BRIEF(1e-4, 5e-4), "gamma_n, b = %g, speed %g, cutoff %d", b,
+                      speeds[k], !pulls);
         }
     }
 }
@@ -103,7 +103,8 @@ static void coefficient(void **unused) {
       for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
         law l = {.k_n = 1e4, .hertz = hertz, .pulls = pulls, .restitution = asked[k]};
         char what[64];
-        snprintf(what, sizeof what, "%s, restitution, cutoff %d", hertz ? "hertz" : "linear", !pulls);
+        snprintf(what, sizeof what, "%s, restitution, cutoff %d", hertz ? "hertz" : "linear",
+                 !pulls);
         look(&l, asked[k], what);
       }
   law elastic = {.k_n = 1e4, .restitution = 1};
@@ -119,8 +120,8 @@ static void coefficient_and_viscosity(void **unused) {
     double b = 0.1 + law_damping_ratio(0.8, pulls), residual;
     l.gamma_n = 2 * 0.1 * sqrt(l.k_n * hit_mass(&h));
     double expected = pulls ? without_cutoff(b) : sd_restitution(1, 2 * b, 1).restitution;
-    SYSTEM_NEAR(restitution(&l, &h, 0.3, &residual), expected, BRIEF(1e-4, 5e-4), "cutoff %d: e of both",
-                !pulls);
+    SYSTEM_NEAR(restitution(&l, &h, 0.3, &residual), expected, BRIEF(1e-4, 5e-4),
+                "cutoff %d: e of both", !pulls);
   }
 }
 
@@ -140,14 +141,16 @@ static void hertz_viscosity(void **unused) {
         reference_advance(&q, lasts / parts, 30);
         for (int n = 0; q.reach > 0 && n < 40 * parts; n++) reference_advance(&q, lasts / parts, 1);
         assert_true(q.reach <= 0);
-        double expected =
-            ((q.s[RATE + 3] - q.s[RATE]) * cos(h.beta) + (q.s[RATE + 4] - q.s[RATE + 1]) * sin(h.beta)) /
-            speeds[k];
-        SYSTEM_NEAR(e, expected, BRIEF(1e-4, 5e-4), "hertz, gamma_n, speed %g, cutoff %d", speeds[k], !pulls);
+        double expected = ((q.s[RATE + 3] - q.s[RATE]) * cos(h.beta) +
+                           (q.s[RATE + 4] - q.s[RATE + 1]) * sin(h.beta)) /
+                          speeds[k];
+        SYSTEM_NEAR(e, expected, BRIEF(1e-4, 5e-4), "hertz, gamma_n, speed %g, cutoff %d",
+                    speeds[k], !pulls);
         assert_true(residual < 1e-6);
         least = fmin(least, e), most = fmax(most, e), worst = fmax(worst, fabs(e - expected));
       }
-    print_message("hertz, gamma_n, cutoff %d: e from %.4f to %.4f, error %.1e\n", !pulls, least, most, worst);
+    print_message("hertz, gamma_n, cutoff %d: e from %.4f to %.4f, error %.1e\n", !pulls, least,
+                  most, worst);
     assert_true(most - least > 0.3);
   }
 }
@@ -165,8 +168,8 @@ static void pull(void **unused) {
       system_body a = system_at(s, 0);
       least = fmin(least, -(a.force_x * cos(h.beta) + a.force_y * sin(h.beta)));
     }
-    SYSTEM_NEAR(least, pulls ? -l.gamma_n * without_cutoff(b) : 0, 1e-3, "cutoff %d: force at the end",
-                !pulls);
+    SYSTEM_NEAR(least, pulls ? -l.gamma_n * without_cutoff(b) : 0, 1e-3,
+                "cutoff %d: force at the end", !pulls);
     system_end(s);
   }
 }

@@ -17,17 +17,19 @@
 static const double m = 0.7, R = 0.4, g = 9.81;
 
 /* A disk lies on the floor with its weight, and rolls. */
-static sd_simulation *lying(const law *l, sd_integrator integrator, double dt, double speed, double tilt) {
+static sd_simulation *lying(const law *l, sd_integrator integrator, double dt, double speed,
+                            double tilt) {
   text t = {0};
-  text_add(&t, "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15;\n", dt,
-           system_integrators[integrator]);
+  text_add(&t,
+           "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15;\n",
+           dt, system_integrators[integrator]);
   text_add(&t, "gravity = { g = %.17g; tilt = %.17g; }; materials = ( ", g, tilt);
   law_add(&t, "name = \"m\"", l);
-  text_add(
-      &t,
-      " );\ndisks = ( { x = 0; y = %.17g; radius = %.17g; mass = %.17g; vx = %.17g; omega = %.17g; } );\n"
-      "walls = ( { type = \"line\"; points = ( (-1, 0), (1, 0) ); } );\n",
-      R - m * g * cos(tilt) / l->k_n, R, m, speed, -speed / R);
+  text_add(&t,
+           " );\ndisks = ( { x = 0; y = %.17g; radius = %.17g; mass = %.17g; vx = %.17g; omega = "
+           "%.17g; } );\n"
+           "walls = ( { type = \"line\"; points = ( (-1, 0), (1, 0) ); } );\n",
+           R - m * g * cos(tilt) / l->k_n, R, m, speed, -speed / R);
   return laws_begin(&t, false);
 }
 
@@ -42,7 +44,8 @@ static void linear_motion(const law *l, double t, double s[4]) {
     a[13 + 2 * c] = -t * (tangential + rolling) / inertia;
   }
   gsl_matrix_view from_a = gsl_matrix_view_array(a, 4, 4), to = gsl_matrix_view_array(e, 4, 4);
-  assert_int_equal(gsl_linalg_exponential_ss(&from_a.matrix, &to.matrix, GSL_PREC_DOUBLE), GSL_SUCCESS);
+  assert_int_equal(gsl_linalg_exponential_ss(&from_a.matrix, &to.matrix, GSL_PREC_DOUBLE),
+                   GSL_SUCCESS);
   for (int i = 0; i < 4; i++) {
     s[i] = 0;
     for (int j = 0; j < 4; j++) s[i] += e[4 * i + j] * from[j];
@@ -87,23 +90,27 @@ static void rolling_to_rest(void **unused) {
   (void)unused;
   for (int i = 0; i < 2; i++) {
     const law l = {.k_n = 1e6, .k_t = 1e6, .mu = 0.5, .k_r = 500, .mu_r = 0.02};
-    const double dt = 4e-6, speed = 0.8, limit = l.mu_r * m * g, mass = 1.5 * m, w = sqrt(l.k_r / mass);
+    const double dt = 4e-6, speed = 0.8, limit = l.mu_r * m * g, mass = 1.5 * m,
+                 w = sqrt(l.k_r / mass);
     double x1 = limit / l.k_r, v1 = sqrt(speed * speed - w * w * x1 * x1), slowing = limit / mass;
-    double rest = x1 + 0.5 * v1 * v1 / slowing, t1 = asin(w * x1 / speed) / w, t = t1 + v1 / slowing;
+    double rest = x1 + 0.5 * v1 * v1 / slowing, t1 = asin(w * x1 / speed) / w,
+           t = t1 + v1 / slowing;
     sd_simulation *s = lying(&l, (sd_integrator)i, dt, speed, 0);
     double late = 0.6 * t;
     system_advance(s, (int64_t)nearbyint(late / dt));
     late = (double)sd_simulation_step(s) * dt - t1;
     system_body b = system_at(s, 0);
     SYSTEM_NEAR(b.vx, v1 - slowing * late, 1e-4 * speed, "speed after a while");
-    SYSTEM_NEAR(b.x, x1 + v1 * late - 0.5 * slowing * late * late, 1e-4 * rest, "way after a while");
+    SYSTEM_NEAR(b.x, x1 + v1 * late - 0.5 * slowing * late * late, 1e-4 * rest,
+                "way after a while");
     SYSTEM_NEAR(R * b.omega, -b.vx, 2e-4 * speed, "it rolls");
     double most = 0, when = 0;
     for (; b.vx > -1e-3 * speed; system_advance(s, 10), b = system_at(s, 0))
       if (b.x > most) most = b.x, when = (double)sd_simulation_step(s) * dt;
     sd_energy e = sd_simulation_energy(s);
-    print_message("rolls to rest, %s: way %.6f, expected %.6f, time %.5f, expected %.5f, residual %.1e\n",
-                  system_integrators[i], most, rest, when, t, laws_residual(s));
+    print_message(
+        "rolls to rest, %s: way %.6f, expected %.6f, time %.5f, expected %.5f, residual %.1e\n",
+        system_integrators[i], most, rest, when, t, laws_residual(s));
     SYSTEM_NEAR(most, rest, 1e-4 * rest, "way");
     SYSTEM_NEAR(when, t, 2e-3 * t, "time");
     SYSTEM_NEAR(e.rolling, limit * (most - x1), 1e-4 * e.rolling, "lost to rolling");
@@ -123,7 +130,8 @@ static void rolling_to_rest(void **unused) {
 /* mu_r keeps it at rest below its angle; above, it rolls with 2/3 g (sin - mu_r cos). */
 static void slope(void **unused) {
   (void)unused;
-  const law l = {.k_n = 1e6, .k_t = 1e6, .mu = 0.5, .gamma_t = 100, .k_r = 5e3, .gamma_r = 40, .mu_r = 0.1};
+  const law l = {
+      .k_n = 1e6, .k_t = 1e6, .mu = 0.5, .gamma_t = 100, .k_r = 5e3, .gamma_r = 40, .mu_r = 0.1};
   for (int k = -1; k <= 1; k += 2) {
     const double tilt = atan(l.mu_r * (1 + 0.3 * k)), dt = 4e-6;
     sd_simulation *s = lying(&l, SD_VERLET, dt, 0, tilt);
@@ -132,7 +140,8 @@ static void slope(void **unused) {
     system_advance(s, 250000);
     c = system_at(s, 0);
     double expected = k < 0 ? 0 : -2.0 / 3 * g * (sin(tilt) - l.mu_r * cos(tilt));
-    SYSTEM_NEAR((c.vx - b.vx) / (250000 * dt), expected, 1e-4 * g * l.mu_r, "acceleration on a slope");
+    SYSTEM_NEAR((c.vx - b.vx) / (250000 * dt), expected, 1e-4 * g * l.mu_r,
+                "acceleration on a slope");
     if (k < 0)
       SYSTEM_NEAR(c.x, -m * g * sin(tilt) * (1 / l.k_r + 1 / l.k_t), 1e-3 * m * g * l.mu_r / l.k_r,
                   "leans on the spring");
@@ -146,19 +155,22 @@ static void held_pair(void **unused) {
   (void)unused;
   for (int sliding = 0; sliding < 2; sliding++)
     for (int i = 0; i < 2; i++) {
-      const double ra = 0.5, rb = 0.3, ma = 0.6, mb = 0.2, reduced = ra * rb / (ra + rb), overlap = 1e-3;
+      const double ra = 0.5, rb = 0.3, ma = 0.6, mb = 0.2, reduced = ra * rb / (ra + rb),
+                   overlap = 1e-3;
       law l = {.k_n = 1e4, .k_r = 300, .mu_r = sliding ? 0.05 : 1e3, .gamma_r = sliding ? 0 : 0.5};
       const double dt = 1e-5, spin = 3, inverse = 2 / (ma * ra * ra) + 2 / (mb * rb * rb);
       text t = {0};
-      text_add(&t, "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15;\n", dt,
-               system_integrators[i]);
-      text_add(&t, "materials = ( ");
-      law_add(&t, "name = \"m\"", &l);
       text_add(
           &t,
-          " );\ndisks = ( { x = 0; y = 0; radius = %g; mass = %g; locked = (\"x\", \"y\"); omega = %g; },\n"
-          "{ x = %.17g; y = 0; radius = %g; mass = %g; locked = (\"x\", \"y\"); } );\n",
-          ra, ma, spin, ra + rb - overlap, rb, mb);
+          "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15;\n",
+          dt, system_integrators[i]);
+      text_add(&t, "materials = ( ");
+      law_add(&t, "name = \"m\"", &l);
+      text_add(&t,
+               " );\ndisks = ( { x = 0; y = 0; radius = %g; mass = %g; locked = (\"x\", \"y\"); "
+               "omega = %g; },\n"
+               "{ x = %.17g; y = 0; radius = %g; mass = %g; locked = (\"x\", \"y\"); } );\n",
+               ra, ma, spin, ra + rb - overlap, rb, mb);
       sd_simulation *s = laws_begin(&t, false);
       /* the difference of the angles: an oscillator of 1/inverse, or a brake; their mean goes on */
       double force = l.mu_r * l.k_n * overlap;
@@ -175,7 +187,8 @@ static void held_pair(void **unused) {
         system_body one = system_at(s, 0), two = system_at(s, 1);
         double difference = spin * exp(-b * now) * (cos(w * now) - b / w * sin(w * now));
         if (sliding)
-          difference = now < t1 ? spin * cos(w0 * now) : v1 - force * reduced * inverse * (now - t1);
+          difference =
+              now < t1 ? spin * cos(w0 * now) : v1 - force * reduced * inverse * (now - t1);
         if (sliding && difference < 0) break;
         worst = fmax(worst, fabs(one.omega - two.omega - difference) / spin);
         /* opposite couples */
@@ -198,17 +211,22 @@ static void round_walls(void **unused) {
     const law l = {.k_n = 1e6, .k_t = 1e6, .mu = 10, .k_r = 60, .mu_r = 10};
     const double dt = 4e-6, wall = 1.3, speed = 1e-3, apart = top ? wall + R : wall - R;
     text t = {0};
-    text_add(&t, "dt = %.17g; integrator = \"verlet\"; contact_variant = \"conservative\"; steps = 1e15;\n",
-             dt);
+    text_add(
+        &t,
+        "dt = %.17g; integrator = \"verlet\"; contact_variant = \"conservative\"; steps = 1e15;\n",
+        dt);
     text_add(&t, "gravity = { g = %.17g; }; materials = ( ", g);
     law_add(&t, "name = \"m\"", &l);
     text_add(
         &t,
-        " );\ndisks = ( { x = 0; y = %.17g; radius = %.17g; mass = %.17g; vx = %.17g; omega = %.17g; } );\n"
+        " );\ndisks = ( { x = 0; y = %.17g; radius = %.17g; mass = %.17g; vx = %.17g; omega = "
+        "%.17g; } );\n"
         "walls = ( { type = \"circle\"; center = (0, 0); radius = %.17g; side = \"%s\"; } );\n",
-        (top ? apart : -apart) - m * g / l.k_n, R, m, speed, -speed / R, wall, top ? "outside" : "inside");
+        (top ? apart : -apart) - m * g / l.k_n, R, m, speed, -speed / R, wall,
+        top ? "outside" : "inside");
     sd_simulation *s = laws_begin(&t, false);
-    double reduced = R * wall / apart, w2 = ((top ? -g : g) / apart + l.k_r / m * pow(reduced / R, 2)) / 1.5;
+    double reduced = R * wall / apart,
+           w2 = ((top ? -g : g) / apart + l.k_r / m * pow(reduced / R, 2)) / 1.5;
     double half = M_PI / sqrt(w2), before = 0, zero = 0;
     for (int k = 1; k < 1000000 && !(zero > 0); k++) {
       system_advance(s, 100);
@@ -216,8 +234,8 @@ static void round_walls(void **unused) {
       if (before > 0 && x <= 0) zero = 100 * dt * (k - 1 + before / (before - x));
       before = x;
     }
-    print_message("%s: half a period %.6f, expected %.6f, residual %.1e\n", top ? "round top" : "drum", zero,
-                  half, laws_residual(s));
+    print_message("%s: half a period %.6f, expected %.6f, residual %.1e\n",
+                  top ? "round top" : "drum", zero, half, laws_residual(s));
     /* k_t gives way by k_r/k_t, the weight by m g/k_n/R */
     SYSTEM_NEAR(zero, half, 2e-4 * half, "half a period");
     assert_true(laws_residual(s) < 1e-6);
@@ -231,14 +249,19 @@ static void turning_floor(void **unused) {
   const law l = {.k_n = 1e4, .k_r = 300, .mu_r = 1e3};
   const double dt = 1e-5, turn = 0.2;
   text t = {0};
-  text_add(&t, "dt = %.17g; integrator = \"verlet\"; contact_variant = \"conservative\"; steps = 1e15;\n",
-           dt);
+  text_add(
+      &t,
+      "dt = %.17g; integrator = \"verlet\"; contact_variant = \"conservative\"; steps = 1e15;\n",
+      dt);
   text_add(&t, "materials = ( ");
   law_add(&t, "name = \"m\"", &l);
   text_add(&t,
-           " );\ndisks = ( { x = 0; y = %.17g; radius = %.17g; mass = %.17g; locked = (\"x\", \"y\"); } );\n"
-           "walls = ( { name = \"f\"; type = \"line\"; points = ( (-1, 0), (1, 0) ); pivot = (0, 0); } );\n"
-           "motions = ( { wall = \"f\"; coordinate = \"theta\"; type = \"velocity\"; velocity = %g; } );\n",
+           " );\ndisks = ( { x = 0; y = %.17g; radius = %.17g; mass = %.17g; locked = (\"x\", "
+           "\"y\"); } );\n"
+           "walls = ( { name = \"f\"; type = \"line\"; points = ( (-1, 0), (1, 0) ); pivot = (0, "
+           "0); } );\n"
+           "motions = ( { wall = \"f\"; coordinate = \"theta\"; type = \"velocity\"; velocity = "
+           "%g; } );\n",
            R - 1e-3, R, m, turn);
   sd_simulation *s = laws_begin(&t, false);
   double w = sqrt(l.k_r * 2 / m), worst = 0;
@@ -253,8 +276,9 @@ static void turning_floor(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rocking),   cmocka_unit_test(rolling_to_rest), cmocka_unit_test(slope),
-      cmocka_unit_test(held_pair), cmocka_unit_test(round_walls),     cmocka_unit_test(turning_floor),
+      cmocka_unit_test(rocking),     cmocka_unit_test(rolling_to_rest),
+      cmocka_unit_test(slope),       cmocka_unit_test(held_pair),
+      cmocka_unit_test(round_walls), cmocka_unit_test(turning_floor),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

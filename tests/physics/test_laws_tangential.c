@@ -15,8 +15,9 @@
 static const double m = 0.7, R = 0.4, g = 9.81;
 
 static void head(text *t, double dt, int integrator) {
-  text_add(t, "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15;\n", dt,
-           system_integrators[integrator]);
+  text_add(t,
+           "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15;\n",
+           dt, system_integrators[integrator]);
 }
 
 /* --- dashpot --------------------------------------------------------------------------------------------- */
@@ -28,7 +29,8 @@ static void dashpot(void **unused) {
     for (int mindlin = 0; mindlin < 2; mindlin++)
       for (int i = 0; i < 2; i++) {
         law l = {.k_n = 1e6, .mu = 1e6, .k_t = 1e4, .gamma_t = 8, .mindlin = mindlin};
-        const double dt = 2e-6, rb = 0.3, mb = 0.2, overlap = pair ? 1e-3 : m * g / l.k_n, speed = 0.1;
+        const double dt = 2e-6, rb = 0.3, mb = 0.2, overlap = pair ? 1e-3 : m * g / l.k_n,
+                     speed = 0.1;
         if (mindlin) l.k_t = 1e4 / sqrt(overlap);
         text t = {0};
         head(&t, dt, i);
@@ -37,12 +39,14 @@ static void dashpot(void **unused) {
         text_add(&t, " );\ndisks = ( { x = 0; y = 0; radius = %g; mass = %g; ", R, m);
         if (pair)
           text_add(&t,
-                   "omega = %.17g; locked = (\"x\", \"y\"); },\n{ x = %.17g; y = 0; radius = %g; mass = %g; "
+                   "omega = %.17g; locked = (\"x\", \"y\"); },\n{ x = %.17g; y = 0; radius = %g; "
+                   "mass = %g; "
                    "locked = (\"x\", \"y\"); } );\n",
                    speed / R, R + rb - overlap, rb, mb);
         else
           text_add(&t,
-                   "vx = %.17g; } );\nwalls = ( { type = \"line\"; points = ( (-1, %.17g), (1, %.17g) ); } "
+                   "vx = %.17g; } );\nwalls = ( { type = \"line\"; points = ( (-1, %.17g), (1, "
+                   "%.17g) ); } "
                    ");\n",
                    speed, overlap - R, overlap - R);
         sd_simulation *s = laws_begin(&t, false);
@@ -50,17 +54,20 @@ static void dashpot(void **unused) {
         double w = sqrt(1e4 * inverse - b * b), worst = 0;
         for (int k = 1; k <= 400; k++) {
           system_advance(s, 20);
-          double now = 20 * k * dt, e = speed * exp(-b * now) * (cos(w * now) - b / w * sin(w * now));
+          double now = 20 * k * dt,
+                 e = speed * exp(-b * now) * (cos(w * now) - b / w * sin(w * now));
           system_body one = system_at(s, 0), two = {0};
           if (pair) two = system_at(s, 1);
           double surface = pair ? R * one.omega + rb * two.omega : one.vx + R * one.omega;
           worst = fmax(worst, fabs(surface - e) / speed);
           /* force and couples of one and the same tau */
-          double kept = pair ? m * R * one.omega - mb * rb * two.omega : one.vx - 0.5 * R * one.omega;
+          double kept =
+              pair ? m * R * one.omega - mb * rb * two.omega : one.vx - 0.5 * R * one.omega;
           SYSTEM_NEAR(kept, pair ? m * speed : speed, 1e-9, "one force on both");
         }
         print_message("dashpot, %s, %s, %s: error %.1e, residual %.1e\n", pair ? "pair" : "floor",
-                      mindlin ? "mindlin" : "spring", system_integrators[i], worst, laws_residual(s));
+                      mindlin ? "mindlin" : "spring", system_integrators[i], worst,
+                      laws_residual(s));
         SYSTEM_NEAR(worst, 0, 1e-4, "tangential oscillation");
         assert_true(laws_residual(s) < 1e-6);
         system_end(s);
@@ -75,10 +82,18 @@ static const struct {
 } laws[] = {
     {"spring", {.k_n = 1e4, .gamma_n = 3, .mu = 0.4, .k_t = 7e3}},
     {"spring and dashpot", {.k_n = 1e4, .gamma_n = 3, .mu = 0.4, .k_t = 7e3, .gamma_t = 2}},
-    {"mindlin", {.hertz = true, .k_n = 1e5, .restitution = 0.8, .mu = 0.4, .k_t = 1.2e5, .mindlin = true}},
+    {"mindlin",
+     {.hertz = true, .k_n = 1e5, .restitution = 0.8, .mu = 0.4, .k_t = 1.2e5, .mindlin = true}},
     {"mindlin and dashpot",
-     {.hertz = true, .k_n = 1e5, .restitution = 0.8, .mu = 0.4, .k_t = 1.2e5, .mindlin = true, .gamma_t = 1}},
-    {"kinetic friction", {.k_n = 1e4, .restitution = 0.9, .mu = 0.5, .mu_kinetic = 0.2, .k_t = 7e3}},
+     {.hertz = true,
+      .k_n = 1e5,
+      .restitution = 0.8,
+      .mu = 0.4,
+      .k_t = 1.2e5,
+      .mindlin = true,
+      .gamma_t = 1}},
+    {"kinetic friction",
+     {.k_n = 1e4, .restitution = 0.9, .mu = 0.5, .mu_kinetic = 0.2, .k_t = 7e3}},
     {"everything",
      {.hertz = true,
       .k_n = 1e5,
@@ -104,7 +119,10 @@ static void oblique(void **unused) {
     double worst = 0;
     for (size_t k = 0; k < sizeof angles / sizeof *angles; k += BRIEF(1, 3))
       for (int floor = 0; floor < 2; floor++) {
-        hit h = {.floor = floor, .radius = {0.4, 0.3}, .mass = {0.7, 0.2}, .beta = -0.4 + 0.3 * (double)k};
+        hit h = {.floor = floor,
+                 .radius = {0.4, 0.3},
+                 .mass = {0.7, 0.2},
+                 .beta = -0.4 + 0.3 * (double)k};
         h.integrator = floor ? SD_GEAR5 : SD_VERLET;
         double along = floor ? -0.5 * M_PI : h.beta, speed = 0.5, rate = l->hertz ? 70 : 150;
         double v = speed * cos(angles[k]), u = speed * sin(angles[k]);
@@ -137,8 +155,12 @@ static void oblique(void **unused) {
 static void rebound(void **unused) {
   (void)unused;
   for (int kind = 0; kind < 2; kind++) {
-    law l = {
-        .hertz = kind, .mindlin = kind, .k_n = 1e5, .restitution = 0.9, .mu = 0.3, .k_t = kind ? 1e5 : 7e4};
+    law l = {.hertz = kind,
+             .mindlin = kind,
+             .k_n = 1e5,
+             .restitution = 0.9,
+             .mu = 0.3,
+             .k_t = kind ? 1e5 : 7e4};
     for (int k = 0; k < 12; k++) {
       double ratio = 0.25 * (k + 1), v = 0.2, u = ratio * v;
       hit h = {.floor = true,
@@ -165,20 +187,22 @@ static void rebound(void **unused) {
 /* Disk 0, whose centre is held and that does not turn in the end (its inertia is huge), feels disk 1 come and go. Returns the energy
  * stored tangentially at the end. turns: swings of the angle to one of the overlap. */
 static double driven_cycle(bool mindlin, int turns, double periods, double dt, double *lost) {
-  const law l = {.hertz = true, .mindlin = mindlin, .k_n = 1e4, .k_t = mindlin ? 3e5 : 1e4, .mu = 1e9};
+  const law l = {
+      .hertz = true, .mindlin = mindlin, .k_n = 1e4, .k_t = mindlin ? 3e5 : 1e4, .mu = 1e9};
   text t = {0};
   head(&t, dt, SD_VERLET);
   text_add(&t, "materials = ( ");
   law_add(&t, "name = \"m\"", &l);
-  text_add(
-      &t,
-      " );\ndisks = ( { x = 0; y = 0; radius = 1; mass = 1; inertia = 1e90; locked = (\"x\", \"y\"); },\n"
-      "{ name = \"d\"; x = %.17g; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
-      "motions = ( { disk = \"d\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 2e-3; "
-      "omega = \"2 pi\"; }, "
-      "{ disk = \"d\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.01; omega = \"%d pi\"; } "
-      ");\n",
-      1.995, 2 * turns);
+  text_add(&t,
+           " );\ndisks = ( { x = 0; y = 0; radius = 1; mass = 1; inertia = 1e90; locked = (\"x\", "
+           "\"y\"); },\n"
+           "{ name = \"d\"; x = %.17g; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
+           "motions = ( { disk = \"d\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 2e-3; "
+           "omega = \"2 pi\"; }, "
+           "{ disk = \"d\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.01; omega = "
+           "\"%d pi\"; } "
+           ");\n",
+           1.995, 2 * turns);
   sd_simulation *s = laws_begin(&t, false);
   system_advance(s, (int64_t)nearbyint(periods / dt));
   sd_energy e = sd_simulation_energy(s);
@@ -209,7 +233,8 @@ static void closed_cycles(void **unused) {
       y += sqrt(3e5) * pow(0.005 - 2e-3 * sin(p), 0.25) * 0.02 * cos(2 * p) * 2 * M_PI / 100000;
     }
     double expected = mindlin ? 0.5 * y * y : 0;
-    print_message("%s: %.6e left of a loop, expected %.6e\n", mindlin ? "mindlin" : "spring", left, expected);
+    print_message("%s: %.6e left of a loop, expected %.6e\n", mindlin ? "mindlin" : "spring", left,
+                  expected);
     SYSTEM_NEAR(left, expected, 1e-4 * expected + 1e-9 * peak, "left of a loop");
     SYSTEM_NEAR(lost, 0, 1e-12 * peak, "nothing is lost");
   }
@@ -234,15 +259,19 @@ static sd_simulation *sledge(const law *l, double dt, double belt, double speed,
   text_add(&t, ", ");
   law_add(&t, "materials = (\"sledge\", \"stop\")", &(law){.k_n = stop_k});
   text_add(&t,
-           " );\ndisks = ( { x = 0; y = %.17g; radius = %g; mass = %g; vx = %.17g; locked = (\"theta\"); "
+           " );\ndisks = ( { x = 0; y = %.17g; radius = %g; mass = %g; vx = %.17g; locked = "
+           "(\"theta\"); "
            "material = \"sledge\"; } );\n"
-           "walls = ( { name = \"b\"; type = \"line\"; points = ( (-1, 0), (1, 0) ); material = \"belt\"; }",
+           "walls = ( { name = \"b\"; type = \"line\"; points = ( (-1, 0), (1, 0) ); material = "
+           "\"belt\"; }",
            R - (m * g + l->pull_off) / l->k_n, R, m, speed);
-  if (stop) text_add(&t, ", { type = \"line\"; points = ( (%g, -1), (%g, 1) ); material = \"stop\"; }", R, R);
-  text_add(
-      &t,
-      " );\nmotions = ( { wall = \"b\"; coordinate = \"x\"; type = \"velocity\"; velocity = %.17g; } );\n",
-      belt);
+  if (stop)
+    text_add(&t, ", { type = \"line\"; points = ( (%g, -1), (%g, 1) ); material = \"stop\"; }", R,
+             R);
+  text_add(&t,
+           " );\nmotions = ( { wall = \"b\"; coordinate = \"x\"; type = \"velocity\"; velocity = "
+           "%.17g; } );\n",
+           belt);
   return laws_begin(&t, false);
 }
 
@@ -298,9 +327,10 @@ static void stick_slip(void **unused) {
   double expected = 2 * drop / belt + (2 * M_PI - 2 * phi) / w;
   /* sticks over 2 drop at the belt's speed, slips for the rest of a turn of the oscillator */
   double swing = hypot(drop, belt / w), low = l.mu_kinetic * weight / stop_k - swing;
-  print_message("stick-slip: starts at %.6f, period %.5f, closed form %.5f, lowest %.6f, closed form %.6f; "
-                "reference within %.1e, residual %.1e\n",
-                first, period, expected, least, low, worst, laws_residual(s));
+  print_message(
+      "stick-slip: starts at %.6f, period %.5f, closed form %.5f, lowest %.6f, closed form %.6f; "
+      "reference within %.1e, residual %.1e\n",
+      first, period, expected, least, low, worst, laws_residual(s));
   SYSTEM_NEAR(first, l.mu, 1e-4 * l.mu, "starts at mu");
   SYSTEM_NEAR(period, expected, 1e-2 * expected, "period");
   SYSTEM_NEAR(least, low, 2e-2 * swing, "lowest");

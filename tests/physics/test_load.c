@@ -47,8 +47,8 @@ static wall_now wall_of(sd_simulation *sim, const char *name) {
 
 /* --- loads ------------------------------------------------------------------------------------------- */
 
-#define FLOOR_AND_LID                                                                                        \
-  "walls = ( { name = \"floor\"; type = \"line\"; points = ((-1, 0), (1, 0)); },"                            \
+#define FLOOR_AND_LID                                                                              \
+  "walls = ( { name = \"floor\"; type = \"line\"; points = ((-1, 0), (1, 0)); },"                  \
   "{ name = \"lid\"; type = \"line\"; points = ((-1, %.17g), (1, %.17g)); } );\n"
 
 /* With constant acceleration velocity Verlet is exact. */
@@ -61,7 +61,8 @@ static void a_lid_falls_freely(void **unused) {
         "disks = ( { x = 0; y = -50; radius = 1; mass = 1; fixed = true; } );\n"
         "walls = ( { name = \"lid\"; type = \"line\"; points = ((-1, 100), (1, 100)); },"
         "{ name = \"side\"; type = \"segment\"; points = ((60, 0), (60, 1)); } );\n"
-        "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = 0.7; force = 2; },\n"
+        "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = 0.7; force = 2; "
+        "},\n"
         "{ wall = \"side\"; coordinate = \"x\"; type = \"load\"; mass = 3; } );\nsteps = 3000;\n");
     sd_simulation *sim = begin_run(m, 1);
     advance(sim, 2000);
@@ -84,9 +85,11 @@ static void static_overlaps_carry_the_load(void **unused) {
     text t = {0};
     text_add(
         &t,
-        "gravity = { g = %.17g; }; materials = ( { name = \"m\"; k_n = %.17g; k_t = 5e3; mu = 0.3; gamma_n = "
+        "gravity = { g = %.17g; }; materials = ( { name = \"m\"; k_n = %.17g; k_t = 5e3; mu = 0.3; "
+        "gamma_n = "
         "20; } );\ndisks = ( { x = 0; y = 0.1; radius = %.17g; mass = %.17g; } );\n" FLOOR_AND_LID
-        "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = %.17g; force = %.17g; } "
+        "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = %.17g; force = "
+        "%.17g; } "
         ");\ntime = 100;\n",
         g, k, radius, mass, 0.2, 0.2, lid_mass, force);
     sd_model *m = model_with(integrators[i], 1e-4, t.s);
@@ -120,11 +123,12 @@ static double oscillation_error(const char *integrator, double dt, double mass, 
   text_add(&t, "disks = ( { x = 0; y = %.17g; radius = %.17g; mass = %.17g; %s } );\n",
            radius - (locked ? 0 : weight / k) + share * amplitude, radius, locked ? 1 : mass,
            locked ? "locked = (\"x\", \"y\");" : "");
-  text_add(&t,
-           FLOOR_AND_LID
-           "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = %.17g; force = "
-           "%.17g; } );\ntime = 100;\n",
-           y, y, lid_mass, -weight);
+  text_add(
+      &t,
+      FLOOR_AND_LID
+      "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = %.17g; force = "
+      "%.17g; } );\ntime = 100;\n",
+      y, y, lid_mass, -weight);
   sd_model *m = model_with(integrator, dt, t.s);
   free(t.s);
   sd_simulation *sim = begin_run(m, 1);
@@ -143,7 +147,8 @@ static void a_lid_oscillates_as_theory_says(void **unused) {
   (void)unused;
   for (int i = 0; i < 2; i++)
     for (int free_disk = 0; free_disk < 2; free_disk++) {
-      double mass = free_disk ? 0.2 : 0, coarse = oscillation_error(integrators[i], 2e-4, mass, 0.5),
+      double mass = free_disk ? 0.2 : 0,
+             coarse = oscillation_error(integrators[i], 2e-4, mass, 0.5),
              fine = oscillation_error(integrators[i], 1e-4, mass, 0.5);
       print_message("  %s, disk %s: off by %.3g of the amplitude, %.3g with half the time step\n",
                     integrators[i], free_disk ? "free" : "locked", coarse, fine);
@@ -157,20 +162,21 @@ static void a_lid_oscillates_as_theory_says(void **unused) {
 /* A lid falls on a bed of disks and bounces; residual of the energy budget over its scale. */
 static double bouncing_residual(const char *integrator, double dt, double *scale) {
   text t = {0};
-  text_add(
-      &t,
-      "gravity = { g = 9.81; }; materials = ( { name = \"m\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.3; } "
-      ");\ndisk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (");
+  text_add(&t,
+           "gravity = { g = 9.81; }; materials = ( { name = \"m\"; k_n = 1e4; k_t = 5e3; gamma_n = "
+           "2; mu = 0.3; } "
+           ");\ndisk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (");
   add_lattice(&t, 24, 6, 0.021, 0.0215, 0.042, 0.02, 5);
-  text_add(
-      &t,
-      "); } );\nwalls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); },\n"
-      "{ name = \"left\"; type = \"line\"; points = ((0, 0), (0, 1)); }, { name = \"right\"; type = "
-      "\"line\"; "
-      "points = ((0.252, 0), (0.252, 1)); },\n"
-      "{ name = \"lid\"; type = \"line\"; points = ((0, 0.24), (1, 0.24)); } );\n"
-      "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = 0.05; force = -0.5; } );\n"
-      "time = 0.6;\n");
+  text_add(&t,
+           "); } );\nwalls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); },\n"
+           "{ name = \"left\"; type = \"line\"; points = ((0, 0), (0, 1)); }, { name = \"right\"; "
+           "type = "
+           "\"line\"; "
+           "points = ((0.252, 0), (0.252, 1)); },\n"
+           "{ name = \"lid\"; type = \"line\"; points = ((0, 0.24), (1, 0.24)); } );\n"
+           "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = 0.05; force "
+           "= -0.5; } );\n"
+           "time = 0.6;\n");
   sd_model *m = model_with(integrator, dt, t.s);
   free(t.s);
   sd_simulation *sim = begin_run(m, 1);
@@ -195,8 +201,9 @@ static void the_energy_budget_closes(void **unused) {
     double residual[3] = {0}, scale = 0;
     for (int n = 0; n < BRIEF(3, 1); n++)
       residual[n] = bouncing_residual(integrators[i], 4e-5 / (1 << n), &scale) / scale;
-    print_message("  %s: largest residual over the scale %.3g at dt = 4e-5, %.3g at 2e-5, %.3g at 1e-5\n",
-                  integrators[i], residual[0], residual[1], residual[2]);
+    print_message(
+        "  %s: largest residual over the scale %.3g at dt = 4e-5, %.3g at 2e-5, %.3g at 1e-5\n",
+        integrators[i], residual[0], residual[1], residual[2]);
     if (BRIEF(0, 1)) continue;
     between(residual[2], 0, 1e-3, "residual");
     between(residual[0] / residual[2], 3, 1e9, "fall of the residual");
@@ -211,13 +218,14 @@ static void a_servo_reaches_its_force(void **unused) {
   for (int i = 0; i < 2; i++)
     for (int fast = 0; fast < 2; fast++) {
       text t = {0};
-      text_add(
-          &t,
-          "gravity = { g = 10; }; materials = ( { name = \"m\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.3; "
-          "} );\ndisks = ( { x = 0; y = 0.0995; radius = 0.1; mass = 0.1; } );\n" FLOOR_AND_LID
-          "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = -4; speed = %g; } "
-          ");\ntime = 100;\n",
-          0.25, 0.25, fast ? 2.0 : 0.05);
+      text_add(&t,
+               "gravity = { g = 10; }; materials = ( { name = \"m\"; k_n = 1e4; k_t = 5e3; gamma_n "
+               "= 2; mu = 0.3; "
+               "} );\ndisks = ( { x = 0; y = 0.0995; radius = 0.1; mass = 0.1; } );\n" FLOOR_AND_LID
+               "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = -4; "
+               "speed = %g; } "
+               ");\ntime = 100;\n",
+               0.25, 0.25, fast ? 2.0 : 0.05);
       sd_model *m = model_with(integrators[i], 1e-4, t.s);
       free(t.s);
       sd_simulation *sim = begin_run(m, 1);
@@ -242,7 +250,8 @@ static void a_servo_begins_at_its_force(void **unused) {
   text_add(&t,
            "materials = ( { name = \"m\"; k_n = 1e4; gamma_n = 1; } );\n"
            "disks = ( { x = 0; y = %.17g; radius = 1; mass = 1; } );\n" FLOOR_AND_LID
-           "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = -4; speed = 1; } );\n"
+           "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = -4; speed "
+           "= 1; } );\n"
            "steps = 1000;\n",
            1 - 4e-4, 2 - 8e-4, 2 - 8e-4);
   sd_model *m = model_with("verlet", 1e-4, t.s);
@@ -262,15 +271,17 @@ static void add_box(text *t, const char *friction, double speed) {
   text_add(t, "materials = ( { name = \"m\"; k_n = 1e4; gamma_n = 2; %s } );\n", friction);
   text_add(t, "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (");
   add_lattice(t, 100, 10, 0.021, 0.021, 0.042, 0.02, 5);
-  text_add(
-      t,
-      "); } );\ncontainer = { type = \"box\"; width = 0.42; height = 0.42; origin = (0.21, 0); open = false; "
-      "};\n"
-      "motions = ( { wall = (\"left\", \"right\"); coordinate = \"x\"; type = \"servo\"; pressure = 5; speed "
-      "= "
-      "%.17g; }, { wall = (\"floor\", \"lid\"); coordinate = \"y\"; type = \"servo\"; pressure = 5; speed = "
-      "%.17g; } );\n",
-      speed, speed);
+  text_add(t,
+           "); } );\ncontainer = { type = \"box\"; width = 0.42; height = 0.42; origin = (0.21, "
+           "0); open = false; "
+           "};\n"
+           "motions = ( { wall = (\"left\", \"right\"); coordinate = \"x\"; type = \"servo\"; "
+           "pressure = 5; speed "
+           "= "
+           "%.17g; }, { wall = (\"floor\", \"lid\"); coordinate = \"y\"; type = \"servo\"; "
+           "pressure = 5; speed = "
+           "%.17g; } );\n",
+           speed, speed);
 }
 
 static void four_walls_hold_a_pressure(void **unused) {
@@ -286,8 +297,8 @@ static void four_walls_hold_a_pressure(void **unused) {
     double worst = 1;
     for (int n = 0; n < 20 && worst > 1e-3; n++) {
       advance(sim, 2500);
-      wall_now left = wall_of(sim, "left"), right = wall_of(sim, "right"), floor = wall_of(sim, "floor"),
-               lid = wall_of(sim, "lid");
+      wall_now left = wall_of(sim, "left"), right = wall_of(sim, "right"),
+               floor = wall_of(sim, "floor"), lid = wall_of(sim, "lid");
       double width = right.x - left.x, height = lid.y - floor.y;
       double p[4] = {-left.fx / height, right.fx / height, -floor.fy / width, lid.fy / width};
       worst = 0;
@@ -306,23 +317,28 @@ static void four_walls_hold_a_pressure(void **unused) {
 static void add_press(text *t) {
   add_box(t, "k_t = 5e3; mu = 0.5;", 0.4);
   t->n = (size_t)(strstr(t->s, "motions = (") - t->s);
-  text_add(
-      t,
-      "gravity = { g = 10; tilt = 0.1; };\n"
-      "motions = ( { name = \"sides\"; wall = (\"left\", \"right\"); coordinate = \"x\"; type = \"servo\"; "
-      "pressure = 5; speed = 0.4; },\n"
-      "{ name = \"servo\"; wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = -2; speed = 0.3; "
-      "},\n"
-      "{ name = \"load\"; wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = 0.1; force = -1; },\n"
-      "{ name = \"shear\"; wall = \"lid\"; coordinate = \"x\"; type = \"servo\"; force = 0.5; speed = 1; },\n"
-      "{ name = \"shake\"; wall = \"lid\"; coordinate = \"y\"; type = \"harmonic\"; acceleration = 3; "
-      "frequency = 100; } );\n"
-      "phases = ( { steps = 700; motions = (\"sides\", \"servo\"); }, { steps = 500; motions = (\"sides\", "
-      "\"load\", \"shear\"); },\n"
-      "{ steps = 300; motions = (\"load\", \"shear\"); }, { steps = 1; motions = (); }, { steps = 200; "
-      "motions "
-      "= \"shake\"; },\n"
-      "{ steps = 100000; motions = (\"load\", \"sides\"); } );\n");
+  text_add(t, "gravity = { g = 10; tilt = 0.1; };\n"
+              "motions = ( { name = \"sides\"; wall = (\"left\", \"right\"); coordinate = \"x\"; "
+              "type = \"servo\"; "
+              "pressure = 5; speed = 0.4; },\n"
+              "{ name = \"servo\"; wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = "
+              "-2; speed = 0.3; "
+              "},\n"
+              "{ name = \"load\"; wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = 0.1; "
+              "force = -1; },\n"
+              "{ name = \"shear\"; wall = \"lid\"; coordinate = \"x\"; type = \"servo\"; force = "
+              "0.5; speed = 1; },\n"
+              "{ name = \"shake\"; wall = \"lid\"; coordinate = \"y\"; type = \"harmonic\"; "
+              "acceleration = 3; "
+              "frequency = 100; } );\n"
+              "phases = ( { steps = 700; motions = (\"sides\", \"servo\"); }, { steps = 500; "
+              "motions = (\"sides\", "
+              "\"load\", \"shear\"); },\n"
+              "{ steps = 300; motions = (\"load\", \"shear\"); }, { steps = 1; motions = (); }, { "
+              "steps = 200; "
+              "motions "
+              "= \"shake\"; },\n"
+              "{ steps = 100000; motions = (\"load\", \"sides\"); } );\n");
 }
 
 /* A piston that a force drives around a periodic box, through disks that fly. */
@@ -334,8 +350,10 @@ static void add_piston(text *t) {
   text_add(
       t,
       "); } );\nwalls = ( { name = \"piston\"; type = \"line\"; points = ((0, 0.3), (1, 0.3)); },\n"
-      "{ name = \"ball\"; type = \"circle\"; center = (0.5, 0.15); radius = 0.04; side = \"outside\"; } );\n"
-      "motions = ( { wall = \"piston\"; coordinate = \"y\"; type = \"load\"; mass = 1; force = 90; },\n"
+      "{ name = \"ball\"; type = \"circle\"; center = (0.5, 0.15); radius = 0.04; side = "
+      "\"outside\"; } );\n"
+      "motions = ( { wall = \"piston\"; coordinate = \"y\"; type = \"load\"; mass = 1; force = 90; "
+      "},\n"
       "{ wall = \"ball\"; coordinate = \"x\"; type = \"load\"; mass = 0.1; force = -2; } );\n"
       "steps = 100000;\n");
 }
@@ -385,18 +403,19 @@ static void bits_do_not_depend_on_the_way(void **unused) {
 /* Few disks and round walls: the step for few disks knows no such walls. */
 static void a_round_load_among_few_disks(void **unused) {
   (void)unused;
-  sd_model *m =
-      model_with("gear5", 1e-4,
-                 "materials = ( { name = \"m\"; k_n = 1e4; } ); disks = ( { x = 0; y = 0; radius = 0.1; mass "
-                 "= 1; locked = (\"x\", \"y\"); } );\nwalls = ( { name = \"ball\"; type = \"circle\"; center "
-                 "= (0, 0.5); radius = 0.2; side = \"outside\"; } );\nmotions = ( { wall = \"ball\"; "
-                 "coordinate = \"y\"; type = "
-                 "\"load\"; mass = 2; force = -8; } );\ntime = 10;\n");
+  sd_model *m = model_with(
+      "gear5", 1e-4,
+      "materials = ( { name = \"m\"; k_n = 1e4; } ); disks = ( { x = 0; y = 0; radius = 0.1; mass "
+      "= 1; locked = (\"x\", \"y\"); } );\nwalls = ( { name = \"ball\"; type = \"circle\"; center "
+      "= (0, 0.5); radius = 0.2; side = \"outside\"; } );\nmotions = ( { wall = \"ball\"; "
+      "coordinate = \"y\"; type = "
+      "\"load\"; mass = 2; force = -8; } );\ntime = 10;\n");
   sd_simulation *sim = begin_run(m, 1);
   assert_false(simulation_is_small(sim));
   /* it falls by 0.2, sinks in, and is thrown back to where it was */
   double fall = sqrt(2 * 0.2 / 4), w = sqrt(1e4 / 2), v = 4 * fall, rest = 8 / 1e4;
-  double touch = 2 * (M_PI - atan2(v / w, rest)) / w, deepest = rest + hypot(v / w, rest), lowest = 1;
+  double touch = 2 * (M_PI - atan2(v / w, rest)) / w, deepest = rest + hypot(v / w, rest),
+         lowest = 1;
   int64_t steps = (int64_t)((2 * fall + touch) / 1e-4 + 0.5);
   for (int64_t n = 0; n < steps; n++) {
     advance(sim, 1);
@@ -409,22 +428,24 @@ static void a_round_load_among_few_disks(void **unused) {
 
 /* --- decks ------------------------------------------------------------------------------------------- */
 
-#define SHAKEN                                                                                               \
-  "dt = 1e-5; steps = 10; materials = ( { name = \"m\"; k_n = 1e4; } );\n"                                   \
-  "disks = ( { name = \"d\"; x = 0; y = 0.2; radius = 0.1; mass = 1; } );\n"                                 \
-  "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); },\n"                           \
+#define SHAKEN                                                                                     \
+  "dt = 1e-5; steps = 10; materials = ( { name = \"m\"; k_n = 1e4; } );\n"                         \
+  "disks = ( { name = \"d\"; x = 0; y = 0.2; radius = 0.1; mass = 1; } );\n"                       \
+  "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); },\n"                 \
   "{ name = \"lid\"; type = \"line\"; points = ((0, 1), (1, 1)); } );\n"
 
 static void accelerations_are_amplitudes(void **unused) {
   (void)unused;
-  const char *const deck =
-      "gravity = { g = 9.81; tilt = 0.2; };\n" SHAKEN
-      "motions = ( { name = \"h\"; wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; acceleration = "
-      "2; omega "
-      "= 300; },\n{ name = \"p\"; wall = \"floor\"; coordinate = \"y\"; type = \"parabolic\"; acceleration = "
-      "2; "
-      "omega = 300; },\n{ name = \"r\"; wall = \"floor\"; coordinate = (\"x\", \"y\"); type = \"random\"; "
-      "acceleration = 2; frequency = 50; } );\n";
+  const char *const deck = "gravity = { g = 9.81; tilt = 0.2; };\n" SHAKEN
+                           "motions = ( { name = \"h\"; wall = \"floor\"; coordinate = \"y\"; type "
+                           "= \"harmonic\"; acceleration = "
+                           "2; omega "
+                           "= 300; },\n{ name = \"p\"; wall = \"floor\"; coordinate = \"y\"; type "
+                           "= \"parabolic\"; acceleration = "
+                           "2; "
+                           "omega = 300; },\n{ name = \"r\"; wall = \"floor\"; coordinate = "
+                           "(\"x\", \"y\"); type = \"random\"; "
+                           "acceleration = 2; frequency = 50; } );\n";
   sd_model *m = model_of(deck), *again = NULL;
   double w = 2 * M_PI * 50, g = 9.81;
   between(m->motions[0].amplitude / (2 * g / 9e4) - 1, -1e-15, 1e-15, "amplitude, harmonic");
@@ -490,11 +511,12 @@ static void mistakes_are_refused(void **unused) {
     size_t errors;
   } cases[] = {
       {"", LID("type = \"harmonic\"; omega = 5; acceleration = 2;"), "no gravity", 1},
-      {G10, LID("type = \"harmonic\"; omega = 5; acceleration = 2; amplitude = 1;"), "expected one of them",
-       1},
+      {G10, LID("type = \"harmonic\"; omega = 5; acceleration = 2; amplitude = 1;"),
+       "expected one of them", 1},
       {G10, LID("type = \"harmonic\"; omega = 5; acceleration = 0;"), "> 0", 1},
       {G10,
-       "motions = ( { disk = \"d\"; coordinate = \"theta\"; type = \"harmonic\"; omega = 5; acceleration = "
+       "motions = ( { disk = \"d\"; coordinate = \"theta\"; type = \"harmonic\"; omega = 5; "
+       "acceleration = "
        "1; } );",
        "expected amplitude", 1},
       {G10, LID("type = \"load\"; mass = 0;"), "motions[0].mass = 0", 1},
@@ -502,12 +524,14 @@ static void mistakes_are_refused(void **unused) {
       {G10, LID("type = \"load\"; mass = 1; ramp = 1;"), "does not belong", 1},
       {G10, "motions = ( { disk = \"d\"; coordinate = \"y\"; type = \"load\"; mass = 1; } );",
        "expected wall", 1},
-      {G10, "motions = ( { wall = \"lid\"; coordinate = (\"x\", \"y\"); type = \"load\"; mass = 1; } );",
+      {G10,
+       "motions = ( { wall = \"lid\"; coordinate = (\"x\", \"y\"); type = \"load\"; mass = 1; } );",
        "expected \"x\" or \"y\"", 1},
       {G10, "motions = ( { wall = \"lid\"; coordinate = \"theta\"; type = \"load\"; mass = 1; } );",
        "expected \"x\" or \"y\"", 1},
       {G10,
-       "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = 1; }, { name = \"b\"; wall "
+       "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = 1; }, { name = "
+       "\"b\"; wall "
        "= (0, 1); "
        "coordinate = \"y\"; type = \"velocity\"; velocity = 1; } );",
        "motions[1] moves the same coordinate", 1},
@@ -522,7 +546,8 @@ static void mistakes_are_refused(void **unused) {
       {"", LID("type = \"servo\"; pressure = 1; speed = 1;"), "expected the length", 1},
       {"", LID("type = \"servo\"; force = -1; speed = 1; length = 1;"), "with pressure only", 1},
       {"",
-       "motions = ( { wall = \"lid\"; coordinate = \"x\"; type = \"servo\"; pressure = 1; speed = 1; length "
+       "motions = ( { wall = \"lid\"; coordinate = \"x\"; type = \"servo\"; pressure = 1; speed = "
+       "1; length "
        "= 1; } );",
        "does not press along x", 1},
   };
@@ -534,14 +559,19 @@ static void mistakes_are_refused(void **unused) {
 static void a_deck_reads_back(void **unused) {
   (void)unused;
   sd_model *m = model_of(
-      G10 "dt = 1e-5; materials = ( { name = \"m\"; k_n = 1e4; } ); container = { type = \"box\"; width = 2; "
-          "height = "
-          "3; open = false; };\ndisks = ( { x = 0; y = 0.2; radius = 0.1; mass = 1; } );\n"
-          "motions = ( { name = \"l\"; wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = 2; },\n"
-          "{ name = \"s\"; wall = (\"left\", \"right\"); coordinate = \"x\"; type = \"servo\"; pressure = 3; "
-          "speed = 1; "
-          "},\n{ name = \"v\"; wall = \"lid\"; coordinate = \"y\"; type = \"velocity\"; velocity = -1; } );\n"
-          "phases = ( { steps = 5; motions = \"v\"; }, { steps = 5; motions = (\"l\", \"s\"); } );\n");
+      G10
+      "dt = 1e-5; materials = ( { name = \"m\"; k_n = 1e4; } ); container = { type = \"box\"; "
+      "width = 2; "
+      "height = "
+      "3; open = false; };\ndisks = ( { x = 0; y = 0.2; radius = 0.1; mass = 1; } );\n"
+      "motions = ( { name = \"l\"; wall = \"lid\"; coordinate = \"y\"; type = \"load\"; mass = 2; "
+      "},\n"
+      "{ name = \"s\"; wall = (\"left\", \"right\"); coordinate = \"x\"; type = \"servo\"; "
+      "pressure = 3; "
+      "speed = 1; "
+      "},\n{ name = \"v\"; wall = \"lid\"; coordinate = \"y\"; type = \"velocity\"; velocity = -1; "
+      "} );\n"
+      "phases = ( { steps = 5; motions = \"v\"; }, { steps = 5; motions = (\"l\", \"s\"); } );\n");
   assert_int_equal(m->n_motions, 4);
   between(m->motions[0].force, -20, -20, "weight");
   between(m->motions[1].pressure, 3, 3, "pressure of the left wall");

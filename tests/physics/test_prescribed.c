@@ -8,8 +8,9 @@
 
 #include "deck_runs.h"
 
-#define HEAD                                                                                                 \
-  "dt = 1e-4; steps = 20000; materials = ( { name = \"m\"; k_n = 1e4; k_t = 8e3; gamma_n = 2.0; mu = 0.5; "  \
+#define HEAD                                                                                       \
+  "dt = 1e-4; steps = 20000; materials = ( { name = \"m\"; k_n = 1e4; k_t = 8e3; gamma_n = 2.0; "  \
+  "mu = 0.5; "                                                                                     \
   "} );\n"
 #define HELD "name = \"held\"; x = 5.0; y = 0.0; radius = 0.5; mass = 1.0; "
 #define LED "name = \"led\"; x = 5.0; y = 1.01; radius = 0.5; mass = 1.0; "
@@ -17,10 +18,12 @@
 #define LOCKED "locked = (\"x\", \"y\", \"theta\"); "
 #define DISKS(a, b) "disks = ( { " a " }, { " b " } ); "
 #define PRESS(body, v) "{ " body "; coordinate = \"y\"; type = \"velocity\"; velocity = " v "; }"
-#define SLIDE(body) "{ " body "; coordinate = \"x\"; type = \"harmonic\"; amplitude = 0.004; omega = 6.0; }"
+#define SLIDE(body)                                                                                \
+  "{ " body "; coordinate = \"x\"; type = \"harmonic\"; amplitude = 0.004; omega = 6.0; }"
 #define TURN(body) "{ " body "; coordinate = \"theta\"; type = \"velocity\"; velocity = 0.05; }"
 #define MOTIONS(what) "motions = ( " what " ); "
-#define WALL "walls = ( { name = \"w\"; type = \"line\"; points = ((0.0, -0.51), (1.0, -0.51)); } ); "
+#define WALL                                                                                       \
+  "walls = ( { name = \"w\"; type = \"line\"; points = ((0.0, -0.51), (1.0, -0.51)); } ); "
 #define BOX "box = { x = (4.99, 9.0); y = (-9.0, 9.0); periodic = \"x\"; }; "
 
 typedef struct outcome {
@@ -60,12 +63,13 @@ static void one_force_however_it_is_led(void **unused) {
       HEAD DISKS(HELD FIXED, LED FIXED) MOTIONS(PRESS("disk = \"led\"", "-0.02")),
       HEAD DISKS(HELD FIXED, LED FIXED) MOTIONS(PRESS("disk = \"held\"", "0.02")),
       HEAD DISKS(HELD LOCKED, LED FIXED) MOTIONS(PRESS("disk = \"led\"", "-0.02")),
-      HEAD DISKS(HELD FIXED, LED "locked = (\"x\", \"theta\"); ") MOTIONS(PRESS("disk = \"led\"", "-0.02")),
+      HEAD DISKS(HELD FIXED, LED "locked = (\"x\", \"theta\"); ")
+          MOTIONS(PRESS("disk = \"led\"", "-0.02")),
       HEAD DISKS(HELD FIXED, LED FIXED)
           MOTIONS(PRESS("disk = \"held\"", "0.01") ", " PRESS("disk = \"led\"", "-0.01")),
-      HEAD DISKS(HELD FIXED, LED FIXED)
-          MOTIONS("{ disk = \"led\"; coordinate = \"y\"; type = \"table\"; times = (0.0, 1.0, 2.0); "
-                  "values = (0.0, -0.02, -0.04); }"),
+      HEAD DISKS(HELD FIXED, LED FIXED) MOTIONS(
+          "{ disk = \"led\"; coordinate = \"y\"; type = \"table\"; times = (0.0, 1.0, 2.0); "
+          "values = (0.0, -0.02, -0.04); }"),
       HEAD BOX DISKS(HELD FIXED, LED FIXED) MOTIONS(PRESS("disk = \"led\"", "-0.02")),
       HEAD WALL DISKS(HELD FIXED, "x = 50.0; y = 50.0; radius = 0.5; mass = 1.0; fixed = true;")
           MOTIONS(PRESS("wall = \"w\"", "0.02")),
@@ -76,8 +80,8 @@ static void one_force_however_it_is_led(void **unused) {
   for (size_t k = 0; k < sizeof decks / sizeof *decks; k++)
     for (int i = 0; i < 2; i++) {
       const outcome o = run(decks[k], integrators[i]);
-      print_message("%zu %s: %.9g, work %.9g, residual %.1e\n", k, integrators[i], o.normal, o.energy.work,
-                    o.energy.residual);
+      print_message("%zu %s: %.9g, work %.9g, residual %.1e\n", k, integrators[i], o.normal,
+                    o.energy.work, o.energy.residual);
       between(o.normal, 300.04 - 1e-6, 300.04 + 1e-6, "normal force"); /* k_n 0.03 + gamma_n 0.02 */
       between(o.energy.elastic_normal, 4.5 - 1e-6, 4.5 + 1e-6, "energy");
       between(o.energy.work, 4.5012 - 1e-5, 4.5012 + 1e-5, "work of the bodies that are led");
@@ -100,7 +104,8 @@ static void friction_has_its_history(void **unused) {
     o[k] = run(decks[k], "integrator=verlet");
     between(o[k].energy.friction, 0.1, 10, "friction");
     between(fabs(o[k].energy.residual), 0, 1e-5, "residual");
-    between(o[k].tangential, o[0].tangential * (1 - 1e-9), o[0].tangential * (1 + 1e-9), "tangential force");
+    between(o[k].tangential, o[0].tangential * (1 - 1e-9), o[0].tangential * (1 + 1e-9),
+            "tangential force");
     between(o[k].normal, o[0].normal * (1 - 1e-9), o[0].normal * (1 + 1e-9), "normal force");
   }
 }
@@ -113,7 +118,8 @@ static void supports_stay_supports(void **unused) {
     size_t n_free;
   } decks[] = {
       {HEAD DISKS(HELD FIXED, "x = 5.0; y = 0.5; radius = 0.5; mass = 1.0; fixed = true;"), 0},
-      {HEAD DISKS(HELD FIXED, LED FIXED) MOTIONS("{ disk = \"led\"; coordinate = \"y\"; type = \"fixed\"; }"),
+      {HEAD DISKS(HELD FIXED, LED FIXED)
+           MOTIONS("{ disk = \"led\"; coordinate = \"y\"; type = \"fixed\"; }"),
        0},
       {HEAD DISKS(HELD FIXED, LED) MOTIONS(PRESS("disk = \"held\"", "0.02")), 1},
       {HEAD DISKS(HELD FIXED, LED FIXED) MOTIONS(PRESS("disk = \"led\"", "0.02")), 1},

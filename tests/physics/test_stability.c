@@ -15,7 +15,8 @@
 #include "model/advice.h"
 
 /* k_n = 1, m = 1: w^2 = 2, c = 2 gamma_n = 2 zeta w. */
-static sd_model *held(const char *integrator, const char *law, double gamma, double dt, const char *limits) {
+static sd_model *held(const char *integrator, const char *law, double gamma, double dt,
+                      const char *limits) {
   char deck[1200];
   snprintf(deck, sizeof deck,
            "integrator = \"%s\"; dt = %.17g; steps = 100000; output = { series = 0; };"
@@ -89,8 +90,9 @@ static void limits_follow_from_spring_and_viscosity(void **unused) {
     sd_model_free(m);
   }
   /* what a motion holds does not swing */
-  const char *lift = "motions = ( { disk = \"held\"; coordinate = [ \"x\", \"y\" ]; type = \"velocity\"; "
-                     "velocity = 0.0; } );";
+  const char *lift =
+      "motions = ( { disk = \"held\"; coordinate = [ \"x\", \"y\" ]; type = \"velocity\"; "
+      "velocity = 0.0; } );";
   sd_model *led = held("verlet", "k_n = 1.0; k_t = 6.0; mu = 1.0;", 1, 1e-3, lift);
   between(sd_model_step_limit(led).dt, 2 / sqrt(24.0) - 1e-9, 2 / sqrt(24.0) + 1e-9,
           "limit of what only turns");

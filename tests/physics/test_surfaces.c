@@ -35,7 +35,8 @@ static sd_wall wall_of(int shape, double (*points)[2]) {
                   .radius = LARGE,
                   .from = -M_PI,
                   .to = 0};
-  if (shape == 4) w = (sd_wall){.kind = SD_WALL_CIRCLE, .pivot = {0, LARGE}, .radius = LARGE, .inside = true};
+  if (shape == 4)
+    w = (sd_wall){.kind = SD_WALL_CIRCLE, .pivot = {0, LARGE}, .radius = LARGE, .inside = true};
   return w;
 }
 
@@ -82,8 +83,10 @@ static void test_a_disk_is_taken_along(void **unused) {
     SYSTEM_NEAR(mean.speed, v / 3, 1e-4 * v / 3, "%s: speed", shape_names[shape]);
     SYSTEM_NEAR(mean.omega, 2 * v / 3 / RADIUS, 1e-4 * v, "%s: rotation", shape_names[shape]);
     const sd_energy e = sd_simulation_energy(s);
-    SYSTEM_NEAR(e.friction, MASS * v * v / 6, 1e-4 * MASS * v * v / 6, "%s: lost", shape_names[shape]);
-    SYSTEM_NEAR(mean.work, MASS * v * v / 3, 1e-4 * MASS * v * v / 3, "%s: work", shape_names[shape]);
+    SYSTEM_NEAR(e.friction, MASS * v * v / 6, 1e-4 * MASS * v * v / 6, "%s: lost",
+                shape_names[shape]);
+    SYSTEM_NEAR(mean.work, MASS * v * v / 3, 1e-4 * MASS * v * v / 3, "%s: work",
+                shape_names[shape]);
     /* where a disk goes from one piece to the next the force along the wall is missing for a step */
     const double step = shape == 2 ? law.mu * MASS * GRAVITY * v * dt / e.scale : 0;
     SYSTEM_NEAR(e.residual / e.scale, 0, 1e-7 + step, "%s: residual", shape_names[shape]);
@@ -103,7 +106,8 @@ static void test_a_block_reaches_the_speed_of_the_belt(void **unused) {
     SYSTEM_NEAR(mean_of(s, 2 * M_PI * sqrt(MASS / law.k_t), dt).speed, v, 1e-4 * v, "%s: speed",
                 shape_names[shape]);
     const sd_energy e = sd_simulation_energy(s);
-    SYSTEM_NEAR(e.friction, MASS * v * v / 2, 1e-4 * MASS * v * v / 2, "%s: lost", shape_names[shape]);
+    SYSTEM_NEAR(e.friction, MASS * v * v / 2, 1e-4 * MASS * v * v / 2, "%s: lost",
+                shape_names[shape]);
     system_end(s);
   }
 }
@@ -120,7 +124,11 @@ static void test_a_surface_is_a_wall_that_moves(void **unused) {
         m->walls[0].radius = 4;
         m->walls[0].pivot[1] = 4;
       }
-      system_shake(m, 1, k == 0 ? SD_SURFACE : drum ? SD_THETA : SD_X, k == 1 && drum ? 0.05 : 0.2, 30, 0.3);
+      system_shake(m, 1,
+                   k == 0 ? SD_SURFACE
+                   : drum ? SD_THETA
+                          : SD_X,
+                   k == 1 && drum ? 0.05 : 0.2, 30, 0.3);
       s[k] = system_start(m);
     }
     for (int n = 0; n < 100; n++) {

@@ -21,8 +21,12 @@ static void near(double value, double expected, double tolerance, const char *wh
 /* The paper's deck: m = 0.1, g = 10, R = 1, mu = 0.1, theta_h = pi/6; w_b = 20 pi. */
 static const double w_b = 20 * M_PI;
 static sd_three_disk paper(double tilt) {
-  return (sd_three_disk){
-      .tilt = tilt, .half_aperture = M_PI / 6, .mu = 0.1, .weight = 1, .radius = 1, .inertia = 0.05};
+  return (sd_three_disk){.tilt = tilt,
+                         .half_aperture = M_PI / 6,
+                         .mu = 0.1,
+                         .weight = 1,
+                         .radius = 1,
+                         .inertia = 0.05};
 }
 
 static sd_drive turning(sd_waveform waveform, double amplitude, double phase) {
@@ -49,17 +53,18 @@ static void tep_closed_forms_solve_the_force_balance(void **unused) {
             near(tep.torque, closed, 1e-12 * (1 + closed * closed), "torque");
             double a1 = half - tilt, a2 = half + tilt, n1 = tep.normal[0], n2 = tep.normal[1];
             double scale = 1e-13 * (1 + fabs(n1) + fabs(n2));
-            near(n1 * sin(a1) - n2 * sin(a2) + mu * (s1 * n1 * cos(a1) + s2 * n2 * cos(a2)), 0, 10 * scale,
-                 "x");
-            near(n1 * cos(a1) + n2 * cos(a2) + mu * (s2 * n2 * sin(a2) - s1 * n1 * sin(a1)), 2.5, 10 * scale,
-                 "y");
+            near(n1 * sin(a1) - n2 * sin(a2) + mu * (s1 * n1 * cos(a1) + s2 * n2 * cos(a2)), 0,
+                 10 * scale, "x");
+            near(n1 * cos(a1) + n2 * cos(a2) + mu * (s2 * n2 * sin(a2) - s1 * n1 * sin(a1)), 2.5,
+                 10 * scale, "y");
           }
 }
 
 static void tep_matches_the_printed_formulas(void **unused) {
   (void)unused;
   sd_three_disk d = paper(0.04 * M_PI);
-  double mu = 0.1, c = cos(d.tilt), s = sin(d.tilt), ch = cos(d.half_aperture), sh = sin(d.half_aperture);
+  double mu = 0.1, c = cos(d.tilt), s = sin(d.tilt), ch = cos(d.half_aperture),
+         sh = sin(d.half_aperture);
   near(sd_tep_torque(&d, 1, 1), mu * (c + mu * s) / ((1 + mu * mu) * ch), 1e-16, "(15)");
   near(sd_tep_torque(&d, -1, -1), -mu * (c - mu * s) / ((1 + mu * mu) * ch), 1e-16, "(16)");
   near(sd_tep_torque(&d, 1, -1), mu * s / (sh + mu * ch), 1e-16, "(17)");
@@ -111,8 +116,10 @@ static void sync_parabola_is_exact(void **unused) {
       near(out.duration[SD_PP], sync.pp, 1e-11 * sync.pp, "(26)");
       near(out.duration[SD_MM], sync.mm, 1e-11 * sync.mm, "(27)");
       near(sync.t2 - sync.t1, sync.mm, 1e-14, "(25), (43)");
-      near(sd_sliding_omega(&out, sync.t2), sd_sliding_support(&d, &drive, 0, sync.t2), 1e-11 * scale, "t2");
-      near(sd_sliding_omega(&out, sync.t1), sd_sliding_support(&d, &drive, 0, sync.t1), 1e-11 * scale, "t1");
+      near(sd_sliding_omega(&out, sync.t2), sd_sliding_support(&d, &drive, 0, sync.t2),
+           1e-11 * scale, "t2");
+      near(sd_sliding_omega(&out, sync.t1), sd_sliding_support(&d, &drive, 0, sync.t1),
+           1e-11 * scale, "t1");
     }
 }
 
@@ -180,15 +187,16 @@ static void parabola_and_its_velocity_are_the_print(void **unused) {
   double a = 0.3, pi2 = M_PI * M_PI;
   for (double t = -0.0499; t < 0.05; t += 0.0007) {
     double side = t < 0 ? 1 : -1;
-    near(sd_sliding_angle(&drive, 0, t), side * 4 * a * w_b * w_b / pi2 * t * t + 4 * a * w_b / M_PI * t,
-         1e-14, "(21)");
-    near(sd_sliding_support(&d, &drive, 0, t), -side * 8 * a * w_b * w_b / pi2 * t - 4 * a * w_b / M_PI,
-         1e-12, "(22)");
+    near(sd_sliding_angle(&drive, 0, t),
+         side * 4 * a * w_b * w_b / pi2 * t * t + 4 * a * w_b / M_PI * t, 1e-14, "(21)");
+    near(sd_sliding_support(&d, &drive, 0, t),
+         -side * 8 * a * w_b * w_b / pi2 * t - 4 * a * w_b / M_PI, 1e-12, "(22)");
     for (int shape = SD_SINE; shape <= SD_PARABOLA; shape++) {
       drive = turning((sd_waveform)shape, 0.3, 1.3);
       drive.support_radius[1] = 1.7;
       double h = 1e-7,
-             rate = (sd_sliding_angle(&drive, 1, t + h) - sd_sliding_angle(&drive, 1, t - h)) / (2 * h);
+             rate = (sd_sliding_angle(&drive, 1, t + h) - sd_sliding_angle(&drive, 1, t - h)) /
+                    (2 * h);
       near(-1.7 * rate, sd_sliding_support(&d, &drive, 1, t), 2e-4, "velocity");
     }
     drive = turning(SD_PARABOLA, 0.3, 0);
@@ -237,7 +245,8 @@ static void cycle_of_supports_in_opposite_phases(void **unused) {
     for (double mu = 0.02; mu < 0.25; mu *= 2)
       for (int weak = 0; weak < 2; weak++) {
         sd_three_disk d = {1e-6, half, mu, 2, 0.8, 0.3};
-        double border = sd_tep_torque(&d, 1, 1) * M_PI * M_PI / (8 * d.inertia * w_b * w_b) * tan(half) / mu;
+        double border =
+            sd_tep_torque(&d, 1, 1) * M_PI * M_PI / (8 * d.inertia * w_b * w_b) * tan(half) / mu;
         double amplitude = border * (weak ? 0.99 : 1.01);
         sd_drive drive = turning(SD_PARABOLA, amplitude, M_PI);
         drive.support_radius[0] = drive.support_radius[1] = d.radius;
@@ -246,13 +255,15 @@ static void cycle_of_supports_in_opposite_phases(void **unused) {
         assert_true(out.permanent);
         /* from t = 0, support 1 at its least: S-+, around a quarter period S++, then S+-, the other crossing, S-+ */
         assert_int_equal(out.n_pieces, 5);
-        const int expected[5][2] = {{-1, 1}, {1, 1}, {1, -1}, {weak ? -1 : 1, weak ? -1 : 1}, {-1, 1}};
+        const int expected[5][2] = {
+            {-1, 1}, {1, 1}, {1, -1}, {weak ? -1 : 1, weak ? -1 : 1}, {-1, 1}};
         /* support met at the corner before: (32), (33) for the weak drive */
         const int met[5] = {-1, 0, 1, weak ? 0 : 1, weak ? 1 : 0};
         for (int k = 0; k < 5; k++) {
           const sd_sliding_piece *p = &out.pieces[k];
           assert_memory_equal(p->sign, expected[k], sizeof expected[k]);
-          near(p->acceleration, sd_tep_torque(&d, p->sign[0], p->sign[1]) / d.inertia, 1e-12, "(34)");
+          near(p->acceleration, sd_tep_torque(&d, p->sign[0], p->sign[1]) / d.inertia, 1e-12,
+               "(34)");
           if (met[k] < 0) continue;
           near(p->omega, sd_sliding_support(&d, &drive, met[k], p->start), 1e-12 * amplitude * w_b,
                "(32), (33)");
@@ -266,7 +277,8 @@ static void cycle_of_supports_in_opposite_phases(void **unused) {
 static void small_tilt_whatever_the_drive(void **unused) {
   (void)unused;
   sd_sliding out;
-  for (double tilt = 1e-4; tilt > 5e-7; tilt /= 10) /* what is left is of the next order in the tilt */
+  for (double tilt = 1e-4; tilt > 5e-7;
+       tilt /= 10) /* what is left is of the next order in the tilt */
     for (double half = 0.3; half < 1.3; half += 0.3)
       for (double mu = 0.02; mu < 0.25; mu *= 3)
         for (double ratio = 0.7; ratio > 1e-3; ratio /= 3) { /* torque/(I slope) */
@@ -295,7 +307,8 @@ static void small_tilt_whatever_the_drive(void **unused) {
 }
 
 /* Direct integration of I dOmega/dt = T(signs) by Euler steps, from rest to the periodic state. */
-static double integrated(const sd_three_disk *d, const sd_drive *drive, int periods, double duration[4]) {
+static double integrated(const sd_three_disk *d, const sd_drive *drive, int periods,
+                         double duration[4]) {
   enum { STEPS = 20000 };
   double torque[4], omega = 0, dt = 2 * M_PI / drive->omega / STEPS, sum = 0;
   for (int k = 0; k < 4; k++) torque[k] = sd_tep_solve(d, signs[k][0], signs[k][1]).torque;
@@ -307,7 +320,8 @@ static double integrated(const sd_three_disk *d, const sd_drive *drive, int peri
       for (int i = 0; i < 2; i++) {
         double v = drive->omega * t + drive->phase[i], r = remainder(v, 2 * M_PI);
         double rate = drive->waveform == SD_SINE ? cos(v) : 4 / M_PI * (1 - 2 * fabs(r) / M_PI);
-        support[i] = -drive->amplitude[i] * drive->omega * rate * drive->support_radius[i] / d->radius;
+        support[i] =
+            -drive->amplitude[i] * drive->omega * rate * drive->support_radius[i] / d->radius;
       }
       int k = 2 * (support[0] < omega) + (support[1] < omega);
       omega += torque[k] / d->inertia * dt / 2;
@@ -331,8 +345,8 @@ static void periodic_solution_is_where_time_stepping_ends(void **unused) {
       assert_int_equal(sd_sliding_solve(&d, &drive, &out, NULL), SD_OK);
       double mean = integrated(&d, &drive, 80, duration), scale = 2e-3 * w_b;
       print_message("  %s phase %.3f: Omega/(Theta_b w_b) = %.6f, stepped %.6f; stuck %.3f\n",
-                    shape == SD_SINE ? "sine" : "parabola", phases[p], out.mean / scale, mean / scale,
-                    out.stuck / out.period);
+                    shape == SD_SINE ? "sine" : "parabola", phases[p], out.mean / scale,
+                    mean / scale, out.stuck / out.period);
       assert_true(out.permanent);
       near(mean, out.mean, 2e-4 * scale, "mean");
       for (int k = 0; k < 4; k++) near(duration[k], out.duration[k], 2e-4 * out.period, "duration");
@@ -389,8 +403,8 @@ static void solution_is_consistent_and_symmetric(void **unused) {
           turned += sd_sliding_omega(&a, (k + 0.5) / POINTS * a.period) / POINTS;
         near(turned, a.mean, 2e-6 * scale, "mean of Omega(t)");
         for (size_t k = 0; k < a.n_pieces; k++) {
-          double t = a.pieces[k].start,
-                 jump = sd_sliding_omega(&a, t + 1e-9 * a.period) - sd_sliding_omega(&a, t - 1e-9 * a.period);
+          double t = a.pieces[k].start, jump = sd_sliding_omega(&a, t + 1e-9 * a.period) -
+                                               sd_sliding_omega(&a, t - 1e-9 * a.period);
           near(jump, 0, 1e-7 * scale, "Omega is continuous");
         }
       }
@@ -431,8 +445,10 @@ static void restitution_against_integration(void **unused) {
   }
   near(sd_restitution(1000, 0, 0.1).duration, M_PI * sqrt(0.1 / 1000), 1e-16, "half a sine");
   near(sd_restitution(1000, 20, 0.1).restitution, exp(-2), 1e-15, "critical");
-  near(sd_restitution(1000, 20 * (1 + 1e-9), 0.1).restitution, exp(-2), 1e-8, "just above critical");
-  near(sd_restitution(1000, 20 * (1 - 1e-9), 0.1).restitution, exp(-2), 1e-8, "just below critical");
+  near(sd_restitution(1000, 20 * (1 + 1e-9), 0.1).restitution, exp(-2), 1e-8,
+       "just above critical");
+  near(sd_restitution(1000, 20 * (1 - 1e-9), 0.1).restitution, exp(-2), 1e-8,
+       "just below critical");
   /* strong damping: v/b -> 1, b t_c -> 2 ln(2 b/w0) */
   near(sd_restitution(1, 2e6, 1).restitution * 4e12, 1, 1e-9, "strong damping");
 }

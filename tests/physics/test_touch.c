@@ -20,8 +20,10 @@ static const double radius = 0.1, stiffness = 1e4, speed = 1;
 static const char *const shapes[][2] = {
     {"line", "walls = ( { type = \"line\"; points = ((0, 0), (1, 0)); } );"},
     {"segment", "walls = ( { type = \"segment\"; points = ((-1, 0), (1, 0)); } );"},
-    {"arc", "walls = ( { type = \"arc\"; center = (0, 1); radius = 1; from = -2.5; to = -0.6; } );"},
-    {"container", "walls = ( { type = \"circle\"; center = (0, 1); radius = 1; side = \"inside\"; } );"},
+    {"arc",
+     "walls = ( { type = \"arc\"; center = (0, 1); radius = 1; from = -2.5; to = -0.6; } );"},
+    {"container",
+     "walls = ( { type = \"circle\"; center = (0, 1); radius = 1; side = \"inside\"; } );"},
     {"end", "walls = ( { type = \"segment\"; points = ((0, -1), (0, 0)); } );"},
     {"held disk", "disks = ( %s, { x = 0; y = -0.2; radius = 0.2; mass = 1; fixed = true; } );"},
     {"free disk", "disks = ( %s, { x = 0; y = -0.2; radius = 0.2; mass = 3; omega = 2; } );"}};
@@ -39,9 +41,11 @@ static const law laws[] = {
     {"dashpots", "k_n = 1e4; k_t = 8e3; mu = 0.3; gamma_n = 10; gamma_t = 5;", 9e-4, 2e-4},
     {"kinetic", "k_n = 1e4; k_t = 8e3; mu = 0.5; mu_kinetic = 0.4;", 8e-3, 2e-3},
     {"rolling", "k_n = 1e4; k_t = 8e3; mu = 0.5; k_r = 4e3; mu_r = 0.1;", 6e-4, 4e-5},
-    {"attraction", "k_n = 1e4; k_t = 8e3; mu = 0.5; cohesion = \"constant\"; pull_off = 1; range = 0.005;",
-     6e-4, 4e-5},
-    {"Mindlin", "law = \"hertz\"; k_n = 1e5; k_t = 8e4; tangential = \"mindlin\"; mu = 0.5;", 1.2e-3, 2e-4},
+    {"attraction",
+     "k_n = 1e4; k_t = 8e3; mu = 0.5; cohesion = \"constant\"; pull_off = 1; range = 0.005;", 6e-4,
+     4e-5},
+    {"Mindlin", "law = \"hertz\"; k_n = 1e5; k_t = 8e4; tangential = \"mindlin\"; mu = 0.5;",
+     1.2e-3, 2e-4},
 };
 enum { LAWS = sizeof laws / sizeof *laws };
 
@@ -63,17 +67,20 @@ typedef struct outcome {
 /* Touch lies `phase` steps after an evaluation. */
 static outcome impact(int shape, const law *l, int integrator, int steps, double phase) {
   char disk[300], bodies[600], deck[2000];
-  const double contact = M_PI * sqrt(1 / stiffness), dt = contact / steps, gap = 0.01 + phase * speed * dt;
-  snprintf(disk, sizeof disk, "{ x = %.17g; y = %.17g; vx = 0.7; vy = %.17g; radius = %g; mass = 1; }",
+  const double contact = M_PI * sqrt(1 / stiffness), dt = contact / steps,
+               gap = 0.01 + phase * speed * dt;
+  snprintf(disk, sizeof disk,
+           "{ x = %.17g; y = %.17g; vx = 0.7; vy = %.17g; radius = %g; mass = 1; }",
            -0.7 * gap / speed, radius + gap, -speed, radius);
   if (shape < WALLS)
     snprintf(bodies, sizeof bodies, "disks = ( %s ); %s", disk, shapes[shape][1]);
   else
     snprintf(bodies, sizeof bodies, shapes[shape][1], disk);
-  snprintf(deck, sizeof deck,
-           "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; max_overlap = 0.9; %s "
-           "materials = ( { name = \"m\"; %s } ); phases = ( { steps = %d; } );",
-           dt, integrator ? "verlet" : "gear5", bodies, l->keys, 2 * steps + (int)(0.01 / dt));
+  snprintf(
+      deck, sizeof deck,
+      "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; max_overlap = 0.9; %s "
+      "materials = ( { name = \"m\"; %s } ); phases = ( { steps = %d; } );",
+      dt, integrator ? "verlet" : "gear5", bodies, l->keys, 2 * steps + (int)(0.01 / dt));
   sd_simulation *s;
   sd_model *model;
   start(deck, &s, &model);
@@ -101,8 +108,9 @@ static void spin_is_of_second_order(void **unused) {
         const double right = impact(shape, &laws[k], integrator, 5000, 0.5).spin;
         const double coarse = error_of(shape, &laws[k], integrator, 50, right),
                      fine = error_of(shape, &laws[k], integrator, 200, right);
-        print_message("%s, %s, %s: %.1e at 50 steps, %.1e at 200\n", integrator ? "verlet" : "gear5",
-                      shapes[shape][0], laws[k].name, coarse, fine);
+        print_message("%s, %s, %s: %.1e at 50 steps, %.1e at 200\n",
+                      integrator ? "verlet" : "gear5", shapes[shape][0], laws[k].name, coarse,
+                      fine);
         assert_true(coarse < laws[k].coarse && fine < laws[k].fine);
       }
 }
@@ -118,20 +126,23 @@ static void elastic_contacts_lose_nothing(void **unused) {
     for (size_t k = 0; k < sizeof elastic / sizeof *elastic; k++) {
       char deck[1000];
       snprintf(deck, sizeof deck,
-               "dt = %.17g; integrator = \"%s\"; max_overlap = 0.9; disks = ( { x = 0.31; y = 0; vx = 1; "
+               "dt = %.17g; integrator = \"%s\"; max_overlap = 0.9; disks = ( { x = 0.31; y = 0; "
+               "vx = 1; "
                "radius = 0.1; mass = 1; } ); "
-               "walls = ( { type = \"line\"; points = ((0, 0), (0, 1)); }, { type = \"line\"; points = ((1, "
+               "walls = ( { type = \"line\"; points = ((0, 0), (0, 1)); }, { type = \"line\"; "
+               "points = ((1, "
                "0), (1, 1)); } ); "
                "materials = ( { name = \"m\"; %s } ); time = %d;",
-               M_PI / sqrt(stiffness) / 50, integrator ? "verlet" : "gear5", elastic[k], BRIEF(830, 40));
+               M_PI / sqrt(stiffness) / 50, integrator ? "verlet" : "gear5", elastic[k],
+               BRIEF(830, 40));
       sd_simulation *s;
       sd_model *model;
       start(deck, &s, &model);
       assert_int_equal(sd_simulation_advance(s, INT64_MAX, NULL), SD_OK);
       const sd_energy e = sd_simulation_energy(s);
       print_message("%s, %s: viscous %.1e, friction %.1e, opening %.1e, residual %.1e of %g\n",
-                    integrator ? "verlet" : "gear5", elastic[k], e.viscous, e.friction, e.opening, e.residual,
-                    e.start);
+                    integrator ? "verlet" : "gear5", elastic[k], e.viscous, e.friction, e.opening,
+                    e.residual, e.start);
       assert_true(fabs(e.viscous) < 5e-3 * e.start && fabs(e.friction) + fabs(e.opening) < 1e-12);
       assert_true(fabs(e.residual) < 5e-3 * e.start);
       sd_simulation_free(s);

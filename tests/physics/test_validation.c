@@ -18,8 +18,9 @@
 static void tilt_and_random_vibration_turn_the_disk(void **unused) {
   (void)unused;
   vibrated right = vibrate(0.04, 1e-5, 60, 1, ""), left = vibrate(-0.04, 1e-5, 60, 1, "");
-  print_message("tilt 0.04 pi: Omega %.3g +- %.2g, tilt -0.04 pi: %.3g +- %.2g\n", right.rotation.omega,
-                right.rotation.error, left.rotation.omega, left.rotation.error);
+  print_message("tilt 0.04 pi: Omega %.3g +- %.2g, tilt -0.04 pi: %.3g +- %.2g\n",
+                right.rotation.omega, right.rotation.error, left.rotation.omega,
+                left.rotation.error);
   assert_true(right.rotation.omega < -5 * right.rotation.error);
   assert_true(left.rotation.omega > 5 * left.rotation.error);
   const vibrated *both[] = {&right, &left};
@@ -27,9 +28,11 @@ static void tilt_and_random_vibration_turn_the_disk(void **unused) {
     const sd_slide *s = &both[k]->slide;
     assert_true(both[k]->rotation.converged);
     assert_int_equal(s->openings[0] + s->openings[1], 0);
-    assert_true(s->open ==
-                0); /* the force of the lighter contact may vanish for a moment: its dashpot pulls */
-    between(s->pp + s->pm + s->mp + s->mm, 0.7, 0.9, "fraction of time in which both contacts slide");
+    assert_true(
+        s->open ==
+        0); /* the force of the lighter contact may vanish for a moment: its dashpot pulls */
+    between(s->pp + s->pm + s->mp + s->mm, 0.7, 0.9,
+            "fraction of time in which both contacts slide");
     between(both[k]->residual, 0, 1e-7, "energy residual");
   }
 }
@@ -53,10 +56,11 @@ static void steady_supports_bring_the_tep_torques(void **unused) {
     for (int k = 0; k < 4; k++) {
       const int *s = signs[k];
       sd_three_disk disk = paper_disk(tilts[t]);
-      trial run = trial_begin("three_disk/steady.cfg",
-                              "gravity.tilt=%.17g pi;dt=1e-5;phases.settle.time=1;phases.measure.time=0.1;"
-                              "motions.left.velocity=%d;motions.right.velocity=%d;",
-                              tilts[t], -s[0], -s[1]);
+      trial run =
+          trial_begin("three_disk/steady.cfg",
+                      "gravity.tilt=%.17g pi;dt=1e-5;phases.settle.time=1;phases.measure.time=0.1;"
+                      "motions.left.velocity=%d;motions.right.velocity=%d;",
+                      tilts[t], -s[0], -s[1]);
       trial_advance(&run, sd_model_steps(run.model));
       sd_tep tep = sd_tep_solve(&disk, s[0], s[1]);
       sd_slide slide = trial_slide(&run);
@@ -79,8 +83,8 @@ static void steady_supports_bring_the_tep_torques(void **unused) {
 
 static void report(const char *name, const turned *t, const drive *d) {
   double unit = d->amplitude * d->w * M_PI;
-  print_message("%s: Omega/(Theta_b w_b) %.6f +- %.0e, theory %.6f, off by %.2f %%\n", name, t->omega / unit,
-                t->bracket / unit, t->exact / unit, 100 * t->deviation);
+  print_message("%s: Omega/(Theta_b w_b) %.6f +- %.0e, theory %.6f, off by %.2f %%\n", name,
+                t->omega / unit, t->bracket / unit, t->exact / unit, 100 * t->deviation);
 }
 
 /* The centre reaches its TEP quickly on the scale of the drive, and slowly on that of the supports' surface:
@@ -100,7 +104,8 @@ static void within(const char *name, const drive *d, double tolerance) {
 
 static void in_phase_within_two_per_cent(void **unused) {
   (void)unused;
-  drive d = {.waveform = SD_PARABOLA, .amplitude = 0.04, .w = 20, .tilt = 0.04, .time = 10, .dt = 1e-5};
+  drive d = {
+      .waveform = SD_PARABOLA, .amplitude = 0.04, .w = 20, .tilt = 0.04, .time = 10, .dt = 1e-5};
   sd_three_disk disk = paper_disk(d.tilt);
   double w = d.w * M_PI;
   close_to(drive_exact(&d), sd_sync_mean_parabola(&disk, d.amplitude, w), 1e-9, "(30)");
@@ -127,7 +132,12 @@ static void opposite_within_two_per_cent_in_the_limit(void **unused) {
   within("opposite, parabola, stiff", &d, 0.005);
   d.waveform = SD_SINE;
   within("opposite, sine, stiff", &d, 0.005);
-  d = (drive){.opposite = true, .waveform = SD_PARABOLA, .amplitude = 0.64, .w = 5, .tilt = 0.04, .dt = 1e-5};
+  d = (drive){.opposite = true,
+              .waveform = SD_PARABOLA,
+              .amplitude = 0.64,
+              .w = 5,
+              .tilt = 0.04,
+              .dt = 1e-5};
   d.time = 40;
   within("opposite, parabola, slow and strong", &d, 0.02);
 }
@@ -152,7 +162,8 @@ static double written_down(const drive *d, double start) {
     for (int j = 0; j < 2; j++) {
       double z = remainder(d->w * (double)k * dt + (j && d->opposite ? 1 : 0), 2);
       double turn = 4 * d->amplitude * (z - z * fabs(z));
-      double dx = (j ? 1 : -1) - x[0], dy = -sqrt(3) - x[1], r = hypot(dx, dy), nx = dx / r, ny = dy / r;
+      double dx = (j ? 1 : -1) - x[0], dy = -sqrt(3) - x[1], r = hypot(dx, dy), nx = dx / r,
+             ny = dy / r;
       double normal = fmax(k_n * (2 - r) + gamma_n * (predicted[0] * nx + predicted[1] * ny), 0);
       if (r >= 2) {
         closed[j] = false;
@@ -180,13 +191,16 @@ static double written_down(const drive *d, double start) {
  * model's answer and not an error of the engine is shown by the model written down a second time. */
 static void papers_parameters_agree_with_the_model_written_down(void **unused) {
   (void)unused;
-  drive d = {.waveform = SD_PARABOLA, .amplitude = 0.04, .w = 20, .tilt = 0.04, .time = 12, .dt = 1e-5};
+  drive d = {
+      .waveform = SD_PARABOLA, .amplitude = 0.04, .w = 20, .tilt = 0.04, .time = 12, .dt = 1e-5};
   for (int opposite = 0; opposite < 2; opposite++) {
     d.opposite = opposite != 0;
     turned t = drive_periodic(&d);
-    report(opposite ? "opposite, parabola, paper's k_n" : "in phase, parabola, paper's k_n", &t, &d);
+    report(opposite ? "opposite, parabola, paper's k_n" : "in phase, parabola, paper's k_n", &t,
+           &d);
     close_to(t.omega, written_down(&d, t.exact), 5e-4, "mean velocity");
-    between(t.deviation, opposite ? 0.05 : 0.01, opposite ? 0.08 : 0.02, "deviation from permanent sliding");
+    between(t.deviation, opposite ? 0.05 : 0.01, opposite ? 0.08 : 0.02,
+            "deviation from permanent sliding");
   }
 }
 
@@ -197,9 +211,10 @@ static void frozen_centre_does_not_turn(void **unused) {
   (void)unused;
   double last[2];
   for (int side = 0; side < 2; side++) {
-    trial run = trial_begin("three_disk/frozen.cfg",
-                            "dt=1e-5;disks[0].omega=%g;phases.settle.time=10;phases.measure.time=4;",
-                            side ? 0.02 : -0.02);
+    trial run =
+        trial_begin("three_disk/frozen.cfg",
+                    "dt=1e-5;disks[0].omega=%g;phases.settle.time=10;phases.measure.time=4;",
+                    side ? 0.02 : -0.02);
     trial_advance(&run, 1000000);
     double before = sd_simulation_angle(run.sim, 0);
     trial_advance(&run, 400000); /* 40 periods */
@@ -211,16 +226,18 @@ static void frozen_centre_does_not_turn(void **unused) {
     between(trial_residual(&run), 0, 1e-8, "energy residual");
     trial_end(&run);
   }
-  print_message("frozen centre: Omega between %.2g and %.2g, Theta_b w_b is 2.5\n", last[0], last[1]);
+  print_message("frozen centre: Omega between %.2g and %.2g, Theta_b w_b is 2.5\n", last[0],
+                last[1]);
   between(fabs(last[0]), 0, 2.5e-4, "rotation from below");
   between(fabs(last[1]), 0, 2.5e-4, "rotation from above");
 }
 
 static void frozen_centre_under_random_drive_does_not_turn(void **unused) {
   (void)unused;
-  trial run = trial_begin("three_disk/frozen.cfg",
-                          "dt=1e-5;motions.turn.type=random;motions.turn.amplitude=1e-4;phases.settle.time=1;"
-                          "phases.measure.time=60;");
+  trial run = trial_begin(
+      "three_disk/frozen.cfg",
+      "dt=1e-5;motions.turn.type=random;motions.turn.amplitude=1e-4;phases.settle.time=1;"
+      "phases.measure.time=60;");
   trial_advance(&run, sd_model_steps(run.model));
   sd_rotation r = sd_rotation_of(run.model, sd_simulation_state(run.sim), 0);
   print_message("frozen centre, random: Omega %.2g +- %.2g\n", r.omega, r.error);
@@ -231,7 +248,8 @@ static void frozen_centre_under_random_drive_does_not_turn(void **unused) {
 
 static void weak_drive_does_not_turn(void **unused) {
   (void)unused;
-  trial run = trial_begin("three_disk/weak.cfg", "dt=1e-5;phases.settle.time=2;phases.measure.time=10;");
+  trial run =
+      trial_begin("three_disk/weak.cfg", "dt=1e-5;phases.settle.time=2;phases.measure.time=10;");
   trial_advance(&run, 200000);
   double before = sd_simulation_angle(run.sim, 0);
   trial_advance(&run, 1000000); /* 100 periods */
@@ -246,9 +264,9 @@ static void weak_drive_does_not_turn(void **unused) {
 
 /* Mean velocity of the block over 50 periods; force along the wall. */
 static double drift(double force) {
-  trial run =
-      trial_begin("epo/asymmetric.cfg",
-                  "disks.block.force=(%.17g, 0);dt=1e-5;phases.rest.time=0.5;phases.measure.time=20;", force);
+  trial run = trial_begin(
+      "epo/asymmetric.cfg",
+      "disks.block.force=(%.17g, 0);dt=1e-5;phases.rest.time=0.5;phases.measure.time=20;", force);
   trial_advance(&run, 50000 + 1500000);
   uint32_t slot = sd_simulation_slot(run.sim, 0);
   double before = sd_simulation_state(run.sim)->x[slot];
@@ -271,8 +289,9 @@ static double drift_theory(double force) {
 static void oscillator_drifts_towards_the_smaller_limit(void **unused) {
   (void)unused;
   double none = drift(0), forward = drift(0.02), back = drift(-0.02), more = drift(0.05);
-  print_message("drift %.2g at f = 0; %.6f, %.6f at f = +-0.02, theory %.6f; %.6f at 0.05, theory %.6f\n",
-                none, forward, back, drift_theory(0.02), more, drift_theory(0.05));
+  print_message(
+      "drift %.2g at f = 0; %.6f, %.6f at f = +-0.02, theory %.6f; %.6f at 0.05, theory %.6f\n",
+      none, forward, back, drift_theory(0.02), more, drift_theory(0.05));
   between(fabs(none), 0, 1e-5, "drift with equal limits; the wall's speed is 0.63");
   close_to(forward, drift_theory(0.02), 0.01, "drift");
   close_to(back, -drift_theory(0.02), 0.01, "drift");

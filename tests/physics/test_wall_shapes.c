@@ -23,7 +23,8 @@ static const struct {
       .k_t = 5e4,
       .gamma_n = 1,
       .mu = 0.3}},
-    {"rolling", {.k_n = 1e4, .k_t = 5e3, .gamma_n = 1, .mu = 0.5, .k_r = 2e3, .mu_r = 0.05, .gamma_r = 1}},
+    {"rolling",
+     {.k_n = 1e4, .k_t = 5e3, .gamma_n = 1, .mu = 0.5, .k_r = 2e3, .mu_r = 0.05, .gamma_r = 1}},
     {"pull-off",
      {.k_n = 1e4,
       .k_t = 5e3,
@@ -72,13 +73,15 @@ static void add_round(sd_model *m, int shape, bool inside) {
   const double radius = 3;
   if (shape == CIRCLE) system_circle(m, 0, 0, radius, inside);
   if (shape == RING) add_arc(m, radius, 0.2, 0.2 + 2 * M_PI);
-  for (int k = 0; shape == HALVES && k < 2; k++) add_arc(m, radius, 0.7 + k * M_PI, 0.7 + (k + 1) * M_PI);
+  for (int k = 0; shape == HALVES && k < 2; k++)
+    add_arc(m, radius, 0.7 + k * M_PI, 0.7 + (k + 1) * M_PI);
   for (int k = 0; shape == FOUR && k < 4; k++)
     add_arc(m, radius, 2.2 - k * M_PI / 2, 2.2 - (k - 1) * M_PI / 2);
 }
 
 /* Pressed on the wall and set going, the disk makes more than a turn around it. */
-static sd_simulation *start_round(int shape, bool inside, bool turns, size_t law, sd_integrator integrator) {
+static sd_simulation *start_round(int shape, bool inside, bool turns, size_t law,
+                                  sd_integrator integrator) {
   sd_model *m = system_new(integrator, SD_CONSERVATIVE, 5e-5, laws[law].law);
   system_disk(m, 0, inside ? -2.3991 : 3.6009, 0.6, 0.1);
   system_velocity(m, 0, inside ? -11 : 0.6, -0.1, -5);
@@ -157,7 +160,8 @@ static void test_straight_walls(void **unused) {
       sd_simulation *s[STRAIGHT_SHAPES];
       for (int shape = 0; shape < STRAIGHT_SHAPES; shape++) {
         sd_model *m = system_new(way & 1 ? SD_GEAR5 : SD_VERLET, SD_PAPER, 5e-5, laws[law].law);
-        const double side = below ? -1 : 1, r = 0.6, gap = 0.60037, n[2] = {-side * d[1], side * d[0]};
+        const double side = below ? -1 : 1, r = 0.6, gap = 0.60037,
+                     n[2] = {-side * d[1], side * d[0]};
         system_disk(m, -d[0] + gap * n[0], -d[1] + gap * n[1], r, 0.1);
         system_velocity(m, 0, 2 * d[0] - 0.05 * n[0], 2 * d[1] - 0.05 * n[1], 7);
         m->gravity[SD_X] = -10 * n[0];
@@ -211,18 +215,23 @@ static void test_corners(void **unused) {
 static void test_a_stadium(void **unused) {
   (void)unused;
   for (int inside = 0; inside < 2; inside++) {
-    const sd_contact_law sticky = {.k_n = 1e4, .cohesion = SD_COHESION_CONSTANT, .pull_off = 2, .range = 0.1};
+    const sd_contact_law sticky = {
+        .k_n = 1e4, .cohesion = SD_COHESION_CONSTANT, .pull_off = 2, .range = 0.1};
     sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-4, sticky);
     const double v = 2, r = inside ? 0.7 : 1.3, deep = 2e-4;
     system_disk(m, -0.9, inside ? -r - deep : -r + deep, 0.3, 0.1);
     system_velocity(m, 0, v, 0, 0);
     add_straight(m, -1, -1, 1, -1);
     sd_model_add_wall(
-        m, &(sd_wall){.kind = SD_WALL_ARC, .center = {1, 0}, .radius = 1, .from = -M_PI / 2, .to = M_PI / 2});
-    add_straight(m, -1, 1, 1, 1);
-    sd_model_add_wall(
         m,
-        &(sd_wall){.kind = SD_WALL_ARC, .center = {-1, 0}, .radius = 1, .from = M_PI / 2, .to = 1.5 * M_PI});
+        &(sd_wall){
+            .kind = SD_WALL_ARC, .center = {1, 0}, .radius = 1, .from = -M_PI / 2, .to = M_PI / 2});
+    add_straight(m, -1, 1, 1, 1);
+    sd_model_add_wall(m, &(sd_wall){.kind = SD_WALL_ARC,
+                                    .center = {-1, 0},
+                                    .radius = 1,
+                                    .from = M_PI / 2,
+                                    .to = 1.5 * M_PI});
     sd_simulation *s = system_start(m);
     const sd_energy start = sd_simulation_energy(s);
     size_t laps = 0;
@@ -250,25 +259,29 @@ static void test_on_a_joint(void **unused) {
     m->gravity[SD_Y] = -10 * d[0];
     system_disk(m, 0.1 * d[0] - 0.5 * d[1], 0.1 * d[1] + 0.5 * d[0], 0.5, 0.1);
     if (kind / 2 == 2) {
-      const double points[][2] = {{-d[0], -d[1]}, {0.1 * d[0], 0.1 * d[1]}, {0.3 * d[0], 0.3 * d[1]}};
+      const double points[][2] = {
+          {-d[0], -d[1]}, {0.1 * d[0], 0.1 * d[1]}, {0.3 * d[0], 0.3 * d[1]}};
       system_straight(m, SD_WALL_POLYLINE, 3, points);
     } else {
       add_straight(m, -d[0], -d[1], 0.1 * d[0], 0.1 * d[1]);
       add_straight(m, 0.1 * d[0], 0.1 * d[1], d[0], d[1]);
     }
-    if (kind / 2 == 1) add_straight(m, 0.1 * d[0], 0.1 * d[1], 0.5 * d[0] + d[1], 0.5 * d[1] - d[0]);
+    if (kind / 2 == 1)
+      add_straight(m, 0.1 * d[0], 0.1 * d[1], 0.5 * d[0] + d[1], 0.5 * d[1] - d[0]);
     if (kind / 2 < 2) m->walls[1].material = 1;
     sd_simulation *s = system_start(m);
     system_advance(s, 20000);
     assert_int_equal(sd_simulation_state(s)->n_contacts, 1);
-    SYSTEM_NEAR(hypot(system_at(s, 0).force_x, system_at(s, 0).force_y), 1, 1e-6, "weight, case %d", kind);
+    SYSTEM_NEAR(hypot(system_at(s, 0).force_x, system_at(s, 0).force_y), 1, 1e-6, "weight, case %d",
+                kind);
     system_end(s);
   }
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_round_walls),
-                                     cmocka_unit_test(test_straight_walls), cmocka_unit_test(test_corners),
-                                     cmocka_unit_test(test_a_stadium), cmocka_unit_test(test_on_a_joint)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_round_walls), cmocka_unit_test(test_straight_walls),
+      cmocka_unit_test(test_corners), cmocka_unit_test(test_a_stadium),
+      cmocka_unit_test(test_on_a_joint)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,7 +32,8 @@ static double dot(const double a[2], const double b[2]) { return a[0] * b[0] + a
 /* +1: the outside is on the left of the direction in which the corners are listed. */
 static double outside(const round_trip *trip) {
   double area = 0;
-  for (size_t k = 0; k < trip->n; k++) area += cross(trip->corner[k], trip->corner[(k + 1) % trip->n]);
+  for (size_t k = 0; k < trip->n; k++)
+    area += cross(trip->corner[k], trip->corner[(k + 1) % trip->n]);
   return area > 0 ? -1 : 1;
 }
 
@@ -133,8 +134,8 @@ static follower nearest_on_wall(const round_trip *trip, const double p[2], doubl
   return best;
 }
 
-static void follow(follower *f, const round_trip *trip, const system_body *disk, const system_body *wall,
-                   double radius) {
+static void follow(follower *f, const round_trip *trip, const system_body *disk,
+                   const system_body *wall, double radius) {
   double rx = disk->x - wall->x, ry = disk->y - wall->y, angle = (double)wall->theta;
   double c = cos(angle), i = sin(angle);
   double p[2] = {trip->pivot[0] + c * rx + i * ry, trip->pivot[1] - i * rx + c * ry};
@@ -151,12 +152,14 @@ static void follow(follower *f, const round_trip *trip, const system_body *disk,
 /* Leads a disk that does not turn around the wall; mu so large that it never slides. */
 static void go_round(const round_trip *trip, sd_integrator integrator, const char *what) {
   const double radius = 0.5, overlap = 0.004, dt = 1e-4;
-  sd_model *m = system_new(integrator, SD_PAPER, dt,
-                           (sd_contact_law){.k_n = 1e4, .k_t = trip->k_t, .gamma_n = 0, .mu = 1e12});
+  sd_model *m =
+      system_new(integrator, SD_PAPER, dt,
+                 (sd_contact_law){.k_n = 1e4, .k_t = trip->k_t, .gamma_n = 0, .mu = 1e12});
   system_disk(m, 0, 0, radius, 1);
   m->disks[0].inertia = 1e90;
   lead(m, trip, radius - overlap);
-  size_t w = system_straight(m, trip->closed ? SD_WALL_POLYLINE : SD_WALL_SEGMENT, trip->n, trip->corner);
+  size_t w =
+      system_straight(m, trip->closed ? SD_WALL_POLYLINE : SD_WALL_SEGMENT, trip->n, trip->corner);
   m->walls[w].closed = trip->closed;
   for (int c = 0; c < 2; c++) {
     m->walls[w].pivot[c] = trip->pivot[c];
@@ -177,12 +180,13 @@ static void go_round(const round_trip *trip, sd_integrator integrator, const cha
     system_contact c = system_touch(s, 0, 1);
     if (c.pieces != 1) fail_msg("%s: %zu contacts at step %lld", what, c.pieces, (long long)k);
     SYSTEM_NEAR(c.stretch, f.zeta, 1e-11, "%s: stretch at step %lld", what, (long long)k);
-    SYSTEM_NEAR(c.force, 1e4 * (radius - f.distance), 1e-9, "%s: force at step %lld", what, (long long)k);
+    SYSTEM_NEAR(c.force, 1e4 * (radius - f.distance), 1e-9, "%s: force at step %lld", what,
+                (long long)k);
     /* action and reaction, and their moments about the origin */
     double scale = fabs(disk.force_x) + fabs(disk.force_y) + fabs(disk.torque) + 1;
     SYSTEM_NEAR(disk.force_x, -wall.force_x, 0, "%s: reaction", what);
-    SYSTEM_NEAR(disk.x * disk.force_y - disk.y * disk.force_x + disk.torque + wall.x * wall.force_y -
-                    wall.y * wall.force_x + wall.torque,
+    SYSTEM_NEAR(disk.x * disk.force_y - disk.y * disk.force_x + disk.torque +
+                    wall.x * wall.force_y - wall.y * wall.force_x + wall.torque,
                 0, 1e-13 * scale * (1 + fabs(wall.x) + fabs(wall.y)) * 10, "%s: moments", what);
     /* The memory is handed over when history is committed: in the step that passes a joint the new piece
      * has none yet, and there is no tangential force. */
@@ -199,9 +203,10 @@ static void go_round(const round_trip *trip, sd_integrator integrator, const cha
     most = fmax(most, fabs(f.zeta));
   }
   sd_energy energy = sd_simulation_energy(s);
-  double scale = fabs(energy.work) + energy.elastic_tangential, residual = (energy.residual - hole) / scale;
-  print_message("%s: stretch up to %.3g, error %.1e; energy residual %.1e, and %.1e at joints\n", what, most,
-                worst, residual, hole / scale);
+  double scale = fabs(energy.work) + energy.elastic_tangential,
+         residual = (energy.residual - hole) / scale;
+  print_message("%s: stretch up to %.3g, error %.1e; energy residual %.1e, and %.1e at joints\n",
+                what, most, worst, residual, hole / scale);
   assert_true(fabs(residual) < 2e-6);
   assert_true(fabs(hole) < 5e-4 * scale);
   system_end(s);
@@ -242,8 +247,12 @@ static void disk_led_around_polygons(void **unused) {
 
 static void disk_led_around_both_ends_of_a_segment(void **unused) {
   (void)unused;
-  round_trip trip = {
-      .n = 2, .corner = {{0.3, 0.2}, {2, 1}}, .pivot = {0.3, 0.2}, .laps = 2.4, .period = 1, .k_t = 1e3};
+  round_trip trip = {.n = 2,
+                     .corner = {{0.3, 0.2}, {2, 1}},
+                     .pivot = {0.3, 0.2},
+                     .laps = 2.4,
+                     .period = 1,
+                     .k_t = 1e3};
   go_round(&trip, SD_GEAR5, "segment");
   trip.laps = -2.4;
   go_round(&trip, SD_VERLET, "segment, backwards");
@@ -288,12 +297,13 @@ static void groove_has_two_contacts(void **unused) {
 
 /* --- joints that do not bend -------------------------------------------------------------------------- */
 
-static const sd_contact_law joint_laws[] = {
-    {.k_n = 1e4}, {.k_n = 1e4, .k_t = 7e3, .mu = 0.3}, {.k_n = 1e4, .k_t = 7e3, .gamma_n = 30, .mu = 0.3}};
+static const sd_contact_law joint_laws[] = {{.k_n = 1e4},
+                                            {.k_n = 1e4, .k_t = 7e3, .mu = 0.3},
+                                            {.k_n = 1e4, .k_t = 7e3, .gamma_n = 30, .mu = 0.3}};
 
 /* A disk on a straight wall with joints at -1, 0 and 1, or without; on its upper or on its lower side. */
-static sd_simulation *on_jointed_wall(sd_integrator integrator, sd_contact_law law, bool jointed, double side,
-                                      double x, double vx) {
+static sd_simulation *on_jointed_wall(sd_integrator integrator, sd_contact_law law, bool jointed,
+                                      double side, double x, double vx) {
   const double weight = 9.81, points[5][2] = {{-3, 0}, {-1, 0}, {0, 0}, {1, 0}, {3, 0}};
   sd_model *m = system_new(integrator, SD_CONSERVATIVE, 1e-4, law);
   m->gravity[1] = -side * weight;
@@ -310,8 +320,8 @@ static sd_simulation *on_jointed_wall(sd_integrator integrator, sd_contact_law l
 static void joint_below_a_disk_is_not_felt(void **unused) {
   (void)unused;
   for (int c = 0; c < 12; c++) {
-    sd_simulation *s =
-        on_jointed_wall(c % 2 ? SD_VERLET : SD_GEAR5, joint_laws[c / 2 % 3], true, c < 6 ? 1 : -1, 0, 0);
+    sd_simulation *s = on_jointed_wall(c % 2 ? SD_VERLET : SD_GEAR5, joint_laws[c / 2 % 3], true,
+                                       c < 6 ? 1 : -1, 0, 0);
     assert_int_equal(system_touch(s, 0, 1).pieces, 1);
     SYSTEM_NEAR(fabs(system_at(s, 0).force_y), 9.81, 1e-9, "force at the start");
     system_advance(s, 100);
@@ -392,8 +402,8 @@ static void slide_then_roll(const slide_case *c) {
     SYSTEM_NEAR(touch.force, mass * g, 1e-6, "weight");
     assert_true(sd_simulation_time(s) < 2 * time);
   }
-  SYSTEM_NEAR(sd_simulation_time(s), expected, 3 * c->dt + 0.01 * load, "angle %g: time until it rolls",
-              c->angle);
+  SYSTEM_NEAR(sd_simulation_time(s), expected, 3 * c->dt + 0.01 * load,
+              "angle %g: time until it rolls", c->angle);
   /* the skin rings without damping: mean over whole periods of it */
   double period = 2 * M_PI / sqrt(k_t * 3 / mass), u = 0, spin = 0;
   int64_t n = (int64_t)nearbyint(20 * period / c->dt);
@@ -403,7 +413,8 @@ static void slide_then_roll(const slide_case *c) {
     u += (d.vx * tx + d.vy * ty - c->belt) / (double)n;
     spin += d.omega / (double)n;
     /* friction cannot change the angular momentum about the line of contact */
-    SYSTEM_NEAR((d.vx * tx + d.vy * ty) - up * 0.5 * radius * d.omega, c->speed, 1e-9, "angular momentum");
+    SYSTEM_NEAR((d.vx * tx + d.vy * ty) - up * 0.5 * radius * d.omega, c->speed, 1e-9,
+                "angular momentum");
   }
   SYSTEM_NEAR(u, 2 * u0 / 3, 2e-4 * fabs(u0), "angle %g: speed of rolling", c->angle);
   SYSTEM_NEAR(spin, -up * 2 * u0 / 3 / radius, 4e-4 * fabs(u0), "angle %g: spin", c->angle);
@@ -420,9 +431,12 @@ static void sliding_turns_into_rolling(void **unused) {
   for (int integrator = 0; integrator < 2; integrator++) {
     sd_integrator i = (sd_integrator)integrator;
     slide_case cases[] = {
-        {0, 0.5, 0, SD_WALL_LINE, false, i, 1e-5},       {0.7, -0.4, 0, SD_WALL_LINE, false, i, 1e-5},
-        {M_PI, 0.5, 0, SD_WALL_SEGMENT, false, i, 1e-5}, {2.5, 0.5, 0, SD_WALL_LINE, true, i, 1e-5},
-        {0, 0, 0.6, SD_WALL_LINE, false, i, 1e-5},       {-1.9, 0.2, -0.4, SD_WALL_SEGMENT, true, i, 1e-5},
+        {0, 0.5, 0, SD_WALL_LINE, false, i, 1e-5},
+        {0.7, -0.4, 0, SD_WALL_LINE, false, i, 1e-5},
+        {M_PI, 0.5, 0, SD_WALL_SEGMENT, false, i, 1e-5},
+        {2.5, 0.5, 0, SD_WALL_LINE, true, i, 1e-5},
+        {0, 0, 0.6, SD_WALL_LINE, false, i, 1e-5},
+        {-1.9, 0.2, -0.4, SD_WALL_SEGMENT, true, i, 1e-5},
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) slide_then_roll(&cases[k]);
   }
@@ -431,7 +445,8 @@ static void sliding_turns_into_rolling(void **unused) {
 /* Down a slope without sliding: g sin(a) 2/3; steeper than tan a = 3 mu it slides: g (sin a - mu cos a). */
 static void disk_goes_down_a_slope(void **unused) {
   (void)unused;
-  const double g = 9.81, mu = 0.2, k_n = 1e5, k_t = 1e6, mass = 1, radius = 0.5, dt = 2e-5, time = 0.5;
+  const double g = 9.81, mu = 0.2, k_n = 1e5, k_t = 1e6, mass = 1, radius = 0.5, dt = 2e-5,
+               time = 0.5;
   for (int integrator = 0; integrator < 2; integrator++)
     for (double a = 0.1; a < 0.9; a += 0.2) {
       sd_model *m = system_new((sd_integrator)integrator, SD_CONSERVATIVE, dt,
@@ -448,8 +463,8 @@ static void disk_goes_down_a_slope(void **unused) {
       /* before it slides the skin stretches like an oscillator, and friction is less */
       double w = sqrt(3 * k_t / mass), load = rolls ? 0 : acos(1 - 3 * mu / tan(a)) / w;
       double more = mu * g * cos(a) * load - g * sin(a) / 3 * (load - sin(w * load) / w);
-      SYSTEM_NEAR(system_at(s, 0).x, -0.5 * acceleration * time * time - more * time, 2 * mass * g / k_t,
-                  "slope %g: way", a);
+      SYSTEM_NEAR(system_at(s, 0).x, -0.5 * acceleration * time * time - more * time,
+                  2 * mass * g / k_t, "slope %g: way", a);
       assert_int_equal(system_touch(s, 0, 1).slide != 0, !rolls);
       system_end(s);
     }
@@ -463,8 +478,9 @@ static void drum_drags_a_disk_to_the_angle_of_friction(void **unused) {
   for (int variant = 0; variant < 2; variant++)
     for (int sense = -1; sense <= 1; sense += 2) {
       const double g = 9.81, mu = 0.4, k_n = 1e5, dt = 4e-5, hollow = 2, radius = 0.25;
-      sd_model *m = system_new(SD_GEAR5, (sd_variant)variant, dt,
-                               (sd_contact_law){.k_n = k_n, .k_t = 0.5 * k_n, .gamma_n = 300, .mu = mu});
+      sd_model *m =
+          system_new(SD_GEAR5, (sd_variant)variant, dt,
+                     (sd_contact_law){.k_n = k_n, .k_t = 0.5 * k_n, .gamma_n = 300, .mu = mu});
       m->gravity[1] = -g;
       system_disk(m, 0, -(hollow - radius) - g / k_n, radius, 1);
       m->disks[0].locked[SD_THETA] = true;
@@ -489,8 +505,9 @@ static void drum_drags_a_disk_to_the_angle_of_friction(void **unused) {
 static void disk_rolls_in_a_turning_drum(void **unused) {
   (void)unused;
   const double g = 9.81, k_n = 1e5, dt = 2e-5, hollow = 2, radius = 0.25, turn = 0.8;
-  sd_model *m = system_new(SD_GEAR5, SD_CONSERVATIVE, dt,
-                           (sd_contact_law){.k_n = k_n, .k_t = 0.5 * k_n, .gamma_n = 300, .mu = 0.5});
+  sd_model *m =
+      system_new(SD_GEAR5, SD_CONSERVATIVE, dt,
+                 (sd_contact_law){.k_n = k_n, .k_t = 0.5 * k_n, .gamma_n = 300, .mu = 0.5});
   m->gravity[1] = -g;
   system_disk(m, 0, -(hollow - radius) - g / k_n, radius, 1);
   system_velocity(m, 0, 0, 0, turn * hollow / radius);
@@ -513,7 +530,8 @@ static void expect(sd_model *m, const char *error) {
   m->phases[0] = (sd_phase){.steps = 1, .active = calloc(1, sizeof(bool))};
   sd_messages *messages = sd_messages_new();
   assert_int_equal(sd_model_finish(m, messages), error ? SD_ERROR_USER : SD_OK);
-  if (error && !strstr(sd_messages_text(messages, 0), error)) fail_msg("%s", sd_messages_text(messages, 0));
+  if (error && !strstr(sd_messages_text(messages, 0), error))
+    fail_msg("%s", sd_messages_text(messages, 0));
   sd_messages_free(messages);
   sd_model_free(m);
 }
@@ -533,8 +551,8 @@ static void walls_that_cannot_be_are_refused(void **unused) {
       system_circle(m, 0.05, 0, 0.49, true);
       expect(m, c == 4 ? "of radius 0.5, does not fit into it" : NULL);
     } else {
-      size_t w =
-          system_straight(m, SD_WALL_POLYLINE, 4, (const double[4][2]){{2, 0}, {3, 0}, {3, 1}, {2, 0}});
+      size_t w = system_straight(m, SD_WALL_POLYLINE, 4,
+                                 (const double[4][2]){{2, 0}, {3, 0}, {3, 1}, {2, 0}});
       m->walls[w].closed = c == 7;
       expect(m, c == 7 ? "points 3 and 0 coincide" : NULL);
     }

@@ -33,7 +33,10 @@ static sd_model *box_model(const char *more) {
   return m;
 }
 
-enum { STEPS = 40000, SOME = 6000 }; /* threads that wait for one another are slow on a busy machine */
+enum {
+  STEPS = 40000,
+  SOME = 6000
+}; /* threads that wait for one another are slow on a busy machine */
 
 static sd_status run(sd_simulation *sim, int64_t n, sd_messages *messages) {
   return sd_simulation_advance(sim, n, messages);
@@ -88,7 +91,8 @@ static void reason_to_stop(void **unused) {
   assert_int_equal(s->outside, 1);
   char name[60] = "";
   for (size_t i = 0; i < s->n_free && !*name; i++) /* the first of those that are out */
-    if (s->y[i] < -0.1) snprintf(name, sizeof name, "step %lld: disk %u left", (long long)s->step, s->id[i]);
+    if (s->y[i] < -0.1)
+      snprintf(name, sizeof name, "step %lld: disk %u left", (long long)s->step, s->id[i]);
   assert_non_null(strstr(last_text(messages), name));
   sd_messages_free(messages);
   sd_simulation_free(sim);
@@ -141,10 +145,11 @@ static void taken_out(void **unused) {
 /* A ball that is thrown up leaves, comes back, and is in play as before. */
 static void comes_back(void **unused) {
   (void)unused;
-  sd_model *m = model_of("dt = 1e-4; gravity = { g = 10; }; steps = 25000; bounds = { y = (-1, 3); };\n"
-                         "materials = ( { name = \"a\"; k_n = 1e4; gamma_n = 20; } );\n"
-                         "walls = ( { type = \"line\"; points = ((-1, 0), (1, 0)); } );\n"
-                         "disks = ( { x = 0; y = 1; vy = 10; radius = 0.5; mass = 1; } );");
+  sd_model *m =
+      model_of("dt = 1e-4; gravity = { g = 10; }; steps = 25000; bounds = { y = (-1, 3); };\n"
+               "materials = ( { name = \"a\"; k_n = 1e4; gamma_n = 20; } );\n"
+               "walls = ( { type = \"line\"; points = ((-1, 0), (1, 0)); } );\n"
+               "disks = ( { x = 0; y = 1; vy = 10; radius = 0.5; mass = 1; } );");
   sd_messages *messages = sd_messages_new();
   sd_simulation *sim = begin_run(m, 1);
   assert_int_equal(run(sim, 10000, messages), SD_OK);
@@ -183,7 +188,8 @@ static sd_model *plain_model(const char *more) {
 static void nothing_can_be_lost(void **unused) {
   (void)unused;
   static const char *const open[] = {
-      "", "gravity = { g = 10; };", "walls = ( { type = \"segment\"; points = ((-1, 0), (1, 0)); } );",
+      "", "gravity = { g = 10; };",
+      "walls = ( { type = \"segment\"; points = ((-1, 0), (1, 0)); } );",
       "gravity = { g = 10; }; walls = ( { type = \"line\"; points = ((-1, 0), (1, 0)); } );"};
   for (size_t k = 0; k < sizeof open / sizeof *open; k++) {
     sd_model *m = plain_model(open[k]);

@@ -28,9 +28,10 @@ static sd_model *made_model(size_t n) {
                                     .velocity = {sin((double)k), cos((double)k)},
                                     .radius = 0.48,
                                     .mass = 1});
-  sd_model_add_wall(
-      m, &(sd_wall){
-             .name = "floor", .kind = SD_WALL_LINE, .n_points = 2, .points = (double[2][2]){{0, 0}, {1, 0}}});
+  sd_model_add_wall(m, &(sd_wall){.name = "floor",
+                                  .kind = SD_WALL_LINE,
+                                  .n_points = 2,
+                                  .points = (double[2][2]){{0, 0}, {1, 0}}});
   assert_int_equal(sd_model_finish(m, NULL), SD_OK);
   return m;
 }
@@ -45,7 +46,9 @@ static uint64_t hash(sd_simulation *sim) { return sd_state_hash(sd_simulation_st
 
 /* --- all functions ------------------------------------------------------------------------------------ */
 
-static sd_status looks(sd_simulation *sim, void *user) { return sim || user ? SD_OK : SD_ERROR_USER; }
+static sd_status looks(sd_simulation *sim, void *user) {
+  return sim || user ? SD_OK : SD_ERROR_USER;
+}
 static void pulls(const sd_force_columns *c, void *user) {
   (void)user;
   c->force_x[0] += 0.0;
@@ -83,8 +86,8 @@ static bool force(sd_simulation *s, sd_messages *m) {
   return ok(sd_simulation_add_force_field(s, pulls, NULL, m));
 }
 static bool add(sd_simulation *s, sd_messages *m) {
-  return ok(
-      sd_simulation_add_disks(s, 1, &(sd_disk){.position = {5, 500}, .radius = 0.4, .mass = 1}, NULL, m));
+  return ok(sd_simulation_add_disks(
+      s, 1, &(sd_disk){.position = {5, 500}, .radius = 0.4, .mass = 1}, NULL, m));
 }
 static bool take(sd_simulation *s, sd_messages *m) {
   return ok(sd_simulation_remove_disks(s, 1, (const uint32_t[]){1}, m));
@@ -151,7 +154,12 @@ static bool angle(sd_simulation *s, sd_messages *m) {
   return !isnan(sd_simulation_angle(s, 0));
 }
 
-enum { OBSERVER = 1, FORCE = 2, TELLS = 4, ANYWHERE = 8 }; /* where it answers; it has a list of messages */
+enum {
+  OBSERVER = 1,
+  FORCE = 2,
+  TELLS = 4,
+  ANYWHERE = 8
+}; /* where it answers; it has a list of messages */
 static const struct {
   const char *name;
   bool (*call)(sd_simulation *s, sd_messages *m);
@@ -190,7 +198,8 @@ static void call_all(sd_simulation *sim, int where, const char *why) {
       fail_msg("%s: %s", calls[k].name, good ? "not refused" : "refused");
     if (!good && calls[k].where & TELLS) {
       assert_int_equal(sd_messages_count(m), 1);
-      if (!strstr(sd_messages_text(m, 0), why)) fail_msg("%s: %s", calls[k].name, sd_messages_text(m, 0));
+      if (!strstr(sd_messages_text(m, 0), why))
+        fail_msg("%s: %s", calls[k].name, sd_messages_text(m, 0));
       assert_non_null(strstr(sd_messages_text(m, 0), calls[k].name));
     }
     sd_messages_free(m);
@@ -296,8 +305,8 @@ static void a_fork_between_calls(void **unused) {
   for (int steps = 0; steps <= 20; steps += 20) {
     const pid_t child = fork();
     if (child == 0) {
-      const bool good =
-          sd_simulation_advance(sim, steps, NULL) == SD_OK && (steps == 0 || hash(sim) == hash(plain));
+      const bool good = sd_simulation_advance(sim, steps, NULL) == SD_OK &&
+                        (steps == 0 || hash(sim) == hash(plain));
       sd_simulation_free(sim);
       _exit(good ? 0 : 1);
     }
@@ -326,7 +335,8 @@ static void a_fork_within_a_force_field(void **unused) {
   assert_int_equal(sd_simulation_add_force_field(plain, pulls, NULL, NULL), SD_OK);
   const sd_status status = sd_simulation_advance(sim, 10, NULL);
   if (child == 0) {
-    const bool good = status == SD_ERROR_USER && sd_simulation_advance(sim, 1, NULL) == SD_ERROR_USER;
+    const bool good =
+        status == SD_ERROR_USER && sd_simulation_advance(sim, 1, NULL) == SD_ERROR_USER;
     sd_simulation_free(sim);
     _exit(good ? 0 : 1);
   }
@@ -397,10 +407,12 @@ static void disks_that_cannot_be(void **unused) {
                {"floor", good}};
   int k = 0;
   wrong[k++].disk.radius = 1e300, wrong[k++].disk.radius = NAN, wrong[k++].disk.radius = -1;
-  wrong[k++].disk.radius = 0, wrong[k++].disk.radius = INFINITY, wrong[k++].disk.position[0] = 1e308;
+  wrong[k++].disk.radius = 0, wrong[k++].disk.radius = INFINITY,
+  wrong[k++].disk.position[0] = 1e308;
   wrong[k++].disk.position[1] = NAN, wrong[k++].disk.position[2] = INFINITY,
   wrong[k++].disk.velocity[0] = -1e200;
-  wrong[k++].disk.velocity[2] = NAN, wrong[k++].disk.force[1] = INFINITY, wrong[k++].disk.mass = 1e300;
+  wrong[k++].disk.velocity[2] = NAN, wrong[k++].disk.force[1] = INFINITY,
+  wrong[k++].disk.mass = 1e300;
   wrong[k++].disk.mass = 0, wrong[k++].disk.inertia = -2, wrong[k++].disk.material = 3,
   wrong[k++].disk.material = -1;
   memcpy(wrong[k++].disk.position, on, sizeof on);
@@ -420,7 +432,8 @@ static void disks_that_cannot_be(void **unused) {
   assert_int_equal(sd_simulation_add_disks(sim, SIZE_MAX, &good, NULL, NULL), SD_ERROR_USER);
   assert_int_equal(sd_simulation_add_disks(sim, 1, NULL, NULL, NULL), SD_ERROR_USER);
   assert_int_equal(sd_simulation_remove_disks(sim, 1, NULL, NULL), SD_ERROR_USER);
-  assert_int_equal(sd_simulation_remove_disks(sim, 1, (const uint32_t[]){UINT32_MAX}, NULL), SD_ERROR_USER);
+  assert_int_equal(sd_simulation_remove_disks(sim, 1, (const uint32_t[]){UINT32_MAX}, NULL),
+                   SD_ERROR_USER);
   assert_int_equal(sd_simulation_advance(sim, -1, NULL), SD_ERROR_USER);
   assert_true(hash(sim) == before);
   assert_int_equal(sd_simulation_add_disks(sim, 1, &good, NULL, NULL), SD_OK);
@@ -456,7 +469,8 @@ static double wild(void) {
 static void random_calls(void **unused) {
   (void)unused;
   const char *asked = getenv("SLIPDISK_TRIALS");
-  for (uint64_t trial_seed = 1; trial_seed <= (asked ? strtoull(asked, NULL, 10) : 12); trial_seed++) {
+  for (uint64_t trial_seed = 1; trial_seed <= (asked ? strtoull(asked, NULL, 10) : 12);
+       trial_seed++) {
     seed = trial_seed;
     sd_model *m = made_model(1 + draw(3) * 30);
     sd_simulation *sim = made(m, 1 + (int)draw(2));
@@ -473,8 +487,8 @@ static void random_calls(void **unused) {
         sd_simulation_add_disks(sim, draw(3), (const sd_disk[]){d, d}, NULL, NULL);
       }
       if (what == CALLS + 3)
-        sd_simulation_remove_disks(sim, 2, (const uint32_t[]){draw(100), draw(2) ? draw(100) : UINT32_MAX},
-                                   NULL);
+        sd_simulation_remove_disks(
+            sim, 2, (const uint32_t[]){draw(100), draw(2) ? draw(100) : UINT32_MAX}, NULL);
       sd_simulation_advance(sim, draw(8), NULL);
     }
     sd_simulation_free(sim);

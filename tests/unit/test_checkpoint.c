@@ -94,7 +94,8 @@ static void compare_runs(const char *deck, const char *integrator, const char *v
   run_interrupted(model, total, total / 7, &state, messages);
   const sd_field *field = sd_state_difference(state, sd_simulation_state(whole));
   if (field)
-    fail_msg("%s, %s, %s: column %s depends on the interruptions", deck, integrator, variant, field->name);
+    fail_msg("%s, %s, %s: column %s depends on the interruptions", deck, integrator, variant,
+             field->name);
   assert_true(sd_state_hash(state) == sd_state_hash(sd_simulation_state(whole)));
   sd_state_free(state);
   sd_simulation_free(whole);
@@ -105,9 +106,10 @@ static void compare_runs(const char *deck, const char *integrator, const char *v
 static void test_every_deck(void **unused) {
   (void)unused;
   static const char *const decks[] = {
-      "three_disk/random.cfg",    "three_disk/sync.cfg", "three_disk/async.cfg", "three_disk/steady.cfg",
-      "three_disk/frozen.cfg",    "epo/symmetric.cfg",   "epo/asymmetric.cfg",   "collisions/two_disks.cfg",
-      "collisions/disk_wall.cfg", "walls/drum.cfg",      "walls/hopper.cfg",     "packing/heap.cfg"};
+      "three_disk/random.cfg", "three_disk/sync.cfg",      "three_disk/async.cfg",
+      "three_disk/steady.cfg", "three_disk/frozen.cfg",    "epo/symmetric.cfg",
+      "epo/asymmetric.cfg",    "collisions/two_disks.cfg", "collisions/disk_wall.cfg",
+      "walls/drum.cfg",        "walls/hopper.cfg",         "packing/heap.cfg"};
   for (size_t k = 0; k < sizeof decks / sizeof *decks; k++)
     for (int i = 0; i < 4; i++) {
       if (BRIEF(0, (i == 1 || i == 2) == k % 2)) continue; /* each word with half of the decks */
@@ -178,8 +180,9 @@ static void test_other_formats_are_refused(void **unused) {
   const int64_t formats[] = {CHECKPOINT_FORMAT - 1, CHECKPOINT_FORMAT + 1};
   sd_messages *messages = sd_messages_new();
   sd_model *model = NULL;
-  check(sd_deck_load(SLIPDISK_SOURCE_DIR "/inputs/three_disk/random.cfg", 0, NULL, &model, messages),
-        messages);
+  check(
+      sd_deck_load(SLIPDISK_SOURCE_DIR "/inputs/three_disk/random.cfg", 0, NULL, &model, messages),
+      messages);
   for (size_t k = 0; k < 2; k++) {
     sd_messages *told = sd_messages_new();
     h5_file *file;
@@ -301,9 +304,9 @@ static void test_tables(void **unused) {
     static const size_t asked[][3] = {{0, SIZE_MAX, 3}, {1, 1, 1}, {1, 7, 2}, {3, 1, 0}, {5, 1, 0}};
     for (size_t n = 0; n < sizeof asked / sizeof *asked; n++) {
       r = (h5_range){.first = asked[n][0], .n = asked[n][1]};
-      check(
-          h5_read_table(path, forms[k].dataset, forms[k].n_columns, forms[k].columns, &values, &r, messages),
-          messages);
+      check(h5_read_table(path, forms[k].dataset, forms[k].n_columns, forms[k].columns, &values, &r,
+                          messages),
+            messages);
       assert_int_equal(r.all, 3);
       assert_int_equal(r.n, asked[n][2]);
       assert_memory_equal(values, forms[k].expected + (r.n ? r.first * forms[k].n_columns : 0),

@@ -91,11 +91,14 @@ static bool fair(int64_t n, int least) {
 
 static void ranks_know_each_other(void **unused) {
   (void)unused;
-  agree(comm_size(comm_world()) == expected_size, "the number of ranks is not that of the command line");
-  agree(comm_rank(comm_world()) >= 0 && comm_rank(comm_world()) < comm_size(comm_world()), "no such rank");
+  agree(comm_size(comm_world()) == expected_size,
+        "the number of ranks is not that of the command line");
+  agree(comm_rank(comm_world()) >= 0 && comm_rank(comm_world()) < comm_size(comm_world()),
+        "no such rank");
   book->by[comm_rank(comm_world())]++;
   comm_max(comm_world(), 0);
-  for (int k = 0; k < comm_size(comm_world()); k++) agree(book->by[k] == 1, "two ranks have one number");
+  for (int k = 0; k < comm_size(comm_world()); k++)
+    agree(book->by[k] == 1, "two ranks have one number");
 }
 
 static void the_largest_reaches_all(void **unused) {
@@ -194,7 +197,8 @@ static void ranks_may_go_early(void **unused) {
     int mine = 0;
     comm_queue queue;
     comm_queue_begin(&queue, N, &stop);
-    for (int64_t task; (comm_rank(comm_world()) != early || mine < 2) && (task = comm_next(&queue)) >= 0;
+    for (int64_t task;
+         (comm_rank(comm_world()) != early || mine < 2) && (task = comm_next(&queue)) >= 0;
          mine++) {
       enter(task);
       doze(1e-4 * (double)((task * 7 + comm_rank(comm_world())) % 11));
@@ -247,8 +251,9 @@ static void stop_once(int from, double delay, int64_t n, int64_t quick) {
   comm_queue_end(&queue);
   bool once = fair(n, 0), quiet = n == quick || comm_next(&queue) == -1;
   int wrong = !ended ? 4 : !once ? 3 : n > quick && !stop ? 2 : !quiet ? 1 : 0;
-  static const char *const words[] = {"", "a task after the stop", "a rank has not heard of the stop",
-                                      "a task was given twice", "no stop came"};
+  static const char *const words[] = {"", "a task after the stop",
+                                      "a rank has not heard of the stop", "a task was given twice",
+                                      "no stop came"};
   agree(wrong == 0, words[wrong]);
 }
 
@@ -324,7 +329,8 @@ static void refused_when_launched_apart(void) {
   setenv("OMPI_COMM_WORLD_SIZE", "4", 1);
   sd_messages *messages = sd_messages_new();
   if (comm_begin(messages) != SD_ERROR_USER || sd_messages_count(messages) != 1 ||
-      !strstr(sd_messages_text(messages, 0), "OMPI_COMM_WORLD_SIZE = 4") || comm_size(comm_world()) != 1) {
+      !strstr(sd_messages_text(messages, 0), "OMPI_COMM_WORLD_SIZE = 4") ||
+      comm_size(comm_world()) != 1) {
     fprintf(stderr, "comm_begin does not notice three other processes\n");
     exit(1);
   }
@@ -351,7 +357,9 @@ static void open_book(void) {
   unlink(path);
 }
 
-static void tell(const char *why) { fprintf(stderr, "rank %d: %s\n", comm_rank(comm_world()), why); }
+static void tell(const char *why) {
+  fprintf(stderr, "rank %d: %s\n", comm_rank(comm_world()), why);
+}
 
 /* The others wait in comm_queue_end for a rank that never comes there. */
 static void fail_alone(const char *how) {

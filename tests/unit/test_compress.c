@@ -23,32 +23,36 @@ typedef struct request {
   double corner;                  /* lower left */
 } request;
 
-static const request usual = {.integrator = "verlet", .dt = 0.05, .mu = 0.5, .gamma_n = 0.3, .wide = 12};
+static const request usual = {
+    .integrator = "verlet", .dt = 0.05, .mu = 0.5, .gamma_n = 0.3, .wide = 12};
 
 /* Bidisperse disks on a disordered lattice, radii near 0.5 and 0.7, spacing 1.6: packing fraction 0.45. */
 static void begin_deck(text *t, const request *r) {
   double spacing = 1.6, size = spacing * r->wide, low = r->corner, high = low + size;
   uint64_t seed = 77;
-  text_add(
-      t,
-      "dt = %g; integrator = \"%s\"; contact_variant = \"conservative\"; box = { x = (%.17g, %.17g); y = "
-      "(%.17g, %.17g); periodic = \"%s\"; };\n"
-      "materials = ( { name = \"m\"; k_n = 1.0; k_t = 0.7; gamma_n = %g; mu = %g; } );\n"
-      "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); density = 1; rows = "
-      "(",
-      r->dt, r->integrator, low, high, low, high, r->walls ? "none" : "xy", r->gamma_n, r->mu);
+  text_add(t,
+           "dt = %g; integrator = \"%s\"; contact_variant = \"conservative\"; box = { x = (%.17g, "
+           "%.17g); y = "
+           "(%.17g, %.17g); periodic = \"%s\"; };\n"
+           "materials = ( { name = \"m\"; k_n = 1.0; k_t = 0.7; gamma_n = %g; mu = %g; } );\n"
+           "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); "
+           "density = 1; rows = "
+           "(",
+           r->dt, r->integrator, low, high, low, high, r->walls ? "none" : "xy", r->gamma_n, r->mu);
   for (int k = 0; k < r->wide * r->wide; k++) {
     double v[5];
     int row = k / r->wide;
     for (int c = 0; c < 5; c++) v[c] = next_uniform(&seed) - 0.5;
     text_add(t, "%s(%.9f, %.9f, %.2f, %.9f, %.9f, %.9f)", k ? ", " : "",
-             low + spacing * (k % r->wide + 0.5) + 0.15 * v[0], low + spacing * (row + 0.5) + 0.15 * v[1],
-             next_bits(&seed) % 2 ? 0.7 : 0.5, r->spread * v[2], r->spread * v[3], r->spread * v[4]);
+             low + spacing * (k % r->wide + 0.5) + 0.15 * v[0],
+             low + spacing * (row + 0.5) + 0.15 * v[1], next_bits(&seed) % 2 ? 0.7 : 0.5,
+             r->spread * v[2], r->spread * v[3], r->spread * v[4]);
   }
   text_add(t, "); } );\nmeasure = { rotation = (0, 1); };\n");
   if (!r->walls) return;
   text_add(t,
-           "walls = ( { name = \"floor\"; type = \"line\"; points = ((%.17g, %.17g), (%.17g, %.17g)); },\n"
+           "walls = ( { name = \"floor\"; type = \"line\"; points = ((%.17g, %.17g), (%.17g, "
+           "%.17g)); },\n"
            "{ name = \"lid\"; type = \"line\"; points = ((%.17g, %.17g), (%.17g, %.17g)); },\n"
            "{ name = \"left\"; type = \"line\"; points = ((%.17g, %.17g), (%.17g, %.17g)); },\n"
            "{ name = \"right\"; type = \"line\"; points = ((%.17g, %.17g), (%.17g, %.17g)); } );\n",
@@ -78,9 +82,9 @@ static void end_run(sd_simulation *sim, sd_model *m) {
 /* Up and down again; the last change lands on the target. */
 static void test_fraction(void **unused) {
   (void)unused;
-  sd_model *m =
-      model_with(&usual, "phases = ( { steps = 4000; compress = { fraction = 0.6; rate = 1e-3; }; }, "
-                         "{ steps = 4000; compress = { fraction = 0.5; rate = 1e-3; }; } );");
+  sd_model *m = model_with(
+      &usual, "phases = ( { steps = 4000; compress = { fraction = 0.6; rate = 1e-3; }; }, "
+              "{ steps = 4000; compress = { fraction = 0.5; rate = 1e-3; }; } );");
   sd_simulation *sim = begin_run(m, 1);
   double start = compress_fraction(engine_of(sim));
   advance(sim, 8);
@@ -116,7 +120,8 @@ static void test_pressure(void **unused) {
     r.walls = walls;
     r.mu = 0.0;
     sd_model *m = model_with(
-        &r, "phases = ( { steps = 9000; relax = true; compress = { fraction = 0.88; rate = 1e-3; }; },\n"
+        &r, "phases = ( { steps = 9000; relax = true; compress = { fraction = 0.88; rate = 1e-3; "
+            "}; },\n"
             "{ steps = 60000; relax = true; settle = { unbalanced = 1e-4; every = 100; };"
             "  compress = { pressure = 2e-3; rate = 1e-3; }; },\n"
             "{ steps = 60000; relax = true; settle = { unbalanced = 1e-4; every = 100; };"
@@ -153,11 +158,13 @@ static void test_pressure_of_a_lattice(void **unused) {
       text_add(&t, "%s(%.17g, %.17g, 0.5)", row || k ? ", " : "", spacing * k, spacing * row);
   text_add(&t, "); } );\n");
   sd_model *m = end_deck(
-      &t, "phases = ( { steps = 10; }, { steps = 10; compress = { pressure = 1; rate = 1e-3; }; } );");
+      &t,
+      "phases = ( { steps = 10; }, { steps = 10; compress = { pressure = 1; rate = 1e-3; }; } );");
   sd_simulation *sim = begin_run(m, 1);
-  between(compress_pressure(engine_of(sim)) / (3.0 * d / spacing), 1.0 - 1e-11, 1.0 + 1e-11, "lattice");
-  between(compress_fraction(engine_of(sim)) / (M_PI / 4.0 / (spacing * spacing)), 1.0 - 1e-12, 1.0 + 1e-12,
-          "fraction");
+  between(compress_pressure(engine_of(sim)) / (3.0 * d / spacing), 1.0 - 1e-11, 1.0 + 1e-11,
+          "lattice");
+  between(compress_fraction(engine_of(sim)) / (M_PI / 4.0 / (spacing * spacing)), 1.0 - 1e-12,
+          1.0 + 1e-12, "fraction");
   end_run(sim, m);
 }
 
@@ -168,10 +175,10 @@ static void test_pressure_on_walls(void **unused) {
   r.walls = true;
   r.corner = -3.0;
   r.mu = 0.0; /* the first moment of tangential tractions on a wall would count, too */
-  sd_model *m =
-      model_with(&r, "phases = ( { steps = 12000; relax = true; compress = { fraction = 0.87; rate = "
-                     "1e-3; }; }, { steps = 60000; relax = true; settle = { unbalanced = 1e-9; }; }, "
-                     "{ steps = 10; } );");
+  sd_model *m = model_with(
+      &r, "phases = ( { steps = 12000; relax = true; compress = { fraction = 0.87; rate = "
+          "1e-3; }; }, { steps = 60000; relax = true; settle = { unbalanced = 1e-9; }; }, "
+          "{ steps = 10; } );");
   sd_simulation *sim = begin_run(m, 1);
   while (sd_simulation_state(sim)->phase < 2) advance(sim, 1000);
   const sd_state *s = sd_simulation_state(sim);
@@ -181,8 +188,8 @@ static void test_pressure_on_walls(void **unused) {
     wall[k] = fabs(k < 2 ? s->force_y[slot] : s->force_x[slot]) / length;
   }
   double mean = 0.25 * (wall[0] + wall[1] + wall[2] + wall[3]);
-  print_message("  walls %.6g %.6g %.6g %.6g, virial %.9g, mean %.9g\n", wall[0], wall[1], wall[2], wall[3],
-                compress_pressure(engine_of(sim)), mean);
+  print_message("  walls %.6g %.6g %.6g %.6g, virial %.9g, mean %.9g\n", wall[0], wall[1], wall[2],
+                wall[3], compress_pressure(engine_of(sim)), mean);
   assert_true(mean > 1e-3);
   between(compress_pressure(engine_of(sim)) / mean, 1.0 - 1e-6, 1.0 + 1e-6, "pressure");
   end_run(sim, m);
@@ -191,7 +198,8 @@ static void test_pressure_on_walls(void **unused) {
 /* --- one change -------------------------------------------------------------------------------------- */
 
 /* Of the two states in which both contacts are closed, and the same. */
-static size_t compare_stretches(const sd_state *a, const sd_state *b, double *most, double *largest) {
+static size_t compare_stretches(const sd_state *a, const sd_state *b, double *most,
+                                double *largest) {
   size_t n = 0;
   for (size_t c = 0, d = 0; c < a->n_contacts; c++)
     for (d = 0; d < b->n_contacts; d++) {
@@ -212,9 +220,9 @@ static void test_one_change(void **unused) {
     r.walls = walls;
     r.spread = 0.5;
     r.corner = 1.5;
-    sd_model *m =
-        model_with(&r, "gravity = { g = 1e-3; tilt = 0.2; };\n"
-                       "phases = ( { steps = 6007; compress = { fraction = 0.88; rate = 1e-3; }; } );");
+    sd_model *m = model_with(
+        &r, "gravity = { g = 1e-3; tilt = 0.2; };\n"
+            "phases = ( { steps = 6007; compress = { fraction = 0.88; rate = 1e-3; }; } );");
     sd_simulation *sim = begin_run(m, 1);
     advance(sim, 6005);
     sd_state *before = copy_of(m, sd_simulation_state(sim));
@@ -226,8 +234,9 @@ static void test_one_change(void **unused) {
     assert_true(f < 1.0);
     double most = 0.0, largest = 0.0;
     size_t n = compare_stretches(before, after, &most, &largest);
-    print_message("  %zu contacts, stretches of up to %.3g changed by %.2g; work %.3g, residual by %.2g\n", n,
-                  largest, most, new.work - old.work, new.residual - old.residual);
+    print_message(
+        "  %zu contacts, stretches of up to %.3g changed by %.2g; work %.3g, residual by %.2g\n", n,
+        largest, most, new.work - old.work, new.residual - old.residual);
     assert_true(n > 150 && largest > 1e-4);
     assert_true(most < 1e-13);
     assert_true(new.work - old.work != 0.0);
@@ -239,7 +248,8 @@ static void test_one_change(void **unused) {
       assert_true(after->theta[i] == before->theta[i] && after->vx[i] == before->vx[i]);
     }
     const work *w = &engine_of(sim)->work;
-    if (!walls) between(w->length[0] / (f * before->box_scale * 1.6 * 12), 1 - 1e-14, 1 + 1e-14, "length");
+    if (!walls)
+      between(w->length[0] / (f * before->box_scale * 1.6 * 12), 1 - 1e-14, 1 + 1e-14, "length");
     sd_state_free(before);
     end_run(sim, m);
   }
@@ -262,10 +272,10 @@ static void test_energy(void **unused) {
     advance(sim, m->phases[0].steps);
     sd_energy e = sd_simulation_energy(sim);
     residual[k] = fabs(e.residual) / e.work;
-    print_message(
-        "  dt %g: work %.4g, elastic %.4g, viscous %.4g, friction %.4g, opening %.2g, residual/work %.2g\n",
-        r.dt, e.work, e.elastic_normal + e.elastic_tangential, e.viscous, e.friction, e.opening,
-        e.residual / e.work);
+    print_message("  dt %g: work %.4g, elastic %.4g, viscous %.4g, friction %.4g, opening %.2g, "
+                  "residual/work %.2g\n",
+                  r.dt, e.work, e.elastic_normal + e.elastic_tangential, e.viscous, e.friction,
+                  e.opening, e.residual / e.work);
     assert_true(e.work > 0.0 && e.friction > 0.01 * e.work && e.elastic_normal > 0.1 * e.work);
     end_run(sim, m);
   }
@@ -318,7 +328,8 @@ static void test_skin(void **unused) {
   for (int k = 0; k < 3; k++) {
     char phases[300];
     snprintf(phases, sizeof phases,
-             "%s phases = ( { steps = 2500; compress = { fraction = 0.87; rate = 4e-3; }; }, { steps = 1000; "
+             "%s phases = ( { steps = 2500; compress = { fraction = 0.87; rate = 4e-3; }; }, { "
+             "steps = 1000; "
              "compress "
              "= { fraction = 0.6; rate = 4e-3; }; } );",
              skins[k]);
@@ -356,14 +367,16 @@ static void refused(const char *more, const char *phases, const char *expected) 
 static void test_refused(void **unused) {
   (void)unused;
   const char *phase = "phases = ( { steps = 10; compress = { fraction = 0.6; rate = 1e-3; }; } );";
-  refused("walls = ( { name = \"shelf\"; type = \"segment\"; points = ((1, 1), (2, 1)); } );\n", phase,
-          "wall \"shelf\" has a size of its own");
-  refused("motions = ( { name = \"pull\"; disk = 3; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } "
+  refused("walls = ( { name = \"shelf\"; type = \"segment\"; points = ((1, 1), (2, 1)); } );\n",
+          phase, "wall \"shelf\" has a size of its own");
+  refused("motions = ( { name = \"pull\"; disk = 3; coordinate = \"x\"; type = \"velocity\"; "
+          "velocity = 1; } "
           ");\n",
           phase, "motions[0]: it prescribes positions that phases[0].compress changes");
   refused("", "phases = ( { steps = 10; compress = { fraction = 0.6; rate = 1; }; } );",
           "expected a number > 0 and at most 0.02");
-  refused("", "phases = ( { steps = 10; compress = { rate = 1e-3; }; } );", "either pressure or fraction");
+  refused("", "phases = ( { steps = 10; compress = { rate = 1e-3; }; } );",
+          "either pressure or fraction");
 }
 
 /* The least width of a periodic box is looked at on the way, too. */
@@ -371,9 +384,9 @@ static void test_too_narrow(void **unused) {
   (void)unused;
   request r = usual;
   r.wide = 3; /* 4.8 long, where 3.36 is the least */
-  sd_model *m =
-      model_with(&r, "max_overlap = 1; phases = ( { steps = 4000; relax = true; compress = { pressure = "
-                     "50; rate = 1e-2; }; } );");
+  sd_model *m = model_with(
+      &r, "max_overlap = 1; phases = ( { steps = 4000; relax = true; compress = { pressure = "
+          "50; rate = 1e-2; }; } );");
   sd_simulation *sim = begin_run(m, 1);
   sd_messages *messages = sd_messages_new();
   assert_int_equal(sd_simulation_advance(sim, 4000, messages), SD_ERROR_NUMERIC);
@@ -387,14 +400,16 @@ static void test_too_narrow_to_attract(void **unused) {
   (void)unused;
   sd_model *m = model_of(
       "dt = 0.05; integrator = \"verlet\"; box = { x = (0, 9); y = (0, 9); periodic = \"xy\"; };\n"
-      "materials = ( { name = \"m\"; k_n = 1; cohesion = \"constant\"; pull_off = 1e-9; range = 1; } );\n"
-      "disk_rows = ( { columns = (\"x\", \"y\"); radius = 0.5; density = 1; rows = ((2, 2), (6, 6)); } );\n"
+      "materials = ( { name = \"m\"; k_n = 1; cohesion = \"constant\"; pull_off = 1e-9; range = 1; "
+      "} );\n"
+      "disk_rows = ( { columns = (\"x\", \"y\"); radius = 0.5; density = 1; rows = ((2, 2), (6, "
+      "6)); } );\n"
       "phases = ( { steps = 4000; compress = { fraction = 0.1; rate = 1e-2; }; } );");
   sd_simulation *sim = begin_run(m, 1);
   sd_messages *messages = sd_messages_new();
   assert_int_equal(sd_simulation_advance(sim, 4000, messages), SD_ERROR_NUMERIC);
-  assert_non_null(
-      strstr(sd_messages_text(messages, 0), "twice the gap over which disks attract each other (1)"));
+  assert_non_null(strstr(sd_messages_text(messages, 0),
+                         "twice the gap over which disks attract each other (1)"));
   sd_messages_free(messages);
   end_run(sim, m);
 }

@@ -90,8 +90,8 @@ static double shell(const correlation *t, double r, double width) {
   return sum;
 }
 
-static void check_lattice(double row, double shift, double contacts, double pressure, double fraction,
-                          const double (*shells)[2], size_t n_shells) {
+static void check_lattice(double row, double shift, double contacts, double pressure,
+                          double fraction, const double (*shells)[2], size_t n_shells) {
   const double radius = 0.5, overlap = 1e-3, a = 2.0 * radius - overlap, force = LAW.k_n * overlap;
   sd_model *m = lattice(a, a * row, shift, radius);
   configuration c = at_start(m);
@@ -114,8 +114,8 @@ static void check_lattice(double row, double shift, double contacts, double pres
   assert_int_equal(t.n_closed, m->n_disks);
   for (size_t i = 0; i < t.n; i++) {
     SYSTEM_NEAR(t.area[i], a * a * row, 1e-12, "cell %zu", i);
-    SYSTEM_NEAR(s.virial[i] / (2.0 * t.area[i]), pressure * force / a, 1e-9 * force, "pressure of disk %zu",
-                i);
+    SYSTEM_NEAR(s.virial[i] / (2.0 * t.area[i]), pressure * force / a, 1e-9 * force,
+                "pressure of disk %zu", i);
   }
   SYSTEM_NEAR(t.deviation, 0.0, 1e-12, "spread of the local fraction");
   SYSTEM_NEAR(t.inside, s.fraction, 1e-12, "fraction inside");
@@ -193,7 +193,8 @@ static void test_disk_between_walls(void **state) {
   SYSTEM_NEAR(s.anisotropy, 2.0, 1e-12, "anisotropy: all along one direction");
   /* what the two walls cut off is a segment of height overlap each */
   double angle = 2.0 * acos(half / radius), segment = 0.5 * radius * radius * (angle - sin(angle));
-  SYSTEM_NEAR(s.fraction, (M_PI * radius * radius - 2.0 * segment) / (width * 2.0 * half), 1e-14, "fraction");
+  SYSTEM_NEAR(s.fraction, (M_PI * radius * radius - 2.0 * segment) / (width * 2.0 * half), 1e-14,
+              "fraction");
   stress_free(&s);
   configuration_free(&c);
   sd_model_free(m);
@@ -206,7 +207,8 @@ static void test_cells_at_walls(void **state) {
     sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, LAW);
     for (int row = 0; row < 5; row++)
       for (int k = 0; k < 5; k++) system_disk(m, 0.5 + k, 0.5 + row, 0.5, 1.0);
-    const double lines[4][2][2] = {{{0, 0}, {1, 0}}, {{0, 0}, {0, 1}}, {{5, 0}, {5, 1}}, {{0, 5}, {1, 5}}};
+    const double lines[4][2][2] = {
+        {{0, 0}, {1, 0}}, {{0, 0}, {0, 1}}, {{5, 0}, {5, 1}}, {{0, 5}, {1, 5}}};
     for (int w = 0; w < 3 + lid; w++) system_straight(m, SD_WALL_LINE, 2, lines[w]);
     m->region_upper[0] = 5.0;
     m->region_upper[1] = lid ? 5.0 : 9.0;
@@ -230,7 +232,8 @@ static void test_cells_in_drum(void **state) {
   sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, LAW);
   m->container = SD_CONTAINER_DRUM;
   system_disk(m, 1.0, 2.0, 0.5, 1.0);
-  for (int k = 0; k < 6; k++) system_disk(m, 1.0 + cos(k * M_PI / 3), 2.0 + sin(k * M_PI / 3), 0.5, 1.0);
+  for (int k = 0; k < 6; k++)
+    system_disk(m, 1.0 + cos(k * M_PI / 3), 2.0 + sin(k * M_PI / 3), 0.5, 1.0);
   system_circle(m, 1.0, 2.0, 1.5, true);
   for (int k = 0; k < 2; k++) m->region_lower[k] = k - 0.5, m->region_upper[k] = k + 2.5;
   configuration c = at_start(m);
@@ -242,7 +245,8 @@ static void test_cells_in_drum(void **state) {
   double inner = 0.5 * sqrt(3.0); /* a hexagon whose edges are 1/2 from its centre */
   assert_int_equal(t.n_closed, 7);
   SYSTEM_NEAR(t.area[0], inner, 1e-12, "inner cell");
-  for (size_t i = 1; i < 7; i++) SYSTEM_NEAR(t.area[i], (M_PI * 2.25 - inner) / 6.0, 1e-12, "outer cell");
+  for (size_t i = 1; i < 7; i++)
+    SYSTEM_NEAR(t.area[i], (M_PI * 2.25 - inner) / 6.0, 1e-12, "outer cell");
   cells_free(&t);
   stress_free(&s);
   configuration_free(&c);
@@ -276,7 +280,8 @@ static double cell_by_force(const sd_model *m, size_t i) {
       double x = m->disks[j].position[0] - m->disks[i].position[0] + across * length[0];
       double y = m->disks[j].position[1] - m->disks[i].position[1] + up * length[1];
       if (x == 0.0 && y == 0.0) continue;
-      double r = m->disks[i].radius, s = m->disks[j].radius, d = 0.5 * (x * x + y * y + r * r - s * s);
+      double r = m->disks[i].radius, s = m->disks[j].radius,
+             d = 0.5 * (x * x + y * y + r * r - s * s);
       size_t kept = 0, to = 1 - from;
       for (size_t k = 0; k < n; k++) {
         const double *p = at[from][k], *q = at[from][(k + 1) % n];
@@ -364,7 +369,8 @@ static void test_ideal_pairs(void **state) {
     SYSTEM_NEAR(t.reach, 0.5, 1e-12, "reach: five diameters");
     /* pairs in bin k: 4000^2/2 pi (2k + 1) 0.01/100; the error bar is that of their number */
     for (size_t k = 0; k < 5; k++)
-      SYSTEM_NEAR(t.pairs->bin[k], 1.0, 4.0 / sqrt(8e6 * M_PI * (double)(2 * k + 1) * 1e-4), "g, bin %zu", k);
+      SYSTEM_NEAR(t.pairs->bin[k], 1.0, 4.0 / sqrt(8e6 * M_PI * (double)(2 * k + 1) * 1e-4),
+                  "g, bin %zu", k);
     correlation_free(&t);
     configuration_free(&c);
     sd_model_free(m);
@@ -381,7 +387,8 @@ static void test_rattlers(void **state) {
     if (smooth) law.mu = 0.0;
     sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, law);
     const double a = 0.999;
-    const double at[][2] = {{0, 0}, {a, 0}, {a, a}, {0, a}, {2 * a, 0}, {3 * a, 0}, {4 * a, 0}, {9, 9}};
+    const double at[][2] = {{0, 0},     {a, 0},     {a, a},     {0, a},
+                            {2 * a, 0}, {3 * a, 0}, {4 * a, 0}, {9, 9}};
     for (size_t k = 0; k < 8; k++) system_disk(m, at[k][0], at[k][1], 0.5, 1.0);
     configuration c = at_start(m);
     region g = configuration_region(&c, NULL);

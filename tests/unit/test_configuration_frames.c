@@ -20,27 +20,31 @@ static void frame_of(frame_data *f, const sd_model *m, const sd_state *s, bool c
 static sd_simulation *trough(const char *integrator, const char *variant, double gamma_n) {
   text t = {0};
   text_add(&t,
-           "dt = 1e-4; integrator = \"%s\"; contact_variant = \"%s\"; gravity = { g = 10.0; tilt = 0.1; };\n",
+           "dt = 1e-4; integrator = \"%s\"; contact_variant = \"%s\"; gravity = { g = 10.0; tilt = "
+           "0.1; };\n",
            integrator, variant);
-  text_add(&t, "materials = ( { name = \"m\"; k_n = 1e6; k_t = 6e5; gamma_n = %g; mu = 0.4; } );\n", gamma_n);
+  text_add(&t, "materials = ( { name = \"m\"; k_n = 1e6; k_t = 6e5; gamma_n = %g; mu = 0.4; } );\n",
+           gamma_n);
   text_add(&t, "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 10.0; rows = (");
   uint64_t seed = 3;
   for (int k = 0; k < 40; k++) {
     double x = next_uniform(&seed), y = next_uniform(&seed), r = next_uniform(&seed);
     int column = k % 8, row = k / 8;
-    text_add(&t, "%s(%.6f, %.6f, %.6f)", k ? ", " : "", -3.4 + column + 0.03 * x, 1.2 + row + 0.03 * y,
-             0.36 + 0.13 * r);
+    text_add(&t, "%s(%.6f, %.6f, %.6f)", k ? ", " : "", -3.4 + column + 0.03 * x,
+             1.2 + row + 0.03 * y, 0.36 + 0.13 * r);
   }
   text_add(
-      &t, "); } );\nwalls = ( { name = \"floor\"; type = \"polyline\"; points = ((-4.5, 3.0), (-4.0, "
-          "0.2), (-1.0, "
-          "-0.4), (1.5, 0.0), (4.5, 0.5), (4.6, 4.0)); },\n"
-          " { name = \"peg\"; type = \"circle\"; center = (0.0, -0.1); side = \"outside\"; radius = 0.6; },\n"
-          " { name = \"bar\"; type = \"segment\"; points = ((-2.0, 0.3), (-1.0, 0.1)); },\n"
-          " { name = \"line\"; type = \"line\"; points = ((-4.0, 0.3), (-1.0, -0.3)); } );\n"
-          "motions = ( { name = \"turn\"; wall = \"bar\"; coordinate = \"theta\"; type = \"harmonic\"; "
-          "amplitude = 0.2; "
-          "frequency = 1.0; } );\nphases = ( { steps = 100000; } );\n");
+      &t,
+      "); } );\nwalls = ( { name = \"floor\"; type = \"polyline\"; points = ((-4.5, 3.0), (-4.0, "
+      "0.2), (-1.0, "
+      "-0.4), (1.5, 0.0), (4.5, 0.5), (4.6, 4.0)); },\n"
+      " { name = \"peg\"; type = \"circle\"; center = (0.0, -0.1); side = \"outside\"; radius = "
+      "0.6; },\n"
+      " { name = \"bar\"; type = \"segment\"; points = ((-2.0, 0.3), (-1.0, 0.1)); },\n"
+      " { name = \"line\"; type = \"line\"; points = ((-4.0, 0.3), (-1.0, -0.3)); } );\n"
+      "motions = ( { name = \"turn\"; wall = \"bar\"; coordinate = \"theta\"; type = \"harmonic\"; "
+      "amplitude = 0.2; "
+      "frequency = 1.0; } );\nphases = ( { steps = 100000; } );\n");
   sd_simulation *sim = begin_run(model_of(t.s), 1);
   free(t.s);
   return sim;
@@ -68,7 +72,8 @@ static unsigned compare_forces(sd_simulation *sim, const char *what) {
   }
   unsigned touched = 0;
   for (size_t k = 0; k < c.n_contacts; k++)
-    if (c.contacts[k].force > 0.0) touched |= 1u << (c.contacts[k].b < 40 ? 4 : c.contacts[k].b - 40);
+    if (c.contacts[k].force > 0.0)
+      touched |= 1u << (c.contacts[k].b < 40 ? 4 : c.contacts[k].b - 40);
   stress_free(&q);
   configuration_free(&c);
   frame_data_free(&f);
@@ -100,7 +105,8 @@ static int by_bodies(const void *x, const void *y) {
 
 /* Contacts that are found again are those that were stored. With velocity Verlet and no viscosity to rounding; with Gear but
  * for the correction of one step, which the damping multiplies. */
-static void recompute(const char *integrator, double gamma_n, double bound, double bound_n, double bound_f) {
+static void recompute(const char *integrator, double gamma_n, double bound, double bound_n,
+                      double bound_f) {
   sd_simulation *sim = trough(integrator, "paper", gamma_n);
   const sd_model *m = sd_simulation_model(sim);
   advance(sim, 7000);
@@ -138,8 +144,9 @@ static void test_recomputed_contacts(void **state) {
 /* Disks that wait or were removed are not there; numbers are those of the deck. */
 static void test_absent_disks(void **state) {
   (void)state;
-  sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3,
-                           (sd_contact_law){.k_n = 1000.0, .k_t = 500.0, .gamma_n = 1.0, .mu = 0.3});
+  sd_model *m =
+      system_new(SD_GEAR5, SD_PAPER, 1e-3,
+                 (sd_contact_law){.k_n = 1000.0, .k_t = 500.0, .gamma_n = 1.0, .mu = 0.3});
   for (int k = 0; k < 6; k++) system_disk(m, 0.99 * k, 0.0, 0.5, 1.0);
   frame_data f;
   assert_int_equal(frame_data_new(&f, 6, 0, NULL), SD_OK);

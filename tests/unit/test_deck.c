@@ -53,18 +53,22 @@ static const char *const three =
     "gravity = { g = 10; tilt = \"30 deg\"; };\n"
     "materials = ( { name = \"m\"; k_n = 10; k_t = 5; gamma_n = 1; mu = 0.25; } );\n"
     "disks = ( { name = \"a\"; x = 0; y = 0; radius = 1; mass = 2; group = \"g\"; },\n"
-    "  { name = \"b\"; x = 3; y = 0; theta = \"pi/2\"; radius = 1; density = 1; group = \"g\"; fixed = true; "
+    "  { name = \"b\"; x = 3; y = 0; theta = \"pi/2\"; radius = 1; density = 1; group = \"g\"; "
+    "fixed = true; "
     "},\n"
-    "  { x = 6; y = 1; omega = \"2 pi\"; radius = 0.5; mass = 1; locked = [\"x\"]; force = (1, 2); torque = "
+    "  { x = 6; y = 1; omega = \"2 pi\"; radius = 0.5; mass = 1; locked = [\"x\"]; force = (1, 2); "
+    "torque = "
     "3; } );\n"
     "walls = ( { name = \"w\"; type = \"segment\"; points = ( (0, -2), (4, -2) ); } );\n"
     "forces = ( { disk = [\"a\", 2]; force = (1, 1); } );\n"
     "locks = ( { group = \"g\"; coordinates = \"theta\"; } );\n"
-    "motions = ( { name = \"r\"; disk = [\"b\", \"a\"]; coordinate = [\"x\", \"y\"]; type = \"random\"; "
+    "motions = ( { name = \"r\"; disk = [\"b\", \"a\"]; coordinate = [\"x\", \"y\"]; type = "
+    "\"random\"; "
     "amplitude = 0.1;\n"
     "              omega = \"20 pi\"; },\n"
     "  { group = \"g\"; coordinate = \"x\"; type = \"random\"; amplitude = 0.1; frequency = 2; },\n"
-    "  { wall = \"w\"; coordinate = \"theta\"; type = \"table\"; times = (0, 1, 2); values = (0, 0.5, 0); "
+    "  { wall = \"w\"; coordinate = \"theta\"; type = \"table\"; times = (0, 1, 2); values = (0, "
+    "0.5, 0); "
     "periodic = true; } );\n"
     "measure = { sliding = ( { disk = 2; partners = [\"a\", \"w\"]; } ); };\n";
 
@@ -80,7 +84,8 @@ static void test_values(void **state) {
   assert_int_equal(m->n_free, 1); /* a is locked in theta and moved in x and y */
   assert_true(m->disks[1].driven && m->disks[1].position[2] == M_PI / 2);
   assert_true(m->disks[1].mass == M_PI && m->disks[0].inertia == 1.0);
-  assert_true(m->disks[2].velocity[2] == 2 * M_PI && m->disks[2].locked[SD_X] && !m->disks[2].locked[SD_Y]);
+  assert_true(m->disks[2].velocity[2] == 2 * M_PI && m->disks[2].locked[SD_X] &&
+              !m->disks[2].locked[SD_Y]);
   assert_true(m->disks[2].force[0] == 2 && m->disks[2].force[1] == 3 && m->disks[2].force[2] == 3);
   assert_true(m->disks[0].locked[SD_THETA] && m->disks[0].group == 0 && m->disks[2].group == -1);
   assert_true(m->walls[0].pivot[0] == 2 && m->walls[0].pivot[1] == -2);
@@ -100,10 +105,11 @@ static void test_values(void **state) {
 /* The stream of a motion does not depend on what else the deck moves. */
 static void test_streams(void **state) {
   (void)state;
-  const char *one = HEAD DISK
-      "motions = ( { disk = \"a\"; coordinate = \"y\"; type = \"random\"; amplitude = 1; frequency = 1; } );";
+  const char *one = HEAD DISK "motions = ( { disk = \"a\"; coordinate = \"y\"; type = \"random\"; "
+                              "amplitude = 1; frequency = 1; } );";
   const char *two = HEAD DISK
-      "motions = ( { disk = \"a\"; coordinate = \"x\"; type = \"random\"; amplitude = 1; frequency = 1; },"
+      "motions = ( { disk = \"a\"; coordinate = \"x\"; type = \"random\"; amplitude = 1; frequency "
+      "= 1; },"
       "{ disk = \"a\"; coordinate = \"y\"; type = \"random\"; amplitude = 1; frequency = 1; },"
       "{ disk = \"a\"; coordinate = \"y\"; type = \"random\"; amplitude = 1; frequency = 1; } );";
   sd_model *a = good(one), *b = good(two);
@@ -116,13 +122,15 @@ static void test_streams(void **state) {
 /* What libconfig lets through or cuts. */
 static void test_numbers(void **state) {
   (void)state;
-  sd_model *m = good("dt = 1; integrator = \"verlet\"; steps = 5e8; seed = 5000000000; box = { x = [0, "
-                     "10.5]; y = [0, 0x10]; };"
-                     "materials = ( { name = \"m\"; k_n = .01; } );" DISK);
+  sd_model *m =
+      good("dt = 1; integrator = \"verlet\"; steps = 5e8; seed = 5000000000; box = { x = [0, "
+           "10.5]; y = [0, 0x10]; };"
+           "materials = ( { name = \"m\"; k_n = .01; } );" DISK);
   assert_true(m->seed == 5000000000u && m->phases[0].steps == 500000000 && m->dt == 1.0);
   assert_true(m->upper[0] == 10.5 && m->upper[1] == 16.0);
   sd_model_free(m);
-  m = good("dt = .5; steps = 9223372036854775807L; materials = ( { name = \"m\"; k_n = +1.e1; } );" DISK);
+  m = good("dt = .5; steps = 9223372036854775807L; materials = ( { name = \"m\"; k_n = +1.e1; } "
+           ");" DISK);
   assert_true(m->phases[0].steps == INT64_MAX && m->laws[0].k_n == 10);
   sd_model_free(m);
   bad(HEAD DISK "skin = 1e400;", "test.cfg:3: skin = 1e400: number too large");
@@ -143,7 +151,8 @@ static void test_form(void **state) {
   assert_int_equal(sd_messages_errors(messages), 1);
   bad(HEAD DISK "gravity = { g = 1;", "test.cfg:3: the { of this line is never closed");
   bad(HEAD DISK "gravity = { g = 1; );", "where the { of line 3");
-  bad(HEAD DISK "skin = 1;\nskin = 2;\nskin = 3;", "test.cfg:5: skin: key given twice; first on line 3");
+  bad(HEAD DISK "skin = 1;\nskin = 2;\nskin = 3;",
+      "test.cfg:5: skin: key given twice; first on line 3");
   assert_int_equal(sd_messages_errors(messages), 2);
   bad(HEAD DISK "gravty = { g = 1; };", "did you mean \"gravity\"?");
   bad(HEAD DISK "gravity = { G = 1; };", "did you mean \"g\"?");
@@ -156,36 +165,44 @@ static void test_form(void **state) {
 
 static void test_overlaps(void **state) {
   (void)state;
-  const char *same = HEAD "disk_rows = ( { columns = [\"x\", \"y\"]; radius = 1; mass = 1; rows = (\n(0, 0), "
-                          "(5, 5),\n(0, 0)); } );";
+  const char *same =
+      HEAD "disk_rows = ( { columns = [\"x\", \"y\"]; radius = 1; mass = 1; rows = (\n(0, 0), "
+           "(5, 5),\n(0, 0)); } );";
   bad(same, "test.cfg:4: disk 2 and disk 0 have the same centre");
-  const char *deep = HEAD "disk_rows = ( { columns = [\"x\", \"y\", \"radius\"]; mass = 1; rows = ((0, 0, "
-                          "10), (0, 10.2, 1)); } );";
+  const char *deep =
+      HEAD "disk_rows = ( { columns = [\"x\", \"y\", \"radius\"]; mass = 1; rows = ((0, 0, "
+           "10), (0, 10.2, 1)); } );";
   bad(deep, "overlap by 0.8");
   bad(HEAD DISK "walls = ( { name = \"w\"; type = \"line\"; points = ((0, 0.2), (1, 0.2)); } );",
       "disk \"a\" sits 0.8 deep in wall \"w\"");
-  bad(HEAD
-      "box = { x = (0, 20); periodic = \"x\"; };"
-      "disk_rows = ( { columns = [\"x\", \"y\"]; radius = 1; mass = 1; rows = ((0.1, 0), (19.9, 0)); } );",
+  bad(HEAD "box = { x = (0, 20); periodic = \"x\"; };"
+           "disk_rows = ( { columns = [\"x\", \"y\"]; radius = 1; mass = 1; rows = ((0.1, 0), "
+           "(19.9, 0)); } );",
       "overlap by 1.8");
-  bad(HEAD "box = { x = (0, 20); periodic = \"x\"; };" DISK
-           "disk_rows = ( { columns = [\"x\"]; y = 9; radius = 1; mass = 1; rows = ((-1), (25)); } );",
+  bad(HEAD
+      "box = { x = (0, 20); periodic = \"x\"; };" DISK
+      "disk_rows = ( { columns = [\"x\"]; y = 9; radius = 1; mass = 1; rows = ((-1), (25)); } );",
       "outside the periodic box");
-  bad(HEAD "box = { x = (0, 4); periodic = \"x\"; }; disk_rows = ( { columns = [\"x\"]; y = 0; radius = 0.1; "
+  bad(HEAD "box = { x = (0, 4); periodic = \"x\"; }; disk_rows = ( { columns = [\"x\"]; y = 0; "
+           "radius = 0.1; "
            "mass = 1; rows = ((5), (6), (7), (8), (9), (10), (11), (12), (13), (14), (15)); } );",
       "3 more coordinates lie outside the periodic box");
   /* a file that cannot be read is one mistake, not one per disk that it should have given */
   bad(HEAD "disk_files = ( { file = \"nothing.csv\"; mass = 1; } ); measure = { rotation = 3; };",
-      "rotation = 3: no disk has this number; expected none (not all disks could be read, see above)");
+      "rotation = 3: no disk has this number; expected none (not all disks could be read, see "
+      "above)");
   /* two fixed ones may overlap */
-  sd_model_free(good(HEAD "disk_rows = ( { columns = [\"x\"]; y = 0; radius = 1; mass = 1; fixed = true; "
-                          "rows = ((0), (0.1)); } );"));
+  sd_model_free(
+      good(HEAD "disk_rows = ( { columns = [\"x\"]; y = 0; radius = 1; mass = 1; fixed = true; "
+                "rows = ((0), (0.1)); } );"));
 }
 
 static void test_laws(void **state) {
   (void)state;
-  bad("dt = 1e-3; steps = 1; materials = ( { name = \"a\"; k_n = 1; }, { name = \"b\"; k_n = 1; } );"
-      "disks = ( { x = 0; y = 0; radius = 1; mass = 1; material = \"a\"; }, { x = 5; y = 0; radius = 1; mass "
+  bad("dt = 1e-3; steps = 1; materials = ( { name = \"a\"; k_n = 1; }, { name = \"b\"; k_n = 1; } "
+      ");"
+      "disks = ( { x = 0; y = 0; radius = 1; mass = 1; material = \"a\"; }, { x = 5; y = 0; radius "
+      "= 1; mass "
       "= 1; material = \"b\"; } );",
       "materials \"a\" and \"b\" can touch");
 }
@@ -203,7 +220,8 @@ static void test_overrides(void **state) {
   if (!m) sd_messages_print(messages, stderr);
   assert_non_null(m);
   assert_true(fabs(m->gravity[0] + 10 * sin(0.02 * M_PI)) < 1e-15);
-  assert_true(m->motions[0].ramp == 0.5 && m->motions[5].ramp == 0.5 && m->motions[0].amplitude == 7);
+  assert_true(m->motions[0].ramp == 0.5 && m->motions[5].ramp == 0.5 &&
+              m->motions[0].amplitude == 7);
   assert_true(m->phases[0].steps == 5000000000 && m->disks[1].mass == 4);
   assert_int_equal(m->integrator, SD_VERLET);
   assert_string_equal(sd_model_deck(m)->text, three);
@@ -242,12 +260,12 @@ static void test_files(void **state) {
   h5_put(file, "/grains", SD_F64, 2, (size_t[]){2, 3}, xyr, false);
   h5_attr_texts(file, "/grains", "columns", 3, columns);
   assert_int_equal(h5_save(file, -1, path, NULL, NULL), SD_OK);
-  const char *deck =
-      write_file("deck.cfg", HEAD "disk_files = ( { file = \"disks.csv\"; mass = 1; columns = [\"x\", \"y\", "
-                                  "\"radius = r\", \"name\"]; },\n"
-                                  "  { file = \"disks.h5\"; dataset = \"/grains\"; density = 1; } );\n"
-                                  "motions = ( { disk = \"q\"; coordinate = \"x\"; type = \"table\"; file = "
-                                  "\"wave.csv\"; factor = 2; } );\n");
+  const char *deck = write_file(
+      "deck.cfg", HEAD "disk_files = ( { file = \"disks.csv\"; mass = 1; columns = [\"x\", \"y\", "
+                       "\"radius = r\", \"name\"]; },\n"
+                       "  { file = \"disks.h5\"; dataset = \"/grains\"; density = 1; } );\n"
+                       "motions = ( { disk = \"q\"; coordinate = \"x\"; type = \"table\"; file = "
+                       "\"wave.csv\"; factor = 2; } );\n");
   sd_messages_free(messages);
   messages = sd_messages_new();
   sd_model *m, *again;
@@ -255,13 +273,15 @@ static void test_files(void **state) {
   sd_messages_print(messages, stderr);
   assert_int_equal(status, SD_OK);
   assert_int_equal(m->n_disks, 4);
-  assert_true(m->disks[1].radius == 0.25 && m->disks[1].position[1] == 5 && m->disks[3].position[0] == 12);
+  assert_true(m->disks[1].radius == 0.25 && m->disks[1].position[1] == 5 &&
+              m->disks[3].position[0] == 12);
   assert_string_equal(m->disks[1].name, "q");
   assert_true(m->motions[0].n_table == 3 && m->motions[0].table_value[1] == 1 &&
               m->motions[0].amplitude == 2);
   /* the echo needs no files */
-  assert_int_equal(sd_deck_load_text(sd_model_deck(m)->full, "elsewhere/deck.cfg", 0, NULL, &again, messages),
-                   SD_OK);
+  assert_int_equal(
+      sd_deck_load_text(sd_model_deck(m)->full, "elsewhere/deck.cfg", 0, NULL, &again, messages),
+      SD_OK);
   assert_true(again->n_disks == 4 && again->disks[3].mass == m->disks[3].mass &&
               again->motions[0].n_table == 3);
   sd_model_free(again);
@@ -281,8 +301,9 @@ static void test_files(void **state) {
   write_file("part.cfg", "skin = 0.5;");
   deck = write_file("with.cfg", HEAD "  @include \"part.cfg\" # why\n" DISK);
   assert_int_equal(sd_deck_load(deck, 0, NULL, &m, messages), SD_OK);
-  assert_int_equal(sd_deck_load_text(sd_model_deck(m)->text, "elsewhere/with.cfg", 0, NULL, &again, messages),
-                   SD_OK);
+  assert_int_equal(
+      sd_deck_load_text(sd_model_deck(m)->text, "elsewhere/with.cfg", 0, NULL, &again, messages),
+      SD_OK);
   assert_true(m->skin == 0.5 && again->skin == 0.5);
   assert_string_equal(sd_model_deck(m)->text, sd_model_deck(again)->text);
   sd_model_free(again);
@@ -292,7 +313,8 @@ static void test_files(void **state) {
 /* --- the decks that ship --------------------------------------------------------------------------------------- */
 
 static void without_marks(char *text) {
-  for (char *mark; (mark = strstr(text, "  # default"));) memmove(mark, mark + 11, strlen(mark + 11) + 1);
+  for (char *mark; (mark = strstr(text, "  # default"));)
+    memmove(mark, mark + 11, strlen(mark + 11) + 1);
 }
 
 static void same_motions(const sd_model *a, const sd_model *b) {
@@ -309,7 +331,8 @@ static void same_motions(const sd_model *a, const sd_model *b) {
 }
 
 static void same_model(const sd_model *a, const sd_model *b) {
-  assert_true(a->seed == b->seed && a->dt == b->dt && a->skin == b->skin && a->max_overlap == b->max_overlap);
+  assert_true(a->seed == b->seed && a->dt == b->dt && a->skin == b->skin &&
+              a->max_overlap == b->max_overlap);
   assert_memory_equal(a->gravity, b->gravity, sizeof a->gravity);
   assert_int_equal(a->n_materials, b->n_materials);
   assert_memory_equal(a->laws, b->laws, a->n_materials * a->n_materials * sizeof *a->laws);
@@ -319,18 +342,21 @@ static void same_model(const sd_model *a, const sd_model *b) {
     assert_memory_equal(p.position, q.position, sizeof p.position);
     assert_memory_equal(p.velocity, q.velocity, sizeof p.velocity);
     assert_memory_equal(p.force, q.force, sizeof p.force);
-    assert_true(p.radius == q.radius && p.mass == q.mass && p.inertia == q.inertia && p.driven == q.driven);
+    assert_true(p.radius == q.radius && p.mass == q.mass && p.inertia == q.inertia &&
+                p.driven == q.driven);
     assert_true(p.material == q.material && p.group == q.group &&
                 !memcmp(p.locked, q.locked, sizeof p.locked));
   }
   assert_int_equal(a->n_walls, b->n_walls);
   assert_int_equal(a->n_segments, b->n_segments);
-  if (a->n_segments) assert_memory_equal(a->segments, b->segments, a->n_segments * sizeof *a->segments);
+  if (a->n_segments)
+    assert_memory_equal(a->segments, b->segments, a->n_segments * sizeof *a->segments);
   same_motions(a, b);
   assert_int_equal(a->n_phases, b->n_phases);
   for (size_t k = 0; k < a->n_phases; k++) {
     const sd_phase *p = &a->phases[k], *q = &b->phases[k];
-    assert_true(p->steps == q->steps && p->measure == q->measure && p->series_every == q->series_every);
+    assert_true(p->steps == q->steps && p->measure == q->measure &&
+                p->series_every == q->series_every);
     assert_true(p->frames_every == q->frames_every && p->contacts_every == q->contacts_every);
     if (a->n_motions) assert_memory_equal(p->active, q->active, a->n_motions * sizeof *p->active);
   }
@@ -382,16 +408,20 @@ static void test_round_trip(void **state) {
 /* Those of the list before those of packings; each keeps its disks. */
 static void test_clump_numbers(void **state) {
   (void)state;
-#define CLUMPS(clump)                                                                                        \
-  HEAD "disks = ( { name = \"a\"; x = 50; y = 50; radius = 1; mass = 2; }, { name = \"b\"; x = 52; y = 50; " \
-       "radius = 1; mass = 2; },\n  { name = \"c\"; x = 60; y = 50; radius = 1; mass = 7; } );\n"            \
-       "container = { type = \"box\"; width = 40; height = 20; };\n"                                         \
-       "packings = ( { type = \"square\"; count = 2; spacing = 8; radius = 1; density = 1; clump = { at = (" \
-       "(-1, 0), (1, 0), (0, 1)); }; } );\n"                                                                 \
-       "clumps = ( { name = \"pair\"; disk = (\"a\", \"b\"); }, { name = \"one\"; disk = \"c\"; } );\n"      \
-       "motions = ( { clump = " clump "; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );"
-  static const char *const decks[] = {CLUMPS("0"), CLUMPS("\"pair\""), CLUMPS("\"one\""), CLUMPS("1"),
-                                      CLUMPS("3")};
+#define CLUMPS(clump)                                                                              \
+  HEAD "disks = ( { name = \"a\"; x = 50; y = 50; radius = 1; mass = 2; }, { name = \"b\"; x = "   \
+       "52; y = 50; "                                                                              \
+       "radius = 1; mass = 2; },\n  { name = \"c\"; x = 60; y = 50; radius = 1; mass = 7; } );\n"  \
+       "container = { type = \"box\"; width = 40; height = 20; };\n"                               \
+       "packings = ( { type = \"square\"; count = 2; spacing = 8; radius = 1; density = 1; clump " \
+       "= { at = ("                                                                                \
+       "(-1, 0), (1, 0), (0, 1)); }; } );\n"                                                       \
+       "clumps = ( { name = \"pair\"; disk = (\"a\", \"b\"); }, { name = \"one\"; disk = \"c\"; "  \
+       "} );\n"                                                                                    \
+       "motions = ( { clump = " clump                                                              \
+       "; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );"
+  static const char *const decks[] = {CLUMPS("0"), CLUMPS("\"pair\""), CLUMPS("\"one\""),
+                                      CLUMPS("1"), CLUMPS("3")};
   static const uint32_t number[] = {0, 0, 1, 1, 3};
   for (size_t k = 0; k < 5; k++) {
     sd_model *m = good(decks[k]);
@@ -412,21 +442,26 @@ static void test_clump_numbers(void **state) {
 /* What the checks of the model find has a line too. */
 static void test_places(void **state) {
   (void)state;
-#define PAIR                                                                                                 \
-  "disks = ( { name = \"a\"; x = 2; y = 2; radius = 1; mass = 2; },\n  { x = 4; y = 2; radius = 1; mass = "  \
+#define PAIR                                                                                       \
+  "disks = ( { name = \"a\"; x = 2; y = 2; radius = 1; mass = 2; },\n  { x = 4; y = 2; radius = "  \
+  "1; mass = "                                                                                     \
   "2; } );\n"
 #define WITHIN HEAD PAIR "box = { x = (0, 6); y = (0, 20); periodic = \"xy\"; };\n"
-  bad(WITHIN "clumps = (\n  { disk = (0, 1); mass = 1; inertia = 1; },\n  { name = \"long\"; disk = 0; } );",
+  bad(WITHIN "clumps = (\n  { disk = (0, 1); mass = 1; inertia = 1; },\n  { name = \"long\"; disk "
+             "= 0; } );",
       "test.cfg:7: clumps[1]: disk \"a\" belongs to another clump");
-  bad(HEAD PAIR "box = { x = (0, 3.9); y = (0, 20); periodic = \"xy\"; };", "disk 1: x = 4 lies outside");
+  bad(HEAD PAIR "box = { x = (0, 3.9); y = (0, 20); periodic = \"xy\"; };",
+      "disk 1: x = 4 lies outside");
   bad(HEAD PAIR "box = {\n  x = (0, 4.7);\n  periodic = \"x\"; };",
       "test.cfg:5: box.x: length 4.7: expected more than 4.8");
-  bad(HEAD PAIR "container = { type = \"bed\"; origin = (2, 0);\n  width = 4.7; height = 9; radius = 1; };",
-      "test.cfg:5: container.width: length 4.7");
   bad(HEAD PAIR
-      "motions = (\n  { name = \"m\"; clump = 0; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );",
+      "container = { type = \"bed\"; origin = (2, 0);\n  width = 4.7; height = 9; radius = 1; };",
+      "test.cfg:5: container.width: length 4.7");
+  bad(HEAD PAIR "motions = (\n  { name = \"m\"; clump = 0; coordinate = \"x\"; type = "
+                "\"velocity\"; velocity = 1; } );",
       "test.cfg:5: motions[0].clump = 0: no clump has this number; expected none");
-  bad(HEAD "disks = ( { x = 1; y = 2; radius = 1; mass = 2; },\n  { x = 3; y = 2; radius = 1; mass = 2; },\n "
+  bad(HEAD "disks = ( { x = 1; y = 2; radius = 1; mass = 2; },\n  { x = 3; y = 2; radius = 1; mass "
+           "= 2; },\n "
            " { x = 5; y = 2; "
            "radius = 1; mass = 2; } );\n"
            "box = { x = (0, 6); y = (0, 20); periodic = \"xy\"; };\n"
@@ -454,10 +489,12 @@ static int tear_down(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_values),    cmocka_unit_test(test_streams),  cmocka_unit_test(test_numbers),
-      cmocka_unit_test(test_form),      cmocka_unit_test(test_overlaps), cmocka_unit_test(test_laws),
-      cmocka_unit_test(test_overrides), cmocka_unit_test(test_files),    cmocka_unit_test(test_round_trip),
-      cmocka_unit_test(test_shipped),   cmocka_unit_test(test_places),   cmocka_unit_test(test_clump_numbers),
+      cmocka_unit_test(test_values),     cmocka_unit_test(test_streams),
+      cmocka_unit_test(test_numbers),    cmocka_unit_test(test_form),
+      cmocka_unit_test(test_overlaps),   cmocka_unit_test(test_laws),
+      cmocka_unit_test(test_overrides),  cmocka_unit_test(test_files),
+      cmocka_unit_test(test_round_trip), cmocka_unit_test(test_shipped),
+      cmocka_unit_test(test_places),     cmocka_unit_test(test_clump_numbers),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

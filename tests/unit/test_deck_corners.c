@@ -16,12 +16,15 @@
 #include "slipdisk/deck.h"
 
 #define START "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );\n"
-#define TWO                                                                                                  \
-  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; }, { name = \"n\"; k_n = 20; } );\n"       \
+#define TWO                                                                                        \
+  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; }, { name = \"n\"; k_n = 20; } " \
+  ");\n"                                                                                           \
   "disks = ( { x = 0; y = 0; radius = 1; mass = 1; material = \"m\"; } );\n"
 #define DISK "disks = ( { name = \"a\"; x = 0; y = 0; radius = 1; mass = 2; group = \"g\"; } );\n"
 #define BEAM "walls = ( { name = \"w\"; type = \"segment\"; points = ((0, -2), (4, -2)); } );\n"
-#define ARCH "walls = ( { name = \"w\"; type = \"circle\"; center = (0, 0); radius = 9; inside = true; } );\n"
+#define ARCH                                                                                       \
+  "walls = ( { name = \"w\"; type = \"circle\"; center = (0, 0); radius = 9; inside = true; } "    \
+  ");\n"
 
 typedef struct corner {
   const char *deck, *says; /* words of the message; NULL: the deck is read */
@@ -61,28 +64,33 @@ static void materials_and_walls(void **unused) {
       {TWO "material_pairs = ( { materials = \"m\"; k_n = 1; } );", "the names of two materials"},
       {TWO "material_pairs = ( { k_n = 1; } );", "the names of two materials"},
       {TWO "material_pairs = ( { materials = (\"m\", 1); k_n = 1; } );", "the name of a material"},
-      {TWO "material_pairs = ( { materials = (\"m\", \"m\"); k_n = 1; } );", "itself stands in materials"},
-      {TWO "material_pairs = ( { materials = (\"m\", \"n\"); k_n = 1; }, { materials = (\"n\", \"m\"); k_n = "
+      {TWO "material_pairs = ( { materials = (\"m\", \"m\"); k_n = 1; } );",
+       "itself stands in materials"},
+      {TWO "material_pairs = ( { materials = (\"m\", \"n\"); k_n = 1; }, { materials = (\"n\", "
+           "\"m\"); k_n = "
            "1; } );",
        "given twice"},
       {TWO "material_pairs = ( 3 );", "material_pairs"},
       {"dt = 1; steps = 1; materials = ();" DISK, "materials"},
-      {"dt = 1; steps = 1; materials = ( { name = \"\"; k_n = 1; } );" DISK, "a name that is not empty"},
+      {"dt = 1; steps = 1; materials = ( { name = \"\"; k_n = 1; } );" DISK,
+       "a name that is not empty"},
       {"dt = 1; steps = 1; materials = ( 7 );" DISK, "materials[0]"},
       {START DISK "walls = ( { type = \"line\"; points = 3; } );", "expected two points"},
       {START DISK "walls = ( { type = \"line\"; points = ((0, 0)); } );", "expected two points"},
       {START DISK "walls = ( { type = \"line\"; points = ((0, 0), (1, 0), (2, 0)); } );",
        "expected two points"},
       {START DISK "walls = ( { type = \"polyline\"; points = ((0, 0)); } );", "two or more points"},
-      {START DISK "walls = ( { type = \"line\"; points = ((0, 0), 1); } );", "expected a point (x, y)"},
+      {START DISK "walls = ( { type = \"line\"; points = ((0, 0), 1); } );",
+       "expected a point (x, y)"},
       {START DISK "walls = ( { type = \"line\"; points = ((0, 0), (1, 2, 3)); } );",
        "expected a point (x, y)"},
       {START DISK "walls = ( { type = \"line\"; points = ((0, 0), (0, 0)); } );",
        "the same as the point before"},
-      {START DISK "walls = ( { type = \"polyline\"; closed = true; points = ((0, -4), (1, -4)); } );",
-       "three points or more"},
       {START DISK
-       "walls = ( { type = \"polyline\"; closed = true; points = ((0, -4), (1, -4), (1, -5), (0, -4)); } );",
+       "walls = ( { type = \"polyline\"; closed = true; points = ((0, -4), (1, -4)); } );",
+       "three points or more"},
+      {START DISK "walls = ( { type = \"polyline\"; closed = true; points = ((0, -4), (1, -4), (1, "
+                  "-5), (0, -4)); } );",
        "the same as the first point"},
       {START DISK "walls = ( 1 );", "walls[0]"},
       {START DISK "walls = ( { name = \"a\"; type = \"line\"; points = ((0, -4), (1, -4)); } );",
@@ -94,35 +102,43 @@ static void materials_and_walls(void **unused) {
 /* What no other test says: names that are there twice, coordinates that are held and move, clumps, fields, lists. */
 static void bodies_that_cannot_be(void **unused) {
   (void)unused;
-#define CLUMP(more)                                                                                          \
-  START                                                                                                      \
-  "disks = ( { x = 0; y = 0; radius = 1; density = 1; }, { x = 4; y = 0; radius = 1; density = 1; } ); "     \
+#define CLUMP(more)                                                                                \
+  START                                                                                            \
+  "disks = ( { x = 0; y = 0; radius = 1; density = 1; }, { x = 4; y = 0; radius = 1; density = "   \
+  "1; } ); "                                                                                       \
   "clumps = ( { name = \"c\"; disk = 0; " more " } );"
-#define PACKED(more)                                                                                         \
-  START "box = { x = (0, 20); y = (0, 20); periodic = \"xy\"; }; packings = ( { type = \"random\"; count = " \
-        "2; "                                                                                                \
+#define PACKED(more)                                                                               \
+  START "box = { x = (0, 20); y = (0, 20); periodic = \"xy\"; }; packings = ( { type = "           \
+        "\"random\"; count = "                                                                     \
+        "2; "                                                                                      \
         "density = 1; radius = 1; clump = { " more " }; } );"
-#define FIELD(more) START DISK "fields = ( { name = \"f\"; type = \"drag\"; gamma = 1; } , { " more " } );"
+#define FIELD(more)                                                                                \
+  START DISK "fields = ( { name = \"f\"; type = \"drag\"; gamma = 1; } , { " more " } );"
   static const corner list[] = {
-      {START DISK "walls = ( { name = \"w\"; type = \"line\"; points = ((0, -4), (1, -4)); }, { name = "
-                  "\"w\"; type = \"line\"; "
-                  "points = ((0, -5), (1, -5)); } );",
+      {START DISK
+       "walls = ( { name = \"w\"; type = \"line\"; points = ((0, -4), (1, -4)); }, { name = "
+       "\"w\"; type = \"line\"; "
+       "points = ((0, -5), (1, -5)); } );",
        "two walls have this name"},
       {START "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; vx = 1; } );",
        "a fixed disk cannot have a velocity"},
       {START "disks = ( { x = 0; y = 0; radius = 1; mass = 1; locked = \"x\"; vx = 1; } );",
        "a locked coordinate cannot have a velocity"},
-      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\"); fixed = true; density = 1; rows "
+      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\"); fixed = true; density "
+             "= 1; rows "
              "= ( (0, 0, 1, 2) ); } );",
        "a fixed disk cannot have a velocity"},
-      {START "disk_rows = ( { rows = ( (0, 0, 1) ); density = 1; } );", "columns: missing: expected"},
+      {START "disk_rows = ( { rows = ( (0, 0, 1) ); density = 1; } );",
+       "columns: missing: expected"},
       {START "disk_rows = ( { columns = (3); rows = ( (0) ); density = 1; } );",
        "the name of a column in quotes"},
       {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 1; rows = 3; } );",
        "expected a list of rows ( (1.0, 2.0, 0.5), ... )"},
-      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 1; rows = ( (0, 0) ); } );",
+      {START
+       "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 1; rows = ( (0, 0) ); } );",
        "expected 3 values in ( ), one per column"},
-      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"group\"); density = 1; rows = ( (0, 0, "
+      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"group\"); density = 1; rows = "
+             "( (0, 0, "
              "1, 3) ); } );",
        "expected a text in quotes"},
       {CLUMP("locked = \"x\"; velocity = (1, 0);"), "a locked coordinate cannot have a velocity"},
@@ -135,9 +151,10 @@ static void bodies_that_cannot_be(void **unused) {
       {FIELD("type = \"damping\"; alpha = 1;"), "it would hold every disk where it is"},
       {FIELD("type = \"central\"; centre = (0, 0); strength = 1; power = 99;"),
        "expected a whole number from"},
-      {FIELD("type = \"drag\"; gamma = 1; group = 3;"), "no group of disks is called that; there is \"g\""},
-      {START DISK BEAM
-       "motions = ( { wall = (\"w\", \"w\"); coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );",
+      {FIELD("type = \"drag\"; gamma = 1; group = 3;"),
+       "no group of disks is called that; there is \"g\""},
+      {START DISK BEAM "motions = ( { wall = (\"w\", \"w\"); coordinate = \"x\"; type = "
+                       "\"velocity\"; velocity = 1; } );",
        "is named twice"},
       {START DISK ARCH "motions = ( { wall = \"w\"; coordinate = \"theta\"; type = \"harmonic\"; "
                        "acceleration = 1; frequency = 1; } );",
@@ -150,14 +167,16 @@ static void bodies_that_cannot_be(void **unused) {
 
 static void tables(void **unused) {
   (void)unused;
-#define TABLE(more)                                                                                          \
-  START DISK BEAM "motions = ( { wall = \"w\"; coordinate = \"x\"; type = \"table\"; " more " } );"
+#define TABLE(more)                                                                                \
+  START DISK BEAM "motions = ( { wall = \"w\"; coordinate = \"x\"; type = \"table\"; " more " } "  \
+                  ");"
   static const corner list[] = {
       {TABLE("times = 3; values = (0, 1, 2);"), "expected a list of numbers"},
       {TABLE("times = (0, 1, 2);"), "a value for each of times"},
       {TABLE("times = (0, 1, 2); values = (0, 1);"), "as many values as times (3)"},
       {TABLE("times = (0, 1); values = (0, 1);"), "at least 3 rows, it has 2"},
-      {TABLE("times = (0, 2, 1); values = (0, 1, 2);"), "times must increase, but row 2 has 1 after 2"},
+      {TABLE("times = (0, 2, 1); values = (0, 1, 2);"),
+       "times must increase, but row 2 has 1 after 2"},
       {TABLE("times = (0, 1, 2); values = (0, 1, 2); periodic = true;"),
        "the last value (2) must equal the first (0)"},
       {TABLE("times = (0, 1, 2); values = (0, 1, \"x\");"), "values"},
@@ -176,16 +195,21 @@ static void motions(void **unused) {
 #define MOTION(what) START DISK BEAM "motions = ( { " what " } );"
 #define SERVO(more) "type = \"servo\"; speed = 1; " more
   static const corner list[] = {
-      {MOTION("wall = \"w\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 1; omega = 0;"), "omega"},
+      {MOTION("wall = \"w\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 1; omega = 0;"),
+       "omega"},
       {MOTION("wall = \"w\"; coordinate = \"x\"; type = \"random\"; amplitude = -1; omega = 1;"),
        "amplitude"},
-      {MOTION("disk = \"a\"; coordinate = \"y\"; type = \"load\"; mass = 1;"), "a load moves walls only"},
-      {MOTION("group = \"g\"; coordinate = \"y\"; " SERVO("force = 1;")), "a servo moves walls only"},
-      {MOTION("wall = \"w\"; coordinate = \"theta\"; type = \"load\"; mass = 1;"), "expected \"x\" or \"y\""},
+      {MOTION("disk = \"a\"; coordinate = \"y\"; type = \"load\"; mass = 1;"),
+       "a load moves walls only"},
+      {MOTION("group = \"g\"; coordinate = \"y\"; " SERVO("force = 1;")),
+       "a servo moves walls only"},
+      {MOTION("wall = \"w\"; coordinate = \"theta\"; type = \"load\"; mass = 1;"),
+       "expected \"x\" or \"y\""},
       {MOTION("wall = \"w\"; coordinate = [\"x\", \"y\"]; type = \"load\"; mass = 1;"),
        "expected \"x\" or \"y\""},
       {MOTION("wall = \"w\"; coordinate = \"y\"; " SERVO("force = 0;")), "a force other than 0"},
-      {MOTION("wall = \"w\"; coordinate = \"y\"; " SERVO("force = 1; length = 2;")), "with pressure only"},
+      {MOTION("wall = \"w\"; coordinate = \"y\"; " SERVO("force = 1; length = 2;")),
+       "with pressure only"},
       {MOTION("wall = \"w\"; coordinate = \"x\"; " SERVO("pressure = 1;")),
        "does not press along x; expected force"},
       {MOTION("wall = \"w\"; coordinate = \"y\"; " SERVO("force = 1;")), NULL},
@@ -195,11 +219,13 @@ static void motions(void **unused) {
        "locks = ( { disk = \"a\"; coordinates = \"x\"; } );"
        "motions = ( { disk = \"a\"; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );",
        "is locked, and cannot be moved too"},
-      {START "disks = ( { name = \"a\"; x = 0; y = 0; vy = 1; radius = 1; mass = 2; } );"
-             "motions = ( { disk = \"a\"; coordinate = \"y\"; type = \"velocity\"; velocity = 1; } );",
+      {START
+       "disks = ( { name = \"a\"; x = 0; y = 0; vy = 1; radius = 1; mass = 2; } );"
+       "motions = ( { disk = \"a\"; coordinate = \"y\"; type = \"velocity\"; velocity = 1; } );",
        "y of disk \"a\" is given a velocity of its own"},
       {START "disks = ( { name = \"a\"; x = 0; y = 0; omega = 1; radius = 1; mass = 2; } );"
-             "motions = ( { disk = \"a\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 1; } );",
+             "motions = ( { disk = \"a\"; coordinate = \"theta\"; type = \"velocity\"; velocity = "
+             "1; } );",
        "theta of disk \"a\" is given a velocity of its own"},
   };
   TRY(list);
@@ -217,7 +243,8 @@ static void what_ends_a_run(void **unused) {
       {UNTIL("error = 1; max_time = 1; observable = \"a.omga\";"), "did you mean \"omega\""},
       {UNTIL("error = 1; max_time = 1; observable = \"a\";"), "NAME that of a watched disk"},
       {UNTIL("error = 1; max_time = 1; observable = \"b.omega\";"), "observable"},
-      {UNTIL("error = 1; max_time = 1; observable = \"a.scaled\";"), "does not exist without gravity"},
+      {UNTIL("error = 1; max_time = 1; observable = \"a.scaled\";"),
+       "does not exist without gravity"},
       {UNTIL("error = 1; max_time = 1; observable = \"0.omega\";"), NULL},
       {UNTIL("error = 1; max_time = 1; observable = 3;"), "observable"},
       {UNTIL("relative = 0.1; max_time = 1; observable = \"a.omega\";"), NULL},
@@ -292,8 +319,8 @@ static void numbers_and_names(void **unused) {
       {START DISK "bounds = 3;", "bounds"},
       {START DISK "bounds = { x = (1, 0); };", "bounds"},
       {START DISK "bounds = { outside = \"remove\"; };", NULL},
-      {START DISK
-       "box = { periodic = \"xy\"; x = (-9, 9); y = (-9, 9); }; bounds = { outside = \"remove\"; };",
+      {START DISK "box = { periodic = \"xy\"; x = (-9, 9); y = (-9, 9); }; bounds = { outside = "
+                  "\"remove\"; };",
        "nothing to leave"},
       {START DISK "container = 3;", "container"},
       {START DISK "forces = ( 3 );", "forces[0]"},
@@ -304,13 +331,15 @@ static void numbers_and_names(void **unused) {
       {START DISK "forces = ( { disk = 7; force = (1, 1); } );", "no disk has this number"},
       {START DISK "forces = ( { disk = -1; force = (1, 1); } );", "disk"},
       {START DISK "forces = ( { disk = true; force = (1, 1); } );", "disk"},
-      {START DISK "forces = ( { group = \"h\"; force = (1, 1); } );", "no group of disks is called that"},
+      {START DISK "forces = ( { group = \"h\"; force = (1, 1); } );",
+       "no group of disks is called that"},
       {START DISK "forces = ( { force = (1, 1); } );", "it names no disk"},
       {START DISK "locks = ( { disk = \"a\"; coordinates = (\"x\", \"x\"); } );", "named twice"},
       {START DISK "locks = ( { disk = \"a\"; coordinates = (\"x\", 1); } );", "coordinates"},
-      {START DISK
-       "title = \"a text that is longer than what a message shows of it, as it would be too much\"; "
-       "gravity = \"another text that is longer than what a message shows of it, it would be too much\";",
+      {START DISK "title = \"a text that is longer than what a message shows of it, as it would be "
+                  "too much\"; "
+                  "gravity = \"another text that is longer than what a message shows of it, it "
+                  "would be too much\";",
        "gravity"},
       {START DISK "dt = true;", "dt"},
       {START DISK "walls = ( { type = \"lines\"; } );", "did you mean \"line\""},
@@ -401,9 +430,11 @@ static void files_of_lammps(void **unused) {
   with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 a 0 0\n", "x = a: expected a number");
   with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 inf 0\n", "y = inf: expected a number");
   with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n1 1 0.5 1 5 0 0\n", "two atoms have it");
-  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n1 1 2\n", "3 values; expected 7");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n1 1 2\n",
+             "3 values; expected 7");
   with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n1b 1 2 0 0 0 3\n", "id = 1b");
-  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n2 1 2 0 0 0 3\n", "no atom has it");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n2 1 2 0 0 0 3\n",
+             "no atom has it");
   with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n1 1 b 0 0 0 3\n", "vy = b");
   with_atoms(HEAD "Velocities\n\n1 1 2 0 0 0 3\n", "Velocities");
   with_atoms(HEAD "Masses\n\n1 1\n", "Atoms");
@@ -450,11 +481,13 @@ static void settings(void **unused) {
     sd_model *m = NULL;
     sd_messages *messages = sd_messages_new();
     bool said = !list[k].says;
-    sd_status status = sd_deck_load_text(START DISK, "corner.cfg", 1, &list[k].setting, &m, messages);
+    sd_status status =
+        sd_deck_load_text(START DISK, "corner.cfg", 1, &list[k].setting, &m, messages);
     for (size_t j = 0; j < sd_messages_count(messages) && list[k].says; j++)
       said = said || strstr(sd_messages_text(messages, j), list[k].says);
     if (!said || status != (list[k].says ? SD_ERROR_USER : SD_OK)) {
-      print_error("-D %s\nexpected: %s\n", list[k].setting, list[k].says ? list[k].says : "no mistake");
+      print_error("-D %s\nexpected: %s\n", list[k].setting,
+                  list[k].says ? list[k].says : "no mistake");
       sd_messages_print(messages, stderr);
       wrong++;
     }

@@ -61,7 +61,8 @@ static void damage(char *text, size_t n) {
                                        "0x",
                                        "."};
   for (size_t k = 0, times = 1 + below(4); k < times && n > 1; k++) {
-    size_t at = below(n), piece = below(sizeof pieces / sizeof *pieces), length = strlen(pieces[piece]);
+    size_t at = below(n), piece = below(sizeof pieces / sizeof *pieces),
+           length = strlen(pieces[piece]);
     switch (below(5)) {
       case 0: text[n = at] = 0; break;                  /* cut */
       case 1: text[at] = (char)(1 + below(255)); break; /* another byte */

@@ -49,11 +49,13 @@ static void free_disks(void **unused) {
   sd_disk_mean d[MOST];
   sd_disk_totals t;
   sd_simulation *sim = run_of(
-      "integrator = \"verlet\"; dt = 1e-3; box = { x = (0, 10); y = (0, 10); periodic = \"x\"; };\n" LAW
-      "disks = ( { x = 9; y = 1; vx = 3; omega = 2; radius = 0.1; mass = 2; },\n"
-      "  { x = 5; y = 3; omega = -5; radius = 0.2; mass = 1; }, { x = 5; y = 5; radius = 0.3; mass = 1; },\n"
+      "integrator = \"verlet\"; dt = 1e-3; box = { x = (0, 10); y = (0, 10); periodic = \"x\"; "
+      "};\n" LAW "disks = ( { x = 9; y = 1; vx = 3; omega = 2; radius = 0.1; mass = 2; },\n"
+      "  { x = 5; y = 3; omega = -5; radius = 0.2; mass = 1; }, { x = 5; y = 5; radius = 0.3; mass "
+      "= 1; },\n"
       "  { x = 5; y = 8; radius = 0.3; mass = 1; fixed = true; } );\n"
-      "phases = ( { steps = 300; }, { steps = 1000; measure = true; }, { steps = 500; }, { steps = 2000; "
+      "phases = ( { steps = 300; }, { steps = 1000; measure = true; }, { steps = 500; }, { steps = "
+      "2000; "
       "measure = "
       "true; } );\nmeasure = { disks = true; rotation = (0, 1, 2); };\n",
       d, &t);
@@ -71,7 +73,8 @@ static void free_disks(void **unused) {
     between(d[i].error, 0, 1e-11, "its error");
     between(d[i].turned - 93 * 0.032 * omega[i], -1e-11, 1e-11, "angle turned in full bins");
     between(d[i].rotation, 0.25 * s->mass[i] * pow(s->radius[i] * omega[i], 2) * (1 - 1e-12),
-            0.25 * s->mass[i] * pow(s->radius[i] * omega[i], 2) * (1 + 1e-12), "energy of rotation");
+            0.25 * s->mass[i] * pow(s->radius[i] * omega[i], 2) * (1 + 1e-12),
+            "energy of rotation");
     assert_true(isnan(d[i].sliding) && isnan(d[i].force));
     assert_true(d[i].coordination == 0 && d[i].openings == 0 && d[i].injected == 0);
   }
@@ -107,7 +110,8 @@ static void gears(void **unused) {
       "  { x = 0.999; y = 0; omega = -3; radius = 0.5; mass = 1; locked = (\"x\", \"y\"); },\n"
       "  { x = 1.998; y = 0; omega = 3; radius = 0.5; mass = 1; locked = (\"x\", \"y\"); },\n"
       "  { x = 2.997; y = 0; omega = -3; radius = 0.5; mass = 1; locked = (\"x\", \"y\"); } );\n"
-      "motions = ( { disk = \"engine\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 3; } );\n"
+      "motions = ( { disk = \"engine\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 3; "
+      "} );\n"
       "phases = ( { steps = 20000; } ); measure = { disks = true; every = 10; rotation = (); };\n",
       d, &t);
   for (size_t i = 0; i < 3; i++) {
@@ -124,13 +128,14 @@ static void gears(void **unused) {
 /* Openings of a disk that bounces, against the state looked at after every step. */
 static void bounces(void **unused) {
   (void)unused;
-  sd_model *m = model_of("dt = 1e-4; gravity = { g = 10; };\n" LAW
-                         "disks = ( { x = 0; y = 0.3; radius = 0.1; mass = 0.1; }, "
-                         "{ x = 1; y = 0.0999; radius = 0.1; mass = 0.1; } );\n"
-                         "walls = ( { type = \"line\"; points = ((0, 0), (1, 0)); } );\n"
-                         "phases = ( { steps = 5000; }, { steps = 9000; measure = true; }, { steps = 4000; "
-                         "}, { steps = 6000; measure "
-                         "= true; } ); measure = { disks = true; rotation = (); };\n");
+  sd_model *m =
+      model_of("dt = 1e-4; gravity = { g = 10; };\n" LAW
+               "disks = ( { x = 0; y = 0.3; radius = 0.1; mass = 0.1; }, "
+               "{ x = 1; y = 0.0999; radius = 0.1; mass = 0.1; } );\n"
+               "walls = ( { type = \"line\"; points = ((0, 0), (1, 0)); } );\n"
+               "phases = ( { steps = 5000; }, { steps = 9000; measure = true; }, { steps = 4000; "
+               "}, { steps = 6000; measure "
+               "= true; } ); measure = { disks = true; rotation = (); };\n");
   sd_simulation *sim = begin_run(m, 1);
   int64_t opened = 0, closed = 0;
   bool was = false;
@@ -149,7 +154,8 @@ static void bounces(void **unused) {
   assert_true(opened >= 3);
   assert_int_equal(sd_simulation_state(sim)->sum_openings[0], opened);
   assert_int_equal(sd_simulation_state(sim)->sum_openings[1], 0);
-  between(d[0].openings, (double)opened / 1.5 - 1e-12, (double)opened / 1.5 + 1e-12, "openings per time");
+  between(d[0].openings, (double)opened / 1.5 - 1e-12, (double)opened / 1.5 + 1e-12,
+          "openings per time");
   between(d[0].coordination, (double)closed / 15000 - 1e-12, (double)closed / 15000 + 1e-12,
           "time in contact");
   assert_true(d[1].coordination == 1);
@@ -163,8 +169,8 @@ static void bounces(void **unused) {
 
 /* Shaken and turned by a cup; one disk is driven along x only, one is fixed and spins, one rolls below the cup in a
  * drum that turns. Measured after a rest of `rest` steps, from the start when that is 0. */
-static void packing(text *t, const char *integrator, double dt, int disks, int64_t rest, int64_t steps,
-                    int every) {
+static void packing(text *t, const char *integrator, double dt, int disks, int64_t rest,
+                    int64_t steps, int every) {
   text_add(t,
            "integrator = \"%s\"; dt = %.17g; gravity = { g = 9.81; };\n" LAW
            "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (",
@@ -176,20 +182,26 @@ static void packing(text *t, const char *integrator, double dt, int disks, int64
          "((0, -0.2801, 0.02)); } );\n"
          "walls = ( { name = \"cup\"; type = \"polyline\"; pivot = (0, 0.1); "
          "points = ((-0.3, 0.3), (-0.2, 0), (0, -0.003), (0.2, 0), (0.3, 0.3)); },\n"
-         "{ name = \"drum\"; type = \"circle\"; center = (0, 0.6); radius = 0.9; side = \"inside\"; } );\n");
+         "{ name = \"drum\"; type = \"circle\"; center = (0, 0.6); radius = 0.9; side = "
+         "\"inside\"; } );\n");
   text_add(
       t,
-      "motions = ( { wall = \"cup\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 4e-4; frequency "
+      "motions = ( { wall = \"cup\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 4e-4; "
+      "frequency "
       "= 90; },\n"
-      "{ wall = \"cup\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.02; frequency = 7; },\n"
-      "{ wall = \"cup\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 2e-4; frequency = 70; },\n"
+      "{ wall = \"cup\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.02; frequency "
+      "= 7; },\n"
+      "{ wall = \"cup\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 2e-4; frequency = "
+      "70; },\n"
       "{ disk = %d; coordinate = \"theta\"; type = \"velocity\"; velocity = 30; },\n"
       "{ disk = 4; coordinate = \"x\"; type = \"harmonic\"; amplitude = 1e-3; frequency = 30; },\n"
-      "{ wall = \"drum\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 5; } );\nphases = ( ",
+      "{ wall = \"drum\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 5; } );\nphases "
+      "= ( ",
       disks);
   if (rest > 0) text_add(t, "{ steps = %lld; }, ", (long long)rest);
   text_add(t,
-           "{ steps = %lld; measure = true; } ); measure = { disks = true; every = %d; rotation = (); };\n",
+           "{ steps = %lld; measure = true; } ); measure = { disks = true; every = %d; rotation = "
+           "(); };\n",
            (long long)steps, every);
 }
 
@@ -277,9 +289,10 @@ static void powers_sum_up(void **unused) {
       near_to(t.power_friction * time, e.friction, "frictional losses");
       near_to(t.power_opening * time, e.opening, "left in openings");
       off[level] = fabs(t.power_injected * time / e.work - 1);
-      print_message("  %s dt %.2g: work %.6g, injected * time/work - 1 = %.2e, residual/scale %.1e\n",
-                    gear ? "gear5 " : "verlet", 2e-5 / cut, e.work, t.power_injected * time / e.work - 1,
-                    e.residual / e.scale);
+      print_message(
+          "  %s dt %.2g: work %.6g, injected * time/work - 1 = %.2e, residual/scale %.1e\n",
+          gear ? "gear5 " : "verlet", 2e-5 / cut, e.work, t.power_injected * time / e.work - 1,
+          e.residual / e.scale);
       assert_true(e.work > 0 && e.friction > 0.01 * e.work);
       end_of(sim);
     }
@@ -320,7 +333,8 @@ static void same_bits(void **unused) {
   sd_simulation *often = begin_run(m, 1);
   advance(often, 2900);
   const sd_state *a = sd_simulation_state(whole), *b = sd_simulation_state(often);
-  for (size_t i = 0; i < a->n_bodies; i++) assert_true(a->x[i] == b->x[i] && a->theta[i] == b->theta[i]);
+  for (size_t i = 0; i < a->n_bodies; i++)
+    assert_true(a->x[i] == b->x[i] && a->theta[i] == b->theta[i]);
   sd_simulation_free(often);
   end_of(whole);
 }
@@ -330,13 +344,14 @@ static void disks_out_of_play(void **unused) {
   (void)unused;
   sd_disk_mean d[MOST];
   sd_disk_totals t;
-  sd_simulation *sim =
-      run_of("dt = 1e-3; gravity = { g = 10; };\n" LAW "bounds = { y = (0, 10); outside = \"remove\"; };\n"
-             "disks = ( { x = 0; y = 1; omega = 1; radius = 0.1; mass = 1; }, { x = 1; y = 1; vy = 30; omega "
-             "= 2; radius = "
-             "0.1; mass = 1; }, { x = 2; y = 9; omega = 3; radius = 0.1; mass = 1; } );\n"
-             "phases = ( { steps = 1000; } ); measure = { disks = true; rotation = (); };\n",
-             d, &t);
+  sd_simulation *sim = run_of(
+      "dt = 1e-3; gravity = { g = 10; };\n" LAW "bounds = { y = (0, 10); outside = \"remove\"; };\n"
+      "disks = ( { x = 0; y = 1; omega = 1; radius = 0.1; mass = 1; }, { x = 1; y = 1; vy = 30; "
+      "omega "
+      "= 2; radius = "
+      "0.1; mass = 1; }, { x = 2; y = 9; omega = 3; radius = 0.1; mass = 1; } );\n"
+      "phases = ( { steps = 1000; } ); measure = { disks = true; rotation = (); };\n",
+      d, &t);
   assert_true(isnan(d[0].omega) && isnan(d[0].x) && isnan(d[1].omega) && isnan(d[1].rms));
   between(d[2].omega - 3, -1e-10, 1e-10, "the one that stayed");
   assert_true(t.disks == 1 && isnan(t.omega_mean_error) && isnan(t.persistence));
@@ -365,7 +380,8 @@ static void error_bars_cover(void **unused) {
   const double omega = 0.1;
   const struct {
     double tau, one, two; /* correlation time in bins; allowed deviation from 0.683 and 0.954 */
-  } cases[] = {{0.05, 0.05, 0.04}, {0.5, 0.05, 0.04}, {1, 0.06, 0.05}, {2, 0.09, 0.08}, {4, 0.15, 0.14}};
+  } cases[] = {
+      {0.05, 0.05, 0.04}, {0.5, 0.05, 0.04}, {1, 0.06, 0.05}, {2, 0.09, 0.08}, {4, 0.15, 0.14}};
   text deck = {0};
   text_add(&deck, "dt = 1.0; limits = { unstable_step = true; }; " LAW
                   "disk_rows = ( { columns = (\"x\"); y = 0; radius = 0.1; mass = 1; rows = (");
@@ -380,7 +396,8 @@ static void error_bars_cover(void **unused) {
     s->measured = (SD_MEAN_BINS - 1) * 64;
     s->mean_bin_steps = 1; /* Omega in bins */
     s->mean_bins = SD_MEAN_BINS - 1;
-    double one = 0, two = 0, beyond = 0, reliable = 0, error = 0, chi = 0, good_one = 0, good_two = 0;
+    double one = 0, two = 0, beyond = 0, reliable = 0, error = 0, chi = 0, good_one = 0,
+           good_two = 0;
     sd_disk_mean *d = calloc(DISKS, sizeof *d);
     assert_non_null(d);
     for (size_t i = 0; i < DISKS; i++) {
@@ -394,11 +411,11 @@ static void error_bars_cover(void **unused) {
     }
     double n = SD_MEAN_BINS - 1, tau = cases[c].tau;
     double expected = sqrt(2 * tau * (n - tau * (1 - exp(-n / tau)))) / n;
-    print_message(
-        "  tau %.2f bins: error/true %.3f, within one %.3f, two %.3f, beyond three %.4f, chi^2 %.2f, "
-        "reliable %.2f, of them within one %.3f, two %.3f\n",
-        tau, error / DISKS / expected, one / DISKS, two / DISKS, beyond / DISKS, chi / DISKS,
-        reliable / DISKS, good_one / reliable, good_two / reliable);
+    print_message("  tau %.2f bins: error/true %.3f, within one %.3f, two %.3f, beyond three %.4f, "
+                  "chi^2 %.2f, "
+                  "reliable %.2f, of them within one %.3f, two %.3f\n",
+                  tau, error / DISKS / expected, one / DISKS, two / DISKS, beyond / DISKS,
+                  chi / DISKS, reliable / DISKS, good_one / reliable, good_two / reliable);
     /* bars of records that are too short hold their drift: rather too large */
     between(one / DISKS, 0.683 - cases[c].one, 0.8, "coverage of one error");
     between(two / DISKS, 0.954 - cases[c].two, 1, "coverage of two errors");

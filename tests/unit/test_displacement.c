@@ -39,7 +39,8 @@ static void assert_first(const sd_state *s, const char *words) {
 static sd_simulation *start_threads(sd_model *m, int threads) {
   sd_simulation *first = system_start(m), *s = NULL;
   sd_simulation_free(first);
-  assert_int_equal(simulation_new(m, threads, threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL,
+  assert_int_equal(simulation_new(m, threads,
+                                  threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL,
                                   NULL, &s, NULL),
                    SD_OK);
   return s;
@@ -84,10 +85,12 @@ static void at_the_start(void **unused) {
 enum { MEMBERS = 5, STEPS = 2000 };
 
 static sd_model *three_disks(const char *integrator, const char *limit) {
-  const char *overrides[] = {integrator, limit, "motions[*].amplitude=1e-14", "phases.settle.steps=1000"};
+  const char *overrides[] = {integrator, limit, "motions[*].amplitude=1e-14",
+                             "phases.settle.steps=1000"};
   sd_model *m = NULL;
   sd_messages *messages = sd_messages_new();
-  if (sd_deck_load(SLIPDISK_SOURCE_DIR "/inputs/three_disk/random.cfg", 4, overrides, &m, messages) != SD_OK)
+  if (sd_deck_load(SLIPDISK_SOURCE_DIR "/inputs/three_disk/random.cfg", 4, overrides, &m,
+                   messages) != SD_OK)
     sd_messages_print(messages, stderr);
   sd_messages_free(messages);
   assert_non_null(m);
@@ -97,9 +100,9 @@ static sd_model *three_disks(const char *integrator, const char *limit) {
 /* Limits that are crossed sooner, later, and never; beside each other. */
 static void forms_of_the_step(void **unused) {
   (void)unused;
-  static const char *const limits[MEMBERS] = {"limits.displacement=1e-10", "limits.displacement=3e-9",
-                                              "limits.displacement=0", "limits.displacement=6e-9",
-                                              "limits.displacement=0.1"};
+  static const char *const limits[MEMBERS] = {
+      "limits.displacement=1e-10", "limits.displacement=3e-9", "limits.displacement=0",
+      "limits.displacement=6e-9", "limits.displacement=0.1"};
   static const char *const integrators[] = {"integrator=gear5", "integrator=verlet"};
   for (int k = 0; k < 2; k++) {
     sd_model *model[MEMBERS];
@@ -118,9 +121,11 @@ static void forms_of_the_step(void **unused) {
     ensemble_free(e);
     for (size_t i = 0; i < MEMBERS; i++) {
       const sd_state *wide = sd_simulation_state(together[i]);
-      for (int threads = 1; threads <= (i == 1 ? 2 : 1); threads++) { /* 1: in a lane, 2: the general step */
+      for (int threads = 1; threads <= (i == 1 ? 2 : 1);
+           threads++) { /* 1: in a lane, 2: the general step */
         sd_simulation *alone;
-        assert_int_equal(simulation_new(model[i], 1, threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE,
+        assert_int_equal(simulation_new(model[i], 1,
+                                        threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE,
                                         NULL, NULL, &alone, NULL),
                          SD_OK);
         system_advance(alone, STEPS);
@@ -140,7 +145,8 @@ static void forms_of_the_step(void **unused) {
 
 /* --- the summary ------------------------------------------------------------------------------------------- */
 
-static size_t doubts_of(const sd_model *m, const sd_state *state, sd_energy energy, summary *found) {
+static size_t doubts_of(const sd_model *m, const sd_state *state, sd_energy energy,
+                        summary *found) {
   summary_collect(found, m, state, NULL, &energy, 1);
   return summary_doubts(found);
 }
@@ -185,14 +191,16 @@ static void limits_of_the_residual(void **unused) {
   static const struct {
     double limit, residual;
     size_t doubts;
-  } cases[] = {{0.01, 0.0199, 0}, {0.01, 0.0201, 1}, {0.01, -0.0201, 1}, {0, 1e9, 0}, {1e-4, 2.1e-4, 1}};
+  } cases[] = {
+      {0.01, 0.0199, 0}, {0.01, 0.0201, 1}, {0.01, -0.0201, 1}, {0, 1e9, 0}, {1e-4, 2.1e-4, 1}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
     summary found;
     m->limits.residual = cases[k].limit;
     energy.residual = cases[k].residual;
     assert_int_equal(doubts_of(m, state, energy, &found), cases[k].doubts);
     if (cases[k].doubts)
-      SYSTEM_NEAR(found.doubts[DOUBT_RESIDUAL].value, fabs(cases[k].residual) / 2, 1e-15, "case %zu", k);
+      SYSTEM_NEAR(found.doubts[DOUBT_RESIDUAL].value, fabs(cases[k].residual) / 2, 1e-15,
+                  "case %zu", k);
     summary_free(&found);
   }
   system_end(s);

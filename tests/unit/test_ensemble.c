@@ -88,7 +88,8 @@ static size_t same(const variety *v, size_t n, const int64_t *pieces) {
     assert_int_equal(alone.status[k], together.status[k]);
     assert_int_equal(sd_messages_count(alone.messages[k]), sd_messages_count(together.messages[k]));
     for (size_t m = 0; m < sd_messages_count(alone.messages[k]); m++)
-      assert_string_equal(sd_messages_text(alone.messages[k], m), sd_messages_text(together.messages[k], m));
+      assert_string_equal(sd_messages_text(alone.messages[k], m),
+                          sd_messages_text(together.messages[k], m));
     const sd_field *f = sd_state_difference(sd_simulation_state(alone.simulation[k]),
                                             sd_simulation_state(together.simulation[k]));
     if (f) fail_msg("%s, member %zu of %zu: %s differs", v->deck, k, n, f->name);
@@ -101,10 +102,12 @@ static size_t same(const variety *v, size_t n, const int64_t *pieces) {
 
 static const int64_t one_piece[] = {3000, 0}, odd_pieces[] = {1, 2, 63, 64, 65, 700, 1, 1, 2103, 0};
 
-#define NUMBERS                                                                                              \
-  .key = {"gravity.tilt", "materials[0].mu", "materials[0].k_n", "seed"},                                    \
-  .value = {                                                                                                 \
-      {"0", "0.1", "-0.2", "0.3"}, {"0.1", "0", "0.5"}, {"1e3", "2e4"}, {"1", "2", "3", "4", "5", "6", "7"}}
+#define NUMBERS                                                                                    \
+  .key = {"gravity.tilt", "materials[0].mu", "materials[0].k_n", "seed"},                          \
+  .value = {{"0", "0.1", "-0.2", "0.3"},                                                           \
+            {"0.1", "0", "0.5"},                                                                   \
+            {"1e3", "2e4"},                                                                        \
+            {"1", "2", "3", "4", "5", "6", "7"}}
 
 static void numbers_differ(void **unused) {
   (void)unused;
@@ -117,7 +120,9 @@ static void numbers_differ(void **unused) {
        .common = {"phases[0].steps=1500", "motions[*].interval=10", "integrator=verlet"},
        NUMBERS},
       {.deck = "three_disk/sync.cfg", .common = {"phases[0].steps=1500"}, NUMBERS},
-      {.deck = "three_disk/async.cfg", .common = {"phases[0].steps=100", "integrator=verlet"}, NUMBERS},
+      {.deck = "three_disk/async.cfg",
+       .common = {"phases[0].steps=100", "integrator=verlet"},
+       NUMBERS},
       {.deck = "three_disk/steady.cfg", .common = {"phases[0].steps=1500"}, NUMBERS},
       {.deck = "three_disk/frozen.cfg", .common = {"phases[0].steps=1500"}, NUMBERS},
   };
@@ -139,7 +144,8 @@ static void rough(void **unused) {
        .key = {"motions[*].amplitude", "seed"},
        .value = {{"2e-2", "1e-3", "1e-2"}, {"1", "2", "3", "4", "5"}}},
       {.deck = "three_disk/random.cfg",
-       .common = {"dt=1e-5", "phases[0].steps=1234", "contact_variant=conservative", "integrator=verlet"},
+       .common = {"dt=1e-5", "phases[0].steps=1234", "contact_variant=conservative",
+                  "integrator=verlet"},
        .key = {"motions[*].amplitude", "seed"},
        .value = {{"2e-2", "1e-3", "1e-2"}, {"1", "2", "3", "4", "5"}}},
       {.deck = "three_disk/steady.cfg",
@@ -168,10 +174,11 @@ static void rough(void **unused) {
 /* One overlaps too deeply, at once or later: it keeps its last state, and the others do not notice. */
 static void one_fails(void **unused) {
   (void)unused;
-  static const variety v = {.deck = "three_disk/random.cfg",
-                            .common = {"dt=2e-5", "phases[0].steps=1234", "measure.configurations=true"},
-                            .key = {"max_overlap", "motions[*].amplitude"},
-                            .value = {{"0.3", "0.3", "3e-4", "0.3", "6e-4"}, {"1e-3"}}};
+  static const variety v = {
+      .deck = "three_disk/random.cfg",
+      .common = {"dt=2e-5", "phases[0].steps=1234", "measure.configurations=true"},
+      .key = {"max_overlap", "motions[*].amplitude"},
+      .value = {{"0.3", "0.3", "3e-4", "0.3", "6e-4"}, {"1e-3"}}};
   crowd c = gather(&v, 5);
   size_t wrong = 0;
   for (size_t k = 0; k < 5; k++)
@@ -185,8 +192,9 @@ static void one_fails(void **unused) {
 /* Members that do not fit together, or fall behind, go on by themselves. */
 static void not_alike(void **unused) {
   (void)unused;
-  static const variety lengths = {
-      .deck = "three_disk/sync.cfg", .key = {"phases[0].steps"}, .value = {{"500", "500", "700", "500"}}};
+  static const variety lengths = {.deck = "three_disk/sync.cfg",
+                                  .key = {"phases[0].steps"},
+                                  .value = {{"500", "500", "700", "500"}}};
   assert_int_equal(same(&lengths, 4, one_piece), ensemble_width() < 3 ? ensemble_width() : 3);
   static const variety kinds = {.deck = "three_disk/sync.cfg",
                                 .common = {"phases[0].steps=500"},

@@ -81,7 +81,8 @@ static void hard_cases(void **unused) {
                {{1, HUGE_VAL}, HUGE_VAL},
                {{-HUGE_VAL, most, -HUGE_VAL}, -HUGE_VAL},
                {{HUGE_VAL, -HUGE_VAL}, NAN}};
-  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) same(sum_of(cases[k].x, 5), cases[k].sum);
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+    same(sum_of(cases[k].x, 5), cases[k].sum);
 }
 
 static void one_number_is_itself(void **unused) {

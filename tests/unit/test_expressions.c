@@ -15,8 +15,8 @@
 #include "brief.h"
 #include "slipdisk/deck.h"
 
-#define REST                                                                                                 \
-  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );\n"                                    \
+#define REST                                                                                       \
+  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );\n"                          \
   "disks = ( { name = \"a\"; x = 0; y = 0; theta = 0; radius = 1; mass = 2; } );\n"
 
 static sd_messages *messages;
@@ -38,8 +38,8 @@ static sd_model *with(const char *more, const char *setting) {
   return load(text, 1, &setting);
 }
 
-static const char constants[] =
-    "constants = { R = 0.02; long_name2 = \"R / 10\"; g = 9.81; A = \"0.7 * g\"; a = \"30 deg\"; };";
+static const char constants[] = "constants = { R = 0.02; long_name2 = \"R / 10\"; g = 9.81; A = "
+                                "\"0.7 * g\"; a = \"30 deg\"; };";
 
 static void expect_setting(const char *path, const char *text, int coordinate, double x) {
   char setting[256];
@@ -54,7 +54,9 @@ static void expect_setting(const char *path, const char *text, int coordinate, d
 }
 
 static void expect(const char *text, double x) { expect_setting("disks.a.x", text, 0, x); }
-static void expect_angle(const char *text, double x) { expect_setting("disks.a.theta", text, 2, x); }
+static void expect_angle(const char *text, double x) {
+  expect_setting("disks.a.theta", text, 2, x);
+}
 
 static void test_values(void **state) {
   (void)state;
@@ -115,8 +117,8 @@ static void test_integers(void **state) {
   assert_int_equal(m->seed, 3);
   sd_model_free(m);
   assert_null(with("", "steps=\"7 / 2\""));
-  assert_non_null(
-      strstr(sd_messages_text(messages, 0), "it is 3.5; expected a whole number >= 1, such as round(...)"));
+  assert_non_null(strstr(sd_messages_text(messages, 0),
+                         "it is 3.5; expected a whole number >= 1, such as round(...)"));
 }
 
 /* --- mistakes ------------------------------------------------------------------------------------------------ */
@@ -189,7 +191,8 @@ static const char deck[] =
     "dt = \"R / 1000\"; steps = \"10 * 10\"; gravity = { g = \"A\"; tilt = \"1/3 pi\"; };\n"
     "materials = ( { name = \"m\"; k_n = \"1e4 / 3\"; } );\n"
     "disks = ( { name = \"a\"; x = \"sqrt(3) * R\"; y = 0; radius = \"R\"; mass = 2; } );\n"
-    "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); rows = ( (\"10 * R\", 1, \"R/3\") ); mass = 1; } "
+    "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); rows = ( (\"10 * R\", 1, \"R/3\") ); "
+    "mass = 1; } "
     ");\n";
 
 static void same_models(const sd_model *a, const sd_model *b) {
@@ -229,8 +232,8 @@ static void test_echo(void **state) {
 
 static void test_command_line(void **state) {
   (void)state;
-  static const char *const ways[] = {"gravity.tilt=3deg", "gravity.tilt=3 deg", "gravity.tilt=\"3 deg\"",
-                                     "gravity.tilt=9/3 deg"};
+  static const char *const ways[] = {"gravity.tilt=3deg", "gravity.tilt=3 deg",
+                                     "gravity.tilt=\"3 deg\"", "gravity.tilt=9/3 deg"};
   for (size_t k = 0; k < sizeof ways / sizeof *ways; k++) {
     sd_model *m = load(deck, 1, &ways[k]);
     if (!m) sd_messages_print(messages, stderr);
@@ -271,7 +274,8 @@ static void test_sweep(void **state) {
   for (size_t k = 0; k < s.n_points; k++) {
     sd_model *m;
     assert_int_equal(deck_sweep_model(&s, k, &m, messages), SD_OK);
-    assert_true(m->disks[0].radius == (k < 3 ? 0.01 : 0.1 / 5) / 2); /* of the constant of this point */
+    assert_true(m->disks[0].radius ==
+                (k < 3 ? 0.01 : 0.1 / 5) / 2); /* of the constant of this point */
     sd_model_free(m);
   }
   deck_sweep_free(&s);
@@ -323,10 +327,14 @@ static int end(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test_teardown(test_values, end),       cmocka_unit_test_teardown(test_angles, end),
-      cmocka_unit_test_teardown(test_integers, end),     cmocka_unit_test_teardown(test_mistakes, end),
-      cmocka_unit_test_teardown(test_constants, end),    cmocka_unit_test_teardown(test_echo, end),
-      cmocka_unit_test_teardown(test_command_line, end), cmocka_unit_test_teardown(test_sweep, end),
+      cmocka_unit_test_teardown(test_values, end),
+      cmocka_unit_test_teardown(test_angles, end),
+      cmocka_unit_test_teardown(test_integers, end),
+      cmocka_unit_test_teardown(test_mistakes, end),
+      cmocka_unit_test_teardown(test_constants, end),
+      cmocka_unit_test_teardown(test_echo, end),
+      cmocka_unit_test_teardown(test_command_line, end),
+      cmocka_unit_test_teardown(test_sweep, end),
       cmocka_unit_test_teardown(test_hostile, end),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -46,10 +46,11 @@ static void put_table(size_t n) {
   check(h5_save(file, -1, table, NULL, messages), messages);
 }
 
-#define FILES                                                                                                \
-  HEAD "box = { x = (0, 150); periodic = \"x\"; };\n"                                                        \
-       "disks = ( { name = \"peg\"; x = 9; y = 200; radius = 1; mass = 1; } );\n"                            \
-       "disk_files = ( { file = \"table.h5\"; dataset = \"/disks\"; columns = (\"x\", \"y\", \"radius\", "   \
+#define FILES                                                                                      \
+  HEAD "box = { x = (0, 150); periodic = \"x\"; };\n"                                              \
+       "disks = ( { name = \"peg\"; x = 9; y = 200; radius = 1; mass = 1; } );\n"                  \
+       "disk_files = ( { file = \"table.h5\"; dataset = \"/disks\"; columns = (\"x\", \"y\", "     \
+       "\"radius\", "                                                                              \
        "\"mass\"); omega = 2; group = \"grains\"; } );\n"
 
 static void test_files_of_ranks(void **state) {
@@ -86,10 +87,10 @@ static void test_files_of_ranks(void **state) {
  * them. */
 static void test_files_that_stay(void **state) {
   (void)state;
-  static const char *const more[] = {
-      "locks = ( { disk = 20000; coordinates = \"x\"; } );",
-      "forces = ( { group = \"grains\"; force = (1, 0); } );",
-      "packings = ( { type = \"square\"; count = 1; x = (0, 9); y = (300, 310); radius = 1; mass = 1; } );"};
+  static const char *const more[] = {"locks = ( { disk = 20000; coordinates = \"x\"; } );",
+                                     "forces = ( { group = \"grains\"; force = (1, 0); } );",
+                                     "packings = ( { type = \"square\"; count = 1; x = (0, 9); y = "
+                                     "(300, 310); radius = 1; mass = 1; } );"};
   fill();
   put_table(ROWS);
   for (size_t k = 0; k < sizeof more / sizeof *more; k++) {
@@ -106,8 +107,8 @@ static void test_files_that_stay(void **state) {
   reading r = read_deck(means, 2, 0, NULL);
   assert_true(r.model[0] && r.model[0]->tiles.away);
   end_reading(&r);
-  snprintf(fixed, sizeof fixed, "%.*s fixed = true; %s", (int)(strstr(FILES, "omega") - FILES), FILES,
-           strstr(FILES, "group"));
+  snprintf(fixed, sizeof fixed, "%.*s fixed = true; %s", (int)(strstr(FILES, "omega") - FILES),
+           FILES, strstr(FILES, "group"));
   r = read_deck(fixed, 2, 0, NULL);
   assert_true(r.model[1] && !r.model[1]->tiles.away && model_held(r.model[1]) == 1 + ROWS);
   end_reading(&r);
@@ -120,10 +121,11 @@ static void test_mistakes_in_files(void **state) {
   static const struct {
     double *column, value;
     const char *says;
-  } rows[] = {{mass, 1e-7, "dt = 0.001"},
-              {mass, -1, "table.h5: row 20010: mass: -1: expected a number > 0"},
-              {x, 151, "row 20010: disk 20011: x = 151 lies outside the periodic box from 0 to 150"},
-              {x, NAN, "row 20010: x = nan: expected a number"}};
+  } rows[] = {
+      {mass, 1e-7, "dt = 0.001"},
+      {mass, -1, "table.h5: row 20010: mass: -1: expected a number > 0"},
+      {x, 151, "row 20010: disk 20011: x = 151 lies outside the periodic box from 0 to 150"},
+      {x, NAN, "row 20010: x = nan: expected a number"}};
   for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
     fill();
     rows[k].column[ROWS - 1] = rows[k].value;
@@ -140,7 +142,8 @@ static void test_mistakes_in_files(void **state) {
   put_table(ROWS);
   char text[4096];
   snprintf(text, sizeof text,
-           "%swalls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); } );", FILES);
+           "%swalls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); } );",
+           FILES);
   reading r = read_deck(text, 2, 0, NULL);
   assert_null(r.model[0]);
   assert_true(any_says(&r, "row 20010: disk 20011 sits "));
@@ -156,22 +159,24 @@ static void test_mistakes_in_files(void **state) {
 
 /* Materials and groups of a result that lie in turn, in another order in its state; keys that
  * change nothing, and mistakes. */
-#define TWO                                                                                                  \
-  "dt = 1e-3; steps = 10; gravity = { g = 10; }; materials = ( { name = \"m\"; k_n = 10; }, { name = "       \
-  "\"n\"; k_n = 9; } );\n"                                                                                   \
-  "material_pairs = ( { materials = (\"m\", \"n\"); k_n = 9; } ); box = { x = (0, 150); periodic = \"x\"; "  \
+#define TWO                                                                                        \
+  "dt = 1e-3; steps = 10; gravity = { g = 10; }; materials = ( { name = \"m\"; k_n = 10; }, { "    \
+  "name = "                                                                                        \
+  "\"n\"; k_n = 9; } );\n"                                                                         \
+  "material_pairs = ( { materials = (\"m\", \"n\"); k_n = 9; } ); box = { x = (0, 150); periodic " \
+  "= \"x\"; "                                                                                      \
   "};\n"
 #define SOURCE(more) TWO "disk_files = ( { file = \"table.h5\"; " more " } );\n"
 
 static void test_results_of_ranks(void **state) {
   (void)state;
   sd_simulation *run;
-  sd_model *m = alone(
-      TWO
-      "packings = ( { type = \"square\"; count = 15000; x = (0, 150); y = (100, 201); radius = 0.5; density "
-      "= 1; "
-      "group = \"high\"; material = \"n\"; }, { type = \"square\"; count = 9000; x = (0, 150); y = (0, 61); "
-      "radius = 0.4; density = 1; group = \"low\"; material = \"m\"; } );");
+  sd_model *m = alone(TWO "packings = ( { type = \"square\"; count = 15000; x = (0, 150); y = "
+                          "(100, 201); radius = 0.5; density "
+                          "= 1; "
+                          "group = \"high\"; material = \"n\"; }, { type = \"square\"; count = "
+                          "9000; x = (0, 150); y = (0, 61); "
+                          "radius = 0.4; density = 1; group = \"low\"; material = \"m\"; } );");
   check(sd_simulation_new(m, 1, &run, messages), messages);
   check(sd_simulation_save(run, table, messages), messages);
   sd_simulation_free(run);
@@ -196,9 +201,12 @@ static void test_results_of_ranks(void **state) {
   reading r = read_deck(SOURCE(""), 2, 2, overrides);
   assert_true(r.model[1]->tiles.away && r.model[1]->dt == 2e-3);
   end_reading(&r);
-  static const char *const wrong[] = {
-      "format = 1;",         "contacts = 1;", "format = \"csv\";", "colour = 1;", "columns = (\"x\", \"z\");",
-      "dataset = \"/none\";"};
+  static const char *const wrong[] = {"format = 1;",
+                                      "contacts = 1;",
+                                      "format = \"csv\";",
+                                      "colour = 1;",
+                                      "columns = (\"x\", \"z\");",
+                                      "dataset = \"/none\";"};
   for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
     char text[2048];
     snprintf(text, sizeof text, SOURCE("%s"), wrong[k]);
@@ -219,10 +227,12 @@ static void test_results_of_ranks(void **state) {
 
 /* A result whose contacts come along: what ranks read of them, part by part, and make of it is what
  * one process has. */
-#define TOUCHING(more)                                                                                       \
-  "dt = 1e-3; steps = 4; gravity = { g = 1; }; materials = ( { name = \"m\"; k_n = 100; k_t = 50; gamma_n "  \
-  "= 1; mu = 0.3; cohesion = \"constant\"; pull_off = 0.1; range = 0.01; } ); box = { x = (0, 150); "        \
-  "periodic = \"x\"; };\n"                                                                                   \
+#define TOUCHING(more)                                                                             \
+  "dt = 1e-3; steps = 4; gravity = { g = 1; }; materials = ( { name = \"m\"; k_n = 100; k_t = "    \
+  "50; gamma_n "                                                                                   \
+  "= 1; mu = 0.3; cohesion = \"constant\"; pull_off = 0.1; range = 0.01; } ); box = { x = (0, "    \
+  "150); "                                                                                         \
+  "periodic = \"x\"; };\n"                                                                         \
   "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); } );\n" more
 
 static void save_touching(const char *to, const char *disks) {
@@ -255,7 +265,8 @@ static void check_contacts(const reading *r, const sd_model *all) {
       sd_contact_memory c = m->mine->contacts[k];
       const sd_tile_wall *wall = c.b < t->count ? NULL : &t->walls[c.b - t->count];
       assert_true(deck_contact_is_kept(&c, wall));
-      deck_carry_contact(&c, turned[c.a], wall ? (deck_turned){0} : turned[c.b], wall, t->forces_carried);
+      deck_carry_contact(&c, turned[c.a], wall ? (deck_turned){0} : turned[c.b], wall,
+                         t->forces_carried);
       c.a += 1;
       c.b = wall ? (uint32_t)m->n_disks + wall->wall : c.b + 1;
       assert_memory_equal(&c, &all->memories[n++], sizeof c);
@@ -270,9 +281,9 @@ static void test_contacts_of_ranks(void **state) {
   char one[sizeof table];
   snprintf(one, sizeof one, "%s/one.h5", folder_name);
   save_touching(one, "disks = ( { x = 75; y = 200; radius = 1; mass = 1; } );");
-  save_touching(
-      table, "packings = ( { type = \"square\"; count = 22500; x = (0, 150); y = (0, 160); spacing = 0.9998; "
-             "radius = 0.4999; mass = 1; group = \"grains\"; } );");
+  save_touching(table, "packings = ( { type = \"square\"; count = 22500; x = (0, 150); y = (0, "
+                       "160); spacing = 0.9998; "
+                       "radius = 0.4999; mass = 1; group = \"grains\"; } );");
   const char *text = TOUCHING("disks = ( { x = 75; y = 200; radius = 1; mass = 1; } );\n"
                               "disk_files = ( { file = \"table.h5\"; contacts = true; } );");
   sd_model *all = alone(text);
@@ -303,9 +314,10 @@ static void test_contacts_of_ranks(void **state) {
   end_reading(&r);
   sd_model_free(all);
   /* contacts of two files: all are read */
-  r = read_deck(TOUCHING("disk_files = ( { file = \"one.h5\"; contacts = true; }, { file = \"table.h5\"; "
-                         "contacts = true; } );"),
-                2, 0, NULL);
+  r = read_deck(
+      TOUCHING("disk_files = ( { file = \"one.h5\"; contacts = true; }, { file = \"table.h5\"; "
+               "contacts = true; } );"),
+      2, 0, NULL);
   assert_true(r.model[1] && !r.model[1]->tiles.away && r.model[1]->n_memories > 40000 &&
               r.model[1]->tiles.n_contacts == 0);
   end_reading(&r);

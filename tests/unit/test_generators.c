@@ -86,7 +86,8 @@ static void check_distribution(const char *name, const sizes *s) {
   for (size_t k = 0; k < DRAWS; k += 20)
     distance = fmax(distance, fabs(integral(s, 0, radius[k]) / all - (k + 0.5) / DRAWS));
   if (distance * sqrt(DRAWS) > 1.95) {
-    print_error("%s: cumulative distributions differ by %g/sqrt(n)\n", name, distance * sqrt(DRAWS));
+    print_error("%s: cumulative distributions differ by %g/sqrt(n)\n", name,
+                distance * sqrt(DRAWS));
     fail();
   }
   /* the quantiles are those of the distribution, digit by digit, also near the ends */
@@ -101,18 +102,22 @@ static void test_sizes(void **state) {
   check_distribution("uniform", &(sizes){.kind = SD_SIZES_UNIFORM, .lower = 1, .upper = 3});
   check_distribution(
       "gaussian",
-      &(sizes){.kind = SD_SIZES_GAUSSIAN, .radius = 2, .deviation = 0.5, .lower = 0.5, .upper = 3.5});
+      &(sizes){
+          .kind = SD_SIZES_GAUSSIAN, .radius = 2, .deviation = 0.5, .lower = 0.5, .upper = 3.5});
   check_distribution(
       "gaussian cut on one side",
-      &(sizes){.kind = SD_SIZES_GAUSSIAN, .radius = 2, .deviation = 0.5, .lower = 3.2, .upper = 4.5});
-  check_distribution(
-      "lognormal",
       &(sizes){
-          .kind = SD_SIZES_LOGNORMAL, .radius = 1, .deviation = 0.4, .lower = exp(-1.2), .upper = exp(1.2)});
+          .kind = SD_SIZES_GAUSSIAN, .radius = 2, .deviation = 0.5, .lower = 3.2, .upper = 4.5});
+  check_distribution("lognormal", &(sizes){.kind = SD_SIZES_LOGNORMAL,
+                                           .radius = 1,
+                                           .deviation = 0.4,
+                                           .lower = exp(-1.2),
+                                           .upper = exp(1.2)});
   static const double exponents[] = {-2, 0, 1 - 1e-9, 1, 1.001, 2.5, 4};
   for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k++)
     check_distribution(
-        "powerlaw", &(sizes){.kind = SD_SIZES_POWERLAW, .exponent = exponents[k], .lower = 0.5, .upper = 4});
+        "powerlaw",
+        &(sizes){.kind = SD_SIZES_POWERLAW, .exponent = exponents[k], .lower = 0.5, .upper = 4});
 }
 
 /* Symmetric cuts keep the mean, and a steep power stays finite. */
@@ -135,7 +140,8 @@ static void test_size_limits(void **state) {
 static void test_list(void **state) {
   (void)state;
   const double radii[] = {1, 2, 3, 4}, weights[] = {1, 0, 2, 3};
-  sizes s = {.kind = SD_SIZES_LIST, .n = 4, .radii = radii, .weights = weights, .lower = 1, .upper = 4};
+  sizes s = {
+      .kind = SD_SIZES_LIST, .n = 4, .radii = radii, .weights = weights, .lower = 1, .upper = 4};
   for (size_t n = 1; n < 40; n++) {
     double radius[40];
     size_t count[5] = {0};
@@ -155,7 +161,8 @@ static void test_list_is_shuffled(void **state) {
   enum { N = 10000, HALF = N / 2 };
   static double radius[N];
   const double radii[] = {1, 2}, weights[] = {1, 1};
-  sizes s = {.kind = SD_SIZES_LIST, .n = 2, .radii = radii, .weights = weights, .lower = 1, .upper = 2};
+  sizes s = {
+      .kind = SD_SIZES_LIST, .n = 2, .radii = radii, .weights = weights, .lower = 1, .upper = 2};
   gsl_rng *rng = sizes_random(1, 0);
   sizes_draw(&s, rng, N, radius);
   gsl_rng_free(rng);
@@ -173,7 +180,8 @@ static void test_seeds(void **state) {
     gsl_rng_free(rng);
   }
   for (int a = 0; a < 3; a++)
-    for (int b = 0; b < a; b++) assert_true(first[a][0] != first[b][0] && first[a][1] != first[b][1]);
+    for (int b = 0; b < a; b++)
+      assert_true(first[a][0] != first[b][0] && first[a][1] != first[b][1]);
 }
 
 /* --- geometry ------------------------------------------------------------------------------------------ */
@@ -205,14 +213,15 @@ static void check_clear(const sd_model *m, const double *lower, const double *up
     for (size_t j = 0; j < i; j++) {
       double least = (radius[i] + radius[j]) * (1 - 1e-9), r = apart(m, position[i], position[j]);
       if (r >= least) continue;
-      print_error("disks %zu and %zu are %g apart, radii %g and %g\n", i, j, r, radius[i], radius[j]);
+      print_error("disks %zu and %zu are %g apart, radii %g and %g\n", i, j, r, radius[i],
+                  radius[j]);
       fail();
     }
   }
 }
 
-static size_t lattice(const sd_model *m, sd_packing_kind kind, double width, double height, double spacing,
-                      double jitter, double (*position)[2], size_t most) {
+static size_t lattice(const sd_model *m, sd_packing_kind kind, double width, double height,
+                      double spacing, double jitter, double (*position)[2], size_t most) {
   const double lower[2] = {0, 0}, upper[2] = {width, height};
   place_interior inside = {0};
   place_space s;
@@ -340,7 +349,8 @@ static void test_random_ends(void **state) {
 }
 
 /* Bodies that disk k touches: disks, and edges of the region. */
-static int touching(const sd_model *m, const double *lower, const double *upper, size_t n, size_t k) {
+static int touching(const sd_model *m, const double *lower, const double *upper, size_t n,
+                    size_t k) {
   int count = 0;
   double slack = 1e-7 * radius[k];
   for (size_t j = 0; j < n; j++)
@@ -391,7 +401,8 @@ static void test_front_of_equal_disks(void **state) {
   place_interior inside = {0};
   sd_model m = model_of(0, 0);
   sizes s = {.kind = SD_SIZES_MONO, .radius = 0.5, .lower = 0.5, .upper = 0.5};
-  assert_int_equal(generate(&m, &inside, lower, upper, true, 200, &s), 120); /* the 12th row ends at 10.53 */
+  assert_int_equal(generate(&m, &inside, lower, upper, true, 200, &s),
+                   120); /* the 12th row ends at 10.53 */
   for (size_t k = 0; k < 120; k++) {
     double row = (position[k][1] - 0.5) / sqrt(0.75);
     near_to(row, rint(row), 1e-9, "row of the lattice");
@@ -442,7 +453,8 @@ static void test_interiors(void **state) {
   near_to(place_half_width(&drum, 5), 4, 1e-12, "half a chord");
   assert_true(place_half_width(&drum, 7.1) < 0);
   /* 2 at the outlet, 8 from y = 3 on */
-  place_interior hopper = {.kind = SD_CONTAINER_HOPPER, .x = 0, .y = 0, .bottom = 1, .top = 4, .rise = 3};
+  place_interior hopper = {
+      .kind = SD_CONTAINER_HOPPER, .x = 0, .y = 0, .bottom = 1, .top = 4, .rise = 3};
   const double lower[2] = {-4, 0}, upper[2] = {4, 10};
   near_to(place_area(&hopper, lower, upper), 5 * 3 + 8 * 7, 1e-6, "area of a hopper");
   near_to(place_half_width(&hopper, 1.5), 2.5, 1e-12, "half the width of a hopper");
@@ -477,7 +489,8 @@ static void test_waiting(void **state) {
   place_waiting(-3, 3, 10, 1.05, 0, 100, p);
   for (size_t i = 0; i < 100; i++) {
     assert_true(p[i][0] >= -3 + 0.525 && p[i][0] <= 3 - 0.525 && p[i][1] >= 10);
-    for (size_t j = 0; j < i; j++) assert_true(hypot(p[i][0] - p[j][0], p[i][1] - p[j][1]) > 1.04999);
+    for (size_t j = 0; j < i; j++)
+      assert_true(hypot(p[i][0] - p[j][0], p[i][1] - p[j][1]) > 1.04999);
   }
   near_to(p[99][1], 10 + 19 * 1.05, 1e-9, "the last row"); /* 5 in a row */
 }
@@ -485,8 +498,8 @@ static void test_waiting(void **state) {
 /* Tiles know nothing of each other, but of what was there; together they are clear, and each is the same whoever makes it. */
 static void test_tiles(void **state) {
   (void)state;
-  static const sd_packing_kind kinds[] = {SD_PACKING_SQUARE, SD_PACKING_TRIANGULAR, SD_PACKING_RANDOM,
-                                          SD_PACKING_FRONT};
+  static const sd_packing_kind kinds[] = {SD_PACKING_SQUARE, SD_PACKING_TRIANGULAR,
+                                          SD_PACKING_RANDOM, SD_PACKING_FRONT};
   enum { MOST = 400, TILES = 7 };
   sd_disk there = {.position = {0.5, 10, 0}, .radius = 3}; /* also at the other end of the box */
   for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
@@ -511,7 +524,8 @@ static void test_tiles(void **state) {
     sd_disk disks[MOST], again[MOST];
     size_t placed;
     for (size_t t = TILES; t-- > 0;) {
-      const size_t first = model_tile_begin(&m.tiles, t), n = model_tile_begin(&m.tiles, t + 1) - first;
+      const size_t first = model_tile_begin(&m.tiles, t),
+                   n = model_tile_begin(&m.tiles, t + 1) - first;
       assert_int_equal(n, MOST / TILES + (t < MOST % TILES));
       assert_int_equal(tiles_make(&m, t, disks, &placed), SD_OK);
       assert_int_equal(placed, n);

@@ -26,8 +26,8 @@ static const char *const path_names[PATHS] = {"baseline", "avx2", "avx512"};
 /* --- Philox ------------------------------------------------------------------------------------------ */
 
 /* One draw from Random123's own generator: counter = (block low, block high, stream, purpose), key = seed. */
-static void reference_draw(uint64_t seed, uint32_t stream, uint32_t purpose, uint64_t index, double *a,
-                           double *b) {
+static void reference_draw(uint64_t seed, uint32_t stream, uint32_t purpose, uint64_t index,
+                           double *a, double *b) {
   uint64_t block = index / 2, word[DRAW_BLOCKS][4];
   philox4x32_ctr_t counter = {{(uint32_t)block, (uint32_t)(block >> 32), stream, purpose}};
   philox4x32_key_t key = {{(uint32_t)seed, (uint32_t)(seed >> 32)}};
@@ -79,7 +79,8 @@ static double pair_error(uint32_t w, uint32_t place, double *radius) {
   const long double half = acosl(-1.0L) / 2;
   long double r = sqrtl(-2 * logl(((long double)w + 0.5L) * 0x1p-32L));
   long double angle = half * ((long double)(place >> 1 & 0x3fffffffu) + 0.5L) * 0x1p-30L;
-  long double x = r * cosl(angle) * (place & 1 ? -1 : 1), y = r * sinl(angle) * (place >> 31 ? -1 : 1);
+  long double x = r * cosl(angle) * (place & 1 ? -1 : 1),
+              y = r * sinl(angle) * (place >> 31 ? -1 : 1);
   long double measured = sqrtl((long double)a[0] * a[0] + (long double)b[0] * b[0]);
   *radius = (double)r;
   return (double)(fmaxl(fabsl(a[0] - x), fabsl(b[0] - y)) / (4e-10L + 9e-10L * r)) +
@@ -96,14 +97,15 @@ static void normals_are_box_and_mullers(void **unused) {
     if (k % 4 == 1) w >>= k / 4 % 33 == 32 ? 31 : k / 4 % 33; /* every octave */
     if (k % 4 == 2) w = UINT32_MAX - (w >> k / 4 % 32);
     if (k % 4 == 3)
-      place = (place & 0x80000001u) | (uint32_t)(k & 4 ? k / 8 & 0xff : 0x3fffffff - (k / 8 & 0xff)) << 1;
+      place = (place & 0x80000001u) | (uint32_t)(k & 4 ? k / 8 & 0xff : 0x3fffffff - (k / 8 & 0xff))
+                                          << 1;
     if (k < 64) w = k & 1 ? UINT32_MAX - (uint32_t)k / 2 : (uint32_t)k / 2;
     worst = fmax(worst, pair_error(w, place, &r));
     largest = fmax(largest, r);
     least = fmin(least, r);
   }
-  print_message("  largest error of a normal number / the bound: %.3g; radii %.3g to %.4g\n", worst, least,
-                largest);
+  print_message("  largest error of a normal number / the bound: %.3g; radii %.3g to %.4g\n", worst,
+                least, largest);
   between(worst, 0, 1.0, "error of a normal number / its bound");
   between(largest, sqrt(2 * log(0x1p33)) - 1e-8, sqrt(2 * log(0x1p33)) + 1e-8, "largest radius");
 }
@@ -194,7 +196,8 @@ static void normals_are_normal(void **unused) {
   double tails[] = {2, 3, 4, 4.5};
   for (int k = 0; k < 4; k++) {
     double p = erfc(tails[k] / sqrt(2)), count = 0.0;
-    for (int n = 0; n < DRAWS; n++) count += (fabs(first[n]) > tails[k]) + (fabs(second[n]) > tails[k]);
+    for (int n = 0; n < DRAWS; n++)
+      count += (fabs(first[n]) > tails[k]) + (fabs(second[n]) > tails[k]);
     between((count - 2 * p * DRAWS) / sqrt(2 * p * DRAWS), -4, 4, "z of a tail's count");
   }
   /* the radius is independent of the angle, and squares of the pair are uncorrelated */
@@ -222,7 +225,8 @@ static void tails_are_normal(void **unused) {
   const double limit[] = {4, 4.5, 5, 5.5, 6.8};
   double count[5] = {0}, n = 0.0;
   for (int part = 0; part < 16; part++) {
-    kernels_choose()->motion->normals(1, 0, RANDOM_STEP, (int64_t)part * DRAWS, DRAWS, first, second);
+    kernels_choose()->motion->normals(1, 0, RANDOM_STEP, (int64_t)part * DRAWS, DRAWS, first,
+                                      second);
     for (int k = 0; k < DRAWS; k++) {
       double a = fabs(first[k]), b = fabs(second[k]);
       for (int l = 0; fmax(a, b) > 4 && l < 5; l++) count[l] += (a > limit[l]) + (b > limit[l]);
@@ -261,7 +265,8 @@ static void numbers_of_a_block_are_independent(void **unused) {
         worst = fmax(worst, fabs(z[k]));
       }
     }
-  print_message("  chi2/n of 56 correlations within two blocks: %.3f, largest |z| %.2f\n", chi2 / 56, worst);
+  print_message("  chi2/n of 56 correlations within two blocks: %.3f, largest |z| %.2f\n",
+                chi2 / 56, worst);
   between((chi2 - 56) / sqrt(2.0 * 56), -4, 4, "z of chi2 of the correlations within blocks");
   between(worst, 0, 4.2, "largest correlation within blocks, z");
 }
@@ -299,8 +304,10 @@ static void streams_are_independent(void **unused) {
         number++;
       }
     }
-  print_message("  chi2/n of %d correlations: %.3f, largest |z| %.2f\n", number, chi2 / number, worst);
-  between((chi2 - number) / sqrt(2.0 * number), -4, 4, "z of chi2 of the correlations between streams");
+  print_message("  chi2/n of %d correlations: %.3f, largest |z| %.2f\n", number, chi2 / number,
+                worst);
+  between((chi2 - number) / sqrt(2.0 * number), -4, 4,
+          "z of chi2 of the correlations between streams");
   between(worst, 0, 4.6, "largest correlation between streams, z");
 }
 
@@ -316,7 +323,8 @@ static void oscillators_do_not_depend_on_the_path(void **unused) {
     double *number[] = {&start.uu[l],      &start.uv[l],       &start.vu[l],      &start.vv[l],
                         &start.noise_u[l], &start.noise_vu[l], &start.noise_vv[l]};
     for (int k = 0; k < 7; k++) *number[k] = 1.4 * next_uniform(&seed) - 0.7;
-    for (int k = 0; k < 2; k++) start.u[k][l] = next_uniform(&seed), start.v[k][l] = next_uniform(&seed);
+    for (int k = 0; k < 2; k++)
+      start.u[k][l] = next_uniform(&seed), start.v[k][l] = next_uniform(&seed);
     start.seed[l] = next_bits(&seed);
     start.stream[l] = next_bits(&seed) >> 32;
     start.block[l] = next_bits(&seed) >> (l % 2 ? 30 : 40);
@@ -335,7 +343,8 @@ static void oscillators_do_not_depend_on_the_path(void **unused) {
                               (int64_t)(2 * start.block[l]), NEW, a, b);
         for (size_t k = 0; k < NEW; k++) {
           double next = start.uu[l] * x + (start.uv[l] * y + start.noise_u[l] * a[k]);
-          y = start.vv[l] * y + (start.vu[l] * x + (start.noise_vu[l] * a[k] + start.noise_vv[l] * b[k]));
+          y = start.vv[l] * y +
+              (start.vu[l] * x + (start.noise_vu[l] * a[k] + start.noise_vv[l] * b[k]));
           x = next;
           assert_memory_equal(&x, &g.u[k + 2][l], 8);
           assert_memory_equal(&y, &g.v[k + 2][l], 8);
@@ -351,25 +360,30 @@ static void oscillators_do_not_depend_on_the_path(void **unused) {
 static sd_model *packing(int n, const char *integrator, const char *variant) {
   text t = {0};
   text_add(&t,
-           "dt = 2e-5; seed = 77; integrator = \"%s\"; contact_variant = \"%s\"; gravity = { g = 9.81; tilt "
+           "dt = 2e-5; seed = 77; integrator = \"%s\"; contact_variant = \"%s\"; gravity = { g = "
+           "9.81; tilt "
            "= 0.1; };\n",
            integrator, variant);
-  text_add(&t, "materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.5; },"
-               "{ name = \"b\"; k_n = 2e4; k_t = 1e4; gamma_n = 1; mu = 0.2; } );\n"
-               "material_pairs = ( { materials = (\"a\", \"b\"); k_n = 1.5e4; k_t = 8e3; gamma_n = 3; mu = "
-               "0.3; } );\n");
   text_add(
-      &t, "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; material = \"a\"; rows = (");
+      &t,
+      "materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.5; },"
+      "{ name = \"b\"; k_n = 2e4; k_t = 1e4; gamma_n = 1; mu = 0.2; } );\n"
+      "material_pairs = ( { materials = (\"a\", \"b\"); k_n = 1.5e4; k_t = 8e3; gamma_n = 3; mu = "
+      "0.3; } );\n");
+  text_add(&t, "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; material = "
+               "\"a\"; rows = (");
   add_lattice(&t, n, 9, 0.03, 0.03, 0.042, 0.02, 5);
-  text_add(&t, "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; material = \"b\"; points = ((0, "
-               "1), (0, 0), (0.4, 0), (0.4, 1)); },\n"
-               "{ name = \"knob\"; type = \"circle\"; material = \"b\"; center = (0.2, -0.03); radius = "
-               "0.04; side = \"outside\"; } );\n"
-               "motions = ( { wall = \"box\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 2e-4; "
-               "frequency = 80; },\n"
-               "{ wall = \"knob\"; coordinate = (\"y\", \"theta\"); type = \"random\"; amplitude = 1e-3; "
-               "frequency = 40; } );\n"
-               "steps = 10000;\n");
+  text_add(
+      &t,
+      "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; material = \"b\"; points = ((0, "
+      "1), (0, 0), (0.4, 0), (0.4, 1)); },\n"
+      "{ name = \"knob\"; type = \"circle\"; material = \"b\"; center = (0.2, -0.03); radius = "
+      "0.04; side = \"outside\"; } );\n"
+      "motions = ( { wall = \"box\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 2e-4; "
+      "frequency = 80; },\n"
+      "{ wall = \"knob\"; coordinate = (\"y\", \"theta\"); type = \"random\"; amplitude = 1e-3; "
+      "frequency = 40; } );\n"
+      "steps = 10000;\n");
   sd_model *model = model_of(t.s);
   free(t.s);
   return model;
@@ -379,7 +393,8 @@ static void runs_do_not_depend_on_the_path(void **unused) {
   (void)unused;
   const int sizes[] = {1, 3, 9, 61};
   for (int c = 0; c < 16; c++) {
-    sd_model *model = packing(sizes[c / 4], c & 1 ? "verlet" : "gear5", c & 2 ? "conservative" : "paper");
+    sd_model *model =
+        packing(sizes[c / 4], c & 1 ? "verlet" : "gear5", c & 2 ? "conservative" : "paper");
     uint64_t hash = 0;
     for (int p = 0; p < PATHS; p++) {
       if (!kernels_named(path_names[p])) continue;

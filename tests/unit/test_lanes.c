@@ -18,8 +18,8 @@
 
 static const simulation_step steps_to_take[] = {SIMULATION_SUITABLE, SIMULATION_GENERAL};
 
-static sd_simulation *start(const char *deck, const char *const *overrides, size_t n, simulation_step step,
-                            sd_model **model) {
+static sd_simulation *start(const char *deck, const char *const *overrides, size_t n,
+                            simulation_step step, sd_model **model) {
   char path[512];
   snprintf(path, sizeof path, "%s/inputs/%s", SLIPDISK_SOURCE_DIR, deck);
   sd_messages *m = sd_messages_new();
@@ -32,8 +32,8 @@ static sd_simulation *start(const char *deck, const char *const *overrides, size
   return sim;
 }
 
-static void compare(const char *deck, const char *integrator, const char *const *more, size_t n_more,
-                    int64_t steps) {
+static void compare(const char *deck, const char *integrator, const char *const *more,
+                    size_t n_more, int64_t steps) {
   const char *overrides[8] = {integrator};
   for (size_t k = 0; k < n_more; k++) overrides[k + 1] = more[k];
   sd_model *model[2];
@@ -92,13 +92,15 @@ static void compare_text(const char *deck, const char *what, int64_t steps) {
       assert_int_equal(simulation_is_small(sim[k]), k == 0);
     }
     for (int64_t done = 0; done < steps; done += steps / 10) {
-      for (int k = 0; k < 2; k++) assert_int_equal(sd_simulation_advance(sim[k], steps / 10, NULL), SD_OK);
-      const sd_field *f = sd_state_difference(sd_simulation_state(sim[0]), sd_simulation_state(sim[1]));
+      for (int k = 0; k < 2; k++)
+        assert_int_equal(sd_simulation_advance(sim[k], steps / 10, NULL), SD_OK);
+      const sd_field *f =
+          sd_state_difference(sd_simulation_state(sim[0]), sd_simulation_state(sim[1]));
       if (f) fail_msg("%s, %s: %s differs", what, integrators[i], f->name);
     }
     const sd_energy e = sd_simulation_energy(sim[0]);
-    print_message("  %s, %s: friction %.2g, opening %.2g, viscous %.2g\n", what, integrators[i], e.friction,
-                  e.opening, e.viscous);
+    print_message("  %s, %s: friction %.2g, opening %.2g, viscous %.2g\n", what, integrators[i],
+                  e.friction, e.opening, e.viscous);
     assert_true(e.friction > 0 && e.viscous > 0);
     for (int k = 0; k < 2; k++) {
       sd_simulation_free(sim[k]);
@@ -116,27 +118,34 @@ static void straight_walls(void **state) {
     compare("epo/asymmetric.cfg", integrators[k], shortened, 1, 40000);
     compare("collisions/disk_wall.cfg", integrators[k], NULL, 0, 25000);
   }
-#define MATERIAL                                                                                             \
-  "materials = ( { name = \"m\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } ); gravity = { g = 9.81; "   \
+#define MATERIAL                                                                                   \
+  "materials = ( { name = \"m\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } ); gravity = { g " \
+  "= 9.81; "                                                                                       \
   "};\n"
-#define HERTZ                                                                                                \
-  "materials = ( { name = \"m\"; law = \"hertz\"; k_n = 1e5; k_t = 5e3; restitution = 0.7; mu = 0.4; } ); "  \
+#define HERTZ                                                                                      \
+  "materials = ( { name = \"m\"; law = \"hertz\"; k_n = 1e5; k_t = 5e3; restitution = 0.7; mu = "  \
+  "0.4; } ); "                                                                                     \
   "gravity = { g = 9.81; };\n"
-  static const char off_the_end[] = "dt = 1e-5; time = 10; disks = ( { x = 0; y = 0.3; vx = 1; omega = 20; "
-                                    "radius = 0.1; density = 3; } );\n"
-                                    "walls = ( { name = \"shelf\"; type = \"segment\"; points = ((0.3, 0), "
-                                    "(-0.05, 0.02)); }, { name = \"floor\"; type = \"line\"; "
-                                    "points = ((1, -0.4), (0, -0.4)); } );\n"
-                                    "motions = ( { wall = \"shelf\"; coordinate = (\"x\", \"y\"); type = "
-                                    "\"harmonic\"; amplitude = 0.003; frequency = 30; } );\n";
+  static const char off_the_end[] =
+      "dt = 1e-5; time = 10; disks = ( { x = 0; y = 0.3; vx = 1; omega = 20; "
+      "radius = 0.1; density = 3; } );\n"
+      "walls = ( { name = \"shelf\"; type = \"segment\"; points = ((0.3, 0), "
+      "(-0.05, 0.02)); }, { name = \"floor\"; type = \"line\"; "
+      "points = ((1, -0.4), (0, -0.4)); } );\n"
+      "motions = ( { wall = \"shelf\"; coordinate = (\"x\", \"y\"); type = "
+      "\"harmonic\"; amplitude = 0.003; frequency = 30; } );\n";
   static const char company[] =
-      "dt = 1e-5; time = 10; disks = ( { x = 0; y = 0.05; vx = -1; omega = 300; radius = 0.1; density = 3; "
+      "dt = 1e-5; time = 10; disks = ( { x = 0; y = 0.05; vx = -1; omega = 300; radius = 0.1; "
+      "density = 3; "
       "},\n"
-      "{ x = 0.21; y = 0.12; omega = -100; radius = 0.1; density = 3; }, { x = -0.3; y = -0.3; radius = "
+      "{ x = 0.21; y = 0.12; omega = -100; radius = 0.1; density = 3; }, { x = -0.3; y = -0.3; "
+      "radius = "
       "0.15; density = 3; fixed = true; } );\n"
-      "walls = ( { name = \"drum\"; type = \"circle\"; center = (0, 0); radius = 0.5; side = \"inside\"; },\n"
+      "walls = ( { name = \"drum\"; type = \"circle\"; center = (0, 0); radius = 0.5; side = "
+      "\"inside\"; },\n"
       "{ name = \"slope\"; type = \"line\"; points = ((0, -0.3), (1, 0.1)); } );\n"
-      "motions = ( { wall = \"drum\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 4; }, { wall = "
+      "motions = ( { wall = \"drum\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 4; "
+      "}, { wall = "
       "\"slope\"; coordinate = "
       "\"y\"; type = \"random\"; amplitude = 2e-3; frequency = 20; } );\n"
       "limits = { displacement = 0; };\n";
@@ -155,7 +164,8 @@ static void straight_walls(void **state) {
  * those of the next step's predictor. */
 static void an_overlap_ends_both_alike(void **state) {
   (void)state;
-  const char *decks[] = {"collisions/two_disks.cfg", "three_disk/random.cfg", "collisions/disk_wall.cfg"};
+  const char *decks[] = {"collisions/two_disks.cfg", "three_disk/random.cfg",
+                         "collisions/disk_wall.cfg"};
   const char *gone[] = {"x2", "y2", "theta2", "x3", "y3", "theta3",
                         "x4", "y4", "theta4", "x5", "y5", "theta5"};
   for (size_t c = 0; c < 6; c++) {
@@ -165,7 +175,8 @@ static void an_overlap_ends_both_alike(void **state) {
     char text[2][256];
     for (int k = 0; k < 2; k++) {
       sim[k] = start(decks[c / 2], more, c / 2 == 1 ? 4 : 3, steps_to_take[k], &model[k]);
-      if (c / 2 == 1) model[k]->max_overlap = 1e-12; /* the supports shake it deeper than gravity does */
+      if (c / 2 == 1)
+        model[k]->max_overlap = 1e-12; /* the supports shake it deeper than gravity does */
       sd_messages *m = sd_messages_new();
       assert_int_equal(sd_simulation_advance(sim[k], 100000, m), SD_ERROR_NUMERIC);
       assert_int_equal(sd_messages_count(m), 1);
@@ -194,14 +205,15 @@ static void an_overlap_ends_both_alike(void **state) {
 /* A pose that is lost in the last step of all has no rebuild after it that would notice. */
 static void not_finite(void **state) {
   (void)state;
-  const char *deck =
-      "dt = 1.0; steps = 1; materials = ({ name = \"m\"; k_n = 1.0; k_t = 1.0; gamma_n = 0; mu = 0; });"
-      "disks = ({ name = \"lost\"; x = 0; y = 0; radius = 1; mass = 1; });";
+  const char *deck = "dt = 1.0; steps = 1; materials = ({ name = \"m\"; k_n = 1.0; k_t = 1.0; "
+                     "gamma_n = 0; mu = 0; });"
+                     "disks = ({ name = \"lost\"; x = 0; y = 0; radius = 1; mass = 1; });";
   for (size_t k = 0; k < 2; k++) {
     sd_messages *m = sd_messages_new();
     sd_model *model = NULL;
     sd_simulation *sim = NULL;
-    if (sd_deck_load_text(deck, "deck", 1, &integrators[k], &model, m) != SD_OK) sd_messages_print(m, stderr);
+    if (sd_deck_load_text(deck, "deck", 1, &integrators[k], &model, m) != SD_OK)
+      sd_messages_print(m, stderr);
     assert_non_null(model);
     model->disks[0].mass = 1e-300; /* a deck with these is refused */
     model->disks[0].force[0] = 1e300;

@@ -38,11 +38,12 @@ static sd_model *system_of(const char *const *moves, size_t n_moves, int l, int 
   double x = l + 1;
   text_add(&t, "dt = %.17g; seed = %lld; materials = ( { name = \"m\"; k_n = 1e3; } );\n",
            1e-4 / (1 + 0.3 * x), 1 + (long long)l * 5000000007);
-  text_add(&t,
-           "disks = ( { name = \"free\"; x = 0; y = 0; radius = 1; mass = 1; },\n"
-           "{ name = \"a\"; x = %.17g; y = -3; theta = %.17g; radius = 1; mass = 1; fixed = true; },\n"
-           "{ name = \"b\"; x = 5; y = %.17g; theta = %.17g; radius = 1; mass = 1; fixed = true; } );\n",
-           -5 + 0.1 * x, 0.2 * x, -3 - 0.3 * x, 8.0 * l + 0.01);
+  text_add(
+      &t,
+      "disks = ( { name = \"free\"; x = 0; y = 0; radius = 1; mass = 1; },\n"
+      "{ name = \"a\"; x = %.17g; y = -3; theta = %.17g; radius = 1; mass = 1; fixed = true; },\n"
+      "{ name = \"b\"; x = 5; y = %.17g; theta = %.17g; radius = 1; mass = 1; fixed = true; } );\n",
+      -5 + 0.1 * x, 0.2 * x, -3 - 0.3 * x, 8.0 * l + 0.01);
   text_add(&t,
            "walls = ( { name = \"w\"; type = \"circle\"; center = (%.17g, 0); radius = 900; side = "
            "\"inside\"; } );\n",
@@ -54,7 +55,8 @@ static sd_model *system_of(const char *const *moves, size_t n_moves, int l, int 
     text_add(&t, " }");
   }
   text_add(&t,
-           ");\nphases = ( { name = \"rest\"; steps = %d; motions = []; }, { name = \"go\"; steps = 1000000; "
+           ");\nphases = ( { name = \"rest\"; steps = %d; motions = []; }, { name = \"go\"; steps "
+           "= 1000000; "
            "} );\n",
            rest);
   sd_model *model = model_of(t.s);
@@ -194,7 +196,8 @@ static void run_decks(const char *const *moves, size_t n_moves) {
     setenv("SLIPDISK_PATH", paths[p], 1);
     size_t width = kernels_named(paths[p])->lane_width;
     for (int c = 0; c < 6; c++) {
-      herd h = herd_new(moves, n_moves, c < 3 ? width : width - 1, 10 + c); /* both parities of the start */
+      herd h = herd_new(moves, n_moves, c < 3 ? width : width - 1,
+                        10 + c); /* both parities of the start */
       const int pieces[] = {1, 2, 40, 64, 33, 150, 7};
       for (size_t k = 0; k < 7; k++) {
         for (int n = 0; n < pieces[(k + (size_t)c) % 7]; n++) compare_step(&h);
@@ -212,14 +215,15 @@ static void run_decks(const char *const *moves, size_t n_moves) {
   unsetenv("SLIPDISK_PATH");
 }
 
-#define RUN(...)                                                                                             \
-  do {                                                                                                       \
-    const char *const moves[] = {__VA_ARGS__};                                                               \
-    run_decks(moves, sizeof moves / sizeof *moves);                                                          \
+#define RUN(...)                                                                                   \
+  do {                                                                                             \
+    const char *const moves[] = {__VA_ARGS__};                                                     \
+    run_decks(moves, sizeof moves / sizeof *moves);                                                \
   } while (0)
 
-#define RANDOM(m)                                                                                            \
-  "disk = [\"a\", \"b\"]; coordinate = (\"x\", \"y\", \"theta\"); type = \"random\"; interval = " #m "; "    \
+#define RANDOM(m)                                                                                  \
+  "disk = [\"a\", \"b\"]; coordinate = (\"x\", \"y\", \"theta\"); type = \"random\"; interval "    \
+  "= " #m "; "                                                                                     \
   "amplitude = @A; omega = @W; damping = @V;"
 
 static void random_motions(void **unused) {
@@ -235,8 +239,8 @@ static void random_motions(void **unused) {
 
 static void waves(void **unused) {
   (void)unused;
-#define WAVE(coordinate, type)                                                                               \
-  "disk = [\"a\", \"b\"]; coordinate = \"" coordinate "\"; type = \"" type "\"; "                            \
+#define WAVE(coordinate, type)                                                                     \
+  "disk = [\"a\", \"b\"]; coordinate = \"" coordinate "\"; type = \"" type "\"; "                  \
   "amplitude = @A; omega = @W; phase = @P;"
   RUN(WAVE("theta", "harmonic"));
   RUN(WAVE("theta", "parabolic"));
@@ -249,9 +253,10 @@ static void waves(void **unused) {
 
 static void velocities_and_tables(void **unused) {
   (void)unused;
-#define VELOCITY "disk = \"a\"; coordinate = (\"x\", \"theta\"); type = \"velocity\"; velocity = @V;"
-#define TABLE                                                                                                \
-  "wall = \"w\"; coordinate = \"y\"; type = \"table\"; times = (0, 0.001, 0.002, 0.005); "                   \
+#define VELOCITY                                                                                   \
+  "disk = \"a\"; coordinate = (\"x\", \"theta\"); type = \"velocity\"; velocity = @V;"
+#define TABLE                                                                                      \
+  "wall = \"w\"; coordinate = \"y\"; type = \"table\"; times = (0, 0.001, 0.002, 0.005); "         \
   "values = (0, 1, -1, 0); factor = @A; periodic = true;"
   RUN(VELOCITY);
   RUN(VELOCITY " ramp = @R;");
@@ -269,7 +274,8 @@ static void several_motions(void **unused) {
 /* A lane's angle is about to leave [-4, 4]: so many steps are ready, and no more. */
 static void ends_where_an_angle_leaves_its_range(void **unused) {
   (void)unused;
-  const char *const moves[] = {"disk = \"a\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 700;"};
+  const char *const moves[] = {
+      "disk = \"a\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 700;"};
   herd h = herd_new(moves, 1, 2, 10);
   int64_t ready;
   while ((ready = pose_batch_ahead(h.m)) > 0) {

@@ -42,8 +42,11 @@ typedef struct shape {
 } shape;
 
 /* A table, a long row with components, frames of few disks, frames of many, one that ends within a chunk. */
-static const shape shapes[] = {
-    {1, {200001, 1, 1}}, {2, {3, 105433, 1}}, {3, {5, 40000, 2}}, {3, {1000, 60, 2}}, {2, {700, 333, 1}}};
+static const shape shapes[] = {{1, {200001, 1, 1}},
+                               {2, {3, 105433, 1}},
+                               {3, {5, 40000, 2}},
+                               {3, {1000, 60, 2}},
+                               {2, {700, 333, 1}}};
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 
 static size_t elements(const shape *s) { return s->dims[0] * s->dims[1] * s->dims[2]; }
@@ -72,12 +75,15 @@ static void test_rows(void **unused) {
         h5_file *file;
         file_draft draft;
         if (!memory) check(file_draft_new(-1, path, &draft, messages), messages);
-        check(memory ? h5_new(&file, messages) : h5_create(&draft, 1 << 20, &file, messages), messages);
+        check(memory ? h5_new(&file, messages) : h5_create(&draft, 1 << 20, &file, messages),
+              messages);
         write_all(file, &shapes[k], x, !memory);
-        check(memory ? h5_save(file, -1, path, NULL, messages) : h5_finish(file, &draft, messages), messages);
+        check(memory ? h5_save(file, -1, path, NULL, messages) : h5_finish(file, &draft, messages),
+              messages);
         if (!memory) check(file_draft_publish(&draft, -1, path, FILE_REPLACE, messages), messages);
 
-        check(memory ? h5_open_sealed(-1, path, &file, NULL, messages) : h5_open(path, &file, messages),
+        check(memory ? h5_open_sealed(-1, path, &file, NULL, messages)
+                     : h5_open(path, &file, messages),
               messages);
         for (int d = 0; d < 3; d++) {
           memset(back, 0, n * sizeof *back);
@@ -158,7 +164,8 @@ static void test_memory(void **unused) {
   skip(); /* sanitizers take memory of their own */
 #endif
   long base = peak(nothing), save = peak(save_large) - base, open = peak(open_large) - base;
-  print_message("  %d MiB: saving takes %ld MiB with the data, checking %ld MiB\n", LARGE >> 17, save, open);
+  print_message("  %d MiB: saving takes %ld MiB with the data, checking %ld MiB\n", LARGE >> 17,
+                save, open);
   assert_true(save < 2 * (LARGE >> 17) + 48);
   assert_true(open < 32);
 
@@ -197,7 +204,8 @@ static void write_result(size_t n, bool whole, sd_status wanted) {
   h5_put_text(file, "/small/text", "needle in a dataset");
   h5_attr_text(file, "/small", "text", "needle in an attribute");
   assert_int_equal(h5_finish(file, &draft, messages), wanted);
-  if (wanted == SD_OK) check(file_draft_publish(&draft, -1, path, FILE_REPLACE, messages), messages);
+  if (wanted == SD_OK)
+    check(file_draft_publish(&draft, -1, path, FILE_REPLACE, messages), messages);
   file_draft_drop(&draft);
   free(x);
   sd_messages_free(messages);
@@ -217,8 +225,10 @@ static void spoil(const char *text) {
 
 static void test_result_seals(void **unused) {
   (void)unused;
-  static const char *const where[] = {"needle in a dataset", "needle in an attribute", "slipseal", NULL};
-  static const char *const after[] = {"neddle in a dataset", "neddle in an attribute", "slhpseal", NULL};
+  static const char *const where[] = {"needle in a dataset", "needle in an attribute", "slipseal",
+                                      NULL};
+  static const char *const after[] = {"neddle in a dataset", "neddle in an attribute", "slhpseal",
+                                      NULL};
   /* one is checked as a whole, of the other only the small data when it is opened */
   const size_t sizes[] = {100000, 9 << 20};
   for (int k = 0; k < 2; k++) {

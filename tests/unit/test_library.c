@@ -58,9 +58,11 @@ static sd_model *heap(size_t n, const char *integrator) {
   sd_model_set_gravity(m, 0.0, -10.0);
   const int steel = sd_model_add_material(m, "steel", &law);
   double points[2][2] = {{0, 0}, {1, 0}};
-  uint32_t floor = sd_model_add_wall(
-      m,
-      &(sd_wall){.name = "floor", .kind = SD_WALL_LINE, .material = steel, .n_points = 2, .points = points});
+  uint32_t floor = sd_model_add_wall(m, &(sd_wall){.name = "floor",
+                                                   .kind = SD_WALL_LINE,
+                                                   .material = steel,
+                                                   .n_points = 2,
+                                                   .points = points});
   const size_t wide = n < 16 ? 4 : 40;
   for (int side = 0; side < 2; side++) {
     const double x = side * ((double)wide * 1.05 + 0.5);
@@ -68,11 +70,11 @@ static sd_model *heap(size_t n, const char *integrator) {
     sd_model_add_wall(m, &(sd_wall){.kind = SD_WALL_LINE, .n_points = 2, .points = ends});
   }
   for (size_t k = 0; k < n; k++)
-    sd_model_add_disk(m,
-                      &(sd_disk){.position = {0.8 + 1.05 * (double)(k % wide) + 0.01 * (double)(k / wide % 3),
-                                              0.52 + 1.02 * (double)(k / wide)},
-                                 .radius = 0.5 - 0.02 * (double)(k % 3),
-                                 .mass = 1.0});
+    sd_model_add_disk(
+        m, &(sd_disk){.position = {0.8 + 1.05 * (double)(k % wide) + 0.01 * (double)(k / wide % 3),
+                                   0.52 + 1.02 * (double)(k / wide)},
+                      .radius = 0.5 - 0.02 * (double)(k % 3),
+                      .mass = 1.0});
   sd_model_add_motion(m, &(sd_motion){.name = "shake",
                                       .kind = SD_MOTION_HARMONIC,
                                       .coordinate = SD_Y,
@@ -117,8 +119,8 @@ static void a_built_model_is_that_of_the_deck(void **state) {
   sd_model_set(m, "seed", 7);
   sd_model_set_gravity(m, 0.0, -10.0);
   sd_model_add_material(m, "m", &law);
-  uint32_t floor =
-      sd_model_add_wall(m, &(sd_wall){.name = "floor", .pivot = {0.5, 0}, .n_points = 2, .points = points});
+  uint32_t floor = sd_model_add_wall(
+      m, &(sd_wall){.name = "floor", .pivot = {0.5, 0}, .n_points = 2, .points = points});
   assert_int_equal(sd_model_add_motion(m, &(sd_motion){.name = "shake",
                                                        .kind = SD_MOTION_RANDOM,
                                                        .coordinate = SD_Y,
@@ -130,7 +132,8 @@ static void a_built_model_is_that_of_the_deck(void **state) {
                                                        .interval = 10}),
                    0);
   sd_model_add_disk(
-      m, &(sd_disk){.name = name, .position = {0.0, 0.51}, .velocity = {1.0}, .radius = 0.5, .mass = 2.0});
+      m, &(sd_disk){
+             .name = name, .position = {0.0, 0.51}, .velocity = {1.0}, .radius = 0.5, .mass = 2.0});
   sd_model_add_phase(m, &(sd_phase){.name = "run", .steps = 2000, .measure = true});
   sd_model_measure_rotation(m, 1, &(uint32_t){0});
   name[0] = 'x'; /* what was given is not needed any more */
@@ -146,7 +149,8 @@ static void a_built_model_is_that_of_the_deck(void **state) {
   advance(one, 5000);
   advance(other, 5000);
   assert_true(sd_simulation_finished(one) && sd_simulation_finished(other));
-  const sd_field *different = sd_state_difference(sd_simulation_state(one), sd_simulation_state(other));
+  const sd_field *different =
+      sd_state_difference(sd_simulation_state(one), sd_simulation_state(other));
   if (different) fail_msg("column %s differs", different->name);
   end(one, read);
   end(other, m);
@@ -174,7 +178,8 @@ static void all_mistakes_are_told_at_once(void **state) {
   sd_model_set_law(m, 0, 3, &law);
   sd_model_add_disk(m, &(sd_disk){0});
   sd_model_add_group(m, "g", 1, &(uint32_t){9});
-  sd_model_add_motion(m, &(sd_motion){.kind = SD_MOTION_VELOCITY, .n_bodies = 1, .bodies = &(uint32_t){5}});
+  sd_model_add_motion(
+      m, &(sd_motion){.kind = SD_MOTION_VELOCITY, .n_bodies = 1, .bodies = &(uint32_t){5}});
   assert_int_equal(sd_model_finish(m, messages), SD_ERROR_USER);
   for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
     bool found = false;
@@ -333,7 +338,8 @@ static void forces_do_not_depend_on_threads_or_restarts(void **state) {
     sd_free(data);
     assert_int_equal(sd_simulation_add_force_field(again, spring, NULL, NULL), SD_OK);
     advance(again, 250);
-    const sd_field *different = sd_state_difference(sd_simulation_state(one), sd_simulation_state(again));
+    const sd_field *different =
+        sd_state_difference(sd_simulation_state(one), sd_simulation_state(again));
     if (different) fail_msg("column %s differs", different->name);
     const sd_energy energy = sd_simulation_energy(one);
     assert_true(fabs(energy.residual) < 2e-3 * energy.scale);
@@ -359,7 +365,8 @@ static void a_field_of_no_force_changes_no_bit(void **state) {
   advance(field, 200);
   assert_int_equal(sd_simulation_add_force_field(field, nothing, NULL, NULL), SD_OK);
   advance(field, 300);
-  const sd_field *different = sd_state_difference(sd_simulation_state(plain), sd_simulation_state(field));
+  const sd_field *different =
+      sd_state_difference(sd_simulation_state(plain), sd_simulation_state(field));
   if (different) fail_msg("column %s differs", different->name);
   sd_simulation_free(field);
   end(plain, m);
@@ -437,10 +444,12 @@ static void disks_come_and_go(void **state) {
     const sd_energy after = sd_simulation_energy(sim);
     assert_true(fabs(after.residual - before.residual) < 1e-12 * before.scale);
     sd_column a, b;
-    assert_true(sd_simulation_column(sim, "contact_a", &a) && sd_simulation_column(sim, "contact_b", &b));
+    assert_true(sd_simulation_column(sim, "contact_a", &a) &&
+                sd_simulation_column(sim, "contact_b", &b));
     for (size_t k = 0; k < a.n; k++)
       for (int g = 0; g < 2; g++)
-        assert_true(((const uint32_t *)a.data)[k] != gone[g] && ((const uint32_t *)b.data)[k] != gone[g]);
+        assert_true(((const uint32_t *)a.data)[k] != gone[g] &&
+                    ((const uint32_t *)b.data)[k] != gone[g]);
     assert_int_equal(sd_simulation_clone(sim, &clone, NULL), SD_OK);
     advance(sim, 20000);
     advance(clone, 20000);
@@ -458,8 +467,9 @@ static void wrong_disks_are_refused_and_change_nothing(void **state) {
   advance(sim, 100);
   assert_int_equal(sd_simulation_clone(sim, &clone, NULL), SD_OK);
   sd_messages *messages = sd_messages_new();
-  assert_int_equal(sd_simulation_add_disks(sim, 1, &(sd_disk){.radius = -1.0, .mass = 1.0}, NULL, messages),
-                   SD_ERROR_USER);
+  assert_int_equal(
+      sd_simulation_add_disks(sim, 1, &(sd_disk){.radius = -1.0, .mass = 1.0}, NULL, messages),
+      SD_ERROR_USER);
   assert_non_null(strstr(sd_messages_text(messages, 0), "disk 8: radius = -1"));
   sd_messages_clear(messages);
   assert_int_equal(sd_simulation_remove_disks(sim, 1, &(uint32_t){8}, messages), SD_ERROR_USER);

@@ -48,11 +48,15 @@ static void end(sd_simulation *sim, sd_model *m) {
 /* --- building --------------------------------------------------------------------------------------- */
 
 static void no_array(sd_model *m) { sd_model_add_wall(m, &(sd_wall){.name = "w", .n_points = 2}); }
-static void no_bodies(sd_model *m) { sd_model_add_motion(m, &(sd_motion){.name = "q", .n_bodies = 1}); }
+static void no_bodies(sd_model *m) {
+  sd_model_add_motion(m, &(sd_motion){.name = "q", .n_bodies = 1});
+}
 static void no_table(sd_model *m) {
-  sd_model_add_motion(
-      m, &(sd_motion){
-             .name = "q", .kind = SD_MOTION_TABLE, .n_table = 3, .n_bodies = 1, .bodies = &(uint32_t){0}});
+  sd_model_add_motion(m, &(sd_motion){.name = "q",
+                                      .kind = SD_MOTION_TABLE,
+                                      .n_table = 3,
+                                      .n_bodies = 1,
+                                      .bodies = &(uint32_t){0}});
 }
 static void no_law(sd_model *m) { sd_model_set_law(m, 0, 0, NULL); }
 static void wall_nowhere(sd_model *m) {
@@ -64,7 +68,8 @@ static void wall_without_end(sd_model *m) {
 }
 static void wall_of_no_kind(sd_model *m) {
   double points[2][2] = {{0, 5}, {1, 5}};
-  sd_model_add_wall(m, &(sd_wall){.name = "w", .kind = (sd_wall_kind)9, .n_points = 2, .points = points});
+  sd_model_add_wall(
+      m, &(sd_wall){.name = "w", .kind = (sd_wall_kind)9, .n_points = 2, .points = points});
 }
 static void no_weight(sd_model *m) { sd_model_set_gravity(m, NAN, 0.0); }
 static void no_inertia(sd_model *m) {
@@ -99,18 +104,19 @@ static void what_cannot_be_is_told(void **state) {
   const struct {
     void (*make)(sd_model *);
     const char *message;
-  } mistakes[] = {{no_array, "a wall: expected 2 elements, not NULL"},
-                  {no_bodies, "a motion: expected 1 elements, not NULL"},
-                  {no_table, "a motion: expected 3 elements, not NULL"},
-                  {no_law, "law of materials 0 and 0: expected a law, not NULL"},
-                  {wall_nowhere, "wall \"w\": points, pivot and radius must be finite"},
-                  {wall_without_end, "wall \"w\": points, pivot and radius must be finite"},
-                  {wall_of_no_kind, "wall \"w\": kind 9: expected SD_WALL_LINE"},
-                  {no_weight, "gravity (nan, 0): expected finite numbers"},
-                  {no_inertia, "disk 3: inertia = nan: expected a number >= 0"},
-                  {locked_and_fast, "disk 3: a locked coordinate cannot have a velocity"},
-                  {endless_wave, "motion \"q\": amplitude, omega, phase and velocity must be finite"},
-                  {endless_table, "motion \"q\": table: expected finite numbers (row 1)"}};
+  } mistakes[] = {
+      {no_array, "a wall: expected 2 elements, not NULL"},
+      {no_bodies, "a motion: expected 1 elements, not NULL"},
+      {no_table, "a motion: expected 3 elements, not NULL"},
+      {no_law, "law of materials 0 and 0: expected a law, not NULL"},
+      {wall_nowhere, "wall \"w\": points, pivot and radius must be finite"},
+      {wall_without_end, "wall \"w\": points, pivot and radius must be finite"},
+      {wall_of_no_kind, "wall \"w\": kind 9: expected SD_WALL_LINE"},
+      {no_weight, "gravity (nan, 0): expected finite numbers"},
+      {no_inertia, "disk 3: inertia = nan: expected a number >= 0"},
+      {locked_and_fast, "disk 3: a locked coordinate cannot have a velocity"},
+      {endless_wave, "motion \"q\": amplitude, omega, phase and velocity must be finite"},
+      {endless_table, "motion \"q\": table: expected finite numbers (row 1)"}};
   for (size_t k = 0; k < sizeof mistakes / sizeof *mistakes; k++) {
     sd_model *m = base();
     sd_messages *messages = sd_messages_new();
@@ -187,14 +193,16 @@ static void numbers_of_nothing_are_answered(void **state) {
   assert_int_equal(sd_simulation_observe(sim, 10, NULL, NULL), SD_ERROR_USER);
   assert_int_equal(sd_simulation_add_force_field(sim, NULL, NULL, NULL), SD_ERROR_USER);
   assert_int_equal(sd_simulation_advance(sim, 20, NULL), SD_OK);
-  assert_int_equal(
-      sd_simulation_add_disks(sim, 1, &(sd_disk){.position = {9, 9}, .radius = 1, .mass = 1}, NULL, NULL),
-      SD_OK);
+  assert_int_equal(sd_simulation_add_disks(
+                       sim, 1, &(sd_disk){.position = {9, 9}, .radius = 1, .mass = 1}, NULL, NULL),
+                   SD_OK);
   assert_int_equal(sd_simulation_slot(sim, SD_WALL(0)), 4);
   end(sim, m);
 }
 
-static sd_status rebuild(sd_simulation *sim, void *user) { return sd_simulation_rebuild(sim, user); }
+static sd_status rebuild(sd_simulation *sim, void *user) {
+  return sd_simulation_rebuild(sim, user);
+}
 
 /* What is wrong is told to the caller of the step, whatever lists observers have. */
 static void an_observer_has_a_list_of_its_own(void **state) {
@@ -202,7 +210,8 @@ static void an_observer_has_a_list_of_its_own(void **state) {
   sd_model *m = base();
   sd_simulation *sim;
   sd_messages *own = sd_messages_new(), *messages = sd_messages_new();
-  sd_model_add_disk(m, &(sd_disk){.position = {1.0, 2.6}, .velocity = {0, -100}, .radius = 0.5, .mass = 1.0});
+  sd_model_add_disk(
+      m, &(sd_disk){.position = {1.0, 2.6}, .velocity = {0, -100}, .radius = 0.5, .mass = 1.0});
   sim = begin(m);
   assert_int_equal(sd_simulation_observe(sim, 50, rebuild, own), SD_OK);
   assert_int_equal(sd_simulation_advance(sim, 1000, messages), SD_ERROR_NUMERIC);
@@ -222,9 +231,10 @@ static void disks_are_added_inside_the_compressed_box(void **state) {
   sd_model_add_material(m, "m", &law);
   for (int c = 0; c < 2; c++) sd_model_set_periodic(m, c, 0.0, 10.0);
   for (int k = 0; k < 9; k++)
-    sd_model_add_disk(m,
-                      &(sd_disk){.position = {1.0 + 3 * (k % 3), 1.0 + 3 * (k / 3)}, .radius = 1, .mass = 1});
-  sd_model_add_phase(m, &(sd_phase){.steps = 100000, .compress = {true, .fraction = 0.5, .rate = 1.0}});
+    sd_model_add_disk(
+        m, &(sd_disk){.position = {1.0 + 3 * (k % 3), 1.0 + 3 * (k / 3)}, .radius = 1, .mass = 1});
+  sd_model_add_phase(
+      m, &(sd_phase){.steps = 100000, .compress = {true, .fraction = 0.5, .rate = 1.0}});
   sd_simulation *sim = begin(m);
   sd_messages *messages = sd_messages_new();
   assert_int_equal(sd_simulation_advance(sim, 2000, NULL), SD_OK);
@@ -243,7 +253,8 @@ static void warnings_of_a_model_are_not_repeated(void **state) {
   (void)state;
   sd_model *m = base();
   double points[2][2] = {{0, 1.2}, {1, 1.2}};
-  const uint32_t lid = sd_model_add_wall(m, &(sd_wall){.name = "lid", .n_points = 2, .points = points});
+  const uint32_t lid =
+      sd_model_add_wall(m, &(sd_wall){.name = "lid", .n_points = 2, .points = points});
   sd_model_add_motion(m, &(sd_motion){.name = "press",
                                       .kind = SD_MOTION_LOAD,
                                       .coordinate = SD_Y,
@@ -275,7 +286,8 @@ static void advice_needs_no_names(void **state) {
   sd_model_set(m, "dt", 1e-4);
   for (int k = 0; k < 2; k++) {
     sd_model_add_material(m, NULL, &(sd_contact_law){.k_n = 1e4, .gamma_n = 1.0, .mu = 0.5});
-    sd_model_add_disk(m, &(sd_disk){.position = {3.0 * k}, .radius = 1.0, .mass = 1.0, .material = k});
+    sd_model_add_disk(m,
+                      &(sd_disk){.position = {3.0 * k}, .radius = 1.0, .mass = 1.0, .material = k});
   }
   sd_model_set_law(m, 0, 1, &(sd_contact_law){.k_n = 1e4, .k_t = 1e3});
   assert_int_equal(sd_model_finish(m, messages), SD_OK);
@@ -297,11 +309,15 @@ static void a_floor_feels_removed_disks_no_more(void **state) {
     sd_model_set_gravity(m, 0.0, -10.0);
     sd_model_add_material(m, "m", &law);
     uint32_t floor = sd_model_add_wall(
-        m, round ? &(sd_wall){.kind = SD_WALL_CIRCLE, .pivot = {1.0, 20.0}, .radius = 20.0, .inside = true}
-                 : &(sd_wall){.kind = SD_WALL_LINE, .n_points = 2, .points = points, .pivot = {3.0, 0.0}});
+        m, round ? &(sd_wall){.kind = SD_WALL_CIRCLE,
+                              .pivot = {1.0, 20.0},
+                              .radius = 20.0,
+                              .inside = true}
+                 : &(sd_wall){
+                       .kind = SD_WALL_LINE, .n_points = 2, .points = points, .pivot = {3.0, 0.0}});
     for (int k = 0; k < 3; k++)
-      sd_model_add_disk(m,
-                        &(sd_disk){.position = {2.0 * k, 0.8 - 0.1 * (k == 1)}, .radius = 0.5, .mass = 1.0});
+      sd_model_add_disk(
+          m, &(sd_disk){.position = {2.0 * k, 0.8 - 0.1 * (k == 1)}, .radius = 0.5, .mass = 1.0});
     for (int c = 0; c < 3; c++)
       sd_model_add_motion(m, &(sd_motion){.kind = SD_MOTION_HARMONIC,
                                           .coordinate = c,

@@ -18,17 +18,21 @@ enum { BEFORE = 700, AFTER = 900, DECKS = 3 };
 
 /* Three disks, one turned to and fro and on. */
 static void supports(text *t) {
-  text_add(
-      t, "dt = 5e-6; gravity = { g = 10; tilt = 0.1; };\n" LAW
-         "disks = ( { name = \"top\"; x = 0; y = 0; theta = 3; omega = 200; radius = 1; mass = 0.1; },\n"
-         "{ name = \"left\"; x = -1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; },\n"
-         "{ name = \"right\"; x = 1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; } );\n"
-         "motions = ( { disk = \"left\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.2; omega "
-         "= 700; },\n"
-         "{ disk = \"right\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 2e3; },\n"
-         "{ disk = \"right\"; coordinate = \"y\"; type = \"parabolic\"; amplitude = 1e-4; omega = 900; } );\n"
-         "measure = { rotation = [\"top\"]; sliding = ( { disk = \"top\"; partners = [\"left\", \"right\"]; "
-         "} ); };\n");
+  text_add(t,
+           "dt = 5e-6; gravity = { g = 10; tilt = 0.1; };\n" LAW
+           "disks = ( { name = \"top\"; x = 0; y = 0; theta = 3; omega = 200; radius = 1; mass = "
+           "0.1; },\n"
+           "{ name = \"left\"; x = -1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; },\n"
+           "{ name = \"right\"; x = 1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; } );\n"
+           "motions = ( { disk = \"left\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude "
+           "= 0.2; omega "
+           "= 700; },\n"
+           "{ disk = \"right\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 2e3; },\n"
+           "{ disk = \"right\"; coordinate = \"y\"; type = \"parabolic\"; amplitude = 1e-4; omega "
+           "= 900; } );\n"
+           "measure = { rotation = [\"top\"]; sliding = ( { disk = \"top\"; partners = [\"left\", "
+           "\"right\"]; "
+           "} ); };\n");
 }
 
 /* A shaken cup of disks. */
@@ -36,32 +40,38 @@ static void packing(text *t) {
   text_add(t, "dt = 2e-5; gravity = { g = 9.81; };\n" LAW
               "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (");
   add_lattice(t, 53, 9, -0.17, 0.03, 0.042, 0.02, 5);
-  text_add(
-      t,
-      "); } );\nwalls = ( { name = \"cup\"; type = \"polyline\"; points = ((-0.3, 0.3), (-0.2, 0), (0, "
-      "-0.003), "
-      "(0.2, 0), (0.3, 0.3)); } );\n"
-      "motions = ( { wall = \"cup\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 4e-4; frequency = "
-      "90; },\n"
-      "{ wall = \"cup\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.4; frequency = 4; } );\n"
-      "measure = { disks = true; rotation = (0, 11); sliding = ( { disk = 2; partners = [\"cup\", 3]; } ); "
-      "};\n");
+  text_add(t, "); } );\nwalls = ( { name = \"cup\"; type = \"polyline\"; points = ((-0.3, 0.3), "
+              "(-0.2, 0), (0, "
+              "-0.003), "
+              "(0.2, 0), (0.3, 0.3)); } );\n"
+              "motions = ( { wall = \"cup\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = "
+              "4e-4; frequency = "
+              "90; },\n"
+              "{ wall = \"cup\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.4; "
+              "frequency = 4; } );\n"
+              "measure = { disks = true; rotation = (0, 11); sliding = ( { disk = 2; partners = "
+              "[\"cup\", 3]; } ); "
+              "};\n");
 }
 
 /* Disks that drift around a periodic box, and one that is driven around it. */
 static void gas(text *t) {
-  text_add(t, "dt = 1e-4; box = { x = (0, 1); y = (-0.5, 0.5); periodic = \"xy\"; };\n" LAW "disk_rows = (");
+  text_add(t, "dt = 1e-4; box = { x = (0, 1); y = (-0.5, 0.5); periodic = \"xy\"; };\n" LAW
+              "disk_rows = (");
   uint64_t seed = 12;
-  text_add(t, "{ columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); density = 3; rows = (");
-  for (int k = 0; k < 40; k++)
-    text_add(t, "%s(%.4f, %.4f, %.4f, %.4f, %.4f, %.4f)", k ? ", " : "", 0.07 + 0.14 * (k % 7),
-             -0.43 + 0.14 * (k / 7), 0.05 + 0.018 * next_uniform(&seed), 8 * next_uniform(&seed) + 1,
-             8 * next_uniform(&seed) - 4, 400 * next_uniform(&seed) - 200);
   text_add(
       t,
-      "); }, { columns = (\"x\", \"y\", \"radius\"); mass = 1; fixed = true; rows = ((0, 0.42, 0.06)); } );\n"
-      "motions = ( { disk = 40; coordinate = \"x\"; type = \"velocity\"; velocity = 4; } );\n"
-      "measure = { rotation = (0, 3); };\n");
+      "{ columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); density = 3; rows = (");
+  for (int k = 0; k < 40; k++)
+    text_add(t, "%s(%.4f, %.4f, %.4f, %.4f, %.4f, %.4f)", k ? ", " : "", 0.07 + 0.14 * (k % 7),
+             -0.43 + 0.14 * (k / 7), 0.05 + 0.018 * next_uniform(&seed),
+             8 * next_uniform(&seed) + 1, 8 * next_uniform(&seed) - 4,
+             400 * next_uniform(&seed) - 200);
+  text_add(t,
+           "); }, { columns = (\"x\", \"y\", \"radius\"); mass = 1; fixed = true; rows = ((0, "
+           "0.42, 0.06)); } );\n"
+           "motions = ( { disk = 40; coordinate = \"x\"; type = \"velocity\"; velocity = 4; } );\n"
+           "measure = { rotation = (0, 3); };\n");
 }
 
 static void (*const decks[DECKS])(text *t) = {supports, packing, gas};
@@ -70,7 +80,8 @@ static const char *const names[DECKS] = {"supports", "packing", "gas"};
 static sd_model *deck(int d, int integrator) {
   text t = {0};
   text_add(&t,
-           "integrator = \"%s\"; seed = 31; phases = ( { steps = 9000000000000000000; measure = true; } );\n",
+           "integrator = \"%s\"; seed = 31; phases = ( { steps = 9000000000000000000; measure = "
+           "true; } );\n",
            integrator ? "verlet" : "gear5");
   decks[d](&t);
   sd_model *model = model_of(t.s);
@@ -108,11 +119,13 @@ static void move(sd_state *s, const shift *by, int sign) {
   double turn = by->what & TURNS ? sign * by->turn : 0;
   int32_t images = by->what & IMAGES ? sign * by->images : 0;
   for (size_t i = 0; i < s->n_free; i++) s->turn[i] += turn, s->image_x[i] += images;
-  for (size_t k = 0; k < s->n_rotations; k++) s->rotation_start[k] += turn, s->rotation_last[k] += turn;
+  for (size_t k = 0; k < s->n_rotations; k++)
+    s->rotation_start[k] += turn, s->rotation_last[k] += turn;
   for (size_t k = 0; k < s->n_means; k++) s->mean_angle[k] += turn, s->mean_last[k] += turn;
 }
 
-static void compare_angles(const double *a, double *b, size_t n, double tolerance, const char *what) {
+static void compare_angles(const double *a, double *b, size_t n, double tolerance,
+                           const char *what) {
   for (size_t k = 0; k < n; k++) between(b[k] - a[k], -tolerance, tolerance, what);
   if (n > 0) memcpy(b, a, n * sizeof *b);
 }
@@ -121,11 +134,13 @@ static void compare_angles(const double *a, double *b, size_t n, double toleranc
 static void compare_records(const sd_state *a, sd_state *b, double tolerance) {
   compare_angles(a->rotation_start, b->rotation_start, a->n_rotations, tolerance,
                  "angle when measuring began");
-  compare_angles(a->rotation_last, b->rotation_last, a->n_rotations, tolerance, "angle of the last bin");
+  compare_angles(a->rotation_last, b->rotation_last, a->n_rotations, tolerance,
+                 "angle of the last bin");
   compare_angles(a->rotation_bin, b->rotation_bin, a->n_rotations * SD_BINS, 2 * tolerance, "bins");
   compare_angles(a->mean_angle, b->mean_angle, a->n_means, tolerance, "angle when means began");
   compare_angles(a->mean_last, b->mean_last, a->n_means, tolerance, "angle of the means' last bin");
-  compare_angles(a->mean_bin, b->mean_bin, a->n_means * SD_MEAN_BINS, 2 * tolerance, "bins of means");
+  compare_angles(a->mean_bin, b->mean_bin, a->n_means * SD_MEAN_BINS, 2 * tolerance,
+                 "bins of means");
 }
 
 /* Begins, is moved, goes on, is moved back, and is what it would have been. */
@@ -141,7 +156,8 @@ static void go_on_there(int d, int integrator, const shift *by, int threads) {
   assert_int_equal(sd_simulation_resume(model, moved, threads, &other, NULL), SD_OK);
   advance(plain, AFTER);
   advance(other, AFTER);
-  sd_state *a = copy_of(model, sd_simulation_state(plain)), *b = copy_of(model, sd_simulation_state(other));
+  sd_state *a = copy_of(model, sd_simulation_state(plain)),
+           *b = copy_of(model, sd_simulation_state(other));
   assert_int_equal(b->step, BEFORE + AFTER + (by->what & STEPS ? by->steps : 0));
   move(b, by, -1);
   if (by->what & TURNS) compare_records(a, b, fabs(by->turn) * 0x1p-52);
@@ -186,7 +202,8 @@ static void steps_beyond_all_limits(void **unused) {
   const int bits[] = {31, 32, 53, 62};
   for (size_t k = 0; k < sizeof bits / sizeof *bits; k++)
     for (int c = 0; c < 2 * DECKS; c++) {
-      shift by = {STEPS, .steps = (INT64_C(1) << bits[k]) - BEFORE - AFTER / 2, .name = "many steps"};
+      shift by = {STEPS, .steps = (INT64_C(1) << bits[k]) - BEFORE - AFTER / 2,
+                  .name = "many steps"};
       go_on_there(c / 2, c % 2, &by, 1);
     }
 }
@@ -241,11 +258,12 @@ static sd_simulation *far_away(const sd_model *model, int64_t n) {
  * of the periods that have passed. */
 static void signals_stay_in_phase(void **unused) {
   (void)unused;
-  sd_model *model = model_of("dt = 1e-6; steps = 9000000000000000000;\n" LAW
-                             "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
-                             "motions = ( { disk = 0; coordinate = \"x\"; type = \"harmonic\"; amplitude = "
-                             "1; omega = 62.831853071795864; "
-                             "phase = 0.3; } ); measure = { rotation = (); };\n");
+  sd_model *model =
+      model_of("dt = 1e-6; steps = 9000000000000000000;\n" LAW
+               "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
+               "motions = ( { disk = 0; coordinate = \"x\"; type = \"harmonic\"; amplitude = "
+               "1; omega = 62.831853071795864; "
+               "phase = 0.3; } ); measure = { rotation = (); };\n");
   const int bits[] = {20, 31, 33, 40, 50};
   for (size_t k = 0; k < sizeof bits / sizeof *bits; k++) {
     int64_t n = (INT64_C(1) << bits[k]) - 100;
@@ -256,10 +274,12 @@ static void signals_stay_in_phase(void **unused) {
       long double u = sinl(2 * acosl(-1.0L) * wave_turns(n + i));
       worst = fmax(worst, (double)fabsl(u - sd_simulation_state(sim)->x[0]));
     }
-    print_message("  harmonic motion after 2^%d steps (%.3g periods): off by %.2g of its amplitude\n",
-                  bits[k], (double)n * DT * OMEGA / 6.283, worst);
+    print_message(
+        "  harmonic motion after 2^%d steps (%.3g periods): off by %.2g of its amplitude\n",
+        bits[k], (double)n * DT * OMEGA / 6.283, worst);
     double periods = (double)n * DT * OMEGA / (2 * M_PI);
-    between(worst, 0, bits[k] <= 33 ? 1e-14 : M_PI * periods * 0x1p-52, "error of a harmonic motion");
+    between(worst, 0, bits[k] <= 33 ? 1e-14 : M_PI * periods * 0x1p-52,
+            "error of a harmonic motion");
     sd_simulation_free(sim);
   }
   sd_model_free(model);
@@ -268,11 +288,11 @@ static void signals_stay_in_phase(void **unused) {
 /* 3e6 turns of a support, and 3e9: the angle is exact. */
 static void a_support_turns_on(void **unused) {
   (void)unused;
-  sd_model *model = model_of(
-      "dt = 1e-6; steps = 9000000000000000000;\n" LAW
-      "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
-      "motions = ( { disk = 0; coordinate = \"theta\"; type = \"velocity\"; velocity = 9876.54321; } ); "
-      "measure = { rotation = (); };\n");
+  sd_model *model = model_of("dt = 1e-6; steps = 9000000000000000000;\n" LAW
+                             "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
+                             "motions = ( { disk = 0; coordinate = \"theta\"; type = \"velocity\"; "
+                             "velocity = 9876.54321; } ); "
+                             "measure = { rotation = (); };\n");
   const double rate = 9876.54321 * DT;
   const int bits[] = {31, 41};
   for (size_t k = 0; k < sizeof bits / sizeof *bits; k++) {

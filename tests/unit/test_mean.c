@@ -52,10 +52,11 @@ static void error_bars_cover(void **unused) {
   (void)unused;
   enum { SEEDS = 400 };
   const coverage cases[] = {
-      {N, 0, false, 0.95, 1.05, 0.9},   {N, 0, true, 0.95, 1.05, 0.9},     {N, 0.6, true, 0.93, 1.07, 0.9},
-      {N, 0.9, false, 0.93, 1.07, 0.9}, {N, 0.9, true, 0.92, 1.07, 0.9},   {N, 0.97, true, 0.90, 1.1, 0.4},
-      {N, -0.6, true, 0.95, 1.15, 0.9}, {1024, 0.6, true, 0.90, 1.1, 0.9}, {2048, 0.9, false, 0.90, 1.1, 0.9},
-      {256, 0, false, 0.92, 1.08, 0.9},
+      {N, 0, false, 0.95, 1.05, 0.9},     {N, 0, true, 0.95, 1.05, 0.9},
+      {N, 0.6, true, 0.93, 1.07, 0.9},    {N, 0.9, false, 0.93, 1.07, 0.9},
+      {N, 0.9, true, 0.92, 1.07, 0.9},    {N, 0.97, true, 0.90, 1.1, 0.4},
+      {N, -0.6, true, 0.95, 1.15, 0.9},   {1024, 0.6, true, 0.90, 1.1, 0.9},
+      {2048, 0.9, false, 0.90, 1.1, 0.9}, {256, 0, false, 0.92, 1.08, 0.9},
   };
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
   for (size_t c = 0; c < sizeof cases / sizeof *cases; c += BRIEF(1, 4)) {
@@ -72,8 +73,9 @@ static void error_bars_cover(void **unused) {
     }
     sum /= converged, within /= converged;
     double tau = (1 + cases[c].rho) / (1 - cases[c].rho) / 2;
-    print_message("  n %4zu rho %5.2f: error/true %.3f, within one error %.3f, correlation %.2f (%.2f)\n",
-                  cases[c].n, cases[c].rho, sum, within, correlation, tau);
+    print_message(
+        "  n %4zu rho %5.2f: error/true %.3f, within one error %.3f, correlation %.2f (%.2f)\n",
+        cases[c].n, cases[c].rho, sum, within, correlation, tau);
     between(sum, cases[c].low, cases[c].high, "error/true error");
     between(within, 0.60, 0.76, "coverage of one error"); /* 0.683 +- 0.023 from 400 seeds */
     between(correlation / tau, 0.85, 1.3, "correlation time");
@@ -113,8 +115,8 @@ static void error_bars_of_bounded_noise_cover(void **unused) {
       one += (fabs(mean.mean - 5) < mean.error) / (double)SEEDS;
       two += (fabs(mean.mean - 5) < 2 * mean.error) / (double)SEEDS;
     }
-    print_message("  n %4zu tau %2g walk %4g: error/true %.3f, within one error %.3f, two %.3f\n", cases[c].n,
-                  cases[c].tau, cases[c].walk, sum, one, two);
+    print_message("  n %4zu tau %2g walk %4g: error/true %.3f, within one error %.3f, two %.3f\n",
+                  cases[c].n, cases[c].tau, cases[c].walk, sum, one, two);
     between(sum, 0.95, cases[c].high, "error/true error");
     between(one, 0.58, 0.85, "coverage of one error");
     between(two, 0.90, 1, "coverage of two errors");
@@ -140,7 +142,8 @@ static void constant_records_have_no_error(void **unused) {
   for (size_t v = 0; v < 4; v++) {
     for (size_t k = 0; k < N; k++) x[k] = values[v];
     sd_mean mean = sd_mean_of(x, N, true);
-    between(mean.mean / (values[v] == 0 ? 1 : values[v]), values[v] == 0 ? 0 : 1 - 1e-14, 1 + 1e-14, "mean");
+    between(mean.mean / (values[v] == 0 ? 1 : values[v]), values[v] == 0 ? 0 : 1 - 1e-14, 1 + 1e-14,
+            "mean");
     between(mean.error, 0, 0, "error");
     assert_int_equal(mean.discarded, 0);
     assert_true(mean.converged);
@@ -265,8 +268,8 @@ static void slow_transients_are_covered(void **unused) {
       two += fabs(mean.mean - 5) < 2 * mean.error;
       converged += mean.converged;
     }
-    print_message("  %2g exp(-k/%g): of %d within one error %d, two %d, converged %d\n", cases[c].height,
-                  cases[c].time, SEEDS, one, two, converged);
+    print_message("  %2g exp(-k/%g): of %d within one error %d, two %d, converged %d\n",
+                  cases[c].height, cases[c].time, SEEDS, one, two, converged);
     between(one, cases[c].least * SEEDS, SEEDS, "within one error");
     between(two, 0.85 * SEEDS, SEEDS, "within two errors");
     between(converged, 0, cases[c].most_converged * SEEDS, "converged");
@@ -280,8 +283,12 @@ static void rotation_of_a_state(void **unused) {
   (void)unused;
   sd_disk disks[2] = {{.radius = 2}, {.radius = 0.5}};
   uint32_t watched[2] = {1, 0};
-  sd_model model = {
-      .dt = 1e-3, .gravity = {-3, -4}, .n_disks = 2, .disks = disks, .n_rotations = 2, .rotations = watched};
+  sd_model model = {.dt = 1e-3,
+                    .gravity = {-3, -4},
+                    .n_disks = 2,
+                    .disks = disks,
+                    .n_rotations = 2,
+                    .rotations = watched};
   double *bins = calloc(2 * SD_BINS, sizeof *bins), start[2] = {1, 2}, last[2] = {1, 2};
   for (size_t k = 0; k < 1000; k++) {
     bins[k] = 0.25;
@@ -318,8 +325,8 @@ static void rotation_of_a_state(void **unused) {
 }
 
 /* Rotation of a disk whose rate, in bins of unit time, is 3 + height exp(-t/time) + ripple cos(2 pi t/period). */
-static sd_rotation driven(size_t bins, double height, double time, double period, const sd_motion *motions,
-                          size_t n_motions) {
+static sd_rotation driven(size_t bins, double height, double time, double period,
+                          const sd_motion *motions, size_t n_motions) {
   static double record[SD_BINS];
   const double ripple = 5, w = 2 * M_PI / period;
   for (size_t k = 0; k < bins; k++) {
@@ -405,8 +412,8 @@ static void sliding_of_a_state(void **unused) {
   between(s.contact_negative[0] * 136, 26 - 1e-12, 26 + 1e-12, "first contact, negative");
   between(s.contact_negative[1] * 136, 32 - 1e-12, 32 + 1e-12, "second contact, negative");
   for (int c = 0; c < 2; c++)
-    between(s.contact_positive[c] + s.contact_negative[c] + s.contact_stuck[c] + s.contact_open[c], 1 - 1e-12,
-            1 + 1e-12, "all of a contact");
+    between(s.contact_positive[c] + s.contact_negative[c] + s.contact_stuck[c] + s.contact_open[c],
+            1 - 1e-12, 1 + 1e-12, "all of a contact");
 
   state.measured = 0;
   s = sd_slide_of(&model, &state, 0);

@@ -126,13 +126,15 @@ static void rows_are_all_or_none(void **state) {
   assert_true(memory_resize(2, (memory_column[]){{&x, 200, sizeof *x}, {&id, 200, sizeof *id}}));
   assert_true(x[99] == 1.0);
   id[199] = 3;
-  assert_false(memory_resize(2, (memory_column[]){{&x, 300, sizeof *x}, {&id, TOO_MANY, sizeof *id}}));
+  assert_false(
+      memory_resize(2, (memory_column[]){{&x, 300, sizeof *x}, {&id, TOO_MANY, sizeof *id}}));
   assert_true(x[99] == 1.0 && id[199] == 3);
   free(x), free(id);
   for (size_t at = 0; at < 3; at++) {
     memory_column columns[3] = {{&x, 10, sizeof *x}, {&huge, 10, 1}, {&id, 10, sizeof *id}};
     columns[at].n = TOO_MANY;
-    x = (double *)&huge, id = NULL, huge = (char *)&x; /* what stands there before does not matter */
+    x = (double *)&huge, id = NULL,
+    huge = (char *)&x; /* what stands there before does not matter */
     assert_false(memory_rows(3, columns));
     assert_true(!x && !huge && !id);
   }

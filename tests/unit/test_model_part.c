@@ -139,8 +139,9 @@ static void a_damaged_image_is_refused(void **unused) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(all_know_special_disks), cmocka_unit_test(each_free_disk_has_one_rank),
-      cmocka_unit_test(numbers_of_all_disks_are_known), cmocka_unit_test(a_damaged_image_is_refused)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(all_know_special_disks),
+                                     cmocka_unit_test(each_free_disk_has_one_rank),
+                                     cmocka_unit_test(numbers_of_all_disks_are_known),
+                                     cmocka_unit_test(a_damaged_image_is_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,12 +22,14 @@ typedef struct value {
 static sd_model *driven(double theta, const char *moves, const char *phases) {
   text t = {0};
   text_add(&t, "dt = %.17g; materials = ( { name = \"m\"; k_n = 1e3; } );\n", DT);
-  text_add(
-      &t, "disks = ( { name = \"d\"; x = 0; y = 0; theta = %.17g; radius = 1; mass = 1; fixed = true; } );\n",
-      theta);
   text_add(&t,
-           "walls = ( { name = \"line\"; type = \"line\"; pivot = (0, 0); points = ((500, 90), (501, 90)); },"
-           "{ name = \"ring\"; type = \"circle\"; center = (0, 0); radius = 900; side = \"inside\"; } );\n");
+           "disks = ( { name = \"d\"; x = 0; y = 0; theta = %.17g; radius = 1; mass = 1; fixed = "
+           "true; } );\n",
+           theta);
+  text_add(&t, "walls = ( { name = \"line\"; type = \"line\"; pivot = (0, 0); points = ((500, 90), "
+               "(501, 90)); },"
+               "{ name = \"ring\"; type = \"circle\"; center = (0, 0); radius = 900; side = "
+               "\"inside\"; } );\n");
   text_add(&t, "motions = ( %s );\n %s\n", moves, phases);
   sd_model *model = model_of(t.s);
   free(t.s);
@@ -109,20 +111,22 @@ static void signals_follow_their_formulas(void **unused) {
   compare("velocity theta", ON("theta") VELOCITY "}", SD_THETA, 0.3, N, 10, 3.7, 1e-15, velocity);
   /* the phase, in turns of up to 24, is known to 2^-53 times that */
   compare("harmonic y", ON("y") HARMONIC "}", SD_Y, 0, N, 0.125, speed, 3e-14, harmonic);
-  compare("harmonic theta", ON("theta") HARMONIC "}", SD_THETA, 3.9, N, 0.125, speed, 3e-14, harmonic);
+  compare("harmonic theta", ON("theta") HARMONIC "}", SD_THETA, 3.9, N, 0.125, speed, 3e-14,
+          harmonic);
   compare("parabolic x", ON("x") PARABOLIC "}", SD_X, 0, N, 0.125, speed, 3e-14, parabolic);
-  compare("parabolic theta", ON("theta") PARABOLIC "}", SD_THETA, 0, N, 0.125, speed, 3e-14, parabolic);
-  compare("sum of three, y", ON("y") VELOCITY "}," ON("y") HARMONIC "}," ON("y") PARABOLIC "}", SD_Y, 0, N,
-          10, 2.3 * speed, 3e-14, sum);
+  compare("parabolic theta", ON("theta") PARABOLIC "}", SD_THETA, 0, N, 0.125, speed, 3e-14,
+          parabolic);
+  compare("sum of three, y", ON("y") VELOCITY "}," ON("y") HARMONIC "}," ON("y") PARABOLIC "}",
+          SD_Y, 0, N, 10, 2.3 * speed, 3e-14, sum);
   compare("sum of three, theta",
-          ON("theta") VELOCITY "}," ON("theta") HARMONIC "}," ON("theta") PARABOLIC "}", SD_THETA, 0, N, 10,
-          2.3 * speed, 3e-14, sum);
+          ON("theta") VELOCITY "}," ON("theta") HARMONIC "}," ON("theta") PARABOLIC "}", SD_THETA,
+          0, N, 10, 2.3 * speed, 3e-14, sum);
   compare("ramped harmonic x", ON("x") HARMONIC "ramp = 0.5; }", SD_X, 0, N, 0.125, speed, 3e-14,
           ramped_harmonic);
-  compare("ramped velocity theta", ON("theta") VELOCITY "ramp = 0.5; }", SD_THETA, 0, N, 10, 3.7, 1e-15,
-          ramped_velocity);
-  compare("ramped and not", ON("theta") VELOCITY "ramp = 0.5; }," ON("theta") HARMONIC "}", SD_THETA, 0, N,
-          10, speed, 3e-14, ramped_sum);
+  compare("ramped velocity theta", ON("theta") VELOCITY "ramp = 0.5; }", SD_THETA, 0, N, 10, 3.7,
+          1e-15, ramped_velocity);
+  compare("ramped and not", ON("theta") VELOCITY "ramp = 0.5; }," ON("theta") HARMONIC "}",
+          SD_THETA, 0, N, 10, speed, 3e-14, ramped_sum);
 }
 
 /* Of every smooth signal: u' against the difference of u of sixth order, over the ends of ramps, batches and
@@ -133,9 +137,11 @@ static void velocity_is_the_derivative(void **unused) {
       ON("x") HARMONIC "}",
       ON("x") HARMONIC "ramp = 0.3; }",
       ON("x") VELOCITY "ramp = 0.7; }," ON("x") HARMONIC "ramp = 0.1; }",
-      ON("theta") "type = \"table\"; times = (0, 0.1, 0.25, 0.3, 1.2); values = (0, 1, -1, 2, 1.5); factor = "
+      ON("theta") "type = \"table\"; times = (0, 0.1, 0.25, 0.3, 1.2); values = (0, 1, -1, 2, "
+                  "1.5); factor = "
                   "0.3; }",
-      ON("theta") "type = \"table\"; times = (0, 0.1, 0.25, 0.3); values = (1, 1.2, -1, 1); periodic = true; "
+      ON("theta") "type = \"table\"; times = (0, 0.1, 0.25, 0.3); values = (1, 1.2, -1, 1); "
+                  "periodic = true; "
                   "ramp = 0.2; }",
       ON("x") "type = \"random\"; amplitude = 0.1; omega = 10; interval = 128; ramp = 0.5; }",
   };
@@ -154,8 +160,8 @@ static void velocity_is_the_derivative(void **unused) {
       speed = fmax(speed, fabs(v[k]));
     }
     for (int k = 3; k + 3 < N; k++) {
-      double d6 =
-          (45 * (u[k + 1] - u[k - 1]) - 9 * (u[k + 2] - u[k - 2]) + (u[k + 3] - u[k - 3])) / (60 * DT);
+      double d6 = (45 * (u[k + 1] - u[k - 1]) - 9 * (u[k + 2] - u[k - 2]) + (u[k + 3] - u[k - 3])) /
+                  (60 * DT);
       double error = fabs(d6 - v[k]) / speed;
       jump = fmax(jump, fabs(v[k + 1] - v[k]) / speed);
       if (error > 3e-10) /* within three steps of a knot */
@@ -164,9 +170,9 @@ static void velocity_is_the_derivative(void **unused) {
         worst = fmax(worst, error);
       between(error, 0, d < 5 ? 1e-4 : 0.01, "u' against the difference of u, next to a knot");
     }
-    print_message(
-        "  signal %zu: u' off by %.2g of the largest, %d steps next to knots, largest change %.3g\n", d,
-        worst, rough, jump);
+    print_message("  signal %zu: u' off by %.2g of the largest, %d steps next to knots, largest "
+                  "change %.3g\n",
+                  d, worst, rough, jump);
     between(rough, 0,
             d < 2    ? 6
             : d == 2 ? 12
@@ -192,9 +198,11 @@ static value natural_spline(long double t) {
   if (t < knot_t[0]) return (value){knot_u[0], 0};
   if (t > knot_t[KNOTS - 1]) return (value){knot_u[KNOTS - 1], 0};
   for (int k = 1; k < KNOTS - 1; k++) {
-    long double a = (long double)knot_t[k] - knot_t[k - 1], b = (long double)knot_t[k + 1] - knot_t[k];
+    long double a = (long double)knot_t[k] - knot_t[k - 1],
+                b = (long double)knot_t[k + 1] - knot_t[k];
     d[k] = 2 * (a + b);
-    r[k] = 6 * (((long double)knot_u[k + 1] - knot_u[k]) / b - ((long double)knot_u[k] - knot_u[k - 1]) / a);
+    r[k] = 6 * (((long double)knot_u[k + 1] - knot_u[k]) / b -
+                ((long double)knot_u[k] - knot_u[k - 1]) / a);
     if (k > 1) {
       d[k] -= a * a / d[k - 1];
       r[k] -= a * r[k - 1] / d[k - 1];
@@ -205,15 +213,16 @@ static value natural_spline(long double t) {
   int k = 0;
   while (k < KNOTS - 2 && t > knot_t[k + 1]) k++;
   long double h = (long double)knot_t[k + 1] - knot_t[k], x = (t - knot_t[k]) / h, y = 1 - x;
-  long double u =
-      y * knot_u[k] + x * knot_u[k + 1] + h * h / 6 * ((y * y * y - y) * m[k] + (x * x * x - x) * m[k + 1]);
+  long double u = y * knot_u[k] + x * knot_u[k + 1] +
+                  h * h / 6 * ((y * y * y - y) * m[k] + (x * x * x - x) * m[k + 1]);
   long double v = ((long double)knot_u[k + 1] - knot_u[k]) / h +
                   h / 6 * ((3 * x * x - 1) * m[k + 1] - (3 * y * y - 1) * m[k]);
   return (value){u, v};
 }
 
-#define TABLE                                                                                                \
-  "type = \"table\"; times = (0.1, 0.35, 0.5, 0.9, 1.0, 1.4); values = (0.2, 1, -0.5, 0.3, 0.4, -1);"
+#define TABLE                                                                                      \
+  "type = \"table\"; times = (0.1, 0.35, 0.5, 0.9, 1.0, 1.4); values = (0.2, 1, -0.5, 0.3, 0.4, "  \
+  "-1);"
 
 static void tables_are_natural_splines(void **unused) {
   (void)unused;
@@ -268,8 +277,8 @@ static void angles_stay_exact_beyond_1e4_rad(void **unused) {
       for (size_t i = 0; i < 3; i++) {
         /* in two parts, since an angle of this size leaves 1e-15 of a long double */
         double per_step = rates[r] * DT, high = (float)per_step;
-        long double exact =
-            ((long double)high * (1000 * k) - s->turn[i]) + (long double)(per_step - high) * (1000 * k);
+        long double exact = ((long double)high * (1000 * k) - s->turn[i]) +
+                            (long double)(per_step - high) * (1000 * k);
         worst = fmax(worst, (double)fabsl(exact + (i == 0 ? 0.3 : 0.0) - s->theta[i]));
         range = fmax(range, fabs(s->theta[i]));
         most = fmax(most, fabs(s->turn[i]));
@@ -296,10 +305,10 @@ static void phases_switch_motions(void **unused) {
     text t = {0};
     text_add(&t, "{ name = \"a\"; " BODIES " coordinate = \"%s\"; " HARMONIC " },", coordinates[c]);
     text_add(&t, "{ name = \"b\"; " BODIES " coordinate = \"%s\"; " VELOCITY " }", coordinates[c]);
-    sd_model *model =
-        driven(0, t.s,
-               "phases = ( { steps = 1000; motions = [\"a\"]; }, { steps = 777; motions = []; },"
-               "{ steps = 900; }, { steps = 500; motions = [\"b\"]; }, { steps = 100; motions = []; } );");
+    sd_model *model = driven(
+        0, t.s,
+        "phases = ( { steps = 1000; motions = [\"a\"]; }, { steps = 777; motions = []; },"
+        "{ steps = 900; }, { steps = 500; motions = [\"b\"]; }, { steps = 100; motions = []; } );");
     sd_simulation *sim = begin_run(model, 1);
     int coordinate = c ? SD_THETA : SD_X;
     value at = {0, 0}, before = {0, 0};
@@ -316,7 +325,8 @@ static void phases_switch_motions(void **unused) {
         expected = (value){first + harmonic(s).u + velocity(s).u, harmonic(s).v + velocity(s).v};
       } else { /* a is left where it was after 900 steps, b goes on */
         long double s = (k < 3177 ? k - 1777 : 3177 - 1777) * (long double)DT;
-        expected = (value){first + harmonic(900 * (long double)DT).u + velocity(s).u, k < 3177 ? 3.7L : 0};
+        expected =
+            (value){first + harmonic(900 * (long double)DT).u + velocity(s).u, k < 3177 ? 3.7L : 0};
       }
       for (size_t i = 0; i < 3; i++) {
         at = measured(engine_of(sim)->state, i, coordinate);
@@ -339,12 +349,13 @@ static void phases_switch_motions(void **unused) {
 static void motions_go_on_over_phases(void **unused) {
   (void)unused;
   const char *moves = ON("x") HARMONIC "ramp = 0.2; }," ON("theta") VELOCITY "}," ON("y") TABLE
-      "}," ON("y") "type = \"random\"; amplitude = 0.1; omega = 3; interval = 7; independent = true; }," ON(
-          "x") "type = \"random\"; amplitude = 0.1; omega = 3; }";
+      "}," ON("y") "type = \"random\"; amplitude = 0.1; omega = 3; interval = 7; independent = "
+                   "true; }," ON("x") "type = \"random\"; amplitude = 0.1; omega = 3; }";
   sd_model *one = driven(0, moves, "steps = 4000;");
-  sd_model *many = driven(0, moves,
-                          "phases = ( { steps = 1; }, { steps = 62; }, { steps = 64; }, { steps = 1000; },"
-                          "{ steps = 1; }, { steps = 2872; } );");
+  sd_model *many =
+      driven(0, moves,
+             "phases = ( { steps = 1; }, { steps = 62; }, { steps = 64; }, { steps = 1000; },"
+             "{ steps = 1; }, { steps = 2872; } );");
   sd_simulation *a = begin_run(one, 1), *b = begin_run(many, 1);
   for (int k = 0; k < 4000; k++) {
     advance(a, 1);
@@ -366,7 +377,8 @@ static void motions_go_on_over_phases(void **unused) {
 static sd_model *three_free(const char *integrator, const char *first, const char *moves) {
   text t = {0};
   text_add(&t, "dt = 1e-4; integrator = \"%s\"; gravity = { g = 10; };\n", integrator);
-  text_add(&t, "materials = ( { name = \"m\"; k_n = 1e4; k_t = 1e4; gamma_n = 20; mu = 0.3; } );\n");
+  text_add(&t,
+           "materials = ( { name = \"m\"; k_n = 1e4; k_t = 1e4; gamma_n = 20; mu = 0.3; } );\n");
   text_add(&t, "disks = ( { name = \"wheel\"; radius = 0.5; mass = 2; %s } );\n", first);
   text_add(&t, "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); } );\n");
   text_add(&t, "motions = ( %s ); steps = 100000;\n", moves);
@@ -380,7 +392,8 @@ static void a_driven_wheel_pulls_itself_along(void **unused) {
   (void)unused;
   const char *names[] = {"gear5", "verlet"};
   for (int k = 0; k < 2; k++) {
-    const char *spin = "{ disk = \"wheel\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 4; }";
+    const char *spin =
+        "{ disk = \"wheel\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 4; }";
     sd_model *model = three_free(names[k], "x = 0; y = 5; vx = 1;", spin);
     sd_simulation *sim = begin_run(model, 1);
     advance(sim, 5000);
@@ -415,8 +428,8 @@ static void locks_and_forces_hold(void **unused) {
   (void)unused;
   const char *names[] = {"gear5", "verlet"};
   for (int k = 0; k < 2; k++) {
-    sd_model *model =
-        three_free(names[k], "x = 0.3; y = 5; force = (3, 20); torque = 0.5; locked = [\"x\"];", "");
+    sd_model *model = three_free(
+        names[k], "x = 0.3; y = 5; force = (3, 20); torque = 0.5; locked = [\"x\"];", "");
     sd_simulation *sim = begin_run(model, 1);
     advance(sim, 10000);
     const sd_state *s = engine_of(sim)->state;
@@ -429,10 +442,12 @@ static void locks_and_forces_hold(void **unused) {
 
     model = three_free(names[k], "x = 0.3; y = 0.49; vx = 2; locked = [\"y\", \"theta\"];", "");
     sim = begin_run(model, 1);
-    advance(sim,
-            1000); /* pressed by k_n 0.01 = 100, mu = 0.3: the skin yields at 30, then 15 of deceleration */
+    advance(
+        sim,
+        1000); /* pressed by k_n 0.01 = 100, mu = 0.3: the skin yields at 30, then 15 of deceleration */
     s = engine_of(sim)->state;
-    double w = sqrt(1e4 / 2), yield = asin(0.003 * w / 2) / w, v = 2 * cos(w * yield) - 15 * (0.1 - yield);
+    double w = sqrt(1e4 / 2), yield = asin(0.003 * w / 2) / w,
+           v = 2 * cos(w * yield) - 15 * (0.1 - yield);
     assert_true(s->y[0] == 0.49 && s->theta[0] == 0.0 && s->omega[0] == 0.0);
     between(s->vx[0], v - 2e-4, v + 2e-4, "speed of a locked disk that slides");
     sd_simulation_free(sim);
@@ -448,14 +463,21 @@ static void a_floor_may_leave_its_periodic_box(void **unused) {
   const double speeds[] = {1.0, -1.0, 1.0};
   for (int c = 0; c < 3; c++) {
     text t = {0};
-    text_add(&t, "dt = 1e-4; gravity = { g = 10; }; box = { x = (0, 1); y = (-3, 3); periodic = \"%s\"; };\n",
-             c < 2 ? "x" : "xy");
-    text_add(&t, "materials = ( { name = \"m\"; k_n = 1e4; k_t = 1e4; gamma_n = 20; mu = 0.3; } );\n");
-    text_add(&t, "disks = ( { x = 0.3; y = 0.099; vx = %g; radius = 0.1; mass = 1; } );\n", speeds[c]);
-    text_add(&t, "walls = ( { name = \"floor\"; type = \"line\"; pivot = (0.25, 0); points = ((0, 0), (1, "
-                 "0)); } );\n");
     text_add(&t,
-             "motions = ( { wall = \"floor\"; coordinate = \"x\"; type = \"velocity\"; velocity = %g; } ); "
+             "dt = 1e-4; gravity = { g = 10; }; box = { x = (0, 1); y = (-3, 3); periodic = "
+             "\"%s\"; };\n",
+             c < 2 ? "x" : "xy");
+    text_add(&t,
+             "materials = ( { name = \"m\"; k_n = 1e4; k_t = 1e4; gamma_n = 20; mu = 0.3; } );\n");
+    text_add(&t, "disks = ( { x = 0.3; y = 0.099; vx = %g; radius = 0.1; mass = 1; } );\n",
+             speeds[c]);
+    text_add(
+        &t,
+        "walls = ( { name = \"floor\"; type = \"line\"; pivot = (0.25, 0); points = ((0, 0), (1, "
+        "0)); } );\n");
+    text_add(&t,
+             "motions = ( { wall = \"floor\"; coordinate = \"x\"; type = \"velocity\"; velocity = "
+             "%g; } ); "
              "steps = 100000;\n",
              speeds[c]);
     sd_model *model = model_of(t.s);
@@ -479,7 +501,8 @@ static void a_floor_may_leave_its_periodic_box(void **unused) {
 /* --- elasto-plastic oscillator ---------------------------------------------------------------------------- */
 
 /* x of the block of a deck that ships, at the end of every period of the shaking from the first one on. */
-static void oscillate(const char *path, size_t n, const char *const *overrides, int periods, double *x) {
+static void oscillate(const char *path, size_t n, const char *const *overrides, int periods,
+                      double *x) {
   sd_model *model = NULL;
   assert_int_equal(sd_deck_load(path, n, overrides, &model, NULL), SD_OK);
   sd_simulation *sim = begin_run(model, 1);
@@ -527,7 +550,8 @@ static void unequal_limits_drift(void **unused) {
   const char *mirror[] = {LONGER, "motions.shake.amplitude=-0.01", "disks.block.force=(-0.02, 0)"};
   oscillate(EPO "asymmetric.cfg", 3, mirror, PERIODS, x);
   oscillate(EPO "asymmetric.cfg", 5, mirror, PERIODS, mirrored);
-  double drift = (x[PERIODS] - x[PERIODS - LAST]) / LAST / 0.1, limit = 0.01 * 20 * M_PI * cos(0.4 * M_PI);
+  double drift = (x[PERIODS] - x[PERIODS - LAST]) / LAST / 0.1,
+         limit = 0.01 * 20 * M_PI * cos(0.4 * M_PI);
   print_message("  unequal limits: drift %.6f, limit of strong shaking %.6f\n", drift, limit);
   if (BRIEF(1, 0)) between(drift / limit, 0.98, 1.02, "drift/its limit");
   is_mirrored(x, mirrored);

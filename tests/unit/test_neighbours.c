@@ -17,14 +17,17 @@ static void add_long_walls(text *t, double w, double h) {
   enum { TEETH = 90, PEGS = 12 };
   text_add(t, ", { type = \"polyline\"; points = (");
   for (int k = 0; k < TEETH; k++)
-    text_add(t, "%s(%.6g, %.6g)", k ? ", " : "", -0.5 + 1.3 * w * k / TEETH, 2 + h * (0.3 + 0.02 * (k % 3)));
+    text_add(t, "%s(%.6g, %.6g)", k ? ", " : "", -0.5 + 1.3 * w * k / TEETH,
+             2 + h * (0.3 + 0.02 * (k % 3)));
   text_add(t, "); }, { type = \"polyline\"; closed = true; points = (");
   for (int k = 0; k < TEETH; k++)
-    text_add(t, "%s(%.6g, %.6g)", k ? ", " : "", (0.3 + 0.4 * (k % 2)) * w * cos(0.0698 * k) + 0.4 * w - 0.3,
+    text_add(t, "%s(%.6g, %.6g)", k ? ", " : "",
+             (0.3 + 0.4 * (k % 2)) * w * cos(0.0698 * k) + 0.4 * w - 0.3,
              2 + h * (0.5 + (0.3 + 0.4 * (k % 2)) * sin(0.0698 * k)));
   text_add(t, "); }");
   for (int k = 0; k < PEGS; k++)
-    text_add(t, ", { type = \"circle\"; center = (%.6g, %.6g); radius = %.6g; side = \"outside\"; }",
+    text_add(t,
+             ", { type = \"circle\"; center = (%.6g, %.6g); radius = %.6g; side = \"outside\"; }",
              w * k / PEGS - 0.3, 2 + 0.7 * h, 0.002 * (k + 1));
 }
 
@@ -33,20 +36,24 @@ static void add_long_walls(text *t, double w, double h) {
 static sd_model *scattered(int n, double w, double h, double spread, int periodic, bool walls,
                            uint64_t seed) {
   text t = {0};
-  text_add(&t, "dt = 1e-4; skin = 0.01; materials = ( { name = \"m\"; k_n = 1; k_t = 1; gamma_n = 0.1; mu = "
-               "0.5; } ); steps = 1000;\n"
-               "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"fixed\"); mass = 1; rows = (");
+  text_add(
+      &t,
+      "dt = 1e-4; skin = 0.01; materials = ( { name = \"m\"; k_n = 1; k_t = 1; gamma_n = 0.1; mu = "
+      "0.5; } ); steps = 1000;\n"
+      "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"fixed\"); mass = 1; rows = (");
   for (int k = 0; k < n; k++)
-    text_add(&t, "%s(%d, 9999, %.6g, %s)", k ? ", " : "", 4 * k, 0.016 * pow(spread, next_uniform(&seed)),
-             k % 5 == 4 ? "true" : "false");
+    text_add(&t, "%s(%d, 9999, %.6g, %s)", k ? ", " : "", 4 * k,
+             0.016 * pow(spread, next_uniform(&seed)), k % 5 == 4 ? "true" : "false");
   text_add(&t, "); } );\n");
   if (walls)
-    text_add(&t, "walls = ( { type = \"line\"; points = ((0, 2.1), (1, 2.3)); }, { type = \"segment\"; "
-                 "points = ((0, 2.5), (0.3, 2.4)); },\n"
-                 "{ type = \"polyline\"; closed = true; points = ((0.1, 2.1), (0.5, 2.2), (0.4, 2.6), (0.2, "
-                 "2.3)); },\n"
-                 "{ type = \"circle\"; center = (0.2, 2.4); radius = 0.2; side = \"outside\"; },\n"
-                 "{ type = \"circle\"; center = (0.2, 2.4); radius = 0.45; side = \"outside\"; }");
+    text_add(
+        &t,
+        "walls = ( { type = \"line\"; points = ((0, 2.1), (1, 2.3)); }, { type = \"segment\"; "
+        "points = ((0, 2.5), (0.3, 2.4)); },\n"
+        "{ type = \"polyline\"; closed = true; points = ((0.1, 2.1), (0.5, 2.2), (0.4, 2.6), (0.2, "
+        "2.3)); },\n"
+        "{ type = \"circle\"; center = (0.2, 2.4); radius = 0.2; side = \"outside\"; },\n"
+        "{ type = \"circle\"; center = (0.2, 2.4); radius = 0.45; side = \"outside\"; }");
   if (walls && spread > 10.0) add_long_walls(&t, w, h);
   if (walls) text_add(&t, " );\n");
   sd_model *m = model_of(t.s);
@@ -96,14 +103,16 @@ static size_t check_lists(sd_simulation *sim) {
   size_t expected = 0;
   for (uint32_t i = 0; i < s->n_free; i++) {
     for (uint32_t j = i + 1; j < s->n_disks; j++) {
-      double d = hypot(shortest(s->x[j] - s->x[i], w->length[0]), shortest(s->y[j] - s->y[i], w->length[1]));
+      double d = hypot(shortest(s->x[j] - s->x[i], w->length[0]),
+                       shortest(s->y[j] - s->y[i], w->length[1]));
       bool near = d < s->radius[i] + s->radius[j] + w->skin;
       assert_int_equal(listed(e, i, j, 0, true), near);
       expected += near;
     }
     for (uint32_t b = (uint32_t)s->n_disks; b < s->n_bodies; b++) {
       if (s->radius[b] == 0.0) continue;
-      double d = hypot(shortest(s->x[b] - s->x[i], w->length[0]), shortest(s->y[b] - s->y[i], w->length[1]));
+      double d = hypot(shortest(s->x[b] - s->x[i], w->length[0]),
+                       shortest(s->y[b] - s->y[i], w->length[1]));
       bool near = s->radius[b] > 0 ? d < s->radius[i] + s->radius[b] + w->skin
                                    : d + s->radius[i] + w->skin > -s->radius[b];
       assert_int_equal(listed(e, i, b, 0, true), near);
@@ -117,7 +126,8 @@ static size_t check_lists(sd_simulation *sim) {
   }
   const pairs *p = &w->pairs;
   assert_int_equal(p->n_round + p->count - p->first_segment, expected);
-  for (size_t k = p->n_round; k < p->first_segment; k++) assert_true(p->a[k] == -1 && p->b[k] == -1);
+  for (size_t k = p->n_round; k < p->first_segment; k++)
+    assert_true(p->a[k] == -1 && p->b[k] == -1);
   /* each pair stands once with each of its bodies */
   size_t *seen = calloc(2 * p->count + 1, sizeof *seen);
   for (uint32_t b = 0; b < s->n_bodies; b++)
@@ -138,8 +148,8 @@ static void lists_equal_brute_force(void **unused) {
   size_t total = 0;
   for (int c = 0; c < 4 * 6 * 4 * 2; c++) {
     const double *shape = shapes[c / 4 % 6];
-    sd_model *model =
-        scattered(sizes[c / 24 % 4], shape[0], shape[1], 1 + c % 3, c % 4, c >= 96, 100 + (uint64_t)c);
+    sd_model *model = scattered(sizes[c / 24 % 4], shape[0], shape[1], 1 + c % 3, c % 4, c >= 96,
+                                100 + (uint64_t)c);
     sd_simulation *sim = begin_run(model, 1);
     total += check_lists(sim);
     sd_simulation_free(sim);
@@ -158,7 +168,8 @@ static void lists_of_all_sizes_equal_brute_force(void **unused) {
   for (int c = 0; c < 5 * 4 * 2 * 3; c++) {
     const double *shape = shapes[c % 5];
     const int kind = c / 40; /* 0: two decades; 1: a large free disk; 2: a large prescribed one */
-    sd_model *model = scattered(150, shape[0], shape[1], 100, c / 5 % 4, c / 20 % 2, 7000 + (uint64_t)c);
+    sd_model *model =
+        scattered(150, shape[0], shape[1], 100, c / 5 % 4, c / 20 % 2, 7000 + (uint64_t)c);
     for (size_t k = 0; kind > 0 && k < model->n_disks; k++) {
       const bool large = k == (kind == 1 ? 3 : 4);
       model->disks[k].radius = large ? 1.6 : 0.016 + 0.0001 * (double)(k % 50);
@@ -258,10 +269,13 @@ static uint64_t jump(double skin, bool gear, int64_t *builds, double *dropped) {
       "disks = ( { x = 0; y = 0; radius = 1; mass = 1; vx = 0.3; vy = 0.1; omega = 0.4; },\n"
       "{ name = \"a\"; x = 1.98; y = 0; radius = 1; mass = 1; fixed = true; },\n"
       "{ name = \"b\"; x = 0; y = 1.98; radius = 1; mass = 1; fixed = true; },\n"
-      "{ x = 0; y = 10; radius = 1; mass = 1; vx = -0.2; }, { x = 10; y = 0; radius = 1; mass = 1; } );\n"
-      "walls = ( { name = \"c\"; type = \"circle\"; side = \"outside\"; center = (0, 7.02); radius = 2; },\n"
+      "{ x = 0; y = 10; radius = 1; mass = 1; vx = -0.2; }, { x = 10; y = 0; radius = 1; mass = 1; "
+      "} );\n"
+      "walls = ( { name = \"c\"; type = \"circle\"; side = \"outside\"; center = (0, 7.02); radius "
+      "= 2; },\n"
       "{ name = \"d\"; type = \"segment\"; points = ((9, -0.99), (11, -0.98)); } );\n"
-      "motions = ( { disk = (\"a\", \"b\"); coordinate = \"y\"; type = \"velocity\"; velocity = -30000; },\n"
+      "motions = ( { disk = (\"a\", \"b\"); coordinate = \"y\"; type = \"velocity\"; velocity = "
+      "-30000; },\n"
       "{ wall = (\"c\", \"d\"); coordinate = \"y\"; type = \"velocity\"; velocity = -30000; } );\n"
       "phases = ( { steps = 5; motions = []; }, { steps = 5; } );\n",
       gear ? "gear5" : "verlet", skin);

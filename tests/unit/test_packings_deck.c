@@ -38,7 +38,8 @@ static void check_points(const sd_model *m, const char *name, size_t n, const do
     for (int c = 0; c < 2; c++) near_to(wall->points[k][c], points[k][c], name);
 }
 
-static void check_region(const sd_model *m, double x0, double x1, double y0, double y1, bool px, bool py) {
+static void check_region(const sd_model *m, double x0, double x1, double y0, double y1, bool px,
+                         bool py) {
   near_to(m->region_lower[0], x0, "region");
   near_to(m->region_upper[0], x1, "region");
   near_to(m->region_lower[1], y0, "region");
@@ -53,8 +54,9 @@ static void check_region(const sd_model *m, double x0, double x1, double y0, dou
 static void test_box(void **state) {
   (void)state;
   sd_model *m =
-      good(HEAD ONE "container = { type = \"box\"; width = 10; height = 8; origin = (5, 1); open = false; };"
-                    "walls = ( { name = \"peg\"; type = \"segment\"; points = ((4, 5), (6, 5)); } );");
+      good(HEAD ONE
+           "container = { type = \"box\"; width = 10; height = 8; origin = (5, 1); open = false; };"
+           "walls = ( { name = \"peg\"; type = \"segment\"; points = ((4, 5), (6, 5)); } );");
   assert_int_equal(m->container, SD_CONTAINER_BOX);
   assert_int_equal(m->n_walls, 5);
   assert_string_equal(m->walls[0].name, "peg");
@@ -74,9 +76,9 @@ static void test_box(void **state) {
 /* Motions find the walls of a container and the disks of a bed. */
 static void test_bed_and_channel(void **state) {
   (void)state;
-  sd_model *m = good(
-      HEAD ONE "container = { type = \"channel\"; width = 10; height = 8; };"
-               "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"velocity\"; velocity = 1; } );");
+  sd_model *m = good(HEAD ONE "container = { type = \"channel\"; width = 10; height = 8; };"
+                              "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = "
+                              "\"velocity\"; velocity = 1; } );");
   check_region(m, -5, 5, 0, 8, true, false);
   assert_int_equal(m->n_walls, 1);
   assert_int_equal(m->motions[0].bodies[0], m->n_disks);
@@ -84,7 +86,8 @@ static void test_bed_and_channel(void **state) {
   m = good(HEAD ONE
            "container = { type = \"bed\"; width = 10; height = 8; radius = 0.3; spacing = 0.7; };"
            "disks = ( { x = 0; y = 4; radius = 0.3; mass = 1; } );"
-           "motions = ( { group = \"floor\"; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );");
+           "motions = ( { group = \"floor\"; coordinate = \"x\"; type = \"velocity\"; velocity = "
+           "1; } );");
   check_region(m, -5, 5, 0, 8, true, false);
   assert_int_equal(m->n_walls, 0);
   assert_int_equal(m->n_disks, 1 + 14 + 1); /* 10/0.7 = 14.3 */
@@ -103,15 +106,17 @@ static void test_bed_and_channel(void **state) {
 
 static void test_hopper(void **state) {
   (void)state;
-  sd_model *m = good(HEAD ONE "container = { type = \"hopper\"; width = 10; height = 12; outlet = 2; "
-                              "angle = \"pi/4\"; origin = (1, 3); };");
+  sd_model *m =
+      good(HEAD ONE "container = { type = \"hopper\"; width = 10; height = 12; outlet = 2; "
+                    "angle = \"pi/4\"; origin = (1, 3); };");
   check_region(m, -4, 6, 3, 15, false, false);
   check_points(m, "left", 3, (const double[3][2]){{-4, 15}, {-4, 7}, {0, 3}});
   check_points(m, "right", 3, (const double[3][2]){{6, 15}, {6, 7}, {2, 3}});
   /* the site at the lower left corner lies outside */
   assert_true(fabs(m->disks[0].position[0] - 1) < 1);
   sd_model_free(m);
-  m = good(HEAD ONE "container = { type = \"hopper\"; width = 10; height = 12; outlet = 2; angle = 0; };");
+  m = good(HEAD ONE
+           "container = { type = \"hopper\"; width = 10; height = 12; outlet = 2; angle = 0; };");
   check_points(m, "left", 3, (const double[3][2]){{-5, 12}, {-5, 0}, {-1, 0}});
   sd_model_free(m);
 }
@@ -124,7 +129,8 @@ static void test_drum_and_periodic(void **state) {
   assert_true(drum->kind == SD_WALL_CIRCLE && drum->inside && drum->radius == 4);
   assert_true(drum->pivot[0] == 1 && drum->pivot[1] == 2);
   sd_model_free(m);
-  m = good(HEAD ONE "container = { type = \"periodic\"; width = 10; height = 8; origin = (1, 2); };");
+  m = good(HEAD ONE
+           "container = { type = \"periodic\"; width = 10; height = 8; origin = (1, 2); };");
   check_region(m, 1, 11, 2, 10, true, true);
   assert_int_equal(m->n_walls, 0);
   sd_model_free(m);
@@ -133,12 +139,14 @@ static void test_drum_and_periodic(void **state) {
 /* Of two materials the container must name one. */
 static void test_container_material(void **state) {
   (void)state;
-#define TWO                                                                                                  \
-  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; }, { name = \"w\"; k_n = 10; } );"         \
-  "material_pairs = ( { materials = (\"m\", \"w\"); k_n = 5; } );"                                           \
+#define TWO                                                                                        \
+  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; }, { name = \"w\"; k_n = 10; } " \
+  ");"                                                                                             \
+  "material_pairs = ( { materials = (\"m\", \"w\"); k_n = 5; } );"                                 \
   "packings = ( { type = \"square\"; count = 1; material = \"m\"; " MONO " } );"
   refused(TWO BOX, "container.material: missing: expected the name of a material");
-  sd_model *m = good(TWO "container = { type = \"box\"; width = 10; height = 8; material = \"w\"; };");
+  sd_model *m =
+      good(TWO "container = { type = \"box\"; width = 10; height = 8; material = \"w\"; };");
   assert_int_equal(wall_of(m, "left")->material, 1);
   assert_int_equal(m->disks[0].material, 0);
   sd_model_free(m);
@@ -160,12 +168,14 @@ static void check_clear(const sd_model *m) {
         d[c] = fabs(a->position[c] - b->position[c]);
         if (m->periodic[c]) d[c] = fmin(d[c], length - d[c]);
       }
-      if (hypot(d[0], d[1]) < (a->radius + b->radius) * (1 - 1e-9)) fail_msg("disks %zu, %zu overlap", i, j);
+      if (hypot(d[0], d[1]) < (a->radius + b->radius) * (1 - 1e-9))
+        fail_msg("disks %zu, %zu overlap", i, j);
     }
     for (size_t w = 0; w < m->n_walls && !a->waiting; w++) {
       const sd_wall *wall = &m->walls[w];
       double x = a->position[0], y = a->position[1], gap = HUGE_VAL;
-      if (wall->kind == SD_WALL_CIRCLE) gap = wall->radius - hypot(x - wall->pivot[0], y - wall->pivot[1]);
+      if (wall->kind == SD_WALL_CIRCLE)
+        gap = wall->radius - hypot(x - wall->pivot[0], y - wall->pivot[1]);
       if (wall->kind == SD_WALL_CIRCLE && !wall->inside) gap = -gap;
       for (size_t k = 0; k + 1 < wall->n_points; k++) {
         const double *p = wall->points[k], *q = wall->points[k + 1];
@@ -187,7 +197,7 @@ static double area_of(const sd_model *m) {
 }
 
 #define LIST "sizes = \"list\"; radii = (0.2, 0.28); density = 2;"
-#define HOPPER                                                                                               \
+#define HOPPER                                                                                     \
   "container = { type = \"hopper\"; width = 10; height = 12; outlet = 2; angle = \"45 deg\"; };\n"
 #define BED "container = { type = \"bed\"; width = 10; height = 8; radius = 0.3; };\n"
 #define CHANNEL "container = { type = \"channel\"; width = 10; height = 8; };\n"
@@ -205,8 +215,8 @@ static void test_all_types(void **state) {
       char text[1024];
       bool rain = k == 4;
       if (rain && c == 5) continue;
-      snprintf(text, sizeof text, HEAD "%s packings = ( { %s group = \"g\"; " LIST " } );", containers[c],
-               types[k]);
+      snprintf(text, sizeof text, HEAD "%s packings = ( { %s group = \"g\"; " LIST " } );",
+               containers[c], types[k]);
       if (rain && c != 4) *strstr(strstr(text, "y = ("), "-3") = ' '; /* y from 3 */
       sd_model *m = good(text);
       check_clear(m);
@@ -238,17 +248,20 @@ static void test_fraction(void **state) {
   } row[] = {{BOX, 80}, {HOPPER, 10 * 12 - 16}, {DRUM, M_PI * 25}, {PERIODIC, 80}};
   for (size_t k = 0; k < 4; k++) {
     char text[1024];
-    snprintf(text, sizeof text, HEAD "%s packings = ( { type = \"random\"; fraction = 0.4; " LIST " } );",
+    snprintf(text, sizeof text,
+             HEAD "%s packings = ( { type = \"random\"; fraction = 0.4; " LIST " } );",
              row[k].text);
     sd_model *m = good(text);
     double mean = M_PI * (0.2 * 0.2 + 0.28 * 0.28) / 2;
     assert_true(fabs(area_of(m) - 0.4 * row[k].area) <= mean);
     sd_model_free(m);
-    snprintf(text, sizeof text,
-             HEAD "%s packings = ( { type = \"random\"; fraction = 0.4; sizes = \"powerlaw\"; exponent = 3; "
-                  "lower = 0.1; "
-                  "upper = 0.5; mass = 3; } );",
-             row[k].text);
+    snprintf(
+        text, sizeof text,
+        HEAD
+        "%s packings = ( { type = \"random\"; fraction = 0.4; sizes = \"powerlaw\"; exponent = 3; "
+        "lower = 0.1; "
+        "upper = 0.5; mass = 3; } );",
+        row[k].text);
     m = good(text);
     assert_true(fabs(area_of(m) - 0.4 * row[k].area) <= M_PI * 0.25 / 2);
     assert_true(m->disks[0].mass == 3);
@@ -260,13 +273,14 @@ static void test_fraction(void **state) {
 static void test_several(void **state) {
   (void)state;
   sd_model *m = good(
-      HEAD BOX "disks = ( { x = 0; y = 3; radius = 1; mass = 1; } );"
-               "walls = ( { type = \"circle\"; center = (3, 3); radius = 1; side = \"outside\"; } );"
-               "packings = ( { type = \"random\"; count = 5; radius = 0.6; density = 1; group = \"a\"; },"
-               "  { type = \"triangular\"; y = (0, 2); spacing = 0.6; group = \"b\"; " MONO " },"
-               "  { type = \"front\"; y = (0, 6); group = \"c\"; " LIST " },"
-               "  { type = \"rain\"; count = 30; group = \"d\"; " MONO " },"
-               "  { type = \"rain\"; count = 20; x = (0, 4); y = (0, 30); group = \"e\"; " MONO " } );");
+      HEAD BOX
+      "disks = ( { x = 0; y = 3; radius = 1; mass = 1; } );"
+      "walls = ( { type = \"circle\"; center = (3, 3); radius = 1; side = \"outside\"; } );"
+      "packings = ( { type = \"random\"; count = 5; radius = 0.6; density = 1; group = \"a\"; },"
+      "  { type = \"triangular\"; y = (0, 2); spacing = 0.6; group = \"b\"; " MONO " },"
+      "  { type = \"front\"; y = (0, 6); group = \"c\"; " LIST " },"
+      "  { type = \"rain\"; count = 30; group = \"d\"; " MONO " },"
+      "  { type = \"rain\"; count = 20; x = (0, 4); y = (0, 30); group = \"e\"; " MONO " } );");
   check_clear(m);
   size_t count[5] = {0};
   for (size_t i = 1; i < m->n_disks; i++) count[m->disks[i].group]++;
@@ -279,7 +293,8 @@ static void test_several(void **state) {
 static void test_rain(void **state) {
   (void)state;
   sd_model *m =
-      good(HEAD HOPPER "packings = ( { type = \"rain\"; count = 400; rows = 3; speed = 2; " MONO " } );");
+      good(HEAD HOPPER "packings = ( { type = \"rain\"; count = 400; rows = 3; speed = 2; " MONO
+                       " } );");
   const sd_rain *r = &m->rains[0];
   assert_true(r->first == 0 && r->count == 400);
   assert_true(r->batch >= 3 * 16 && r->batch <= 3 * 20);
@@ -290,12 +305,14 @@ static void test_rain(void **state) {
   assert_int_equal(r->interval, (int64_t)ceil(t / 1e-3));
   for (size_t i = 0; i < 400; i++) {
     const sd_disk *d = &m->disks[i];
-    assert_true(d->waiting && d->position[1] - d->radius > 12 && fabs(d->position[0]) < 5 - d->radius);
+    assert_true(d->waiting && d->position[1] - d->radius > 12 &&
+                fabs(d->position[0]) < 5 - d->radius);
     assert_true(d->velocity[0] == 0 && d->velocity[1] == 0);
   }
   check_clear(m);
   sd_model_free(m);
-  m = good(HEAD BOX "packings = ( { type = \"rain\"; count = 5; interval = 0.0315; gap = 1; " MONO " } );");
+  m = good(HEAD BOX "packings = ( { type = \"rain\"; count = 5; interval = 0.0315; gap = 1; " MONO
+                    " } );");
   assert_true(m->rains[0].interval == 32 && m->rains[0].batch == 5 && m->rains[0].gap == 1);
   sd_model_free(m);
 }
@@ -316,24 +333,29 @@ static bool same_disks(const sd_model *a, const sd_model *b) {
 }
 
 /* One of each, with sizes of each kind; two alike. */
-static const char *const mixed =
-    HEAD "container = { type = \"bed\"; width = 10; height = 20; radius = 0.3; };\n"
-         "packings = ( { type = \"triangular\"; y = (0, 2); jitter = 0.5; sizes = \"uniform\"; lower = 0.2; "
-         "upper = 0.3; "
-         "density = 1; },"
-         "  { type = \"square\"; y = (2, 4); jitter = 0.5; sizes = \"gaussian\"; radius = 0.25; deviation = "
-         "0.02; mass = 1; },"
-         "  { type = \"random\"; y = (4, 8); fraction = 0.3; sizes = \"lognormal\"; radius = 0.25; deviation "
-         "= 0.2; "
-         "density = 1; },"
-         "  { type = \"random\"; y = (8, 12); fraction = 0.3; sizes = \"lognormal\"; radius = 0.25; "
-         "deviation = 0.2; "
-         "density = 1; },"
-         "  { type = \"front\"; y = (12, 16); sizes = \"powerlaw\"; exponent = 2.2; lower = 0.1; upper = "
-         "0.4; density = 1; },"
-         "  { type = \"rain\"; count = 40; y = (16, 20); sizes = \"list\"; radii = (0.1, 0.2, 0.3); weights "
-         "= (3, 2, 1); "
-         "density = 1; } );\n";
+static const char *const mixed = HEAD
+    "container = { type = \"bed\"; width = 10; height = 20; radius = 0.3; };\n"
+    "packings = ( { type = \"triangular\"; y = (0, 2); jitter = 0.5; sizes = \"uniform\"; lower = "
+    "0.2; "
+    "upper = 0.3; "
+    "density = 1; },"
+    "  { type = \"square\"; y = (2, 4); jitter = 0.5; sizes = \"gaussian\"; radius = 0.25; "
+    "deviation = "
+    "0.02; mass = 1; },"
+    "  { type = \"random\"; y = (4, 8); fraction = 0.3; sizes = \"lognormal\"; radius = 0.25; "
+    "deviation "
+    "= 0.2; "
+    "density = 1; },"
+    "  { type = \"random\"; y = (8, 12); fraction = 0.3; sizes = \"lognormal\"; radius = 0.25; "
+    "deviation = 0.2; "
+    "density = 1; },"
+    "  { type = \"front\"; y = (12, 16); sizes = \"powerlaw\"; exponent = 2.2; lower = 0.1; upper "
+    "= "
+    "0.4; density = 1; },"
+    "  { type = \"rain\"; count = 40; y = (16, 20); sizes = \"list\"; radii = (0.1, 0.2, 0.3); "
+    "weights "
+    "= (3, 2, 1); "
+    "density = 1; } );\n";
 
 static void test_echo(void **state) {
   (void)state;
@@ -356,7 +378,8 @@ static void test_echo(void **state) {
 
 static void test_seed(void **state) {
   (void)state;
-  sd_model *m = good(mixed), *same = load(mixed, "seed=1", NULL), *other = load(mixed, "seed=2", NULL);
+  sd_model *m = good(mixed), *same = load(mixed, "seed=1", NULL),
+           *other = load(mixed, "seed=2", NULL);
   assert_non_null(same);
   assert_non_null(other);
   assert_true(same_disks(m, same));
@@ -365,10 +388,11 @@ static void test_seed(void **state) {
   sd_model_free(other);
   sd_model_free(m);
   /* two packings that say the same differ: their numbers are part of the seed */
-  m = good(HEAD BOX
-           "packings = ( { type = \"random\"; count = 50; sizes = \"uniform\"; lower = 0.1; upper = 0.2; "
-           "mass = 1; },"
-           "{ type = \"random\"; count = 50; sizes = \"uniform\"; lower = 0.1; upper = 0.2; mass = 1; } );");
+  m = good(HEAD BOX "packings = ( { type = \"random\"; count = 50; sizes = \"uniform\"; lower = "
+                    "0.1; upper = 0.2; "
+                    "mass = 1; },"
+                    "{ type = \"random\"; count = 50; sizes = \"uniform\"; lower = 0.1; upper = "
+                    "0.2; mass = 1; } );");
   assert_true(m->disks[0].radius != m->disks[50].radius);
   sd_model_free(m);
 }
@@ -376,9 +400,10 @@ static void test_seed(void **state) {
 /* Setting one of two keys that exclude each other takes the other away. */
 static void test_overrides(void **state) {
   (void)state;
-  const char *text = HEAD BOX "packings = ( { type = \"random\"; count = 10; " MONO " } );"
-                              "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; "
-                              "amplitude = 0.1; omega = 2; } );";
+  const char *text =
+      HEAD BOX "packings = ( { type = \"random\"; count = 10; " MONO " } );"
+               "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; "
+               "amplitude = 0.1; omega = 2; } );";
   sd_model *m = load(text, "packings[0].fraction=0.2", "packings[0].mass=7");
   assert_non_null(m);
   assert_int_equal(m->n_disks, 81); /* 0.2 * 80/(pi/16) */

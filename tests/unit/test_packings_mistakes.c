@@ -18,11 +18,14 @@ static void test_container_mistakes(void **state) {
   (void)state;
   refused(HEAD ONE BOX "box = { x = (0, 1); };",
           "box.x = (0, 1): given together with container \"box\", which has its own edges");
-  refused(CONTAINER("type = \"channel\"; width = 10; height = 8;") "box = { periodic = \"y\"; y = (0, 8); };",
-          "box.y = (0, 8): given together with container \"channel\", which has its own edges\n"
-          "box.periodic = \"y\": given together with container \"channel\", which is periodic in x");
+  refused(
+      CONTAINER(
+          "type = \"channel\"; width = 10; height = 8;") "box = { periodic = \"y\"; y = (0, 8); };",
+      "box.y = (0, 8): given together with container \"channel\", which has its own edges\n"
+      "box.periodic = \"y\": given together with container \"channel\", which is periodic in x");
   refused(CONTAINER("type = \"bag\"; width = 10;"),
-          "container.type = \"bag\": expected one of \"box\", \"channel\", \"bed\", \"hopper\", \"drum\", "
+          "container.type = \"bag\": expected one of \"box\", \"channel\", \"bed\", \"hopper\", "
+          "\"drum\", "
           "\"periodic\"; did you mean \"box\"?");
   refused(CONTAINER("type = \"box\"; width = 10;"),
           "container.height: missing: type \"box\" needs it (inner height)");
@@ -32,23 +35,28 @@ static void test_container_mistakes(void **state) {
           "container.width = 10: does not belong to type \"drum\"");
   refused(CONTAINER("type = \"hopper\"; width = 10; height = 12; outlet = 11; angle = 1;"),
           "container.outlet = 11: expected less than the width, 10");
-  refused(CONTAINER("type = \"hopper\"; width = 10; height = 12; outlet = 2; angle = \"pi/2\";"),
-          "container.angle = \"pi/2\": expected an inclination from 0 to 1.5, less than a right angle");
+  refused(
+      CONTAINER("type = \"hopper\"; width = 10; height = 12; outlet = 2; angle = \"pi/2\";"),
+      "container.angle = \"pi/2\": expected an inclination from 0 to 1.5, less than a right angle");
   refused(CONTAINER("type = \"hopper\"; width = 10; height = 4; outlet = 2; angle = \"45 deg\";"),
           "container.height = 4: the inclined walls alone are 4 high; expected more");
   refused(CONTAINER("type = \"bed\"; width = 10; height = 8; radius = 1e-9;"),
           "container.spacing: the floor would have 5e+09 disks; expected 1e6 at most");
   refused(CONTAINER("type = \"box\"; width = 10; height = 8; material = \"steel\";"),
           "container.material = \"steel\": no material is called that; there is \"m\"");
-  refused(HEAD ONE BOX "walls = ( { name = \"left\"; type = \"line\"; points = ((0, 0), (1, 0)); } );",
-          "container.type = \"box\": it has a wall \"left\", but a wall or a disk of the deck is called so");
+  refused(HEAD ONE BOX
+          "walls = ( { name = \"left\"; type = \"line\"; points = ((0, 0), (1, 0)); } );",
+          "container.type = \"box\": it has a wall \"left\", but a wall or a disk of the deck is "
+          "called so");
   refused(HEAD ONE BOX "disks = ( { name = \"floor\"; x = 0; y = 6; radius = 1; mass = 1; } );",
-          "container.type = \"box\": it has a wall \"floor\", but a wall or a disk of the deck is called so");
-  refused(
-      CONTAINER(
-          "type = \"bed\"; width = 10; height = 8; radius = 0.3;") "disks = ( { x = 0; y = 4; radius = 0.3; "
-                                                                   "mass = 1; group = \"floor\"; } );",
-      "container.type = \"bed\": its floor is the group \"floor\", but the deck has disks in this group");
+          "container.type = \"box\": it has a wall \"floor\", but a wall or a disk of the deck is "
+          "called so");
+  refused(CONTAINER("type = \"bed\"; width = 10; height = 8; radius = 0.3;") "disks = ( { x = 0; y "
+                                                                             "= 4; radius = 0.3; "
+                                                                             "mass = 1; group = "
+                                                                             "\"floor\"; } );",
+          "container.type = \"bed\": its floor is the group \"floor\", but the deck has disks in "
+          "this group");
 }
 
 /* --- packings --------------------------------------------------------------------------------------------- */
@@ -58,12 +66,14 @@ static void test_container_mistakes(void **state) {
 
 static void test_what_cannot_fit(void **state) {
   (void)state;
-  refused(HEAD BOX PACKING("type = \"random\"; count = 1000; " MONO),
-          "packings[0]: 1000 disks of area 196.35 in all in a region of area 80: a packing fraction of "
-          "2.454; expected "
-          "at most 0.9069");
+  refused(
+      HEAD BOX PACKING("type = \"random\"; count = 1000; " MONO),
+      "packings[0]: 1000 disks of area 196.35 in all in a region of area 80: a packing fraction of "
+      "2.454; expected "
+      "at most 0.9069");
   refused(HEAD BOX PACKING("type = \"random\"; fraction = 0.95; " MONO),
-          "packings[0].fraction = 0.95: more than the densest packing of equal disks has; expected at most "
+          "packings[0].fraction = 0.95: more than the densest packing of equal disks has; expected "
+          "at most "
           "0.9069");
   refused(HEAD BOX PACKING("type = \"random\"; fraction = 1.5; " MONO),
           "packings[0].fraction = 1.5: expected a number > 0 and <= 1");
@@ -75,15 +85,17 @@ static void test_what_cannot_fit(void **state) {
           "packings[0]: a disk of radius 0.6 does not fit into a region that is 1 wide\n"
           "packings[0]: a disk of radius 0.6 does not fit into a region that is 1 high");
   refused(HEAD BOX PACKING("type = \"square\"; spacing = 1e-6; radius = 1e-7; mass = 1;"),
-          "packings[0].spacing = 1e-06: the lattice has about 9.23761e+13 sites; expected at most 200000000");
+          "packings[0].spacing = 1e-06: the lattice has about 9.23761e+13 sites; expected at most "
+          "200000000");
   refused(HEAD BOX PACKING("type = \"square\"; count = 3; spacing = 9; " MONO),
           "packings[0]: the lattice has no free site in the region");
   refused(HEAD BOX PACKING("type = \"random\"; count = 1000000000; radius = 1e-6; mass = 1;"),
           "packings[0]: 1e+09 disks; expected at most 200000000");
-  refused(HEAD BOX PACKING("type = \"rain\"; count = 400; " MONO),
-          "packings[0]: 400 disks of area 78.5398 in all in a region of area 80: a packing fraction of "
-          "0.9817; expected "
-          "at most 0.9069");
+  refused(
+      HEAD BOX PACKING("type = \"rain\"; count = 400; " MONO),
+      "packings[0]: 400 disks of area 78.5398 in all in a region of area 80: a packing fraction of "
+      "0.9817; expected "
+      "at most 0.9069");
   refused(HEAD BOX "disks = ( { x = 0; y = 4; radius = 3.9; mass = 1; } );" PACKING(
               "type = \"front\"; x = (-1, 1); y = (3, 5); " MONO),
           "packings[0]: the front found no place for a disk in the region");
@@ -95,30 +107,33 @@ static void test_generators_that_end(void **state) {
   size_t placed, all;
   double fraction, asked;
   assert_null(load(HEAD BOX PACKING("type = \"random\"; fraction = 0.6; " MONO), NULL, NULL));
-  assert_int_equal(
-      sscanf(sd_messages_text(messages, 0),
-             "test.cfg:%*d: packings[0].fraction = 0.6: random placement found no room for more than %zu of "
-             "%zu disks, a fraction of %lf of the region where %lf was asked for; expected less, or type "
-             "\"front\"",
-             &placed, &all, &fraction, &asked),
-      4);
+  assert_int_equal(sscanf(sd_messages_text(messages, 0),
+                          "test.cfg:%*d: packings[0].fraction = 0.6: random placement found no "
+                          "room for more than %zu of "
+                          "%zu disks, a fraction of %lf of the region where %lf was asked for; "
+                          "expected less, or type "
+                          "\"front\"",
+                          &placed, &all, &fraction, &asked),
+                   4);
   assert_int_equal(all, 244); /* 0.6 * 80/(pi/16) */
-  assert_true(fabs(fraction - placed * M_PI / 16 / 80) < 5e-4 && fabs(asked - all * M_PI / 16 / 80) < 5e-4);
+  assert_true(fabs(fraction - placed * M_PI / 16 / 80) < 5e-4 &&
+              fabs(asked - all * M_PI / 16 / 80) < 5e-4);
   assert_true(fraction > 0.46 && fraction < 0.55);
   assert_null(load(HEAD BOX PACKING("type = \"front\"; count = 360; " MONO), NULL, NULL));
-  assert_int_equal(
-      sscanf(sd_messages_text(messages, 0),
-             "test.cfg:%*d: packings[0].count = 360: the front has filled the region with %zu disks, a "
-             "fraction of %lf",
-             &placed, &fraction),
-      2);
+  assert_int_equal(sscanf(sd_messages_text(messages, 0),
+                          "test.cfg:%*d: packings[0].count = 360: the front has filled the region "
+                          "with %zu disks, a "
+                          "fraction of %lf",
+                          &placed, &fraction),
+                   2);
   assert_true(fabs(fraction - placed * M_PI / 16 / 80) < 5e-4 && fraction > 0.78);
 }
 
 static void test_region_mistakes(void **state) {
   (void)state;
   refused(HEAD PACKING("type = \"random\"; count = 3; x = (0, 1); " MONO),
-          "packings[0].y: missing: expected (lower, upper), since no container and no box gives edges in y");
+          "packings[0].y: missing: expected (lower, upper), since no container and no box gives "
+          "edges in y");
   refused(RANDOM("radius = 0.1; x = (1, 0);"),
           "packings[0].x = (1, 0): expected (lower, upper) with lower < upper");
   refused(RANDOM("radius = 0.1; x = (-6, 0);"),
@@ -130,13 +145,13 @@ static void test_region_mistakes(void **state) {
           "packings[0].y = (0, 9): reaches beyond the container, from 0 to 8");
   refused(HEAD PERIODIC PACKING("type = \"random\"; count = 3; x = (9, 11); " MONO),
           "packings[0].x = (9, 11): reaches beyond the periodic box, from 0 to 10");
-  refused(
-      HEAD DRUM PACKING("type = \"random\"; count = 3; x = (4.9, 5); y = (4.9, 5); radius = 0.01; mass = 1;"),
-      "packings[0]: its region lies outside the container");
+  refused(HEAD DRUM PACKING(
+              "type = \"random\"; count = 3; x = (4.9, 5); y = (4.9, 5); radius = 0.01; mass = 1;"),
+          "packings[0]: its region lies outside the container");
   /* over the open top of a box there is room; edges of a box without walls do, too */
   sd_model_free(good(RANDOM("radius = 0.1; y = (0, 20);")));
-  sd_model_free(
-      good(HEAD "box = { x = (0, 4); y = (0, 4); };" PACKING("type = \"random\"; count = 3; " MONO)));
+  sd_model_free(good(
+      HEAD "box = { x = (0, 4); y = (0, 4); };" PACKING("type = \"random\"; count = 3; " MONO)));
   /* a container with mistakes does not lead to more of them */
   refused(HEAD "container = { type = \"box\"; width = 10; height = 0; };" PACKING(
               "type = \"random\"; count = 3; " MONO),
@@ -145,12 +160,13 @@ static void test_region_mistakes(void **state) {
 
 static void test_size_mistakes(void **state) {
   (void)state;
-  refused(RANDOM(""),
-          "packings[0].radius: missing: sizes \"mono\" needs it (radius; gaussian: mean; lognormal: median)");
+  refused(RANDOM(""), "packings[0].radius: missing: sizes \"mono\" needs it (radius; gaussian: "
+                      "mean; lognormal: median)");
   refused(RANDOM("sizes = \"mono\"; radius = 1; lower = 1;"),
           "packings[0].lower = 1: does not belong to sizes \"mono\"");
   refused(RANDOM("sizes = \"normal\"; radius = 1;"),
-          "packings[0].sizes = \"normal\": expected one of \"mono\", \"list\", \"uniform\", \"gaussian\", "
+          "packings[0].sizes = \"normal\": expected one of \"mono\", \"list\", \"uniform\", "
+          "\"gaussian\", "
           "\"lognormal\", "
           "\"powerlaw\"; did you mean \"lognormal\"?");
   refused(RANDOM("sizes = \"uniform\"; lower = 0.3; upper = 0.2;"),
@@ -163,9 +179,11 @@ static void test_size_mistakes(void **state) {
           "packings[0].lower: missing: 3 deviations below the mean is -0.1; expected a radius > 0");
   refused(RANDOM("sizes = \"gaussian\"; radius = 0.2; deviation = -0.1;"),
           "packings[0].deviation = -0.1: expected a number > 0");
-  refused(RANDOM("sizes = \"gaussian\"; radius = 0.2; deviation = 0.01; lower = 0.3; upper = 0.4;"),
-          "packings[0].lower = 0.3: only 7.61985e-24 of the distribution lies between lower and upper");
-  refused(RANDOM("sizes = \"list\"; radii = ();"), "packings[0].radii = (): expected a list of numbers > 0");
+  refused(
+      RANDOM("sizes = \"gaussian\"; radius = 0.2; deviation = 0.01; lower = 0.3; upper = 0.4;"),
+      "packings[0].lower = 0.3: only 7.61985e-24 of the distribution lies between lower and upper");
+  refused(RANDOM("sizes = \"list\"; radii = ();"),
+          "packings[0].radii = (): expected a list of numbers > 0");
   refused(RANDOM("sizes = \"list\"; radii = (0.1, -0.2);"),
           "packings[0].radii[1] = -0.2: expected a number > 0");
   refused(RANDOM("sizes = \"list\"; radii = (0.1, \"b\");"),
@@ -209,14 +227,16 @@ static void test_tile_mistakes(void **state) {
   refused(HEAD BOX PACKING("type = \"front\"; count = 3; tiles = 4; " MONO),
           "packings[0].tiles = 4: expected at most one for each of the 3 disks");
   refused(HEAD BOX PACKING("type = \"front\"; count = 50; tiles = 30; " MONO),
-          "packings[0].tiles = 30: each is 0.333333 wide; expected fewer, so that a disk of radius 0.25 fits "
+          "packings[0].tiles = 30: each is 0.333333 wide; expected fewer, so that a disk of radius "
+          "0.25 fits "
           "between their edges");
   refused(HEAD BOX PACKING("type = \"rain\"; count = 50; tiles = 51; " MONO),
           "packings[0].tiles = 51: expected at most one for each of the 50 disks");
   refused(HEAD BOX PACKING("type = \"square\"; count = 50; tiles = 2; jitter = 1.1; " MONO),
           "packings[0].jitter = 1.1: expected at most 1; beyond it disks could overlap");
   refused(HEAD BOX PACKING("type = \"square\"; count = 20; tiles = 3; y = (0, 0.6); " MONO),
-          "packings[0].count = 20: tile 0 of 3 holds 6 disks only, where 7 were asked for; expected fewer "
+          "packings[0].count = 20: tile 0 of 3 holds 6 disks only, where 7 were asked for; "
+          "expected fewer "
           "disks or "
           "a larger region");
 }
@@ -234,8 +254,8 @@ static void test_rain_mistakes(void **state) {
           "packings[0].rows: a batch is 2 high, the region only 1.5");
   refused("dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );" BOX RAIN(""),
           "packings[0]: nothing falls; expected gravity that points down (g > 0), or a speed > 0");
-  sd_model_free(
-      good("dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );" BOX RAIN("speed = 1; ")));
+  sd_model_free(good("dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );" BOX RAIN(
+      "speed = 1; ")));
 }
 
 int main(void) {

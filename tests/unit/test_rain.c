@@ -30,7 +30,8 @@ static sd_model *rain_model(const char *lid, const char *phase) {
            "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (",
            WIDTH, WIDTH, lid);
   for (int k = 0; k < DISKS; k++)
-    text_add(&t, "%s(%g, %g, %.6f)", k ? ", " : "", 0.1, 10 + 0.1 * k, 0.012 + 0.012 * next_uniform(&seed));
+    text_add(&t, "%s(%g, %g, %.6f)", k ? ", " : "", 0.1, 10 + 0.1 * k,
+             0.012 + 0.012 * next_uniform(&seed));
   text_add(&t, "); } );\nphases = ( { %s } ); measure = { rotation = (); };", phase);
   sd_model *m = model_of(t.s);
   free(t.s);
@@ -126,7 +127,8 @@ static void falls_until_it_is_at_rest(void **unused) {
     sd_energy after = sd_simulation_energy(sim);
     double brought = after.start - before.start;
     assert_true(brought > 0.01);
-    between(after.residual - before.residual, -1e-4 * brought, 1e-4 * brought, "residual of a release");
+    between(after.residual - before.residual, -1e-4 * brought, 1e-4 * brought,
+            "residual of a release");
   }
   check_columns(m, sim);
   advance(sim, 500000);
@@ -145,7 +147,8 @@ static void falls_until_it_is_at_rest(void **unused) {
   between(largest_overlap(s), 0, 4 * column / 1e4, "largest overlap");
   between(energy.residual, -1e-3 * energy.scale, 1e-3 * energy.scale, "residual");
   print_message("  at rest after %lld steps, top %.3f, overlap %.2g, residual %.2g of %.3g\n",
-                (long long)s->step, top, largest_overlap(s), energy.residual / energy.scale, energy.scale);
+                (long long)s->step, top, largest_overlap(s), energy.residual / energy.scale,
+                energy.scale);
   sd_simulation_free(sim);
   sd_model_free(m);
 }
@@ -189,8 +192,8 @@ static void same_bits_however_it_is_run(void **unused) {
   /* another seed is another packing */
   m->seed++;
   sd_simulation *other = begin_run(m, 1);
-  assert_string_equal(sd_state_difference(sd_simulation_state(whole), sd_simulation_state(other))->name,
-                      "step");
+  assert_string_equal(
+      sd_state_difference(sd_simulation_state(whole), sd_simulation_state(other))->name, "step");
   uint32_t i = sd_simulation_slot(other, 2);
   m->seed--;
   sd_simulation *again = begin_run(m, 1);
@@ -208,8 +211,9 @@ static void a_lid_is_in_the_way(void **unused) {
   static const double heights[] = {0.1, 0.35};
   for (size_t k = 0; k < 2; k++) {
     char lid[120];
-    snprintf(lid, sizeof lid, ", { name = \"lid\"; type = \"segment\"; points = ((0, %g), (1, %g)); } ",
-             heights[k], heights[k]);
+    snprintf(lid, sizeof lid,
+             ", { name = \"lid\"; type = \"segment\"; points = ((0, %g), (1, %g)); } ", heights[k],
+             heights[k]);
     sd_model *m = rain_model(lid, "steps = 50000;");
     sd_messages *messages = sd_messages_new();
     sd_simulation *sim = NULL;
@@ -217,7 +221,8 @@ static void a_lid_is_in_the_way(void **unused) {
     if (status == SD_OK) status = sd_simulation_advance(sim, 50000, messages);
     assert_int_equal(status, SD_ERROR_NUMERIC);
     const char *told = sd_messages_text(messages, sd_messages_count(messages) - 1);
-    if (!strstr(told, "has no room") || !strstr(told, "wall \"lid\" is in the way")) fail_msg("%s", told);
+    if (!strstr(told, "has no room") || !strstr(told, "wall \"lid\" is in the way"))
+      fail_msg("%s", told);
     sd_messages_free(messages);
     sd_simulation_free(sim);
     sd_model_free(m);

@@ -31,8 +31,9 @@ static exact_step exact_of(double omega, double c, double rms, double h) {
   exact_step e = {.p = {{1, 0}, {0, 1}}};
   long double term[2][2] = {{1, 0}, {0, 1}};
   for (int k = 1; k < 30; k++) {
-    long double n[2][2] = {{term[1][0], term[1][1]},
-                           {a10 * term[0][0] + a11 * term[1][0], a10 * term[0][1] + a11 * term[1][1]}};
+    long double n[2][2] = {
+        {term[1][0], term[1][1]},
+        {a10 * term[0][0] + a11 * term[1][0], a10 * term[0][1] + a11 * term[1][1]}};
     for (int i = 0; i < 4; i++) e.p[i / 2][i % 2] += term[i / 2][i % 2] = n[i / 2][i % 2] * t / k;
   }
   long double uu = 0, vu = 0, vv = 2 * g * w * w * (long double)rms * (long double)rms * t;
@@ -48,7 +49,8 @@ static exact_step exact_of(double omega, double c, double rms, double h) {
   for (; doublings > 0; doublings--) {
     long double(*p)[2] = e.p, quu = e.uu, qvu = e.vu, qvv = e.vv;
     e.uu += p[0][0] * p[0][0] * quu + 2 * p[0][0] * p[0][1] * qvu + p[0][1] * p[0][1] * qvv;
-    e.vu += p[0][0] * p[1][0] * quu + (p[0][0] * p[1][1] + p[0][1] * p[1][0]) * qvu + p[0][1] * p[1][1] * qvv;
+    e.vu += p[0][0] * p[1][0] * quu + (p[0][0] * p[1][1] + p[0][1] * p[1][0]) * qvu +
+            p[0][1] * p[1][1] * qvv;
     e.vv += p[1][0] * p[1][0] * quu + 2 * p[1][0] * p[1][1] * qvu + p[1][1] * p[1][1] * qvv;
     long double s[2][2] = {{p[0][0] * p[0][0] + p[0][1] * p[1][0], p[0][1] * (p[0][0] + p[1][1])},
                            {p[1][0] * (p[0][0] + p[1][1]), p[1][0] * p[0][1] + p[1][1] * p[1][1]}};
@@ -95,7 +97,8 @@ static void one_step_is_exact(void **unused) {
       worst_noise = fmax(worst_noise, noise);
       worst_propagator = fmax(worst_propagator, propagator);
     }
-  print_message("  relative errors: covariance %.2g, propagator %.2g\n", worst_noise, worst_propagator);
+  print_message("  relative errors: covariance %.2g, propagator %.2g\n", worst_noise,
+                worst_propagator);
   between(worst_noise, 0, 1e-12, "relative error of the covariance of a step");
   between(worst_propagator, 0, 1e-13, "relative error of the propagator");
 }
@@ -108,10 +111,12 @@ static void a_step_keeps_the_stationary_law(void **unused) {
     for (double h = 1e-3; h < 100; h *= 3) {
       random_step s = random_step_new(omega, damping, rms, h);
       double(*p)[2] = s.propagator, S[2] = {rms * rms, omega * omega * rms * rms};
-      double uu = p[0][0] * p[0][0] * S[0] + p[0][1] * p[0][1] * S[1] + s.cholesky[0] * s.cholesky[0];
-      double vu = p[0][0] * p[1][0] * S[0] + p[0][1] * p[1][1] * S[1] + s.cholesky[0] * s.cholesky[1];
-      double vv = p[1][0] * p[1][0] * S[0] + p[1][1] * p[1][1] * S[1] + s.cholesky[1] * s.cholesky[1] +
-                  s.cholesky[2] * s.cholesky[2];
+      double uu =
+          p[0][0] * p[0][0] * S[0] + p[0][1] * p[0][1] * S[1] + s.cholesky[0] * s.cholesky[0];
+      double vu =
+          p[0][0] * p[1][0] * S[0] + p[0][1] * p[1][1] * S[1] + s.cholesky[0] * s.cholesky[1];
+      double vv = p[1][0] * p[1][0] * S[0] + p[1][1] * p[1][1] * S[1] +
+                  s.cholesky[1] * s.cholesky[1] + s.cholesky[2] * s.cholesky[2];
       between(uu / S[0], 1 - 1e-13, 1 + 1e-13, "variance of the displacement after a step");
       between(vv / S[1], 1 - 1e-13, 1 + 1e-13, "variance of the velocity after a step");
       between(vu / sqrt(S[0] * S[1]), -1e-13, 1e-13, "covariance after a step");
@@ -125,26 +130,32 @@ enum { SIDE = 8 }; /* of a square of disks */
 
 /* n driven disks in a row, x, y and theta random; with company: free disks after them, a wall that moves at
  * random, and other motions before, after and on the same coordinates. */
-static sd_model *shaken(int n, double omega, double damping, double dt, int interval, bool company) {
+static sd_model *shaken(int n, double omega, double damping, double dt, int interval,
+                        bool company) {
   text t = {0};
   text_add(&t, "dt = %.17g; seed = 4711; materials = ( { name = \"m\"; k_n = 1e3; } );\n", dt);
-  text_add(&t, "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); mass = 1; fixed = true; group = \"g\"; "
+  text_add(&t, "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); mass = 1; fixed = true; "
+               "group = \"g\"; "
                "rows = (");
   for (int k = 0; k < n; k++) text_add(&t, "%s(%d, 0, 0.4)", k ? ", " : "", 8 * (k - n / 2));
   text_add(&t, "); }");
   if (company)
-    text_add(&t,
-             ", { columns = (\"x\", \"y\", \"radius\"); mass = 1; rows = ((3, 4, 0.3), (3.5, 4.4, 0.2)); }");
+    text_add(&t, ", { columns = (\"x\", \"y\", \"radius\"); mass = 1; rows = ((3, 4, 0.3), (3.5, "
+                 "4.4, 0.2)); }");
   text_add(&t, ");\n");
   if (company)
-    text_add(&t, "walls = ( { name = \"far\"; type = \"line\"; points = ((0, 90), (1, 90)); } );\n");
+    text_add(&t,
+             "walls = ( { name = \"far\"; type = \"line\"; points = ((0, 90), (1, 90)); } );\n");
   text_add(&t, "motions = (");
   if (company)
-    text_add(&t, "{ disk = 1; coordinate = \"theta\"; type = \"velocity\"; velocity = 0; },\n"
-                 "{ wall = \"far\"; coordinate = (\"x\", \"y\"); type = \"random\"; amplitude = 1e-3; omega "
-                 "= 5; },\n");
+    text_add(
+        &t,
+        "{ disk = 1; coordinate = \"theta\"; type = \"velocity\"; velocity = 0; },\n"
+        "{ wall = \"far\"; coordinate = (\"x\", \"y\"); type = \"random\"; amplitude = 1e-3; omega "
+        "= 5; },\n");
   text_add(&t,
-           "{ name = \"r\"; group = \"g\"; independent = true; coordinate = (\"x\", \"y\", \"theta\"); type "
+           "{ name = \"r\"; group = \"g\"; independent = true; coordinate = (\"x\", \"y\", "
+           "\"theta\"); type "
            "= \"random\";"
            "amplitude = 2e-3; omega = %.17g; damping = %.17g; interval = %d; }",
            omega, damping, interval);
@@ -237,8 +248,8 @@ static void covariance_is_that_of_the_theory(void **unused) {
         double mean = c.cross[i][j] / (double)c.n;
         sum += mean * mean / variance / (STREAMS * (STREAMS - 1) / 2);
       }
-    print_message("  c = %g: chi2/n of the correlations between 276 pairs of streams: %.3f\n", dampings[d],
-                  sum);
+    print_message("  c = %g: chi2/n of the correlations between 276 pairs of streams: %.3f\n",
+                  dampings[d], sum);
     between(sum, 0.6, 1.5, "chi2/n of the correlations between streams");
     sd_simulation_free(sim);
     sd_model_free(model);
@@ -328,12 +339,15 @@ static void between_draws_the_velocity_is_the_derivative(void **unused) {
     jump = fmax(jump, fabs(v[k + 1] - v[k]));
     if (k + 3 > N || (k + 1) / M != (k + 4) / M) continue;
     /* four points of one cubic: the third difference of x is six times its leading term, of v's second */
-    double third = x[k + 3] - 3 * x[k + 2] + 3 * x[k + 1] - x[k], second = v[k + 2] - 2 * v[k + 1] + v[k];
+    double third = x[k + 3] - 3 * x[k + 2] + 3 * x[k + 1] - x[k],
+           second = v[k + 2] - 2 * v[k + 1] + v[k];
     inside = fmax(inside, fabs(third - dt * second));
   }
-  double acceleration = 30 * rms * omega / sqrt(omega * h) * omega; /* a generous scale of u'' of one cubic */
-  print_message("  trapezoid's defect %.2g, third against second difference %.2g, largest change of v %.2g\n",
-                bend, inside, jump);
+  double acceleration =
+      30 * rms * omega / sqrt(omega * h) * omega; /* a generous scale of u'' of one cubic */
+  print_message(
+      "  trapezoid's defect %.2g, third against second difference %.2g, largest change of v %.2g\n",
+      bend, inside, jump);
   between(inside, 0, 2e-17, "u and u' of one cubic");
   between(bend, 0, acceleration * dt * dt * dt / h, "defect of the trapezoid");
   between(jump, 0, acceleration * dt, "change of the velocity in a step");
@@ -356,7 +370,8 @@ static void longer_intervals_converge(void **unused) {
   double before = 0.0;
   for (int k = 0; k < 6; k++) { /* the deviation of the variance is third order in w h */
     double deviation = fabs(middle_variance(omega, 0.5, 0.4 / omega / (1 << k)) - 1);
-    if (k > 1) between(before / deviation, 7.0, 9.0, "ratio of the deviations for halved intervals");
+    if (k > 1)
+      between(before / deviation, 7.0, 9.0, "ratio of the deviations for halved intervals");
     before = deviation;
   }
   /* and runs have that variance */
@@ -367,7 +382,8 @@ static void longer_intervals_converge(void **unused) {
   advance(sim, M / 2);
   for (int k = 0; k < 20; k++) {
     const sd_state *s = engine_of(sim)->state;
-    for (int b = 0; b < N; b++) sum += (s->y[b] * s->y[b] + s->theta[b] * s->theta[b]) / (rms * rms);
+    for (int b = 0; b < N; b++)
+      sum += (s->y[b] * s->y[b] + s->theta[b] * s->theta[b]) / (rms * rms);
     advance(sim, 3 * M); /* w lag = 6: independent but for exp(-3) */
   }
   double n = 20.0 * 2 * N;

@@ -16,11 +16,12 @@
 #include "run/ranks_first.h"
 #include "run/ranks.h"
 
-#define HEAD                                                                                                 \
-  "integrator = \"verlet\"; dt = 1e-3;\n"                                                                    \
+#define HEAD                                                                                       \
+  "integrator = \"verlet\"; dt = 1e-3;\n"                                                          \
   "materials = ( { name = \"grain\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n"
-#define PACKING                                                                                              \
-  "packings = ( { type = \"square\"; jitter = 0.5; count = 120; x = (0, 12); y = (0, 12); density = 1.27;\n" \
+#define PACKING                                                                                    \
+  "packings = ( { type = \"square\"; jitter = 0.5; count = 120; x = (0, 12); y = (0, 12); "        \
+  "density = 1.27;\n"                                                                              \
   "  group = \"grains\"; sizes = \"uniform\"; lower = 0.4; upper = 0.5; } );\n"
 
 typedef struct deck_case {
@@ -28,38 +29,44 @@ typedef struct deck_case {
 } deck_case;
 
 static const deck_case DECKS[] = {
-    {"free", HEAD PACKING "gravity = { g = 1; }; container = { type = \"box\"; width = 40; height = 20; };\n"
-                          "phases = ( { steps = 700; } );"},
-    {"gear", "integrator = \"gear5\"; dt = 5e-4;\n"
-             "materials = ( { name = \"grain\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n" PACKING
-             "gravity = { g = 1; tilt = 0.4; }; box = { x = (0, 12); periodic = \"x\"; };\n"
-             "walls = ( { type = \"line\"; points = ((0, 0), (12, 0)); } );\n"
-             "phases = ( { steps = 900; measure = true; } ); measure = { disks = true; };"},
-    {"compress to a pressure", HEAD PACKING
-     "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
-     "phases = ( { steps = 1200; compress = { pressure = 20; rate = 0.5; }; }, { steps = 200; } );"},
-    {"compress to a fraction, relaxing",
+    {"free", HEAD PACKING
+     "gravity = { g = 1; }; container = { type = \"box\"; width = 40; height = 20; };\n"
+     "phases = ( { steps = 700; } );"},
+    {"gear",
+     "integrator = \"gear5\"; dt = 5e-4;\n"
+     "materials = ( { name = \"grain\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n" PACKING
+     "gravity = { g = 1; tilt = 0.4; }; box = { x = (0, 12); periodic = \"x\"; };\n"
+     "walls = ( { type = \"line\"; points = ((0, 0), (12, 0)); } );\n"
+     "phases = ( { steps = 900; measure = true; } ); measure = { disks = true; };"},
+    {"compress to a pressure",
      HEAD PACKING "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
-                  "phases = ( { steps = 800; relax = true; compress = { fraction = 0.8; rate = 0.2; }; }, { "
+                  "phases = ( { steps = 1200; compress = { pressure = 20; rate = 0.5; }; }, { "
                   "steps = 200; } );"},
+    {"compress to a fraction, relaxing", HEAD PACKING
+     "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
+     "phases = ( { steps = 800; relax = true; compress = { fraction = 0.8; rate = 0.2; }; }, { "
+     "steps = 200; } );"},
     {"relax in a box", HEAD PACKING
      "gravity = { g = 1; }; container = { type = \"box\"; width = 26; height = 20; };\n"
-     "phases = ( { steps = 500; }, { steps = 600; relax = true; settle = { unbalanced = 1e-3; every = "
+     "phases = ( { steps = 500; }, { steps = 600; relax = true; settle = { unbalanced = 1e-3; "
+     "every = "
      "50; }; }, { steps = 300; } );"},
     {"lid", HEAD PACKING
      "gravity = { g = 1; }; box = { x = (0, 12); periodic = \"x\"; };\n"
      "walls = ( { type = \"line\"; points = ((0, 0), (12, 0)); },\n"
      "          { name = \"lid\"; type = \"line\"; points = ((0, 14), (12, 14)); } );\n"
-     "motions = ( { name = \"press\"; wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = -40; "
+     "motions = ( { name = \"press\"; wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force "
+     "= -40; "
      "speed = 1; } );\n"
-     "phases = ( { steps = 1200; settle = { kinetic = 1e-3; every = 100; }; }, { steps = 300; } );"},
-    {"too fast at the start, and later",
-     HEAD PACKING "disks = ( { x = 11.6; y = 12.6; radius = 0.3; density = 1; vy = 4; } ); skin = 3.0;\n"
-                  "gravity = { g = 60; }; limits = { displacement = 0.01; }; phases = ( { steps = 300; } );"},
-    {"bounds",
-     HEAD PACKING "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
-                  "bounds = { x = (-2, 14); y = (-3, 30); outside = \"remove\"; };\n"
-                  "phases = ( { steps = 3000; } );"},
+     "phases = ( { steps = 1200; settle = { kinetic = 1e-3; every = 100; }; }, { steps = 300; } "
+     ");"},
+    {"too fast at the start, and later", HEAD PACKING
+     "disks = ( { x = 11.6; y = 12.6; radius = 0.3; density = 1; vy = 4; } ); skin = 3.0;\n"
+     "gravity = { g = 60; }; limits = { displacement = 0.01; }; phases = ( { steps = 300; } );"},
+    {"bounds", HEAD PACKING
+     "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
+     "bounds = { x = (-2, 14); y = (-3, 30); outside = \"remove\"; };\n"
+     "phases = ( { steps = 3000; } );"},
 };
 
 /* --- one run over ranks ----------------------------------------------------------------------- */
@@ -76,11 +83,12 @@ typedef struct run {
 } run;
 
 /* Rows of a column, or of those behind the free disks, from one state to another. */
-static void put(const sd_field *f, size_t row, const sd_state *from, size_t at, sd_state *to, size_t place,
-                size_t n) {
+static void put(const sd_field *f, size_t row, const sd_state *from, size_t at, sd_state *to,
+                size_t place, size_t n) {
   const size_t size = row * sd_type_size(f->type);
   if (n > 0)
-    memcpy((char *)sd_field_data(to, f) + place * size, (char *)sd_field_data(from, f) + at * size, n * size);
+    memcpy((char *)sd_field_data(to, f) + place * size, (char *)sd_field_data(from, f) + at * size,
+           n * size);
 }
 
 /* One rank's disks and contacts; of the rest what rank 0 has. */
@@ -113,7 +121,8 @@ static void rank(const comm *c, void *with) {
   sd_messages *messages = first ? r->messages : sd_messages_new();
   sd_status status = c ? ranks_load(c, r->deck, "deck", 0, NULL, &mine, NULL) : SD_OK;
   if (status == SD_OK)
-    status = simulation_new(mine ? mine : r->model, r->threads, SIMULATION_GENERAL, c, NULL, &sim, messages);
+    status = simulation_new(mine ? mine : r->model, r->threads, SIMULATION_GENERAL, c, NULL, &sim,
+                            messages);
   while (status == SD_OK && !sd_simulation_finished(sim))
     status = sd_simulation_advance(sim, r->steps, messages);
   const sd_energy energy = sim ? sd_simulation_energy(sim) : (sd_energy){0};
@@ -191,19 +200,20 @@ static void test_failures(void **unused) {
       {"too deep in a compression",
        HEAD PACKING "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; }; max_overlap = 0.03;\n"
                     "phases = ( { steps = 3000; compress = { fraction = 0.97; rate = 0.5; }; } );"},
-      {"too deep in a step",
-       HEAD PACKING "gravity = { g = 300; }; container = { type = \"box\"; width = 26; height = 20; };\n"
-                    "max_overlap = 0.05; phases = ( { steps = 3000; } );"},
+      {"too deep in a step", HEAD PACKING
+       "gravity = { g = 300; }; container = { type = \"box\"; width = 26; height = 20; };\n"
+       "max_overlap = 0.05; phases = ( { steps = 3000; } );"},
       {"no room for rain",
        HEAD "gravity = { g = 1; }; container = { type = \"box\"; width = 12; height = 9; };\n"
             "walls = ( { name = \"roof\"; type = \"line\"; points = ((-6, 9), (6, 9)); } );\n"
-            "packings = ( { type = \"rain\"; count = 120; sizes = \"uniform\"; lower = 0.4; upper = 0.5; "
+            "packings = ( { type = \"rain\"; count = 120; sizes = \"uniform\"; lower = 0.4; upper "
+            "= 0.5; "
             "density = 1; } );\n"
             "phases = ( { steps = 30000; } );"},
-      {"out of bounds",
-       HEAD PACKING "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
-                    "bounds = { x = (-1, 13); y = (-3, 30); outside = \"stop\"; };\n"
-                    "phases = ( { steps = 9000; } );"}};
+      {"out of bounds", HEAD PACKING
+       "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
+       "bounds = { x = (-1, 13); y = (-3, 30); outside = \"stop\"; };\n"
+       "phases = ( { steps = 9000; } );"}};
   for (size_t d = 0; d < sizeof decks / sizeof *decks; d++)
     for (int size = 2; size <= 3; size++) {
       run alone = {.deck = decks[d].text, .steps = 100000, .threads = 1};
@@ -211,7 +221,8 @@ static void test_failures(void **unused) {
       go(&alone, 1);
       go(&shared, size);
       print_message("  %s: %s\n", decks[d].name,
-                    sd_messages_count(alone.messages) ? sd_messages_text(alone.messages, 0) : "no message");
+                    sd_messages_count(alone.messages) ? sd_messages_text(alone.messages, 0)
+                                                      : "no message");
       assert_int_equal(alone.status, SD_ERROR_NUMERIC);
       assert_int_equal(shared.status, SD_ERROR_NUMERIC);
       same_messages(alone.messages, shared.messages);
@@ -226,6 +237,7 @@ static void tell(const char *why) { fprintf(stderr, "a rank fails: %s\n", why); 
 
 int main(void) {
   comm_on_fail(tell);
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_same_bits), cmocka_unit_test(test_failures)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_same_bits),
+                                     cmocka_unit_test(test_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

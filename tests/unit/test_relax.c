@@ -16,27 +16,33 @@
 static sd_model *heap_new(const char *integrator, double dt, double gamma_n, const char *phases) {
   text t = {0};
   uint64_t seed = 9;
-  text_add(&t,
-           "dt = %g; integrator = \"%s\"; contact_variant = \"conservative\"; gravity = { g = 1; };\n"
-           "materials = ( { name = \"m\"; k_n = 1e3; k_t = 7e2; gamma_n = %g; mu = 0.4; } );\n"
-           "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); }, { name = \"left\"; "
-           "type = "
-           "\"line\"; points = ((0, 0), (0, 1)); }, { name = \"right\"; type = \"line\"; points = ((7, 0), "
-           "(7, 1)); } "
-           ");\n"
-           "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); density = 1; "
-           "rows = (",
-           dt, integrator, gamma_n);
+  text_add(
+      &t,
+      "dt = %g; integrator = \"%s\"; contact_variant = \"conservative\"; gravity = { g = 1; };\n"
+      "materials = ( { name = \"m\"; k_n = 1e3; k_t = 7e2; gamma_n = %g; mu = 0.4; } );\n"
+      "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); }, { name = "
+      "\"left\"; "
+      "type = "
+      "\"line\"; points = ((0, 0), (0, 1)); }, { name = \"right\"; type = \"line\"; points = ((7, "
+      "0), "
+      "(7, 1)); } "
+      ");\n"
+      "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); density = "
+      "1; "
+      "rows = (",
+      dt, integrator, gamma_n);
   for (int k = 0; k < 30; k++) {
     double v[5];
     int row = k / 6;
     for (int c = 0; c < 5; c++) v[c] = next_uniform(&seed) - 0.5;
-    text_add(&t, "%s(%.6f, %.6f, %.4f, %.6f, %.6f, %.6f)", k ? ", " : "", 0.6 + 1.15 * (k % 6) + 0.1 * v[0],
-             0.6 + 1.15 * row, 0.45 + 0.1 * v[1], k == 3 ? 0.0 : v[2], v[3], k == 8 ? 0.0 : 2 * v[4]);
+    text_add(&t, "%s(%.6f, %.6f, %.4f, %.6f, %.6f, %.6f)", k ? ", " : "",
+             0.6 + 1.15 * (k % 6) + 0.1 * v[0], 0.6 + 1.15 * row, 0.45 + 0.1 * v[1],
+             k == 3 ? 0.0 : v[2], v[3], k == 8 ? 0.0 : 2 * v[4]);
   }
   text_add(&t,
            "); } );\nlocks = ( { disk = 3; coordinates = \"x\"; } );\n"
-           "motions = ( { name = \"turn\"; disk = 8; coordinate = \"theta\"; type = \"velocity\"; velocity = "
+           "motions = ( { name = \"turn\"; disk = 8; coordinate = \"theta\"; type = \"velocity\"; "
+           "velocity = "
            "0.01; } "
            ");\nmeasure = { rotation = (0); };\n%s",
            phases);
@@ -79,10 +85,10 @@ static void test_equilibrium(void **unused) {
     sd_simulation *sim = begin_run(m, 1);
     advance(sim, 45000);
     sd_energy e = sd_simulation_energy(sim);
-    print_message(
-        "  %s: imbalance %.2g, kinetic %.2g, relaxed %.4g, friction %.4g, residual %.2g, %zu contacts\n",
-        k ? "gear5" : "verlet", imbalance(sim), kinetic(&e), e.relaxed, e.friction, e.residual,
-        sd_simulation_state(sim)->n_contacts);
+    print_message("  %s: imbalance %.2g, kinetic %.2g, relaxed %.4g, friction %.4g, residual %.2g, "
+                  "%zu contacts\n",
+                  k ? "gear5" : "verlet", imbalance(sim), kinetic(&e), e.relaxed, e.friction,
+                  e.residual, sd_simulation_state(sim)->n_contacts);
     assert_true(imbalance(sim) < 1e-8);
     assert_true(sd_simulation_state(sim)->n_contacts > 40);
     assert_true(e.relaxed > 0.5 * (e.start - e.external));
@@ -96,13 +102,14 @@ static void test_energy(void **unused) {
   (void)unused;
   double residual[2];
   for (int k = 0; k < 2; k++) {
-    sd_model *m = heap_new("verlet", k ? 2e-4 : 4e-4, 1.0, "phases = ( { time = 3; relax = true; } );");
+    sd_model *m =
+        heap_new("verlet", k ? 2e-4 : 4e-4, 1.0, "phases = ( { time = 3; relax = true; } );");
     sd_simulation *sim = begin_run(m, 1);
     advance(sim, m->phases[0].steps);
     sd_energy e = sd_simulation_energy(sim);
     residual[k] = fabs(e.residual) / e.scale;
-    print_message("  dt %g: relaxed %.4g, friction %.4g, viscous %.4g, residual %.2g of %.3g\n", m->dt,
-                  e.relaxed, e.friction, e.viscous, e.residual, e.scale);
+    print_message("  dt %g: relaxed %.4g, friction %.4g, viscous %.4g, residual %.2g of %.3g\n",
+                  m->dt, e.relaxed, e.friction, e.viscous, e.residual, e.scale);
     end_run(sim, m);
   }
   assert_true(residual[0] < 1e-3 && residual[1] < 0.5 * residual[0]);
@@ -170,10 +177,10 @@ static void test_out_of_play(void **unused) {
 static void test_same_bits(void **unused) {
   (void)unused;
   for (int k = 0; k < 2; k++) {
-    sd_model *m =
-        heap_new(k ? "gear5" : "verlet", 5e-4, 1.0,
-                 "phases = ( { steps = 700; relax = true; }, { steps = 300; }, { steps = 1000; relax = "
-                 "true; } );");
+    sd_model *m = heap_new(
+        k ? "gear5" : "verlet", 5e-4, 1.0,
+        "phases = ( { steps = 700; relax = true; }, { steps = 300; }, { steps = 1000; relax = "
+        "true; } );");
     sd_simulation *whole = begin_run(m, 1), *pieces = begin_run(m, 1), *threads = begin_run(m, 3);
     for (int64_t done = 0; done < 2000; done += 100) {
       advance(whole, 100);
@@ -196,13 +203,15 @@ static void test_same_bits(void **unused) {
 /* A disk on two supports, which would otherwise have a step of its own: delta = m g/(2 k sin^2) on two supports. */
 static void test_few(void **unused) {
   (void)unused;
-  sd_model *m = model_of(
-      "dt = 1e-3; gravity = { g = 10; };\n"
-      "materials = ( { name = \"m\"; k_n = 1e3; k_t = 0; gamma_n = 0; mu = 0; } );\n"
-      "disks = ( { x = 0; y = 0.01; radius = 1; mass = 0.1; }, { x = -1; y = -1.7320508075688772; radius = "
-      "1; mass = "
-      "0.1; fixed = true; }, { x = 1; y = -1.7320508075688772; radius = 1; mass = 0.1; fixed = true; } );\n"
-      "phases = ( { steps = 10; }, { steps = 4000; relax = true; } );");
+  sd_model *m =
+      model_of("dt = 1e-3; gravity = { g = 10; };\n"
+               "materials = ( { name = \"m\"; k_n = 1e3; k_t = 0; gamma_n = 0; mu = 0; } );\n"
+               "disks = ( { x = 0; y = 0.01; radius = 1; mass = 0.1; }, { x = -1; y = "
+               "-1.7320508075688772; radius = "
+               "1; mass = "
+               "0.1; fixed = true; }, { x = 1; y = -1.7320508075688772; radius = 1; mass = 0.1; "
+               "fixed = true; } );\n"
+               "phases = ( { steps = 10; }, { steps = 4000; relax = true; } );");
   sd_simulation *sim = begin_run(m, 1);
   advance(sim, 4010);
   const sd_state *s = sd_simulation_state(sim);
@@ -216,8 +225,9 @@ static void test_few(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_equilibrium), cmocka_unit_test(test_energy),    cmocka_unit_test(test_booked),
-      cmocka_unit_test(test_out_of_play), cmocka_unit_test(test_same_bits), cmocka_unit_test(test_few),
+      cmocka_unit_test(test_equilibrium), cmocka_unit_test(test_energy),
+      cmocka_unit_test(test_booked),      cmocka_unit_test(test_out_of_play),
+      cmocka_unit_test(test_same_bits),   cmocka_unit_test(test_few),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -64,7 +64,8 @@ static void try(size_t n_runs, uint64_t step) {
 
 static void as_sorted(void **unused) {
   (void)unused;
-  for (int round = 0; round < 300; round++) try(draw(RUNS + 1), (uint64_t[]){1, 2, 3, 1000}[round % 4]);
+  for (int round = 0; round < 300; round++)
+    try(draw(RUNS + 1), (uint64_t[]){1, 2, 3, 1000}[round % 4]);
 }
 
 int main(void) {

@@ -34,14 +34,16 @@ static int remove_folder(void **unused) {
 static sd_model *model_number(int k) {
   text t = {0};
   text_add(&t, "dt = 1e-6; seed = %d; gravity = { g = 10; tilt = %g; };\n", k + 1, 0.02 * k);
-  text_add(&t,
-           "materials = ( { name = \"m\"; k_n = 1e3; k_t = 1e6; gamma_n = 10; mu = 0.1; } );\n"
-           "disks = ( { name = \"upper\"; x = 0; y = 0; radius = 1; mass = 0.1; },\n"
-           "  { name = \"left\"; x = -1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; },\n"
-           "  { name = \"right\"; x = 1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; } );\n"
-           "motions = ( { name = \"shake\"; disk = [\"left\", \"right\"]; coordinate = [\"x\", \"theta\"];\n"
-           "  type = \"random\"; amplitude = 1e-4; omega = 60; damping = 0.5; } );\n"
-           "measure = { rotation = [\"upper\"]; };\n");
+  text_add(
+      &t,
+      "materials = ( { name = \"m\"; k_n = 1e3; k_t = 1e6; gamma_n = 10; mu = 0.1; } );\n"
+      "disks = ( { name = \"upper\"; x = 0; y = 0; radius = 1; mass = 0.1; },\n"
+      "  { name = \"left\"; x = -1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; },\n"
+      "  { name = \"right\"; x = 1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; } );\n"
+      "motions = ( { name = \"shake\"; disk = [\"left\", \"right\"]; coordinate = [\"x\", "
+      "\"theta\"];\n"
+      "  type = \"random\"; amplitude = 1e-4; omega = 60; damping = 0.5; } );\n"
+      "measure = { rotation = [\"upper\"]; };\n");
   text_add(&t,
            "phases = ( { name = \"one\"; steps = %d; measure = false;\n"
            "  settle = { kinetic = %g; every = 700; }; }, { name = \"two\"; steps = %d; } );\n",
@@ -67,7 +69,8 @@ static void stop_in_phase_two(void *user, const session_progress *p) {
 }
 
 static void open_member(world *w, int k, void (*progress)(void *, const session_progress *)) {
-  session_options options = {.result = w->results[k], .stop = &w->stop, .progress = progress, .user = w};
+  session_options options = {
+      .result = w->results[k], .stop = &w->stop, .progress = progress, .user = w};
   sd_messages *messages = sd_messages_new();
   sd_status status = session_open(w->models[k], &options, &w->sessions[k], messages);
   sd_messages_print(messages, stderr);
@@ -134,6 +137,7 @@ static void none(void **unused) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(those_behind_go_first), cmocka_unit_test(none)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(those_behind_go_first),
+                                     cmocka_unit_test(none)};
   return cmocka_run_group_tests_name("session_group", tests, make_folder, remove_folder);
 }

@@ -14,17 +14,20 @@
 /* Disks fall into a box and lose what they bring; then a phase that only measures. */
 static char *pile(int n, int64_t most, const char *settle, const char *more) {
   text t = {0};
-  text_add(&t, "dt = 2e-5; gravity = { g = 9.81; };\n"
-               "materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n"
-               "walls = ( { type = \"line\"; points = ((-1, 0), (1, 0)); },\n"
-               "  { type = \"line\"; points = ((0, 1), (0, 0)); }, { type = \"line\"; points = ((0.2, 0), "
-               "(0.2, 1)); } );\n"
-               "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (");
+  text_add(
+      &t,
+      "dt = 2e-5; gravity = { g = 9.81; };\n"
+      "materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n"
+      "walls = ( { type = \"line\"; points = ((-1, 0), (1, 0)); },\n"
+      "  { type = \"line\"; points = ((0, 1), (0, 0)); }, { type = \"line\"; points = ((0.2, 0), "
+      "(0.2, 1)); } );\n"
+      "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (");
   add_lattice(&t, n, 4, 0.03, 0.03, 0.045, 0.02, 3);
-  text_add(&t,
-           "); } );\n%s phases = ( { name = \"fall\"; steps = %lld; settle = { %s }; series = 0; },\n"
-           "  { name = \"after\"; steps = 300; series = 0; } ); measure = { rotation = (0, 1); };",
-           more, (long long)most, settle);
+  text_add(
+      &t,
+      "); } );\n%s phases = ( { name = \"fall\"; steps = %lld; settle = { %s }; series = 0; },\n"
+      "  { name = \"after\"; steps = 300; series = 0; } ); measure = { rotation = (0, 1); };",
+      more, (long long)most, settle);
   return t.s;
 }
 
@@ -60,10 +63,10 @@ static void a_disk_in_flight_and_one_at_rest(void **unused) {
 
 static void without_contacts_nothing_is_balanced(void **unused) {
   (void)unused;
-  sd_model *m = model_of(
-      "dt = 1e-4; gravity = { g = 10; }; steps = 10;\n"
-      "materials = ( { name = \"a\"; k_n = 1e3; } );\n"
-      "disks = ( { x = 0; y = 0; radius = 1; mass = 1; }, { x = 9; y = 0; radius = 1; mass = 1; } );");
+  sd_model *m = model_of("dt = 1e-4; gravity = { g = 10; }; steps = 10;\n"
+                         "materials = ( { name = \"a\"; k_n = 1e3; } );\n"
+                         "disks = ( { x = 0; y = 0; radius = 1; mass = 1; }, { x = 9; y = 0; "
+                         "radius = 1; mass = 1; } );");
   sd_simulation *sim = begin_run(m, 1);
   assert_true(isinf(settle_look(engine_of(sim)).unbalanced));
   sd_simulation_free(sim);
@@ -74,7 +77,8 @@ static void without_contacts_nothing_is_balanced(void **unused) {
   sd_model_free(m);
 }
 
-static const char *const criteria[] = {"kinetic = 1e-8; every = 250;", "unbalanced = 1e-3; every = 100;",
+static const char *const criteria[] = {"kinetic = 1e-8; every = 250;",
+                                       "unbalanced = 1e-3; every = 100;",
                                        "kinetic = 1e-8; unbalanced = 1e-3;"};
 
 /* The end is at the first look at which the criteria hold; one step further is the next phase. */

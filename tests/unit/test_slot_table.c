@@ -27,7 +27,8 @@ static void check_rows(uint32_t first, size_t rows, size_t width, size_t stride)
   slot_table t;
   s.id = malloc(s.n_bodies * sizeof *s.id);
   assert_non_null(s.id);
-  for (size_t i = 0; i < s.n_bodies; i++) s.id[i] = (uint32_t)(first + i / width * stride + i % width);
+  for (size_t i = 0; i < s.n_bodies; i++)
+    s.id[i] = (uint32_t)(first + i / width * stride + i % width);
   assert_true(slot_table_new(&t, &s, WHOLE));
   for (size_t i = 0; i < s.n_bodies; i++) assert_int_equal(slot_of(&t, s.id[i]), i);
   if (stride > width)
@@ -57,7 +58,8 @@ static void test_rows(void **unused) {
                {1024, 1024, 4096}, {64, 64, 1024},       {3000, 100, 128}, {4000, 1, 64},
                {4000, 1, 1000},    {16, 65536, 1 << 18}, {1, WHOLE, WHOLE}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
-    check_rows(k % 2 && cases[k].width < WHOLE ? 37 : 0, cases[k].rows, cases[k].width, cases[k].stride);
+    check_rows(k % 2 && cases[k].width < WHOLE ? 37 : 0, cases[k].rows, cases[k].width,
+               cases[k].stride);
 }
 
 int main(void) {

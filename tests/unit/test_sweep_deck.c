@@ -31,7 +31,8 @@ static const deck_sweep *good_deck(const char *text) {
 /* The points of `sweep = ...;`. */
 static const deck_sweep *good(const char *grids) {
   char text[8000];
-  assert_in_range(snprintf(text, sizeof text, HEAD "sweep = %s;\n" TAIL, grids), 1, sizeof text - 1);
+  assert_in_range(snprintf(text, sizeof text, HEAD "sweep = %s;\n" TAIL, grids), 1,
+                  sizeof text - 1);
   return good_deck(text);
 }
 
@@ -57,7 +58,8 @@ static void names_are(const char *wanted) {
 static sd_model *model_of(const char *name) {
   sd_model *m = NULL;
   sd_messages_clear(messages);
-  sd_status status = deck_sweep_model(&sweep_now, (size_t)(point(name) - sweep_now.points), &m, messages);
+  sd_status status =
+      deck_sweep_model(&sweep_now, (size_t)(point(name) - sweep_now.points), &m, messages);
   sd_messages_print(messages, stderr);
   assert_int_equal(status, SD_OK);
   assert_int_equal(sd_model_deck(m)->sweep_points, 0);
@@ -71,8 +73,9 @@ static void test_crossed(void **state) {
   const deck_sweep *s =
       good("{ parameters = ( { path = \"gravity.tilt\"; values = (0, \"0.02 pi\", \"7.2 deg\"); },"
            " { path = \"motions[*].amplitude\"; name = \"eps\"; values = (1e-5, 0.5, 2.0); } ); }");
-  names_are("tilt=0,eps=1e-05 tilt=0,eps=0.5 tilt=0,eps=2 tilt=0.02pi,eps=1e-05 tilt=0.02pi,eps=0.5 "
-            "tilt=0.02pi,eps=2 tilt=7.2deg,eps=1e-05 tilt=7.2deg,eps=0.5 tilt=7.2deg,eps=2");
+  names_are(
+      "tilt=0,eps=1e-05 tilt=0,eps=0.5 tilt=0,eps=2 tilt=0.02pi,eps=1e-05 tilt=0.02pi,eps=0.5 "
+      "tilt=0.02pi,eps=2 tilt=7.2deg,eps=1e-05 tilt=7.2deg,eps=0.5 tilt=7.2deg,eps=2");
   assert_int_equal(s->n_sets, 9);
   assert_int_equal(s->n_parameters, 2);
   assert_string_equal(s->parameters[1].path, "motions[*].amplitude");
@@ -90,7 +93,8 @@ static void test_crossed(void **state) {
 static void test_zipped(void **state) {
   (void)state;
   good("{ parameters = ( { path = \"dt\"; values = (1e-3, 2e-3); zip = \"t\"; },"
-       " { path = \"gravity.g\"; values = (1, 2); }, { path = \"steps\"; name = \"n\"; values = (20, 10); "
+       " { path = \"gravity.g\"; values = (1, 2); }, { path = \"steps\"; name = \"n\"; values = "
+       "(20, 10); "
        "zip = \"t\"; } ); }");
   names_are("dt=0.001,g=1,n=20 dt=0.001,g=2,n=20 dt=0.002,g=1,n=10 dt=0.002,g=2,n=10");
   sd_model *m = model_of("dt=0.002,g=2,n=10");
@@ -147,15 +151,16 @@ static void test_paths(void **state) {
 /* Points that two grids have are run once, whatever they are called in the second. */
 static void test_union(void **state) {
   (void)state;
-  const deck_sweep *s =
-      good("( { parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
-           "values = (0, \"1 deg\"); } ); },"
-           " { parameters = ( { path = \"gravity.tilt\"; values = (0.0, \"1deg\", 0.25); }, { path = "
-           "\"gravity.g\"; linspace = (2, 3, 2); } ); replicas = 2; },"
-           " { parameters = ( { path = \"skin\"; values = (0.5); } ); }, { } )");
-  names_are("g=1,tilt=0 g=1,tilt=1deg g=2,tilt=0 g=2,tilt=1deg "
-            "g=2,tilt=0,r=1 g=3,tilt=0 g=3,tilt=0,r=1 g=2,tilt=1deg,r=1 g=3,tilt=1deg g=3,tilt=1deg,r=1 "
-            "g=2,tilt=0.25 g=2,tilt=0.25,r=1 g=3,tilt=0.25 g=3,tilt=0.25,r=1 skin=0.5 base");
+  const deck_sweep *s = good(
+      "( { parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
+      "values = (0, \"1 deg\"); } ); },"
+      " { parameters = ( { path = \"gravity.tilt\"; values = (0.0, \"1deg\", 0.25); }, { path = "
+      "\"gravity.g\"; linspace = (2, 3, 2); } ); replicas = 2; },"
+      " { parameters = ( { path = \"skin\"; values = (0.5); } ); }, { } )");
+  names_are(
+      "g=1,tilt=0 g=1,tilt=1deg g=2,tilt=0 g=2,tilt=1deg "
+      "g=2,tilt=0,r=1 g=3,tilt=0 g=3,tilt=0,r=1 g=2,tilt=1deg,r=1 g=3,tilt=1deg g=3,tilt=1deg,r=1 "
+      "g=2,tilt=0.25 g=2,tilt=0.25,r=1 g=3,tilt=0.25 g=3,tilt=0.25,r=1 skin=0.5 base");
   assert_int_equal(s->n_sets, 10);
   assert_int_equal(point("g=2,tilt=0,r=1")->set, point("g=2,tilt=0")->set);
   assert_int_equal(point("g=2,tilt=0,r=1")->replica, 1);
@@ -170,8 +175,9 @@ static void test_union(void **state) {
 /* 10, 10.0 and 1e1 are the same, and so are their seeds. */
 static void test_same_numbers(void **state) {
   (void)state;
-  static const char *const ways[] = {"values = (10)",   "values = (10.0)",        "values = (1e1)",
-                                     "values = (1e+1)", "linspace = (10, 20, 1)", "logspace = (10.0, 1, 1)"};
+  static const char *const ways[] = {"values = (10)",          "values = (10.0)",
+                                     "values = (1e1)",         "values = (1e+1)",
+                                     "linspace = (10, 20, 1)", "logspace = (10.0, 1, 1)"};
   int64_t seed = 0;
   for (size_t k = 0; k < sizeof ways / sizeof *ways; k++) {
     char text[200];
@@ -181,7 +187,8 @@ static void test_same_numbers(void **state) {
     if (k == 0) seed = point("g=10")->seed;
     assert_int_equal(point("g=10")->seed, seed);
   }
-  good("{ parameters = ( { path = \"steps\"; name = \"n\"; values = (2e6, 2000000, 5000000000, 5e9, 0x10); } "
+  good("{ parameters = ( { path = \"steps\"; name = \"n\"; values = (2e6, 2000000, 5000000000, "
+       "5e9, 0x10); } "
        "); }");
   names_are("n=2000000 n=5000000000 n=16");
   sd_model *m = model_of("n=5000000000");
@@ -191,9 +198,10 @@ static void test_same_numbers(void **state) {
 
 static void test_texts(void **state) {
   (void)state;
-  const deck_sweep *s = good("{ parameters = ( { path = \"integrator\"; values = (\"gear5\", \"verlet\"); },"
-                             " { path = \"title\"; values = (\"a b\", \"ab\", \"a/b\", \"..\", \"say "
-                             "\\\"no\\\", or\\nnot\\\\\"); } ); }");
+  const deck_sweep *s =
+      good("{ parameters = ( { path = \"integrator\"; values = (\"gear5\", \"verlet\"); },"
+           " { path = \"title\"; values = (\"a b\", \"ab\", \"a/b\", \"..\", \"say "
+           "\\\"no\\\", or\\nnot\\\\\"); } ); }");
   assert_int_equal(s->n_points, 10);
   assert_true(s->parameters[0].text && s->parameters[1].text);
   assert_string_equal(s->points[1].name, "integrator=gear5,title=ab");
@@ -208,16 +216,20 @@ static void test_texts(void **state) {
   assert_int_equal(m->integrator, SD_GEAR5);
   sd_model_free(m);
   /* lists, truth, numbers beside texts */
-  s = good("{ parameters = ( { path = \"disks.b.locked\"; values = ((), (\"x\", \"y\")); }, { path = "
-           "\"disks.b.fixed\"; values = (true, false); }, { path = \"disks.b.y\"; name = \"y\"; values = (1, "
-           "2); } ); }");
+  s = good(
+      "{ parameters = ( { path = \"disks.b.locked\"; values = ((), (\"x\", \"y\")); }, { path = "
+      "\"disks.b.fixed\"; values = (true, false); }, { path = \"disks.b.y\"; name = \"y\"; values "
+      "= (1, "
+      "2); } ); }");
   assert_int_equal(s->n_points, 8);
   assert_string_equal(s->points[0].texts[1], "true");
   m = model_of(s->points[6].name);
-  assert_true(m->disks[1].locked[SD_X] && m->disks[1].locked[SD_Y] && !m->disks[1].locked[SD_THETA]);
+  assert_true(m->disks[1].locked[SD_X] && m->disks[1].locked[SD_Y] &&
+              !m->disks[1].locked[SD_THETA]);
   assert_true(m->disks[1].position[1] == 1);
   sd_model_free(m);
-  s = good("{ parameters = ( { path = \"motions.p.phase\"; values = (0, \"1 pi\"); }, { path = \"title\"; "
+  s = good("{ parameters = ( { path = \"motions.p.phase\"; values = (0, \"1 pi\"); }, { path = "
+           "\"title\"; "
            "values = "
            "(1, \"one\"); } ); }");
   assert_true(!s->parameters[0].text && s->parameters[1].text);
@@ -259,11 +271,12 @@ static void test_without_sweep(void **state) {
 
 static void test_names(void **state) {
   (void)state;
-  const deck_sweep *s = good("{ parameters = ( { path = \"motions.p.amplitude\"; values = (1); }, { path = "
-                             "\"motions.q.amplitude\"; values "
-                             "= (1); }, { path = \"motions[0].omega\"; values = (1); }, { path = "
-                             "\"phases[0].steps\"; values = (10); }, { "
-                             "path = \"gravity.tilt\"; name = \"q\"; values = (0); } ); }");
+  const deck_sweep *s =
+      good("{ parameters = ( { path = \"motions.p.amplitude\"; values = (1); }, { path = "
+           "\"motions.q.amplitude\"; values "
+           "= (1); }, { path = \"motions[0].omega\"; values = (1); }, { path = "
+           "\"phases[0].steps\"; values = (10); }, { "
+           "path = \"gravity.tilt\"; name = \"q\"; values = (0); } ); }");
   static const char *const wanted[] = {"amplitude", "q.amplitude", "omega", "phases0.steps", "q"};
   for (size_t k = 0; k < 5; k++) assert_string_equal(s->parameters[k].name, wanted[k]);
 }
@@ -272,27 +285,33 @@ static void test_names(void **state) {
 
 static void test_seeds(void **state) {
   (void)state;
-  good("{ parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; values = (0, "
+  good("{ parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
+       "values = (0, "
        "1); } ); }");
   int64_t seed = point("g=2,tilt=1")->seed;
   /* it is what the model gets, and whatever it is it is a positive number that a double holds */
   assert_in_range(seed, 1, INT64_C(1) << 53);
   for (size_t k = 0; k < 4; k++)
-    for (size_t j = 0; j < k; j++) assert_int_not_equal(sweep_now.points[k].seed, sweep_now.points[j].seed);
+    for (size_t j = 0; j < k; j++)
+      assert_int_not_equal(sweep_now.points[k].seed, sweep_now.points[j].seed);
   static const char *const grown[] = {
       /* more values, in another order; replicas; another grid, before and behind; names; zip */
-      "{ parameters = ( { path = \"gravity.g\"; values = (3, 2, 1.5, 1); }, { path = \"gravity.tilt\"; "
+      "{ parameters = ( { path = \"gravity.g\"; values = (3, 2, 1.5, 1); }, { path = "
+      "\"gravity.tilt\"; "
       "values = (1, 0); } ); }",
-      "{ parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; values = (0, "
+      "{ parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
+      "values = (0, "
       "1); } ); "
       "replicas = 7; }",
       "( { parameters = ( { path = \"skin\"; values = (1, 2); } ); }, { parameters = ( { path = "
       "\"gravity.g\"; values = "
       "(1, 2); }, { path = \"gravity.tilt\"; values = (0, 1); } ); }, { replicas = 2; } )",
-      "{ parameters = ( { path = \"gravity.g\"; values = (1, 2); zip = \"a\"; }, { path = \"gravity.tilt\"; "
+      "{ parameters = ( { path = \"gravity.g\"; values = (1, 2); zip = \"a\"; }, { path = "
+      "\"gravity.tilt\"; "
       "values = (0, "
       "1); zip = \"a\"; } ); collect = \"work\"; }",
-      "( { parameters = ( { path = \"seed\"; name = \"noise\"; values = (1, 2); } ); }, { parameters = ( { "
+      "( { parameters = ( { path = \"seed\"; name = \"noise\"; values = (1, 2); } ); }, { "
+      "parameters = ( { "
       "path = "
       "\"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; values = (0, 1); } ); } )",
   };
@@ -305,7 +324,8 @@ static void test_seeds(void **state) {
   assert_int_equal(sweep_now.n_points, 1000);
   assert_int_equal(sweep_now.n_sets, 50);
   for (size_t k = 0; k < 1000; k++)
-    for (size_t j = 0; j < k; j++) assert_int_not_equal(sweep_now.points[k].seed, sweep_now.points[j].seed);
+    for (size_t j = 0; j < k; j++)
+      assert_int_not_equal(sweep_now.points[k].seed, sweep_now.points[j].seed);
 }
 
 /* Another seed of the deck gives other seeds to the points, however it is written. */
@@ -330,7 +350,8 @@ static void test_base_seed(void **state) {
 
 static void test_swept_seed(void **state) {
   (void)state;
-  good("{ parameters = ( { path = \"seed\"; name = \"noise\"; values = (7, 8.0, 9007199254740993); }, { path "
+  good("{ parameters = ( { path = \"seed\"; name = \"noise\"; values = (7, 8.0, 9007199254740993); "
+       "}, { path "
        "= "
        "\"gravity.g\"; values = (1, 2); } ); }");
   names_are("noise=7,g=1 noise=7,g=2 noise=8,g=1 noise=8,g=2 noise=9007199254740993,g=1 "
@@ -346,44 +367,49 @@ static void test_swept_seed(void **state) {
 
 static void test_overrides(void **state) {
   (void)state;
-  const char *const more[] = {"sweep.parameters[0].values=(4, 5)", "sweep.replicas=2", "gravity.tilt=0.5"};
+  const char *const more[] = {"sweep.parameters[0].values=(4, 5)", "sweep.replicas=2",
+                              "gravity.tilt=0.5"};
   assert_int_equal(
-      load(HEAD "sweep = { parameters = ( { path = \"gravity.g\"; linspace = (1, 2, 3); } ); };\n" TAIL, 3,
-           more),
+      load(HEAD
+           "sweep = { parameters = ( { path = \"gravity.g\"; linspace = (1, 2, 3); } ); };\n" TAIL,
+           3, more),
       SD_OK);
   names_are("g=4 g=4,r=1 g=5 g=5,r=1");
   sd_model *m = model_of("g=5,r=1");
   assert_true(fabs(m->gravity[0] + 5 * sin(0.5)) < 1e-15);
-  assert_non_null(
-      strstr(sd_model_deck(m)->overrides, "sweep.replicas=2\ngravity.tilt=0.5\ngravity.g=5\nseed="));
+  assert_non_null(strstr(sd_model_deck(m)->overrides,
+                         "sweep.replicas=2\ngravity.tilt=0.5\ngravity.g=5\nseed="));
   sd_model_free(m);
   /* what is set twice is told */
   const char *const lost[] = {"gravity.g = 3"};
-  assert_int_equal(
-      load(HEAD
-           "sweep = { parameters = ( { path = [\"skin\", \"gravity.g\"]; values = (1, 2); } ); };\n" TAIL,
-           1, lost),
-      SD_OK);
+  assert_int_equal(load(HEAD "sweep = { parameters = ( { path = [\"skin\", \"gravity.g\"]; values "
+                             "= (1, 2); } ); };\n" TAIL,
+                        1, lost),
+                   SD_OK);
   assert_int_equal(sd_messages_count(messages), 1);
-  assert_string_equal(sd_messages_text(messages, 0),
-                      "-D gravity.g = 3: the sweep sets this key; it counts for points that do not set it");
+  assert_string_equal(
+      sd_messages_text(messages, 0),
+      "-D gravity.g = 3: the sweep sets this key; it counts for points that do not set it");
   /* in other words, too */
-#define SHAKEN                                                                                               \
-  HEAD "sweep = { parameters = ( { path = \"motions.p.amplitude\"; name = \"eps\"; values = (1, 2); }, { "   \
-       "path "                                                                                               \
+#define SHAKEN                                                                                     \
+  HEAD "sweep = { parameters = ( { path = \"motions.p.amplitude\"; name = \"eps\"; values = (1, "  \
+       "2); }, { "                                                                                 \
+       "path "                                                                                     \
        "= \"gravity.tilt\"; values = (0); } ); };\n" TAIL
   const char *const alike[] = {"motions[*].amplitude=3", "motions[0].acceleration=2",
                                "motions.q.amplitude=4"};
   assert_int_equal(load(SHAKEN, 3, alike), SD_OK);
   assert_int_equal(sd_messages_count(messages), 2);
-  assert_string_equal(
-      sd_messages_text(messages, 0),
-      "-D motions[*].amplitude=3: the sweep sets this key; it counts for points that do not set it");
-  assert_string_equal(sd_messages_text(messages, 1), "-D motions[0].acceleration=2: the sweep sets a key "
-                                                     "that takes this one away; it counts for points that "
-                                                     "do not set it");
+  assert_string_equal(sd_messages_text(messages, 0),
+                      "-D motions[*].amplitude=3: the sweep sets this key; it counts for points "
+                      "that do not set it");
+  assert_string_equal(sd_messages_text(messages, 1),
+                      "-D motions[0].acceleration=2: the sweep sets a key "
+                      "that takes this one away; it counts for points that "
+                      "do not set it");
   /* a parameter goes by its name in the table */
-  const char *const named[] = {"sweep.parameters.eps.values=(3)", "sweep.parameters.tilt.values=(1, 2)"};
+  const char *const named[] = {"sweep.parameters.eps.values=(3)",
+                               "sweep.parameters.tilt.values=(1, 2)"};
   assert_int_equal(load(SHAKEN, 2, named), SD_OK);
   names_are("eps=3,tilt=1 eps=3,tilt=2");
   const char *const unnamed[] = {"sweep.parameters.tlt.values=(1)"};
@@ -402,9 +428,10 @@ static void test_count(void **state) {
   sd_model *m = NULL;
   sd_messages_clear(messages);
   assert_int_equal(
-      sd_deck_load_text(HEAD "sweep = ( { parameters = ( { path = \"gravity.g\"; values = (1, 2); } ); }, { "
-                             "parameters = ( { path = \"gravity.g\"; values = (2, 3); } ); } );\n" TAIL,
-                        "test.cfg", 0, NULL, &m, messages),
+      sd_deck_load_text(
+          HEAD "sweep = ( { parameters = ( { path = \"gravity.g\"; values = (1, 2); } ); }, { "
+               "parameters = ( { path = \"gravity.g\"; values = (2, 3); } ); } );\n" TAIL,
+          "test.cfg", 0, NULL, &m, messages),
       SD_OK);
   assert_int_equal(sd_model_deck(m)->sweep_points, 3);
   assert_true(m->gravity[1] == -10);

@@ -58,21 +58,28 @@ static void test_mistakes(void **state) {
   bad("{ replicas = 0; }", "deck.cfg:2: sweep.replicas = 0: expected a whole number >= 1");
   bad("{ replicas = 1.5; }", "sweep.replicas = 1.5: expected a whole number");
   bad("{ replica = 2; }", "sweep.replica = 2: unknown key of sweep; did you mean \"replicas\"?");
-  bad("{ parameters = { path = \"dt\"; values = (1); }; }", "sweep.parameters: expected a list of groups");
+  bad("{ parameters = { path = \"dt\"; values = (1); }; }",
+      "sweep.parameters: expected a list of groups");
   bad("{ parameters = (\"dt\"); }", "sweep.parameters[0] = \"dt\": expected a group");
-  bad(ONE("values = (1);"), "deck.cfg:2: sweep.parameters[0].path: missing: expected the key to set");
+  bad(ONE("values = (1);"),
+      "deck.cfg:2: sweep.parameters[0].path: missing: expected the key to set");
   bad(ONE("path = 3; values = (1);"), "sweep.parameters[0].path = 3: expected the path of a key");
-  bad(ONE("path = \"\"; values = (1);"), "sweep.parameters[0].path = \"\": expected the path of a key");
+  bad(ONE("path = \"\"; values = (1);"),
+      "sweep.parameters[0].path = \"\": expected the path of a key");
   bad(ONE("path = (); values = (1);"), "sweep.parameters[0].path = (): expected the path of a key");
-  bad(ONE("path = \"a=b\"; values = (1);"), "sweep.parameters[0].path = \"a=b\": expected the path of a key");
+  bad(ONE("path = \"a=b\"; values = (1);"),
+      "sweep.parameters[0].path = \"a=b\": expected the path of a key");
   bad(ONE("path = \"sweep\"; values = (1);"),
       "sweep.parameters[0].path = \"sweep\": a sweep cannot vary itself");
   bad(ONE("path = \"sweep.replicas\"; values = (1);"), "a sweep cannot vary itself");
-  bad(ONE("path = \"dt\";"), "sweep.parameters[0].values: missing: expected values, linspace or logspace");
+  bad(ONE("path = \"dt\";"),
+      "sweep.parameters[0].values: missing: expected values, linspace or logspace");
   bad(ONE("path = \"dt\"; values = (1); linspace = (1, 2, 3);"),
       "sweep.parameters[0].linspace = (1, 2, 3): given together with values; expected one of them");
-  bad(ONE("path = \"dt\"; values = ();"), "sweep.parameters[0].values = (): expected a list of values");
-  bad(ONE("path = \"dt\"; values = 3;"), "sweep.parameters[0].values = 3: expected a list of values");
+  bad(ONE("path = \"dt\"; values = ();"),
+      "sweep.parameters[0].values = (): expected a list of values");
+  bad(ONE("path = \"dt\"; values = 3;"),
+      "sweep.parameters[0].values = 3: expected a list of values");
   bad(ONE("path = \"dt\"; values = ({ a = 1; });"),
       "sweep.parameters[0].values[0]: expected a number, a text");
   bad(ONE("path = \"dt\"; values = ((1, { a = 1; }));"),
@@ -81,7 +88,8 @@ static void test_mistakes(void **state) {
   bad(ONE("path = \"dt\"; linspace = 1;"), "linspace = 1: expected (first, last, count)");
   bad(ONE("path = \"dt\"; linspace = (1, 2, 2.5);"),
       "linspace = (1, 2, 2.5): expected a whole number from 1 to");
-  bad(ONE("path = \"dt\"; linspace = (1, 2, 0);"), "linspace = (1, 2, 0): expected a whole number from 1 to");
+  bad(ONE("path = \"dt\"; linspace = (1, 2, 0);"),
+      "linspace = (1, 2, 0): expected a whole number from 1 to");
   bad(ONE("path = \"dt\"; linspace = (1, \"two\", 2);"),
       "linspace[1] = \"two\": expected a number; no constant is called");
   bad(ONE("path = \"dt\"; logspace = (0, 1, 3);"),
@@ -93,32 +101,47 @@ static void test_mistakes(void **state) {
       "sweep.parameters[0].name = \"a b\": expected letters");
   bad(ONE("path = \"dt\"; values = (1); name = \".\";"),
       "sweep.parameters[0].name = \".\": expected letters");
-  bad(ONE("path = \"dt\"; values = (1); zip = 1;"), "sweep.parameters[0].zip = 1: expected a text in quotes");
-  bad(ONE("path = \"seed\"; values = (1);"), "deck.cfg:2: sweep.parameters[0].name: missing: \"seed\" cannot "
-                                             "be taken from the path (the tables of results have "
-                                             "a column of this name); expected a name");
+  bad(ONE("path = \"dt\"; values = (1); zip = 1;"),
+      "sweep.parameters[0].zip = 1: expected a text in quotes");
+  bad(ONE("path = \"seed\"; values = (1);"),
+      "deck.cfg:2: sweep.parameters[0].name: missing: \"seed\" cannot "
+      "be taken from the path (the tables of results have "
+      "a column of this name); expected a name");
   bad(ONE("path = \"dt\"; name = \"status\"; values = (1);"),
-      "sweep.parameters[0].name = \"status\": the tables of results have a column of this name; expected "
+      "sweep.parameters[0].name = \"status\": the tables of results have a column of this name; "
+      "expected "
       "another");
   bad(ONE("path = \"dt\"; name = \"a.omega\"; values = (1);"), "have a column of this name");
-  bad("{ parameters = ( { path = \"dt\"; name = \"a\"; values = (1); },\n{ path = \"skin\"; name = \"a\"; "
+  bad("{ parameters = ( { path = \"dt\"; name = \"a\"; values = (1); },\n{ path = \"skin\"; name = "
+      "\"a\"; "
       "values = (1); } ); }",
-      "deck.cfg:3: sweep.parameters[1].name = \"a\": another parameter has this name; expected another");
-  bad("( { replicas = 2; }, { collect = (1); } )", "sweep[1].collect[0] = 1: expected the name of a column");
-  bad("( { parameters = ( { path = \"dt\"; values = (1); },\n{ path = \"skin\"; name = \"dt\"; values = (1); "
+      "deck.cfg:3: sweep.parameters[1].name = \"a\": another parameter has this name; expected "
+      "another");
+  bad("( { replicas = 2; }, { collect = (1); } )",
+      "sweep[1].collect[0] = 1: expected the name of a column");
+  bad("( { parameters = ( { path = \"dt\"; values = (1); },\n{ path = \"skin\"; name = \"dt\"; "
+      "values = (1); "
       "} ); } )",
-      "deck.cfg:2: sweep[0].parameters[0].name: missing: \"dt\" cannot be taken from the path (another");
-  bad("{ parameters = ( { path = \"dt\"; values = (1, 2); zip = \"z\"; },\n{ path = \"skin\"; values = (1); "
+      "deck.cfg:2: sweep[0].parameters[0].name: missing: \"dt\" cannot be taken from the path "
+      "(another");
+  bad("{ parameters = ( { path = \"dt\"; values = (1, 2); zip = \"z\"; },\n{ path = \"skin\"; "
+      "values = (1); "
       "zip = "
       "\"z\"; } ); }",
-      "deck.cfg:3: sweep.parameters[1].zip = \"z\": 1 values here, and 2 in the parameter before it");
-  bad("{ parameters = ( { path = \"dt\"; values = (1, 2); },\n{ path = [\"skin\", \"dt\"]; values = (1); } "
+      "deck.cfg:3: sweep.parameters[1].zip = \"z\": 1 values here, and 2 in the parameter before "
+      "it");
+  bad("{ parameters = ( { path = \"dt\"; values = (1, 2); },\n{ path = [\"skin\", \"dt\"]; values "
+      "= (1); } "
       "); }",
-      "deck.cfg:3: sweep.parameters[1].path = (\"skin\", \"dt\"): dt is set by another parameter already");
-  bad("( { replicas = 2; }, { parameters = ( { path = \"seed\"; name = \"n\"; values = (1); } );\nreplicas = "
+      "deck.cfg:3: sweep.parameters[1].path = (\"skin\", \"dt\"): dt is set by another parameter "
+      "already");
+  bad("( { replicas = 2; }, { parameters = ( { path = \"seed\"; name = \"n\"; values = (1); } "
+      ");\nreplicas = "
       "2; } )",
-      "deck.cfg:3: sweep[1].replicas = 2: a parameter sets the seed; expected either this or replicas");
-  bad("{ parameters = ( { path = \"dt\"; linspace = (1, 2, 1001); }, { path = \"skin\"; linspace = (1, 2, "
+      "deck.cfg:3: sweep[1].replicas = 2: a parameter sets the seed; expected either this or "
+      "replicas");
+  bad("{ parameters = ( { path = \"dt\"; linspace = (1, 2, 1001); }, { path = \"skin\"; linspace = "
+      "(1, 2, "
       "1000); } ); }",
       "more than 1000000 points");
 }
@@ -126,15 +149,17 @@ static void test_mistakes(void **state) {
 /* A key is a key however its path is written, and of either-or keys one counts. */
 static void test_same_keys(void **state) {
   (void)state;
-#define TWO(a, b)                                                                                            \
-  "{ parameters = ( { path = " a "; name = \"one\"; values = (1, 2); },\n{ path = " b                        \
+#define TWO(a, b)                                                                                  \
+  "{ parameters = ( { path = " a "; name = \"one\"; values = (1, 2); },\n{ path = " b              \
   "; name = \"two\"; values = (3); } ); }"
   bad(TWO("\"dt\"", "\"dt \""), "dt  is set by another parameter already, as dt (");
   bad(TWO("\"motions[*].amplitude\"", "\"motions.q.amplitude\""),
-      "deck.cfg:3: sweep.parameters[1].path = \"motions.q.amplitude\": motions.q.amplitude is set by another "
+      "deck.cfg:3: sweep.parameters[1].path = \"motions.q.amplitude\": motions.q.amplitude is set "
+      "by another "
       "parameter already, as motions[*].amplitude (");
   expect_message("deck.cfg:2)");
-  bad(TWO("\"motions.q.amplitude\"", "\"motions.[1].amplitude\""), "already, as motions.q.amplitude (");
+  bad(TWO("\"motions.q.amplitude\"", "\"motions.[1].amplitude\""),
+      "already, as motions.q.amplitude (");
   bad(TWO("\"motions[*].omega\"", "\"motions.[*].omega\""), "already, as motions[*].omega (");
   bad(TWO("\"disks.b.locked\"", "\"disks[1].locked[0]\""), "already, as disks.b.locked (");
   bad(TWO("\"box.x\"", "\"box.x[1]\""), "already, as box.x (");
@@ -148,22 +173,27 @@ static void test_same_keys(void **state) {
 #undef TWO
   /* what only looks alike is apart */
   assert_int_equal(
-      load(HEAD
-           "sweep = ( { parameters = ( { path = \"motions[0].amplitude\"; values = (1); }, { path = "
-           "\"motions[1].amplitude\"; values = (1); }, { path = \"motions.p.omega\"; values = (1); }, { "
-           "path = [\"motions.q.frequency\", \"motions[1].frequency\"]; values = (1); }, { path = "
-           "\"motions.r.amplitude\"; name = \"u\"; values = (1); }, { path = \"phases.a.steps\"; name = "
-           "\"s\"; values = (1); } ); }, { parameters = ( { path = \"motions[*].acceleration\"; values = "
-           "(1); }); } );\n" TAIL,
-           0, NULL),
+      load(
+          HEAD
+          "sweep = ( { parameters = ( { path = \"motions[0].amplitude\"; values = (1); }, { path = "
+          "\"motions[1].amplitude\"; values = (1); }, { path = \"motions.p.omega\"; values = (1); "
+          "}, { "
+          "path = [\"motions.q.frequency\", \"motions[1].frequency\"]; values = (1); }, { path = "
+          "\"motions.r.amplitude\"; name = \"u\"; values = (1); }, { path = \"phases.a.steps\"; "
+          "name = "
+          "\"s\"; values = (1); } ); }, { parameters = ( { path = \"motions[*].acceleration\"; "
+          "values = "
+          "(1); }); } );\n" TAIL,
+          0, NULL),
       SD_OK);
 }
 
 /* Mistakes of the sweep and of the rest are told together. */
 static void test_all_at_once(void **state) {
   (void)state;
-  assert_int_equal(load("dt = 1e-3; steps = 10;\nsede = 3;\nsweep = { replicas = -1; };\n" TAIL, 0, NULL),
-                   SD_ERROR_USER);
+  assert_int_equal(
+      load("dt = 1e-3; steps = 10;\nsede = 3;\nsweep = { replicas = -1; };\n" TAIL, 0, NULL),
+      SD_ERROR_USER);
   expect_message("deck.cfg:2: sede = 3: unknown key; did you mean \"seed\"?");
   expect_message("deck.cfg:3: sweep.replicas = -1");
   count_is(2);
@@ -189,8 +219,8 @@ static size_t checked(const char *grids) {
 
 static void test_points(void **state) {
   (void)state;
-  assert_int_equal(checked("{ parameters = ( { path = \"gravity.g\"; values = (1, 2); } ); replicas = 2; }"),
-                   2);
+  assert_int_equal(
+      checked("{ parameters = ( { path = \"gravity.g\"; values = (1, 2); } ); replicas = 2; }"), 2);
   /* a key that there is not: once, with the place of the first value */
   assert_int_equal(checked("{ parameters = ( { path = \"skin\"; values = (1, 2); },\n"
                            "{ path = \"gravity.tlt\"; values = (\n0, 1,\n2); } ); }"),
@@ -198,22 +228,27 @@ static void test_points(void **state) {
   count_is(1);
   expect_message("deck.cfg:4: gravity.tlt = 0: unknown key of gravity; did you mean \"tilt\"?");
   /* one value of three, at its line, with the points that have it */
-  assert_int_equal(checked("{ parameters = ( { path = \"skin\"; values = (1, 2); },\n"
-                           "{ path = \"max_overlap\"; values = (0.5,\n7,\n0.25); } ); replicas = 2; }"),
-                   4);
-  count_is(1);
-  expect_message(
-      "deck.cfg:4: max_overlap = 7: expected a number > 0 and <= 1 (point 2, skin=1,max_overlap=7, and "
-      "others: 2 of 6 sets of values)");
-  assert_int_equal(checked("{ parameters = ( { path = \"max_overlap\"; values = (0.5, 7); } ); }"), 1);
-  expect_message("deck.cfg:2: max_overlap = 7: expected a number > 0 and <= 1 (point 1, max_overlap=7)");
-  /* paths that lead nowhere */
-  assert_int_equal(checked("{ parameters = ( { path = \"motions.r.amplitude\"; values = (1, 2); } ); }"), 0);
-  count_is(1);
-  expect_message(
-      "deck.cfg:2: motions.r.amplitude = 1: motions has no entry named \"r\"; expected \"p\" or \"q\"");
   assert_int_equal(
-      checked("{ parameters = ( { path = \"motions[2].amplitude\"; linspace = (1, 2, 5); } ); }"), 0);
+      checked("{ parameters = ( { path = \"skin\"; values = (1, 2); },\n"
+              "{ path = \"max_overlap\"; values = (0.5,\n7,\n0.25); } ); replicas = 2; }"),
+      4);
+  count_is(1);
+  expect_message("deck.cfg:4: max_overlap = 7: expected a number > 0 and <= 1 (point 2, "
+                 "skin=1,max_overlap=7, and "
+                 "others: 2 of 6 sets of values)");
+  assert_int_equal(checked("{ parameters = ( { path = \"max_overlap\"; values = (0.5, 7); } ); }"),
+                   1);
+  expect_message(
+      "deck.cfg:2: max_overlap = 7: expected a number > 0 and <= 1 (point 1, max_overlap=7)");
+  /* paths that lead nowhere */
+  assert_int_equal(
+      checked("{ parameters = ( { path = \"motions.r.amplitude\"; values = (1, 2); } ); }"), 0);
+  count_is(1);
+  expect_message("deck.cfg:2: motions.r.amplitude = 1: motions has no entry named \"r\"; expected "
+                 "\"p\" or \"q\"");
+  assert_int_equal(
+      checked("{ parameters = ( { path = \"motions[2].amplitude\"; linspace = (1, 2, 5); } ); }"),
+      0);
   count_is(1);
   expect_message("deck.cfg:2: motions[2].amplitude = 1: motions has entries [0] to [1] only");
   assert_int_equal(checked("{ parameters = ( { path = \"dt[0]\"; values = (1); } ); }"), 0);
@@ -222,16 +257,21 @@ static void test_points(void **state) {
   expect_message("deck.cfg:2: dt[*] = 1: dt is no list");
   assert_int_equal(checked("{ parameters = ( { path = \"dt.x\"; values = (1); } ); }"), 0);
   expect_message("deck.cfg:2: dt.x = 1: dt is a value and has no keys");
-  assert_int_equal(checked("{ parameters = ( { path = \"disks.grain.mass\"; values = (1); } ); }"), 0);
-  expect_message("disks.grain.mass = 1: disks has no entry named \"grain\"; expected \"a\" or \"b\"");
+  assert_int_equal(checked("{ parameters = ( { path = \"disks.grain.mass\"; values = (1); } ); }"),
+                   0);
+  expect_message(
+      "disks.grain.mass = 1: disks has no entry named \"grain\"; expected \"a\" or \"b\"");
   /* a consequence elsewhere: the point is told */
-  assert_int_equal(checked("{ parameters = ( { path = \"disks.a.radius\"; values = (1, 1.5, 3); } ); }"), 2);
+  assert_int_equal(
+      checked("{ parameters = ( { path = \"disks.a.radius\"; values = (1, 1.5, 3); } ); }"), 2);
   count_is(1);
   expect_message("overlap");
   expect_message("(point 2, radius=3)");
   /* a seed that is none */
   assert_int_equal(
-      checked("{ parameters = ( { path = \"seed\"; name = \"n\"; values = (1, 2.5, -1, \"x\"); } ); }"), 1);
+      checked(
+          "{ parameters = ( { path = \"seed\"; name = \"n\"; values = (1, 2.5, -1, \"x\"); } ); }"),
+      1);
   expect_message("deck.cfg:2: seed = 2.5: expected a whole number");
 }
 
@@ -242,7 +282,8 @@ static void test_places(void **state) {
   size_t usable;
   const char *const more[] = {"sweep.parameters[0].values=(7)"};
   assert_int_equal(
-      load(HEAD "sweep = { parameters = ( { path = \"max_overlap\"; values = (1); } ); };\n" TAIL, 0, NULL),
+      load(HEAD "sweep = { parameters = ( { path = \"max_overlap\"; values = (1); } ); };\n" TAIL,
+           0, NULL),
       SD_OK);
   assert_int_equal(sweep_open(&s, path, 1, more, "nowhere", messages), SD_OK);
   assert_int_equal(sweep_check(&s, NULL, NULL, &usable, messages), SD_ERROR_USER);
@@ -251,7 +292,8 @@ static void test_places(void **state) {
   char *part = format_text("%s/part.cfg", folder);
   FILE *out = fopen(part, "w");
   assert_non_null(out);
-  fputs("# points\nsweep = { parameters = ( { path = \"max_overlap\";\nvalues = (1, 7); } ); };\n", out);
+  fputs("# points\nsweep = { parameters = ( { path = \"max_overlap\";\nvalues = (1, 7); } ); };\n",
+        out);
   fclose(out);
   assert_int_equal(load(HEAD "@include \"part.cfg\"\n" TAIL, 0, NULL), SD_OK);
   assert_int_equal(sweep_open(&s, path, 0, NULL, "nowhere", messages), SD_OK);
@@ -265,14 +307,15 @@ static void test_places(void **state) {
 /* Damaged sweeps are refused or read, without a crash or a leak; most telling with sanitizers. */
 static void test_damaged(void **state) {
   (void)state;
-  static const char whole[] = HEAD "sweep = ( { parameters = ( { path = \"gravity.tilt\"; name = \"tilt\"; "
-                                   "values = (0, \"0.02 pi\", 1e-3); zip = \"z\"; },\n"
-                                   "{ path = [\"skin\", \"disks[*].mass\"]; linspace = (1, 2, 3); zip = "
-                                   "\"z\"; } ); replicas = 2; collect = \"work\"; },\n"
-                                   "{ parameters = ( { path = \"seed\"; name = \"noise\"; values = (3, 4); "
-                                   "}, { path = \"motions.p.type\"; values = "
-                                   "(\"harmonic\", (1, \"a\"), true); }, { path = \"gravity.g\"; logspace = "
-                                   "(1, \"9\", 2); } ); } );\n" TAIL;
+  static const char whole[] =
+      HEAD "sweep = ( { parameters = ( { path = \"gravity.tilt\"; name = \"tilt\"; "
+           "values = (0, \"0.02 pi\", 1e-3); zip = \"z\"; },\n"
+           "{ path = [\"skin\", \"disks[*].mass\"]; linspace = (1, 2, 3); zip = "
+           "\"z\"; } ); replicas = 2; collect = \"work\"; },\n"
+           "{ parameters = ( { path = \"seed\"; name = \"noise\"; values = (3, 4); "
+           "}, { path = \"motions.p.type\"; values = "
+           "(\"harmonic\", (1, \"a\"), true); }, { path = \"gravity.g\"; logspace = "
+           "(1, \"9\", 2); } ); } );\n" TAIL;
   static const char *const pieces[] = {"(", ")",  "{", "}", "\"",    ";",    "=", ",",
                                        "0", "-1", "[", "]", "sweep", "1e99", "."};
   const size_t first = sizeof HEAD - 1, n = sizeof whole - sizeof TAIL - first;
@@ -310,8 +353,9 @@ static void test_damaged(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mistakes), cmocka_unit_test(test_same_keys), cmocka_unit_test(test_all_at_once),
-      cmocka_unit_test(test_points),   cmocka_unit_test(test_places),    cmocka_unit_test(test_damaged),
+      cmocka_unit_test(test_mistakes),    cmocka_unit_test(test_same_keys),
+      cmocka_unit_test(test_all_at_once), cmocka_unit_test(test_points),
+      cmocka_unit_test(test_places),      cmocka_unit_test(test_damaged),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

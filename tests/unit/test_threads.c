@@ -27,19 +27,20 @@ static sd_model *packing(int n, int wide, const char *integrator, bool periodic)
     text_add(&t, "(0, 0), (%g, 0)", width);
   else
     text_add(&t, "(0, 4), (0, 0), (%g, 0), (%g, 4)", width, width);
+  text_add(&t,
+           "); },\n"
+           "{ name = \"knob\"; type = \"circle\"; center = (%g, -0.02); radius = 0.03; side = "
+           "\"outside\"; } );\n",
+           0.5 * width);
   text_add(
       &t,
-      "); },\n"
-      "{ name = \"knob\"; type = \"circle\"; center = (%g, -0.02); radius = 0.03; side = \"outside\"; } );\n",
-      0.5 * width);
-  text_add(&t,
-           "motions = ( { wall = \"box\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
-           "frequency = 80; },\n"
-           "{ wall = \"knob\"; coordinate = (\"y\", \"theta\"); type = \"random\"; amplitude = 1e-3; "
-           "frequency = 90; } );\n"
-           "phases = ( { steps = 100; }, { steps = 100000; measure = true; } );\n"
-           "measure = { rotation = (0, %d); sliding = ( { disk = 0; partners = (\"box\", 1); } ); };\n",
-           n - 1);
+      "motions = ( { wall = \"box\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
+      "frequency = 80; },\n"
+      "{ wall = \"knob\"; coordinate = (\"y\", \"theta\"); type = \"random\"; amplitude = 1e-3; "
+      "frequency = 90; } );\n"
+      "phases = ( { steps = 100; }, { steps = 100000; measure = true; } );\n"
+      "measure = { rotation = (0, %d); sliding = ( { disk = 0; partners = (\"box\", 1); } ); };\n",
+      n - 1);
   sd_model *model = model_of(t.s);
   free(t.s);
   return model;
@@ -56,8 +57,8 @@ static void compare(const sd_model *model, int steps, const int *threads, int n,
     if (k == 0) {
       sd_energy e = sd_simulation_energy(sim);
       one = copy_of(model, s);
-      print_message("  %s: %zu contacts, %lld builds, friction %.2g, opening %.2g\n", what, s->n_contacts,
-                    (long long)engine_of(sim)->work.builds, e.friction, e.opening);
+      print_message("  %s: %zu contacts, %lld builds, friction %.2g, opening %.2g\n", what,
+                    s->n_contacts, (long long)engine_of(sim)->work.builds, e.friction, e.opening);
       if (lively) assert_true(e.friction > 0 && e.viscous > 0);
     } else
       same_states(one, s, what);
@@ -81,9 +82,9 @@ static sd_model *gas(int n, int wide, const char *integrator) {
   text t = {0};
   uint32_t draw = 7;
   text_add(&t, "dt = 2e-5; seed = 5; integrator = \"%s\";\n", integrator);
-  text_add(&t,
-           "materials = ( { name = \"a\"; k_n = 2e4; k_t = 5e3; gamma_n = 0.2; mu = 0.3; } );\n"
-           "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\"); density = 3.57; rows = (");
+  text_add(&t, "materials = ( { name = \"a\"; k_n = 2e4; k_t = 5e3; gamma_n = 0.2; mu = 0.3; } );\n"
+               "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\"); density = "
+               "3.57; rows = (");
   for (int i = 0; i < n; i++) {
     double v[2];
     for (int c = 0; c < 2; c++) {
@@ -95,7 +96,8 @@ static sd_model *gas(int n, int wide, const char *integrator) {
   }
   double width = 0.05 * wide + 0.02, height = 0.05 * ((n - 1) / wide + 1) + 0.02;
   text_add(&t,
-           "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; closed = true; points = ((0, 0), (%g, "
+           "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; closed = true; points = ((0, "
+           "0), (%g, "
            "0), (%g, %g), "
            "(0, %g)); } );\nphases = ( { steps = 100000; } );\n",
            width, width, height, height);
@@ -164,7 +166,8 @@ static void threads_beside_others_get_on(void **unused) {
     many[k] = begin_run(model, THREADS);
     assert_int_equal(pthread_create(&other[k], NULL, keep_busy, NULL), 0);
   }
-  for (int k = 0; k < N; k++) assert_int_equal(pthread_create(&leader[k], NULL, advance_alone, many[k]), 0);
+  for (int k = 0; k < N; k++)
+    assert_int_equal(pthread_create(&leader[k], NULL, advance_alone, many[k]), 0);
   for (int k = 0; k < N; k++) pthread_join(leader[k], NULL);
   atomic_store(&busy, false);
   for (int k = 0; k < N; k++) {

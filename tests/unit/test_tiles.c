@@ -16,14 +16,16 @@
 #include "packings_decks.h"
 #include "ranks_deck.h"
 
-#define TILES(more)                                                                                          \
-  HEAD "container = { type = \"box\"; width = 60; height = 60; };\n"                                         \
-       "disks = ( { name = \"peg\"; x = 0; y = 40; radius = 1; mass = 1; fixed = true; } );\n"               \
-       "packings = ( { type = \"front\"; count = 3301; tiles = 3; sizes = \"uniform\"; lower = 0.2; upper "  \
-       "= 0.4; "                                                                                             \
-       "density = 2; group = \"grains\"; " more " } );\n"                                                    \
-       "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 0.1; "          \
-       "frequency = 1; } );\n"
+#define TILES(more)                                                                                \
+  HEAD                                                                                             \
+      "container = { type = \"box\"; width = 60; height = 60; };\n"                                \
+      "disks = ( { name = \"peg\"; x = 0; y = 40; radius = 1; mass = 1; fixed = true; } );\n"      \
+      "packings = ( { type = \"front\"; count = 3301; tiles = 3; sizes = \"uniform\"; lower = "    \
+      "0.2; upper "                                                                                \
+      "= 0.4; "                                                                                    \
+      "density = 2; group = \"grains\"; " more " } );\n"                                           \
+      "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 0.1; " \
+      "frequency = 1; } );\n"
 
 static void test_tiles_of_ranks(void **state) {
   (void)state;
@@ -31,13 +33,16 @@ static void test_tiles_of_ranks(void **state) {
    * several walls, drag */
   static const char *const more[] = {
       "",
-      "motions = ( { wall = \"floor\"; coordinate = \"surface\"; type = \"velocity\"; velocity = 1; } );",
+      "motions = ( { wall = \"floor\"; coordinate = \"surface\"; type = \"velocity\"; velocity = "
+      "1; } );",
       "motions = ( { wall = (\"floor\", \"left\"); coordinate = \"x\"; type = \"random\"; "
       "amplitude = 0.1; frequency = 1; independent = false; } );",
-      "motions = ( { wall = \"left\"; coordinate = \"x\"; type = \"servo\"; force = 3; speed = 1; } );",
+      "motions = ( { wall = \"left\"; coordinate = \"x\"; type = \"servo\"; force = 3; speed = 1; "
+      "} );",
       "fields = ( { type = \"drag\"; gamma = 300; } );",
       "measure = { disks = true; };",
-      "walls = ( { type = \"segment\"; points = ((-30, 50), (0, 50)); }, { type = \"segment\"; points = "
+      "walls = ( { type = \"segment\"; points = ((-30, 50), (0, 50)); }, { type = \"segment\"; "
+      "points = "
       "((-10, 50), (-10, 55)); } );",
   };
   for (size_t k = 0; k < sizeof more / sizeof *more; k++) {
@@ -68,7 +73,8 @@ static void test_tiles_that_stay(void **state) {
     const char *text, *why;
   } more[] = {
       {"measure = { contacts = (1, 3000); };", "the deck speaks of single disks of it"},
-      {"forces = ( { group = \"grains\"; force = (1, 0); } );", "the deck speaks of single disks of it"},
+      {"forces = ( { group = \"grains\"; force = (1, 0); } );",
+       "the deck speaks of single disks of it"},
       {"locks = ( { group = \"grains\"; coordinates = \"theta\"; } );",
        "the deck speaks of single disks of it"},
       {"fields = ( { type = \"drag\"; gamma = 1; group = \"grains\"; } );",
@@ -89,9 +95,9 @@ static void test_tiles_that_stay(void **state) {
     end_reading(&r);
   }
   /* the packing is not the last; it is so small that its disks keep the order of the deck */
-  reading r =
-      read_deck(TILES("}, { type = \"square\"; count = 1; x = (0, 1); y = (55, 60); radius = 0.1; mass = 1;"),
-                2, 0, NULL);
+  reading r = read_deck(
+      TILES("}, { type = \"square\"; count = 1; x = (0, 1); y = (55, 60); radius = 0.1; mass = 1;"),
+      2, 0, NULL);
   assert_true(r.model[1] && !r.model[1]->tiles.away && model_held(r.model[1]) == 3303);
   end_reading(&r);
   snprintf(text, sizeof text, "%s", TILES(""));
@@ -142,11 +148,11 @@ static void test_too_many_for_every_rank(void **state) {
 }
 
 /* Runs of disks of a rain: where they wait goes by their numbers. */
-#define RAIN(tiles, rows)                                                                                    \
-  HEAD "container = { type = \"box\"; width = 60; height = 40; };\n"                                         \
-       "disks = ( { name = \"peg\"; x = 0; y = 20; radius = 1; mass = 1; fixed = true; } );\n"               \
-       "packings = ( { type = \"rain\"; count = 3301; tiles = " tiles "; rows = " rows                       \
-       "; sizes = \"uniform\"; "                                                                             \
+#define RAIN(tiles, rows)                                                                          \
+  HEAD "container = { type = \"box\"; width = 60; height = 40; };\n"                               \
+       "disks = ( { name = \"peg\"; x = 0; y = 20; radius = 1; mass = 1; fixed = true; } );\n"     \
+       "packings = ( { type = \"rain\"; count = 3301; tiles = " tiles "; rows = " rows             \
+       "; sizes = \"uniform\"; "                                                                   \
        "lower = 0.2; upper = 0.4; density = 2; } );\n"
 
 static void test_rain_of_ranks(void **state) {
@@ -178,7 +184,8 @@ static void test_rain_of_ranks(void **state) {
                    "packings[0].tiles: every rank makes all, since tiles have fewer disks than a "
                    "batch of rain"));
   end_reading(&r);
-  refused(RAIN("3302", "2"), "packings[0].tiles = 3302: expected at most one for each of the 3301 disks");
+  refused(RAIN("3302", "2"),
+          "packings[0].tiles = 3302: expected at most one for each of the 3301 disks");
 }
 
 static int end(void **state) {

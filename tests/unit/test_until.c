@@ -17,7 +17,8 @@
 
 static void looks_are_few(void **unused) {
   (void)unused;
-  const int64_t cases[][2] = {{1, 1}, {1, 50}, {7, 7}, {100, 101}, {1000, 1000000}, {3, INT64_MAX / 4}};
+  const int64_t cases[][2] = {{1, 1},     {1, 50},         {7, 7},
+                              {100, 101}, {1000, 1000000}, {3, INT64_MAX / 4}};
   for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
     int64_t least = cases[c][0], most = cases[c][1], count = 0;
     sd_phase phases[2] = {{.steps = 12345}, {.steps = most}};
@@ -71,7 +72,8 @@ static void goal_of_a_state(void **unused) {
   /* just small enough, and just not */
   model.until.error = r.error;
   sd_goal g = sd_goal_of(&model, &state);
-  assert_true(g.reached && g.converged && g.value == r.omega && g.error == r.error && g.goal == r.error);
+  assert_true(g.reached && g.converged && g.value == r.omega && g.error == r.error &&
+              g.goal == r.error);
   assert_true(g.measured == r.measured);
   model.until.error = nextafter(r.error, 0);
   assert_false(sd_goal_of(&model, &state).reached);
@@ -82,7 +84,8 @@ static void goal_of_a_state(void **unused) {
   assert_true(g.reached && g.value == r.scaled && g.error == r.scaled_error);
 
   /* a fraction of the size of the mean, which is negative */
-  model.until = (sd_until){.asked = true, .least = 1, .rotation = 1, .relative = 1.001 * r.error / -r.omega};
+  model.until =
+      (sd_until){.asked = true, .least = 1, .rotation = 1, .relative = 1.001 * r.error / -r.omega};
   g = sd_goal_of(&model, &state);
   assert_true(g.reached);
   between(g.goal, 1.0009 * r.error, 1.0011 * r.error, "goal");
@@ -103,17 +106,19 @@ static void goal_of_a_state(void **unused) {
 /* --- runs -------------------------------------------------------------------------------------------------- */
 
 /* A disk on two supports that shake: the goal is reached after some thousand steps. */
-#define SHAKEN(last, until)                                                                                  \
-  "dt = 2e-5; gravity = { g = 10; tilt = 0.1; }; materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; "       \
-  "gamma_n = 2; mu = 0.4; } );\n"                                                                            \
-  "disks = ( { name = \"top\"; x = 0; y = 0; radius = 1; mass = 0.1; },\n"                                   \
-  "{ name = \"left\"; x = -1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; },\n"                    \
-  "{ name = \"right\"; x = 1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; } );\n"                  \
-  "motions = ( { disk = (\"left\", \"right\"); coordinate = (\"x\", \"y\"); type = \"random\"; "             \
-  "amplitude = 2e-5; omega = 300; },\n"                                                                      \
-  "{ disk = (\"left\", \"right\"); coordinate = \"theta\"; type = \"random\"; amplitude = 3e-4; omega = "    \
-  "500; } );\n"                                                                                              \
-  "phases = ( { steps = 700; }, { steps = " last                                                             \
+#define SHAKEN(last, until)                                                                        \
+  "dt = 2e-5; gravity = { g = 10; tilt = 0.1; }; materials = ( { name = \"a\"; k_n = 1e4; k_t = "  \
+  "5e3; "                                                                                          \
+  "gamma_n = 2; mu = 0.4; } );\n"                                                                  \
+  "disks = ( { name = \"top\"; x = 0; y = 0; radius = 1; mass = 0.1; },\n"                         \
+  "{ name = \"left\"; x = -1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; },\n"          \
+  "{ name = \"right\"; x = 1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; } );\n"        \
+  "motions = ( { disk = (\"left\", \"right\"); coordinate = (\"x\", \"y\"); type = \"random\"; "   \
+  "amplitude = 2e-5; omega = 300; },\n"                                                            \
+  "{ disk = (\"left\", \"right\"); coordinate = \"theta\"; type = \"random\"; amplitude = 3e-4; "  \
+  "omega = "                                                                                       \
+  "500; } );\n"                                                                                    \
+  "phases = ( { steps = 700; }, { steps = " last                                                   \
   "; } );\nmeasure = { rotation = (\"top\", \"left\"); };\n" until
 
 static const char shaken[] = SHAKEN("3001", "until = { error = 0.006; max_time = 20; };");
@@ -121,22 +126,23 @@ static const char shaken[] = SHAKEN("3001", "until = { error = 0.006; max_time =
 /* The same several times side by side: too many bodies for the step of few disks, and work for threads. */
 static void many_shaken(text *t) {
   enum { COPIES = 8 };
-  text_add(
-      t, "dt = 2e-5; gravity = { g = 10; tilt = 0.1; }; materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; "
-         "gamma_n = 2; mu = 0.4; } );\ndisks = (");
+  text_add(t, "dt = 2e-5; gravity = { g = 10; tilt = 0.1; }; materials = ( { name = \"a\"; k_n = "
+              "1e4; k_t = 5e3; "
+              "gamma_n = 2; mu = 0.4; } );\ndisks = (");
   for (int k = 0; k < COPIES; k++)
     text_add(t,
              "%s{ name = \"top.%d\"; x = %d; y = 0; radius = 1; mass = 0.1; },\n"
              "{ group = \"s\"; x = %d; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; },\n"
              "{ group = \"s\"; x = %d; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; }",
              k ? ",\n" : "", k, 5 * k, 5 * k - 1, 5 * k + 1);
-  text_add(
-      t, ");\nmotions = ( { group = \"s\"; coordinate = (\"x\", \"y\"); type = \"random\"; independent = "
-         "true; amplitude = 2e-5; omega = 300; },\n"
-         "{ group = \"s\"; coordinate = \"theta\"; type = \"random\"; independent = true; amplitude = 3e-4; "
-         "omega = 500; } );\n"
-         "phases = ( { steps = 700; }, { steps = 3001; } );\n"
-         "until = { observable = \"top.5.scaled\"; error = 0.006; max_time = 4; };\n");
+  text_add(t, ");\nmotions = ( { group = \"s\"; coordinate = (\"x\", \"y\"); type = \"random\"; "
+              "independent = "
+              "true; amplitude = 2e-5; omega = 300; },\n"
+              "{ group = \"s\"; coordinate = \"theta\"; type = \"random\"; independent = true; "
+              "amplitude = 3e-4; "
+              "omega = 500; } );\n"
+              "phases = ( { steps = 700; }, { steps = 3001; } );\n"
+              "until = { observable = \"top.5.scaled\"; error = 0.006; max_time = 4; };\n");
 }
 
 static int64_t step_of(sd_simulation *sim) { return sd_simulation_state(sim)->step; }
@@ -158,7 +164,8 @@ static void ends_at_the_first_good_look(void **unused) {
   assert_int_equal(end->phase, 2);
   assert_true(end->step > 700 + 3001 && end->step < sd_model_steps(model));
   assert_true(sd_goal_of(model, end).reached);
-  print_message("  ends at step %lld of %lld\n", (long long)end->step, (long long)sd_model_steps(model));
+  print_message("  ends at step %lld of %lld\n", (long long)end->step,
+                (long long)sd_model_steps(model));
 
   /* no look before was good, and the end is one */
   sd_simulation *sim = begin_run(model, 1);
@@ -267,12 +274,13 @@ static void decks_say_it(void **unused) {
   sd_model_free(again);
   sd_model_free(model);
 
-  model =
-      model_of(SHAKEN("3000", "until = { observable = \"left.scaled\"; relative = 0.05; max_time = 1; };"));
+  model = model_of(
+      SHAKEN("3000", "until = { observable = \"left.scaled\"; relative = 0.05; max_time = 1; };"));
   assert_true(model->until.asked && model->until.rotation == 1 && model->until.scaled &&
               model->until.relative == 0.05 && model->until.error == 0);
   sd_model_free(model);
-  model = model_of(SHAKEN("3000", "until = { observable = \"1.omega\"; relative = 0.05; max_time = 1; };"));
+  model = model_of(
+      SHAKEN("3000", "until = { observable = \"1.omega\"; relative = 0.05; max_time = 1; };"));
   assert_int_equal(model->until.rotation, 1);
   sd_model_free(model);
 
@@ -289,11 +297,14 @@ static void decks_are_refused(void **unused) {
   } cases[] = {
       {SHAKEN("9", "until = { error = 1; };"), "test.cfg:9: until.max_time: missing"},
       {SHAKEN("9", "until = { max_time = 1; };"), "test.cfg:9: until.error: missing"},
-      {SHAKEN("9", "until = { error = 1; relative = 1; max_time = 1; };"), "given together with error"},
-      {SHAKEN("9", "until = { error = 0; max_time = 1; };"), "until.error = 0: expected a number > 0"},
+      {SHAKEN("9", "until = { error = 1; relative = 1; max_time = 1; };"),
+       "given together with error"},
+      {SHAKEN("9", "until = { error = 0; max_time = 1; };"),
+       "until.error = 0: expected a number > 0"},
       {SHAKEN("9", "until = { relative = -1; max_time = 1; };"),
        "until.relative = -1: expected a number > 0"},
-      {SHAKEN("9", "until = { error = 1; max_time = -1; };"), "until.max_time = -1: expected a number > 0"},
+      {SHAKEN("9", "until = { error = 1; max_time = -1; };"),
+       "until.max_time = -1: expected a number > 0"},
       {SHAKEN("9", "until = { error = 1; max_time = 1e-4; };"),
        "at least the length of the last phase, 0.00018"},
       {SHAKEN("9", "until = { error = 1; max_time = 1e90; };"), "more than 9e18 time steps"},
@@ -303,17 +314,22 @@ static void decks_are_refused(void **unused) {
        "measure.rotation watches no disk that is called \"right\""},
       {SHAKEN("9", "until = { error = 1; max_time = 1; observable = \"top.omga\"; };"),
        "did you mean \"omega\"?"},
-      {SHAKEN("9", "until = { error = 1; max_time = 1; observable = \"top\"; };"), "expected \"NAME.omega\""},
-      {SHAKEN("9", "until = { error = 1; max_time = 1; observable = 3; };"), "expected a text in quotes"},
-      {SHAKEN("9", "until = { error = 1; max_tim = 1; max_time = 1; };"), "did you mean \"max_time\"?"},
+      {SHAKEN("9", "until = { error = 1; max_time = 1; observable = \"top\"; };"),
+       "expected \"NAME.omega\""},
+      {SHAKEN("9", "until = { error = 1; max_time = 1; observable = 3; };"),
+       "expected a text in quotes"},
+      {SHAKEN("9", "until = { error = 1; max_tim = 1; max_time = 1; };"),
+       "did you mean \"max_time\"?"},
       {SHAKEN("9", "until = 4;"), "until = 4: expected a group"},
       {SHAKEN("9; measure = false", "until = { error = 1; max_time = 1; };"),
        "the last phase does not measure"},
-      {"dt = 1; time = 9; materials = ( { name = \"a\"; k_n = 1; } ); disks = ( { x = 0; y = 0; radius = 1; "
+      {"dt = 1; time = 9; materials = ( { name = \"a\"; k_n = 1; } ); disks = ( { x = 0; y = 0; "
+       "radius = 1; "
        "mass "
        "= 1; } ); measure = { rotation = (); }; until = { error = 1; max_time = 10; };",
        "no disk is watched"},
-      {"dt = 1; time = 9; materials = ( { name = \"a\"; k_n = 1; } ); disks = ( { x = 0; y = 0; radius = 1; "
+      {"dt = 1; time = 9; materials = ( { name = \"a\"; k_n = 1; } ); disks = ( { x = 0; y = 0; "
+       "radius = 1; "
        "mass "
        "= 1; } ); until = { observable = \"0.scaled\"; error = 1; max_time = 10; };",
        "does not exist without gravity"},
@@ -321,7 +337,8 @@ static void decks_are_refused(void **unused) {
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
     sd_messages *messages = sd_messages_new();
     sd_model *model = NULL;
-    assert_int_equal(sd_deck_load_text(cases[k].deck, "test.cfg", 0, NULL, &model, messages), SD_ERROR_USER);
+    assert_int_equal(sd_deck_load_text(cases[k].deck, "test.cfg", 0, NULL, &model, messages),
+                     SD_ERROR_USER);
     assert_null(model);
     bool found = false;
     for (size_t j = 0; j < sd_messages_count(messages); j++)

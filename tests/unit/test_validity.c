@@ -78,7 +78,9 @@ static void other_order(engine *e) {
   p->b[1] = b;
 }
 static void slot_beyond(engine *e) { e->work.pairs.b[5] = (int32_t)e->state->n_bodies; }
-static void padding_in_between(engine *e) { e->work.pairs.a[8] = e->work.pairs.b[8] = PAIR_PADDING; }
+static void padding_in_between(engine *e) {
+  e->work.pairs.a[8] = e->work.pairs.b[8] = PAIR_PADDING;
+}
 static void segment_beyond(engine *e) { e->work.pairs.part[e->work.pairs.first_segment]++; }
 static void other_law(engine *e) { PAIR(&e->work.pairs, 2, law)++; }
 static void missing_pair(engine *e) { /* as if two near disks had not been found */
@@ -102,9 +104,15 @@ static void other_entry(engine *e) { e->work.incidence.entry[9] += 2; }
 static void other_slot(engine *e) { e->state->id[2] = e->state->id[3]; }
 
 /* contacts */
-static void closed_flag(engine *e) { pairs_set_flags(&e->work.pairs, open_one(&e->work.pairs), true, 0); }
-static void opened_flag(engine *e) { pairs_set_flags(&e->work.pairs, stuck(&e->work.pairs), false, 0); }
-static void slide_flag(engine *e) { pairs_set_flags(&e->work.pairs, stuck(&e->work.pairs), true, 1); }
+static void closed_flag(engine *e) {
+  pairs_set_flags(&e->work.pairs, open_one(&e->work.pairs), true, 0);
+}
+static void opened_flag(engine *e) {
+  pairs_set_flags(&e->work.pairs, stuck(&e->work.pairs), false, 0);
+}
+static void slide_flag(engine *e) {
+  pairs_set_flags(&e->work.pairs, stuck(&e->work.pairs), true, 1);
+}
 static void longer_direction(engine *e) { PAIR(&e->work.pairs, stuck(&e->work.pairs), ex) += 0.5; }
 static void beyond_cap(engine *e) {
   const size_t k = stuck(&e->work.pairs);

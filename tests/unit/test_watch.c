@@ -14,29 +14,39 @@
 /* The disk bounces, slides and sticks on two supports that turn to and fro; a third measure of a wall. */
 static const char ratchet[] =
     "dt = 2e-5; gravity = { g = 10; tilt = 0.1; };\n" LAW
-    "disks = ( { name = \"left\"; x = -1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; },\n"
+    "disks = ( { name = \"left\"; x = -1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; "
+    "},\n"
     "{ name = \"top\"; x = 0; y = 0.001; radius = 1; mass = 0.1; },\n"
     "{ name = \"right\"; x = 1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; } );\n"
-    "motions = ( { disk = [\"left\", \"right\"]; coordinate = \"theta\"; type = \"harmonic\"; amplitude = "
+    "motions = ( { disk = [\"left\", \"right\"]; coordinate = \"theta\"; type = \"harmonic\"; "
+    "amplitude = "
     "0.02; omega = 60; },\n"
-    "{ disk = \"left\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 4e-4; omega = 200; } );\n"
-    "phases = ( { steps = 700; }, { steps = 9000; measure = true; }, { steps = 500; }, { steps = 30000; "
+    "{ disk = \"left\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 4e-4; omega = 200; } "
+    ");\n"
+    "phases = ( { steps = 700; }, { steps = 9000; measure = true; }, { steps = 500; }, { steps = "
+    "30000; "
     "measure = true; } );\n"
-    "measure = { rotation = (\"top\", \"left\"); sliding = ( { disk = \"top\"; partners = (\"left\", "
+    "measure = { rotation = (\"top\", \"left\"); sliding = ( { disk = \"top\"; partners = "
+    "(\"left\", "
     "\"right\"); }, { disk = \"top\"; partners = (\"right\", \"left\"); } ); };\n";
 
 /* A disk hops along a polyline and leans on a circle. */
 static const char hills[] =
     "integrator = \"verlet\"; dt = 2e-5; gravity = { g = 9.81; tilt = -0.2; };\n" LAW
-    "disks = ( { name = \"r\"; x = 0; y = 0.0999; radius = 0.1; mass = 1; }, { name = \"s\"; x = 0.25; y = "
+    "disks = ( { name = \"r\"; x = 0; y = 0.0999; radius = 0.1; mass = 1; }, { name = \"s\"; x = "
+    "0.25; y = "
     "0.12; radius = 0.1; mass = 0.5; } );\n"
-    "walls = ( { name = \"hills\"; type = \"polyline\"; points = ((-1, 0), (0.1, 0), (0.2, 0.005), (0.3, 0), "
+    "walls = ( { name = \"hills\"; type = \"polyline\"; points = ((-1, 0), (0.1, 0), (0.2, 0.005), "
+    "(0.3, 0), "
     "(0.35, 0), (0.42, 0.05), (1, 0.05)); },\n"
-    "{ name = \"post\"; type = \"circle\"; center = (0.7, 0.2); radius = 0.15; side = \"outside\"; } );\n"
-    "motions = ( { wall = \"hills\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; omega = 300; "
+    "{ name = \"post\"; type = \"circle\"; center = (0.7, 0.2); radius = 0.15; side = \"outside\"; "
+    "} );\n"
+    "motions = ( { wall = \"hills\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
+    "omega = 300; "
     "} );\n"
     "phases = ( { steps = 40000; measure = true; } );\n"
-    "measure = { rotation = (\"s\", \"r\"); sliding = ( { disk = \"r\"; partners = (\"hills\", \"s\"); }, { "
+    "measure = { rotation = (\"s\", \"r\"); sliding = ( { disk = \"r\"; partners = (\"hills\", "
+    "\"s\"); }, { "
     "disk = \"s\"; partners = (\"post\", \"hills\"); } ); };\n";
 
 /* What a contact of body d with body q does, from the state's own table of contacts. */
@@ -44,8 +54,8 @@ static int look(const sd_state *s, uint32_t d, uint32_t q, double *force) {
   int now = SD_OPEN;
   *force = 0.0;
   for (size_t c = 0; c < s->n_contacts; c++) {
-    bool is =
-        (s->contact_a[c] == d && s->contact_b[c] == q) || (s->contact_a[c] == q && s->contact_b[c] == d);
+    bool is = (s->contact_a[c] == d && s->contact_b[c] == q) ||
+              (s->contact_a[c] == q && s->contact_b[c] == d);
     if (!is || (now != SD_OPEN && s->contact_force[c] <= *force)) continue;
     *force = s->contact_force[c];
     now = s->contact_slide[c] > 0   ? SD_SLIDE_POSITIVE
@@ -134,7 +144,8 @@ static void counts_equal_a_recount(void **unused) {
     assert_int_equal(s->bins, r.measured / 16);
     for (size_t k = 0; k < 2; k++)
       for (int64_t b = 0; b < s->bins; b++)
-        between(s->rotation_bin[k * SD_BINS + (size_t)b] - (angle[k][16 * (b + 1)] - angle[k][16 * b]),
+        between(s->rotation_bin[k * SD_BINS + (size_t)b] -
+                    (angle[k][16 * (b + 1)] - angle[k][16 * b]),
                 -1e-13, 1e-13, "angle turned in a bin");
 
     /* all at once: the same bits */

@@ -38,16 +38,17 @@ static value square(long double phase, long double w, long double rise) {
   long double z = flank(phase, &d), q = 2 * z / rise, dq = 2 * w / (pi * rise);
   if (fabsl(q) >= 1) return (value){q > 0 ? d : -d, 0, 0};
   long double pulse = (1 - q * q) * (1 - q * q);
-  return (value){d * 15 * (q - 2 * q * q * q / 3 + q * q * q * q * q / 5) / 8, d * 15 * pulse * dq / 8,
-                 -d * 15 * q * (1 - q * q) / 2 * dq * dq};
+  return (value){d * 15 * (q - 2 * q * q * q / 3 + q * q * q * q * q / 5) / 8,
+                 d * 15 * pulse * dq / 8, -d * 15 * q * (1 - q * q) / 2 * dq * dq};
 }
 
 /* A driven disk. */
 static sd_model *driven(const char *moves) {
   text t = {0};
   text_add(&t, "dt = %.17g; steps = 1000000; gravity = { g = 9.81; };\n", DT);
-  text_add(&t, "materials = ( { name = \"m\"; k_n = 1e3; } );\n"
-               "disks = ( { name = \"d\"; x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n");
+  text_add(&t,
+           "materials = ( { name = \"m\"; k_n = 1e3; } );\n"
+           "disks = ( { name = \"d\"; x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n");
   text_add(&t, "motions = ( %s );\n", moves);
   sd_model *model = model_of(t.s);
   free(t.s);
@@ -60,7 +61,8 @@ static sd_model *driven(const char *moves) {
 /* rise 0: a triangle. Steep flanks carry the rounding of the phase, 3e-14, further. */
 static void compare(const char *move, int coordinate, long double amplitude, long double rise) {
   text t = {0};
-  text_add(&t, "{ disk = \"d\"; coordinate = \"%s\"; %s }", coordinate == SD_X ? "x" : "theta", move);
+  text_add(&t, "{ disk = \"d\"; coordinate = \"%s\"; %s }", coordinate == SD_X ? "x" : "theta",
+           move);
   sd_model *model = driven(t.s);
   sd_simulation *sim = begin_run(model, 1);
   double worst_u = 0, worst_v = 0, most = 0;
@@ -83,7 +85,8 @@ static void compare(const char *move, int coordinate, long double amplitude, lon
   print_message("  %-75s relative errors: u %.2g, u' %.2g\n", t.s, worst_u, worst_v);
   between(worst_u, 0, 3e-14 * steep, "displacement");
   between(worst_v, 0, 3e-14 * steep * steep, "velocity");
-  between(most / fabs((double)amplitude) / peak, rise > 0 ? 0.97 : 1 - 1e-12, 1 + 1e-12, "largest velocity");
+  between(most / fabs((double)amplitude) / peak, rise > 0 ? 0.97 : 1 - 1e-12, 1 + 1e-12,
+          "largest velocity");
   sd_simulation_free(sim);
   sd_model_free(model);
   free(t.s);
@@ -102,8 +105,9 @@ static void waves_follow_their_formulas(void **unused) {
 /* Second differences find the acceleration that the deck asked for. */
 static void a_square_has_its_acceleration(void **unused) {
   (void)unused;
-  sd_model *model = driven("{ disk = \"d\"; coordinate = \"y\"; type = \"square\"; acceleration = 3; "
-                           "frequency = 2; rise = 0.5; }");
+  sd_model *model =
+      driven("{ disk = \"d\"; coordinate = \"y\"; type = \"square\"; acceleration = 3; "
+             "frequency = 2; rise = 0.5; }");
   sd_simulation *sim = begin_run(model, 1);
   double largest = 0, jump = 0, last = 0, before = 0;
   for (int k = 0; k < 4096; k++) {
@@ -126,13 +130,15 @@ static void a_square_has_its_acceleration(void **unused) {
 /* A disk that lies on a floor, thrown and struck by it. */
 static double floor_residual(const char *integrator, double dt, const char *wave) {
   text t = {0};
-  text_add(&t, "dt = %.17g; steps = %.0f; integrator = \"%s\"; gravity = { g = 10; };\n", dt, 0.4 / dt,
-           integrator);
-  text_add(&t, "materials = ( { name = \"m\"; k_n = 1e4; k_t = 1e4; gamma_n = 20; mu = 0.3; } );\n");
+  text_add(&t, "dt = %.17g; steps = %.0f; integrator = \"%s\"; gravity = { g = 10; };\n", dt,
+           0.4 / dt, integrator);
+  text_add(&t,
+           "materials = ( { name = \"m\"; k_n = 1e4; k_t = 1e4; gamma_n = 20; mu = 0.3; } );\n");
   text_add(&t, "disks = ( { x = 0; y = 0.0999; radius = 0.1; mass = 0.1; } );\n");
   text_add(&t, "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); } );\n");
   text_add(&t,
-           "motions = ( { wall = \"floor\"; coordinate = (\"x\", \"y\"); amplitude = 0.002; frequency = 5; "
+           "motions = ( { wall = \"floor\"; coordinate = (\"x\", \"y\"); amplitude = 0.002; "
+           "frequency = 5; "
            "ramp = 0.1; %s } );\n",
            wave);
   sd_model *model = model_of(t.s);
@@ -167,11 +173,12 @@ static void energy_is_balanced(void **unused) {
 static sd_model *three_disks(const char *wave) {
   char type[128];
   snprintf(type, sizeof type, "motions.turn.type=\"%s\"", wave);
-  const char *const set[] = {"phases[0].steps=1000", "phases[1].steps=20000", type, "motions.turn.rise=0.3"};
+  const char *const set[] = {"phases[0].steps=1000", "phases[1].steps=20000", type,
+                             "motions.turn.rise=0.3"};
   sd_model *model = NULL;
   size_t n = strcmp(wave, "square") == 0 ? 4 : 3;
-  assert_int_equal(sd_deck_load(SLIPDISK_SOURCE_DIR "/inputs/three_disk/sync.cfg", n, set, &model, NULL),
-                   SD_OK);
+  assert_int_equal(
+      sd_deck_load(SLIPDISK_SOURCE_DIR "/inputs/three_disk/sync.cfg", n, set, &model, NULL), SD_OK);
   return model;
 }
 
@@ -185,7 +192,8 @@ static void lanes_have_the_bits_of_the_general_step(void **unused) {
     advance(general, 21000);
     same_states(sd_simulation_state(alone), sd_simulation_state(general), waves[k]);
     sd_energy energy = sd_simulation_energy(alone);
-    print_message("  three disks, %s: residual/scale %.2g\n", waves[k], energy.residual / energy.scale);
+    print_message("  three disks, %s: residual/scale %.2g\n", waves[k],
+                  energy.residual / energy.scale);
     between(fabs(energy.residual / energy.scale), 0, 1e-9, "residual");
     sd_simulation_free(alone);
     sd_simulation_free(general);
@@ -200,7 +208,8 @@ static void refused(const char *move, const char *what) {
   sd_model *m = NULL;
   sd_messages *messages = sd_messages_new();
   text_add(&t,
-           "dt = 1e-3; steps = 10; gravity = { g = 9.81; }; materials = ( { name = \"m\"; k_n = 1e4; } );\n"
+           "dt = 1e-3; steps = 10; gravity = { g = 9.81; }; materials = ( { name = \"m\"; k_n = "
+           "1e4; } );\n"
            "disks = ( { name = \"d\"; x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
            "motions = ( { name = \"shake\"; disk = \"d\"; coordinate = \"y\"; %s } );\n",
            move);
@@ -220,8 +229,9 @@ static void mistakes_are_told(void **unused) {
   refused(WAVE("square", ""), "missing: type \"square\" needs it (square: share of half a period");
   refused(WAVE("square", "rise = 0;"), "expected a number > 0");
   refused(WAVE("square", "rise = 1.5;"), "expected a number > 0 and <= 1");
-  refused(WAVE("square", "rise = 0.01;"),
-          "test.cfg:3: motions[0]: rise = 0.01: a change of sides takes 5 steps, expected 8 or more");
+  refused(
+      WAVE("square", "rise = 0.01;"),
+      "test.cfg:3: motions[0]: rise = 0.01: a change of sides takes 5 steps, expected 8 or more");
   refused(WAVE("triangle", "rise = 0.1;"), "does not belong to type \"triangle\"");
   refused(WAVE("harmonic", "rise = 0.1;"), "does not belong to type \"harmonic\"");
   refused(WAVE("triangle", "acceleration = 2;"), "does not belong to type \"triangle\"");

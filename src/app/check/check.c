@@ -31,8 +31,10 @@ static const option_row rows[] = {
     {"define", 'D', OPTION_LIST, offsetof(options, overrides), NULL, "PATH=VALUE",
      "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
     {"brief", 0, OPTION_FLAG, offsetof(options, brief), NULL, NULL, "leave the full deck out"},
-    {"no-probe", 0, OPTION_FLAG, offsetof(options, no_probe), NULL, NULL, "do not measure the speed"},
-    {"json", 0, OPTION_FLAG, offsetof(options, json), NULL, NULL, "all of it as JSON, messages included"},
+    {"no-probe", 0, OPTION_FLAG, offsetof(options, no_probe), NULL, NULL,
+     "do not measure the speed"},
+    {"json", 0, OPTION_FLAG, offsetof(options, json), NULL, NULL,
+     "all of it as JSON, messages included"},
     {"keys", 0, OPTION_FLAG, offsetof(options, keys), NULL, NULL,
      "print the tables of all keys, and nothing else"},
 };
@@ -45,11 +47,12 @@ const command_line app_check_line = {
     .optional = true,
     .operands = "DECK",
     .summary = "Checks a deck, prints it with all defaults, estimates the run time",
-    .more =
-        "Told are numbers of disks, walls and contacts, the time step against the shortest contact period,\n"
-        "restitution of each pair of materials, size of the result, speed and length of the run. All points "
-        "of a\n"
-        "sweep are checked, too. A DECK of - is the standard input.\n",
+    .more = "Told are numbers of disks, walls and contacts, the time step against the shortest "
+            "contact period,\n"
+            "restitution of each pair of materials, size of the result, speed and length of the "
+            "run. All points "
+            "of a\n"
+            "sweep are checked, too. A DECK of - is the standard input.\n",
     .examples = "slipdisk check deck.cfg                 # mistakes, all keys, limits, run time\n"
                 "slipdisk check deck.cfg --brief -D gravity.tilt=0.2\n"};
 
@@ -84,8 +87,9 @@ static sd_status probe(check_found *f, sd_messages *messages) {
 
 /* Time that a sweep's points need on this machine. */
 typedef struct pace {
-  double alone;    /* s per step of a system by itself; 0: not known */
-  double together; /* s per step of a group in lanes, however few they are; 0: there are none, or not known */
+  double alone; /* s per step of a system by itself; 0: not known */
+  double
+      together; /* s per step of a group in lanes, however few they are; 0: there are none, or not known */
   size_t width;
 } pace;
 
@@ -146,8 +150,8 @@ static double sweep_time(entry *entries, size_t n, const pace *p) {
 
 /* Points, and what they need. */
 static void note_sweep(const sweep *s, entry *entries, const pace *p, check_sweep *found) {
-  *found =
-      (check_sweep){.points = s->deck.n_points, .sets = s->deck.n_sets, .width = p->width, .seconds = NAN};
+  *found = (check_sweep){
+      .points = s->deck.n_points, .sets = s->deck.n_sets, .width = p->width, .seconds = NAN};
   for (size_t k = 0; k < found->points; k++) {
     found->steps += (double)entries[k].steps;
     found->together += entries[k].kind != SWEEP_ALONE;

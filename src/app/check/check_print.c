@@ -15,7 +15,8 @@
 
 /* Names of the bounds of a time step (sd_step_limit.bound), and of the components of a box that
  * deforms. */
-static const char *const bound_names[] = {"normal spring", "tangential spring", "viscosity", "fields"};
+static const char *const bound_names[] = {"normal spring", "tangential spring", "viscosity",
+                                          "fields"};
 static const char *const components[] = {"xx", "yy", "xy"};
 
 /* --- restitution ----------------------------------------------------------------------------------------- */
@@ -47,7 +48,8 @@ static bool has_still(const sd_model *m, int material) {
 
 static size_t count_free(const sd_model *m, int material) {
   size_t n = 0;
-  for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].material == material && !m->disks[i].driven;
+  for (size_t i = 0; i < m->n_disks; i++)
+    n += m->disks[i].material == material && !m->disks[i].driven;
   return n;
 }
 
@@ -66,7 +68,8 @@ static double given_restitution(const sd_contact_law *law) {
 
 /* Calls visit for each pair of materials that can meet: e, NAN when it depends on the speed; with the
  * effective mass of these bodies, 0: any. */
-typedef void restitution_visitor(void *user, int a, int b, double e, double mass, const char *bodies);
+typedef void restitution_visitor(void *user, int a, int b, double e, double mass,
+                                 const char *bodies);
 
 static void visit_restitutions(const sd_model *m, restitution_visitor *visit, void *user) {
   const char *still = "a free disk on a fixed body";
@@ -83,12 +86,15 @@ static void visit_restitutions(const sd_model *m, restitution_visitor *visit, vo
       if (count_free(m, a) >= enough && count_free(m, b) >= enough)
         visit(user, a, b, restitution_at(law, mass), mass, "two free disks");
       if (ma > 0 && has_still(m, b)) visit(user, a, b, restitution_at(law, ma), ma, still);
-      if (a != b && mb > 0 && has_still(m, a)) visit(user, b, a, restitution_at(law, mb), mb, still);
+      if (a != b && mb > 0 && has_still(m, a))
+        visit(user, b, a, restitution_at(law, mb), mb, still);
     }
 }
 
 /* Wall time of the whole run as the deck stands, s. */
-static double run_seconds(const check_found *f) { return (double)sd_model_steps(f->model) / f->speed; }
+static double run_seconds(const check_found *f) {
+  return (double)sd_model_steps(f->model) / f->speed;
+}
 
 /* --- what `check` has found, as comments of a deck -------------------------------------------- */
 
@@ -104,7 +110,8 @@ static void print_duration(double s) {
 }
 
 static void print_counts(const sd_model *m) {
-  printf("# disks       %zu: %zu free, %zu fixed or moved\n", m->n_disks, m->n_free, m->n_disks - m->n_free);
+  printf("# disks       %zu: %zu free, %zu fixed or moved\n", m->n_disks, m->n_free,
+         m->n_disks - m->n_free);
   if (m->n_clumps) {
     size_t n = 0;
     for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].clump > 0;
@@ -147,8 +154,8 @@ static void print_rains(const sd_model *m) {
   for (size_t k = 0; k < m->n_rains; k++) {
     const sd_rain *r = &m->rains[k];
     size_t batches = (r->count + r->batch - 1) / r->batch;
-    printf("# rain        %zu disks in %zu batches of %zu, one every %g: the last at time %g\n", r->count,
-           batches, r->batch, (double)r->interval * m->dt,
+    printf("# rain        %zu disks in %zu batches of %zu, one every %g: the last at time %g\n",
+           r->count, batches, r->batch, (double)r->interval * m->dt,
            (double)(batches - 1) * (double)r->interval * m->dt);
   }
 }
@@ -157,7 +164,8 @@ static void print_rains(const sd_model *m) {
 static void print_bounds(const sd_model *m) {
   bool falls = m->n_free > 0 && (m->gravity[0] != 0 || m->gravity[1] != 0);
   if (!m->bounds.given && m->n_walls == 0 && falls && !m->periodic[0] && !m->periodic[1])
-    printf("# bounds      none: a disk that falls off is not told of; with `bounds = { };` it is\n");
+    printf(
+        "# bounds      none: a disk that falls off is not told of; with `bounds = { };` it is\n");
 }
 
 static void print_limits(const sd_model *m) {
@@ -172,7 +180,8 @@ static void print_limits(const sd_model *m) {
 static void print_fields(const sd_model *m) {
   for (size_t k = 0; k < m->n_fields; k++) {
     const sd_body_force *f = &m->fields[k];
-    printf("# field       %s%s%s on ", f->name ? f->name : "", f->name ? ": " : "", field_kind_name(f->kind));
+    printf("# field       %s%s%s on ", f->name ? f->name : "", f->name ? ": " : "",
+           field_kind_name(f->kind));
     if (f->n_disks)
       printf("%zu disks\n", f->n_disks);
     else
@@ -196,7 +205,8 @@ static void print_phases(const sd_model *m) {
   print_rains(m);
   const sd_until *u = &m->until;
   if (u->asked)
-    printf("#             at most; it ends after %lld steps, time %g, or later, with the goal of `until`\n",
+    printf("#             at most; it ends after %lld steps, time %g, or later, with the goal of "
+           "`until`\n",
            (long long)u->least, (double)u->least * m->dt);
 }
 
@@ -211,9 +221,9 @@ static void print_time_step(const sd_model *m) {
   printf("# time step   %g; shortest contact period %.4g (%s): %.4g steps\n", m->dt, period,
          sd_model_body_name(m, disk, name, sizeof name), period / m->dt);
   const sd_step_limit limit = sd_model_step_limit(m);
-  printf("#             stable up to %.3g (%s of %s, %s): %.3g of it\n", limit.dt, bound_names[limit.bound],
-         sd_model_body_name(m, limit.disk, name, sizeof name), m->integrator == SD_GEAR5 ? "gear5" : "verlet",
-         m->dt / limit.dt);
+  printf("#             stable up to %.3g (%s of %s, %s): %.3g of it\n", limit.dt,
+         bound_names[limit.bound], sd_model_body_name(m, limit.disk, name, sizeof name),
+         m->integrator == SD_GEAR5 ? "gear5" : "verlet", m->dt / limit.dt);
 }
 
 static void print_positions(const check_found *f) {
@@ -222,8 +232,8 @@ static void print_positions(const check_found *f) {
   char one[96], two[96];
   if (o->depth > 0) {
     printf("# overlap     at most %.3g of the radius: %s and %s, force %.3g", o->relative,
-           sd_model_body_name(m, o->a, one, sizeof one), sd_model_body_name(m, o->b, two, sizeof two),
-           o->force);
+           sd_model_body_name(m, o->a, one, sizeof one),
+           sd_model_body_name(m, o->b, two, sizeof two), o->force);
     if (o->weight > 0) printf(", %.3g times the weight", o->force / o->weight);
     printf("\n");
   }
@@ -261,18 +271,21 @@ static void print_size(const check_found *f) {
   printf("# memory      about %s in one process", size_text(s->memory, bytes, sizeof bytes));
   if (s->most_contacts > 0) printf(" when there are %zu contacts", s->most_contacts);
   if (s->unsaved > 0.1 * s->memory)
-    printf(", up to %s of it rows that are not saved yet", size_text(s->unsaved, bytes, sizeof bytes));
+    printf(", up to %s of it rows that are not saved yet",
+           size_text(s->unsaved, bytes, sizeof bytes));
   printf("\n");
 }
 
 static void print_speed(const check_found *f) {
   if (f->probed) printf("# contacts    %zu at the start\n", f->contacts);
   if (f->tried == 0) return;
-  printf("# speed       about %.3g steps per second (%d thread%s, %s), measured on the first %lld steps\n",
+  printf("# speed       about %.3g steps per second (%d thread%s, %s), measured on the first %lld "
+         "steps\n",
          f->speed, f->threads, f->threads == 1 ? "" : "s", f->path, (long long)f->tried);
   printf("# run time    about ");
   print_duration(run_seconds(f));
-  printf(" for %s%lld steps\n", f->model->until.asked ? "at most " : "", (long long)sd_model_steps(f->model));
+  printf(" for %s%lld steps\n", f->model->until.asked ? "at most " : "",
+         (long long)sd_model_steps(f->model));
 }
 
 static void print_sweep(const check_found *f) {
@@ -290,7 +303,8 @@ static void print_sweep(const check_found *f) {
   }
   printf("\n");
   if (s->together > 1 && s->width > 1)
-    printf("#             %zu of them can go in lanes, up to %zu side by side\n", s->together, s->width);
+    printf("#             %zu of them can go in lanes, up to %zu side by side\n", s->together,
+           s->width);
 }
 
 void check_print(const check_found *f) {
@@ -344,14 +358,14 @@ static json_t *phases_json(const sd_model *m) {
     const sd_compress *c = &p->compress;
     json_int_t on = 0;
     for (size_t j = 0; j < m->n_motions; j++) on += p->active[j];
-    json_t *phase =
-        json_pack("{s:s, s:I, s:o, s:I, s:b, s:b, s:b}", "name", p->name ? p->name : "", "steps",
-                  (json_int_t)p->steps, "time", json_number((double)p->steps * m->dt), "motions", on,
-                  "measured", (int)p->measure, "relax", (int)p->relax, "settle", (int)p->settle.asked);
-    json_t *compress =
-        !c->asked ? json_null()
-                  : json_pack("{s:o, s:o, s:o}", "pressure", positive(c->pressure), "fraction",
-                              positive(c->fraction), "time", json_number(sd_model_compress_time(m, k)));
+    json_t *phase = json_pack(
+        "{s:s, s:I, s:o, s:I, s:b, s:b, s:b}", "name", p->name ? p->name : "", "steps",
+        (json_int_t)p->steps, "time", json_number((double)p->steps * m->dt), "motions", on,
+        "measured", (int)p->measure, "relax", (int)p->relax, "settle", (int)p->settle.asked);
+    json_t *compress = !c->asked ? json_null()
+                                 : json_pack("{s:o, s:o, s:o}", "pressure", positive(c->pressure),
+                                             "fraction", positive(c->fraction), "time",
+                                             json_number(sd_model_compress_time(m, k)));
     json_object_set_new(phase, "compress", compress);
     json_object_set_new(phase, "cell", cell_json(&p->cell));
     json_array_append_new(list, phase);
@@ -371,8 +385,9 @@ static json_t *rains_json(const sd_model *m) {
 }
 
 static json_t *limits_json(const sd_limits *l) {
-  return json_pack("{s:o, s:o, s:o, s:b}", "residual", json_number(l->residual), "open", json_number(l->open),
-                   "displacement", json_number(l->displacement), "unstable_step", (int)l->unstable_step);
+  return json_pack("{s:o, s:o, s:o, s:b}", "residual", json_number(l->residual), "open",
+                   json_number(l->open), "displacement", json_number(l->displacement),
+                   "unstable_step", (int)l->unstable_step);
 }
 
 static json_t *time_step_json(const sd_model *m) {
@@ -381,17 +396,19 @@ static json_t *time_step_json(const sd_model *m) {
   const sd_step_limit limit = sd_model_step_limit(m);
   bool any = isfinite(period), bound = isfinite(limit.dt);
   return json_pack("{s:o, s:s, s:o, s:o, s:o, s:o, s:o}", "dt", json_number(m->dt), "integrator",
-                   m->integrator == SD_GEAR5 ? "gear5" : "verlet", "period", json_number(period), "period_of",
-                   any ? body_json(m, disk) : json_null(), "limit", json_number(limit.dt), "limit_of",
+                   m->integrator == SD_GEAR5 ? "gear5" : "verlet", "period", json_number(period),
+                   "period_of", any ? body_json(m, disk) : json_null(), "limit",
+                   json_number(limit.dt), "limit_of",
                    bound ? body_json(m, limit.disk) : json_null(), "limit_by",
                    bound ? json_string(bound_names[limit.bound]) : json_null());
 }
 
 static json_t *overlap_json(const sd_model *m, const first_overlap *o) {
   if (!(o->depth > 0)) return json_null();
-  return json_pack("{s:[o, o], s:o, s:o, s:o, s:o}", "bodies", body_json(m, o->a), body_json(m, o->b),
-                   "depth", json_number(o->depth), "relative", json_number(o->relative), "force",
-                   json_number(o->force), "weight", positive(o->weight));
+  return json_pack("{s:[o, o], s:o, s:o, s:o, s:o}", "bodies", body_json(m, o->a),
+                   body_json(m, o->b), "depth", json_number(o->depth), "relative",
+                   json_number(o->relative), "force", json_number(o->force), "weight",
+                   positive(o->weight));
 }
 
 static json_t *watched_json(const sd_model *m) {
@@ -399,9 +416,9 @@ static json_t *watched_json(const sd_model *m) {
   for (size_t k = 0; k < 2 * m->n_slides; k++) {
     const sd_slide_watch *w = &m->slides[k / 2];
     uint32_t partner = w->partner[k % 2];
-    json_array_append_new(list,
-                          json_pack("{s:[o, o], s:o}", "bodies", body_json(m, w->disk), body_json(m, partner),
-                                    "gap", json_number(overlaps_first_gap(m, w->disk, partner))));
+    json_array_append_new(list, json_pack("{s:[o, o], s:o}", "bodies", body_json(m, w->disk),
+                                          body_json(m, partner), "gap",
+                                          json_number(overlaps_first_gap(m, w->disk, partner))));
   }
   return list;
 }
@@ -413,9 +430,10 @@ typedef struct restitution_list {
 
 static void add_restitution(void *user, int a, int b, double e, double mass, const char *bodies) {
   const restitution_list *r = user;
-  json_array_append_new(r->list, json_pack("{s:[s, s], s:o, s:s, s:o}", "materials", r->m->materials[a].name,
-                                           r->m->materials[b].name, "e", json_number(e), "bodies", bodies,
-                                           "effective_mass", positive(mass)));
+  json_array_append_new(r->list,
+                        json_pack("{s:[s, s], s:o, s:s, s:o}", "materials", r->m->materials[a].name,
+                                  r->m->materials[b].name, "e", json_number(e), "bodies", bodies,
+                                  "effective_mass", positive(mass)));
 }
 
 static json_t *restitution_json(const sd_model *m) {
@@ -426,22 +444,23 @@ static json_t *restitution_json(const sd_model *m) {
 
 static json_t *size_json(const result_size *s) {
   return json_pack("{s:I, s:I, s:I, s:o, s:o, s:b}", "series", (json_int_t)s->series, "frames",
-                   (json_int_t)s->frames, "contacts", (json_int_t)s->contacts, "bytes", json_number(s->bytes),
-                   "memory", json_number(s->memory), "at_most", (int)s->at_most);
+                   (json_int_t)s->frames, "contacts", (json_int_t)s->contacts, "bytes",
+                   json_number(s->bytes), "memory", json_number(s->memory), "at_most",
+                   (int)s->at_most);
 }
 
 static json_t *speed_json(const check_found *f) {
   if (f->tried == 0) return json_null();
-  return json_pack("{s:o, s:i, s:s, s:I, s:o}", "steps_per_second", json_number(f->speed), "threads",
-                   f->threads, "path", f->path, "tried", (json_int_t)f->tried, "run_seconds",
-                   json_number(run_seconds(f)));
+  return json_pack("{s:o, s:i, s:s, s:I, s:o}", "steps_per_second", json_number(f->speed),
+                   "threads", f->threads, "path", f->path, "tried", (json_int_t)f->tried,
+                   "run_seconds", json_number(run_seconds(f)));
 }
 
 static json_t *sweep_json(const check_sweep *s) {
   if (s->points == 0) return json_null();
-  return json_pack("{s:I, s:I, s:o, s:I, s:o}", "points", (json_int_t)s->points, "sets", (json_int_t)s->sets,
-                   "steps", json_number(s->steps), "in_lanes", (json_int_t)s->together, "seconds",
-                   json_number(s->seconds));
+  return json_pack("{s:I, s:I, s:o, s:I, s:o}", "points", (json_int_t)s->points, "sets",
+                   (json_int_t)s->sets, "steps", json_number(s->steps), "in_lanes",
+                   (json_int_t)s->together, "seconds", json_number(s->seconds));
 }
 
 static void add_model(json_t *root, const check_found *f) {

@@ -19,9 +19,12 @@ static const struct format {
   bool folder;
   export_writer *write;
 } formats[] = {
-    {"h5md3d", "h5md", false, false, export_h5md},     {"lammps-dump", "dump", false, false, export_dump},
-    {"lammps-data", "data", true, false, export_data}, {"extxyz", "extxyz", false, false, export_xyz},
-    {"vtk", "vtk", false, true, export_vtk},           {"csv", "tables", false, true, export_csv},
+    {"h5md3d", "h5md", false, false, export_h5md},
+    {"lammps-dump", "dump", false, false, export_dump},
+    {"lammps-data", "data", true, false, export_data},
+    {"extxyz", "extxyz", false, false, export_xyz},
+    {"vtk", "vtk", false, true, export_vtk},
+    {"csv", "tables", false, true, export_csv},
 };
 enum { FORMATS = sizeof formats / sizeof *formats };
 
@@ -33,10 +36,12 @@ static const option_row rows[] = {
     {"to", 0, OPTION_CHOICE, offsetof(arguments, format), NULL, FORMAT_NAMES,
      "what it is written as; must be given"},
     {"output", 'o', OPTION_PATH, offsetof(arguments, output), NULL, "OUT",
-     "file, or folder of vtk and csv; by default the name of FILE with the format's ending, in the current "
+     "file, or folder of vtk and csv; by default the name of FILE with the format's ending, in the "
+     "current "
      "folder"},
     {"frames", 0, OPTION_TEXT, offsetof(arguments, frames), NULL, "RANGE",
-     "a frame (5, -1 the last) or FIRST:END:STEP as slices in Python; by default all, of lammps-data the "
+     "a frame (5, -1 the last) or FIRST:END:STEP as slices in Python; by default all, of "
+     "lammps-data the "
      "last"},
 };
 const command_line app_export_line = {
@@ -51,10 +56,12 @@ const command_line app_export_line = {
             "  lammps-dump  text dump: LAMMPS, OVITO\n"
             "  lammps-data  one frame as the start of a run of LAMMPS\n"
             "  extxyz       extended XYZ: OVITO, ASE\n"
-            "  vtk          folder with vtp files and pvd lists of disks, contacts, walls: ParaView, VTK\n"
+            "  vtk          folder with vtp files and pvd lists of disks, contacts, walls: "
+            "ParaView, VTK\n"
             "  csv          folder with tables of disks, contacts, series\n",
     .examples = "slipdisk export deck.h5 --to csv                        # the folder deck.tables\n"
-                "slipdisk export deck.h5 --to vtk --frames ::10          # every tenth frame, for ParaView\n"
+                "slipdisk export deck.h5 --to vtk --frames ::10          # every tenth frame, for "
+                "ParaView\n"
                 "slipdisk export deck.h5 --to lammps-data -o start.data  # the last frame\n"};
 
 /* --- command --------------------------------------------------------------------------------------------- */
@@ -64,12 +71,14 @@ static int parse(int argc, char **argv, arguments *a, const struct format **form
   if (mistake) return mistake;
   for (size_t k = 0; a->format && k < FORMATS; k++)
     if (strcmp(formats[k].name, a->format) == 0) *format = &formats[k];
-  return *format ? 0 : app_misuse("export", "the format is not said; expected --to %s", FORMAT_NAMES);
+  return *format ? 0
+                 : app_misuse("export", "the format is not said; expected --to %s", FORMAT_NAMES);
 }
 
 static sd_status check_output(const export_job *job, const struct format *format) {
   if (format->folder || !file_is_folder(job->out)) return SD_OK;
-  return sd_fail(job->messages, SD_ERROR_USER, "-o %s is a folder; expected the name of a file", job->out);
+  return sd_fail(job->messages, SD_ERROR_USER, "-o %s is a folder; expected the name of a file",
+                 job->out);
 }
 
 static sd_status check_single(const export_job *job, const char *format, const arguments *a) {
@@ -105,7 +114,8 @@ static sd_status export(const arguments *a, const struct format *format, sd_mess
   size_t count = 0;
   option_range syntax;
   char *named = a->output ? NULL : default_output(a->name, format->ending);
-  export_job job = {.source = a->name, .out = a->output ? a->output : named, .f = &f, .messages = messages};
+  export_job job = {
+      .source = a->name, .out = a->output ? a->output : named, .f = &f, .messages = messages};
   sd_status status = options_range(a->frames, SIZE_MAX, a->name, &syntax, messages);
   if (status == SD_OK) status = stored_open(&f, a->name, &alone, messages);
   if (status == SD_OK) status = stored_count(&f, alone, &count, messages);

@@ -35,7 +35,8 @@ static const struct column {
         {"material", "-", "name of the material"},
         {"group", "-", "name of the group"},
         {"image_x", "1",
-         "periodic images crossed: absolute = x + image_x * width of the box + image_y * its offset"},
+         "periodic images crossed: absolute = x + image_x * width of the box + image_y * its "
+         "offset"},
         {"image_y", "1", "periodic images crossed"},
 },
   contact_columns[] = {
@@ -59,7 +60,8 @@ static const struct column {
 enum { DISK_COLUMNS = sizeof disk_columns / sizeof *disk_columns };
 enum { CONTACT_COLUMNS = sizeof contact_columns / sizeof *contact_columns };
 
-static void put_unit(FILE *out, const char *table, const char *name, const char *unit, const char *meaning) {
+static void put_unit(FILE *out, const char *table, const char *name, const char *unit,
+                     const char *meaning) {
   fprintf(out, "%s,", table);
   text_cell(out, name);
   fputc(',', out);
@@ -74,7 +76,8 @@ static void put_units(FILE *out) {
   for (int k = 0; k < DISK_COLUMNS; k++)
     put_unit(out, "disks", disk_columns[k].name, disk_columns[k].unit, disk_columns[k].meaning);
   for (int k = 0; k < CONTACT_COLUMNS; k++)
-    put_unit(out, "contacts", contact_columns[k].name, contact_columns[k].unit, contact_columns[k].meaning);
+    put_unit(out, "contacts", contact_columns[k].name, contact_columns[k].unit,
+             contact_columns[k].meaning);
 }
 
 /* --- disks ----------------------------------------------------------------------------------------------- */
@@ -84,9 +87,10 @@ static void put_disks(const export_job *job, const frame_data *f, FILE *out) {
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     if (!export_has(job, f, i)) continue;
-    fprintf(out, "%" PRId64 ",%.15g,%zu,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%d,", f->step,
-            f->time, i, f->position[i][0], f->position[i][1], f->angle[i], f->velocity[i][0],
-            f->velocity[i][1], f->spin[i], d->radius, d->mass, d->inertia, d->driven);
+    fprintf(out, "%" PRId64 ",%.15g,%zu,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%d,",
+            f->step, f->time, i, f->position[i][0], f->position[i][1], f->angle[i],
+            f->velocity[i][0], f->velocity[i][1], f->spin[i], d->radius, d->mass, d->inertia,
+            d->driven);
     text_cell(out, export_material(job, d->material));
     fputc(',', out);
     text_cell(out, export_group(job, d->group));
@@ -153,7 +157,8 @@ static char *element_name(const export_job *job, const observable *o, size_t k) 
     return format_text("%s[%s]", o->name, export_group(job, (int)k));
   if (body < sd_model_bodies(m)) {
     const char *name = body < m->n_disks ? m->disks[body].name : m->walls[body - m->n_disks].name;
-    return format_text("%s[%s]", o->name, name ? name : sd_model_body_name(m, body, text, sizeof text));
+    return format_text("%s[%s]", o->name,
+                       name ? name : sd_model_body_name(m, body, text, sizeof text));
   }
   return format_text("%s[%zu]", o->name, k);
 }
@@ -164,7 +169,8 @@ static void series_head(const export_job *job, const series *s, FILE *out, FILE 
   put_unit(units, "series", "time", "time", "step * dt");
   for (size_t k = 0; k < s->n; k++)
     for (size_t i = 0; i < s->width[k]; i++) {
-      char *name = s->row[k]->width == 1 ? memory_text(s->row[k]->name) : element_name(job, s->row[k], i);
+      char *name =
+          s->row[k]->width == 1 ? memory_text(s->row[k]->name) : element_name(job, s->row[k], i);
       fputc(',', out);
       text_cell(out, name);
       put_unit(units, "series", name, s->row[k]->unit, s->row[k]->meaning);
@@ -174,7 +180,8 @@ static void series_head(const export_job *job, const series *s, FILE *out, FILE 
 }
 
 /* Rows of one file, in blocks. */
-static sd_status series_rows(const series *s, const h5_file *file, FILE *out, sd_messages *messages) {
+static sd_status series_rows(const series *s, const h5_file *file, FILE *out,
+                             sd_messages *messages) {
   int rank;
   size_t dims[H5_MAX_RANK] = {0};
   int64_t step[BLOCK];
@@ -183,7 +190,8 @@ static sd_status series_rows(const series *s, const h5_file *file, FILE *out, sd
   for (size_t at = 0; status == SD_OK && at < dims[0] && !ferror(out); at += BLOCK) {
     size_t n = dims[0] - at < BLOCK ? dims[0] - at : BLOCK;
     status = h5_get_values(file, SERIES_CLOCK "/step", SD_I64, at, n, 1, step, messages);
-    if (status == SD_OK) status = h5_get_values(file, SERIES_CLOCK "/time", SD_F64, at, n, 1, time, messages);
+    if (status == SD_OK)
+      status = h5_get_values(file, SERIES_CLOCK "/time", SD_F64, at, n, 1, time, messages);
     for (size_t k = 0; status == SD_OK && k < s->n; k++)
       status = h5_get_values(file, s->path[k], SD_F64, at, n, s->width[k], s->value[k], messages);
     for (size_t r = 0; status == SD_OK && r < n; r++) {
@@ -222,7 +230,8 @@ static sd_status put_series(const export_job *job, FILE *out, FILE *units) {
 /* --- all ------------------------------------------------------------------------------------------------- */
 
 static void put_heads(FILE *const *out) {
-  for (int k = 0; k < DISK_COLUMNS; k++) fprintf(out[DISKS], "%s%s", k ? "," : "", disk_columns[k].name);
+  for (int k = 0; k < DISK_COLUMNS; k++)
+    fprintf(out[DISKS], "%s%s", k ? "," : "", disk_columns[k].name);
   fprintf(out[DISKS], "\n");
   fprintf(out[CONTACTS], "%s\n", MEASURE_CONTACT_COLUMNS);
   put_units(out[UNITS]);

@@ -59,7 +59,9 @@ const char *export_material(const export_job *job, int material) {
 }
 
 const char *export_group(const export_job *job, int group) {
-  return group >= 0 && (size_t)group < job->m->n_groups && job->m->groups[group] ? job->m->groups[group] : "";
+  return group >= 0 && (size_t)group < job->m->n_groups && job->m->groups[group]
+             ? job->m->groups[group]
+             : "";
 }
 
 char *export_type_text(const export_job *job, size_t type) {
@@ -77,8 +79,9 @@ sd_status export_find_types(export_job *job) {
     const sd_disk *d = &m->disks[i];
     size_t k = 0;
     job->depth = fmax(job->depth, 2.0 * d->radius);
-    while (k < job->n_types && (job->types[k].material != d->material || job->types[k].group != d->group ||
-                                job->types[k].driven != d->driven))
+    while (k < job->n_types &&
+           (job->types[k].material != d->material || job->types[k].group != d->group ||
+            job->types[k].driven != d->driven))
       k++;
     job->type_of[i] = (uint32_t)k;
     if (k < job->n_types) continue;

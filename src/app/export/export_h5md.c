@@ -28,7 +28,8 @@ static const element elements[ELEMENTS] = {
     [IMAGE] = {"image", SD_I32, 3, "1", "absolute position = position + image * edges"},
     [ANGLE] = {"angle", SD_F64, 0, "rad", "angle about z, counter-clockwise positive, not wrapped"},
     [SPIN] = {"angular_velocity", SD_F64, 0, "rad/time", "angular velocity about z"},
-    [ACTIVITY] = {"activity", SD_I32, 0, "1", "0 in play, 1 waiting, 2 removed, 3 outside the bounds"},
+    [ACTIVITY] = {"activity", SD_I32, 0, "1",
+                  "0 in play, 1 waiting, 2 removed, 3 outside the bounds"},
 };
 
 static char *path_of(char path[96], const char *name, const char *leaf) {
@@ -59,7 +60,8 @@ static void make_elements(const export_job *job, h5_file *file) {
   if (boxed) h5_make(file, GROUP "/box/edges/value", SD_F64, 3, box, false);
   if (boxed)
     describe(file, GROUP "/box/edges/value", NULL,
-             "edge vectors in rows; along open directions and z what holds all disks and walls; unit length");
+             "edge vectors in rows; along open directions and z what holds all disks and walls; "
+             "unit length");
   for (int k = VELOCITY; k <= ELEMENTS; k++) {
     const char *name = k < ELEMENTS ? elements[k].name : "box/edges";
     if (k == ELEMENTS && !boxed) break;
@@ -123,7 +125,8 @@ static void put_head(const export_job *job, h5_file *file) {
   h5_attr_text(file, "/parameters", "source", job->source);
   char **species = memory_new(job->n_types, sizeof *species);
   for (size_t k = 0; k < job->n_types; k++) species[k] = export_type_text(job, k);
-  if (job->n_types > 0) h5_put_texts(file, "/parameters/species", job->n_types, (const char *const *)species);
+  if (job->n_types > 0)
+    h5_put_texts(file, "/parameters/species", job->n_types, (const char *const *)species);
   for (size_t k = 0; k < job->n_types; k++) free(species[k]);
   free(species);
   char *deck = h5_get_text(job->f->base, "/parameters/deck_full");
@@ -135,19 +138,23 @@ static void put_head(const export_job *job, h5_file *file) {
 
 static void put_row(h5_file *file, int which, size_t row, const void *data) {
   char path[96];
-  h5_put_rows(file, path_of(path, elements[which].name, "value"), elements[which].type, row, 1, data);
+  h5_put_rows(file, path_of(path, elements[which].name, "value"), elements[which].type, row, 1,
+              data);
 }
 
-static void put_frame(const export_job *job, h5_file *file, size_t row, const frame_data *f, void *room) {
+static void put_frame(const export_job *job, h5_file *file, size_t row, const frame_data *f,
+                      void *room) {
   size_t n = job->m->n_disks;
   double(*real)[3] = room;
   int32_t(*whole)[3] = room;
   char path[96];
   h5_put_rows(file, path_of(path, "position", "step"), SD_I64, row, 1, &f->step);
   h5_put_rows(file, path_of(path, "position", "time"), SD_F64, row, 1, &f->time);
-  for (size_t i = 0; i < n; i++) memcpy(real[i], f->position[i], sizeof f->position[i]), real[i][2] = 0.0;
+  for (size_t i = 0; i < n; i++)
+    memcpy(real[i], f->position[i], sizeof f->position[i]), real[i][2] = 0.0;
   put_row(file, POSITION, row, real);
-  for (size_t i = 0; i < n; i++) memcpy(real[i], f->velocity[i], sizeof f->velocity[i]), real[i][2] = 0.0;
+  for (size_t i = 0; i < n; i++)
+    memcpy(real[i], f->velocity[i], sizeof f->velocity[i]), real[i][2] = 0.0;
   put_row(file, VELOCITY, row, real);
   for (size_t i = 0; i < n; i++) memcpy(whole[i], f->image[i], sizeof f->image[i]), whole[i][2] = 0;
   put_row(file, IMAGE, row, room);

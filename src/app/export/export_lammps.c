@@ -23,11 +23,13 @@ static void dump_frame(const export_job *job, const frame_data *f, FILE *out) {
   const bool clumps = has_clumps(m);
   export_space s = export_space_of(job, f);
   const bool tilted = s.offset != 0.0;
-  fprintf(out, "ITEM: TIMESTEP\n%" PRId64 "\nITEM: NUMBER OF ATOMS\n%zu\nITEM: BOX BOUNDS %s%s %s pp\n",
+  fprintf(out,
+          "ITEM: TIMESTEP\n%" PRId64 "\nITEM: NUMBER OF ATOMS\n%zu\nITEM: BOX BOUNDS %s%s %s pp\n",
           f->step, export_count(job, f), tilted ? "xy xz yz " : "", m->periodic[0] ? "pp" : "ff",
           m->periodic[1] ? "pp" : "ff");
   for (int c = 0; c < 3; c++) { /* of a tilted box the rectangle around it */
-    const double low = c == 0 ? fmin(s.offset, 0.0) : 0.0, high = c == 0 ? fmax(s.offset, 0.0) : 0.0;
+    const double low = c == 0 ? fmin(s.offset, 0.0) : 0.0,
+                 high = c == 0 ? fmax(s.offset, 0.0) : 0.0;
     fprintf(out, "%.17g %.17g", s.lower[c] + low, s.upper[c] + high);
     if (tilted) fprintf(out, " %.17g", c == 0 ? s.offset : 0.0);
     fputc('\n', out);
@@ -37,9 +39,9 @@ static void dump_frame(const export_job *job, const frame_data *f, FILE *out) {
     const sd_disk *d = &m->disks[i];
     if (!export_has(job, f, i)) continue;
     fprintf(out, "%zu %u %d %.15g %.15g 0 %d %d 0 %.15g %.15g 0 %.15g %.15g %.15g %.15g\n", i + 1,
-            job->type_of[i] + 1, clumps ? d->clump : d->group + 1, f->position[i][0], f->position[i][1],
-            f->image[i][0], f->image[i][1], f->velocity[i][0], f->velocity[i][1], f->spin[i], f->angle[i],
-            d->radius, d->mass);
+            job->type_of[i] + 1, clumps ? d->clump : d->group + 1, f->position[i][0],
+            f->position[i][1], f->image[i][0], f->image[i][1], f->velocity[i][0], f->velocity[i][1],
+            f->spin[i], f->angle[i], d->radius, d->mass);
   }
 }
 
@@ -51,7 +53,8 @@ static void xyz_frame(const export_job *job, const frame_data *f, FILE *out) {
   const bool clumps = has_clumps(m);
   export_space s = export_space_of(job, f);
   fprintf(out,
-          "%zu\nLattice=\"%.17g 0 0 %.17g %.17g 0 0 0 %.17g\" Origin=\"%.17g %.17g %.17g\" pbc=\"%c %c F\" ",
+          "%zu\nLattice=\"%.17g 0 0 %.17g %.17g 0 0 0 %.17g\" Origin=\"%.17g %.17g %.17g\" "
+          "pbc=\"%c %c F\" ",
           export_count(job, f), s.upper[0] - s.lower[0], s.offset, s.upper[1] - s.lower[1],
           s.upper[2] - s.lower[2], s.lower[0], s.lower[1], s.lower[2], m->periodic[0] ? 'T' : 'F',
           m->periodic[1] ? 'T' : 'F');
@@ -65,8 +68,8 @@ static void xyz_frame(const export_job *job, const frame_data *f, FILE *out) {
     if (!export_has(job, f, i)) continue;
     fprintf(out, "X %.15g %.15g 0 %zu %u %d %.15g %.15g %.15g %.15g 0 %.15g 0 0 %.15g %d %d 0\n",
             f->position[i][0], f->position[i][1], i + 1, job->type_of[i] + 1,
-            clumps ? d->clump : d->group + 1, d->radius, d->mass, f->velocity[i][0], f->velocity[i][1],
-            f->angle[i], f->spin[i], f->image[i][0], f->image[i][1]);
+            clumps ? d->clump : d->group + 1, d->radius, d->mass, f->velocity[i][0],
+            f->velocity[i][1], f->angle[i], f->spin[i], f->image[i][0], f->image[i][1]);
   }
 }
 
@@ -100,8 +103,9 @@ static void data_walls(const export_job *job, const frame_data *f, FILE *out) {
     fprintf(out, "# wall %zu%s%s: %s", w, wall->name ? " " : "", wall->name ? wall->name : "",
             kinds[wall->kind]);
     if (wall->kind == SD_WALL_CIRCLE)
-      fprintf(out, ", disks %s, centre %.17g %.17g, radius %.17g", wall->inside ? "inside" : "outside",
-              f->position[body][0], f->position[body][1], wall->radius);
+      fprintf(out, ", disks %s, centre %.17g %.17g, radius %.17g",
+              wall->inside ? "inside" : "outside", f->position[body][0], f->position[body][1],
+              wall->radius);
     /* a line of the file may have 255 bytes: a point has its own */
     for (size_t k = 0; wall->kind != SD_WALL_CIRCLE && k < wall->n_points && k < MOST_POINTS; k++) {
       double at[2];
@@ -117,15 +121,16 @@ static void data_head(const export_job *job, const frame_data *f, FILE *out) {
   static const char *const names[] = {"x", "y", "z"};
   export_space s = export_space_of(job, f);
   fprintf(out,
-          "slipdisk %s, step %" PRId64 ", time %.15g, units of the deck\n\n%zu atoms\n%zu atom types\n\n",
+          "slipdisk %s, step %" PRId64
+          ", time %.15g, units of the deck\n\n%zu atoms\n%zu atom types\n\n",
           SD_VERSION, f->step, f->time, export_count(job, f), job->n_types ? job->n_types : 1);
   for (int c = 0; c < 3; c++)
     fprintf(out, "%.17g %.17g %slo %shi\n", s.lower[c], s.upper[c], names[c], names[c]);
   if (s.offset != 0.0) fprintf(out, "%.17g 0 0 xy xz yz\n", s.offset);
-  fprintf(
-      out,
-      "\n# dimension 2; boundary %c %c p; atom_style sphere; the density below gives the mass of a disk\n",
-      m->periodic[0] ? 'p' : 'f', m->periodic[1] ? 'p' : 'f');
+  fprintf(out,
+          "\n# dimension 2; boundary %c %c p; atom_style sphere; the density below gives the mass "
+          "of a disk\n",
+          m->periodic[0] ? 'p' : 'f', m->periodic[1] ? 'p' : 'f');
   for (size_t t = 0; t < job->n_types; t++) {
     char *text = export_type_text(job, t);
     fprintf(out, "# type %zu: %.200s\n", t + 1, text);
@@ -152,13 +157,14 @@ static void data_atoms(const export_job *job, const frame_data *f, FILE *out) {
     double r = m->disks[i].radius;
     if (!export_has(job, f, i)) continue;
     fprintf(out, "%zu %u %.17g %.17g %.17g %.17g 0 %d %d 0\n", i + 1, job->type_of[i] + 1, 2.0 * r,
-            m->disks[i].mass / (SPHERE * r * r * r), f->position[i][0], f->position[i][1], f->image[i][0],
-            f->image[i][1]);
+            m->disks[i].mass / (SPHERE * r * r * r), f->position[i][0], f->position[i][1],
+            f->image[i][0], f->image[i][1]);
   }
   fprintf(out, "\nVelocities\n\n");
   for (size_t i = 0; i < m->n_disks; i++)
     if (export_has(job, f, i))
-      fprintf(out, "%zu %.17g %.17g 0 0 0 %.17g\n", i + 1, f->velocity[i][0], f->velocity[i][1], f->spin[i]);
+      fprintf(out, "%zu %.17g %.17g 0 0 0 %.17g\n", i + 1, f->velocity[i][0], f->velocity[i][1],
+              f->spin[i]);
 }
 
 static void data_frame(const export_job *job, const frame_data *f, FILE *out) {

@@ -63,13 +63,15 @@ static void put_section(const piece *p, const char *name, place where, FILE *out
 static void put_piece(const piece *p, double time, FILE *out) {
   static const uint16_t one = 1;
   bool little = *(const unsigned char *)&one == 1;
-  fprintf(out,
-          "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"%sEndian\" "
-          "header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" "
-          "NumberOfTuples=\"1\" format=\"ascii\">%.17g</DataArray>\n</FieldData>\n",
-          little ? "Little" : "Big", time);
-  fprintf(out, "<Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\" NumberOfLines=\"%zu\">\n", p->points,
-          p->verts, p->lines);
+  fprintf(
+      out,
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"%sEndian\" "
+      "header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n<DataArray type=\"Float64\" "
+      "Name=\"TimeValue\" "
+      "NumberOfTuples=\"1\" format=\"ascii\">%.17g</DataArray>\n</FieldData>\n",
+      little ? "Little" : "Big", time);
+  fprintf(out, "<Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\" NumberOfLines=\"%zu\">\n",
+          p->points, p->verts, p->lines);
   put_section(p, "PointData", OF_POINT, out);
   put_section(p, "CellData", OF_CELL, out);
   put_section(p, "Points", POINTS, out);
@@ -90,13 +92,17 @@ static void put_piece(const piece *p, double time, FILE *out) {
 static void fill_disks(const export_job *job, const frame_data *f, piece *p) {
   const sd_model *m = job->m;
   size_t n = export_count(job, f), k = 0;
-  double(*at)[3] = add(p, POINTS, "Points", false, 3, n), *radius = add(p, OF_POINT, "radius", false, 1, n);
-  double *mass = add(p, OF_POINT, "mass", false, 1, n), *angle = add(p, OF_POINT, "angle", false, 1, n);
-  double *spin = add(p, OF_POINT, "spin", false, 1, n), (*v)[3] = add(p, OF_POINT, "velocity", false, 3, n);
+  double(*at)[3] = add(p, POINTS, "Points", false, 3, n),
+  *radius = add(p, OF_POINT, "radius", false, 1, n);
+  double *mass = add(p, OF_POINT, "mass", false, 1, n),
+         *angle = add(p, OF_POINT, "angle", false, 1, n);
+  double *spin = add(p, OF_POINT, "spin", false, 1, n),
+         (*v)[3] = add(p, OF_POINT, "velocity", false, 3, n);
   int64_t *id = add(p, OF_POINT, "id", true, 1, n), *group = add(p, OF_POINT, "group", true, 1, n);
   int64_t *material = add(p, OF_POINT, "material", true, 1, n),
           *fixed = add(p, OF_POINT, "fixed", true, 1, n);
-  int64_t *vertex = add(p, VERTS, "connectivity", true, 1, n), *end = add(p, VERTS, "offsets", true, 1, n);
+  int64_t *vertex = add(p, VERTS, "connectivity", true, 1, n),
+          *end = add(p, VERTS, "offsets", true, 1, n);
   p->points = p->verts = n;
   for (size_t i = 0; !p->failed && i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
@@ -117,12 +123,15 @@ static sd_status fill_contacts(const export_job *job, const frame_data *f, piece
   configuration c = {0};
   sd_status status = configuration_new(&c, job->m, f, job->messages);
   size_t n = status == SD_OK ? c.n_contacts : 0;
-  double(*at)[3] = add(p, POINTS, "Points", false, 3, 2 * n), *force = add(p, OF_CELL, "force", false, 1, n);
-  double *tau = add(p, OF_CELL, "tau", false, 1, n), *overlap = add(p, OF_CELL, "overlap", false, 1, n);
+  double(*at)[3] = add(p, POINTS, "Points", false, 3, 2 * n),
+  *force = add(p, OF_CELL, "force", false, 1, n);
+  double *tau = add(p, OF_CELL, "tau", false, 1, n),
+         *overlap = add(p, OF_CELL, "overlap", false, 1, n);
   double(*on_b)[3] = add(p, OF_CELL, "force_on_b", false, 3, n);
   int64_t *a = add(p, OF_CELL, "a", true, 1, n), *b = add(p, OF_CELL, "b", true, 1, n);
   int64_t *sliding = add(p, OF_CELL, "sliding", true, 1, n);
-  int64_t *ends = add(p, LINES, "connectivity", true, 1, 2 * n), *end = add(p, LINES, "offsets", true, 1, n);
+  int64_t *ends = add(p, LINES, "connectivity", true, 1, 2 * n),
+          *end = add(p, LINES, "offsets", true, 1, n);
   p->points = 2 * n, p->lines = n;
   for (size_t k = 0; !p->failed && k < n; k++) {
     const config_contact *q = &c.contacts[k];
@@ -132,8 +141,10 @@ static sd_status fill_contacts(const export_job *job, const frame_data *f, piece
     force[k] = q->force, tau[k] = q->tau, overlap[k] = q->overlap, sliding[k] = q->slide;
     on_b[k][0] = q->fx, on_b[k][1] = q->fy;
     a[k] = c.number[q->a];
-    b[k] = q->b < c.model->n_disks ? c.number[q->b] : (int64_t)(c.n_deck + (q->b - c.model->n_disks));
-    ends[2 * k] = (int64_t)(2 * k), ends[2 * k + 1] = (int64_t)(2 * k + 1), end[k] = (int64_t)(2 * k + 2);
+    b[k] =
+        q->b < c.model->n_disks ? c.number[q->b] : (int64_t)(c.n_deck + (q->b - c.model->n_disks));
+    ends[2 * k] = (int64_t)(2 * k), ends[2 * k + 1] = (int64_t)(2 * k + 1),
+             end[k] = (int64_t)(2 * k + 2);
   }
   configuration_free(&c);
   return status;
@@ -144,16 +155,18 @@ static sd_status fill_contacts(const export_job *job, const frame_data *f, piece
 enum { ARCS = 128 };
 
 static size_t wall_points(const sd_wall *w) {
-  return w->kind == SD_WALL_CIRCLE ? ARCS + 1 : w->n_points + (w->kind == SD_WALL_POLYLINE && w->closed);
+  return w->kind == SD_WALL_CIRCLE ? ARCS + 1
+                                   : w->n_points + (w->kind == SD_WALL_POLYLINE && w->closed);
 }
 
 /* A line has no ends: it is drawn as far as the box goes. */
 static void stretch(const export_space *s, double (*at)[3]) {
-  double x = at[0][0], y = at[0][1], tx = at[1][0] - x, ty = at[1][1] - y, square = tx * tx + ty * ty;
+  double x = at[0][0], y = at[0][1], tx = at[1][0] - x, ty = at[1][1] - y,
+         square = tx * tx + ty * ty;
   double first = 0.0, last = 1.0;
   for (int k = 0; k < 4; k++) {
-    double t =
-        ((k & 1 ? s->upper[0] : s->lower[0]) - x) * tx + ((k & 2 ? s->upper[1] : s->lower[1]) - y) * ty;
+    double t = ((k & 1 ? s->upper[0] : s->lower[0]) - x) * tx +
+               ((k & 2 ? s->upper[1] : s->lower[1]) - y) * ty;
     first = fmin(first, t / square);
     last = fmax(last, t / square);
   }
@@ -178,7 +191,8 @@ static void fill_walls(const export_job *job, const frame_data *f, piece *p) {
       double turn = 2.0 * M_PI * (double)(j % ARCS) / ARCS;
       at[k][0] = f->position[body][0] + from->radius * cos(turn);
       at[k][1] = f->position[body][1] + from->radius * sin(turn);
-      if (from->kind != SD_WALL_CIRCLE) configuration_wall_point(from, f, body, j % from->n_points, at[k]);
+      if (from->kind != SD_WALL_CIRCLE)
+        configuration_wall_point(from, f, body, j % from->n_points, at[k]);
       point[k] = (int64_t)k;
     }
     if (from->kind == SD_WALL_LINE && from->n_points == 2) stretch(&s, at + first);
@@ -201,7 +215,8 @@ static sd_status write_piece(const export_job *job, const file_folder *folder, i
   if (kind == DISKS) fill_disks(job, f, &p);
   if (kind == CONTACTS) status = fill_contacts(job, f, &p);
   if (kind == WALLS) fill_walls(job, f, &p);
-  if (status == SD_OK && p.failed) status = sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
+  if (status == SD_OK && p.failed)
+    status = sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
   FILE *out = status == SD_OK ? file_folder_new(folder, name, job->messages) : NULL;
   if (status == SD_OK && !out) status = SD_ERROR_IO;
   if (out) put_piece(&p, f->time, out);
@@ -214,7 +229,9 @@ static FILE *list_open(const file_folder *folder, const char *kind, sd_messages 
   snprintf(name, sizeof name, "%s.pvd", kind);
   FILE *out = file_folder_new(folder, name, messages);
   if (out)
-    fprintf(out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
+    fprintf(
+        out,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
   return out;
 }
 
@@ -233,8 +250,8 @@ sd_status export_vtk(const export_job *job) {
     for (int kind = 0; status == SD_OK && kind < KINDS; kind++) {
       if (!list[kind]) continue;
       status = write_piece(job, &folder, kind, k, &frame);
-      fprintf(list[kind], "<DataSet timestep=\"%.17g\" part=\"0\" file=\"%s_%06zu.vtp\"/>\n", frame.time,
-              kinds[kind], k);
+      fprintf(list[kind], "<DataSet timestep=\"%.17g\" part=\"0\" file=\"%s_%06zu.vtp\"/>\n",
+              frame.time, kinds[kind], k);
     }
     frame_data_free(&frame);
   }

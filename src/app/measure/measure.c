@@ -26,8 +26,8 @@ static const option_row rows[] = {
     {"frame", 0, OPTION_NUMBER, offsetof(arguments, frame),
      &(option_limits){0, INT32_MAX, ": expected the number of a stored frame, from 0 on"}, "K",
      "this frame; by default the last state"},
-    {"time", 0, OPTION_REAL, offsetof(arguments, time), &(option_limits){0, 0, ": expected a number"}, "T",
-     "the frame nearest to this time"},
+    {"time", 0, OPTION_REAL, offsetof(arguments, time),
+     &(option_limits){0, 0, ": expected a number"}, "T", "the frame nearest to this time"},
     {"all", 0, OPTION_FLAG, offsetof(arguments, all), NULL, NULL, "all frames, a row each"},
     {"json", 0, OPTION_FLAG, offsetof(arguments, json), NULL, NULL,
      "for programs, to the screen or into FILE of -o"},
@@ -60,9 +60,11 @@ static int parse(int argc, char **argv, arguments *a) {
   if (mistake) return mistake;
   double *g = a->region;
   if (a->wanted && !(options_reals(a->wanted, 4, g) && g[0] < g[1] && g[2] < g[3]))
-    return app_misuse("measure", "--region %s: expected x0,x1,y0,y1 with x0 < x1 and y0 < y1", a->wanted);
+    return app_misuse("measure", "--region %s: expected x0,x1,y0,y1 with x0 < x1 and y0 < y1",
+                      a->wanted);
   if (a->bodies.n > 0 && !a->csv)
-    return app_misuse("measure", "--body chooses rows of the tables; expected --csv FOLDER with it");
+    return app_misuse("measure",
+                      "--body chooses rows of the tables; expected --csv FOLDER with it");
   if ((a->frame >= 0) + a->time.given + a->all > 1)
     return app_misuse("measure", "one of --frame, --time and --all is expected");
   return 0;
@@ -71,14 +73,15 @@ static int parse(int argc, char **argv, arguments *a) {
 /* --- which frames ------------------------------------------------------------------------------------- */
 
 /* Numbers first ... last - 1; frames.n is the state. */
-static sd_status choose(const arguments *a, const frames *f, bool alone, size_t *first, size_t *last,
-                        sd_messages *messages) {
+static sd_status choose(const arguments *a, const frames *f, bool alone, size_t *first,
+                        size_t *last, sd_messages *messages) {
   bool wanted = a->frame >= 0 || a->time.given || a->all;
   if (f->n == 0 && (alone || (wanted && !a->all)))
     return sd_fail(messages, SD_ERROR_USER, "%s: no frames are stored in it%s", a->name,
                    alone ? "" : "; without --frame and --time its last state is measured");
   if (a->frame >= 0 && (size_t)a->frame >= f->n)
-    return sd_fail(messages, SD_ERROR_USER, "%s: frame %ld: there are 0 to %zu", a->name, a->frame, f->n - 1);
+    return sd_fail(messages, SD_ERROR_USER, "%s: frame %ld: there are 0 to %zu", a->name, a->frame,
+                   f->n - 1);
   if (a->all) {
     *first = 0;
     return stored_count(f, alone, last, messages);
@@ -93,7 +96,8 @@ static sd_status choose(const arguments *a, const frames *f, bool alone, size_t 
 /* --- which bodies ------------------------------------------------------------------------------------- */
 
 /* By name, else by number: disks, then walls. */
-static sd_status choose_body(const char *word, const sd_model *m, bool *wanted, sd_messages *messages) {
+static sd_status choose_body(const char *word, const sd_model *m, bool *wanted,
+                             sd_messages *messages) {
   guess near = guess_start(word);
   size_t n = sd_model_bodies(m);
   bool any = false;
@@ -110,14 +114,15 @@ static sd_status choose_body(const char *word, const sd_model *m, bool *wanted, 
     wanted[number] = true;
     return SD_OK;
   }
-  return sd_fail(messages, SD_ERROR_USER,
-                 "--body %s: no disk or wall is called that%s%s%s; numbers are 0 to %zu, disks first", word,
-                 near.best ? " (did you mean " : "", near.best ? near.best : "", near.best ? "?)" : "",
-                 n - 1);
+  return sd_fail(
+      messages, SD_ERROR_USER,
+      "--body %s: no disk or wall is called that%s%s%s; numbers are 0 to %zu, disks first", word,
+      near.best ? " (did you mean " : "", near.best ? near.best : "", near.best ? "?)" : "", n - 1);
 }
 
 /* *wanted is NULL when all are. */
-static sd_status choose_bodies(const arguments *a, const sd_model *m, bool **wanted, sd_messages *messages) {
+static sd_status choose_bodies(const arguments *a, const sd_model *m, bool **wanted,
+                               sd_messages *messages) {
   *wanted = NULL;
   if (a->bodies.n == 0) return SD_OK;
   if (!memory_row(wanted, sd_model_bodies(m), sizeof **wanted))
@@ -146,8 +151,8 @@ static void tell(sinks *s, const measurement *m) {
   if (s->list) measure_list_add(s->list, m);
 }
 
-static sd_status measure_frames(const arguments *a, const frames *f, size_t first, size_t last, sinks *s,
-                                sd_messages *messages) {
+static sd_status measure_frames(const arguments *a, const frames *f, size_t first, size_t last,
+                                sinks *s, sd_messages *messages) {
   sd_status status = SD_OK;
   if (s->rows) measure_rows_head(stdout);
   for (size_t k = first; status == SD_OK && k < last; k++) {
@@ -155,8 +160,8 @@ static sd_status measure_frames(const arguments *a, const frames *f, size_t firs
     measurement m = {.file = a->name, .frame = k < f->n ? (int64_t)k : -1};
     status = frames_read(f, k, &frame, messages);
     if (status == SD_OK)
-      status =
-          measurement_new(&m, f->constants, &frame, a->wanted ? a->region : NULL, (size_t)a->bins, messages);
+      status = measurement_new(&m, f->constants, &frame, a->wanted ? a->region : NULL,
+                               (size_t)a->bins, messages);
     if (status == SD_OK) tell(s, &m);
     measurement_free(&m);
     frame_data_free(&frame);
@@ -167,13 +172,16 @@ static sd_status measure_frames(const arguments *a, const frames *f, size_t firs
 }
 
 /* Means over time, which are those of the run whatever frame is measured. */
-static sd_status write_means(const arguments *a, const frames *f, const bool *wanted, sd_messages *messages) {
+static sd_status write_means(const arguments *a, const frames *f, const bool *wanted,
+                             sd_messages *messages) {
   summary s;
   sd_status status = summary_read(&s, f->base, messages);
   if (status == SD_OK) status = summary_disks_read_all(&s.packing, f->base, messages);
   if (status == SD_OK)
-    status = checkpoint_complete(f->base, f->path, f->constants, sd_deck_load_text, &s.packing, messages);
-  if (status == SD_OK) status = measure_tables_means(a->csv, f->constants->n_disks, wanted, &s, messages);
+    status = checkpoint_complete(f->base, f->path, f->constants, sd_deck_load_text, &s.packing,
+                                 messages);
+  if (status == SD_OK)
+    status = measure_tables_means(a->csv, f->constants->n_disks, wanted, &s, messages);
   summary_free(&s);
   return status;
 }

@@ -32,11 +32,18 @@ void measure_list_add(measure_list *l, const measurement *m);
 sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *messages);
 
 /* --- measure_page.c: one file per table in a folder ------------------------------------------- */
-#define MEASURE_CONTACT_COLUMNS                                                                              \
+#define MEASURE_CONTACT_COLUMNS                                                                    \
   "step,a,b,part,x,y,nx,ny,overlap,force,tau,mobilised,sliding,force_x,force_y,zeta"
 /* Rows of these columns: contacts of a frame in which one of the bodies is wanted; NULL: all. */
 void measure_contacts(FILE *out, const configuration *c, const bool *wanted);
-enum { MEASURE_FRAMES, MEASURE_DISKS, MEASURE_CONTACTS, MEASURE_PAIRS, MEASURE_FORCES, MEASURE_TABLES };
+enum {
+  MEASURE_FRAMES,
+  MEASURE_DISKS,
+  MEASURE_CONTACTS,
+  MEASURE_PAIRS,
+  MEASURE_FORCES,
+  MEASURE_TABLES
+};
 typedef struct measure_tables {
   file_stream file[MEASURE_TABLES];
   FILE *out[MEASURE_TABLES]; /* of these */
@@ -47,8 +54,8 @@ typedef struct measure_tables {
 sd_status measure_tables_open(measure_tables *t, const char *folder, const bool *wanted,
                               sd_messages *messages);
 /* Means of the run, over time: rotation.csv of the watched disks, means.csv of every disk, where there are any. */
-sd_status measure_tables_means(const char *folder, size_t n_disks, const bool *wanted, const summary *s,
-                               sd_messages *messages);
+sd_status measure_tables_means(const char *folder, size_t n_disks, const bool *wanted,
+                               const summary *s, sd_messages *messages);
 void measure_tables_add(const measure_tables *t, const measurement *m);
 sd_status measure_tables_close(measure_tables *t, sd_status status, sd_messages *messages);
 

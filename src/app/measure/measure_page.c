@@ -12,7 +12,8 @@
 
 static const double DEGREES = 180.0 / M_PI;
 
-static const char *const sides[] = {"left", "right", "bottom", "top"}; /* bits of measurement.open */
+static const char *const sides[] = {"left", "right", "bottom",
+                                    "top"}; /* bits of measurement.open */
 
 static double ratio(double a, double b) { return b != 0.0 ? a / b : NAN; }
 
@@ -28,7 +29,8 @@ static const char *shown(double value, int digits, char text[32]) {
 }
 
 /* name, value, unit or remark; "-" for what is not known. */
-static void line(FILE *out, const char *name, double value, const char *format, ...) SD_PRINTF(4, 5);
+static void line(FILE *out, const char *name, double value, const char *format, ...)
+    SD_PRINTF(4, 5);
 static void line(FILE *out, const char *name, double value, const char *format, ...) {
   char text[32] = "-";
   if (isfinite(value)) snprintf(text, sizeof text, "%.6g", value);
@@ -52,8 +54,9 @@ static void page_packing(FILE *out, const measurement *m) {
   if (m->has_cells) {
     line(out, m->open ? "packing fraction" : "inside", t->inside,
          "of %zu closed cells (%zu are open: at a surface or edge)", t->n_closed, t->n_open);
-    line(out, "local", t->mean, "+- %s from disk to disk, %s to %s", shown(t->deviation, 4, local[0]),
-         shown(t->least, 4, local[1]), shown(t->most, 4, local[2]));
+    line(out, "local", t->mean, "+- %s from disk to disk, %s to %s",
+         shown(t->deviation, 4, local[0]), shown(t->least, 4, local[1]),
+         shown(t->most, 4, local[2]));
   }
   if (m->open) line(out, "of the region", m->s.fraction, "which is open: empty space counts");
 }
@@ -69,7 +72,8 @@ static void page_disks(FILE *out, const measurement *m) {
   if (m->c.n_waiting > 0) line(out, "waiting", (double)m->c.n_waiting, "to be released");
   if (m->c.n_removed > 0) line(out, "removed", (double)m->c.n_removed, "beyond the bounds");
   line(out, "rattlers", (double)s->rattlers, "%s %%: fewer than %d load-bearing contacts",
-       shown(100.0 * ratio((double)s->rattlers, (double)s->free), 3, text), m->c.frictionless ? 3 : 2);
+       shown(100.0 * ratio((double)s->rattlers, (double)s->free), 3, text),
+       m->c.frictionless ? 3 : 2);
   page_packing(out, m);
 }
 
@@ -81,11 +85,11 @@ static void page_contacts(FILE *out, const measurement *m) {
   if (s->n_contacts == 0)
     fprintf(out, "  %-26s %12d\n", "closed", 0);
   else
-    line(out, "closed", (double)s->n_contacts, "%zu with walls or prescribed disks, %zu bear load", s->n_wall,
-         s->n_bearing);
+    line(out, "closed", (double)s->n_contacts, "%zu with walls or prescribed disks, %zu bear load",
+         s->n_wall, s->n_bearing);
   if (s->n_contacts == 0) return;
-  line(out, "per disk", s->z, "%s load-bearing, %s without rattlers", shown(s->z_bearing, 6, text[0]),
-       shown(s->z_backbone, 6, text[1]));
+  line(out, "per disk", s->z, "%s load-bearing, %s without rattlers",
+       shown(s->z_bearing, 6, text[0]), shown(s->z_backbone, 6, text[1]));
   double sliding = 100.0 * ratio((double)s->n_sliding, (double)s->n_contacts);
   if (m->c.frictionless)
     line(out, "sliding", NAN, "there is no friction");
@@ -95,15 +99,19 @@ static void page_contacts(FILE *out, const measurement *m) {
     line(out, "sliding", (double)s->n_sliding, "%s %%", shown(sliding, 3, text[0]));
   line(out, "mobilised friction", g->mobilised.mean, "mean of |tau|/(mu F_n)");
   line(out, "normal force", s->mean_force, "force, mean; spread %s, largest %s times that",
-       shown(g->normal.deviation, 4, text[0]), shown(ratio(g->normal.most, s->mean_force), 4, text[1]));
+       shown(g->normal.deviation, 4, text[0]),
+       shown(ratio(g->normal.most, s->mean_force), 4, text[1]));
   line(out, "tangential force", g->tangential.mean, "force, mean of |tau|");
   line(out, "overlap", s->overlap_mean, "length, mean");
   const sd_model *model = m->c.model;
   bool disk = s->overlap_b < model->n_disks;
-  line(out, "largest overlap", s->overlap_max, "length, disk %u and %s %u", m->c.number[s->overlap_a],
-       disk ? "disk" : "wall", disk ? m->c.number[s->overlap_b] : s->overlap_b - (uint32_t)model->n_disks);
-  line(out, "unbalanced force", s->unbalanced, "mean resultant on a %s over mean normal force", body_word(s));
-  line(out, "anisotropy", s->anisotropy, "of the directions of load-bearing contacts, most at %s deg",
+  line(out, "largest overlap", s->overlap_max, "length, disk %u and %s %u",
+       m->c.number[s->overlap_a], disk ? "disk" : "wall",
+       disk ? m->c.number[s->overlap_b] : s->overlap_b - (uint32_t)model->n_disks);
+  line(out, "unbalanced force", s->unbalanced, "mean resultant on a %s over mean normal force",
+       body_word(s));
+  line(out, "anisotropy", s->anisotropy,
+       "of the directions of load-bearing contacts, most at %s deg",
        shown(s->fabric_angle * DEGREES, 4, text[0]));
 }
 
@@ -140,12 +148,12 @@ void measure_page(FILE *out, const measurement *m) {
     fprintf(out, "last state");
   fprintf(out, ", step %" PRId64 ", time %.6g\n", m->c.step, m->c.time);
   if (g->round)
-    fprintf(out, "region: the drum of radius %.6g about (%.6g, %.6g), area %.6g\n", g->radius, g->centre[0],
-            g->centre[1], m->s.area);
+    fprintf(out, "region: the drum of radius %.6g about (%.6g, %.6g), area %.6g\n", g->radius,
+            g->centre[0], g->centre[1], m->s.area);
   else
-    fprintf(out, "region: x %.6g to %.6g%s, y %.6g to %.6g%s, area %.6g\n", g->lower[0], g->upper[0],
-            g->whole[0] ? " (periodic)" : "", g->lower[1], g->upper[1], g->whole[1] ? " (periodic)" : "",
-            m->s.area);
+    fprintf(out, "region: x %.6g to %.6g%s, y %.6g to %.6g%s, area %.6g\n", g->lower[0],
+            g->upper[0], g->whole[0] ? " (periodic)" : "", g->lower[1], g->upper[1],
+            g->whole[1] ? " (periodic)" : "", m->s.area);
   if (m->open) {
     bool given = m->c.model->region_upper[0] > m->c.model->region_lower[0];
     fputs(given ? "open at the" : "the deck gives no region, this one is about the disks", out);
@@ -154,28 +162,30 @@ void measure_page(FILE *out, const measurement *m) {
     fprintf(out, ": fraction of the region, stress and pressure are means over empty space, too\n");
   }
   if (m->c.recomputed)
-    fprintf(out, "contacts were not stored with this frame: found again from positions and velocities%s\n",
-            m->c.frictionless ? "" : ", without what friction remembers");
+    fprintf(
+        out,
+        "contacts were not stored with this frame: found again from positions and velocities%s\n",
+        m->c.frictionless ? "" : ", without what friction remembers");
   page_disks(out, m);
   page_contacts(out, m);
   page_stress(out, m);
 }
 
 void measure_rows_head(FILE *out) {
-  fprintf(out, "%7s %12s %10s %7s %8s %8s %8s %8s %9s %9s %8s %8s %10s %8s %10s\n", "frame", "step", "time",
-          "disks", "rattlers", "contacts", "z", "z back", "width", "height", "fraction", "inside", "pressure",
-          "q/p", "unbalanced");
+  fprintf(out, "%7s %12s %10s %7s %8s %8s %8s %8s %9s %9s %8s %8s %10s %8s %10s\n", "frame", "step",
+          "time", "disks", "rattlers", "contacts", "z", "z back", "width", "height", "fraction",
+          "inside", "pressure", "q/p", "unbalanced");
 }
 
 void measure_row(FILE *out, const measurement *m) {
   const stress *s = &m->s;
   char text[9][32], frame[32] = "state";
   if (m->frame >= 0) snprintf(frame, sizeof frame, "%" PRId64, m->frame);
-  fprintf(out, "%7s %12" PRId64 " %10.5g %7zu %8zu %8zu %8s %8s %9s %9s %8s %8s %10s %8s %10s%s\n", frame,
-          m->c.step, m->c.time, s->free, s->rattlers, s->n_contacts, shown(s->z, 4, text[0]),
-          shown(s->z_backbone, 4, text[1]), shown(m->width, 5, text[6]), shown(m->height, 5, text[7]),
-          shown(m->open ? NAN : s->fraction, 5, text[2]), shown(m->cells.inside, 5, text[8]),
-          shown(s->contact_principal.mean, 5, text[3]),
+  fprintf(out, "%7s %12" PRId64 " %10.5g %7zu %8zu %8zu %8s %8s %9s %9s %8s %8s %10s %8s %10s%s\n",
+          frame, m->c.step, m->c.time, s->free, s->rattlers, s->n_contacts, shown(s->z, 4, text[0]),
+          shown(s->z_backbone, 4, text[1]), shown(m->width, 5, text[6]),
+          shown(m->height, 5, text[7]), shown(m->open ? NAN : s->fraction, 5, text[2]),
+          shown(m->cells.inside, 5, text[8]), shown(s->contact_principal.mean, 5, text[3]),
           shown(ratio(s->contact_principal.deviator, s->contact_principal.mean), 3, text[4]),
           shown(s->unbalanced, 3, text[5]), m->c.recomputed ? " *" : "");
 }
@@ -187,10 +197,10 @@ static json_t *tensor(const double t[4]) {
 }
 
 static json_t *distribution_json(const distribution *d) {
-  json_t *object =
-      json_pack("{s:I, s:o, s:o, s:o, s:o, s:I}", "count", (json_int_t)d->n, "mean", json_number(d->mean),
-                "deviation", json_number(d->deviation), "skewness", json_number(d->skewness), "kurtosis",
-                json_number(d->kurtosis), "beyond", (json_int_t)d->beyond);
+  json_t *object = json_pack("{s:I, s:o, s:o, s:o, s:o, s:I}", "count", (json_int_t)d->n, "mean",
+                             json_number(d->mean), "deviation", json_number(d->deviation),
+                             "skewness", json_number(d->skewness), "kurtosis",
+                             json_number(d->kurtosis), "beyond", (json_int_t)d->beyond);
   if (!d->histogram) return object;
   json_t *density = json_array();
   for (size_t k = 0; k < d->histogram->n; k++)
@@ -291,9 +301,10 @@ static const struct table {
   const char *name, *head;
 } tables[MEASURE_TABLES] = {
     [MEASURE_FRAMES] = {"frames.csv", NULL}, /* measurement_observables */
-    [MEASURE_DISKS] = {"disks.csv",
-                       "step,disk,x,y,radius,prescribed,rattler,contacts,bearing,pressure,cell,closed,"
-                       "fraction,resultant_x,resultant_y"},
+    [MEASURE_DISKS] =
+        {"disks.csv",
+         "step,disk,x,y,radius,prescribed,rattler,contacts,bearing,pressure,cell,closed,"
+         "fraction,resultant_x,resultant_y"},
     [MEASURE_CONTACTS] = {"contacts.csv", MEASURE_CONTACT_COLUMNS},
     [MEASURE_PAIRS] = {"gr.csv", "step,r,g"},
     [MEASURE_FORCES] = {"forces.csv",
@@ -322,7 +333,8 @@ sd_status measure_tables_open(measure_tables *t, const char *folder, const bool 
 }
 
 sd_status measure_tables_close(measure_tables *t, sd_status status, sd_messages *messages) {
-  for (int k = 0; k < MEASURE_TABLES; k++) status = file_stream_close(&t->file[k], status, messages);
+  for (int k = 0; k < MEASURE_TABLES; k++)
+    status = file_stream_close(&t->file[k], status, messages);
   *t = (measure_tables){0};
   return status;
 }
@@ -354,8 +366,9 @@ static void add_disks(FILE *out, const measurement *m, const bool *wanted) {
     const sd_disk *d = &model->disks[i];
     bool closed = m->has_cells && m->cells.closed[i];
     double area = m->has_cells ? m->cells.area[i] : NAN;
-    fprintf(out, "%" PRId64 ",%u,%.15g,%.15g,%.15g,%d,%d,%d,%d", m->c.step, m->c.number[i], d->position[0],
-            d->position[1], d->radius, d->driven, s->rattler[i], (int)s->contacts[i], (int)s->bearing[i]);
+    fprintf(out, "%" PRId64 ",%u,%.15g,%.15g,%.15g,%d,%d,%d,%d", m->c.step, m->c.number[i],
+            d->position[0], d->position[1], d->radius, d->driven, s->rattler[i],
+            (int)s->contacts[i], (int)s->bearing[i]);
     number(out, measurement_pressure(m, i));
     number(out, area);
     fprintf(out, ",%d", closed);
@@ -376,8 +389,8 @@ void measure_contacts(FILE *out, const configuration *c, const bool *wanted) {
     const config_contact *q = &c->contacts[k];
     uint32_t a = deck_number(c, q->a), b = deck_number(c, q->b);
     if (wanted && !wanted[a] && !wanted[b]) continue;
-    fprintf(out, "%" PRId64 ",%u,%u,%u,%.15g,%.15g,%.15g,%.15g,%.15g,%.15g", c->step, a, b, q->part, q->x,
-            q->y, q->nx, q->ny, q->overlap, q->force);
+    fprintf(out, "%" PRId64 ",%u,%u,%u,%.15g,%.15g,%.15g,%.15g,%.15g,%.15g", c->step, a, b, q->part,
+            q->x, q->y, q->nx, q->ny, q->overlap, q->force);
     bool known = isfinite(q->tau);
     number(out, q->tau);
     number(out, known && q->mu > 0.0 && q->push > 0.0 ? fabs(q->tau) / (q->mu * q->push) : NAN);
@@ -395,13 +408,15 @@ void measure_contacts(FILE *out, const configuration *c, const bool *wanted) {
 static void add_pairs(FILE *out, const measurement *m) {
   const gsl_histogram *h = m->pairs.pairs;
   for (size_t k = 0; h && k < h->n; k++)
-    fprintf(out, "%" PRId64 ",%.15g,%.15g\n", m->c.step, 0.5 * (h->range[k] + h->range[k + 1]), h->bin[k]);
+    fprintf(out, "%" PRId64 ",%.15g,%.15g\n", m->c.step, 0.5 * (h->range[k] + h->range[k + 1]),
+            h->bin[k]);
 }
 
 static void add_forces(FILE *out, const measurement *m) {
   const distribution *n = &m->pairs.normal, *t = &m->pairs.tangential, *f = &m->pairs.mobilised;
   for (size_t k = 0; n->histogram && k < n->histogram->n; k++) {
-    fprintf(out, "%" PRId64 ",%.15g,%.15g", m->c.step, n->histogram->range[k], n->histogram->range[k + 1]);
+    fprintf(out, "%" PRId64 ",%.15g,%.15g", m->c.step, n->histogram->range[k],
+            n->histogram->range[k + 1]);
     number(out, distribution_density(n, k));
     number(out, t->histogram ? distribution_density(t, k) : NAN);
     number(out, f->histogram ? f->histogram->range[k] : NAN);
@@ -422,9 +437,9 @@ void measure_tables_add(const measure_tables *t, const measurement *m) {
 /* --- means of the run --------------------------------------------------------------------------------- */
 
 /* names (may be NULL): a column of them behind the number of the disk, the first row of the list. */
-static sd_status write_means(const char *folder, const char *file, size_t n_disks, const bool *wanted,
-                             const observable_list *list, const void *first, size_t stride, size_t n,
-                             char *const *names, sd_messages *messages) {
+static sd_status write_means(const char *folder, const char *file, size_t n_disks,
+                             const bool *wanted, const observable_list *list, const void *first,
+                             size_t stride, size_t n, char *const *names, sd_messages *messages) {
   file_stream stream = {0};
   char *path = format_text("%s/%s", folder, file);
   sd_status status = file_stream_open(path, &stream, messages);
@@ -448,12 +463,13 @@ static sd_status write_means(const char *folder, const char *file, size_t n_disk
   return file_stream_close(&stream, status, messages);
 }
 
-sd_status measure_tables_means(const char *folder, size_t n_disks, const bool *wanted, const summary *s,
-                               sd_messages *messages) {
+sd_status measure_tables_means(const char *folder, size_t n_disks, const bool *wanted,
+                               const summary *s, sd_messages *messages) {
   sd_status status = SD_OK;
   if (s->n_rotations > 0)
-    status = write_means(folder, "rotation.csv", n_disks, wanted, &rotation_observables, s->rotations,
-                         sizeof *s->rotations, s->n_rotations, s->rotation_names, messages);
+    status =
+        write_means(folder, "rotation.csv", n_disks, wanted, &rotation_observables, s->rotations,
+                    sizeof *s->rotations, s->n_rotations, s->rotation_names, messages);
   if (status == SD_OK && s->packing.n > 0)
     status = write_means(folder, "means.csv", n_disks, wanted, &disk_observables, s->packing.disks,
                          sizeof *s->packing.disks, s->packing.n, NULL, messages);

@@ -20,23 +20,30 @@ static const option_row rows[] = {
     {"define", 'D', OPTION_LIST, offsetof(sweep_command, overrides), NULL, "PATH=VALUE",
      "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
     {"jobs", 'j', OPTION_NUMBER, offsetof(sweep_command, workers), &whole, "N", "points at a time"},
-    {"threads", 0, OPTION_NUMBER, offsetof(sweep_command, threads), &whole, "N", "threads of each point"},
-    {"quiet", 'q', OPTION_FLAG, offsetof(sweep_command, quiet), NULL, NULL, "errors and warnings only"},
-    {"force", 0, OPTION_FLAG, offsetof(sweep_command, force), NULL, NULL, "run finished points again"},
+    {"threads", 0, OPTION_NUMBER, offsetof(sweep_command, threads), &whole, "N",
+     "threads of each point"},
+    {"quiet", 'q', OPTION_FLAG, offsetof(sweep_command, quiet), NULL, NULL,
+     "errors and warnings only"},
+    {"force", 0, OPTION_FLAG, offsetof(sweep_command, force), NULL, NULL,
+     "run finished points again"},
     {"skip", 0, OPTION_FLAG, offsetof(sweep_command, skip), NULL, NULL,
      "mistakes of some points do not keep the others from being run"},
     {"mix", 0, OPTION_FLAG, offsetof(sweep_command, mix), NULL, NULL,
      "go on when points in the folder belong to another deck or sweep"},
     {"no-lanes", 0, OPTION_FLAG, offsetof(sweep_command, no_lanes), NULL, NULL,
-     "run alike points of few disks one by one and not side by side in vectors, to the same results"},
-    {"point", 0, OPTION_TEXT, offsetof(sweep_command, range), NULL, "K[-L]", "run these points only"},
+     "run alike points of few disks one by one and not side by side in vectors, to the same "
+     "results"},
+    {"point", 0, OPTION_TEXT, offsetof(sweep_command, range), NULL, "K[-L]",
+     "run these points only"},
     {"status", 0, OPTION_FLAG, offsetof(sweep_command, status), NULL, NULL, "tell how far it is"},
     {"list", 0, OPTION_FLAG, offsetof(sweep_command, list), NULL, NULL,
      "tell all points, with their numbers"},
     {"json", 0, OPTION_FLAG, offsetof(sweep_command, json), NULL, NULL,
      "--status or --list of all points, for programs"},
-    {"count", 0, OPTION_FLAG, offsetof(sweep_command, count), NULL, NULL, "tell how many points there are"},
-    {"table", 0, OPTION_FLAG, offsetof(sweep_command, table), NULL, NULL, "write the table of what is there"},
+    {"count", 0, OPTION_FLAG, offsetof(sweep_command, count), NULL, NULL,
+     "tell how many points there are"},
+    {"table", 0, OPTION_FLAG, offsetof(sweep_command, table), NULL, NULL,
+     "write the table of what is there"},
 };
 const command_line app_sweep_line = {
     .name = "sweep",
@@ -46,7 +53,8 @@ const command_line app_sweep_line = {
     .offset = offsetof(sweep_command, deck),
     .operands = "DECK",
     .summary = "Runs all points of the deck's group `sweep`, and writes a table of the results",
-    .more = "Given again it continues; points that failed are tried again. Under mpirun (in a build with "
+    .more = "Given again it continues; points that failed are tried again. Under mpirun (in a "
+            "build with "
             "MPI) the ranks\n"
             "share the points. A DECK of - is the standard input.\n",
     .examples = "slipdisk sweep sweep.cfg --list\n"
@@ -68,13 +76,14 @@ static int parse_range(const sweep *s, sweep_command *c) {
   const char *text = c->range, *dash = text ? strchr(text, '-') : NULL;
   char from[24];
   if (!text) return 0;
-  bool good = dash ? (size_t)snprintf(from, sizeof from, "%.*s", (int)(dash - text), text) < sizeof from &&
-                         options_number(from, 0, last, &c->point) &&
-                         options_number(dash + 1, c->point, LONG_MAX, &c->last)
-                   : options_number(text, 0, last, &c->point);
+  bool good =
+      dash ? (size_t)snprintf(from, sizeof from, "%.*s", (int)(dash - text), text) < sizeof from &&
+                 options_number(from, 0, last, &c->point) &&
+                 options_number(dash + 1, c->point, LONG_MAX, &c->last)
+           : options_number(text, 0, last, &c->point);
   if (!good)
-    return app_misuse("sweep", "--point %s: expected K or K-L, points of this sweep are 0 to %ld", text,
-                      last);
+    return app_misuse("sweep", "--point %s: expected K or K-L, points of this sweep are 0 to %ld",
+                      text, last);
   if (!dash) c->last = c->point;
   if (c->point == c->last && c->workers > 0)
     return app_misuse("sweep", "--point runs one point: -j has no meaning");
@@ -93,8 +102,8 @@ static bool print_point(const sweep *s, size_t k, const sweep_result *r) {
   if (r->has_found && r->status != SWEEP_DONE && r->status != SWEEP_OTHER && r->found.steps > 0)
     snprintf(part, sizeof part, " %.1f %%", 100.0 * (double)r->found.step / (double)r->found.steps);
   if (told) sweep_finding(r, finding, sizeof finding);
-  printf("%6zu  %-10s%-8s %s  %s%s%s\n", k, sweep_status_names[r->status], part, s->deck.points[k].name,
-         finding, *finding && *r->message ? "; " : "", r->message);
+  printf("%6zu  %-10s%-8s %s  %s%s%s\n", k, sweep_status_names[r->status], part,
+         s->deck.points[k].name, finding, *finding && *r->message ? "; " : "", r->message);
   return strchr(finding, '*');
 }
 
@@ -130,8 +139,8 @@ static void print_points(const sweep *s, bool list) {
     sweep_look(s, k, &r);
     count[r.status]++;
     sweep_count_doubts(r.doubts, doubted);
-    bool plain =
-        (r.status == SWEEP_DONE && !r.doubts) || r.status == SWEEP_WAITING || r.status == SWEEP_OTHER;
+    bool plain = (r.status == SWEEP_DONE && !r.doubts) || r.status == SWEEP_WAITING ||
+                 r.status == SWEEP_OTHER;
     if (list || !plain) stars = print_point(s, k, &r) || stars;
     sweep_tally_add(&others, &r);
     sweep_result_free(&r);
@@ -158,7 +167,8 @@ static void keep_note(void *user, const sd_messages *messages) {
 }
 
 /* Is there anything to run? Tells of a finished result (SD_DOUBTFUL: it is in doubt), and refuses one of another deck. */
-static sd_status look_first(const sweep *s, size_t point, bool quiet, bool *done, sd_messages *messages) {
+static sd_status look_first(const sweep *s, size_t point, bool quiet, bool *done,
+                            sd_messages *messages) {
   sweep_result r;
   const char *name = s->deck.points[point].name;
   sweep_look(s, point, &r);
@@ -166,9 +176,9 @@ static sd_status look_first(const sweep *s, size_t point, bool quiet, bool *done
   sd_status status = *done && r.doubts ? SD_DOUBTFUL : SD_OK;
   if (*done && !quiet) fprintf(stderr, "point %zu, %s, is done already\n", point, name);
   if (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED)
-    status =
-        sd_fail(messages, SD_ERROR_USER, "point %zu, %s, is there already: %s: %s; --force runs it again",
-                point, name, sweep_status_names[r.status], r.message);
+    status = sd_fail(messages, SD_ERROR_USER,
+                     "point %zu, %s, is there already: %s: %s; --force runs it again", point, name,
+                     sweep_status_names[r.status], r.message);
   sweep_result_free(&r);
   return status;
 }
@@ -196,7 +206,8 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
                            .failed = keep_note,
                            .user = &n};
     status = drive_run(model, &drive, messages);
-    if (status == SD_OK || status == SD_DOUBTFUL || status == SD_INTERRUPTED) sweep_note(s, point, NULL);
+    if (status == SD_OK || status == SD_DOUBTFUL || status == SD_INTERRUPTED)
+      sweep_note(s, point, NULL);
   } else {
     sd_messages_print(messages, stderr);
   }
@@ -211,9 +222,11 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
 static sd_status write_table(const sweep *s, bool mix, sd_messages *messages) {
   sweep_contents there;
   if (!file_is_folder(s->folder))
-    return sd_fail(messages, SD_ERROR_USER, "there is no folder %s: no point has been run yet", s->folder);
+    return sd_fail(messages, SD_ERROR_USER, "there is no folder %s: no point has been run yet",
+                   s->folder);
   sweep_list(s, &there);
-  sd_status status = mix ? SD_OK : sweep_refuse_strangers(s, &there, "no table is written", messages);
+  sd_status status =
+      mix ? SD_OK : sweep_refuse_strangers(s, &there, "no table is written", messages);
   if (status == SD_OK) status = sweep_write_tables(s, TABLE_PATIENCE, mix, messages);
   if (status == SD_OK) {
     app_line(stdout, "%s/table.csv, table.h5, means.csv", s->folder);

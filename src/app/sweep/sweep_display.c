@@ -14,8 +14,8 @@ const char *sweep_finding(const sweep_result *r, char *text, size_t size) {
   if (!r->has_found || r->found.n_rotations == 0) return text;
   const sd_rotation *first = &r->found.rotations[0];
   if (isfinite(first->omega))
-    snprintf(text, size, "%s: Omega = %.4g +- %.2g%s", r->found.rotation_names[0], first->omega, first->error,
-             first->converged ? "" : " *");
+    snprintf(text, size, "%s: Omega = %.4g +- %.2g%s", r->found.rotation_names[0], first->omega,
+             first->error, first->converged ? "" : " *");
   return text;
 }
 
@@ -49,18 +49,19 @@ static const char *short_duration(double seconds, char *text, size_t size) {
   return text;
 }
 
-void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *text, double seconds) {
+void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *text,
+                double seconds) {
   char finding[200], duration[40];
   bool bad = r->status >= SWEEP_FAILED || r->doubts;
   if (w->c->quiet && !bad) return;
   sweep_clear_line(w);
-  fprintf(stderr, "[%zu/%zu] point %zu, %s: ", w->done + w->failed + w->other + w->damaged, w->end - w->first,
-          point, w->s->deck.points[point].name);
+  fprintf(stderr, "[%zu/%zu] point %zu, %s: ", w->done + w->failed + w->other + w->damaged,
+          w->end - w->first, point, w->s->deck.points[point].name);
   if (r->status == SWEEP_DONE) {
     sweep_finding(r, finding, sizeof finding);
     w->stars = w->stars || strchr(finding, '*');
-    fprintf(stderr, "%s%s%s  (%s)\n", *finding ? finding : "done", *r->message ? "; " : "", r->message,
-            short_duration(seconds, duration, sizeof duration));
+    fprintf(stderr, "%s%s%s  (%s)\n", *finding ? finding : "done", *r->message ? "; " : "",
+            r->message, short_duration(seconds, duration, sizeof duration));
     report_lines(stderr, "    ", text);
   } else if (r->status >= SWEEP_FAILED) {
     fprintf(stderr, "%s: %s%s\n", sweep_status_names[r->status], r->message,
@@ -100,7 +101,8 @@ void sweep_draw(scheduler *w) {
   for (size_t k = 0; k < w->n_workers; k++)
     n += show_worker(w, &w->workers[k], text + n, sizeof text - (size_t)n, &done, &spared);
   if (done > 0) left = (w->steps_total - spared - done) / done * (now - w->began);
-  snprintf(text + n, sizeof text - (size_t)n, "  ETA %s", report_duration(left, duration, sizeof duration));
+  snprintf(text + n, sizeof text - (size_t)n, "  ETA %s",
+           report_duration(left, duration, sizeof duration));
   report_bottom(stderr, text);
   w->line_open = true;
 }
@@ -165,9 +167,10 @@ static json_t *doubts_json(const sweep_result *r) {
 
 static json_t *point_json(const sweep *s, size_t k, const sweep_result *r) {
   return json_pack("{s:I, s:o, s:s, s:o, s:o, s:o, s:o}", "point", (json_int_t)k, "name",
-                   json_text(s->deck.points[k].name), "status", sweep_status_names[r->status], "progress",
-                   progress_json(r), "message", json_text(r->message ? r->message : ""), "doubts",
-                   doubts_json(r), "rotation", r->has_found ? json_rotations(&r->found) : json_array());
+                   json_text(s->deck.points[k].name), "status", sweep_status_names[r->status],
+                   "progress", progress_json(r), "message", json_text(r->message ? r->message : ""),
+                   "doubts", doubts_json(r), "rotation",
+                   r->has_found ? json_rotations(&r->found) : json_array());
 }
 
 /* Differences between the decks of results, a text each. */
@@ -205,9 +208,9 @@ sd_status sweep_print_json(const sweep *s) {
   }
   for (size_t k = 0; k < SWEEP_STATUSES; k++)
     json_object_set_new(counts, sweep_status_names[k], json_integer((json_int_t)count[k]));
-  json_t *root =
-      json_pack("{s:o, s:o, s:o, s:o, s:o}", "folder", json_text(s->folder), "count", counts, "other_decks",
-                others_json(&others), "strangers", strangers_json(s), "points", points);
+  json_t *root = json_pack("{s:o, s:o, s:o, s:o, s:o}", "folder", json_text(s->folder), "count",
+                           counts, "other_decks", others_json(&others), "strangers",
+                           strangers_json(s), "points", points);
   const sd_status status = json_print(root);
   json_decref(root);
   sweep_tally_free(&others);

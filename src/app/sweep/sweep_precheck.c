@@ -116,16 +116,18 @@ static void conclude(const precheck *v, bool all, sd_messages *messages) {
               d->points[a->point].name, a->n > 1 ? ", the worst" : "", a->n, d->n_sets);
   }
   for (size_t k = 0; all && k < d->n_collect; k++)
-    if (!v->collected[k]) sd_warn(messages, "collect: \"%s\" will be no column of the table", d->collect[k]);
+    if (!v->collected[k])
+      sd_warn(messages, "collect: \"%s\" will be no column of the table", d->collect[k]);
 }
 
 /* Points that run side by side share the memory of the machine. */
-static sd_status conclude_memory(const needs *n, const sweep *s, size_t workers, sd_messages *messages) {
+static sd_status conclude_memory(const needs *n, const sweep *s, size_t workers,
+                                 sd_messages *messages) {
   const deck_sweep *d = &s->deck;
   char need[40], there[40];
   if (n->refused > 0)
-    return sd_fail(messages, SD_ERROR_IO, "%s (point %zu, %s; %zu of %zu sets of values)", n->why, n->first,
-                   d->points[n->first].name, n->refused, d->n_sets);
+    return sd_fail(messages, SD_ERROR_IO, "%s (point %zu, %s; %zu of %zu sets of values)", n->why,
+                   n->first, d->points[n->first].name, n->refused, d->n_sets);
   size_t side_by_side = 0;
   for (size_t k = 0; k < d->n_points && side_by_side < workers; k++) {
     const sweep_status there_is = sweep_peek(s, k);
@@ -138,12 +140,14 @@ static sd_status conclude_memory(const needs *n, const sweep *s, size_t workers,
   while (fewer > 1 && n->most > memory_limit(fewer)) fewer--;
   size_text(limit, there, sizeof there);
   if (n->least > limit)
-    return sd_fail(messages, SD_ERROR_IO,
-                   "-j %zu: each point needs at least %s of memory, and each of %zu processes can have %s; "
-                   "expected -j %zu at most",
-                   workers, size_text(n->least, need, sizeof need), side_by_side, there, fewer);
+    return sd_fail(
+        messages, SD_ERROR_IO,
+        "-j %zu: each point needs at least %s of memory, and each of %zu processes can have %s; "
+        "expected -j %zu at most",
+        workers, size_text(n->least, need, sizeof need), side_by_side, there, fewer);
   sd_warn(messages,
-          "-j %zu: point %zu, %s, needs about %s of memory, and each of %zu processes can have %s: they may "
+          "-j %zu: point %zu, %s, needs about %s of memory, and each of %zu processes can have %s: "
+          "they may "
           "be killed; expected -j %zu at most",
           workers, n->largest, d->points[n->largest].name, size_text(n->most, need, sizeof need),
           side_by_side, there, fewer);
@@ -189,8 +193,8 @@ sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *ki
 /* --- the folder -------------------------------------------------------------------------------------------- */
 
 /* Points of another deck among some of those outside [first, end) that are there. */
-static sd_status look_at_sample(const sweep *s, const sweep_contents *there, size_t first, size_t end,
-                                sd_messages *messages) {
+static sd_status look_at_sample(const sweep *s, const sweep_contents *there, size_t first,
+                                size_t end, sd_messages *messages) {
   sweep_tally others = {0};
   size_t n = 0, met = 0;
   for (size_t k = 0; k < s->deck.n_points; k++) n += there->has[k] && (k < first || k >= end);

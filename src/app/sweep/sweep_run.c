@@ -132,7 +132,8 @@ static sweep_status final_status(scheduler *w, size_t k) {
   int seen = (int)w->seen[k] - 1; /* negative: it was not looked at */
   sweep_status now = sweep_peek(w->s, k);
   if (now == SWEEP_RUNNING) return now;
-  if (app_stop && w->tried[k] == UNTRIED && (now == SWEEP_FAILED || w->c->force)) return SWEEP_WAITING;
+  if (app_stop && w->tried[k] == UNTRIED && (now == SWEEP_FAILED || w->c->force))
+    return SWEEP_WAITING;
   if (seen == SWEEP_OTHER || seen == SWEEP_DAMAGED) return (sweep_status)seen;
   if ((now == SWEEP_WAITING || now == SWEEP_STOPPED) && seen == SWEEP_FAILED) return SWEEP_FAILED;
   if (now != SWEEP_DONE || seen == SWEEP_DONE) return now;
@@ -203,10 +204,12 @@ static int check(scheduler *w) {
   if (comm_rank(comm_world()) == 0) {
     if (!w->c->quiet || status != SD_OK) sd_messages_print(messages, stderr);
     if (status != SD_OK && usable > 0)
-      fprintf(stderr,
-              w->c->skip ? "points with these mistakes will fail; %zu of %zu sets of values are run\n"
-                         : "nothing is run: %zu of %zu sets of values have no mistakes, --skip runs them\n",
-              usable, w->s->deck.n_sets);
+      fprintf(
+          stderr,
+          w->c->skip
+              ? "points with these mistakes will fail; %zu of %zu sets of values are run\n"
+              : "nothing is run: %zu of %zu sets of values have no mistakes, --skip runs them\n",
+          usable, w->s->deck.n_sets);
   }
   sd_messages_free(messages);
   return usable > 0 && w->c->skip ? SD_OK : status;
@@ -235,11 +238,13 @@ static void make_scheduler(scheduler *w) {
   w->doubts = memory_new(n_points, 1);
   w->points = memory_new(places, sizeof *w->points);
   w->told = memory_new(places, sizeof *w->told);
-  w->cells = mmap(NULL, places * sizeof *w->cells, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  w->cells = mmap(NULL, places * sizeof *w->cells, PROT_READ | PROT_WRITE,
+                  MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (w->cells == MAP_FAILED) memory_lacks(places * sizeof *w->cells);
   for (size_t k = 0; k < w->n_workers; k++)
-    w->workers[k] = (worker){
-        .points = w->points + k * w->width, .told = w->told + k * w->width, .cells = w->cells + k * w->width};
+    w->workers[k] = (worker){.points = w->points + k * w->width,
+                             .told = w->told + k * w->width,
+                             .cells = w->cells + k * w->width};
 }
 
 static void free_scheduler(scheduler *w) {

@@ -45,11 +45,11 @@ typedef enum attempt { UNTRIED, SKIPPED, CRASHED, TRIED } attempt;
 typedef struct scheduler {
   const sweep *s;
   const sweep_command *c;
-  size_t first, end;     /* the points of this call */
-  int64_t *steps;        /* [n_points] */
-  int *kinds;            /* [n_points]: points of one kind go in lanes together; SWEEP_ALONE: none */
-  unsigned char *tried;  /* [n_points], an attempt */
-  unsigned char *seen;   /* [n_points]: 1 + its status when it was last looked at; 0: it was not */
+  size_t first, end;    /* the points of this call */
+  int64_t *steps;       /* [n_points] */
+  int *kinds;           /* [n_points]: points of one kind go in lanes together; SWEEP_ALONE: none */
+  unsigned char *tried; /* [n_points], an attempt */
+  unsigned char *seen;  /* [n_points]: 1 + its status when it was last looked at; 0: it was not */
   unsigned char *doubts; /* [n_points], of finished ones that were looked at */
   size_t width;          /* most points of a group */
   size_t done, failed, other, damaged, elsewhere, left;
@@ -74,7 +74,8 @@ typedef struct scheduler {
 /* --- sweep_display.c ---------------------------------------------------------------------------------- */
 void sweep_clear_line(scheduler *w);
 /* A line that stays. text: what was said by the one that ran the point. */
-void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *text, double seconds);
+void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *text,
+                double seconds);
 /* The line at the bottom of a terminal. */
 void sweep_draw(scheduler *w);
 void sweep_show_start(const scheduler *w);
@@ -82,7 +83,8 @@ void sweep_show_end(scheduler *w);
 
 /* --- sweep_workers.c: groups ------------------------------------------------------------------ */
 /* Puts n points into groups for so many workers; *g holds nothing yet. */
-void sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n, size_t workers);
+void sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n,
+                       size_t workers);
 /* Puts one at the end of the list. */
 void sweep_groups_put_off(sweep_groups *g, sweep_group one);
 void sweep_groups_free(sweep_groups *g);

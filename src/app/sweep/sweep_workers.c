@@ -38,7 +38,8 @@ static int compare(const void *a, const void *b) {
   return p->point < q->point ? -1 : p->point > q->point;
 }
 
-static void sort(entry *entries, const scheduler *w, const size_t *points, size_t n, size_t *begins) {
+static void sort(entry *entries, const scheduler *w, const size_t *points, size_t n,
+                 size_t *begins) {
   for (size_t k = 0; k < n; k++) {
     size_t point = points[k];
     int kind = w->kinds[point];
@@ -65,7 +66,8 @@ static size_t largest(const sweep_groups *g) {
   return best;
 }
 
-void sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n, size_t workers) {
+void sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n,
+                       size_t workers) {
   size_t n_kinds = w->s->deck.n_sets;
   entry *entries = memory_new(n, sizeof *entries);
   size_t *begins = memory_new(n_kinds, sizeof *begins);
@@ -160,7 +162,8 @@ static void describe_end(int ended, sd_status *status, char *text, size_t size) 
   else if (WIFSIGNALED(ended) && app_stop)
     *status = SD_INTERRUPTED;
   else if (WIFSIGNALED(ended))
-    snprintf(text, size, "was ended by signal %d (%s)", WTERMSIG(ended), strsignal(WTERMSIG(ended)));
+    snprintf(text, size, "was ended by signal %d (%s)", WTERMSIG(ended),
+             strsignal(WTERMSIG(ended)));
   else
     snprintf(text, size, "ended with status %d", code);
 }
@@ -179,8 +182,10 @@ static void try_again(scheduler *w, const worker *one, const char *how) {
     n++;
   }
   sweep_clear_line(w);
-  fprintf(stderr, "warning: the process that ran %zu points side by side %s; they are run again one by one\n",
-          n, how);
+  fprintf(
+      stderr,
+      "warning: the process that ran %zu points side by side %s; they are run again one by one\n",
+      n, how);
 }
 
 static void finish(scheduler *w, worker *one, int ended) {

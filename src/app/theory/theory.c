@@ -42,7 +42,8 @@ const command_line app_theory_line = {
 static int parse(int argc, char **argv, arguments *a) {
   int mistake = options_parse(&app_theory_line, argc, argv, a);
   if (mistake) return mistake;
-  int taken = a->json + (a->csv && strcmp(a->csv, "-") == 0) + (a->wave && strcmp(a->wave, "-") == 0);
+  int taken =
+      a->json + (a->csv && strcmp(a->csv, "-") == 0) + (a->wave && strcmp(a->wave, "-") == 0);
   if (taken > 1)
     return app_misuse("theory", "the standard output can take one of --json, --csv - and --wave -");
   return 0;
@@ -70,8 +71,8 @@ static sd_status pour(const table *t, const char *path, sd_messages *messages) {
   int why = errno;
   if (path && out) fclose(out);
   if (good) return SD_OK;
-  return sd_fail(messages, SD_ERROR_IO, "cannot write to %s: %s", path ? path : "the standard output",
-                 strerror(why));
+  return sd_fail(messages, SD_ERROR_IO, "cannot write to %s: %s",
+                 path ? path : "the standard output", strerror(why));
 }
 
 /* Writes it to path, "-" being the standard output, unless something has failed already. */
@@ -81,7 +82,8 @@ static sd_status table_close(table *t, const char *path, sd_status status, sd_me
   struct stat what;
   if (status == SD_OK && strcmp(path, "-") == 0)
     status = pour(t, NULL, messages);
-  else if (status == SD_OK && stat(path, &what) == 0 && !S_ISREG(what.st_mode) && !S_ISDIR(what.st_mode))
+  else if (status == SD_OK && stat(path, &what) == 0 && !S_ISREG(what.st_mode) &&
+           !S_ISDIR(what.st_mode))
     status = pour(t, path, messages);
   else if (status == SD_OK)
     status = file_write_atomic(path, t->text, t->size, messages);
@@ -100,7 +102,8 @@ static sd_status add_row(const deck_sweep *s, size_t point, FILE *out, sd_messag
     sd_messages *own = sd_messages_new();
     theory_case_solve(&c, &r, own);
     for (size_t k = 0; k < sd_messages_count(own); k++)
-      sd_warn(messages, "%s: point %s: %s", s->deck_path, s->points[point].name, sd_messages_text(own, k));
+      sd_warn(messages, "%s: point %s: %s", s->deck_path, s->points[point].name,
+              sd_messages_text(own, k));
     sd_messages_free(own);
     theory_table_row(out, s, point, &c, &r);
   } else if (s->n_points > 1) {
@@ -121,7 +124,8 @@ static sd_status write_csv(const arguments *a, sd_messages *messages) {
   }
   size_t sets = 0;
   for (size_t k = 0; status == SD_OK && k < s.n_points; k++) {
-    if (s.points[k].set != sets) continue; /* sets are numbered in the order of their first points */
+    if (s.points[k].set != sets)
+      continue; /* sets are numbered in the order of their first points */
     status = add_row(&s, k, t.out, messages);
     sets++;
   }
@@ -133,11 +137,11 @@ static sd_status write_csv(const arguments *a, sd_messages *messages) {
 static sd_status write_wave(const arguments *a, const theory_result *r, sd_messages *messages) {
   table t;
   if (!r->solved)
-    return sd_fail(
-        messages, SD_ERROR_USER,
-        "%s: theory: there is no periodic solution to be written; expected supports that turn to and "
-        "fro",
-        a->deck);
+    return sd_fail(messages, SD_ERROR_USER,
+                   "%s: theory: there is no periodic solution to be written; expected supports "
+                   "that turn to and "
+                   "fro",
+                   a->deck);
   table_open(&t);
   theory_wave(t.out, r);
   return table_close(&t, a->wave, SD_OK, messages);

@@ -14,7 +14,8 @@ static const double NEAR = 0.01;
 /* The deck may put the upper disk as far from its place on the supports. */
 static const double AWAY = 0.25;
 
-static sd_status fail_disk(const sd_model *m, sd_messages *messages, uint32_t body, const char *what) {
+static sd_status fail_disk(const sd_model *m, sd_messages *messages, uint32_t body,
+                           const char *what) {
   char name[96];
   return sd_fail(messages, SD_ERROR_USER, "%s: theory: %s %s", sd_model_deck(m)->path,
                  sd_model_body_name(m, body, name, sizeof name), what);
@@ -48,10 +49,11 @@ static sd_status find_upper(const sd_model *m, uint32_t *upper, sd_messages *mes
   for (uint32_t i = 0; i < m->n_disks; i++)
     if (!m->disks[i].driven) *upper = i;
   if (m->n_free == 1) return SD_OK;
-  return sd_fail(messages, SD_ERROR_USER,
-                 "%s: theory: there are %zu free disks; expected one on two supports, or an entry of "
-                 "measure.sliding that names it",
-                 sd_model_deck(m)->path, m->n_free);
+  return sd_fail(
+      messages, SD_ERROR_USER,
+      "%s: theory: there are %zu free disks; expected one on two supports, or an entry of "
+      "measure.sliding that names it",
+      sd_model_deck(m)->path, m->n_free);
 }
 
 /* Without measure.sliding: the two driven disks there are, or the two that touch. */
@@ -59,7 +61,8 @@ static sd_status find_supports(const sd_model *m, uint32_t upper, uint32_t suppo
                                sd_messages *messages) {
   size_t n_driven = m->n_disks - m->n_free, n = 0;
   for (uint32_t i = 0; i < m->n_disks; i++) {
-    if (!m->disks[i].driven || (n_driven != 2 && gap(m, upper, i) > NEAR * m->disks[upper].radius)) continue;
+    if (!m->disks[i].driven || (n_driven != 2 && gap(m, upper, i) > NEAR * m->disks[upper].radius))
+      continue;
     if (n < 2) support[n] = i;
     n++;
   }
@@ -70,15 +73,16 @@ static sd_status find_supports(const sd_model *m, uint32_t upper, uint32_t suppo
                  sd_model_deck(m)->path, sd_model_body_name(m, upper, name, sizeof name), n);
 }
 
-static sd_status find_disks(const sd_model *m, uint32_t *upper, uint32_t support[2], sd_messages *messages) {
+static sd_status find_disks(const sd_model *m, uint32_t *upper, uint32_t support[2],
+                            sd_messages *messages) {
   sd_status status = find_upper(m, upper, messages);
   if (status) return status;
   if (m->n_slides == 0) return find_supports(m, *upper, support, messages);
   for (int k = 0; k < 2; k++) {
     support[k] = m->slides[0].partner[k];
     if (support[k] >= m->n_disks)
-      status =
-          fail_disk(m, messages, support[k], "of measure.sliding is a wall; expected a disk as a support");
+      status = fail_disk(m, messages, support[k],
+                         "of measure.sliding is a wall; expected a disk as a support");
     else if (!m->disks[support[k]].driven)
       status = fail_disk(m, messages, support[k],
                          "of measure.sliding is free; expected a support that is fixed or moved");
@@ -142,8 +146,8 @@ static double wall_gap(const sd_model *m, const sd_wall *w, const double at[2]) 
 }
 
 /* Nothing else may touch the upper disk. */
-static sd_status check_alone(const sd_model *m, uint32_t upper, const uint32_t support[2], const double at[2],
-                             sd_messages *messages) {
+static sd_status check_alone(const sd_model *m, uint32_t upper, const uint32_t support[2],
+                             const double at[2], sd_messages *messages) {
   sd_status status = SD_OK;
   double radius = m->disks[upper].radius, reach = (1 + NEAR) * radius;
   for (uint32_t b = 0; b < sd_model_bodies(m); b++) {
@@ -156,18 +160,21 @@ static sd_status check_alone(const sd_model *m, uint32_t upper, const uint32_t s
       distance = wall_gap(m, &m->walls[b - m->n_disks], at);
     }
     if (distance < reach)
-      status = fail_disk(m, messages, b,
-                         "touches the upper disk too; expected contacts with the two supports alone");
+      status =
+          fail_disk(m, messages, b,
+                    "touches the upper disk too; expected contacts with the two supports alone");
   }
   return status;
 }
 
 /* The angles, with the left support first; up is against the weight. */
-static void set_angles(theory_case *c, uint32_t support[2], double to[2][2], const double weight[2]) {
+static void set_angles(theory_case *c, uint32_t support[2], double to[2][2],
+                       const double weight[2]) {
   double down[2] = {weight[0] / c->disk.weight, weight[1] / c->disk.weight};
   double right[2] = {-down[1], down[0]}, angle[2];
   for (int k = 0; k < 2; k++)
-    angle[k] = atan2(to[k][0] * right[0] + to[k][1] * right[1], to[k][0] * down[0] + to[k][1] * down[1]);
+    angle[k] =
+        atan2(to[k][0] * right[0] + to[k][1] * right[1], to[k][0] * down[0] + to[k][1] * down[1]);
   c->swapped = angle[0] > angle[1];
   if (c->swapped) {
     uint32_t s = support[0];
@@ -180,15 +187,16 @@ static void set_angles(theory_case *c, uint32_t support[2], double to[2][2], con
   c->disk.tilt = (c->alpha[1] - c->alpha[0]) / 2;
 }
 
-static sd_status set_geometry(const sd_model *m, theory_case *c, uint32_t upper, uint32_t support[2],
-                              sd_messages *messages) {
+static sd_status set_geometry(const sd_model *m, theory_case *c, uint32_t upper,
+                              uint32_t support[2], sd_messages *messages) {
   const sd_disk *disk = &m->disks[upper];
   double shift[2] = {0}, at[2], to[2][2], weight[2];
   for (int k = 0; k < 2; k++) weight[k] = disk->mass * m->gravity[k] + disk->force[k];
   c->mass = disk->mass;
   c->disk.weight = hypot(weight[0], weight[1]);
   if (!(c->disk.weight > 0))
-    return fail_disk(m, messages, upper, "has no weight; expected gravity that presses it on its supports");
+    return fail_disk(m, messages, upper,
+                     "has no weight; expected gravity that presses it on its supports");
   sd_status status = touch(m, upper, support, shift, messages);
   if (status) return status;
   c->offset = hypot(shift[0], shift[1]);
@@ -219,17 +227,18 @@ static const char *beyond_theory(const sd_contact_law *law) {
                                          : NULL;
 }
 
-static sd_status set_contacts(const sd_model *m, theory_case *c, uint32_t upper, const uint32_t support[2],
-                              sd_messages *messages) {
+static sd_status set_contacts(const sd_model *m, theory_case *c, uint32_t upper,
+                              const uint32_t support[2], sd_messages *messages) {
   double mu[2];
   for (int k = 0; k < 2; k++) {
-    const sd_contact_law *law = sd_model_law(m, m->disks[upper].material, m->disks[support[k]].material);
+    const sd_contact_law *law =
+        sd_model_law(m, m->disks[upper].material, m->disks[support[k]].material);
     const char *beyond = beyond_theory(law);
     if (beyond)
-      return sd_fail(
-          messages, SD_ERROR_USER,
-          "%s: theory: the contacts of %s with %s have `%s`; expected linear ones with friction mu alone",
-          sd_model_deck(m)->path, c->upper, c->support[k], beyond);
+      return sd_fail(messages, SD_ERROR_USER,
+                     "%s: theory: the contacts of %s with %s have `%s`; expected linear ones with "
+                     "friction mu alone",
+                     sd_model_deck(m)->path, c->upper, c->support[k], beyond);
     mu[k] = law->mu;
     c->k_t[k] = law->k_t;
     c->stiffness = k == 0 ? law->k_n : fmin(c->stiffness, law->k_n);
@@ -237,33 +246,37 @@ static sd_status set_contacts(const sd_model *m, theory_case *c, uint32_t upper,
   }
   c->disk.mu = mu[0];
   if (!(c->k_t[0] > 0 && c->k_t[1] > 0))
-    return sd_fail(messages, SD_ERROR_USER,
-                   "%s: theory: the contacts of %s have k_t = 0, hence no friction; expected k_t > 0",
-                   sd_model_deck(m)->path, c->upper);
+    return sd_fail(
+        messages, SD_ERROR_USER,
+        "%s: theory: the contacts of %s have k_t = 0, hence no friction; expected k_t > 0",
+        sd_model_deck(m)->path, c->upper);
   if (mu[0] != mu[1])
-    return sd_fail(messages, SD_ERROR_USER,
-                   "%s: theory: the contacts of %s with %s and %s have mu = %g and %g; expected the same",
-                   sd_model_deck(m)->path, c->upper, c->support[0], c->support[1], mu[0], mu[1]);
+    return sd_fail(
+        messages, SD_ERROR_USER,
+        "%s: theory: the contacts of %s with %s and %s have mu = %g and %g; expected the same",
+        sd_model_deck(m)->path, c->upper, c->support[0], c->support[1], mu[0], mu[1]);
   return SD_OK;
 }
 
 /* Nothing but its weight and its supports may hold or turn the upper disk. */
-static sd_status check_bonds(const sd_model *m, theory_case *c, uint32_t upper, sd_messages *messages) {
+static sd_status check_bonds(const sd_model *m, theory_case *c, uint32_t upper,
+                             sd_messages *messages) {
   const sd_disk *disk = &m->disks[upper];
   sd_status status = SD_OK;
   c->locked = disk->locked[SD_THETA];
   c->spin = disk->velocity[SD_THETA];
   if (disk->locked[SD_X] || disk->locked[SD_Y])
-    status = fail_disk(m, messages, upper,
-                       "has its centre locked, so that its normal forces stay as they are; expected it free, "
-                       "to find its equilibrium");
+    status = fail_disk(
+        m, messages, upper,
+        "has its centre locked, so that its normal forces stay as they are; expected it free, "
+        "to find its equilibrium");
   if (disk->force[SD_THETA] != 0)
     status = fail_disk(m, messages, upper, "has a constant torque on it; expected none");
   if (disk->clump > 0)
     status = fail_disk(m, messages, upper, "belongs to a clump; expected a disk of its own");
   if (m->n_fields > 0)
-    status =
-        sd_fail(messages, SD_ERROR_USER, "%s: theory: it has fields; expected none", sd_model_deck(m)->path);
+    status = sd_fail(messages, SD_ERROR_USER, "%s: theory: it has fields; expected none",
+                     sd_model_deck(m)->path);
   return status;
 }
 
@@ -276,7 +289,8 @@ sd_status theory_case_read(const sd_model *m, theory_case *c, sd_messages *messa
   status = check_bonds(m, c, upper, messages);
   found = set_geometry(m, c, upper, support, messages);
   if (found) return found; /* what follows wants to know which one is left */
-  for (int k = 0; k < 2; k++) sd_model_body_name(m, support[k], c->support[k], sizeof c->support[k]);
+  for (int k = 0; k < 2; k++)
+    sd_model_body_name(m, support[k], c->support[k], sizeof c->support[k]);
   found = set_contacts(m, c, upper, support, messages);
   if (found) status = found;
   found = theory_drive_read(m, upper, support, c, messages);
@@ -324,13 +338,13 @@ static const char *motion_name(const sd_motion *motion, char *text, size_t size)
   return text;
 }
 
-static sd_status fail_motion(const sd_model *m, sd_messages *messages, const sd_motion *motion, uint32_t body,
-                             const char *expected) {
+static sd_status fail_motion(const sd_model *m, sd_messages *messages, const sd_motion *motion,
+                             uint32_t body, const char *expected) {
   char what[160], whom[96];
   return sd_fail(messages, SD_ERROR_USER, "%s: theory: %s moves %s of %s; expected %s",
                  sd_model_deck(m)->path, motion_name(motion, what, sizeof what),
-                 coordinate_names[motion->coordinate], sd_model_body_name(m, body, whom, sizeof whom),
-                 expected);
+                 coordinate_names[motion->coordinate],
+                 sd_model_body_name(m, body, whom, sizeof whom), expected);
 }
 
 /* The first phase that measures, else the last; all that measure must have the same motions on. */
@@ -341,10 +355,10 @@ static sd_status find_phase(const sd_model *m, size_t *phase, sd_messages *messa
     if (first == m->n_phases) first = p;
     for (size_t k = 0; k < m->n_motions; k++)
       if (m->phases[p].active[k] != m->phases[first].active[k])
-        return sd_fail(
-            messages, SD_ERROR_USER,
-            "%s: theory: phases %zu and %zu both measure, with different motions; expected the same",
-            sd_model_deck(m)->path, first, p);
+        return sd_fail(messages, SD_ERROR_USER,
+                       "%s: theory: phases %zu and %zu both measure, with different motions; "
+                       "expected the same",
+                       sd_model_deck(m)->path, first, p);
   }
   *phase = first < m->n_phases ? first : m->n_phases - 1;
   return SD_OK;
@@ -364,7 +378,8 @@ static sd_status gather(const sd_model *m, size_t phase, uint32_t upper, const u
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *motion = &m->motions[k];
     if (names(motion, upper))
-      status = fail_motion(m, messages, motion, upper, "the upper disk to be moved by its supports alone");
+      status = fail_motion(m, messages, motion, upper,
+                           "the upper disk to be moved by its supports alone");
     if (rests(motion)) continue;
     for (int i = 0; i < 2; i++) {
       if (!names(motion, support[i])) continue;
@@ -375,13 +390,14 @@ static sd_status gather(const sd_model *m, size_t phase, uint32_t upper, const u
       } else if (motion->coordinate != SD_THETA) {
         on->shaken[i] = true;
         if (motion->kind != SD_MOTION_RANDOM)
-          status =
-              fail_motion(m, messages, motion, support[i], "supports that only turn, or vibrate at random");
+          status = fail_motion(m, messages, motion, support[i],
+                               "supports that only turn, or vibrate at random");
       } else if (!is_known(motion)) {
         status = fail_motion(m, messages, motion, support[i],
                              "type \"harmonic\", \"parabolic\", \"velocity\" or \"random\"");
       } else if (on->turn[i]) {
-        status = fail_motion(m, messages, motion, support[i], "one motion of this angle, there is another");
+        status = fail_motion(m, messages, motion, support[i],
+                             "one motion of this angle, there is another");
       } else {
         on->turn[i] = motion;
         on->number[i] = k;
@@ -399,7 +415,8 @@ static sd_status check_pair(const sd_model *m, const drivers *on, const uint32_t
   for (int i = 0; i < 2; i++) {
     const sd_motion *one = on->turn[i];
     if (shaken && one && one->kind != SD_MOTION_RANDOM)
-      return fail_motion(m, messages, one, support[i], "random vibration, as of its other coordinates");
+      return fail_motion(m, messages, one, support[i],
+                         "random vibration, as of its other coordinates");
   }
   if (!a || !b) return SD_OK;
   if (a->kind != b->kind) {
@@ -410,8 +427,8 @@ static sd_status check_pair(const sd_model *m, const drivers *on, const uint32_t
   }
   if (motion_is_wave(a) && fabs(a->omega - b->omega) > 1e-12 * a->omega) {
     char expected[128];
-    snprintf(expected, sizeof expected, "omega = %.12g, as of the other support, not %.12g", a->omega,
-             b->omega);
+    snprintf(expected, sizeof expected, "omega = %.12g, as of the other support, not %.12g",
+             a->omega, b->omega);
     return fail_motion(m, messages, b, support[1], expected);
   }
   return SD_OK;
@@ -434,8 +451,8 @@ static void set_periodic(const sd_model *m, const drivers *on, size_t phase, the
   }
 }
 
-sd_status theory_drive_read(const sd_model *m, uint32_t upper, const uint32_t support[2], theory_case *c,
-                            sd_messages *messages) {
+sd_status theory_drive_read(const sd_model *m, uint32_t upper, const uint32_t support[2],
+                            theory_case *c, sd_messages *messages) {
   size_t phase = 0;
   drivers on = {0};
   sd_status status = find_phase(m, &phase, messages);
@@ -457,10 +474,11 @@ sd_status theory_drive_read(const sd_model *m, uint32_t upper, const uint32_t su
   } else {
     set_periodic(m, &on, phase, c);
     if (c->locked)
-      return sd_fail(messages, SD_ERROR_USER,
-                     "%s: theory: %s cannot turn (theta is locked) while its supports turn to and fro; "
-                     "expected it free to turn",
-                     sd_model_deck(m)->path, c->upper);
+      return sd_fail(
+          messages, SD_ERROR_USER,
+          "%s: theory: %s cannot turn (theta is locked) while its supports turn to and fro; "
+          "expected it free to turn",
+          sd_model_deck(m)->path, c->upper);
   }
   return SD_OK;
 }

@@ -31,10 +31,13 @@ static void print_geometry(FILE *out, const theory_case *c) {
   angle_line(out, "tilt theta_T", c->disk.tilt);
   line(out, "friction mu", c->disk.mu, "");
   if (c->swapped)
-    fprintf(out, "  the deck names the right support first: its S+- is S-+ here, and its S-+ S+-\n");
+    fprintf(out,
+            "  the deck names the right support first: its S+- is S-+ here, and its S-+ S+-\n");
   if (c->offset > 1e-3 * c->disk.radius)
-    fprintf(out, "  angles where the disks just touch; the deck puts the upper disk %.3g away from there\n",
-            c->offset);
+    fprintf(
+        out,
+        "  angles where the disks just touch; the deck puts the upper disk %.3g away from there\n",
+        c->offset);
 }
 
 static void print_torques(FILE *out, const theory_case *c, const theory_result *r) {
@@ -44,13 +47,15 @@ static void print_torques(FILE *out, const theory_case *c, const theory_result *
   fprintf(out, "       %14s %14s %14s %14s\n", "normal 1", "normal 2", "torque", "closed form");
   for (int k = 0; k < 4; k++) {
     const sd_tep *t = &r->tep[k];
-    fprintf(out, "  S%s  %14.8g %14.8g %14.8g %14.8g  %s  %s, %s\n", theory_configurations[k], t->normal[0],
-            t->normal[1], t->torque, r->torque[k], label[k],
-            t->compressive ? "compressive" : "NOT COMPRESSIVE", t->stable ? "stable" : "NOT STABLE");
+    fprintf(out, "  S%s  %14.8g %14.8g %14.8g %14.8g  %s  %s, %s\n", theory_configurations[k],
+            t->normal[0], t->normal[1], t->torque, r->torque[k], label[k],
+            t->compressive ? "compressive" : "NOT COMPRESSIVE",
+            t->stable ? "stable" : "NOT STABLE");
   }
   fprintf(out, "mean torque just after tilting\n");
   line(out, "all four equally long (19)", r->slight, "random and independent supports");
-  line(out, "S++ and S-- only (31)", r->sync, "supports in phase; with mu^2 where the print has mu");
+  line(out, "S++ and S-- only (31)", r->sync,
+       "supports in phase; with mu^2 where the print has mu");
   if (c->disk.half_aperture > 0 && tan(c->disk.half_aperture) > c->disk.mu)
     angle_line(out, "phase at which the sense turns over", sd_reversal_phase(&c->disk));
 }
@@ -62,49 +67,62 @@ static const char *sense(double torque) {
 static void print_random(FILE *out, const theory_case *c, const theory_result *r) {
   fprintf(out, "\ndrive: random vibration\n");
   if (c->shared)
-    fprintf(out, "  both supports turn by one signal: S++ and S-- only, sense of rotation by (31): %s\n",
+    fprintf(out,
+            "  both supports turn by one signal: S++ and S-- only, sense of rotation by (31): %s\n",
             sense(r->sync));
   else
-    fprintf(out, "  all four configurations occur, sense of rotation by (19): %s\n", sense(r->slight));
-  fprintf(out, "  valid for strong drive that changes slowly enough for the centre to find its equilibria;\n"
-               "  there is no formula for the velocity\n");
+    fprintf(out, "  all four configurations occur, sense of rotation by (19): %s\n",
+            sense(r->slight));
+  fprintf(
+      out,
+      "  valid for strong drive that changes slowly enough for the centre to find its equilibria;\n"
+      "  there is no formula for the velocity\n");
 }
 
 static void print_steady(FILE *out, const theory_case *c, const theory_result *r) {
-  fprintf(out, "\ndrive: the supports turn steadily, by %.8g and %.8g\n", c->velocity[0], c->velocity[1]);
+  fprintf(out, "\ndrive: the supports turn steadily, by %.8g and %.8g\n", c->velocity[0],
+          c->velocity[1]);
   const int *s = r->signs;
   if (s[0] && s[1]) {
     int k = 2 * (s[0] < 0) + (s[1] < 0);
-    fprintf(out, "  %sconfiguration S%s\n", c->locked ? "" : "at the start ", theory_configurations[k]);
+    fprintf(out, "  %sconfiguration S%s\n", c->locked ? "" : "at the start ",
+            theory_configurations[k]);
     line(out, "torque", r->torque[k], "");
     if (!c->locked) line(out, "angular acceleration", r->torque[k] / c->disk.inertia, "");
   } else {
-    fprintf(out, "  a contact sticks%s: its surfaces move alike, and no equilibrium point tells its force\n",
-            c->locked ? "" : " at the start");
+    fprintf(
+        out,
+        "  a contact sticks%s: its surfaces move alike, and no equilibrium point tells its force\n",
+        c->locked ? "" : " at the start");
   }
   if (c->locked)
     fprintf(out, "  the upper disk cannot turn\n");
   else if (isfinite(r->final_spin))
-    line(out, "angular velocity that it tends to", r->final_spin, "it rolls with that support then");
+    line(out, "angular velocity that it tends to", r->final_spin,
+         "it rolls with that support then");
   else
-    fprintf(out, "  between the velocities of the supports there is no torque: any of these remains\n");
+    fprintf(out,
+            "  between the velocities of the supports there is no torque: any of these remains\n");
 }
 
 /* --- periodic drive ------------------------------------------------------------------------------------ */
 
 /* Meaning of the ratio of torques. */
 static const char *sticking(const theory_case *c, const theory_result *r) {
-  if (r->even && c->drive.waveform == SD_PARABOLA) return "no contact ever sticks below 8/pi^2 = 0.811";
+  if (r->even && c->drive.waveform == SD_PARABOLA)
+    return "no contact ever sticks below 8/pi^2 = 0.811";
   if (r->even && r->relation == THEORY_IN_PHASE)
     return "no contact ever sticks below 1/sqrt(1 + pi^2/4) = 0.537 (small tilt)";
-  if (r->even && r->relation == THEORY_OPPOSITE) return "no contact ever sticks below 1 (small tilt)";
+  if (r->even && r->relation == THEORY_OPPOSITE)
+    return "no contact ever sticks below 1 (small tilt)";
   return "no contact ever sticks where it is small";
 }
 
 static void print_drive(FILE *out, const theory_case *c, const theory_result *r) {
   const sd_drive *d = &c->drive;
   bool sine = d->waveform == SD_SINE;
-  fprintf(out, "\ndrive: the supports turn to and fro, %s; ", sine ? "sines (20)" : "parabolas (21)");
+  fprintf(out, "\ndrive: the supports turn to and fro, %s; ",
+          sine ? "sines (20)" : "parabolas (21)");
   if (!(d->amplitude[0] > 0) || !(d->amplitude[1] > 0))
     fprintf(out, "one of them is at rest\n");
   else if (r->relation == THEORY_OTHER_PHASE)
@@ -112,7 +130,8 @@ static void print_drive(FILE *out, const theory_case *c, const theory_result *r)
   else
     fprintf(out, "%s\n", r->relation == THEORY_IN_PHASE ? "in phase" : "in opposite phases");
   for (int i = 0; i < 2; i++)
-    fprintf(out, "  %s: amplitude %.8g, phase %.8g pi\n", c->support[i], d->amplitude[i], d->phase[i] / M_PI);
+    fprintf(out, "  %s: amplitude %.8g, phase %.8g pi\n", c->support[i], d->amplitude[i],
+            d->phase[i] / M_PI);
   char note[96];
   snprintf(note, sizeof note, "= %.8g pi, period %.8g", d->omega / M_PI, 2 * M_PI / d->omega);
   line(out, "w_b", d->omega, note);
@@ -126,18 +145,18 @@ static void print_drive(FILE *out, const theory_case *c, const theory_result *r)
     double stroke = d->amplitude[i] * d->support_radius[i];
     double slip = c->disk.mu * fmax(r->tep[SD_PP].normal[i], r->tep[SD_MM].normal[i]) / c->k_t[i];
     if (!(slip > 0.1 * stroke) || !(stroke > 0)) continue;
-    snprintf(note, sizeof note, "of support %d's stroke %.3g: the rigid spring below is no good", i + 1,
-             stroke);
+    snprintf(note, sizeof note, "of support %d's stroke %.3g: the rigid spring below is no good",
+             i + 1, stroke);
     line(out, "zeta at slip, mu n/k_t", slip, note);
   }
 }
 
 /* A velocity: as it is, in units of Theta_b w_b, in units of 1/t_g. */
-static void velocity(FILE *out, const theory_case *c, const theory_result *r, const char *label, double value,
-                     const char *note) {
+static void velocity(FILE *out, const theory_case *c, const theory_result *r, const char *label,
+                     double value, const char *note) {
   if (isnan(value)) return;
-  fprintf(out, "  %-34s %14.8g %14.8g %14.8g%s%s\n", label, value, value / (r->amplitude * c->drive.omega),
-          value * c->t_g, *note ? "  " : "", note);
+  fprintf(out, "  %-34s %14.8g %14.8g %14.8g%s%s\n", label, value,
+          value / (r->amplitude * c->drive.omega), value * c->t_g, *note ? "  " : "", note);
 }
 
 static void print_formulas(FILE *out, const theory_case *c, const theory_result *r) {
@@ -149,7 +168,8 @@ static void print_formulas(FILE *out, const theory_case *c, const theory_result 
     fprintf(out, "\nin phase, parabola: (25), (43), (26), (27)%s\n",
             p->permanent ? "" : "; NOT VALID: the drive is too weak for permanent sliding");
     if (p->permanent) {
-      line(out, "t1: S-- begins", p->t1, "t = 0 where the supports pass their middle, turning positively");
+      line(out, "t1: S-- begins", p->t1,
+           "t = 0 where the supports pass their middle, turning positively");
       line(out, "t2: S++ begins", p->t2, "");
       line(out, "T++", p->pp, "");
       line(out, "T--", p->mm, "");
@@ -168,8 +188,8 @@ static void print_formulas(FILE *out, const theory_case *c, const theory_result 
   } else if (r->even && r->relation == THEORY_OPPOSITE) {
     velocity(out, c, r, sine ? "(35) x pi^2/8, sine" : "(35), with w_b/pi", r->first_order,
              "first order in the tilt");
-    velocity(out, c, r, "closed form, any tilt", sd_async_limit(disk, d->waveform, r->amplitude, d->omega),
-             "limit of strong drive");
+    velocity(out, c, r, "closed form, any tilt",
+             sd_async_limit(disk, d->waveform, r->amplitude, d->omega), "limit of strong drive");
   }
   velocity(out, c, r, "balance of torques", r->limit, "limit of strong drive");
   velocity(out, c, r, "periodic solution", r->solution.mean,
@@ -190,7 +210,8 @@ static void print_solution(FILE *out, const sd_sliding *s) {
     const sd_sliding_piece *p = &s->pieces[k];
     char text[32];
     if (p->sign[0] && p->sign[1])
-      snprintf(text, sizeof text, "S%s", theory_configurations[2 * (p->sign[0] < 0) + (p->sign[1] < 0)]);
+      snprintf(text, sizeof text, "S%s",
+               theory_configurations[2 * (p->sign[0] < 0) + (p->sign[1] < 0)]);
     else if (!p->sign[0] && !p->sign[1])
       snprintf(text, sizeof text, "rolls with both supports");
     else
@@ -207,7 +228,9 @@ void theory_page(FILE *out, const sd_model *m, const theory_case *c, const theor
   print_geometry(out, c);
   print_torques(out, c, r);
   switch (c->kind) {
-    case THEORY_REST: fprintf(out, "\ndrive: nothing moves the supports while it is measured\n"); break;
+    case THEORY_REST:
+      fprintf(out, "\ndrive: nothing moves the supports while it is measured\n");
+      break;
     case THEORY_STEADY: print_steady(out, c, r); break;
     case THEORY_RANDOM: print_random(out, c, r); break;
     case THEORY_PERIODIC:
@@ -231,16 +254,18 @@ static json_t *pair(const double value[2]) { return json_numbers(2, value); }
 
 static json_t *by_configuration(const double value[4]) {
   json_t *object = json_object();
-  for (int k = 0; k < 4; k++) json_object_set_new(object, theory_configurations[k], json_number(value[k]));
+  for (int k = 0; k < 4; k++)
+    json_object_set_new(object, theory_configurations[k], json_number(value[k]));
   return object;
 }
 
 static json_t *geometry_json(const theory_case *c) {
-  return json_pack("{s:s, s:[s, s], s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "upper",
-                   c->upper, "supports", c->support[0], c->support[1], "swapped", (int)c->swapped, "tilt",
-                   json_number(c->disk.tilt), "half_aperture", json_number(c->disk.half_aperture), "alpha",
-                   pair(c->alpha), "mu", json_number(c->disk.mu), "weight", json_number(c->disk.weight),
-                   "radius", json_number(c->disk.radius), "support_radius", pair(c->support_radius),
+  return json_pack("{s:s, s:[s, s], s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}",
+                   "upper", c->upper, "supports", c->support[0], c->support[1], "swapped",
+                   (int)c->swapped, "tilt", json_number(c->disk.tilt), "half_aperture",
+                   json_number(c->disk.half_aperture), "alpha", pair(c->alpha), "mu",
+                   json_number(c->disk.mu), "weight", json_number(c->disk.weight), "radius",
+                   json_number(c->disk.radius), "support_radius", pair(c->support_radius),
                    "inertia", json_number(c->disk.inertia), "t_g", json_number(c->t_g), "offset",
                    json_number(c->offset), "locked", (int)c->locked);
 }
@@ -249,18 +274,20 @@ static json_t *tep_json(const theory_result *r) {
   json_t *list = json_array();
   for (int k = 0; k < 4; k++) {
     const sd_tep *t = &r->tep[k];
-    json_array_append_new(list, json_pack("{s:s, s:o, s:o, s:o, s:b, s:b}", "configuration",
-                                          theory_configurations[k], "normal", pair(t->normal), "torque",
-                                          json_number(t->torque), "closed", json_number(r->torque[k]),
-                                          "compressive", (int)t->compressive, "stable", (int)t->stable));
+    json_array_append_new(list,
+                          json_pack("{s:s, s:o, s:o, s:o, s:b, s:b}", "configuration",
+                                    theory_configurations[k], "normal", pair(t->normal), "torque",
+                                    json_number(t->torque), "closed", json_number(r->torque[k]),
+                                    "compressive", (int)t->compressive, "stable", (int)t->stable));
   }
   return list;
 }
 
 static json_t *steady_json(const theory_case *c, const theory_result *r) {
   const int *s = r->signs, k = 2 * (s[0] < 0) + (s[1] < 0);
-  return json_pack("{s:s, s:o, s:[i, i], s:o, s:o}", "kind", "steady", "velocity", pair(c->velocity), "signs",
-                   s[0], s[1], "torque", json_number(s[0] && s[1] ? r->torque[k] : NAN), "final",
+  return json_pack("{s:s, s:o, s:[i, i], s:o, s:o}", "kind", "steady", "velocity",
+                   pair(c->velocity), "signs", s[0], s[1], "torque",
+                   json_number(s[0] && s[1] ? r->torque[k] : NAN), "final",
                    json_number(r->final_spin));
 }
 
@@ -272,11 +299,12 @@ static json_t *random_json(const theory_case *c, const theory_result *r) {
 
 static json_t *periodic_json(const theory_case *c, const theory_result *r) {
   const sd_drive *d = &c->drive;
-  return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:b, s:o, s:s, s:o}", "kind", "periodic", "waveform",
-                   d->waveform == SD_SINE ? "sine" : "parabola", "amplitudes", pair(d->amplitude), "phases",
-                   pair(d->phase), "omega", json_number(d->omega), "amplitude", json_number(r->amplitude),
-                   "even", (int)r->even, "phase", json_number(r->apart), "relation", relations[r->relation],
-                   "ratio", json_number(r->ratio));
+  return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:b, s:o, s:s, s:o}", "kind", "periodic",
+                   "waveform", d->waveform == SD_SINE ? "sine" : "parabola", "amplitudes",
+                   pair(d->amplitude), "phases", pair(d->phase), "omega", json_number(d->omega),
+                   "amplitude", json_number(r->amplitude), "even", (int)r->even, "phase",
+                   json_number(r->apart), "relation", relations[r->relation], "ratio",
+                   json_number(r->ratio));
 }
 
 static json_t *drive_json(const theory_case *c, const theory_result *r) {
@@ -291,16 +319,17 @@ static json_t *drive_json(const theory_case *c, const theory_result *r) {
 
 static json_t *formulas_json(const theory_case *c, const theory_result *r) {
   const sd_sync *p = &r->parabola;
-  json_t *sync = isnan(p->mean)
-                     ? json_null()
-                     : json_pack("{s:o, s:o, s:o, s:o, s:o, s:b}", "t1", json_number(p->t1), "t2",
-                                 json_number(p->t2), "++", json_number(p->pp), "--", json_number(p->mm),
-                                 "mean", json_number(p->mean), "permanent", (int)p->permanent);
+  json_t *sync = isnan(p->mean) ? json_null()
+                                : json_pack("{s:o, s:o, s:o, s:o, s:o, s:b}", "t1",
+                                            json_number(p->t1), "t2", json_number(p->t2), "++",
+                                            json_number(p->pp), "--", json_number(p->mm), "mean",
+                                            json_number(p->mean), "permanent", (int)p->permanent);
   double turn = tan(c->disk.half_aperture) > c->disk.mu ? sd_reversal_phase(&c->disk) : NAN;
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "sync", sync, "first_order", json_number(r->first_order),
-                   "sine", json_number(r->sine), "limit", json_number(r->limit), "reversal_phase",
-                   json_number(turn), "slight_tilt",
-                   json_pack("{s:o, s:o}", "all", json_number(r->slight), "sync", json_number(r->sync)));
+  return json_pack(
+      "{s:o, s:o, s:o, s:o, s:o, s:o}", "sync", sync, "first_order", json_number(r->first_order),
+      "sine", json_number(r->sine), "limit", json_number(r->limit), "reversal_phase",
+      json_number(turn), "slight_tilt",
+      json_pack("{s:o, s:o}", "all", json_number(r->slight), "sync", json_number(r->sync)));
 }
 
 static json_t *solution_json(const theory_case *c, const theory_result *r) {
@@ -309,23 +338,25 @@ static json_t *solution_json(const theory_case *c, const theory_result *r) {
   json_t *pieces = json_array();
   for (size_t k = 0; k < s->n_pieces; k++) {
     const sd_sliding_piece *p = &s->pieces[k];
-    json_array_append_new(pieces, json_pack("{s:o, s:o, s:o, s:[i, i]}", "start", json_number(p->start),
-                                            "omega", json_number(p->omega), "acceleration",
-                                            json_number(p->acceleration), "signs", p->sign[0], p->sign[1]));
+    json_array_append_new(pieces,
+                          json_pack("{s:o, s:o, s:o, s:[i, i]}", "start", json_number(p->start),
+                                    "omega", json_number(p->omega), "acceleration",
+                                    json_number(p->acceleration), "signs", p->sign[0], p->sign[1]));
   }
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o}", "mean", json_number(s->mean), "mean_scaled",
-                   json_number(s->mean * c->t_g), "mean_normalised",
-                   json_number(s->mean / (r->amplitude * c->drive.omega)), "period", json_number(s->period),
-                   "durations", by_configuration(s->duration), "stuck", json_number(s->stuck), "permanent",
-                   (int)s->permanent, "pieces", pieces);
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o}", "mean", json_number(s->mean),
+                   "mean_scaled", json_number(s->mean * c->t_g), "mean_normalised",
+                   json_number(s->mean / (r->amplitude * c->drive.omega)), "period",
+                   json_number(s->period), "durations", by_configuration(s->duration), "stuck",
+                   json_number(s->stuck), "permanent", (int)s->permanent, "pieces", pieces);
 }
 
 bool theory_json(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r) {
   char *deck = text_clean(memory_text(sd_model_deck(m)->path));
-  json_t *root = json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "deck", deck, "title",
-                           m->title ? m->title : "", "geometry", geometry_json(c), "tep", tep_json(r),
-                           "drive", drive_json(c, r), "formulas", formulas_json(c, r), "solution",
-                           c->kind == THEORY_PERIODIC ? solution_json(c, r) : json_null());
+  json_t *root =
+      json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "deck", deck, "title",
+                m->title ? m->title : "", "geometry", geometry_json(c), "tep", tep_json(r), "drive",
+                drive_json(c, r), "formulas", formulas_json(c, r), "solution",
+                c->kind == THEORY_PERIODIC ? solution_json(c, r) : json_null());
   bool done = root && json_dumpf(root, out, JSON_INDENT(2)) == 0;
   if (done) fputc('\n', out);
   json_decref(root);

@@ -5,9 +5,11 @@
 #include "app/theory/theory.h"
 #include "base/text.h"
 
-const char *const theory_configurations[4] = {[SD_PP] = "++", [SD_PM] = "+-", [SD_MP] = "-+", [SD_MM] = "--"};
+const char *const theory_configurations[4] = {
+    [SD_PP] = "++", [SD_PM] = "+-", [SD_MP] = "-+", [SD_MM] = "--"};
 
-static const int signs[4][2] = {[SD_PP] = {1, 1}, [SD_PM] = {1, -1}, [SD_MP] = {-1, 1}, [SD_MM] = {-1, -1}};
+static const int signs[4][2] = {
+    [SD_PP] = {1, 1}, [SD_PM] = {1, -1}, [SD_MP] = {-1, 1}, [SD_MM] = {-1, -1}};
 
 /* Phases nearer than this are the same. */
 static const double SAME = 1e-9;
@@ -55,7 +57,9 @@ static sd_status solve_periodic(const theory_case *c, theory_result *r, sd_messa
   if (fabs(r->apart) > M_PI - SAME) r->apart = M_PI;
   if (fabs(r->apart) < SAME) r->apart = 0;
   d->phase[1] = d->phase[0] + r->apart;
-  r->relation = r->apart == 0 ? THEORY_IN_PHASE : r->apart == M_PI ? THEORY_OPPOSITE : THEORY_OTHER_PHASE;
+  r->relation = r->apart == 0      ? THEORY_IN_PHASE
+                : r->apart == M_PI ? THEORY_OPPOSITE
+                                   : THEORY_OTHER_PHASE;
   double largest = 0;
   for (int k = 0; k < 4; k++)
     if (r->relation != THEORY_IN_PHASE || !r->even || k == SD_PP || k == SD_MM)

@@ -45,7 +45,8 @@ struct live {
   json_t *meta; /* not changed after live_open, like what is above */
   char token[LIVE_TOKEN + 1], address[96];
   struct live_server *server;
-  struct stranger *oldest, *newest; /* connections that have not shown the key; of the server's thread */
+  struct stranger *oldest,
+      *newest; /* connections that have not shown the key; of the server's thread */
   size_t strangers;
 
   atomic_bool wanted;   /* a newer frame */
@@ -73,7 +74,9 @@ static void live_frame_release(live_frame *f) {
   free(f);
 }
 
-static bool is_present(live *l) { return clock_seconds() - atomic_load(&l->asked) < PRESENT_SECONDS; }
+static bool is_present(live *l) {
+  return clock_seconds() - atomic_load(&l->asked) < PRESENT_SECONDS;
+}
 
 /* --- stepping thread -------------------------------------------------------------------------------- */
 
@@ -132,7 +135,8 @@ static bool lock(live *l, bool wait) {
 void live_look(live *l, sd_simulation *s) {
   double now = clock_seconds();
   bool end = sd_simulation_finished(s);
-  bool frame = end || (atomic_load(&l->wanted) && now >= l->next_frame), row = end || now >= l->next_row;
+  bool frame = end || (atomic_load(&l->wanted) && now >= l->next_frame),
+       row = end || now >= l->next_row;
   if (!lock(l, end)) return;
   put_status(l, s, now);
   const sd_state *state = frame || row ? sd_simulation_state(s) : NULL;
@@ -145,8 +149,8 @@ void live_look(live *l, sd_simulation *s) {
   /* the contacts of the state are part of both */
   if (frame) l->next_frame = done + fmax(FRAME_SECONDS, COST * (between - now));
   if (row)
-    l->next_row =
-        done + fmax(is_present(l) ? ROW_SECONDS : ROW_SECONDS_ALONE, COST * (done - between + begun - now));
+    l->next_row = done + fmax(is_present(l) ? ROW_SECONDS : ROW_SECONDS_ALONE,
+                              COST * (done - between + begun - now));
 }
 
 #ifdef SD_HAVE_MICROHTTPD
@@ -222,9 +226,10 @@ static const struct {
     {"X-Content-Type-Options", "nosniff"},
     {"Cross-Origin-Resource-Policy", "same-origin"},
     {"Cross-Origin-Opener-Policy", "same-origin"},
-    {"Content-Security-Policy", "default-src 'none'; script-src 'unsafe-inline' blob:; worker-src blob:; "
-                                "style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self'; "
-                                "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
+    {"Content-Security-Policy",
+     "default-src 'none'; script-src 'unsafe-inline' blob:; worker-src blob:; "
+     "style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self'; "
+     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
 };
 
 /* --- what is asked for ------------------------------------------------------------------------------ */
@@ -241,7 +246,8 @@ static int64_t argument(connection *c, const char *name, int64_t otherwise) {
 /* Nothing is packed: it goes to this machine. */
 static answer of_chunk(view_chunk *c) {
   answer a = {.status = MHD_HTTP_OK, .type = binary};
-  if (view_chunk_end(c, 0, &a.bytes, &a.size, NULL) != SD_OK) a.status = MHD_HTTP_INTERNAL_SERVER_ERROR;
+  if (view_chunk_end(c, 0, &a.bytes, &a.size, NULL) != SD_OK)
+    a.status = MHD_HTTP_INTERNAL_SERVER_ERROR;
   return a;
 }
 
@@ -296,9 +302,10 @@ static answer get_status(live *l, connection *c) {
   live_status s = live_status_now(l);
   bool running = s.phase < (int64_t)l->model->n_phases;
   const char *phase = running ? l->model->phases[s.phase].name : NULL;
-  json_t *object = json_pack("{s:I, s:I, s:f, s:f, s:s, s:b, s:b}", "step", (json_int_t)s.step, "steps",
-                             (json_int_t)s.steps, "time", s.time, "rate", s.rate, "phase", phase ? phase : "",
-                             "finished", (int)s.finished, "stopped", (int)s.stopped);
+  json_t *object =
+      json_pack("{s:I, s:I, s:f, s:f, s:s, s:b, s:b}", "step", (json_int_t)s.step, "steps",
+                (json_int_t)s.steps, "time", s.time, "rate", s.rate, "phase", phase ? phase : "",
+                "finished", (int)s.finished, "stopped", (int)s.stopped);
   if (s.finished || s.stopped) atomic_store(&l->told_end, true);
   answer a = of_json(object);
   json_decref(object);
@@ -345,7 +352,8 @@ static void connection_notice(void *user, connection *c, void **context,
                               enum MHD_ConnectionNotificationCode what) {
   live *l = user;
   if (what == MHD_CONNECTION_NOTIFY_STARTED) {
-    const union MHD_ConnectionInfo *info = MHD_get_connection_info(c, MHD_CONNECTION_INFO_CONNECTION_FD);
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(c, MHD_CONNECTION_INFO_CONNECTION_FD);
     *context = NULL;
     if (!info) return;
     stranger *s = *context = memory_new(1, sizeof *s);
@@ -359,7 +367,8 @@ static void connection_notice(void *user, connection *c, void **context,
 }
 
 static void key_was_shown(live *l, connection *c) {
-  const union MHD_ConnectionInfo *info = MHD_get_connection_info(c, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+  const union MHD_ConnectionInfo *info =
+      MHD_get_connection_info(c, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
   stranger *s = info ? info->socket_context : NULL;
   if (!s || !s->listed) return;
   unlist(l, s);
@@ -411,7 +420,8 @@ static enum MHD_Result send_answer(connection *c, answer a) {
 }
 
 static enum MHD_Result serve(void *user, connection *c, const char *url, const char *method,
-                             const char *version, const char *upload, size_t *upload_size, void **state) {
+                             const char *version, const char *upload, size_t *upload_size,
+                             void **state) {
   live *l = user;
   (void)version, (void)upload;
   if (!*state) { /* the head has come; an answer now would end the connection */
@@ -427,7 +437,8 @@ static enum MHD_Result serve(void *user, connection *c, const char *url, const c
   const struct resource *one = find(l, url);
   if (!one) return send_answer(c, (answer){.status = MHD_HTTP_NOT_FOUND});
   key_was_shown(l, c);
-  if (strcmp(method, "GET") != 0) return send_answer(c, (answer){.status = MHD_HTTP_METHOD_NOT_ALLOWED});
+  if (strcmp(method, "GET") != 0)
+    return send_answer(c, (answer){.status = MHD_HTTP_METHOD_NOT_ALLOWED});
   atomic_store(&l->asked, clock_seconds());
   return send_answer(c, one->get(l, c));
 }
@@ -447,10 +458,11 @@ static struct MHD_Daemon *start(live *l, const struct sockaddr_in *at) {
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   struct MHD_Daemon *d = MHD_start_daemon(
-      MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_POLL, 0, NULL, NULL, serve, l, MHD_OPTION_SOCK_ADDR, at,
-      MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS, MHD_OPTION_NOTIFY_CONNECTION, connection_notice, l,
-      MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)SECONDS_WITHOUT, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-      (size_t)32768, MHD_OPTION_SIGPIPE_HANDLED_BY_APP, 1, MHD_OPTION_END);
+      MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_POLL, 0, NULL, NULL, serve, l, MHD_OPTION_SOCK_ADDR,
+      at, MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS, MHD_OPTION_NOTIFY_CONNECTION,
+      connection_notice, l, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)SECONDS_WITHOUT,
+      MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)32768, MHD_OPTION_SIGPIPE_HANDLED_BY_APP, 1,
+      MHD_OPTION_END);
   int trouble = errno;
   pthread_sigmask(SIG_SETMASK, &before, NULL);
   errno = trouble;
@@ -459,16 +471,19 @@ static struct MHD_Daemon *start(live *l, const struct sockaddr_in *at) {
 
 static sd_status live_server_start(live *l, sd_messages *messages) {
   struct sockaddr_in at = {.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
-  if (!make_token(l)) return sd_fail(messages, SD_ERROR_IO, "--live: no random numbers: %s", strerror(errno));
+  if (!make_token(l))
+    return sd_fail(messages, SD_ERROR_IO, "--live: no random numbers: %s", strerror(errno));
   struct MHD_Daemon *d = start(l, &at);
   const union MHD_DaemonInfo *port = d ? MHD_get_daemon_info(d, MHD_DAEMON_INFO_BIND_PORT) : NULL;
   if (!port || port->port == 0) {
     int trouble = errno;
     if (d) MHD_stop_daemon(d);
-    return sd_fail(messages, SD_ERROR_IO, "--live: no port of 127.0.0.1 can be had: %s", strerror(trouble));
+    return sd_fail(messages, SD_ERROR_IO, "--live: no port of 127.0.0.1 can be had: %s",
+                   strerror(trouble));
   }
   l->server = (struct live_server *)d;
-  snprintf(l->address, sizeof l->address, "http://127.0.0.1:%u/%s/", (unsigned)port->port, l->token);
+  snprintf(l->address, sizeof l->address, "http://127.0.0.1:%u/%s/", (unsigned)port->port,
+           l->token);
   return SD_OK;
 }
 

@@ -58,7 +58,8 @@ static bool is_result(const char *name) {
 
 static bool is_same(const char *a, const char *b) {
   struct stat one, two;
-  return stat(a, &one) == 0 && stat(b, &two) == 0 && one.st_dev == two.st_dev && one.st_ino == two.st_ino;
+  return stat(a, &one) == 0 && stat(b, &two) == 0 && one.st_dev == two.st_dev &&
+         one.st_ino == two.st_ino;
 }
 
 /* --- slipdisk view DECK --live: runs a deck in memory and shows it. Nothing is written -------- */
@@ -72,7 +73,8 @@ static char *make_page(const char *address, sd_messages *messages) {
   const char *folder = getenv("XDG_RUNTIME_DIR");
   char *path = format_text("%s/slipdisk-XXXXXX.html", folder && *folder ? folder : "/tmp");
   int fd = mkstemps(path, 5);
-  bool good = fd >= 0 && dprintf(fd, "<meta http-equiv=\"refresh\" content=\"0;url=%s\">\n", address) > 0;
+  bool good =
+      fd >= 0 && dprintf(fd, "<meta http-equiv=\"refresh\" content=\"0;url=%s\">\n", address) > 0;
   if (fd >= 0) close(fd);
   if (good) return path;
   sd_warn(messages, "--open: cannot write %s; open the address in a browser", path);
@@ -101,7 +103,8 @@ static sd_status run(sd_simulation *s, live *l, sd_messages *messages) {
   return status;
 }
 
-static sd_status show(const view_options *o, const sd_model *model, sd_simulation *s, sd_messages *messages) {
+static sd_status show(const view_options *o, const sd_model *model, sd_simulation *s,
+                      sd_messages *messages) {
   live *l;
   sd_status status = live_open(model, o->name, &l, messages);
   if (status != SD_OK) return status;
@@ -116,7 +119,8 @@ static sd_status show(const view_options *o, const sd_model *model, sd_simulatio
     sd_messages_print(messages, stderr);
     sd_messages_clear(messages);
     fprintf(stderr, "%s at step %" PRId64 "; the page stays until Ctrl-C\n",
-            status == SD_OK ? "the run has come to its end" : "the run has failed", sd_simulation_step(s));
+            status == SD_OK ? "the run has come to its end" : "the run has failed",
+            sd_simulation_step(s));
     wait_for_end();
   }
   if (page) unlink(page);
@@ -152,13 +156,16 @@ static sd_status view(const view_options *o, sd_messages *messages) {
                                         : "--live of %s writes no page: no -o and no --frames",
                                  o->name);
   if (o->live) return view_live(o, messages);
-  if (o->threads > 0) return (sd_status)app_misuse("view", "--threads: nothing is run without --live");
+  if (o->threads > 0)
+    return (sd_status)app_misuse("view", "--threads: nothing is run without --live");
   if (result && o->overrides.n > 0)
     return (sd_status)app_misuse("view", "-D sets keys of a deck; %s is a result", o->name);
-  if (!result && o->frames) return (sd_status)app_misuse("view", "--frames: %s is no result", o->name);
+  if (!result && o->frames)
+    return (sd_status)app_misuse("view", "--frames: %s is no result", o->name);
   if (o->output && is_same(o->name, o->output))
     return (sd_status)app_misuse("view", "-o %s would replace what is to be shown", o->output);
-  sd_status status = result ? view_file(o, &path, &made, messages) : view_deck(o, &path, &made, messages);
+  sd_status status =
+      result ? view_file(o, &path, &made, messages) : view_deck(o, &path, &made, messages);
   if (made) app_line(stdout, "page: %s (%.3g MB)", path, (double)file_size(path) / 1e6);
   if (made && o->open) {
     fflush(stdout);

@@ -79,8 +79,8 @@ static uint64_t bits_of(int t, view_form form, double value) {
   return bits;
 }
 
-void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type type, const void *values,
-                    size_t n, size_t stride) {
+void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type type,
+                    const void *values, size_t n, size_t stride) {
   int t = choose(form, type, values, n, stride);
   size_t size = stored_types[t].size;
   bool shuffle = c->shuffle && size > 1;
@@ -92,9 +92,10 @@ void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type typ
     if (grain > 0 && isfinite(value)) value = grain * nearbyint(value / grain);
     put(out, n, k, size, shuffle, bits_of(t, form, value));
   }
-  json_t *column = json_pack("{s:s, s:s, s:I, s:I, s:i, s:i, s:b}", "name", name, "type",
-                             stored_types[t].name, "count", (json_int_t)n, "offset",
-                             (json_int_t)(out - c->bytes), "scale", 1, "zero", 0, "shuffle", (int)shuffle);
+  json_t *column =
+      json_pack("{s:s, s:s, s:I, s:I, s:i, s:i, s:b}", "name", name, "type", stored_types[t].name,
+                "count", (json_int_t)n, "offset", (json_int_t)(out - c->bytes), "scale", 1, "zero",
+                0, "shuffle", (int)shuffle);
   json_array_append_new(json_object_get(c->head, "columns"), column);
 }
 

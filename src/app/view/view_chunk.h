@@ -31,8 +31,8 @@ typedef struct view_chunk {
 /* shuffle: what is to be kept small rather than made fast. */
 void view_chunk_begin(view_chunk *c, bool shuffle);
 /* n values of `type`, `stride` numbers apart. */
-void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type type, const void *values,
-                    size_t n, size_t stride);
+void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type type,
+                    const void *values, size_t n, size_t stride);
 /* The zlib stream, to be freed, and frees the chunk in any case. level: of zlib, 0 to 9. SD_ERROR_IO: no memory. */
 sd_status view_chunk_end(view_chunk *c, int level, unsigned char **stream, size_t *size,
                          sd_messages *messages);

@@ -20,7 +20,8 @@ static json_t *pair(double a, double b) {
 }
 
 /* NULL stands for all of them when none has a name. */
-static json_t *names_of(size_t n, const char *(*name)(const sd_model *m, size_t k), const sd_model *m) {
+static json_t *names_of(size_t n, const char *(*name)(const sd_model *m, size_t k),
+                        const sd_model *m) {
   json_t *list = json_array();
   bool any = false;
   for (size_t k = 0; k < n; k++) {
@@ -46,10 +47,12 @@ static json_t *wall_json(const sd_wall *w) {
                                       [SD_WALL_ARC] = "arc"};
   json_t *points = json_array();
   for (size_t k = 0; k < w->n_points; k++)
-    json_array_append_new(points, pair(w->points[k][0] - w->pivot[0], w->points[k][1] - w->pivot[1]));
-  return json_pack("{s:o, s:s, s:o, s:b, s:b, s:i, s:o}", "name", w->name ? json_text(w->name) : json_null(),
-                   "kind", kinds[w->kind], "radius", json_number(w->radius), "closed", (int)w->closed,
-                   "inside", (int)w->inside, "material", w->material, "points", points);
+    json_array_append_new(points,
+                          pair(w->points[k][0] - w->pivot[0], w->points[k][1] - w->pivot[1]));
+  return json_pack("{s:o, s:s, s:o, s:b, s:b, s:i, s:o}", "name",
+                   w->name ? json_text(w->name) : json_null(), "kind", kinds[w->kind], "radius",
+                   json_number(w->radius), "closed", (int)w->closed, "inside", (int)w->inside,
+                   "material", w->material, "points", points);
 }
 
 /* k_n, k_t, gamma_n, mu of each pair of materials; null where none is given. */
@@ -75,28 +78,32 @@ static json_t *lower_json(const sd_model *m) {
 static json_t *edges_json(const sd_model *m, double scale, const double *stretch) {
   double edges[2] = {0};
   for (int c = 0; c < 2; c++)
-    if (m->periodic[c]) edges[c] = scale * (stretch ? stretch[c] : 1.0) * (m->upper[c] - m->lower[c]);
+    if (m->periodic[c])
+      edges[c] = scale * (stretch ? stretch[c] : 1.0) * (m->upper[c] - m->lower[c]);
   return json_numbers(2, edges);
 }
 
 json_t *view_meta(const sd_model *m, const char *kind, const char *title, const char *source) {
   json_t *walls = json_array();
   for (size_t k = 0; k < m->n_walls; k++) json_array_append_new(walls, wall_json(&m->walls[k]));
-  json_t *box = json_pack("{s:o, s:o, s:[b, b]}", "lower", lower_json(m), "edges", edges_json(m, 1.0, NULL),
-                          "periodic", (int)m->periodic[0], (int)m->periodic[1]);
-  json_t *budget =
-      json_pack("{s:[s, s, s, s, s, s, s], s:[s, s, s], s:[s, s, s, s, s, s, s, s], s:s, s:s}", "stored",
-                "kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential",
-                "elastic_rolling", "cohesion", "external", "supplied", "start", "work",
-                "nonconservative_work", "lost", "viscous", "friction", "rolling", "bridge", "opening", "drag",
-                "damping", "relaxed", "residual", "residual", "scale", "scale");
-  return json_pack(
-      "{s:i, s:o, s:o, s:s, s:s, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:[], s:o, s:[], s:[], s:{}}",
-      "format", 1, "title", json_text(title ? title : ""), "source", json_text(source), "kind", kind,
-      "version", SD_VERSION, "box", box, "gravity", json_numbers(2, m->gravity), "disks",
-      (json_int_t)m->n_disks, "disk_names", names_of(m->n_disks, disk_name, m), "groups",
-      names_of(m->n_groups, group_name, m), "materials", names_of(m->n_materials, material_name, m), "walls",
-      walls, "laws", laws_json(m), "series", "budget", budget, "phases", "messages", "summary");
+  json_t *box =
+      json_pack("{s:o, s:o, s:[b, b]}", "lower", lower_json(m), "edges", edges_json(m, 1.0, NULL),
+                "periodic", (int)m->periodic[0], (int)m->periodic[1]);
+  json_t *budget = json_pack(
+      "{s:[s, s, s, s, s, s, s], s:[s, s, s], s:[s, s, s, s, s, s, s, s], s:s, s:s}", "stored",
+      "kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential",
+      "elastic_rolling", "cohesion", "external", "supplied", "start", "work",
+      "nonconservative_work", "lost", "viscous", "friction", "rolling", "bridge", "opening", "drag",
+      "damping", "relaxed", "residual", "residual", "scale", "scale");
+  return json_pack("{s:i, s:o, s:o, s:s, s:s, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:[], s:o, "
+                   "s:[], s:[], s:{}}",
+                   "format", 1, "title", json_text(title ? title : ""), "source", json_text(source),
+                   "kind", kind, "version", SD_VERSION, "box", box, "gravity",
+                   json_numbers(2, m->gravity), "disks", (json_int_t)m->n_disks, "disk_names",
+                   names_of(m->n_disks, disk_name, m), "groups",
+                   names_of(m->n_groups, group_name, m), "materials",
+                   names_of(m->n_materials, material_name, m), "walls", walls, "laws", laws_json(m),
+                   "series", "budget", budget, "phases", "messages", "summary");
 }
 
 static void add_phase(json_t *meta, const char *name, double from, double to) {
@@ -128,10 +135,10 @@ void view_meta_summary(json_t *meta, const summary *s) {
   json_object_set_new(object, "residual", json_number(s->energy.residual / s->energy.scale));
   json_t *means = json_array();
   for (size_t k = 0; k < s->n_rotations; k++)
-    json_array_append_new(means,
-                          json_pack("{s:I, s:s, s:o, s:o}", "disk", (json_int_t)s->rotations[k].disk, "name",
-                                    s->rotation_names[k], "omega", json_number(s->rotations[k].omega),
-                                    "error", json_number(s->rotations[k].error)));
+    json_array_append_new(
+        means, json_pack("{s:I, s:s, s:o, s:o}", "disk", (json_int_t)s->rotations[k].disk, "name",
+                         s->rotation_names[k], "omega", json_number(s->rotations[k].omega), "error",
+                         json_number(s->rotations[k].error)));
   json_object_set_new(object, "rotation", means);
 }
 
@@ -141,11 +148,13 @@ void view_meta_summary(json_t *meta, const summary *s) {
 static double grain(const sd_model *m) {
   double least = HUGE_VAL;
   for (size_t k = 0; k < m->n_disks; k++) least = fmin(least, m->disks[k].radius);
-  return m->n_disks > VIEW_FEW && least > 0 && isfinite(least) ? exp2(floor(log2(1e-4 * least))) : 0;
+  return m->n_disks > VIEW_FEW && least > 0 && isfinite(least) ? exp2(floor(log2(1e-4 * least)))
+                                                               : 0;
 }
 
 /* omega, error: room for a number per disk. */
-static void add_means(view_chunk *c, size_t n, const summary_disks *found, double *omega, double *error) {
+static void add_means(view_chunk *c, size_t n, const summary_disks *found, double *omega,
+                      double *error) {
   for (size_t k = 0; k < n; k++) omega[k] = error[k] = NAN;
   for (size_t k = 0; k < found->n; k++) {
     const sd_disk_mean *d = &found->disks[k];
@@ -167,8 +176,9 @@ void view_static(view_chunk *c, const sd_model *m, const double *first, const su
   size_t n = m->n_disks;
   double *real, *error;
   int32_t *whole;
-  c->failed = !memory_rows(
-      3, (memory_column[]){{&real, n, sizeof *real}, {&error, n, sizeof *error}, {&whole, n, sizeof *whole}});
+  c->failed = !memory_rows(3, (memory_column[]){{&real, n, sizeof *real},
+                                                {&error, n, sizeof *error},
+                                                {&whole, n, sizeof *whole}});
   if (c->failed) return;
   for (int column = 0; column < 5; column++) {
     static const char *const names[] = {"radius", "mass", "group", "material", "driven"};
@@ -208,10 +218,10 @@ static void add_contacts(view_chunk *c, const frame_data *f, view_form form) {
 
 void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, bool shuffle) {
   view_chunk_begin(c, shuffle);
-  json_t *head =
-      json_pack("{s:o, s:I, s:o, s:o, s:o, s:o}", "time", json_number(f->time), "step", (json_int_t)f->step,
-                "lower", lower_json(m), "edges", edges_json(m, f->scale, f->stretch), "offset",
-                json_number(f->offset), "scale", json_number(f->scale));
+  json_t *head = json_pack("{s:o, s:I, s:o, s:o, s:o, s:o}", "time", json_number(f->time), "step",
+                           (json_int_t)f->step, "lower", lower_json(m), "edges",
+                           edges_json(m, f->scale, f->stretch), "offset", json_number(f->offset),
+                           "scale", json_number(f->scale));
   json_object_update_new(c->head, head);
   size_t n = m->n_disks, walls = m->n_walls;
   view_form form = n > VIEW_FEW ? VIEW_SHORT : VIEW_REAL;
@@ -293,10 +303,11 @@ static double *read_all(reader *r, const char *path, size_t width) {
     h5_file *file = open_source(r, k);
     size_t columns = width, n = file ? rows_of(file, path, &columns) : 0;
     if (r->status == SD_OK && columns != width)
-      r->status = sd_fail(r->messages, SD_ERROR_IO, "%s: %s does not have %zu columns", r->f->sources[k].path,
-                          path, width);
+      r->status = sd_fail(r->messages, SD_ERROR_IO, "%s: %s does not have %zu columns",
+                          r->f->sources[k].path, path, width);
     if (r->status == SD_OK && before + n > r->n)
-      r->status = sd_fail(r->messages, SD_ERROR_IO, "%s: %s is too long", r->f->sources[k].path, path);
+      r->status =
+          sd_fail(r->messages, SD_ERROR_IO, "%s: %s is too long", r->f->sources[k].path, path);
     if (r->status == SD_OK && n > 0) at = read_rows(r, file, path, before, n, width, at, values);
     before += n;
     stored_release(r->f, file);
@@ -388,8 +399,9 @@ sd_status view_series_read(view_chunk *c, const frames *f, json_t *meta, size_t 
   for (size_t l = 0; l < 2; l++)
     for (size_t k = 0; r.status == SD_OK && k < lists[l]->n; k++)
       add_series(&r, c, meta, &lists[l]->rows[k], l == 0);
-  json_object_set_new(meta, "series_rows",
-                      json_pack("{s:I, s:I}", "stored", (json_int_t)r.n, "every", (json_int_t)r.every));
+  json_object_set_new(
+      meta, "series_rows",
+      json_pack("{s:I, s:I}", "stored", (json_int_t)r.n, "every", (json_int_t)r.every));
   *rows = r.kept;
   if (r.status != SD_OK) view_chunk_drop(c);
   return r.status;

@@ -34,7 +34,9 @@ static bool is_driven(const sd_model *m, uint32_t body) {
   return body >= m->n_disks || m->disks[body].driven;
 }
 
-static bool waits(const sd_model *m, uint32_t body) { return body < m->n_disks && m->disks[body].waiting; }
+static bool waits(const sd_model *m, uint32_t body) {
+  return body < m->n_disks && m->disks[body].waiting;
+}
 
 static void note(start *s, const overlap *o) {
   const sd_model *m = s->m;
@@ -116,13 +118,13 @@ static void tell(json_t *meta, const char *level, const char *text, json_t *disk
 static void tell_overlaps(json_t *meta, const start *s) {
   char one[96], two[96];
   if (s->n == 0) return;
-  char *text =
-      format_text("%zu pair%s overlap%s, %zu too deep (more than max_overlap = %g of the radius); the "
-                  "deepest: %s and %s by %.3g, "
-                  "%.3g of the radius",
-                  s->n, s->n == 1 ? "" : "s", s->n == 1 ? "s" : "", s->too_deep, s->m->max_overlap,
-                  sd_model_body_name(s->m, s->worst.a, one, sizeof one),
-                  sd_model_body_name(s->m, s->worst.b, two, sizeof two), s->worst.depth, s->relative);
+  char *text = format_text(
+      "%zu pair%s overlap%s, %zu too deep (more than max_overlap = %g of the radius); the "
+      "deepest: %s and %s by %.3g, "
+      "%.3g of the radius",
+      s->n, s->n == 1 ? "" : "s", s->n == 1 ? "s" : "", s->too_deep, s->m->max_overlap,
+      sd_model_body_name(s->m, s->worst.a, one, sizeof one),
+      sd_model_body_name(s->m, s->worst.b, two, sizeof two), s->worst.depth, s->relative);
   json_t *disks = json_pack("[I]", (json_int_t)s->worst.a);
   if (s->worst.b < s->m->n_disks) json_array_append_new(disks, json_integer(s->worst.b));
   tell(meta, s->too_deep > 0 ? "error" : "note", text, disks);
@@ -133,15 +135,18 @@ static void tell_overlaps(json_t *meta, const start *s) {
 static char *waiting_text(const sd_model *m) {
   size_t n = 0;
   for (size_t k = 0; k < m->n_disks; k++) n += m->disks[k].waiting;
-  return n > 0 ? format_text("%zu disk%s and fall in while it runs", n, n == 1 ? " waits" : "s wait") : NULL;
+  return n > 0
+             ? format_text("%zu disk%s and fall in while it runs", n, n == 1 ? " waits" : "s wait")
+             : NULL;
 }
 
-static json_t *describe(const sd_model *m, const start *s, const char *source, const sd_messages *found) {
+static json_t *describe(const sd_model *m, const start *s, const char *source,
+                        const sd_messages *found) {
   json_t *meta = view_meta(m, "deck", m->title, source);
   view_meta_phases(meta, m);
   for (size_t k = 0; k < sd_messages_count(found); k++)
-    tell(meta, sd_messages_kind(found, k) == SD_OK ? "warning" : "error", sd_messages_text(found, k),
-         json_array());
+    tell(meta, sd_messages_kind(found, k) == SD_OK ? "warning" : "error",
+         sd_messages_text(found, k), json_array());
   tell_overlaps(meta, s);
   char *waiting = waiting_text(m);
   if (waiting) tell(meta, "note", waiting, json_array());
@@ -171,13 +176,15 @@ static sd_status write_page(const char *path, const sd_model *m, frame_data *f, 
 
 static void say(const sd_model *m, size_t overlaps) {
   char *waiting = waiting_text(m);
-  printf("%zu disk%s, %zu wall%s, %zu pair%s overlap%s%s%s\n", m->n_disks, m->n_disks == 1 ? "" : "s",
-         m->n_walls, m->n_walls == 1 ? "" : "s", overlaps, overlaps == 1 ? "" : "s", overlaps == 1 ? "s" : "",
-         waiting ? "; " : "", waiting ? waiting : "");
+  printf("%zu disk%s, %zu wall%s, %zu pair%s overlap%s%s%s\n", m->n_disks,
+         m->n_disks == 1 ? "" : "s", m->n_walls, m->n_walls == 1 ? "" : "s", overlaps,
+         overlaps == 1 ? "" : "s", overlaps == 1 ? "s" : "", waiting ? "; " : "",
+         waiting ? waiting : "");
   free(waiting);
 }
 
-static sd_status show(const view_options *o, const sd_model *m, const char *path, sd_messages *messages) {
+static sd_status show(const view_options *o, const sd_model *m, const char *path,
+                      sd_messages *messages) {
   frame_data f = {0};
   start s = {.m = m};
   sd_status status = make_frame(&s, &f, messages);

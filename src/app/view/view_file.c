@@ -63,8 +63,8 @@ static sd_status describe(job *j, sd_messages *messages) {
   sd_status status = summary_read(&j->found, j->f.base, messages);
   if (status == SD_OK) status = summary_disks_read_all(&j->found.packing, j->f.base, messages);
   if (status == SD_OK)
-    status = checkpoint_complete(j->f.base, j->f.path, j->f.constants, sd_deck_load_text, &j->found.packing,
-                                 messages);
+    status = checkpoint_complete(j->f.base, j->f.path, j->f.constants, sd_deck_load_text,
+                                 &j->found.packing, messages);
   if (status == SD_OK) {
     j->meta = view_meta(j->f.constants, "result", origin.title, j->options->name);
     view_meta_summary(j->meta, &j->found);
@@ -114,18 +114,17 @@ static sd_status write_page(job *j, const char *path, sd_messages *messages) {
 static void tell(const job *j) {
   size_t n = j->wanted.n;
   size_t disks = j->f.constants->n_disks, walls = j->f.constants->n_walls;
-  printf("%zu disk%s, %zu wall%s, %zu frame%s", disks, disks == 1 ? "" : "s", walls, walls == 1 ? "" : "s", n,
-         n == 1 ? "" : "s");
+  printf("%zu disk%s, %zu wall%s, %zu frame%s", disks, disks == 1 ? "" : "s", walls,
+         walls == 1 ? "" : "s", n, n == 1 ? "" : "s");
   if (n < j->count) printf(" of %zu", j->count);
   if (n > 1 && j->wanted.step > 1) printf(", one in %zu", j->wanted.step);
   if (!j->options->frames && n < j->count) printf(" (--frames : takes all)");
   putchar('\n');
   int64_t every = j->found.step / FEW_FRAMES;
   if (!j->options->frames && j->count <= 2 && every > 0)
-    printf(
-        "for more frames give the deck's phases `frames`, the steps from one to the next: frames = %" PRId64
-        " makes %d\n",
-        every, FEW_FRAMES);
+    printf("for more frames give the deck's phases `frames`, the steps from one to the next: "
+           "frames = %" PRId64 " makes %d\n",
+           every, FEW_FRAMES);
 }
 
 sd_status view_file(const view_options *o, char **path, bool *made, sd_messages *messages) {
@@ -135,7 +134,8 @@ sd_status view_file(const view_options *o, char **path, bool *made, sd_messages 
   sd_status status = options_range(o->frames, SIZE_MAX, o->name, &j.wanted, messages);
   if (status != SD_OK) return status;
   status = place_find(&p, o->name, messages);
-  if (status == SD_OK) *path = o->output ? memory_text(o->output) : app_default_name(p.result, "html");
+  if (status == SD_OK)
+    *path = o->output ? memory_text(o->output) : app_default_name(p.result, "html");
   place_free(&p);
   if (status == SD_OK) status = stored_open(&j.f, o->name, &alone, messages);
   if (status == SD_OK) status = choose(&j, alone, messages);

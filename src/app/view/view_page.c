@@ -32,7 +32,8 @@ bool view_page_head(FILE *out, const json_t *meta) {
   const char *page = (const char *)viewer_page;
   fwrite(page, 1, (size_t)(split() - page), out);
   fputs("<script type=\"application/json\" id=\"slipdisk-meta\">", out);
-  bool good = json_dump_callback(meta, write_json, out, JSON_COMPACT | JSON_REAL_PRECISION(17)) == 0;
+  bool good =
+      json_dump_callback(meta, write_json, out, JSON_COMPACT | JSON_REAL_PRECISION(17)) == 0;
   fputs("</script>\n", out);
   return good && !ferror(out);
 }
@@ -46,7 +47,8 @@ static sd_status fail(const view_page *p, sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", p->file.path, file_trouble(errno));
 }
 
-sd_status view_page_open(view_page *p, const char *path, const json_t *meta, sd_messages *messages) {
+sd_status view_page_open(view_page *p, const char *path, const json_t *meta,
+                         sd_messages *messages) {
   *p = (view_page){0};
   sd_status status = file_stream_open(path, &p->file, messages);
   if (status == SD_OK && !view_page_head(p->file.out, meta)) status = fail(p, messages);
@@ -61,7 +63,8 @@ static void write_base64(FILE *out, const unsigned char *bytes, size_t n) {
     size_t left = n - k < 3 ? n - k : 3;
     unsigned bits = (unsigned)bytes[k] << 16 | (left > 1 ? (unsigned)bytes[k + 1] << 8 : 0u) |
                     (left > 2 ? (unsigned)bytes[k + 2] : 0u);
-    for (size_t c = 0; c < 4; c++) text[have++] = c <= left ? letters[bits >> (18 - 6 * c) & 63] : '=';
+    for (size_t c = 0; c < 4; c++)
+      text[have++] = c <= left ? letters[bits >> (18 - 6 * c) & 63] : '=';
     if (have < sizeof text) continue;
     fwrite(text, 1, have, out);
     have = 0;
@@ -99,7 +102,8 @@ sd_status view_open(const char *path, sd_messages *messages) {
   pid_t child;
   int trouble = posix_spawnp(&child, words[0], NULL, NULL, words, environ), how = 0;
   if (trouble == ENOENT) {
-    sd_warn(messages, "--open: there is no xdg-open here (package xdg-utils); open %s in a browser", path);
+    sd_warn(messages, "--open: there is no xdg-open here (package xdg-utils); open %s in a browser",
+            path);
     return SD_OK;
   }
   if (trouble != 0)

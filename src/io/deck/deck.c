@@ -42,7 +42,8 @@ static void read_sweep(deck *d, bool point) {
 /* The order matters: motions speak of bodies, phases of motions. */
 static void read_all(deck *d, bool point) {
   deck_group top;
-  size_t scanned = d->reported; /* what was wrong in the text itself stands as 1 or "" in the tree */
+  size_t scanned =
+      d->reported; /* what was wrong in the text itself stands as 1 or "" in the tree */
   deck_read_constants(d);
   if (deck_enter(d, d->root, &deck_top, &top)) {
     deck_fill(&top, d->model);
@@ -132,8 +133,9 @@ static sd_status make_model(deck *d, void *user) {
   return status;
 }
 
-sd_status deck_load(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
-                    bool point, sd_model **out, sd_messages *messages) {
+sd_status deck_load(const char *text, const char *path, size_t n_settings,
+                    const deck_setting *settings, bool point, sd_model **out,
+                    sd_messages *messages) {
   model_task t = {.n_settings = n_settings, .settings = settings, .point = point};
   sd_status status = deck_open(text, path, n_settings, settings, make_model, &t, messages);
   *out = t.model;
@@ -160,8 +162,8 @@ sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrid
   return load_text(text, path, n_overrides, overrides, (model_task){0}, out, messages);
 }
 
-static sd_status load(const char *path, size_t n_overrides, const char *const *overrides, model_task how,
-                      sd_model **out, sd_messages *messages) {
+static sd_status load(const char *path, size_t n_overrides, const char *const *overrides,
+                      model_task how, sd_model **out, sd_messages *messages) {
   sd_status status;
   char *text = deck_file_text(path, messages, &status);
   *out = NULL;
@@ -170,13 +172,13 @@ static sd_status load(const char *path, size_t n_overrides, const char *const *o
   return status;
 }
 
-sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
-                       sd_messages *messages) {
+sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides,
+                       sd_model **out, sd_messages *messages) {
   return load(path, n_overrides, overrides, (model_task){0}, out, messages);
 }
 
-sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
-                    sd_messages *messages) {
+sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides,
+                    sd_model **out, sd_messages *messages) {
   return load(path, n_overrides, overrides, (model_task){.unfinished = true}, out, messages);
 }
 
@@ -234,41 +236,47 @@ static sd_status load_sweep(const char *text, deck_sweep *s, sd_messages *messag
   for (size_t k = 0; k < s->n_overrides; k++) settings[k].text = s->overrides[k];
   sd_messages *mine = sd_messages_new();
   reading r = {s, messages};
-  sd_status status = deck_open(text, s->deck_path, s->n_overrides, settings, read_sweep_deck, &r, mine);
+  sd_status status =
+      deck_open(text, s->deck_path, s->n_overrides, settings, read_sweep_deck, &r, mine);
   if (status != SD_OK) {
     /* the deck as it stands has the same mistakes, and perhaps others: tell all at once */
     sd_model *model;
-    sd_status again = deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
+    sd_status again =
+        deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
     sd_model_free(model);
     /* what was missing at first is there now; but not the points */
-    status = again != SD_OK ? again : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
+    status =
+        again != SD_OK ? again : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
   }
   sd_messages_free(mine);
   free(settings);
   return status;
 }
 
-sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides, deck_sweep *out,
-                          sd_messages *messages) {
+sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides,
+                          deck_sweep *out, sd_messages *messages) {
   *out = (deck_sweep){.deck_path = memory_text(deck_source(path))};
   out->overrides = memory_new(n_overrides, sizeof *out->overrides);
   sd_status status;
   char *text = deck_file_text(path, messages, &status);
   if (!text) return status;
-  for (size_t k = 0; k < n_overrides; k++) out->overrides[out->n_overrides++] = memory_text(overrides[k]);
+  for (size_t k = 0; k < n_overrides; k++)
+    out->overrides[out->n_overrides++] = memory_text(overrides[k]);
   status = load_sweep(text, out, messages);
   free(text);
   return status;
 }
 
-sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out, sd_messages *messages) {
+sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out,
+                           sd_messages *messages) {
   const sweep_point *p = &s->points[point];
   size_t n = s->n_overrides + p->n_overrides;
   deck_setting *all = memory_new(n, sizeof *all);
   *out = NULL;
   for (size_t k = 0; k < s->n_overrides; k++) all[k].text = s->overrides[k];
   for (size_t k = 0; k < p->n_overrides; k++)
-    all[s->n_overrides + k] = (deck_setting){p->overrides[k], {p->places[k].file, p->places[k].line}};
+    all[s->n_overrides + k] =
+        (deck_setting){p->overrides[k], {p->places[k].file, p->places[k].line}};
   sd_status status = deck_load(s->deck_text, s->deck_path, n, all, true, out, messages);
   free(all);
   return status;

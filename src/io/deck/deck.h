@@ -51,27 +51,30 @@ typedef struct deck_sweep {
   char **collect;
   size_t n_files; /* in which the sweep stands: the deck, and what it includes */
   char **files;
-  bool reads_files; /* the deck names files of disks or of motions: its text does not say everything */
-  bool written;     /* the deck has the group, with a grid */
+  bool
+      reads_files; /* the deck names files of disks or of motions: its text does not say everything */
+  bool written;    /* the deck has the group, with a grid */
 } deck_sweep;
 
 /* Reads the group `sweep` of the deck at path (checked in full by deck_sweep_model only). A deck without one
  * has one point, the deck itself. SD_ERROR_USER: mistakes, each with its line; deck_sweep_free also then. */
-sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides, deck_sweep *out,
-                          sd_messages *messages);
+sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides,
+                          deck_sweep *out, sd_messages *messages);
 void deck_sweep_free(deck_sweep *s);
 /* The model of one point; its messages are those of the deck's loader, with the places of the values in the sweep. */
-sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out, sd_messages *messages);
+sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out,
+                           sd_messages *messages);
 
 /* Tells of each key that two decks say otherwise: its path as after -D, and what stands there; NULL: nothing.
  * any_title: the title is no difference. False: one of them is no deck, or no memory. */
 typedef void deck_difference(void *user, const char *path, const char *there, const char *here);
-bool deck_compare(const char *there, const char *here, bool any_title, deck_difference *tell, void *user);
+bool deck_compare(const char *there, const char *here, bool any_title, deck_difference *tell,
+                  void *user);
 
 /* As sd_deck_load; and where the deck could be read, but bodies overlap too much or sd_model_finish finds a mistake, *out is
  * a model that is not finished, to be looked at. */
-sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
-                    sd_messages *messages);
+sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides,
+                    sd_model **out, sd_messages *messages);
 
 /* The text of the deck at path, - being the standard input, to be freed; NULL: reported, with the
  * reason in status. */
@@ -97,8 +100,8 @@ typedef struct deck_turned {
 bool deck_contact_is_kept(const sd_contact_memory *contact, const sd_tile_wall *wall);
 /* Turns a contact of the file into one of the model; body numbers stay those of the file. The
  * partner is disk b, or `wall`. carried: its force holds at step 0. */
-void deck_carry_contact(sd_contact_memory *contact, deck_turned a, deck_turned b, const sd_tile_wall *wall,
-                        bool carried);
+void deck_carry_contact(sd_contact_memory *contact, deck_turned a, deck_turned b,
+                        const sd_tile_wall *wall, bool carried);
 
 /* All keys as Markdown, the way docs/deck.md shows them. */
 void deck_keys_print(FILE *out);

@@ -42,7 +42,8 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
   deck_index_guess(d, &d->disks, &near);
   if (walls) deck_index_guess(d, &d->walls, &near);
   deck_fail(d, node, "no %s is called that%s%s", what,
-            near.best ? deck_hint(d, &near) : deck_index_list(d, &d->disks), near.best ? "" : remark(d));
+            near.best ? deck_hint(d, &near) : deck_index_list(d, &d->disks),
+            near.best ? "" : remark(d));
   return false;
 }
 
@@ -53,7 +54,8 @@ bool deck_find_body(deck *d, const deck_node *node, bool walls, uint32_t *body) 
 static bool find_clump(deck *d, const deck_node *node, uint32_t *body) {
   const sd_model *m = d->model;
   uint32_t k = 0;
-  if (node->type == DECK_INT && node->value.integer >= 0 && (uint64_t)node->value.integer < m->n_clumps)
+  if (node->type == DECK_INT && node->value.integer >= 0 &&
+      (uint64_t)node->value.integer < m->n_clumps)
     k = (uint32_t)node->value.integer;
   else if (node->type == DECK_INT)
     deck_fail(d, node, "no clump has this number; expected %s",
@@ -90,7 +92,8 @@ static void sort_by_group(deck *d) {
 static void add_group(deck *d, const deck_node *node, deck_bodies *list) {
   uint32_t k;
   if (!deck_index_look_up(d, &d->groups, "group of disks", node, remark(d), &k)) return;
-  if (k < d->n_away_groups && d->away_group[k]) deck_leave(d, "the deck speaks of single disks of it");
+  if (k < d->n_away_groups && d->away_group[k])
+    deck_leave(d, "the deck speaks of single disks of it");
   list->group = (int)k;
   sort_by_group(d);
   for (size_t i = d->group_start[k]; i < d->group_start[k + 1]; i++) add(d, list, d->grouped[i]);
@@ -105,7 +108,8 @@ deck_bodies deck_select(deck_group *g, bool walls) {
   deck *d = g->d;
   deck_bodies list = {.group = -1};
   deck_node *disk = deck_get(g, "disk"), *group = deck_get(g, "group"),
-            *wall = walls ? deck_get(g, "wall") : NULL, *clump = walls ? deck_get(g, "clump") : NULL;
+            *wall = walls ? deck_get(g, "wall") : NULL,
+            *clump = walls ? deck_get(g, "clump") : NULL;
   uint32_t body;
   for (size_t k = 0; k < deck_each_count(disk); k++)
     if (find_body(d, deck_each(disk, k), true, false, &body)) add(d, &list, body);
@@ -117,8 +121,8 @@ deck_bodies deck_select(deck_group *g, bool walls) {
   list.given = disk || group || wall || clump;
   list.shared = group != NULL;
   if (disk || wall || clump || deck_each_count(group) != 1) list.group = -1;
-  size_t named =
-      deck_each_count(disk) + deck_each_count(group) + deck_each_count(wall) + deck_each_count(clump);
+  size_t named = deck_each_count(disk) + deck_each_count(group) + deck_each_count(wall) +
+                 deck_each_count(clump);
   if (named == 0)
     deck_fail_key(g, "disk", "missing: it names no disk; expected disk, group%s",
                   walls ? ", wall or clump" : " or both");
@@ -155,16 +159,19 @@ int deck_group_number(deck *d, const char *name) {
 void deck_note_away(deck *d, int group) {
   if (group < 0) return;
   const size_t n = (size_t)group + 1;
-  if (n > d->n_away_groups) d->away_group = deck_more(d, d->away_group, d->n_away_groups, n, sizeof(bool));
+  if (n > d->n_away_groups)
+    d->away_group = deck_more(d, d->away_group, d->n_away_groups, n, sizeof(bool));
   if (n > d->n_away_groups) d->n_away_groups = n;
   d->away_group[group] = true;
 }
 
-void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place) {
+void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group,
+                    deck_place place) {
   sd_model *m = d->model;
   size_t capacity = d->disk_capacity;
   d->disk_place = deck_extend(d, d->disk_place, m->n_disks, &d->disk_capacity, sizeof place);
-  if (d->disk_capacity > capacity) m->disks = deck_grow(d, m->disks, d->disk_capacity, sizeof *m->disks);
+  if (d->disk_capacity > capacity)
+    m->disks = deck_grow(d, m->disks, d->disk_capacity, sizeof *m->disks);
   d->disk_place[m->n_disks] = place;
   sd_disk *own = &m->disks[m->n_disks++];
   *own = *disk;
@@ -184,7 +191,8 @@ void deck_forget_velocity(deck *d, uint32_t disk, int c) {
   static const int columns[] = {COLUMN_VX, COLUMN_VY, COLUMN_OMEGA};
   for (size_t k = 0; k < d->n_file_tables; k++) {
     const deck_columns *t = &d->file_tables[k];
-    if (t->result && disk >= t->first && disk - t->first < t->n_rows && deck_columns_have(t, columns[c]))
+    if (t->result && disk >= t->first && disk - t->first < t->n_rows &&
+        deck_columns_have(t, columns[c]))
       drop_motion(d->model, disk, c);
   }
 }

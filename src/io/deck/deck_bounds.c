@@ -46,8 +46,8 @@ static double travel(const sd_model *m, uint32_t body, int coordinate) {
   double sum = 0;
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *q = &m->motions[k];
-    bool turns =
-        q->coordinate == SD_THETA && body >= m->n_disks && m->walls[body - m->n_disks].kind != SD_WALL_CIRCLE;
+    bool turns = q->coordinate == SD_THETA && body >= m->n_disks &&
+                 m->walls[body - m->n_disks].kind != SD_WALL_CIRCLE;
     if (!turns && q->coordinate != coordinate) continue;
     for (size_t b = 0; b < q->n_bodies; b++)
       if (q->bodies[b] == body) sum += turns ? HUGE_VAL : SWING * motion_reach(q);
@@ -161,8 +161,8 @@ static void warn_start(deck *d) {
   const outside o = find_outside(d);
   if (o.n == 0) return;
   sd_warn(d->messages, "%s: %s at (%g, %g) starts outside the container%s",
-          deck_place_text(d, deck_disk_place(d, o.disk)), deck_body_name(d, o.disk), o.at[SD_X], o.at[SD_Y],
-          o.n > 1 ? ", and so do others" : "");
+          deck_place_text(d, deck_disk_place(d, o.disk)), deck_body_name(d, o.disk), o.at[SD_X],
+          o.at[SD_Y], o.n > 1 ? ", and so do others" : "");
 }
 
 static void check_start(deck *d) {
@@ -171,8 +171,9 @@ static void check_start(deck *d) {
   for (size_t row = 0; row < rows_count(m); row++) {
     if (starts_inside(d, row) || found++ >= MOST_ALIKE) continue;
     const sd_disk *disk = rows_disk(m, row);
-    deck_fail_place(d, deck_disk_place(d, rows_number(m, row)), "%s at (%g, %g) starts outside the bounds",
-                    deck_body_name(d, rows_number(m, row)), disk->position[SD_X], disk->position[SD_Y]);
+    deck_fail_place(
+        d, deck_disk_place(d, rows_number(m, row)), "%s at (%g, %g) starts outside the bounds",
+        deck_body_name(d, rows_number(m, row)), disk->position[SD_X], disk->position[SD_Y]);
   }
   if (found > MOST_ALIKE)
     deck_fail_place(d, (deck_place){d->path, 0}, "%zu more disks start outside the bounds",
@@ -205,7 +206,8 @@ void deck_read_bounds(deck *d) {
     b->given = set = true;
   }
   deck_fill(&g, b);
-  if (written && !b->given) deck_fail(d, g.node, "there is nothing to leave; expected x, y or both");
+  if (written && !b->given)
+    deck_fail(d, g.node, "there is nothing to leave; expected x, y or both");
   if (set && d->reported == 0) check_start(d);
   if (!set && d->reported == 0 && m->container != SD_CONTAINER_NONE) warn_start(d);
 }

@@ -21,8 +21,10 @@ static sd_clump *push(deck *d) {
 
 static void check_disk(deck *d, const deck_group *g, uint32_t body) {
   const sd_disk *disk = &d->model->disks[body];
-  const bool moves = disk->velocity[SD_X] != 0 || disk->velocity[SD_Y] != 0 || disk->velocity[SD_THETA] != 0;
-  const bool held = disk->driven || disk->locked[SD_X] || disk->locked[SD_Y] || disk->locked[SD_THETA];
+  const bool moves =
+      disk->velocity[SD_X] != 0 || disk->velocity[SD_Y] != 0 || disk->velocity[SD_THETA] != 0;
+  const bool held =
+      disk->driven || disk->locked[SD_X] || disk->locked[SD_Y] || disk->locked[SD_THETA];
   const char *what = disk->clump > 0 ? "belongs to another clump already"
                      : held          ? "is fixed or locked; expected `locked` of the clump"
                      : moves         ? "has a velocity of its own; expected velocity of the clump"
@@ -51,7 +53,8 @@ static void read_clump(deck_group *g, uint32_t number) {
   if (d->reported > before) return;
   sd_clump *own = push(d);
   *own = c;
-  for (size_t b = 0; b < bodies.n; b++) d->model->disks[bodies.body[b]].clump = (int)d->model->n_clumps;
+  for (size_t b = 0; b < bodies.n; b++)
+    d->model->disks[bodies.body[b]].clump = (int)d->model->n_clumps;
   own->name = memory_text(name);
   if (name && !deck_index_add(d, &d->clumps, deck_copy(d, name, strlen(name)), number))
     deck_fail_key(g, "name", "two clumps have this name");
@@ -116,10 +119,12 @@ bool deck_read_grain(deck_group *packing, deck_grain *grain) {
   const size_t n = deck_each_count(at), n_radii = deck_each_count(radii);
   if (n < 1) deck_fail_key(&g, "at", "missing: expected the centres of its disks ([x, y], ...)");
   if (radii && n_radii != 1 && n_radii != n)
-    deck_fail(d, radii, "%zu radii for %zu disks; expected one for each, or one for all", n_radii, n);
+    deck_fail(d, radii, "%zu radii for %zu disks; expected one for each, or one for all", n_radii,
+              n);
   if (d->reported > before) return false;
-  *grain = (deck_grain){
-      .n = n, .radius = deck_alloc(d, n, sizeof(double)), .at = deck_alloc(d, n, sizeof *grain->at)};
+  *grain = (deck_grain){.n = n,
+                        .radius = deck_alloc(d, n, sizeof(double)),
+                        .at = deck_alloc(d, n, sizeof *grain->at)};
   for (size_t k = 0; k < n; k++) {
     read_pair(d, deck_each(at, k), grain->at[k]);
     grain->radius[k] = 1;
@@ -132,8 +137,8 @@ bool deck_read_grain(deck_group *packing, deck_grain *grain) {
   return true;
 }
 
-void deck_push_grain(deck *d, const deck_grain *grain, const sd_disk *like, double radius, double angle,
-                     const char *group, deck_place place) {
+void deck_push_grain(deck *d, const deck_grain *grain, const sd_disk *like, double radius,
+                     double angle, const char *group, deck_place place) {
   const sd_model *m = d->model;
   const double c = cos(angle), s = sin(angle);
   push(d);
@@ -147,7 +152,8 @@ void deck_push_grain(deck *d, const deck_grain *grain, const sd_disk *like, doub
     for (int q = 0; q < 2; q++) {
       const double length = m->upper[q] - m->lower[q];
       disk.position[q] += away[q];
-      if (m->periodic[q]) disk.position[q] -= length * floor((disk.position[q] - m->lower[q]) / length);
+      if (m->periodic[q])
+        disk.position[q] -= length * floor((disk.position[q] - m->lower[q]) / length);
     }
     deck_push_disk(d, &disk, NULL, group, place);
   }

@@ -15,7 +15,7 @@ typedef struct deck_grain {
 /* The packing's key `clump`. False: there is none, or it is wrong (reported): a disk. */
 bool deck_read_grain(deck_group *packing, deck_grain *grain);
 /* A clump turned by `angle`, at the place of the disk `like`, whose mass is that of all. */
-void deck_push_grain(deck *d, const deck_grain *grain, const sd_disk *like, double radius, double angle,
-                     const char *group, deck_place place);
+void deck_push_grain(deck *d, const deck_grain *grain, const sd_disk *like, double radius,
+                     double angle, const char *group, deck_place place);
 
 #endif

@@ -8,9 +8,9 @@
 #include "io/deck/deck_keys.h"
 #include "io/deck/deck_rows.h"
 
-const char *const deck_column_names[COLUMN_KINDS] = {"x",     "y",      "theta",    "vx",      "vy",
-                                                     "omega", "radius", "mass",     "density", "inertia",
-                                                     "fixed", "name",   "material", "group"};
+const char *const deck_column_names[COLUMN_KINDS] = {
+    "x",    "y",       "theta",   "vx",    "vy",   "omega",    "radius",
+    "mass", "density", "inertia", "fixed", "name", "material", "group"};
 
 int deck_column(const char *name) {
   for (int k = 0; k < COLUMN_KINDS; k++)
@@ -34,10 +34,12 @@ bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck
   if (column < 0) {
     guess near = guess_start(name);
     for (int k = 0; k < COLUMN_KINDS; k++) guess_add(&near, deck_column_names[k]);
-    wrong =
-        near.best
-            ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown, near.best)
-            : deck_format(d, "no column of disks is called \"%s\"; expected x, y, radius, mass, ...", shown);
+    wrong = near.best
+                ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown,
+                              near.best)
+                : deck_format(
+                      d, "no column of disks is called \"%s\"; expected x, y, radius, mass, ...",
+                      shown);
   }
   for (size_t k = 0; k < table->n_columns && !wrong; k++)
     if (table->column[k] == column) wrong = deck_format(d, "column \"%s\" is there twice", name);

@@ -49,13 +49,15 @@ static const char *value_text(deck *d, const deck_node *n) {
   return strlen(text) <= LONGEST_VALUE ? text : deck_format(d, "%.*s ...", LONGEST_VALUE, text);
 }
 
-static void differ(const comparison *c, const char *path, const deck_node *there, const deck_node *here) {
+static void differ(const comparison *c, const char *path, const deck_node *there,
+                   const deck_node *here) {
   c->tell(c->user, path, value_text(c->d, there), value_text(c->d, here));
 }
 
 static bool is_ignored(const comparison *c, const deck_node *child) {
   if (!child->name || child->parent->parent) return false;
-  return strcmp(child->name, "checkpoint") == 0 || (c->any_title && strcmp(child->name, "title") == 0);
+  return strcmp(child->name, "checkpoint") == 0 ||
+         (c->any_title && strcmp(child->name, "title") == 0);
 }
 
 /* Is a key at its default? So it is in the full deck of an older version that did not have the key. */
@@ -70,7 +72,8 @@ static bool is_default(deck *d, const deck_node *n) {
   return key && strcmp(deck_value_text(d, n), key->initial) == 0;
 }
 
-static void compare(const comparison *c, const char *path, const deck_node *there, const deck_node *here);
+static void compare(const comparison *c, const char *path, const deck_node *there,
+                    const deck_node *here);
 
 static const char *path_of(deck *d, const char *path, const char *name) {
   return *path ? deck_format(d, "%s.%s", path, name) : name;
@@ -104,14 +107,16 @@ static const char *entry_path(deck *d, const char *path, size_t k, const deck_no
   return deck_format(d, "%s[%zu]", path, k);
 }
 
-static void compare(const comparison *c, const char *path, const deck_node *there, const deck_node *here) {
+static void compare(const comparison *c, const char *path, const deck_node *there,
+                    const deck_node *here) {
   bool groups = there->type == DECK_GROUP && here->type == DECK_GROUP,
        lists = there->type == DECK_LIST && here->type == DECK_LIST && there->n == here->n;
   if (groups) {
     compare_groups(c, path, there, here);
   } else if (lists && there->n > 0 && !is_scalar(there->child[0])) {
     for (size_t k = 0; k < there->n; k++)
-      compare(c, entry_path(c->d, path, k, there->child[k], here->child[k]), there->child[k], here->child[k]);
+      compare(c, entry_path(c->d, path, k, there->child[k], here->child[k]), there->child[k],
+              here->child[k]);
   } else {
     bool same = is_scalar(there) && is_scalar(here) && same_scalar(there, here);
     for (size_t k = 0; lists && (k == 0 || same) && k < there->n; k++)
@@ -136,7 +141,8 @@ static sd_status with_one(deck *d, void *user) {
   return d->root ? deck_open(c->here, "this deck", 0, NULL, with_both, c, NULL) : SD_ERROR_USER;
 }
 
-bool deck_compare(const char *there, const char *here, bool any_title, deck_difference *tell, void *user) {
+bool deck_compare(const char *there, const char *here, bool any_title, deck_difference *tell,
+                  void *user) {
   comparison c = {.here = here, .any_title = any_title, .tell = tell, .user = user};
   return deck_open(there, "that deck", 0, NULL, with_one, &c, NULL) == SD_OK;
 }

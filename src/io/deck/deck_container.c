@@ -24,7 +24,8 @@ typedef struct file_edges {
 static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
   const char *name = deck_text_of(g, "file"), *key = c ? "y" : "x";
   const deck_node *file = deck_get(g, "file");
-  if (!file) deck_fail_key(g, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
+  if (!file)
+    deck_fail_key(g, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
   if (!file || !name) return false;
   if (!from->tried)
     from->found = deck_file_format(g->d, name) == DECK_HDF5
@@ -68,7 +69,8 @@ static void read_hopper(deck_group *g, const deck_container_values *v, place_int
   size_t before = d->reported;
   if (!(v->angle >= 0 && v->angle < 1.5))
     deck_fail_key(g, "angle", "expected an inclination from 0 to 1.5, less than a right angle");
-  if (v->outlet >= v->width) deck_fail_key(g, "outlet", "expected less than the width, %g", v->width);
+  if (v->outlet >= v->width)
+    deck_fail_key(g, "outlet", "expected less than the width, %g", v->width);
   in->bottom = v->outlet / 2;
   in->top = v->width / 2;
   in->rise = (v->width - v->outlet) / 2 * tan(v->angle);
@@ -84,16 +86,17 @@ static unsigned repeats(int kind) {
 
 /* The container says what the box would say. */
 static void check_box(deck *d, const deck_shape *shape) {
-  static const char *const keys[] = {"x", "y"}, *const directions[] = {"no direction", "x", "y", "x and y"};
+  static const char *const keys[] = {"x", "y"}, *const directions[] = {"no direction", "x", "y",
+                                                                       "x and y"};
   deck_node *box = deck_child(d->root, "box");
   for (int c = 0; c < 2; c++)
     if (deck_child(box, keys[c]))
-      deck_fail_child(d, box, keys[c], "given together with container \"%s\", which has its own edges",
-                      shape->name);
+      deck_fail_child(d, box, keys[c],
+                      "given together with container \"%s\", which has its own edges", shape->name);
   const deck_node *periodic = deck_child(box, "periodic");
   if (periodic && periodic->type == DECK_STRING && strcmp(periodic->value.text, "none") != 0)
-    deck_fail(d, periodic, "given together with container \"%s\", which is periodic in %s", shape->name,
-              directions[repeats(shape->kind)]);
+    deck_fail(d, periodic, "given together with container \"%s\", which is periodic in %s",
+              shape->name, directions[repeats(shape->kind)]);
 }
 
 /* A drum lies about its origin, a periodic box right and above of it, all others above it. */
@@ -121,7 +124,8 @@ void deck_read_container(deck *d) {
   if (!node || !deck_enter(d, node, &deck_container, &g)) return;
   size_t before = d->reported;
   if (!deck_fill(&g, v)) return;
-  v->interior = (place_interior){.kind = v->kind, .x = v->origin[0], .y = v->origin[1], .radius = v->radius};
+  v->interior =
+      (place_interior){.kind = v->kind, .x = v->origin[0], .y = v->origin[1], .radius = v->radius};
   if (v->kind == SD_CONTAINER_HOPPER && d->reported == before) read_hopper(&g, v, &v->interior);
   if (d->reported > before) return;
   d->model->container = v->kind;
@@ -136,7 +140,8 @@ void deck_read_container(deck *d) {
 static sd_wall *add_wall(deck *d, const char *name, sd_wall_kind kind) {
   sd_model *m = d->model;
   uint32_t disk;
-  if (!deck_index_add(d, &d->walls, name, (uint32_t)m->n_walls) || deck_index_find(&d->disks, name, &disk))
+  if (!deck_index_add(d, &d->walls, name, (uint32_t)m->n_walls) ||
+      deck_index_find(&d->disks, name, &disk))
     deck_fail_child(d, deck_child(d->root, "container"), "type",
                     "it has a wall \"%s\", but a wall or a disk of the deck is called so", name);
   m->walls = memory_grow(m->walls, m->n_walls + 1, sizeof *m->walls);
@@ -146,7 +151,8 @@ static sd_wall *add_wall(deck *d, const char *name, sd_wall_kind kind) {
   return wall;
 }
 
-static void add_straight(deck *d, const char *name, sd_wall_kind kind, size_t n, const double (*points)[2]) {
+static void add_straight(deck *d, const char *name, sd_wall_kind kind, size_t n,
+                         const double (*points)[2]) {
   sd_wall *wall = add_wall(d, name, kind);
   wall->points = memory_new(n, sizeof *wall->points);
   wall->n_points = n;
@@ -184,7 +190,8 @@ static void add_bed(deck *d) {
   if (deck_index_find(&d->groups, floor_group, &group))
     deck_fail_key(&g, "type", "its floor is the group \"%s\", but the deck has disks in this group",
                   floor_group);
-  double radius = d->container->radius, left = m->region_lower[0], width = m->region_upper[0] - left;
+  double radius = d->container->radius, left = m->region_lower[0],
+         width = m->region_upper[0] - left;
   deck_default_number(&g, "spacing", 2 * radius);
   double n = fmax(1, rint(width / deck_number(&g, "spacing")));
   if (n > 1e6) {
@@ -192,11 +199,12 @@ static void add_bed(deck *d) {
     return;
   }
   for (size_t k = 0; k < (size_t)n; k++) {
-    sd_disk disk = {.position = {left + ((double)k + 0.5) * (width / n), m->region_lower[1] - radius},
-                    .radius = radius,
-                    .mass = 3.14159265358979323846 * radius * radius, /* never felt */
-                    .material = d->container->material,
-                    .driven = true};
+    sd_disk disk = {
+        .position = {left + ((double)k + 0.5) * (width / n), m->region_lower[1] - radius},
+        .radius = radius,
+        .mass = 3.14159265358979323846 * radius * radius, /* never felt */
+        .material = d->container->material,
+        .driven = true};
     deck_push_disk(d, &disk, NULL, floor_group, g.node->place);
   }
 }

@@ -39,15 +39,19 @@ static void check_values(deck *d, const values *v) {
   bool single = v->node && v->node->table == &deck_disks; /* then the getters have reported */
   for (int k = 0; k < 3 && !single; k++)
     if (isnan(x[required[k]]))
-      fail_value(d, v, deck_column_names[required[k]], "missing: neither a column nor a common value");
+      fail_value(d, v, deck_column_names[required[k]],
+                 "missing: neither a column nor a common value");
   bool mass = !isnan(x[COLUMN_MASS]), density = !isnan(x[COLUMN_DENSITY]);
   bool tried = v->node && (deck_child(v->node, "mass") || deck_child(v->node, "density"));
-  if (!mass && !density && !tried) fail_value(d, v, "mass", "missing: expected mass or density > 0");
-  if (mass && density) fail_value(d, v, "density", "given together with mass; expected one of them");
-  bool moving =
-      fabs(x[COLUMN_VX]) > 0 || fabs(x[COLUMN_VY]) > 0 || fabs(x[COLUMN_OMEGA]) > 0; /* NAN: reported */
+  if (!mass && !density && !tried)
+    fail_value(d, v, "mass", "missing: expected mass or density > 0");
+  if (mass && density)
+    fail_value(d, v, "density", "given together with mass; expected one of them");
+  bool moving = fabs(x[COLUMN_VX]) > 0 || fabs(x[COLUMN_VY]) > 0 ||
+                fabs(x[COLUMN_OMEGA]) > 0; /* NAN: reported */
   if (x[COLUMN_FIXED] != 0 && moving)
-    fail_value(d, v, "fixed", "a fixed disk cannot have a velocity; a motion of type \"velocity\" moves it");
+    fail_value(d, v, "fixed",
+               "a fixed disk cannot have a velocity; a motion of type \"velocity\" moves it");
   for (int c = 0; c < 3; c++)
     if ((v->locked >> c & 1) && fabs(x[COLUMN_VX + c]) > 0)
       fail_value(d, v, "locked", "a locked coordinate cannot have a velocity");
@@ -60,8 +64,9 @@ static void add_disk(deck *d, const values *v) {
   sd_disk disk = {.position = {x[COLUMN_X], x[COLUMN_Y], x[COLUMN_THETA]},
                   .velocity = {x[COLUMN_VX], x[COLUMN_VY], x[COLUMN_OMEGA]},
                   .radius = radius,
-                  .mass = isnan(x[COLUMN_MASS]) ? x[COLUMN_DENSITY] * 3.14159265358979323846 * radius * radius
-                                                : x[COLUMN_MASS],
+                  .mass = isnan(x[COLUMN_MASS])
+                              ? x[COLUMN_DENSITY] * 3.14159265358979323846 * radius * radius
+                              : x[COLUMN_MASS],
                   .inertia = x[COLUMN_INERTIA],
                   .force = {v->force[0], v->force[1], v->force[2]},
                   .material = v->material,
@@ -107,7 +112,8 @@ static void check_cell(deck *d, const values *v, int column) {
     d->reported++;
     return;
   }
-  fail_value(d, v, key->name, deck_format(d, "%g: expected a number %s", x, deck_expected(key->range, x)));
+  fail_value(d, v, key->name,
+             deck_format(d, "%g: expected a number %s", x, deck_expected(key->range, x)));
 }
 
 /* Row r of the table over the common values. */
@@ -120,11 +126,13 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
     if (column < COLUMN_NUMBERS) {
       v.number[column] = t->number[r * t->n_columns + c];
       /* a result's velocity is no mistake of a deck that locks the coordinate */
-      if (t->result && column >= COLUMN_VX && column <= COLUMN_OMEGA && v.locked >> (column - COLUMN_VX) & 1)
+      if (t->result && column >= COLUMN_VX && column <= COLUMN_OMEGA &&
+          v.locked >> (column - COLUMN_VX) & 1)
         v.number[column] = 0.0;
       check_cell(d, &v, column);
     } else if (text && !text_printable(text)) {
-      fail_value(d, &v, deck_column_names[column], "expected a text in UTF-8 without control characters");
+      fail_value(d, &v, deck_column_names[column],
+                 "expected a text in UTF-8 without control characters");
     } else if (column == COLUMN_NAME) {
       v.name = text;
     } else if (column == COLUMN_GROUP) {
@@ -133,9 +141,9 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
       uint32_t material;
       v.material = text && deck_index_find(&d->materials, text, &material) ? (int)material : -1;
       if (v.material < 0)
-        fail_value(
-            d, &v, "material",
-            deck_format(d, "no material is called \"%s\"", text ? deck_quote(d, text, strlen(text)) : ""));
+        fail_value(d, &v, "material",
+                   deck_format(d, "no material is called \"%s\"",
+                               text ? deck_quote(d, text, strlen(text)) : ""));
     }
   }
   add_disk(d, &v);
@@ -178,7 +186,8 @@ static void file_to_rows(deck *d, deck_node *file, const deck_columns *t, deck_n
   group->table = &deck_disk_rows;
   deck_node *names = deck_node_new(d, group, "columns", DECK_LIST, file->place);
   for (size_t c = 0; c < t->n_columns; c++)
-    deck_node_new(d, names, NULL, DECK_STRING, file->place)->value.text = deck_column_names[t->column[c]];
+    deck_node_new(d, names, NULL, DECK_STRING, file->place)->value.text =
+        deck_column_names[t->column[c]];
   deck_node *rows = deck_node_new(d, group, "rows", DECK_LIST, file->place);
   for (size_t r = 0; r < t->n_rows; r++) {
     deck_node *row = deck_node_new(d, rows, NULL, DECK_LIST, t->place[r]);

@@ -62,7 +62,8 @@ static void put_scalar(printer *p, const deck_node *node) {
     case DECK_FLOAT: put(p, deck_number_text(node->value.number, text)); break;
     case DECK_INT: {
       int64_t x = node->value.integer;
-      snprintf(text, sizeof text, "%lld%s", (long long)x, x > INT32_MAX || x < INT32_MIN ? "L" : "");
+      snprintf(text, sizeof text, "%lld%s", (long long)x,
+               x > INT32_MAX || x < INT32_MIN ? "L" : "");
       put(p, text);
       break;
     }
@@ -70,7 +71,9 @@ static void put_scalar(printer *p, const deck_node *node) {
   }
 }
 
-static bool scalar(const deck_node *node) { return node->type != DECK_GROUP && node->type != DECK_LIST; }
+static bool scalar(const deck_node *node) {
+  return node->type != DECK_GROUP && node->type != DECK_LIST;
+}
 
 static void put_group(printer *p, const deck_node *node, int indent);
 
@@ -85,8 +88,8 @@ static void put_value(printer *p, const deck_node *node, int indent) {
     put(p, " }");
     return;
   }
-  bool rows =
-      node->n && (node->child[0]->type == DECK_GROUP || (node->child[0]->type == DECK_LIST && node->n > 4));
+  bool rows = node->n && (node->child[0]->type == DECK_GROUP ||
+                          (node->child[0]->type == DECK_LIST && node->n > 4));
   put(p, "(");
   for (size_t k = 0; k < node->n; k++) {
     if (k) put(p, ",");
@@ -103,7 +106,9 @@ static void put_value(printer *p, const deck_node *node, int indent) {
 /* Child number k in the order of the table, if it is there; false: behind the last. */
 static bool nth(const deck_node *group, size_t k, const deck_node **child) {
   const deck_key *key = group->table ? deck_key_at(group->table, k) : NULL;
-  *child = group->table ? (key ? deck_child(group, key->name) : NULL) : k < group->n ? group->child[k] : NULL;
+  *child = group->table   ? (key ? deck_child(group, key->name) : NULL)
+           : k < group->n ? group->child[k]
+                          : NULL;
   return key || *child;
 }
 

@@ -152,8 +152,8 @@ static double number(parser *e) {
   double x = strtod(token, NULL);
   for (const char *p = token; *p && *p != 'e' && *p != 'E'; p++) nonzero |= *p >= '1' && *p <= '9';
   if (!isfinite(x) || (x == 0 && nonzero))
-    return fail(
-        e, deck_format(e->d, "%s: number too %s", deck_quote(e->d, token, n), x == 0 ? "small" : "large"));
+    return fail(e, deck_format(e->d, "%s: number too %s", deck_quote(e->d, token, n),
+                               x == 0 ? "small" : "large"));
   e->p += n;
   return x;
 }
@@ -186,13 +186,14 @@ static double call(parser *e, const struct function *f) {
   if (!e->wrong && !take(e, ')')) return *e->p ? unexpected(e) : fail(e, "a ) is missing");
   double y = f->of_two ? f->of_two(x[0], x[1]) : f->of(x[0]);
   if (isfinite(y) || e->wrong || e->names == DECK_NAMES_ANY) return y;
-  return fail(e,
-              deck_format(e->d, "%s of %.10g is %s", f->name, x[0], isnan(y) ? "no number" : "not finite"));
+  return fail(e, deck_format(e->d, "%s of %.10g is %s", f->name, x[0],
+                             isnan(y) ? "no number" : "not finite"));
 }
 
 static double of_unit(parser *e, const struct unit *u) {
   e->p += strlen(u->name);
-  if (u->factor == pi || e->angle || e->functions > 0 || e->names == DECK_NAMES_ANY) return u->factor;
+  if (u->factor == pi || e->angle || e->functions > 0 || e->names == DECK_NAMES_ANY)
+    return u->factor;
   return fail(e, deck_format(e->d, "%s belongs to angles; expected a number", u->name));
 }
 
@@ -252,7 +253,8 @@ static double signed_power(parser *e) {
 /* Something behind a number or a bracket. */
 static double behind(parser *e) {
   size_t n = name_length(e->p);
-  if (n == 0) return fail(e, deck_format(e->d, "a comma or an operator is missing before \"%s\"", rest(e)));
+  if (n == 0)
+    return fail(e, deck_format(e->d, "a comma or an operator is missing before \"%s\"", rest(e)));
   guess near = guess_start(deck_copy(e->d, e->p, n));
   for (size_t k = 0; k < UNITS && !is_foreign(e->p, n); k++) {
     guess_add(&near, units[k].name);
@@ -261,10 +263,11 @@ static double behind(parser *e) {
   if (near.best)
     return fail(e, deck_format(e->d, "\"%s\" behind a number%s", rest(e), deck_hint(e->d, &near)));
   return fail(
-      e, deck_format(e->d,
-                     "\"%s\": units are not written, any consistent set will do; expected the bare number "
-                     "(a product needs *)",
-                     rest(e)));
+      e, deck_format(
+             e->d,
+             "\"%s\": units are not written, any consistent set will do; expected the bare number "
+             "(a product needs *)",
+             rest(e)));
 }
 
 static double product(parser *e) {
@@ -309,7 +312,11 @@ static double sum(parser *e) {
 }
 
 const char *deck_expression(deck *d, const char *text, deck_names names, bool angle, double *x) {
-  parser e = {.d = d, .p = text, .names = names, .angle = angle, .empty = text[strspn(text, " \t\r\n")] == 0};
+  parser e = {.d = d,
+              .p = text,
+              .names = names,
+              .angle = angle,
+              .empty = text[strspn(text, " \t\r\n")] == 0};
   *x = sum(&e);
   skip(&e);
   if (!e.wrong && *e.p) unexpected(&e);
@@ -342,7 +349,8 @@ static struct deck_constants *constants_of(deck *d) {
   c->state = deck_alloc(d, group->n + 1, sizeof *c->state);
   c->value = deck_alloc(d, group->n + 1, sizeof *c->value);
   for (size_t k = 0; k < group->n; k++)
-    if (deck_index_add(d, &c->index, group->child[k]->name, (uint32_t)k)) c->node[k] = group->child[k];
+    if (deck_index_add(d, &c->index, group->child[k]->name, (uint32_t)k))
+      c->node[k] = group->child[k];
   return c;
 }
 
@@ -379,7 +387,8 @@ static const char *constant_value(deck *d, const char *name, double *x) {
   if (!deck_index_find(&c->index, name, &k)) {
     guess near = guess_start(name);
     deck_index_guess(d, &c->index, &near);
-    if (near.best) return deck_format(d, "no constant is called \"%s\"%s", shown, deck_hint(d, &near));
+    if (near.best)
+      return deck_format(d, "no constant is called \"%s\"%s", shown, deck_hint(d, &near));
     return deck_format(d, "expected a number; no constant is called \"%s\"%s", shown,
                        is_foreign(name, strlen(name)) ? "; units are not written" : "");
   }
@@ -452,7 +461,8 @@ bool deck_value_number(deck *d, deck_node *node, bool angle, double *x) {
   }
   if (node->type == DECK_STRING) return text_number(d, node, angle, x);
   if (angle)
-    deck_fail(d, node, "expected a number or a text such as \"0.04 pi\" or \"7.2 deg\"%s", but_not(node));
+    deck_fail(d, node, "expected a number or a text such as \"0.04 pi\" or \"7.2 deg\"%s",
+              but_not(node));
   else
     deck_fail(d, node, "expected a number%s", but_not(node));
   return false;

@@ -12,14 +12,17 @@ static void read_field(deck *d, deck_node *node, sd_body_force *field) {
     deck_default_number(&g, "alpha_rotation", deck_number(&g, "alpha"));
   if (!deck_fill(&g, field)) return;
   if (field->alpha >= 1 || field->alpha_rotation >= 1)
-    deck_fail_key(&g, field->alpha >= 1 ? "alpha" : "alpha_rotation",
-                  "it would hold every disk where it is; expected a number below 1, usually 0.1 to 0.8");
+    deck_fail_key(
+        &g, field->alpha >= 1 ? "alpha" : "alpha_rotation",
+        "it would hold every disk where it is; expected a number below 1, usually 0.1 to 0.8");
   if (field->power < -FIELD_MOST_POWER || field->power > FIELD_MOST_POWER)
-    deck_fail_key(&g, "power", "expected a whole number from %d to %d", -FIELD_MOST_POWER, FIELD_MOST_POWER);
+    deck_fail_key(&g, "power", "expected a whole number from %d to %d", -FIELD_MOST_POWER,
+                  FIELD_MOST_POWER);
   if (!deck_given(&g, "disk") && !deck_given(&g, "group")) return;
   const size_t before = d->reported;
   const deck_bodies on = deck_select(&g, false);
-  if (on.n == 0 && d->reported == before) deck_fail(d, node, "it acts on no disk: the group is empty");
+  if (on.n == 0 && d->reported == before)
+    deck_fail(d, node, "it acts on no disk: the group is empty");
   field->n_disks = on.n;
   field->disks = deck_keep(d, on.n, sizeof *field->disks);
   if (on.n) memcpy(field->disks, on.body, on.n * sizeof *field->disks);

@@ -32,7 +32,8 @@ static const char *number_text(deck *d, double x) {
 
 static bool has_group(const deck_node *node) {
   bool found = node->type == DECK_GROUP;
-  for (size_t k = 0; node->type == DECK_LIST && k < node->n; k++) found = found || has_group(node->child[k]);
+  for (size_t k = 0; node->type == DECK_LIST && k < node->n; k++)
+    found = found || has_group(node->child[k]);
   return found;
 }
 
@@ -70,8 +71,8 @@ static void read_values(deck_group *g, grid_axis *a) {
 /* Is the word one of the text, which is a number with a unit and no formula? */
 static bool has_word(const char *text, const char *word) {
   const char *at = strstr(text, word);
-  return at && !isalpha((unsigned char)at[strlen(word)]) && !(at > text && isalpha((unsigned char)at[-1])) &&
-         strcspn(text, "(_") == strlen(text);
+  return at && !isalpha((unsigned char)at[strlen(word)]) &&
+         !(at > text && isalpha((unsigned char)at[-1])) && strcspn(text, "(_") == strlen(text);
 }
 
 /* The unit in which both ends of a range are written, as a factor: pi, one degree, or 1. */
@@ -96,7 +97,8 @@ static double unit_of(const deck_node *list, const char **suffix) {
 }
 
 /* A computed value: 12 digits, in the unit of the ends. */
-static grid_value number_value(deck *d, double x, const char *suffix, double unit, deck_place place) {
+static grid_value number_value(deck *d, double x, const char *suffix, double unit,
+                               deck_place place) {
   const char *text = number_text(d, strtod(deck_format(d, "%.12g", x), NULL));
   grid_value v = {.text = text, .literal = text, .number = strtod(text, NULL), .place = place};
   if (suffix) {
@@ -199,7 +201,8 @@ static void find_dimensions(deck *d, grid *g) {
     bool joined = false;
     for (size_t j = 0; j < k && zip && zip->type == DECK_STRING && !joined; j++) {
       const deck_node *other = deck_child(g->axes[j].node, "zip");
-      if (!other || other->type != DECK_STRING || strcmp(other->value.text, zip->value.text) != 0) continue;
+      if (!other || other->type != DECK_STRING || strcmp(other->value.text, zip->value.text) != 0)
+        continue;
       joined = true;
       a->dimension = g->axes[j].dimension;
       if (a->n_values != g->length[a->dimension] && a->n_values > 0 && g->length[a->dimension] > 0)
@@ -226,18 +229,19 @@ static void check_path(deck *d, const grid *g, const grid_axis *a, size_t p) {
       deck_meeting met = deck_paths_meet(d, a->paths[p], other->paths[q]);
       if (met == DECK_APART || (other == a && met == DECK_SAME_KEY)) continue;
       const deck_place *place = &deck_child(other->node, "path")->place;
-      const char *where = place->line > 0 ? deck_format(d, "%s:%d", place->file, place->line) : place->file;
+      const char *where =
+          place->line > 0 ? deck_format(d, "%s:%d", place->file, place->line) : place->file;
       const char *whose = other == a ? "this" : "another";
       if (met == DECK_ALTERNATIVES)
         deck_fail_child(d, a->node, "path",
-                        "%s takes %s away, which %s parameter sets (%s); expected one of them", a->paths[p],
-                        other->paths[q], whose, where);
+                        "%s takes %s away, which %s parameter sets (%s); expected one of them",
+                        a->paths[p], other->paths[q], whose, where);
       else if (strcmp(a->paths[p], other->paths[q]) == 0)
-        deck_fail_child(d, a->node, "path", "%s is set by another parameter already (%s)", a->paths[p],
-                        where);
+        deck_fail_child(d, a->node, "path", "%s is set by another parameter already (%s)",
+                        a->paths[p], where);
       else
-        deck_fail_child(d, a->node, "path", "%s is set by another parameter already, as %s (%s)", a->paths[p],
-                        other->paths[q], where);
+        deck_fail_child(d, a->node, "path", "%s is set by another parameter already, as %s (%s)",
+                        a->paths[p], other->paths[q], where);
       return;
     }
 }
@@ -250,12 +254,14 @@ static void check_paths(deck *d, grid *g) {
     for (size_t p = 0; p < a->n_paths; p++) check_path(d, g, a, p);
   }
   if (g->seed_varies && g->replicas > 1)
-    deck_fail_child(d, g->node, "replicas", "a parameter sets the seed; expected either this or replicas");
+    deck_fail_child(d, g->node, "replicas",
+                    "a parameter sets the seed; expected either this or replicas");
 }
 
 static void read_collect(deck *d, deck_node *collect, deck_grids *all) {
   size_t names = deck_each_count(collect);
-  all->collect = deck_more(d, all->collect, all->n_collect, all->n_collect + names + 1, sizeof *all->collect);
+  all->collect =
+      deck_more(d, all->collect, all->n_collect, all->n_collect + names + 1, sizeof *all->collect);
   for (size_t k = 0; k < names; k++) {
     const deck_node *name = deck_each(collect, k);
     if (name->type != DECK_STRING)
@@ -336,7 +342,8 @@ static bool reserved(const char *name) {
                                         "replicas", "seed", "message", "r",   "deck_path"};
   const char *last = strrchr(name, '.');
   return among(name, columns, sizeof columns / sizeof *columns) || summary_is_column(name, false) ||
-         (last && summary_is_column(last + 1, true)) || ends_in(name, "_error") || ends_in(name, "_scatter");
+         (last && summary_is_column(last + 1, true)) || ends_in(name, "_error") ||
+         ends_in(name, "_scatter");
 }
 
 static void name_axis(deck *d, const deck_grids *all, const grid *g, grid_axis *a) {
@@ -351,8 +358,9 @@ static void name_axis(deck *d, const deck_grids *all, const grid *g, grid_axis *
   if (a->named && why)
     deck_fail_child(d, a->node, "name", "%s; expected another", why);
   else if (!a->named)
-    deck_fail_child(d, a->node, "name", "missing: \"%s\" cannot be taken from the path (%s); expected a name",
-                    name, why ? why : "only letters, digits, and _ . - can");
+    deck_fail_child(d, a->node, "name",
+                    "missing: \"%s\" cannot be taken from the path (%s); expected a name", name,
+                    why ? why : "only letters, digits, and _ . - can");
 }
 
 static void name_axes(deck *d, deck_grids *all) {
@@ -374,6 +382,7 @@ deck_grids deck_read_grids(deck *d) {
   for (size_t k = 0; k < n; k++) read_grid(d, deck_each(node, k), &all.grid[all.n++], &all);
   name_axes(d, &all);
   for (size_t k = 0; k < all.n; k++)
-    if (deck_grid_points(&all.grid[k]) > GRID_MOST) deck_fail(d, node, "more than %d points", GRID_MOST);
+    if (deck_grid_points(&all.grid[k]) > GRID_MOST)
+      deck_fail(d, node, "more than %d points", GRID_MOST);
   return all;
 }

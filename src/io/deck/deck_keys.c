@@ -15,37 +15,39 @@
 static const deck_key material_keys[] = {
     {"name", TEXT, "required", NULL, "name by which disks and walls refer to it"},
 };
-TABLE_WITH(deck_materials, "materials", false, "A material, with the law of its contacts with itself.",
-           material_keys, law_table);
+TABLE_WITH(deck_materials, "materials", false,
+           "A material, with the law of its contacts with itself.", material_keys, law_table);
 
 static const deck_key pair_keys[] = {
     {"materials", NAMES, "required", NULL, "the names of the two materials"},
 };
-TABLE_WITH(deck_pairs, "material_pairs", false, "The law of contacts between two different materials.",
-           pair_keys, law_table);
+TABLE_WITH(deck_pairs, "material_pairs", false,
+           "The law of contacts between two different materials.", pair_keys, law_table);
 
 /* place, radius: "required" for a single disk, "-" where columns give them */
-#define DISK(place)                                                                                          \
-  {"x", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                                     \
-      {"y", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                                 \
-      {"theta", ANGLE("rad"), "0.0", NULL, "angle at the start"},                                            \
-      {"vx", NUMBER(DECK_ANY, "length/time"), "0.0", NULL, "velocity at the start"},                         \
-      {"vy", NUMBER(DECK_ANY, "length/time"), "0.0", NULL, "velocity at the start"},                         \
-      {"omega", ANGLE("rad/time"), "0.0", NULL, "angular velocity at the start"},                            \
-      {"radius", NUMBER(DECK_POSITIVE, "length"), place, NULL, "radius"},                                    \
-      {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "mass; either this or density"},                    \
-      {"density", NUMBER(DECK_POSITIVE, "mass/length^2"), "-", NULL,                                         \
-       "mass per area: mass = density pi R^2"},                                                              \
-      {"inertia", NUMBER(DECK_NOT_NEGATIVE, "mass length^2"), "0.0", NULL, "moment of inertia; 0: m R^2/2"}, \
-      {"material", TEXT, "(the only one)", NULL, "name of the material"},                                    \
-      {"group", TEXT, "-", NULL, "name of a group of disks, made by being used"},                            \
-      {"fixed", BOOL, "false", NULL, "held still, or moved by motions only, whatever pushes"},               \
-      {"locked", COORDINATES, "()", NULL, "coordinates that never change"},                                  \
-      {"force", NUMBERS(DECK_ANY, "force"), "(0.0, 0.0)", NULL, "constant force (f_x, f_y) on the centre"},  \
+#define DISK(place)                                                                                \
+  {"x", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                           \
+      {"y", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                       \
+      {"theta", ANGLE("rad"), "0.0", NULL, "angle at the start"},                                  \
+      {"vx", NUMBER(DECK_ANY, "length/time"), "0.0", NULL, "velocity at the start"},               \
+      {"vy", NUMBER(DECK_ANY, "length/time"), "0.0", NULL, "velocity at the start"},               \
+      {"omega", ANGLE("rad/time"), "0.0", NULL, "angular velocity at the start"},                  \
+      {"radius", NUMBER(DECK_POSITIVE, "length"), place, NULL, "radius"},                          \
+      {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "mass; either this or density"},          \
+      {"density", NUMBER(DECK_POSITIVE, "mass/length^2"), "-", NULL,                               \
+       "mass per area: mass = density pi R^2"},                                                    \
+      {"inertia", NUMBER(DECK_NOT_NEGATIVE, "mass length^2"), "0.0", NULL,                         \
+       "moment of inertia; 0: m R^2/2"},                                                           \
+      {"material", TEXT, "(the only one)", NULL, "name of the material"},                          \
+      {"group", TEXT, "-", NULL, "name of a group of disks, made by being used"},                  \
+      {"fixed", BOOL, "false", NULL, "held still, or moved by motions only, whatever pushes"},     \
+      {"locked", COORDINATES, "()", NULL, "coordinates that never change"},                        \
+      {"force", NUMBERS(DECK_ANY, "force"), "(0.0, 0.0)", NULL,                                    \
+       "constant force (f_x, f_y) on the centre"},                                                 \
       {"torque", NUMBER(DECK_ANY, "force length"), "0.0", NULL, "constant torque"},
 
-static const deck_key disk_keys[] = {{"name", TEXT, "-", NULL, "name by which other groups refer to it"},
-                                     DISK("required")};
+static const deck_key disk_keys[] = {
+    {"name", TEXT, "-", NULL, "name by which other groups refer to it"}, DISK("required")};
 TABLE_EITHER(deck_disks, "disks", false, "One disk.", disk_keys, "mass/density");
 
 static const deck_key row_keys[] = {
@@ -54,8 +56,8 @@ static const deck_key row_keys[] = {
     {"rows", ROWS, "required", NULL, "a list of values for each disk, in the order of the columns"},
     DISK("-")};
 TABLE_EITHER(deck_disk_rows, "disk_rows", false,
-             "Many disks, a row each; keys of `disks` that are not columns hold for all rows.", row_keys,
-             "mass/density");
+             "Many disks, a row each; keys of `disks` that are not columns hold for all rows.",
+             row_keys, "mass/density");
 
 static const deck_shape formats[] = {WORD("csv", DECK_CSV), WORD("hdf5", DECK_HDF5),
                                      WORD("lammps", DECK_LAMMPS), LAST_WORD};
@@ -64,23 +66,26 @@ static const deck_key file_keys[] = {
     {"file", TEXT, "required", NULL, "file, seen from the deck's folder"},
     {"format", CHOICE, "(by the file)", formats,
      "CSV with a line of names at the top, HDF5, or a LAMMPS data file"},
-    {"dataset", TEXT, "(/particles/disks of a result, the only group of H5MD)", NULL, "HDF5: the dataset"},
+    {"dataset", TEXT, "(/particles/disks of a result, the only group of H5MD)", NULL,
+     "HDF5: the dataset"},
     {"columns", NAMES, "(all of CSV, LAMMPS and a result; else x, y, radius)", NULL,
      "columns to take: \"radius\", or \"radius = name in the file\""},
     {"contacts", BOOL, "false", NULL,
-     "result or checkpoint of a run: take its contacts over too, so that the packing stays exactly as it "
+     "result or checkpoint of a run: take its contacts over too, so that the packing stays exactly "
+     "as it "
      "was"},
     DISK("-")};
 TABLE_EITHER(deck_disk_files, "disk_files", false,
-             "Many disks from a file; keys of `disks` that are not columns hold for all rows.", file_keys,
-             "mass/density");
+             "Many disks from a file; keys of `disks` that are not columns hold for all rows.",
+             file_keys, "mass/density");
 
 static const deck_key force_keys[] = {
     {"disk", BODIES, "-", NULL, "disks, by name or number"},
     {"group", NAMES, "-", NULL, "groups of disks"},
     {"force", NUMBERS(DECK_ANY, "force"), "(0.0, 0.0)", NULL,
      "constant force (f_x, f_y), added on each disk"},
-    {"torque", NUMBER(DECK_ANY, "force length"), "0.0", NULL, "constant torque, added on each disk"},
+    {"torque", NUMBER(DECK_ANY, "force length"), "0.0", NULL,
+     "constant torque, added on each disk"},
 };
 TABLE(deck_forces, "forces", false, "A constant force on disks, besides gravity.", force_keys);
 
@@ -89,7 +94,8 @@ static const deck_key lock_keys[] = {
     {"group", NAMES, "-", NULL, "groups of disks"},
     {"coordinates", COORDINATES, "required", NULL, "what never changes"},
 };
-TABLE(deck_locks, "locks", false, "Coordinates of disks that never change, whatever pushes.", lock_keys);
+TABLE(deck_locks, "locks", false, "Coordinates of disks that never change, whatever pushes.",
+      lock_keys);
 
 static const deck_key clump_keys[] = {
     {"name", TEXT, "-", NULL, "name by which motions refer to it"},
@@ -97,11 +103,14 @@ static const deck_key clump_keys[] = {
     {"group", NAMES, "-", NULL, "groups of disks that belong to it"},
     {"mass", NUMBER(DECK_POSITIVE, "mass"), "(of its disks)", NULL, "mass of the whole"},
     {"inertia", NUMBER(DECK_POSITIVE, "mass length^2"), "(of its disks)", NULL,
-     "moment of inertia about the centre of mass; of its disks: sum of I + m d^2, times mass over the sum of "
+     "moment of inertia about the centre of mass; of its disks: sum of I + m d^2, times mass over "
+     "the sum of "
      "m"},
-    {"velocity", NUMBERS(DECK_ANY, "length/time"), "(0.0, 0.0)", NULL, "of the centre at the start"},
+    {"velocity", NUMBERS(DECK_ANY, "length/time"), "(0.0, 0.0)", NULL,
+     "of the centre at the start"},
     {"omega", ANGLE("rad/time"), "0.0", NULL, "angular velocity at the start"},
-    {"force", NUMBERS(DECK_ANY, "force"), "(0.0, 0.0)", NULL, "constant force (f_x, f_y) on the centre"},
+    {"force", NUMBERS(DECK_ANY, "force"), "(0.0, 0.0)", NULL,
+     "constant force (f_x, f_y) on the centre"},
     {"torque", NUMBER(DECK_ANY, "force length"), "0.0", NULL, "constant torque"},
     {"locked", COORDINATES, "()", NULL, "coordinates of the clump that never change"},
 };
@@ -113,10 +122,13 @@ static const deck_shape sides[] = {WORD("inside", true), WORD("outside", false),
 
 static const deck_shape wall_kinds[] = {
     {"line", SD_WALL_LINE, "points* pivot", "infinite straight line through two points"},
-    {"segment", SD_WALL_SEGMENT, "points* pivot", "straight piece between two points; its ends push too"},
-    {"polyline", SD_WALL_POLYLINE, "points* pivot closed", "straight pieces through two or more points"},
+    {"segment", SD_WALL_SEGMENT, "points* pivot",
+     "straight piece between two points; its ends push too"},
+    {"polyline", SD_WALL_POLYLINE, "points* pivot closed",
+     "straight pieces through two or more points"},
     {"circle", SD_WALL_CIRCLE, "center* radius* side*", "round container, or round obstacle"},
-    {"arc", SD_WALL_ARC, "center* radius* from* to* pivot", "part of a circle; both sides and its ends push"},
+    {"arc", SD_WALL_ARC, "center* radius* from* to* pivot",
+     "part of a circle; both sides and its ends push"},
     LAST_WORD,
 };
 
@@ -127,9 +139,12 @@ static const deck_key wall_keys[] = {
     {"points", POINTS, "-", NULL, "list of (x, y)"},
     {"pivot", NUMBERS(DECK_ANY, "length"), "(mean of the points; arc: its centre)", NULL,
      "(x, y) about which it turns", SETS(sd_wall, pivot)},
-    {"closed", BOOL, "false", NULL, "polyline: join the last point to the first", SETS(sd_wall, closed)},
-    {"center", NUMBERS(DECK_ANY, "length"), "-", NULL, "circle, arc: (x, y)", SETS(sd_wall, center)},
-    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "circle, arc: radius", SETS(sd_wall, radius)},
+    {"closed", BOOL, "false", NULL, "polyline: join the last point to the first",
+     SETS(sd_wall, closed)},
+    {"center", NUMBERS(DECK_ANY, "length"), "-", NULL, "circle, arc: (x, y)",
+     SETS(sd_wall, center)},
+    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "circle, arc: radius",
+     SETS(sd_wall, radius)},
     {"from", ANGLE("rad"), "-", NULL, "arc: angle at which it begins, counter-clockwise from x",
      SETS(sd_wall, from)},
     {"to", ANGLE("rad"), "-", NULL, "arc: angle at which it ends, > from; at most a whole turn",
@@ -154,11 +169,12 @@ static const deck_shape container_kinds[] = {
 static const deck_key container_keys[] = {
     {"type", CHOICE, "required", container_kinds, "kind of container, see below",
      SETS(deck_container_values, kind)},
-    {"width", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "inner width", SETS(deck_container_values, width)},
+    {"width", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "inner width",
+     SETS(deck_container_values, width)},
     {"height", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "inner height",
      SETS(deck_container_values, height)},
-    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "drum: its own; bed: of the disks of the floor",
-     SETS(deck_container_values, radius)},
+    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL,
+     "drum: its own; bed: of the disks of the floor", SETS(deck_container_values, radius)},
     {"spacing", NUMBER(DECK_POSITIVE, "length"), "(twice the radius)", NULL,
      "bed: distance of the disks of the floor, fitted to the width"},
     {"outlet", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "hopper: width of its opening",
@@ -172,7 +188,8 @@ static const deck_key container_keys[] = {
     {"material", TEXT, "(the only one)", NULL, "name of the material of its walls"},
 };
 TABLE(deck_container, "container", true,
-      "Walls that hold the disks, with names that motions can use; the region that packings fill and in "
+      "Walls that hold the disks, with names that motions can use; the region that packings fill "
+      "and in "
       "which disks belong.",
       container_keys);
 
@@ -183,7 +200,8 @@ static const deck_shape packing_kinds[] = {
     {"random", SD_PACKING_RANDOM, "count/fraction* tiles",
      "at random, without overlap; up to a fraction of about 0.5"},
     {"front", SD_PACKING_FRONT, "count tiles",
-     "advancing front: each disk touches two, dense and without overlap; fills the region unless count is "
+     "advancing front: each disk touches two, dense and without overlap; fills the region unless "
+     "count is "
      "given"},
     {"rain", SD_PACKING_RAIN, "count* rows interval gap speed tiles",
      "disks wait and fall in batches from just above those that are there"},
@@ -199,25 +217,30 @@ static const deck_shape size_kinds[] = {
      "normal distribution, cut at lower and upper (3 deviations unless given)"},
     {"lognormal", SD_SIZES_LOGNORMAL, "radius* deviation* lower upper",
      "normal distribution of ln R, cut likewise"},
-    {"powerlaw", SD_SIZES_POWERLAW, "exponent* lower* upper*", "p(R) ~ R^-exponent between two radii"},
+    {"powerlaw", SD_SIZES_POWERLAW, "exponent* lower* upper*",
+     "p(R) ~ R^-exponent between two radii"},
     LAST_WORD,
 };
 
 static const deck_key packing_keys[] = {
-    {"type", CHOICE, "required", packing_kinds, "generator, see below", SETS(deck_packing_values, kind)},
+    {"type", CHOICE, "required", packing_kinds, "generator, see below",
+     SETS(deck_packing_values, kind)},
     {"count", INTEGER(DECK_AT_LEAST_1, "disks"), "-", NULL, "number of disks",
      SETS(deck_packing_values, count)},
     {"fraction", NUMBER(DECK_UP_TO_1, "-"), "-", NULL, "area of the disks over that of the region",
      SETS(deck_packing_values, fraction)},
-    {"x", NUMBERS(DECK_ANY, "length"), "(of the container)", NULL, "[lower, upper] edge of the region"},
-    {"y", NUMBERS(DECK_ANY, "length"), "(of the container)", NULL, "[lower, upper] edge of the region"},
+    {"x", NUMBERS(DECK_ANY, "length"), "(of the container)", NULL,
+     "[lower, upper] edge of the region"},
+    {"y", NUMBERS(DECK_ANY, "length"), "(of the container)", NULL,
+     "[lower, upper] edge of the region"},
     {"spacing", NUMBER(DECK_POSITIVE, "length"), "(largest diameter)", NULL,
      "lattices: distance of neighbouring sites"},
     {"jitter", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL,
      "lattices: largest random displacement over the room that a disk has; 1: they may touch",
      SETS(deck_packing_values, jitter)},
     {"tiles", INTEGER(DECK_AT_LEAST_1, "-"), "-", NULL,
-     "slabs side by side along x (rain: runs of disks), each made by itself with its part of count: over MPI "
+     "slabs side by side along x (rain: runs of disks), each made by itself with its part of "
+     "count: over MPI "
      "ranks each rank makes its own",
      SETS(deck_packing_values, tiles)},
     {"rows", INTEGER(DECK_AT_LEAST_1, "-"), "4", NULL, "rain: rows of disks in a batch",
@@ -230,10 +253,11 @@ static const deck_key packing_keys[] = {
      "rain: with which they set out downwards", SETS(deck_packing_values, speed)},
     {"sizes", CHOICE, "\"mono\"", size_kinds, "distribution of the radii, see below",
      SETS(deck_packing_values, sizes.kind)},
-    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "radius; gaussian: mean; lognormal: median",
-     SETS(deck_packing_values, sizes.radius)},
+    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL,
+     "radius; gaussian: mean; lognormal: median", SETS(deck_packing_values, sizes.radius)},
     {"radii", NUMBERS(DECK_POSITIVE, "length"), "-", NULL, "list: the radii"},
-    {"weights", NUMBERS(DECK_NOT_NEGATIVE, "-"), "(all equal)", NULL, "list: how frequent each radius is"},
+    {"weights", NUMBERS(DECK_NOT_NEGATIVE, "-"), "(all equal)", NULL,
+     "list: how frequent each radius is"},
     {"deviation", NUMBER(DECK_POSITIVE, "length or -"), "-", NULL,
      "gaussian: standard deviation; lognormal: that of ln(radius)",
      SETS(deck_packing_values, sizes.deviation)},
@@ -243,12 +267,13 @@ static const deck_key packing_keys[] = {
      SETS(deck_packing_values, sizes.upper)},
     {"exponent", NUMBER(DECK_ANY, "-"), "-", NULL, "powerlaw: a in p(R) ~ R^-a",
      SETS(deck_packing_values, sizes.exponent)},
-    {"density", NUMBER(DECK_POSITIVE, "mass/length^2"), "-", NULL, "mass per area; either this or mass",
-     SETS(deck_packing_values, density)},
+    {"density", NUMBER(DECK_POSITIVE, "mass/length^2"), "-", NULL,
+     "mass per area; either this or mass", SETS(deck_packing_values, density)},
     {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "mass of every disk or clump",
      SETS(deck_packing_values, mass)},
     {"clump", GROUP, "-", NULL,
-     "clumps in place of disks; then radius is that of the template, count and fraction are of clumps and of "
+     "clumps in place of disks; then radius is that of the template, count and fraction are of "
+     "clumps and of "
      "the "
      "circles around them"},
     {"material", TEXT, "(the only one)", NULL, "name of the material"},
@@ -256,23 +281,27 @@ static const deck_key packing_keys[] = {
 };
 static const deck_key packing_clump_keys[] = {
     {"at", POINTS, "required", NULL, "centres of its disks, in units of the radius that is drawn"},
-    {"radii", NUMBERS(DECK_POSITIVE, "radius"), "1.0", NULL, "their radii in these units, or one for all"},
+    {"radii", NUMBERS(DECK_POSITIVE, "radius"), "1.0", NULL,
+     "their radii in these units, or one for all"},
 };
 TABLE(deck_packing_clump, "packings.clump", true,
-      "What each grain of a packing is, in place of a disk: disks that move as one body, turned by a random "
+      "What each grain of a packing is, in place of a disk: disks that move as one body, turned by "
+      "a random "
       "angle.",
       packing_clump_keys);
 
-TABLE_EITHER(deck_packings, "packings", false,
-             "Disks that a generator places; random numbers follow from the deck's seed and the packing's "
-             "place in the deck.",
-             packing_keys, "mass/density");
+TABLE_EITHER(
+    deck_packings, "packings", false,
+    "Disks that a generator places; random numbers follow from the deck's seed and the packing's "
+    "place in the deck.",
+    packing_keys, "mass/density");
 
 #define SHAPE(kind, word, source, amplitude, check, keys, meaning) {#word, kind, keys, meaning},
-const deck_shape deck_motion_kinds[] = {{"fixed", DECK_MOTION_FIXED, "", "u = 0: the coordinate is held"},
-                                        MOTION_KINDS(SHAPE) LAST_WORD};
+const deck_shape deck_motion_kinds[] = {
+    {"fixed", DECK_MOTION_FIXED, "", "u = 0: the coordinate is held"},
+    MOTION_KINDS(SHAPE) LAST_WORD};
 
-#define KEY(member, type, range, unit, initial, meaning)                                                     \
+#define KEY(member, type, range, unit, initial, meaning)                                           \
   {#member, KEY_TYPE(type, range, unit), initial, NULL, meaning, SETS(sd_motion, member)},
 static const deck_key motion_keys[] = {
     {"name", TEXT, "-", NULL, "name by which phases refer to it"},
@@ -281,28 +310,35 @@ static const deck_key motion_keys[] = {
     {"wall", BODIES, "-", NULL, "walls, by name or number"},
     {"clump", BODIES, "-", NULL, "clumps, by name or number"},
     {"coordinate", COORDINATES, "required", NULL,
-     "what moves; theta of a group turns each disk about its own centre; surface of a wall: it runs along "
+     "what moves; theta of a group turns each disk about its own centre; surface of a wall: it "
+     "runs along "
      "the wall, "
      "which stays"},
     {"type", CHOICE, "required", deck_motion_kinds, "kind of motion, see below"},
     {"amplitude", ANGLE("length or rad"), "-", NULL, "amplitude; random: rms displacement"},
     {"acceleration", NUMBER(DECK_POSITIVE, "g"), "-", NULL,
-     "in place of amplitude: peak acceleration in units of g; random: omega^2 times the rms displacement"},
-    {"frequency", NUMBER(DECK_POSITIVE, "1/time"), "-", NULL, "cycles per time; either this or omega"},
+     "in place of amplitude: peak acceleration in units of g; random: omega^2 times the rms "
+     "displacement"},
+    {"frequency", NUMBER(DECK_POSITIVE, "1/time"), "-", NULL,
+     "cycles per time; either this or omega"},
     {"omega", ANGLE("rad/time"), "-", NULL, "angular frequency, > 0"},
     WAVE_KEYS(KEY){"velocity", ANGLE("length/time or rad/time"), "-", NULL, "constant velocity"},
     {"damping", NUMBER(DECK_POSITIVE, "-"), "0.5", NULL, "random: damping ratio c"},
-    {"interval", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL, "random: steps between draws of the noise"},
+    {"interval", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL,
+     "random: steps between draws of the noise"},
     {"independent", BOOL, "(false with `group`, else true)", NULL,
      "random: each body has its own signal, or all share one"},
-    {"ramp", NUMBER(DECK_NOT_NEGATIVE, "time"), "0.0", NULL, "time over which the motion is faded in"},
+    {"ramp", NUMBER(DECK_NOT_NEGATIVE, "time"), "0.0", NULL,
+     "time over which the motion is faded in"},
     {"file", TEXT, "-", NULL, "table: CSV file, seen from the deck's folder"},
     {"columns", NAMES, "(\"time\", \"value\")", NULL, "table: the two columns of the file"},
     {"times", NUMBERS(DECK_ANY, "time"), "-", NULL, "table: times, in place of a file"},
-    {"values", NUMBERS(DECK_ANY, "length or rad"), "-", NULL, "table: displacements at these times"},
+    {"values", NUMBERS(DECK_ANY, "length or rad"), "-", NULL,
+     "table: displacements at these times"},
     {"factor", NUMBER(DECK_ANY, "-"), "1.0", NULL, "table: the values are multiplied by this"},
     {"periodic", BOOL, "false", NULL, "table: repeat it; the last value must equal the first"},
-    {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "load: mass of the wall, which gravity pulls too"},
+    {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL,
+     "load: mass of the wall, which gravity pulls too"},
     {"force", NUMBER(DECK_ANY, "force"), "(0.0 of a load)", NULL,
      "along the coordinate: on a load, besides its weight; by a servo on the disks"},
     {"pressure", NUMBER(DECK_POSITIVE, "force/length"), "-", NULL,
@@ -312,7 +348,8 @@ static const deck_key motion_keys[] = {
     {"speed", NUMBER(DECK_POSITIVE, "length/time"), "-", NULL, "servo: largest speed"},
 };
 TABLE(deck_motions, "motions", false,
-      "A prescribed displacement u(t), added to one or more coordinates of each body it names. Several "
+      "A prescribed displacement u(t), added to one or more coordinates of each body it names. "
+      "Several "
       "motions on the same coordinate add up. t counts from the moment the motion is switched on.",
       motion_keys);
 
@@ -322,18 +359,21 @@ static const deck_key sweep_keys[] = {
      "runs of each set of values, with different seeds"},
     {"collect", NAMES, "(all)", NULL, "columns of the table of results; * stands for any letters"},
 };
-TABLE(
-    deck_sweeps, "sweep", false,
-    "A grid of points. `sweep = { ... }` without a list is one grid; of several, equal points are run once.",
-    sweep_keys);
+TABLE(deck_sweeps, "sweep", false,
+      "A grid of points. `sweep = { ... }` without a list is one grid; of several, equal points "
+      "are run once.",
+      sweep_keys);
 
 static const deck_key sweep_parameter_keys[] = {
-    {"path", NAMES, "required", NULL, "the key that is set, as after -D; several are set to the same value"},
+    {"path", NAMES, "required", NULL,
+     "the key that is set, as after -D; several are set to the same value"},
     {"name", TEXT, "(last words of the path)", NULL, "name in the table and in file names"},
     {"values", VALUES, "-", NULL, "list of values"},
     {"linspace", NUMBERS(DECK_ANY, "-"), "-", NULL, "(first, last, count): evenly spaced"},
-    {"logspace", NUMBERS(DECK_ANY, "-"), "-", NULL, "(first, last, count): evenly spaced logarithms"},
-    {"zip", TEXT, "-", NULL, "parameters with the same word here advance together; all others are crossed"},
+    {"logspace", NUMBERS(DECK_ANY, "-"), "-", NULL,
+     "(first, last, count): evenly spaced logarithms"},
+    {"zip", TEXT, "-", NULL,
+     "parameters with the same word here advance together; all others are crossed"},
 };
 TABLE_EITHER(deck_sweep_parameters, "sweep.parameters", false, "A parameter and its values.",
              sweep_parameter_keys, "values/linspace/logspace");
@@ -351,9 +391,10 @@ const size_t deck_table_count = COUNT(deck_tables);
 /* --- words ------------------------------------------------------------------------------------------------ */
 
 const char *deck_kind_text(deck_kind kind) {
-  static const char *const text[] = {"true or false", "integer", "number", "angle",   "text",
-                                     "choice",        "numbers", "points", "name(s)", "name(s) or number(s)",
-                                     "coordinate(s)", "rows",    "values", "group",   "list of groups"};
+  static const char *const text[] = {
+      "true or false", "integer", "number", "angle",   "text",
+      "choice",        "numbers", "points", "name(s)", "name(s) or number(s)",
+      "coordinate(s)", "rows",    "values", "group",   "list of groups"};
   return text[kind];
 }
 
@@ -411,13 +452,15 @@ bool deck_names_kind(const char *name, bool flag) {
 static void print_shapes(FILE *out, const char *heading, const deck_shape *shape) {
   fprintf(out, "| %s | keys | meaning |\n|---|---|---|\n", heading);
   for (; shape->name; shape++)
-    fprintf(out, "| `\"%s\"` | %s | %s |\n", shape->name, *shape->keys ? shape->keys : "-", shape->meaning);
+    fprintf(out, "| `\"%s\"` | %s | %s |\n", shape->name, *shape->keys ? shape->keys : "-",
+            shape->meaning);
   fprintf(out, "\n");
 }
 
 static void print_key(FILE *out, const deck_key *key) {
   const char *range = deck_range_text(key->range);
-  fprintf(out, "| `%s` | %s | %s", key->name, deck_kind_text(key->kind), *range || key->words ? range : "-");
+  fprintf(out, "| `%s` | %s | %s", key->name, deck_kind_text(key->kind),
+          *range || key->words ? range : "-");
   for (const deck_shape *word = key->words; word && word->name; word++)
     fprintf(out, "%s%s", word == key->words ? "" : " ", word->name);
   fprintf(out, " | %s | %s | %s |\n", key->unit, key->initial, key->meaning);
@@ -447,7 +490,8 @@ void deck_keys_print(FILE *out) {
   for (size_t t = 0; t < deck_table_count; t++) {
     const deck_table *table = deck_tables[t], *base = base_of(table);
     fprintf(out,
-            "### %s\n\n%s\n\n| key | type | range | unit | default | meaning |\n|---|---|---|---|---|---|\n",
+            "### %s\n\n%s\n\n| key | type | range | unit | default | meaning "
+            "|\n|---|---|---|---|---|---|\n",
             table->name, table->meaning);
     const deck_key *key;
     for (size_t k = 0; (key = deck_key_at(table, k)); k++)

@@ -11,8 +11,8 @@
 #include "model/model.h"
 
 extern const deck_table deck_materials, deck_pairs, deck_container, deck_disks, deck_disk_rows,
-    deck_disk_files, deck_packings, deck_packing_clump, deck_clumps, deck_forces, deck_locks, deck_walls,
-    deck_motions, deck_sweeps, deck_sweep_parameters;
+    deck_disk_files, deck_packings, deck_packing_clump, deck_clumps, deck_forces, deck_locks,
+    deck_walls, deck_motions, deck_sweeps, deck_sweep_parameters;
 extern const deck_table *const deck_tables[];
 extern const size_t deck_table_count;
 

@@ -112,8 +112,8 @@ static void header_line(lammps *in) {
   if (n == 2 && strcmp(w[1], "atoms") == 0) whole(in, 0, "atoms", &in->announced);
   for (int c = 0; c < 2; c++)
     if (n == 4 && strcmp(w[2], edges[c][0]) == 0 && strcmp(w[3], edges[c][1]) == 0)
-      in->bounded[c] =
-          number(in, 0, edges[c][0], &in->edge[c][0]) && number(in, 1, edges[c][1], &in->edge[c][1]);
+      in->bounded[c] = number(in, 0, edges[c][0], &in->edge[c][0]) &&
+                       number(in, 1, edges[c][1], &in->edge[c][1]);
   double tilt = 0;
   if (n == 6 && strcmp(w[3], "xy") == 0 && number(in, 0, "xy", &tilt)) in->tilted |= tilt != 0;
   if (n == 4 && strcmp(w[3], "avec") == 0) in->tilted = true;
@@ -132,8 +132,9 @@ static bool open_file(lammps *in, deck *d, const deck_node *file) {
     return false;
   }
   if (!more || in->announced < 0) {
-    deck_fail(d, file,
-              "this is no LAMMPS data file: expected a header with the number of atoms, and sections");
+    deck_fail(
+        d, file,
+        "this is no LAMMPS data file: expected a header with the number of atoms, and sections");
     return false;
   }
   return true;
@@ -144,7 +145,8 @@ bool deck_lammps_box(deck *d, const deck_node *file, double lower[2], double upp
   if (!open_file(&in, d, file)) return false;
   for (int c = 0; c < 2; c++) {
     if (!in.bounded[c] || !(in.edge[c][0] < in.edge[c][1])) {
-      deck_fail(d, file, "the header of this LAMMPS file has no bounds %clo < %chi", "xy"[c], "xy"[c]);
+      deck_fail(d, file, "the header of this LAMMPS file has no bounds %clo < %chi", "xy"[c],
+                "xy"[c]);
       return false;
     }
     lower[c] = in.edge[c][0];
@@ -163,23 +165,26 @@ static bool choose_style(lammps *in) {
       in->style = &styles[k];
   }
   if (in->style) return true;
-  const char *expected = "expected # sphere, # bpm/sphere or # hybrid sphere ..., styles with a diameter";
+  const char *expected =
+      "expected # sphere, # bpm/sphere or # hybrid sphere ..., styles with a diameter";
   if (!*in->comment)
-    deck_fail_place(in->d, in->here, "Atoms: the atom style is not given in a comment; %s", expected);
+    deck_fail_place(in->d, in->here, "Atoms: the atom style is not given in a comment; %s",
+                    expected);
   else if (strcmp(in->comment, "hybrid") == 0)
     deck_fail_place(in->d, in->here,
-                    "Atoms # hybrid: which styles it is made of is not said (older LAMMPS); %s", expected);
-  else
-    deck_fail_place(in->d, in->here, "Atoms # %s: %s", deck_quote(in->d, in->comment, strlen(in->comment)),
+                    "Atoms # hybrid: which styles it is made of is not said (older LAMMPS); %s",
                     expected);
+  else
+    deck_fail_place(in->d, in->here, "Atoms # %s: %s",
+                    deck_quote(in->d, in->comment, strlen(in->comment)), expected);
   return false;
 }
 
 static void add_atom(lammps *in) {
   const atom_style *s = in->style;
   if (s->prefix ? in->n_words < s->n : in->n_words != s->n && in->n_words != s->n + 3) {
-    deck_fail_place(in->d, in->here, "%zu values; expected %s%zu of an atom of style %s%s", in->n_words,
-                    s->prefix ? "at least " : "", s->n, s->name,
+    deck_fail_place(in->d, in->here, "%zu values; expected %s%zu of an atom of style %s%s",
+                    in->n_words, s->prefix ? "at least " : "", s->n, s->name,
                     s->prefix ? "" : ", or 3 more with image flags");
     return;
   }
@@ -289,8 +294,9 @@ static int find_source(const deck_group *g, const deck_columns *t, size_t c) {
   if (s == SOURCES) {
     bool density = strcmp(t->source[c], "density") == 0;
     deck_fail_key(g, "columns", "column \"%s\": %s", t->source[c],
-                  density ? "that of LAMMPS is mass over the volume of a sphere; take \"mass\""
-                          : "expected x, y, radius, mass, vx, vy, omega, type or id of a LAMMPS file");
+                  density
+                      ? "that of LAMMPS is mass over the volume of a sphere; take \"mass\""
+                      : "expected x, y, radius, mass, vx, vy, omega, type or id of a LAMMPS file");
     return NO_COLUMN;
   }
   if ((s >= TYPE) == (t->column[c] >= COLUMN_NUMBERS)) return s;
@@ -300,7 +306,8 @@ static int find_source(const deck_group *g, const deck_columns *t, size_t c) {
 }
 
 /* Without the key `columns`: what the file gives and the deck does not. */
-static void usual_columns(const deck_group *g, const lammps *in, const deck_node *file, deck_columns *t) {
+static void usual_columns(const deck_group *g, const lammps *in, const deck_node *file,
+                          deck_columns *t) {
   static const source usual[] = {X, Y, RADIUS, VX, VY, OMEGA};
   for (size_t k = 0; k < sizeof usual / sizeof *usual; k++) {
     const char *name = source_names[usual[k]];
@@ -316,7 +323,8 @@ void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *t) {
   int from[COLUMN_KINDS] = {0};
   if (!open_file(&in, d, file) || !read_sections(&in)) return;
   if (d->reported == before && in.announced != (long long)in.n_atoms)
-    deck_fail(d, file, "%zu atoms in section Atoms; the header says %lld", in.n_atoms, in.announced);
+    deck_fail(d, file, "%zu atoms in section Atoms; the header says %lld", in.n_atoms,
+              in.announced);
   if (!deck_given(g, "columns")) usual_columns(g, &in, file, t);
   for (size_t c = 0; c < t->n_columns; c++) from[c] = find_source(g, t, c);
   if (d->reported > before) return;

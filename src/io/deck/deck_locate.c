@@ -56,8 +56,8 @@ static deck_place place_of_wall(const deck *d, size_t k) {
 }
 
 /* "disk 3: ..." or "disk "a": ..."; *rest: what follows its number or name. False: another subject. */
-static bool number_of(deck *d, const char *text, const char *kind, const deck_index *names, uint32_t *number,
-                      const char **rest) {
+static bool number_of(deck *d, const char *text, const char *kind, const deck_index *names,
+                      uint32_t *number, const char **rest) {
   const size_t n = strlen(kind);
   if (strncmp(text, kind, n) != 0 || text[n] != ' ') return false;
   const char *p = text + n + 1;
@@ -97,7 +97,8 @@ static const char *locate(deck *d, const char *text, deck_place *place) {
   } else if (number_of(d, text, "clump", &d->clumps, &k, &rest)) {
     *place = place_of_clump(d, k);
   } else if (number_of(d, text, "motion", &d->motions, &k, &rest)) {
-    if (text[strlen("motion ")] != '"') k = k < m->n_motions ? (uint32_t)d->motion_entry[k] : UINT32_MAX;
+    if (text[strlen("motion ")] != '"')
+      k = k < m->n_motions ? (uint32_t)d->motion_entry[k] : UINT32_MAX;
     const deck_node *motion = entry(d, "motions", k);
     if (!motion) return text;
     *place = motion->place;

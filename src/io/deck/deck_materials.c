@@ -28,7 +28,8 @@ static void warn_of_rolling(const deck_group *g, const sd_contact_law *law) {
   if (!(law->k_r > 0) || law->mu_r > 0 || deck_given(g, "mu_r")) return;
   const deck_node *k_r = deck_get(g, "k_r");
   sd_warn(g->d->messages,
-          "%s: %s = %g without mu_r has no effect: the couple is at most mu_r R_eff F_n; give mu_r, or leave "
+          "%s: %s = %g without mu_r has no effect: the couple is at most mu_r R_eff F_n; give "
+          "mu_r, or leave "
           "k_r out",
           deck_place_text(g->d, k_r->place), deck_node_path(g->d, k_r), law->k_r);
 }
@@ -100,7 +101,8 @@ void deck_read_materials(deck *d) {
   m->n_materials = n;
   for (size_t k = 0; k < n; k++) read_material(d, list->child[k], k);
   if (!list && !deck_child(d->root, "materials"))
-    deck_fail_child(d, d->root, "materials", "missing: expected ( { name = \"...\"; k_n = ...; ... } )");
+    deck_fail_child(d, d->root, "materials",
+                    "missing: expected ( { name = \"...\"; k_n = ...; ... } )");
   else if (list && n == 0)
     deck_fail(d, list, "expected at least one material");
   deck_group pair;
@@ -114,10 +116,10 @@ void deck_check_laws(deck *d) {
   for (size_t a = 0, b = 1; laws_find_missing(m, use, &a, &b); b++) {
     const char *one = m->materials[a].name, *two = m->materials[b].name;
     if (a != b)
-      deck_fail_child(
-          d, d->root, "material_pairs",
-          "materials \"%s\" and \"%s\" can touch; expected { materials = (\"%s\", \"%s\"); k_n = ...; }", one,
-          two, one, two);
+      deck_fail_child(d, d->root, "material_pairs",
+                      "materials \"%s\" and \"%s\" can touch; expected { materials = (\"%s\", "
+                      "\"%s\"); k_n = ...; }",
+                      one, two, one, two);
   }
 }
 
@@ -141,25 +143,30 @@ static void read_points(deck_group *g, sd_wall *wall) {
       deck_fail(d, point, "expected a point (x, y)");
       continue;
     }
-    for (size_t c = 0; c < 2; c++) deck_value_number(d, point->child[c], false, &wall->points[k][c]);
+    for (size_t c = 0; c < 2; c++)
+      deck_value_number(d, point->child[c], false, &wall->points[k][c]);
     const double *now = wall->points[k], *before = wall->points[k ? k - 1 : 0];
     if (k > 0 && now[0] == before[0] && now[1] == before[1])
       deck_fail(d, point, "the same as the point before");
   }
   const double *first = wall->points[0], *last = wall->points[list->n - 1];
-  if (wall->closed && list->n < 3) deck_fail(d, list, "a closed polyline needs three points or more");
+  if (wall->closed && list->n < 3)
+    deck_fail(d, list, "a closed polyline needs three points or more");
   if (wall->closed && first[0] == last[0] && first[1] == last[1])
-    deck_fail(d, list->child[list->n - 1], "the same as the first point, to which `closed` joins it already");
+    deck_fail(d, list->child[list->n - 1],
+              "the same as the first point, to which `closed` joins it already");
 }
 
 /* Bare numbers beyond a whole turn may have been meant as degrees. */
 static void fail_arc(const deck_group *g, const sd_wall *wall) {
   static const char *const expected = "expected counterclockwise, by a whole turn at most";
-  const bool bare = deck_get(g, "from")->type == DECK_FLOAT && deck_get(g, "to")->type == DECK_FLOAT;
+  const bool bare =
+      deck_get(g, "from")->type == DECK_FLOAT && deck_get(g, "to")->type == DECK_FLOAT;
   if (bare && fmax(fabs(wall->from), fabs(wall->to)) > 2.0 * M_PI)
-    deck_fail_key(g, "to",
-                  "the arc runs from %g to %g rad; %s; angles are in radians, degrees are \"%.10g deg\"",
-                  wall->from, wall->to, expected, wall->to);
+    deck_fail_key(
+        g, "to",
+        "the arc runs from %g to %g rad; %s; angles are in radians, degrees are \"%.10g deg\"",
+        wall->from, wall->to, expected, wall->to);
   else
     deck_fail_key(g, "to", "the arc runs from %.4g to %.4g degrees; %s", wall->from * 180.0 / M_PI,
                   wall->to * 180.0 / M_PI, expected);

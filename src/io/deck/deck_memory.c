@@ -35,7 +35,8 @@ static uint32_t same_wall(const our_walls *ours, const deck_result *r, size_t k)
     const result_wall *own = &ours->walls[w];
     bool named = *own->name && *theirs->name;
     bool meant = named ? strcmp(own->name, theirs->name) == 0 : w == k && r->n_walls == ours->n;
-    if (meant && own->segments == theirs->segments && strcmp(own->text, theirs->text) == 0) return w;
+    if (meant && own->segments == theirs->segments && strcmp(own->text, theirs->text) == 0)
+      return w;
   }
   return NOWHERE;
 }
@@ -44,7 +45,8 @@ static uint32_t same_wall(const our_walls *ours, const deck_result *r, size_t k)
 static void move_wall(sd_wall *w, double x, double y, double angle, double scale) {
   double c = cos(angle), s = sin(angle);
   for (size_t k = 0; k < w->n_points; k++) {
-    double px = scale * (w->points[k][0] - w->pivot[0]), py = scale * (w->points[k][1] - w->pivot[1]);
+    double px = scale * (w->points[k][0] - w->pivot[0]),
+           py = scale * (w->points[k][1] - w->pivot[1]);
     w->points[k][0] = x + (c * px - s * py);
     w->points[k][1] = y + (s * px + c * py);
   }
@@ -84,9 +86,10 @@ static void place_wall(our_walls *ours, const deck_columns *t, size_t k, uint32_
   bool moved = x != wall->pivot[0] || y != wall->pivot[1];
   if (ours->placed[w] && (moved || angle != own->angle)) {
     const char *name = deck_body_name(ours->d, (uint32_t)(ours->d->model->n_disks + w));
-    deck_fail_child(ours->d, t->file->parent, "contacts",
-                    "%s stands at (%g, %g) in this file and at (%g, %g) in one before, or is turned", name, x,
-                    y, wall->pivot[0], wall->pivot[1]);
+    deck_fail_child(
+        ours->d, t->file->parent, "contacts",
+        "%s stands at (%g, %g) in this file and at (%g, %g) in one before, or is turned", name, x,
+        y, wall->pivot[0], wall->pivot[1]);
   }
   if (ours->placed[w]) return;
   if (moved && angle == 0) move_edges(ours->d->model, wall, x, y);
@@ -115,8 +118,10 @@ static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_w
     const size_t row = r->n_disks + k - r->first_body;
     const uint32_t w = same_wall(ours, r, k);
     sd_tile_wall *wall = &walls[k];
-    *wall = (sd_tile_wall){
-        .pieces = r->walls[k].segments, .first = first, .radius = r->radius[row], .theta = r->theta[row]};
+    *wall = (sd_tile_wall){.pieces = r->walls[k].segments,
+                           .first = first,
+                           .radius = r->radius[row],
+                           .theta = r->theta[row]};
     if (k < r->n_surfaces) wall->surface = r->surface[k];
     first += r->walls[k].segments;
     if (w == NOWHERE) continue;
@@ -138,8 +143,8 @@ static double radius_of(const sd_contact_memory *c, deck_turned b, const sd_tile
   return wall->ring || c->part - wall->first == 1 ? -c->side * wall->arc : 0.0;
 }
 
-void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b, const sd_tile_wall *wall,
-                        bool carried) {
+void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b,
+                        const sd_tile_wall *wall, bool carried) {
   const double rb = radius_of(c, b, wall);
   double shift = a.radius * a.shift; /* of lambda* */
   const double rolled = a.shift - (wall ? -wall->theta : b.shift);
@@ -173,7 +178,8 @@ static void warn_of_lost(deck *d, const deck_result *r, const lost_contacts *los
   const bool known = lost->first >= r->n_disks && lost->first - r->n_disks < r->n_walls;
   const size_t wall = lost->first >= r->n_disks ? lost->first - r->n_disks : 0;
   sd_warn(d->messages,
-          "%s: %zu of %zu contacts are with walls that this deck does not have, or describes in another way "
+          "%s: %zu of %zu contacts are with walls that this deck does not have, or describes in "
+          "another way "
           "(the first: wall %zu%s%s%s of the file); they are not taken over",
           r->path, lost->n, r->all_contacts, wall, known && *r->walls[wall].name ? " \"" : "",
           known ? r->walls[wall].name : "", known && *r->walls[wall].name ? "\"" : "");
@@ -213,7 +219,8 @@ static bool forces_carried(const our_walls *ours, const deck_columns *t) {
   const size_t n = r->n_materials, walls = r->n_bodies - r->n_disks, own = m->n_materials;
   unsigned kept = 0;
   for (size_t c = 0; c < t->n_columns; c++) kept |= 1u << t->column[c];
-  const unsigned needed = 1u << COLUMN_VX | 1u << COLUMN_VY | 1u << COLUMN_OMEGA | 1u << COLUMN_MASS;
+  const unsigned needed =
+      1u << COLUMN_VX | 1u << COLUMN_VY | 1u << COLUMN_OMEGA | 1u << COLUMN_MASS;
   if (n == 0 || (kept & needed) != needed) return false;
   int32_t *mine = deck_alloc(ours->d, n, sizeof *mine);
   for (size_t k = 0; k < n; k++) mine[k] = own_material(ours, t, k);
@@ -228,8 +235,9 @@ static bool forces_carried(const our_walls *ours, const deck_columns *t) {
     if (there == NOWHERE || m->walls[there].material < 0) continue;
     if (theirs < 0 || (size_t)theirs >= n) return false;
     for (size_t i = 0; i < n; i++)
-      if (mine[i] >= 0 && !law_is_same(&r->laws[i * n + (size_t)theirs],
-                                       &m->laws[(size_t)mine[i] * own + (size_t)m->walls[there].material]))
+      if (mine[i] >= 0 &&
+          !law_is_same(&r->laws[i * n + (size_t)theirs],
+                       &m->laws[(size_t)mine[i] * own + (size_t)m->walls[there].material]))
         return false;
   }
   return true;
@@ -247,7 +255,8 @@ static void take_derivatives(deck *d, const deck_columns *t) {
   for (size_t row = 0; row < t->n_rows; row++)
     for (size_t k = 0; k < SD_DERIVATIVES; k++)
       if (!m->disks[t->first + row].locked[k / 3])
-        m->derivatives[t->first + row][k] = r->derivatives[k][t->disk[row]] * pow(ratio, (double)(3 + k % 3));
+        m->derivatives[t->first + row][k] =
+            r->derivatives[k][t->disk[row]] * pow(ratio, (double)(3 + k % 3));
 }
 
 /* Returns whether the forces of the file's contacts hold at step 0. */
@@ -272,7 +281,8 @@ static bool take_contacts(our_walls *ours, const deck_columns *t) {
       if (lost.n++ == 0) lost.first = c.b;
       continue;
     }
-    deck_carry_contact(&c, turned_of(r, c.a), two ? turned_of(r, c.b) : (deck_turned){0}, wall, carried);
+    deck_carry_contact(&c, turned_of(r, c.a), two ? turned_of(r, c.b) : (deck_turned){0}, wall,
+                       carried);
     c.a = body[c.a];
     c.b = two ? body[c.b] : (uint32_t)m->n_disks + wall->wall;
     m->memories[m->n_memories++] = c;

@@ -60,13 +60,15 @@ static size_t read_list(deck *d, deck_node *list, double **out) {
 
 /* The file's numbers in place of the file, for the echo. */
 static void table_to_lists(deck_group *g, size_t n, const double *time, const double *value) {
-  static const char *const file_keys[] = {"file", "columns"}, *const list_keys[] = {"times", "values"};
+  static const char *const file_keys[] = {"file", "columns"}, *const list_keys[] = {"times",
+                                                                                    "values"};
   for (int k = 0; k < 2; k++) deck_remove(g->node, deck_get(g, file_keys[k]));
   for (int k = 0; k < 2; k++) {
     deck_node *list = deck_default_list(g, list_keys[k]);
     list->defaulted = false;
     for (size_t r = 0; r < n; r++)
-      deck_node_new(g->d, list, NULL, DECK_FLOAT, list->place)->value.number = k ? value[r] : time[r];
+      deck_node_new(g->d, list, NULL, DECK_FLOAT, list->place)->value.number =
+          k ? value[r] : time[r];
   }
 }
 
@@ -99,11 +101,13 @@ static void read_table(deck_group *g, sd_motion *motion) {
   motion->periodic = deck_bool(g, "periodic");
   motion->amplitude = deck_number(g, "factor");
   if (from_file) {
-    if (deck_given(g, "values")) deck_fail_key(g, "values", "given together with file; expected one of them");
+    if (deck_given(g, "values"))
+      deck_fail_key(g, "values", "given together with file; expected one of them");
     n = read_table_file(g, &time, &value);
   } else {
     n = read_list(d, at, &time);
-    if (!deck_get(g, "values")) deck_fail_key(g, "values", "missing: expected a value for each of times");
+    if (!deck_get(g, "values"))
+      deck_fail_key(g, "values", "missing: expected a value for each of times");
     if (read_list(d, deck_get(g, "values"), &value) != n && d->reported == before)
       deck_fail_key(g, "values", "expected as many values as times (%zu)", n);
   }
@@ -115,7 +119,8 @@ static void read_table(deck_group *g, sd_motion *motion) {
       break;
     }
   if (motion->periodic && n && value[0] != value[n - 1])
-    deck_fail_key(g, "periodic", "the last value (%g) must equal the first (%g)", value[n - 1], value[0]);
+    deck_fail_key(g, "periodic", "the last value (%g) must equal the first (%g)", value[n - 1],
+                  value[0]);
   if (d->reported > before) return;
   motion->n_table = n;
   motion->table_time = time; /* in the arena; each motion of the model gets its own copy */
@@ -129,7 +134,8 @@ static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, s
                  const uint32_t *bodies) {
   sd_model *m = d->model;
   const size_t capacity = d->motion_capacity;
-  d->motion_entry = deck_extend(d, d->motion_entry, m->n_motions, &d->motion_capacity, sizeof entry);
+  d->motion_entry =
+      deck_extend(d, d->motion_entry, m->n_motions, &d->motion_capacity, sizeof entry);
   if (d->motion_capacity > capacity)
     m->motions = memory_grow(m->motions, d->motion_capacity, sizeof *m->motions);
   sd_motion *motion = &m->motions[m->n_motions];
@@ -153,20 +159,22 @@ static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, s
 static uint32_t stream_of(deck *d, const deck_node *node, streams *s, int thing, size_t index,
                           int coordinate) {
   if (index >= STREAM_INDICES) {
-    deck_fail(d, node, "random motions reach disks and walls up to number %d only", STREAM_INDICES - 1);
+    deck_fail(d, node, "random motions reach disks and walls up to number %d only",
+              STREAM_INDICES - 1);
     return 0;
   }
   unsigned char *used = &s->used[thing][SD_MOVED * index + (size_t)coordinate];
   if (*used == STREAM_ORDINALS) {
-    deck_fail(d, node, "more than %d random motions on one coordinate of one body", STREAM_ORDINALS);
+    deck_fail(d, node, "more than %d random motions on one coordinate of one body",
+              STREAM_ORDINALS);
     return 0;
   }
   unsigned ordinal = (*used)++;
   return stream_number(thing, (uint32_t)index, ordinal, coordinate);
 }
 
-static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry, const deck_bodies *bodies,
-                        unsigned mask, streams *s) {
+static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry,
+                        const deck_bodies *bodies, unsigned mask, streams *s) {
   size_t n_disks = d->model->n_disks;
   deck_default_bool(g, "independent", !bodies->shared);
   bool independent = deck_bool(g, "independent");
@@ -182,8 +190,8 @@ static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry,
     for (size_t b = 0; b < bodies->n; b++) {
       uint32_t body = bodies->body[b];
       bool disk = body < n_disks;
-      motion->stream =
-          stream_of(d, g->node, s, disk ? STREAM_DISK : STREAM_WALL, disk ? body : body - n_disks, c);
+      motion->stream = stream_of(d, g->node, s, disk ? STREAM_DISK : STREAM_WALL,
+                                 disk ? body : body - n_disks, c);
       push(d, motion, entry, c, 1, &body);
     }
   }
@@ -198,7 +206,8 @@ static void check_held(deck *d, deck_group *g, const deck_bodies *bodies, unsign
     const bool *locked = body < walls ? m->disks[body].locked : m->clumps[body - walls].locked;
     for (int c = 0; body < walls && c < 3; c++)
       if (mask >> c & 1) deck_forget_velocity(d, body, c);
-    const double *velocity = body < walls ? m->disks[body].velocity : m->clumps[body - walls].velocity;
+    const double *velocity =
+        body < walls ? m->disks[body].velocity : m->clumps[body - walls].velocity;
     for (int c = 0; c < 3; c++) {
       if (!(mask >> c & 1) || !(locked[c] || fabs(velocity[c]) > 0)) continue;
       char name[80];
@@ -229,8 +238,8 @@ static void check_clumped(deck *d, deck_group *g, const deck_bodies *bodies) {
     if (body >= m->n_disks || m->disks[body].clump == 0) continue;
     const uint32_t whole = (uint32_t)sd_model_bodies(m) + (uint32_t)m->disks[body].clump - 1;
     deck_fail_key(g, deck_given(g, "disk") ? "disk" : "group",
-                  "%s belongs to %s; expected `clump`, which moves the whole", deck_body_name(d, body),
-                  deck_body_name(d, whole));
+                  "%s belongs to %s; expected `clump`, which moves the whole",
+                  deck_body_name(d, body), deck_body_name(d, whole));
     return;
   }
 }
@@ -253,14 +262,16 @@ static void read_length(deck_group *g, sd_motion *motion, const sd_wall *wall, i
   if (deck_given(g, "length")) {
     motion->length = deck_number(g, "length");
   } else if (wall->kind == SD_WALL_SEGMENT && wall->n_points == 2) {
-    motion->length = hypot(wall->points[1][0] - wall->points[0][0], wall->points[1][1] - wall->points[0][1]);
+    motion->length =
+        hypot(wall->points[1][0] - wall->points[0][0], wall->points[1][1] - wall->points[0][1]);
   } else if (wall->kind == SD_WALL_LINE && m->periodic[across]) {
     motion->length = m->upper[across] - m->lower[across];
   } else if (wall->kind == SD_WALL_LINE && m->container == SD_CONTAINER_BOX) {
     motion->length = m->region_upper[across] - m->region_lower[across];
     for (int k = 0; k < 2; k++) motion->beside[k] = wall_called(m, beside[across][k]);
   } else {
-    deck_fail_key(g, "length", "missing: expected the length of the wall that the pressure acts on");
+    deck_fail_key(g, "length",
+                  "missing: expected the length of the wall that the pressure acts on");
   }
 }
 
@@ -303,7 +314,8 @@ static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const 
   }
   int coordinate = mask == 1u << SD_X ? SD_X : SD_Y;
   if (mask && mask != 1u << SD_X && mask != 1u << SD_Y)
-    deck_fail_key(g, "coordinate", "a %s moves its wall along one direction; expected \"x\" or \"y\"", what);
+    deck_fail_key(g, "coordinate",
+                  "a %s moves its wall along one direction; expected \"x\" or \"y\"", what);
   if (motion->kind == SD_MOTION_LOAD) read_load(g, motion, coordinate);
   for (size_t b = 0; d->reported == before && b < bodies->n; b++) {
     if (motion->kind == SD_MOTION_SERVO) read_servo(g, motion, bodies->body[b], coordinate);
@@ -314,7 +326,7 @@ static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const 
 /* --- signals ------------------------------------------------------------------------------------------------ */
 
 static void read_wave_keys(deck_group *g, const deck_shape *shape, sd_motion *motion) {
-#define READ(member, ...)                                                                                    \
+#define READ(member, ...)                                                                          \
   if (deck_listed(shape->keys, #member)) motion->member = deck_number(g, #member);
   WAVE_KEYS(READ)
 #undef READ
@@ -353,8 +365,9 @@ static void read_motion(deck_group *g, size_t entry, streams *s) {
   if (!shape) return;
   char *own_name = name ? deck_copy(d, name, strlen(name)) : NULL;
   bool fixed = shape->kind == DECK_MOTION_FIXED; /* velocity 0 */
-  sd_motion motion = {
-      .name = own_name, .kind = fixed ? SD_MOTION_VELOCITY : (sd_motion_kind)shape->kind, .interval = 1};
+  sd_motion motion = {.name = own_name,
+                      .kind = fixed ? SD_MOTION_VELOCITY : (sd_motion_kind)shape->kind,
+                      .interval = 1};
   if (motion_is_feedback(&motion)) {
     read_feedback(g, &motion, entry, &bodies, mask);
     return;
@@ -380,10 +393,11 @@ void deck_check_motions(deck *d) {
   for (size_t k = 0; k < m->n_phases; k++) {
     if (!sd_model_clash(m, k, q)) continue;
     const deck_node *other = list->child[d->motion_entry[q[1]]];
-    deck_fail(d, list->child[d->motion_entry[q[0]]],
-              "in phase %zu, %s moves the same coordinate of this wall; a load or a servo expects to be "
-              "alone there",
-              k, deck_node_path(d, other));
+    deck_fail(
+        d, list->child[d->motion_entry[q[0]]],
+        "in phase %zu, %s moves the same coordinate of this wall; a load or a servo expects to be "
+        "alone there",
+        k, deck_node_path(d, other));
     return;
   }
 }
@@ -392,7 +406,8 @@ void deck_read_motions(deck *d) {
   sd_model *m = d->model;
   deck_group g;
   /* clumps follow the walls */
-  size_t things[STREAM_THINGS] = {m->n_disks, m->n_walls + m->n_clumps, m->n_groups, model_movables(m)};
+  size_t things[STREAM_THINGS] = {m->n_disks, m->n_walls + m->n_clumps, m->n_groups,
+                                  model_movables(m)};
   streams s;
   for (int k = 0; k < STREAM_THINGS; k++) s.used[k] = deck_alloc(d, SD_MOVED * things[k] + 1, 1);
   for (size_t k = 0; deck_next(d, &deck_motions, &k, &g);) {

@@ -97,7 +97,9 @@ const char *deck_quote(deck *d, const char *text, size_t n) {
   return copy;
 }
 
-void *deck_keep(deck *d, size_t n, size_t size) { return memset(deck_grow(d, NULL, n, size), 0, n * size); }
+void *deck_keep(deck *d, size_t n, size_t size) {
+  return memset(deck_grow(d, NULL, n, size), 0, n * size);
+}
 
 void *deck_grow(deck *d, void *old, size_t n, size_t size) {
   if (!memory_resize_row(&old, n, size)) longjmp(d->out_of_memory, 1);
@@ -115,7 +117,8 @@ void deck_memory_free(deck *d) {
 
 /* --- the tree ------------------------------------------------------------------------------------------- */
 
-deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type type, deck_place place) {
+deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type type,
+                         deck_place place) {
   deck_node *node = deck_alloc(d, 1, sizeof *node);
   *node = (deck_node){.name = name, .type = type, .place = place, .parent = parent};
   if (!parent) return node;
@@ -141,7 +144,8 @@ void deck_remove(deck_node *parent, const deck_node *child) {
 const char *deck_node_path(deck *d, const deck_node *node) {
   if (!node || !node->parent) return "";
   /* the one phase of a deck without phases: its keys stand at the top */
-  if (node->type == DECK_GROUP && node->parent->type == DECK_LIST && node->parent->defaulted) return "";
+  if (node->type == DECK_GROUP && node->parent->type == DECK_LIST && node->parent->defaulted)
+    return "";
   const char *above = deck_node_path(d, node->parent);
   if (node->name) return *above ? deck_format(d, "%s.%s", above, node->name) : node->name;
   size_t k = 0;
@@ -216,18 +220,20 @@ void deck_fail(deck *d, const deck_node *node, const char *format, ...) {
   bool leaf = node->type != DECK_GROUP;
   va_list args;
   va_start(args, format);
-  report(d, node->place, leaf ? deck_format(d, "%s = %s", path, deck_node_value(d, node)) : path, format,
-         args);
+  report(d, node->place, leaf ? deck_format(d, "%s = %s", path, deck_node_value(d, node)) : path,
+         format, args);
   va_end(args);
 }
 
-static void fail_child(deck *d, const deck_node *group, const char *key, const char *format, va_list args) {
+static void fail_child(deck *d, const deck_node *group, const char *key, const char *format,
+                       va_list args) {
   if (counted(d)) return;
   const char *path = deck_node_path(d, group);
   const deck_node *node = deck_child(group, key);
   if (node && node->defaulted) node = NULL;
   const char *head = *path ? deck_format(d, "%s.%s", path, key) : key;
-  if (node && node->type != DECK_GROUP) head = deck_format(d, "%s = %s", head, deck_node_value(d, node));
+  if (node && node->type != DECK_GROUP)
+    head = deck_format(d, "%s = %s", head, deck_node_value(d, node));
   report(d, node ? node->place : group->place, head, format, args);
 }
 
@@ -245,17 +251,20 @@ void deck_fail_key(const deck_group *g, const char *key, const char *format, ...
   va_end(args);
 }
 
-size_t deck_disk_bytes(bool free) { return comm_world() ? sizeof(sd_disk) : state_disk_bytes(free); }
+size_t deck_disk_bytes(bool free) {
+  return comm_world() ? sizeof(sd_disk) : state_disk_bytes(free);
+}
 
 /* Disks that every rank makes are no more than these. */
 enum { MOST_OF_ALL_RANKS = 2000000 };
 
-void deck_need(deck *d, const deck_node *group, const char *key, double n, size_t bytes, const char *what) {
+void deck_need(deck *d, const deck_node *group, const char *key, double n, size_t bytes,
+               const char *what) {
   const double needed = n * (double)bytes;
   if (d->comm && n > MOST_OF_ALL_RANKS) {
     d->lacks_told = true;
-    deck_fail_child(d, group, key, "every rank would have all %.10g %s%s%s; expected at most %d%s", n, what,
-                    d->why ? ", since " : "", d->why ? d->why : "", MOST_OF_ALL_RANKS,
+    deck_fail_child(d, group, key, "every rank would have all %.10g %s%s%s; expected at most %d%s",
+                    n, what, d->why ? ", since " : "", d->why ? d->why : "", MOST_OF_ALL_RANKS,
                     d->why ? ""
                            : ", a packing with `tiles`, or an HDF5 file, which ranks read in parts "
                              "(docs/cluster.md)");
@@ -265,8 +274,8 @@ void deck_need(deck *d, const deck_node *group, const char *key, double n, size_
   d->lacks_told = true;
   deck_fail_child(
       d, group, key,
-      "%.10g %s need at least %.3g GB of memory, and this process can have %.3g GB; expected fewer", n, what,
-      1e-9 * needed, 1e-9 * memory_limit(1));
+      "%.10g %s need at least %.3g GB of memory, and this process can have %.3g GB; expected fewer",
+      n, what, 1e-9 * needed, 1e-9 * memory_limit(1));
   longjmp(d->out_of_memory, 1);
 }
 
@@ -317,7 +326,8 @@ static size_t *slot_of(const deck_index *x, const char *name) {
   uint64_t h = UINT64_C(14695981039346656037);
   for (const char *p = name; *p; p++) h = (h ^ (unsigned char)*p) * UINT64_C(1099511628211);
   size_t k = (size_t)(h ^ h >> 32) & (x->n_slots - 1);
-  while (x->slot[k] && strcmp(x->name[x->slot[k] - 1].name, name) != 0) k = (k + 1) & (x->n_slots - 1);
+  while (x->slot[k] && strcmp(x->name[x->slot[k] - 1].name, name) != 0)
+    k = (k + 1) & (x->n_slots - 1);
   return &x->slot[k];
 }
 
@@ -342,7 +352,8 @@ bool deck_index_add(deck *d, deck_index *x, const char *name, uint32_t number) {
 }
 
 void deck_index_guess(const deck *d, const deck_index *x, guess *near) {
-  for (size_t k = 0; k < x->n && k < MOST_GUESSES && !deck_told(d); k++) guess_add(near, x->name[k].name);
+  for (size_t k = 0; k < x->n && k < MOST_GUESSES && !deck_told(d); k++)
+    guess_add(near, x->name[k].name);
 }
 
 const char *deck_index_list(deck *d, const deck_index *x) {

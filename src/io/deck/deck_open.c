@@ -73,8 +73,9 @@ static sd_status no_memory(const deck *d, sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", d->path);
 }
 
-sd_status deck_open(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
-                    deck_use *use, void *user, sd_messages *messages) {
+sd_status deck_open(const char *text, const char *path, size_t n_settings,
+                    const deck_setting *settings, deck_use *use, void *user,
+                    sd_messages *messages) {
   deck *d = memory_new(1, sizeof *d);
   d->path = path;
   d->messages = messages;
@@ -83,7 +84,9 @@ sd_status deck_open(const char *text, const char *path, size_t n_settings, const
   if (setjmp(d->out_of_memory) == 0)
     status = open_and_use(d, &t);
   else
-    status = d->whole && *d->whole ? SD_ERROR_USER : d->lacks_told ? SD_ERROR_IO : no_memory(d, messages);
+    status = d->whole && *d->whole ? SD_ERROR_USER
+             : d->lacks_told       ? SD_ERROR_IO
+                                   : no_memory(d, messages);
   deck_report_rest(d);
   if (status != SD_OK) sd_model_free(d->model);
   deck_parse_free(d);

@@ -31,8 +31,8 @@ static bool tell_disks(void *user, const overlap *o) {
     deck_fail_place(t->d, t->d->disk_place[later], "%s and %s have the same centre", one, two);
   else
     deck_fail_place(t->d, t->d->disk_place[later],
-                    "%s and %s overlap by %g, more than max_overlap = %g of the smaller radius %g", one, two,
-                    o->depth, m->max_overlap, smaller);
+                    "%s and %s overlap by %g, more than max_overlap = %g of the smaller radius %g",
+                    one, two, o->depth, m->max_overlap, smaller);
   return false;
 }
 
@@ -43,7 +43,8 @@ static bool tell_wall(void *user, const overlap *o) {
   if (!(o->depth > m->max_overlap * radius) || t->found++ >= MOST_ALIKE) return false;
   deck_fail_place(t->d, deck_disk_place(t->d, o->a),
                   "%s sits %g deep in %s, more than max_overlap = %g of its radius %g",
-                  deck_body_name(t->d, o->a), o->depth, deck_body_name(t->d, o->b), m->max_overlap, radius);
+                  deck_body_name(t->d, o->a), o->depth, deck_body_name(t->d, o->b), m->max_overlap,
+                  radius);
   return false;
 }
 
@@ -58,7 +59,8 @@ static void check_inside(deck *d) {
         continue;
       if (found++ >= MOST_ALIKE) continue;
       const uint32_t i = rows_number(m, row);
-      deck_fail_place(d, deck_disk_place(d, i), "%s: %c = %g lies outside the periodic box from %g to %g",
+      deck_fail_place(d, deck_disk_place(d, i),
+                      "%s: %c = %g lies outside the periodic box from %g to %g",
                       deck_body_name(d, i), c == SD_X ? 'x' : 'y', x, m->lower[c], m->upper[c]);
     }
   tell_rest(d, found, "coordinates lie outside the periodic box");

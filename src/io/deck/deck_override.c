@@ -23,8 +23,9 @@ static bool same_word(const char *word, size_t n, const char *text) {
 
 /* What -D has set stands in the command line. */
 static deck_place place_of(deck *d, const deck_setting *s) {
-  return s->place.file ? s->place
-                       : (deck_place){deck_format(d, "-D %s", deck_quote(d, s->text, strlen(s->text))), 0};
+  return s->place.file
+             ? s->place
+             : (deck_place){deck_format(d, "-D %s", deck_quote(d, s->text, strlen(s->text))), 0};
 }
 
 /* About the setting as a whole: "-D path=value: ...", or "file:line: path = value: ...". */
@@ -69,7 +70,8 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   const char *why = sd_messages_count(mine) > 0 ? sd_messages_text(mine, 0) : ": ";
   why = deck_copy(d, why, strlen(why));
   sd_messages_free(mine);
-  bool bad_text = one && d->reported > reported; /* all that is wrong with a value that can be parsed */
+  bool bad_text =
+      one && d->reported > reported; /* all that is wrong with a value that can be parsed */
   d->reported = reported;
   if (bad_text) fail(d, s, "expected a text in UTF-8 without control characters");
   if (one) return bad_text ? NULL : root->child[0];
@@ -118,7 +120,8 @@ static const char *names_of(deck *d, const deck_node *list) {
   return text;
 }
 
-static deck_node *element(deck *d, const deck_setting *s, deck_node *list, const char *word, size_t n) {
+static deck_node *element(deck *d, const deck_setting *s, deck_node *list, const char *word,
+                          size_t n) {
   deck_node *found = find_entry(list, word, n);
   if (found) return found;
   guess near = guess_start(deck_copy(d, word, n));
@@ -190,7 +193,8 @@ static size_t path_depth(const char *p) {
   return n;
 }
 
-static void set(deck *d, const deck_setting *s, deck_node *at, const char *p, const deck_node *value) {
+static void set(deck *d, const deck_setting *s, deck_node *at, const char *p,
+                const deck_node *value) {
   while (*p) {
     if (strncmp(p, "[*]", 3) == 0 || strncmp(p, ".[*]", 4) == 0) {
       if (at->type != DECK_LIST) fail(d, s, "%s is no list", deck_node_path(d, at));

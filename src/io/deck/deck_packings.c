@@ -37,7 +37,9 @@ typedef struct packing {
 /* --- region --------------------------------------------------------------------------------------------- */
 
 /* The region's upper edge is one of the container. */
-static bool has_lid(const deck *d) { return d->model->container == SD_CONTAINER_BOX && !d->container->open; }
+static bool has_lid(const deck *d) {
+  return d->model->container == SD_CONTAINER_BOX && !d->container->open;
+}
 
 static void check_edges(packing *p, int c) {
   deck *d = p->g.d;
@@ -48,13 +50,15 @@ static void check_edges(packing *p, int c) {
     return;
   }
   if (m->periodic[c] && (p->lower[c] < m->lower[c] || p->upper[c] > m->upper[c])) {
-    deck_fail_key(&p->g, key, "reaches beyond the periodic box, from %g to %g", m->lower[c], m->upper[c]);
+    deck_fail_key(&p->g, key, "reaches beyond the periodic box, from %g to %g", m->lower[c],
+                  m->upper[c]);
     return;
   }
   if (m->container == SD_CONTAINER_NONE || m->periodic[c]) return;
   bool open = c == SD_Y && !has_lid(d);
   double slack = 1e-12 * (m->region_upper[c] - m->region_lower[c]);
-  if (p->lower[c] < m->region_lower[c] - slack || (p->upper[c] > m->region_upper[c] + slack && !open))
+  if (p->lower[c] < m->region_lower[c] - slack ||
+      (p->upper[c] > m->region_upper[c] + slack && !open))
     deck_fail_key(&p->g, key, "reaches beyond the container, from %g to %g", m->region_lower[c],
                   m->region_upper[c]);
 }
@@ -69,9 +73,10 @@ static void read_region(packing *p) {
     const char *key = c ? "y" : "x";
     if (!deck_get(&p->g, key)) {
       if (!(m->region_upper[c] > m->region_lower[c])) {
-        deck_fail_key(&p->g, key,
-                      "missing: expected (lower, upper), since no container and no box gives edges in %s",
-                      key);
+        deck_fail_key(
+            &p->g, key,
+            "missing: expected (lower, upper), since no container and no box gives edges in %s",
+            key);
         continue;
       }
       deck_default_pair(&p->g, key, (double[2]){m->region_lower[c], m->region_upper[c]});
@@ -97,8 +102,8 @@ static void check_room(packing *p, double width, double height) {
   for (int c = 0; c < 2; c++) {
     bool wraps = m->periodic[c] && extent[c] >= m->upper[c] - m->lower[c];
     if (2 * largest > extent[c] * (1 + 1e-12) && !wraps)
-      deck_fail(d, p->g.node, "a disk of radius %g does not fit into a region that is %g %s", largest,
-                extent[c], c ? "high" : "wide");
+      deck_fail(d, p->g.node, "a disk of radius %g does not fit into a region that is %g %s",
+                largest, extent[c], c ? "high" : "wide");
   }
 }
 
@@ -147,8 +152,9 @@ static void push(packing *p, size_t n, const double *circle, double (*position)[
   const double *angle = grain->at ? draw_angles(p, n) : NULL;
   for (size_t k = 0; k < n; k++) {
     const double radius = circle[k] / grain->reach;
-    double mass =
-        p->v.mass == 0 ? p->v.density * 3.14159265358979323846 * radius * radius * grain->area : p->v.mass;
+    double mass = p->v.mass == 0
+                      ? p->v.density * 3.14159265358979323846 * radius * radius * grain->area
+                      : p->v.mass;
     if (!mass_is_good(p, mass)) return;
     sd_disk disk = {.position = {position[k][0], position[k][1], 0},
                     .radius = radius,
@@ -164,7 +170,8 @@ static void push(packing *p, size_t n, const double *circle, double (*position)[
 
 /* Radii whose areas add up to `area` as nearly as they can: a fixed number where there are few radii, else as many as
  * it takes. Returns how many; capacity: at most. */
-static size_t draw_area(const packing *p, gsl_rng *rng, double area, size_t capacity, double *radius) {
+static size_t draw_area(const packing *p, gsl_rng *rng, double area, size_t capacity,
+                        double *radius) {
   double sum = 0;
   size_t n = (size_t)fmax(1, fmin(rint(area / p->mean_area), (double)capacity));
   sizes_draw(p->sizes, rng, n, radius);
@@ -209,8 +216,8 @@ static bench open_bench(const packing *p, double capacity) {
   bench b = {.capacity = (size_t)capacity};
   b.radius = deck_alloc(d, b.capacity, sizeof *b.radius);
   b.position = deck_alloc(d, b.capacity, sizeof *b.position);
-  b.status = place_begin(&b.space, d->model, d->model->n_disks, &d->container->interior, p->lower, p->upper,
-                         b.capacity);
+  b.status = place_begin(&b.space, d->model, d->model->n_disks, &d->container->interior, p->lower,
+                         p->upper, b.capacity);
   b.rng = sizes_random(d->model->seed, p->number);
   return b;
 }
@@ -230,7 +237,8 @@ static double read_spacing(packing *p) {
   double spacing = deck_number(g, "spacing");
   if (spacing < 2 * p->sizes->upper)
     deck_fail_key(g, "spacing", "expected at least the largest diameter, %g", 2 * p->sizes->upper);
-  if (p->v.jitter > 1) deck_fail_key(g, "jitter", "expected at most 1; beyond it disks could overlap");
+  if (p->v.jitter > 1)
+    deck_fail_key(g, "jitter", "expected at most 1; beyond it disks could overlap");
   return d->reported > before ? 0 : spacing;
 }
 
@@ -242,7 +250,8 @@ static void make_lattice(packing *p) {
   double sites = ((p->upper[0] - p->lower[0]) / spacing + 1) *
                  ((p->upper[1] - p->lower[1]) / (spacing * sqrt(0.75)) + 1);
   if (sites > LIMIT_DISKS) {
-    deck_fail_key(g, "spacing", "the lattice has about %g sites; expected at most %d", sites, LIMIT_DISKS);
+    deck_fail_key(g, "spacing", "the lattice has about %g sites; expected at most %d", sites,
+                  LIMIT_DISKS);
     return;
   }
   if (p->v.count == 0) deck_need(d, g->node, "spacing", rint(sites), BENCH_BYTES, "sites");
@@ -279,11 +288,11 @@ static void make_random(packing *p) {
   double all = fraction_of(p, b.n, b.radius);
   for (size_t k = 0; k < b.n; k++)
     if (isnan(b.position[k][0])) b.radius[k] = 0;
-  deck_fail_key(
-      &p->g, by_count ? "count" : "fraction",
-      "random placement found no room for more than %zu of %zu disks, a fraction of %.3f of the region "
-      "where %.3f was asked for; expected less, or type \"front\"",
-      placed, b.n, fraction_of(p, b.n, b.radius), all);
+  deck_fail_key(&p->g, by_count ? "count" : "fraction",
+                "random placement found no room for more than %zu of %zu disks, a fraction of %.3f "
+                "of the region "
+                "where %.3f was asked for; expected less, or type \"front\"",
+                placed, b.n, fraction_of(p, b.n, b.radius), all);
 }
 
 /* Without count there are more disks than can fit. */
@@ -303,8 +312,9 @@ static void make_front(packing *p) {
   if (placed == 0)
     deck_fail(d, p->g.node, "the front found no place for a disk in the region");
   else if ((int64_t)placed < p->v.count)
-    deck_fail_key(&p->g, "count", "the front has filled the region with %zu disks, a fraction of %.3f",
-                  placed, fraction_of(p, placed, b.radius));
+    deck_fail_key(&p->g, "count",
+                  "the front has filled the region with %zu disks, a fraction of %.3f", placed,
+                  fraction_of(p, placed, b.radius));
   else
     push(p, placed, b.radius, b.position, false);
 }
@@ -355,17 +365,20 @@ static void check_tiles(packing *p) {
   if (p->v.count == 0)
     deck_fail_key(g, "count", "missing: expected the number of disks, which tiles share");
   else if (p->v.tiles > p->v.count)
-    deck_fail_key(g, "tiles", "expected at most one for each of the %lld disks", (long long)p->v.count);
+    deck_fail_key(g, "tiles", "expected at most one for each of the %lld disks",
+                  (long long)p->v.count);
   const bool rain = p->v.kind == SD_PACKING_RAIN;
   if (!(2 * p->sizes->upper <= wide) && !rain)
-    deck_fail_key(g, "tiles",
-                  "each is %g wide; expected fewer, so that a disk of radius %g fits between their edges",
-                  wide, p->sizes->upper);
+    deck_fail_key(
+        g, "tiles",
+        "each is %g wide; expected fewer, so that a disk of radius %g fits between their edges",
+        wide, p->sizes->upper);
   if (p->grain.at) deck_fail_key(g, "tiles", "clumps are not made in tiles");
   if (!rain && (kind == SD_CONTAINER_HOPPER || kind == SD_CONTAINER_DRUM))
     deck_fail_key(g, "tiles", "expected a container that is a rectangle");
   if (p->sizes->n > SD_TILE_RADII)
-    deck_fail_key(g, "radii", "expected at most %d in a packing that is made in tiles", SD_TILE_RADII);
+    deck_fail_key(g, "radii", "expected at most %d in a packing that is made in tiles",
+                  SD_TILE_RADII);
 }
 
 /* The disks of a tile; NULL: told. */
@@ -414,7 +427,8 @@ static void make_tiled(packing *p, double spacing, double height) {
   keep_tiles(p, spacing);
   if (p->v.kind == SD_PACKING_RAIN) wait_above(&m->tiles, height);
   if (d->comm && d->whole && !p->last && m->tiles.n > 1)
-    sd_warn(d->messages, "packings[%zu].tiles: every rank makes all, since the packing is not the last",
+    sd_warn(d->messages,
+            "packings[%zu].tiles: every rank makes all, since the packing is not the last",
             p->number);
   m->tiles.group = deck_group_number(d, p->group);
   m->tiles.away = d->comm && d->whole && p->last && m->tiles.n > 1 && m->tiles.count >= FEWEST_AWAY;
@@ -445,10 +459,12 @@ static double rain_floor(packing *p) {
   if (in->kind == SD_CONTAINER_DRUM) {
     double low = place_half_width(in, p->lower[1]), high = place_half_width(in, p->upper[1]);
     if (fmin(low, high) < half * (1 - 1e-12))
-      deck_fail(d, p->g.node, "rain in a drum needs x and y, a rectangle that lies inside the drum");
+      deck_fail(d, p->g.node,
+                "rain in a drum needs x and y, a rectangle that lies inside the drum");
   }
   if (in->kind != SD_CONTAINER_HOPPER || half <= in->bottom) return p->lower[1];
-  return fmax(p->lower[1], in->y + in->rise * fmin(1, (half - in->bottom) / (in->top - in->bottom)));
+  return fmax(p->lower[1],
+              in->y + in->rise * fmin(1, (half - in->bottom) / (in->top - in->bottom)));
 }
 
 static void check_rain(packing *p, double height) {
@@ -457,16 +473,19 @@ static void check_rain(packing *p, double height) {
   bool under_lid = has_lid(d) || m->container == SD_CONTAINER_DRUM;
   if (m->periodic[SD_Y]) deck_fail(d, p->g.node, "rain cannot fall in a box that is periodic in y");
   if (under_lid && height > p->upper[1] - p->lower[1])
-    deck_fail_key(&p->g, "rows", "a batch is %g high, the region only %g", height, p->upper[1] - p->lower[1]);
+    deck_fail_key(&p->g, "rows", "a batch is %g high, the region only %g", height,
+                  p->upper[1] - p->lower[1]);
   if (m->container != SD_CONTAINER_NONE)
-    check_area(p, (double)p->v.count, place_area(&d->container->interior, m->region_lower, m->region_upper));
+    check_area(p, (double)p->v.count,
+               place_area(&d->container->interior, m->region_lower, m->region_upper));
 }
 
 /* Above the region and everything that is there, or waits there already. */
 static double waiting_height(const packing *p, double spacing) {
   const sd_model *m = p->g.d->model;
   double top = p->upper[1];
-  for (size_t i = 0; i < m->n_disks; i++) top = fmax(top, m->disks[i].position[1] + m->disks[i].radius);
+  for (size_t i = 0; i < m->n_disks; i++)
+    top = fmax(top, m->disks[i].position[1] + m->disks[i].radius);
   return top + spacing;
 }
 
@@ -518,7 +537,8 @@ static void make_rain(packing *p) {
   rain.floor = rain_floor(p);
   double interval = fall_time(m, height, rain.speed);
   if (isnan(interval))
-    deck_fail(d, g->node, "nothing falls; expected gravity that points down (g > 0), or a speed > 0");
+    deck_fail(d, g->node,
+              "nothing falls; expected gravity that points down (g > 0), or a speed > 0");
   else
     deck_default_number(g, "interval", interval);
   check_rain(p, height);
@@ -554,8 +574,8 @@ static void make_packing(packing *p) {
   if (d->reported > before) return;
   const bool away = d->comm && d->whole && p->last && p->v.tiles > 1;
   if (!away)
-    deck_need(d, p->g.node, p->v.count > 0 ? "count" : "fraction", (double)d->model->n_disks + count,
-              deck_disk_bytes(true), "disks");
+    deck_need(d, p->g.node, p->v.count > 0 ? "count" : "fraction",
+              (double)d->model->n_disks + count, deck_disk_bytes(true), "disks");
   if (p->v.tiles == 0 || rain) {
     make[p->v.kind](p);
     return;

@@ -39,8 +39,9 @@ static void convert(deck *d, const deck_text *text, const config_setting_t *from
   switch (to->type) {
     case DECK_BOOL: to->value.flag = config_setting_get_bool(from); return;
     case DECK_INT:
-      to->value.integer = config_setting_type(from) == CONFIG_TYPE_INT ? config_setting_get_int(from)
-                                                                       : config_setting_get_int64(from);
+      to->value.integer = config_setting_type(from) == CONFIG_TYPE_INT
+                              ? config_setting_get_int(from)
+                              : config_setting_get_int64(from);
       return;
     case DECK_FLOAT: to->value.number = config_setting_get_float(from); return;
     case DECK_STRING: {

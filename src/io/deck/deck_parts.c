@@ -71,12 +71,14 @@ static sd_status open_rows(const sd_deck *from, rows_task *task, sd_messages *me
   for (const char *c = from->overrides; *c; c++) most += *c == '\n';
   deck_setting *settings = memory_new(most, sizeof *settings);
   sd_messages *own = sd_messages_new();
-  for (char *rest = NULL, *line = strtok_r(lines, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
+  for (char *rest = NULL, *line = strtok_r(lines, "\n", &rest); line;
+       line = strtok_r(NULL, "\n", &rest))
     settings[n++].text = line;
   const sd_status status =
       deck_open(from->text, from->path, n, settings, task->use ? read_file : read_rows, task, own);
   for (size_t k = 0; status != SD_OK && k < sd_messages_count(own); k++)
-    if (sd_messages_kind(own, k) != SD_OK) sd_fail(messages, status, "%s", sd_messages_text(own, k));
+    if (sd_messages_kind(own, k) != SD_OK)
+      sd_fail(messages, status, "%s", sd_messages_text(own, k));
   sd_messages_free(own);
   free(settings);
   free(lines);
@@ -137,7 +139,9 @@ static bool is_last(const deck *d, size_t entry) {
 
 void deck_parts_note(deck *d, size_t entry, const deck_columns *t) {
   sd_model *m = d->model;
-  if (t->all < LEAST || !is_last(d, entry) || t->n_rows != t->all || m->n_disks != t->first + t->all) return;
+  if (t->all < LEAST || !is_last(d, entry) || t->n_rows != t->all ||
+      m->n_disks != t->first + t->all)
+    return;
   sd_tiles tiles = begin_tiles(m, entry, t->all);
   tiles.first = t->first;
   for (size_t k = 0; k < t->all; k++) add_disk(&tiles, m, &m->disks[t->first + k], (uint32_t)k);
@@ -170,7 +174,8 @@ static int note_group(survey *s, const char *name, uint32_t disk) {
   while (k < s->n_groups && strcmp(s->groups[k].name, name) != 0) k++;
   s->special = s->special || k == MOST_GROUPS;
   if (s->special) return -1;
-  if (k == s->n_groups) s->groups[s->n_groups++] = (file_group){disk, deck_copy(s->d, name, strlen(name))};
+  if (k == s->n_groups)
+    s->groups[s->n_groups++] = (file_group){disk, deck_copy(s->d, name, strlen(name))};
   if (disk < s->groups[k].disk) s->groups[k].disk = disk;
   return (int)k;
 }
@@ -197,8 +202,8 @@ static void take_rows(void *user, const sd_model *m, const deck_columns *t) {
 static sd_status read_own(survey *s) {
   sd_status status = SD_OK;
   const size_t ranks = (size_t)comm_size(s->d->comm);
-  for (size_t part = (size_t)comm_rank(s->d->comm); part < s->tiles.n && status == SD_OK && !s->special;
-       part += ranks) {
+  for (size_t part = (size_t)comm_rank(s->d->comm);
+       part < s->tiles.n && status == SD_OK && !s->special; part += ranks) {
     s->first = model_tile_begin(&s->tiles, part);
     s->n = model_tile_size(&s->tiles, part);
     rows_task t = {.asked = {.part = true, .again = true, .first = s->first, .n = s->n},
@@ -274,7 +279,8 @@ static void share_survey(survey *s) {
 static bool may_begin(deck *d, size_t entry) {
   const deck_node *node = deck_child(d->root, "disk_files")->child[entry];
   const deck_node *file = deck_child(node, "file"), *format = deck_child(node, "format");
-  if (!d->comm || !d->whole || !is_last(d, entry) || !file || file->type != DECK_STRING) return false;
+  if (!d->comm || !d->whole || !is_last(d, entry) || !file || file->type != DECK_STRING)
+    return false;
   if (format) return format->type == DECK_STRING && strcmp(format->value.text, "hdf5") == 0;
   return deck_file_format(d, file->value.text) == DECK_HDF5;
 }
@@ -283,7 +289,8 @@ static bool may_begin(deck *d, size_t entry) {
 static void read_head(survey *s, deck_columns *table) {
   deck *d = s->d;
   d->asked = (deck_rows_asked){.part = true, .head = true, .again = comm_rank(d->comm) > 0, .n = 1};
-  *table = deck_read_table(d, deck_child(d->root, "disk_files")->child[s->tiles.entry], &deck_disk_files);
+  *table = deck_read_table(d, deck_child(d->root, "disk_files")->child[s->tiles.entry],
+                           &deck_disk_files);
   d->asked = (deck_rows_asked){0};
   s->all = table->all;
   comm_wait(d->comm, SD_OK); /* for the first rank, which has checked all of it */
@@ -308,11 +315,13 @@ bool deck_parts_begin(deck *d, size_t entry) {
   sd_model *m = d->model;
   s->tiles = m->tiles = begin_tiles(m, entry, s->all);
   const size_t n = rows_of_tiles(m);
-  if (!rows_reserve(m, n) || (table->contacts && !memory_resize_row(&m->mine->shift, n, sizeof(double))))
+  if (!rows_reserve(m, n) ||
+      (table->contacts && !memory_resize_row(&m->mine->shift, n, sizeof(double))))
     longjmp(d->out_of_memory, 1);
   if (read_own(s) != SD_OK) d->reported++;
   if (has_failed(d)) return true;
-  if (comm_or(d->comm, s->special)) deck_leave(d, "some of its disks are fixed, named or out of play");
+  if (comm_or(d->comm, s->special))
+    deck_leave(d, "some of its disks are fixed, named or out of play");
   share_survey(s);
   share_groups(s);
   if (s->special || s->numbers != (uint64_t)s->all * (s->all - 1) / 2)
@@ -357,7 +366,8 @@ static sd_status use_contacts(void *user, deck *d, const deck_node *file) {
   contacts_task *t = user;
   const sd_tiles *tiles = &t->model->tiles;
   sd_rows *mine = t->model->mine;
-  const deck_result *r = deck_result_read(d, file, deck_resolve(d, d->path, file->value.text), true);
+  const deck_result *r =
+      deck_result_read(d, file, deck_resolve(d, d->path, file->value.text), true);
   if (!r || r->n_contacts != d->asked.n || r->n_disks != tiles->count ||
       r->n_bodies - r->n_disks != tiles->n_walls)
     return SD_ERROR_USER;
@@ -418,9 +428,11 @@ void deck_read_disks(deck *d) {
     d->file_tables[k] = deck_read_table(d, list->child[k], &deck_disk_files);
     if (last) deck_parts_note(d, k, &d->file_tables[k]);
   }
-  bool tried = deck_child(d->root, "disks") && deck_child(d->root, "disks")->type != DECK_LIST; /* reported */
+  bool tried = deck_child(d->root, "disks") &&
+               deck_child(d->root, "disks")->type != DECK_LIST; /* reported */
   if (d->model->n_disks == 0 && !tried && !deck_child(d->root, "disk_files") &&
       !deck_child(d->root, "packings"))
-    deck_fail_child(d, d->root, "disks",
-                    "missing: expected at least one disk, in disks, disk_rows, disk_files or packings");
+    deck_fail_child(
+        d, d->root, "disks",
+        "missing: expected at least one disk, in disks, disk_rows, disk_files or packings");
 }

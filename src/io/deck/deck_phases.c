@@ -124,7 +124,8 @@ static void read_compress(deck_group *g, sd_compress *compress) {
   if (deck_given(&c, "pressure") == deck_given(&c, "fraction"))
     deck_fail(d, node, "expected one target, either pressure or fraction");
   if (m->region_upper[0] <= m->region_lower[0] || m->region_upper[1] <= m->region_lower[1])
-    deck_fail(d, node, "there is nothing to compress; expected a container, or a box with edges x and y");
+    deck_fail(d, node,
+              "there is nothing to compress; expected a container, or a box with edges x and y");
 }
 
 /* Each component has a rate or a stress. */

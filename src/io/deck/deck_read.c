@@ -17,7 +17,11 @@ static const char *keys_of(deck *d, const deck_table *table) {
   const deck_key *key;
   size_t k = 0;
   for (; (key = deck_key_at(table, k)); k++)
-    text = deck_format(d, "%s%s%s", text, k == 0 ? "" : deck_key_at(table, k + 1) ? ", " : " or ", key->name);
+    text = deck_format(d, "%s%s%s", text,
+                       k == 0                      ? ""
+                       : deck_key_at(table, k + 1) ? ", "
+                                                   : " or ",
+                       key->name);
   return k <= FEW ? text : "";
 }
 
@@ -30,7 +34,10 @@ static void check_keys(deck *d, deck_node *node, const deck_table *table) {
     const deck_key *key;
     for (size_t j = 0; !told && (key = deck_key_at(table, j)); j++) guess_add(&near, key->name);
     const char *other = told ? NULL : deck_other_word(d, table, child->name);
-    const char *hint = told ? "" : other ? other : near.best ? deck_hint(d, &near) : keys_of(d, table);
+    const char *hint = told        ? ""
+                       : other     ? other
+                       : near.best ? deck_hint(d, &near)
+                                   : keys_of(d, table);
     bool top = table == &deck_top;
     if (top && !told && !other && !near.best && deck_has_constant(d, child->name))
       hint = deck_format(d, "; did you mean constants.%s?", child->name);
@@ -105,7 +112,8 @@ void deck_default_number(deck_group *g, const char *key, double value) {
 }
 
 void deck_default_text(deck_group *g, const char *key, const char *value) {
-  if (!deck_get(g, key)) add(g, key, DECK_STRING)->value.text = deck_copy(g->d, value, strlen(value));
+  if (!deck_get(g, key))
+    add(g, key, DECK_STRING)->value.text = deck_copy(g->d, value, strlen(value));
 }
 
 deck_node *deck_default_list(deck_group *g, const char *key) {
@@ -187,7 +195,8 @@ double deck_number(deck_group *g, const char *name) {
   double x;
   if (!node || !deck_value_number(g->d, node, key->kind == DECK_KEY_ANGLE, &x)) return NAN;
   if (deck_in_range(key->range, x)) return x;
-  deck_fail(g->d, node, "%sexpected a number %s", computed(g->d, node), deck_expected(key->range, x));
+  deck_fail(g->d, node, "%sexpected a number %s", computed(g->d, node),
+            deck_expected(key->range, x));
   return NAN;
 }
 
@@ -207,8 +216,9 @@ int64_t deck_integer(deck_group *g, const char *name) {
   int64_t value = whole ? (int64_t)x : 0;
   if (node->type == DECK_INT) value = node->value.integer;
   if ((whole || node->type == DECK_INT) && deck_in_range(key->range, (double)value)) return value;
-  deck_fail(g->d, node, "%sexpected a whole number%s%s%s", computed(g->d, node), key->range ? " " : "",
-            deck_range_text(key->range), node->remark && !whole ? ", such as round(...)" : "");
+  deck_fail(g->d, node, "%sexpected a whole number%s%s%s", computed(g->d, node),
+            key->range ? " " : "", deck_range_text(key->range),
+            node->remark && !whole ? ", such as round(...)" : "");
   return key->range == DECK_AT_LEAST_1;
 }
 
@@ -262,8 +272,12 @@ bool deck_pair(deck_group *g, const char *name, double pair[2]) {
   return deck_value_number(g->d, node->child[1], false, &pair[1]) && first;
 }
 
-size_t deck_each_count(const deck_node *node) { return !node ? 0 : node->type == DECK_LIST ? node->n : 1; }
-deck_node *deck_each(deck_node *node, size_t k) { return node->type == DECK_LIST ? node->child[k] : node; }
+size_t deck_each_count(const deck_node *node) {
+  return !node ? 0 : node->type == DECK_LIST ? node->n : 1;
+}
+deck_node *deck_each(deck_node *node, size_t k) {
+  return node->type == DECK_LIST ? node->child[k] : node;
+}
 
 unsigned deck_coordinates(deck_group *g, const char *name) {
   deck *d = g->d;
@@ -397,8 +411,8 @@ void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *m
   if (!(fabs(tilt) > M_PI / 2)) return;
   char line[24] = "";
   if (place.line > 0) snprintf(line, sizeof line, ":%d", place.line);
-  sd_warn(
-      messages,
-      "%s%s: gravity.tilt = %.10g: more than a right angle; angles are in radians, degrees are \"%.10g deg\"",
-      place.file ? place.file : d->path, line, tilt, tilt);
+  sd_warn(messages,
+          "%s%s: gravity.tilt = %.10g: more than a right angle; angles are in radians, degrees are "
+          "\"%.10g deg\"",
+          place.file ? place.file : d->path, line, tilt, tilt);
 }

@@ -39,9 +39,11 @@ deck_node *deck_get(const deck_group *g, const char *key); /* NULL: not there */
 
 bool deck_bool(deck_group *g, const char *key);
 int64_t deck_integer(deck_group *g, const char *key);
-double deck_number(deck_group *g, const char *key); /* also angles; NAN when left out and without default */
-const char *deck_text_of(deck_group *g, const char *key); /* NULL when left out and without default */
-int deck_choice(deck_group *g, const char *key);          /* value of the word; -1: left out, or reported */
+double deck_number(deck_group *g,
+                   const char *key); /* also angles; NAN when left out and without default */
+const char *deck_text_of(deck_group *g,
+                         const char *key);       /* NULL when left out and without default */
+int deck_choice(deck_group *g, const char *key); /* value of the word; -1: left out, or reported */
 bool deck_pair(deck_group *g, const char *key,
                double pair[2]); /* two numbers; false: left out, or reported */
 

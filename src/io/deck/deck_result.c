@@ -27,7 +27,9 @@ enum { MOST_WALLS = LIMIT_ENTRIES + 16 };
 
 /* --- the text ------------------------------------------------------------------------------------------- */
 
-static void put(deck *d, deck_buffer *out, const char *text) { deck_put(d, out, text, strlen(text)); }
+static void put(deck *d, deck_buffer *out, const char *text) {
+  deck_put(d, out, text, strlen(text));
+}
 
 /* A name that would break the lines is left out. */
 static const char *clean(const char *name) { return name && !strpbrk(name, "\t\n") ? name : ""; }
@@ -52,17 +54,19 @@ char *deck_result_text(deck *d, const result_wall *walls) {
   const sd_model *m = d->model;
   deck_buffer out = {0};
   put(d, &out,
-      deck_format(d, "box\t%d %d %.17g %.17g %.17g %.17g\n", m->periodic[0], m->periodic[1], m->lower[0],
-                  m->upper[0], m->lower[1], m->upper[1]));
+      deck_format(d, "box\t%d %d %.17g %.17g %.17g %.17g\n", m->periodic[0], m->periodic[1],
+                  m->lower[0], m->upper[0], m->lower[1], m->upper[1]));
   for (size_t k = 0; k < m->n_materials; k++)
     put(d, &out, deck_format(d, "material\t%s\n", clean(m->materials[k].name)));
-  for (size_t k = 0; k < m->n_groups; k++) put(d, &out, deck_format(d, "group\t%s\n", clean(m->groups[k])));
+  for (size_t k = 0; k < m->n_groups; k++)
+    put(d, &out, deck_format(d, "group\t%s\n", clean(m->groups[k])));
   for (size_t k = 0; k < model_held(m); k++)
-    if (*clean(m->disks[k].name)) put(d, &out, deck_format(d, "disk\t%zu\t%s\n", k, m->disks[k].name));
+    if (*clean(m->disks[k].name))
+      put(d, &out, deck_format(d, "disk\t%zu\t%s\n", k, m->disks[k].name));
   for (size_t k = 0; k < m->n_walls; k++)
     put(d, &out,
-        deck_format(d, "wall\t%s\t%zu %.17g %.17g\t%s\n", walls[k].name, walls[k].segments, walls[k].angle,
-                    walls[k].scale, walls[k].text));
+        deck_format(d, "wall\t%s\t%zu %.17g %.17g\t%s\n", walls[k].name, walls[k].segments,
+                    walls[k].angle, walls[k].scale, walls[k].text));
   return memory_text(out.bytes);
 }
 
@@ -88,7 +92,8 @@ static void add_wall(deck *d, deck_result *r, char *line) {
 
 static void parse_text(deck *d, deck_result *r, char *text) {
   size_t materials = 0, groups = 0;
-  for (char *rest = NULL, *line = strtok_r(text, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+  for (char *rest = NULL, *line = strtok_r(text, "\n", &rest); line;
+       line = strtok_r(NULL, "\n", &rest)) {
     char *value = strchr(line, '\t');
     if (!value) continue;
     *value++ = 0;
@@ -97,8 +102,8 @@ static void parse_text(deck *d, deck_result *r, char *text) {
     if (strcmp(line, "wall") == 0) add_wall(d, r, value);
     if (strcmp(line, "box") == 0) {
       int px, py;
-      r->boxed = sscanf(value, "%d %d %lf %lf %lf %lf", &px, &py, &r->lower[0], &r->upper[0], &r->lower[1],
-                        &r->upper[1]) == 6;
+      r->boxed = sscanf(value, "%d %d %lf %lf %lf %lf", &px, &py, &r->lower[0], &r->upper[0],
+                        &r->lower[1], &r->upper[1]) == 6;
       r->periodic[0] = r->boxed && px;
       r->periodic[1] = r->boxed && py;
     }
@@ -143,15 +148,17 @@ typedef struct reader {
 } reader;
 
 /* `rows` of the n values from `first` on. NULL: reported. Its length is looked at before there is memory for it. */
-static void *part_of(reader *in, const char *name, sd_type type, size_t n, size_t first, size_t rows) {
+static void *part_of(reader *in, const char *name, sd_type type, size_t n, size_t first,
+                     size_t rows) {
   const char *path = deck_format(in->d, "/state/%s", checkpoint_column(in->file, name));
   if (in->failed || h5_check(in->file, path, n, in->d->messages) != SD_OK) {
     in->failed = true;
     return NULL;
   }
   void *data = deck_alloc(in->d, rows, sd_type_size(type));
-  in->failed = n && (rows < n ? h5_get_values(in->file, path, type, first, rows, 1, data, in->d->messages)
-                              : h5_get(in->file, path, type, n, data, in->d->messages)) != SD_OK;
+  in->failed =
+      n && (rows < n ? h5_get_values(in->file, path, type, first, rows, 1, data, in->d->messages)
+                     : h5_get(in->file, path, type, n, data, in->d->messages)) != SD_OK;
   return data;
 }
 
@@ -160,8 +167,8 @@ static void *column(reader *in, const char *name, sd_type type, size_t n) {
 }
 
 /* A column that goes by slots, of n bodies: brought into the order of body numbers, or (rows asked for) as it comes. */
-static void *by_body(reader *in, const char *name, sd_type type, const deck_result *r, const uint32_t *id,
-                     size_t n) {
+static void *by_body(reader *in, const char *name, sd_type type, const deck_result *r,
+                     const uint32_t *id, size_t n) {
   size_t size = sd_type_size(type);
   if (in->d->asked.part) {
     const size_t left = n > r->first ? n - r->first : 0;
@@ -214,11 +221,11 @@ static void read_contacts(reader *in, deck_result *r) {
   for (size_t k = 0; k < SD_CONTACT_ALL && !in->failed; k++) {
     const char *path = deck_format(in->d, "/state/%s", names[k]);
     /* columns of laws that the other run did not have */
-    const bool absent =
-        k >= SD_CONTACT_COLUMNS && (!h5_exists(in->file, path) || h5_check(in->file, path, 0, NULL) == SD_OK);
+    const bool absent = k >= SD_CONTACT_COLUMNS &&
+                        (!h5_exists(in->file, path) || h5_check(in->file, path, 0, NULL) == SD_OK);
     if (strcmp(names[k], "contact_rho_ref") == 0) r->rolls = !absent;
-    r->record[k] =
-        absent ? deck_alloc(in->d, n, sizeof(double)) : part_of(in, names[k], SD_F64, all, begin, n);
+    r->record[k] = absent ? deck_alloc(in->d, n, sizeof(double))
+                          : part_of(in, names[k], SD_F64, all, begin, n);
   }
   read_laws(in, r);
   for (size_t k = 0; k < n && !in->failed; k++)
@@ -284,7 +291,8 @@ static void read_surfaces(reader *in, deck_result *r) {
 static void read_derivatives(reader *in, deck_result *r) {
   static const char *const names[SD_DERIVATIVES] = {"x3", "x4",     "x5",     "y3",    "y4",
                                                     "y5", "theta3", "theta4", "theta5"};
-  if (in->failed || in->d->asked.part || !(r->dt > 0.0) || in->d->model->integrator != SD_GEAR5) return;
+  if (in->failed || in->d->asked.part || !(r->dt > 0.0) || in->d->model->integrator != SD_GEAR5)
+    return;
   const uint32_t *id = read_numbers(in, r);
   for (size_t k = 0; k < SD_DERIVATIVES; k++)
     r->derivatives[k] = by_body(in, names[k], SD_F64, r, id, r->n_free);
@@ -297,7 +305,8 @@ static void read_walls(reader *in, deck_result *r) {
   const struct {
     double **to;
     const char *name;
-  } reals[] = {{&r->x, "x"}, {&r->y, "y"}, {&r->theta, "theta"}, {&r->turn, "turn"}, {&r->radius, "radius"}};
+  } reals[] = {
+      {&r->x, "x"}, {&r->y, "y"}, {&r->theta, "theta"}, {&r->turn, "turn"}, {&r->radius, "radius"}};
   for (size_t k = 0; k < sizeof reals / sizeof *reals; k++)
     *reals[k].to = part_of(in, reals[k].name, SD_F64, r->n_bodies, r->n_disks, n);
   for (size_t k = 0; k < n && !in->failed; k++) in->failed |= id[k] != r->n_disks + k;
@@ -336,12 +345,12 @@ deck_result *deck_result_read(deck *d, const deck_node *node, const char *path, 
   const int64_t clumps = h5_get_attr_i64(in.file, "/state", "n_clumps", 0);
   if (clumps > 0) {
     h5_close(in.file, NULL);
-    deck_fail(
-        d, node,
-        "it has %lld clumps, which are not read: their disks would come apart; expected a result without "
-        "clumps, or single disks: columns = (\"x\", \"y\", \"radius\", \"mass\"), dataset = \"" RESULT_DISKS
-        "\"",
-        (long long)clumps);
+    deck_fail(d, node,
+              "it has %lld clumps, which are not read: their disks would come apart; expected a "
+              "result without "
+              "clumps, or single disks: columns = (\"x\", \"y\", \"radius\", \"mass\"), dataset = "
+              "\"" RESULT_DISKS "\"",
+              (long long)clumps);
     return NULL;
   }
   in.failed |= r->n_disks > r->n_bodies || r->n_free > r->n_disks;
@@ -395,7 +404,8 @@ static double number_of(const deck_result *r, int column, size_t k) {
 
 static const char *text_of(const deck_result *r, int column, size_t k) {
   if (column == COLUMN_NAME) return name_at(&r->disk_names, r->number[k]);
-  return column == COLUMN_GROUP ? name_at(&r->groups, r->group[k]) : name_at(&r->materials, r->material[k]);
+  return column == COLUMN_GROUP ? name_at(&r->groups, r->group[k])
+                                : name_at(&r->materials, r->material[k]);
 }
 
 static bool any_text(const deck_result *r, int column) {
@@ -431,7 +441,8 @@ void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_col
     return;
   }
   for (int column = 0; column < COLUMN_KINDS; column++)
-    if (takes(g, r, t, column)) deck_columns_add(d, t, deck_column_names[column], file, file->place);
+    if (takes(g, r, t, column))
+      deck_columns_add(d, t, deck_column_names[column], file, file->place);
   t->result = r;
   t->file = file;
   t->all = r->n_disks;
@@ -469,7 +480,8 @@ static bool box_of_text(deck *d, const h5_file *file, double lower[2], double up
   char *text = h5_get_text(file, "/parameters/deck_bodies");
   cell_of(file, cell);
   if (text) parse_text(d, &r, text);
-  if (r.boxed && h5_get(file, "/state/box_scale", SD_F64, 1, &scale, NULL) != SD_OK) r.boxed = false;
+  if (r.boxed && h5_get(file, "/state/box_scale", SD_F64, 1, &scale, NULL) != SD_OK)
+    r.boxed = false;
   for (int c = 0; c < 2; c++) {
     lower[c] = r.lower[c];
     const double f = scale * cell[c];
@@ -481,7 +493,8 @@ static bool box_of_text(deck *d, const h5_file *file, double lower[2], double up
 }
 
 /* Disks of this file, which are read later, are to be of the same step. */
-static bool box_of_others(deck *d, const h5_file *file, const char *path, double lower[2], double upper[2]) {
+static bool box_of_others(deck *d, const h5_file *file, const char *path, double lower[2],
+                          double upper[2]) {
   h5_box box;
   bool found;
   if (h5_particles_box(file, &found, &box, d->messages) != SD_OK || !found) return false;
@@ -511,13 +524,14 @@ bool deck_result_box(deck *d, const deck_node *node, double lower[2], double upp
   double cell[CELL_COLUMNS];
   cell_of(file, cell);
   if (fabs(cell[CELL_OFFSET]) > 1e-9 * cell[CELL_X])
-    deck_fail(
-        d, node,
-        "the box of this file is sheared, its rows of images are shifted by %g of its width; expected one "
-        "that is not, or was sheared by a whole width",
-        cell[CELL_OFFSET] / cell[CELL_X]);
+    deck_fail(d, node,
+              "the box of this file is sheared, its rows of images are shifted by %g of its width; "
+              "expected one "
+              "that is not, or was sheared by a whole width",
+              cell[CELL_OFFSET] / cell[CELL_X]);
   h5_close(file, NULL);
-  if (!found && wrong == 0) deck_fail(d, node, "this file has no edges in the box of a group of /particles");
+  if (!found && wrong == 0)
+    deck_fail(d, node, "this file has no edges in the box of a group of /particles");
   return found;
 }
 

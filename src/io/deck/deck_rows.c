@@ -81,7 +81,10 @@ static bool csv_line(csv *in) {
     char *start = line + strspn(line, " \t\r");
     if (!*start || *start == '#') continue;
     if (!in->separator)
-      in->separator = strchr(line, ',') ? ',' : strchr(line, ';') ? ';' : strchr(line, '\t') ? '\t' : ',';
+      in->separator = strchr(line, ',')    ? ','
+                      : strchr(line, ';')  ? ';'
+                      : strchr(line, '\t') ? '\t'
+                                           : ',';
     split(in, line);
     return true;
   }
@@ -128,24 +131,25 @@ static size_t csv_find_reported(const csv *in, const char *name) {
   guess near = guess_start(name);
   for (size_t j = 0; j < in->n_fields; j++) guess_add(&near, in->field[j]);
   if (near.best) {
-    deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; did you mean \"%s\"?", name,
-                    near.best);
+    deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; did you mean \"%s\"?",
+                    name, near.best);
     return SIZE_MAX;
   }
   const char *found = "";
   for (size_t j = 0; j < in->n_fields && j < 8; j++)
     found = deck_format(in->d, "%s%s\"%s\"", found, j ? ", " : "",
                         deck_quote(in->d, in->field[j], strlen(in->field[j])));
-  deck_fail_place(in->d, in->here,
-                  "no column \"%s\" in the line of names; found %s%s; the key columns names those to be read",
-                  name, found, in->n_fields > 8 ? ", ..." : "");
+  deck_fail_place(
+      in->d, in->here,
+      "no column \"%s\" in the line of names; found %s%s; the key columns names those to be read",
+      name, found, in->n_fields > 8 ? ", ..." : "");
   return SIZE_MAX;
 }
 
 static bool csv_row_is_whole(const csv *in, size_t n) {
   if (in->n_fields == n) return true;
-  deck_fail_place(in->d, in->here, "%zu values; expected %zu, one per name in the first line", in->n_fields,
-                  n);
+  deck_fail_place(in->d, in->here, "%zu values; expected %zu, one per name in the first line",
+                  in->n_fields, n);
   return false;
 }
 
@@ -171,10 +175,11 @@ static bool take_all_columns(csv *in, deck_columns *t) {
   char *end;
   bool number = strtod(in->field[0], &end) < HUGE_VAL && end != in->field[0] && !*end, good = true;
   if (number || in->n_fields == 1) {
-    deck_fail_place(
-        d, in->here,
-        "the first line is %s%s; expected the names of the columns, with commas between: x, y, radius, ...",
-        deck_quote(d, in->field[0], strlen(in->field[0])), in->n_fields > 1 ? ", ..." : "");
+    deck_fail_place(d, in->here,
+                    "the first line is %s%s; expected the names of the columns, with commas "
+                    "between: x, y, radius, ...",
+                    deck_quote(d, in->field[0], strlen(in->field[0])),
+                    in->n_fields > 1 ? ", ..." : "");
     return false;
   }
   for (size_t k = 0; k < in->n_fields; k++) {
@@ -185,15 +190,15 @@ static bool take_all_columns(csv *in, deck_columns *t) {
       deck_fail_place(d, in->here, "column %zu has no name; is there a comma too many?", k + 1);
       return false;
     } else if (strlen(unknown) < SHOWN) {
-      unknown =
-          deck_format(d, "%s%s\"%s\"", unknown, *unknown ? ", " : "", deck_quote(d, name, strlen(name)));
+      unknown = deck_format(d, "%s%s\"%s\"", unknown, *unknown ? ", " : "",
+                            deck_quote(d, name, strlen(name)));
     }
   }
   if (*unknown)
-    deck_fail_place(
-        d, in->here,
-        "columns of disks are x, y, radius, mass, ..., and not %s; name those to be read in the deck: %s",
-        unknown, example_columns(in));
+    deck_fail_place(d, in->here,
+                    "columns of disks are x, y, radius, mass, ..., and not %s; name those to be "
+                    "read in the deck: %s",
+                    unknown, example_columns(in));
   return good && !*unknown;
 }
 
@@ -221,7 +226,8 @@ static void read_csv(deck *d, deck_node *file, deck_columns *t) {
     deck_fail(d, file, "no disks: the file ends with the line of its names");
 }
 
-size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2], double **a, double **b) {
+size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2], double **a,
+                     double **b) {
   csv in;
   if (!csv_open(&in, d, file)) return 0;
   size_t n = in.n_fields, rows = 0, capacity[2] = {0, 0}, from[2];
@@ -260,11 +266,13 @@ static bool is_hdf5(deck *d, const deck_node *file, const char *path) {
   }
   const bool known = file_read_at(there, 0, head, sizeof head, &have);
   close(there);
-  while (letters < have && (isprint((unsigned char)head[letters]) || isspace((unsigned char)head[letters])))
+  while (letters < have &&
+         (isprint((unsigned char)head[letters]) || isspace((unsigned char)head[letters])))
     letters++;
   if (!known || letters == 0 || letters < have) return true; /* the library says what is wrong */
-  deck_fail(d, file,
-            "it is a text, and its name that of an HDF5 file; expected another name or format = \"csv\"");
+  deck_fail(
+      d, file,
+      "it is a text, and its name that of an HDF5 file; expected another name or format = \"csv\"");
   return false;
 }
 
@@ -284,7 +292,8 @@ static const char *dataset_of(deck_group *g, const char *path) {
 
 /* Disks and the box that were read from one file are of one moment. */
 static void check_moment(deck *d, const deck_node *file, const char *path, int64_t step) {
-  if (!d->box_path || strcmp(d->box_path, path) != 0 || d->box_step < 0 || step < 0 || step == d->box_step)
+  if (!d->box_path || strcmp(d->box_path, path) != 0 || d->box_step < 0 || step < 0 ||
+      step == d->box_step)
     return;
   deck_fail(d, file, "its disks are read at step %lld, its box at step %lld; expected one moment",
             (long long)step, (long long)d->box_step);
@@ -303,7 +312,8 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
     deck_columns_add(d, t, usual[k], file, file->place);
   double *values = NULL;
   const size_t before = sd_messages_errors(d->messages), first = d->asked.part ? d->asked.first : 0;
-  h5_range rows = {.first = first, .n = d->asked.part ? d->asked.n : SIZE_MAX, .again = d->asked.again};
+  h5_range rows = {
+      .first = first, .n = d->asked.part ? d->asked.n : SIZE_MAX, .again = d->asked.again};
   if (h5_read_table(path, dataset, t->n_columns, t->source, &values, &rows, d->messages) != SD_OK) {
     /* the reader has said what; say where the deck asked for it */
     d->reported += sd_messages_errors(d->messages) - before;
@@ -321,7 +331,8 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
     if (!deck_columns_add_row(d, t, place)) break;
     for (size_t c = 0; c < t->n_columns; c++) {
       const double value = t->number[r * t->n_columns + c] = values[r * t->n_columns + c];
-      if (!isfinite(value)) deck_fail_place(d, place, "%s = %g: expected a number", t->source[c], value);
+      if (!isfinite(value))
+        deck_fail_place(d, place, "%s = %g: expected a number", t->source[c], value);
     }
   }
   free(rows.kept);
@@ -335,7 +346,8 @@ static void hdf5_or_result(deck_group *g, deck_node *file, deck_columns *t) {
   deck_node *dataset = deck_get(g, "dataset"), *contacts = deck_get(g, "contacts");
   t->contacts = contacts && contacts->type == DECK_BOOL && contacts->value.flag;
   bool whole = !deck_given(g, "columns") &&
-               (!dataset || (dataset->type == DECK_STRING && strcmp(dataset->value.text, RESULT_DISKS) == 0));
+               (!dataset ||
+                (dataset->type == DECK_STRING && strcmp(dataset->value.text, RESULT_DISKS) == 0));
   if (whole && deck_result_there(path)) {
     deck_default_text(g, "dataset", RESULT_DISKS);
     deck_result_rows(g, file, path, t);
@@ -344,7 +356,8 @@ static void hdf5_or_result(deck_group *g, deck_node *file, deck_columns *t) {
   if (t->contacts && deck_given(g, "columns"))
     deck_fail_key(g, "columns", "given together with contacts = true, which takes all of a result");
   else if (t->contacts && file_exists(path))
-    deck_fail_key(g, "contacts", "%s is no result or checkpoint of a run: its contacts are not known", path);
+    deck_fail_key(g, "contacts",
+                  "%s is no result or checkpoint of a run: its contacts are not known", path);
   t->contacts = false;
   read_hdf5(g, file, t, path);
 }
@@ -357,7 +370,8 @@ static bool ends_in(const char *name, const char *const *endings) {
 }
 
 int deck_file_format(deck *d, const char *name) {
-  static const char *const hdf5[] = {".h5", ".hdf5", ".h5md", NULL}, *const table[] = {".csv", ".txt", NULL},
+  static const char *const hdf5[] = {".h5", ".hdf5", ".h5md", NULL},
+                           *const table[] = {".csv", ".txt", NULL},
                            *const lammps[] = {".data", ".lmp", ".lammps", NULL};
   if (ends_in(name, hdf5)) return DECK_HDF5;
   if (ends_in(name, lammps)) return DECK_LAMMPS;
@@ -369,7 +383,8 @@ void deck_columns_from_file(deck_group *g, deck_columns *t) {
   const char *name = deck_text_of(g, "file");
   deck_node *file = deck_get(g, "file");
   if (!name || !file) return;
-  deck_default_text(g, "format", deck_key_find(g->table, "format")->words[deck_file_format(d, name)].name);
+  deck_default_text(g, "format",
+                    deck_key_find(g->table, "format")->words[deck_file_format(d, name)].name);
   int format = deck_choice(g, "format");
   bool contacts = deck_bool(g, "contacts");
   if (format >= 0 && format != DECK_HDF5) {

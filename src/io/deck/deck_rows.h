@@ -34,8 +34,8 @@ typedef struct deck_columns {
   double *number;                   /* [n_rows * n_columns], NAN where a text stands */
   const char **text; /* the same, NULL where a number stands; NULL when there is no text column */
   deck_place *place; /* [n_rows] */
-  size_t all;        /* disks of the file, where rows of it can be read by themselves; 0: they cannot */
-  uint32_t *disk;    /* [n_rows]: which disk of the file it is; NULL: in their order */
+  size_t all; /* disks of the file, where rows of it can be read by themselves; 0: they cannot */
+  uint32_t *disk; /* [n_rows]: which disk of the file it is; NULL: in their order */
 
   /* of a result whose contacts are wanted */
   bool contacts;
@@ -75,6 +75,7 @@ enum { DECK_CSV, DECK_HDF5, DECK_LAMMPS };
 int deck_file_format(deck *d, const char *name);
 
 /* Two columns of numbers of a CSV file, by name (for tables of motions); 0 rows: reported. */
-size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2], double **a, double **b);
+size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2], double **a,
+                     double **b);
 
 #endif

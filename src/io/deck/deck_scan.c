@@ -61,7 +61,7 @@ typedef struct scanner {
   size_t bytes; /* of the deck and all that it includes */
   int repeated;
   bool override, included, broken;
-  bool torn;     /* a quote or a bracket is missing: what other brackets seem to be follows from it */
+  bool torn; /* a quote or a bracket is missing: what other brackets seem to be follows from it */
   const char *p; /* current text */
   const char *start;
   deck_place here;
@@ -93,7 +93,8 @@ static const char *path(scanner *s) {
   for (int k = 0; k <= s->depth; k++) {
     const level *l = &s->levels[k];
     if (l->open == 0 || l->open == '{')
-      text = deck_format(s->d, "%s%s%.*s", text, *text ? "." : "", (int)l->length, l->name ? l->name : "");
+      text = deck_format(s->d, "%s%s%.*s", text, *text ? "." : "", (int)l->length,
+                         l->name ? l->name : "");
     else
       text = deck_format(s->d, "%s[%zu]", text, l->index);
   }
@@ -131,7 +132,8 @@ static void begin_value(scanner *s) {
   level *l = top(s);
   const char *p = s->p;
   if (!in_group(s)) {
-    if (l->full) fail_form(s, "a comma is missing before this element of a list, or a bracket is not closed");
+    if (l->full)
+      fail_form(s, "a comma is missing before this element of a list, or a bracket is not closed");
     l->full = true;
   } else if (l->value) {
     l->value = false;
@@ -171,7 +173,8 @@ static void scan_string(scanner *s) {
   /* libconfig joins texts that follow one another: no harm as the value of a key */
   if (!in_group(s) || s->clean.n == 0 || s->clean.bytes[s->clean.n - 1] != '"') begin_value(s);
   const char *from = s->p++;
-  while (*s->p && *s->p != '"' && *s->p != '\n') s->p += *s->p == '\\' && s->p[1] && s->p[1] != '\n' ? 2 : 1;
+  while (*s->p && *s->p != '"' && *s->p != '\n')
+    s->p += *s->p == '\\' && s->p[1] && s->p[1] != '\n' ? 2 : 1;
   if (*s->p != '"') {
     /* what follows is read as if a quote stood here: one that is forgotten does not turn the deck inside out */
     deck_fail_place(s->d, start, "%sthe text %s is not closed with \" on this line", path(s),
@@ -183,7 +186,9 @@ static void scan_string(scanner *s) {
   emit(s, from, (size_t)(s->p - from));
 }
 
-static bool word_char(char c) { return isalnum((unsigned char)c) || c == '_' || c == '-' || c == '*'; }
+static bool word_char(char c) {
+  return isalnum((unsigned char)c) || c == '_' || c == '-' || c == '*';
+}
 
 static void emit_integer(scanner *s, const char *token, int base) {
   errno = 0;
@@ -243,7 +248,8 @@ static bool scan_unquoted(scanner *s, size_t n) {
   else if (wrong)
     deck_fail_place(s->d, s->here, "%s%s: %s", path(s), shown, wrong);
   else
-    deck_fail_place(s->d, s->here, "%s%s: expected quotes around it: \"%s\"", path(s), shown, shown);
+    deck_fail_place(s->d, s->here, "%s%s: expected quotes around it: \"%s\"", path(s), shown,
+                    shown);
   s->broken |= s->override || (wrong && !in_group(s));
   emit_text(s, is_text ? "\"?\"" : "1"); /* most likely good, so that no second message follows */
   begin_value(s);
@@ -253,7 +259,8 @@ static bool scan_unquoted(scanner *s, size_t n) {
 
 /* False: this is no number. */
 static bool scan_number(scanner *s) {
-  bool real, hex = s->p[0] == '0' && (s->p[1] == 'x' || s->p[1] == 'X') && isxdigit((unsigned char)s->p[2]);
+  bool real, hex = s->p[0] == '0' && (s->p[1] == 'x' || s->p[1] == 'X') &&
+                   isxdigit((unsigned char)s->p[2]);
   size_t n = deck_number_length(s->p, &real), all = n;
   if (hex)
     for (n = 3, real = false; isxdigit((unsigned char)s->p[n]);) all = ++n;
@@ -285,7 +292,8 @@ static void scan_key(scanner *s, const char *name, size_t n) {
   l->length = n;
   if (l->n_seen++ >= LIMIT_KEYS) {
     if (l->n_seen == LIMIT_KEYS + 1)
-      deck_fail_place(s->d, s->here, "%.*s: more than %d keys in one group", (int)n, name, LIMIT_KEYS);
+      deck_fail_place(s->d, s->here, "%.*s: more than %d keys in one group", (int)n, name,
+                      LIMIT_KEYS);
     s->broken = true;
     return;
   }
@@ -321,10 +329,11 @@ static const char *key_name(scanner *s) {
 /* A key cannot stand in a list: the list ends before it. */
 static void leave_lists(scanner *s, const char *before) {
   if (in_group(s)) return;
-  while (!in_group(s) && s->levels[s->depth - 1].open != 0 && s->levels[s->depth - 1].open != '{') s->depth--;
+  while (!in_group(s) && s->levels[s->depth - 1].open != 0 && s->levels[s->depth - 1].open != '{')
+    s->depth--;
   char open = top(s)->open;
-  fail_form(s, "the %s is not closed before this %s; is a %c missing%s?", bracket_of(s, top(s)), before,
-            open == '(' ? ')' : ']', *before == 'k' ? ", or a { before the key" : "");
+  fail_form(s, "the %s is not closed before this %s; is a %c missing%s?", bracket_of(s, top(s)),
+            before, open == '(' ? ')' : ']', *before == 'k' ? ", or a { before the key" : "");
   s->depth--;
 }
 
@@ -355,8 +364,8 @@ static void scan_word(scanner *s) {
     deck_fail_place(s->d, s->here, "%s%s: expected true or false", path(s), word);
     emit_text(s, "false");
   } else if (deck_names_kind(owner, false)) {
-    deck_fail_place(s->d, s->here, "%s%s: expected a number, or quotes around a constant: \"%s\"", path(s),
-                    word, word);
+    deck_fail_place(s->d, s->here, "%s%s: expected a number, or quotes around a constant: \"%s\"",
+                    path(s), word, word);
     emit_text(s, "1");
   } else {
     deck_fail_place(s->d, s->here, "%s%s: a text needs quotes: \"%s\"", path(s), word, word);
@@ -368,20 +377,22 @@ static void scan_word(scanner *s) {
 static void scan_other(scanner *s) {
   static const struct {
     const char *bytes, *write;
-  } others[] = {{"\u201c", "\""}, {"\u201d", "\""}, {"\u201e", "\""}, {"\u2018", "\""}, {"\u2019", "\""},
-                {"'", "\""},      {"\u2212", "-"},  {"\u2013", "-"},  {"\u00d7", "*"}};
+  } others[] = {{"\u201c", "\""}, {"\u201d", "\""}, {"\u201e", "\""},
+                {"\u2018", "\""}, {"\u2019", "\""}, {"'", "\""},
+                {"\u2212", "-"},  {"\u2013", "-"},  {"\u00d7", "*"}};
   size_t n = text_step(s->p);
   const char *write = NULL, *shown = deck_copy(s->d, s->p, n);
   for (size_t k = 0; k < sizeof others / sizeof *others && n > 0; k++)
     if (strcmp(shown, others[k].bytes) == 0) write = others[k].write;
   s->broken = true;
   if (n == 0)
-    deck_fail_place(s->d, s->here, "unexpected byte 0x%02x outside quotes", (unsigned)(unsigned char)*s->p);
+    deck_fail_place(s->d, s->here, "unexpected byte 0x%02x outside quotes",
+                    (unsigned)(unsigned char)*s->p);
   else if (strcmp(shown, "\u00a0") == 0)
     deck_fail_place(s->d, s->here, "unexpected no-break space outside quotes; write a blank");
   else
-    deck_fail_place(s->d, s->here, "unexpected %s outside quotes%s%s", shown, write ? "; write " : "",
-                    write ? write : "");
+    deck_fail_place(s->d, s->here, "unexpected %s outside quotes%s%s", shown,
+                    write ? "; write " : "", write ? write : "");
   s->p += n ? n : 1;
   if (!write || *write != '"') return;
   begin_value(s); /* a text, up to such a character again */
@@ -403,7 +414,9 @@ static void open_bracket(scanner *s) {
   emit(s, c == '{' ? "{" : "(", 1);
 }
 
-static bool closes(char c, char open) { return open && c == (open == '{' ? '}' : open == '(' ? ')' : ']'); }
+static bool closes(char c, char open) {
+  return open && c == (open == '{' ? '}' : open == '(' ? ')' : ']');
+}
 
 static void close_bracket(scanner *s) {
   char c = *s->p++;
@@ -423,7 +436,8 @@ static void close_bracket(scanner *s) {
     }
   }
   if (top(s)->value) fail_form(s, "%s: a value is missing", key_path(s));
-  if (!in_group(s) && top(s)->index > 0 && !top(s)->full && !s->torn) s->clean.bytes[top(s)->comma] = ' ';
+  if (!in_group(s) && top(s)->index > 0 && !top(s)->full && !s->torn)
+    s->clean.bytes[top(s)->comma] = ' ';
   if (s->depth > 0) s->depth--;
   emit(s, c == '}' ? "}" : ")", 1);
 }
@@ -477,13 +491,15 @@ static void include_file(scanner *s) {
   if (s->includes >= LIMIT_INCLUDE_DEPTH || s->included_files >= LIMIT_INCLUDES) {
     bool deep = s->includes >= LIMIT_INCLUDE_DEPTH;
     deck_fail_place(s->d, s->here, "@include \"%s\": more than %d files %s",
-                    deck_quote(s->d, name, strlen(name)), deep ? LIMIT_INCLUDE_DEPTH : LIMIT_INCLUDES,
+                    deck_quote(s->d, name, strlen(name)),
+                    deep ? LIMIT_INCLUDE_DEPTH : LIMIT_INCLUDES,
                     deep ? "inside each other" : "are included");
     s->broken = true;
   } else if (!(text = deck_read_file(s->d, file, most, s->here, "@include"))) {
     s->broken = true;
   } else if ((s->bytes += strlen(text)) > most) {
-    deck_fail_place(s->d, s->here, "@include \"%s\": the deck has more than %d MiB with all that it includes",
+    deck_fail_place(s->d, s->here,
+                    "@include \"%s\": the deck has more than %d MiB with all that it includes",
                     deck_quote(s->d, name, strlen(name)), LIMIT_DECK);
     s->broken = true;
     text = NULL;

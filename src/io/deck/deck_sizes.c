@@ -32,7 +32,8 @@ static void read_list(deck_group *g, sizes *s) {
   }
   s->weights = read_numbers(g, "weights", &n_weights);
   if (n_weights != s->n) {
-    deck_fail_key(g, "weights", "%zu weights for %zu radii; expected one for each", n_weights, s->n);
+    deck_fail_key(g, "weights", "%zu weights for %zu radii; expected one for each", n_weights,
+                  s->n);
     return;
   }
   s->lower = HUGE_VAL;
@@ -50,7 +51,8 @@ static void cut_normal(deck_group *g, const sizes *s) {
   double lower = logarithm ? s->radius * exp(-3 * s->deviation) : s->radius - 3 * s->deviation;
   double upper = logarithm ? s->radius * exp(3 * s->deviation) : s->radius + 3 * s->deviation;
   if (!deck_get(g, "lower") && !(lower > 0)) {
-    deck_fail_key(g, "lower", "missing: 3 deviations below the mean is %g; expected a radius > 0", lower);
+    deck_fail_key(g, "lower", "missing: 3 deviations below the mean is %g; expected a radius > 0",
+                  lower);
     return;
   }
   deck_default_number(g, "lower", lower);
@@ -77,5 +79,6 @@ void deck_finish_sizes(deck_group *g, sizes *s) {
   else if (s->lower >= s->upper)
     deck_fail_key(g, "lower", "expected less than upper, %g", s->upper);
   if (d->reported == before && sizes_kept(s) < LEAST_KEPT)
-    deck_fail_key(g, "lower", "only %g of the distribution lies between lower and upper", sizes_kept(s));
+    deck_fail_key(g, "lower", "only %g of the distribution lies between lower and upper",
+                  sizes_kept(s));
 }

@@ -189,7 +189,8 @@ static void add_replicas(expansion *e, const grid *g, const size_t *place, int64
   for (int64_t r = 0; r < replicas; r++) {
     sweep_point *p = add_point(e, g, place, r);
     uint32_t other;
-    if (deck_index_find(&e->points, p->name, &other)) { /* an equal point of another grid: it stays */
+    if (deck_index_find(&e->points, p->name,
+                        &other)) { /* an equal point of another grid: it stays */
       if (g && !same_values(s, p, &s->points[other]))
         deck_fail(e->d, g->node, "two points would have the same name, %s", p->name);
       set = s->points[other].set;
@@ -260,7 +261,8 @@ static size_t expand(deck *d, deck_grids all, size_t reported, deck_sweep *s) {
   for (size_t k = 0; k < all.n; k++) add_grid(&e, &all.grid[k]);
   if (all.n == 0) add_replicas(&e, NULL, NULL, 1);
   s->collect = memory_new(all.n_collect, sizeof *s->collect);
-  for (size_t k = 0; k < all.n_collect; k++) s->collect[s->n_collect++] = memory_text(all.collect[k]);
+  for (size_t k = 0; k < all.n_collect; k++)
+    s->collect[s->n_collect++] = memory_text(all.collect[k]);
   return d->reported > reported || all.n == 0 ? 0 : s->n_points;
 }
 
@@ -276,7 +278,8 @@ static void warn_of_overrides(const deck *d, const deck_grids *all, const deck_s
         for (size_t j = 0; j < all->grid[i].axes[k].n_paths && met == DECK_APART; j++)
           met = deck_paths_meet(d, s->overrides[o], all->grid[i].axes[k].paths[j]);
     if (met != DECK_APART)
-      sd_warn(messages, "-D %s: the sweep sets %s; it counts for points that do not set it", s->overrides[o],
+      sd_warn(messages, "-D %s: the sweep sets %s; it counts for points that do not set it",
+              s->overrides[o],
               met == DECK_SAME_KEY ? "this key" : "a key that takes this one away");
   }
 }
@@ -287,7 +290,8 @@ static bool has_unit(const grid_axis *a, const grid_value *v) {
   bool unit = *v->literal == '"';
   for (size_t k = 0; k < 2; k++) {
     const deck_node *range = deck_child(a->node, ranges[k]);
-    for (size_t j = 0; range && j < range->n; j++) unit = unit || range->child[j]->type == DECK_STRING;
+    for (size_t j = 0; range && j < range->n; j++)
+      unit = unit || range->child[j]->type == DECK_STRING;
   }
   return unit;
 }

@@ -68,7 +68,7 @@ typedef struct deck_node {
   size_t n, capacity; /* of a group or a list */
   struct deck_node **child;
   const struct deck_table *table; /* group: the keys it may have; set by deck_enter */
-  const char *remark;             /* text that is arithmetic: its value, printed behind it in the echo */
+  const char *remark; /* text that is arithmetic: its value, printed behind it in the echo */
 } deck_node;
 
 typedef struct deck_name {
@@ -146,8 +146,8 @@ typedef struct deck {
 /* Scans and parses the text, applies the settings, and hands the tree to use; frees all but what use has kept.
  * When use fails, or memory runs out in it, d->model is freed too. */
 typedef sd_status deck_use(deck *d, void *user);
-sd_status deck_open(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
-                    deck_use *use, void *user, sd_messages *messages);
+sd_status deck_open(const char *text, const char *path, size_t n_settings,
+                    const deck_setting *settings, deck_use *use, void *user, sd_messages *messages);
 
 /* --- deck_node.c: memory, nodes, messages ----------------------------------------------------------- */
 
@@ -169,7 +169,8 @@ void *deck_keep(deck *d, size_t n, size_t size);
 void *deck_grow(deck *d, void *old, size_t n, size_t size);
 void deck_memory_free(deck *d);
 
-deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type type, deck_place place);
+deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type type,
+                         deck_place place);
 deck_node *deck_child(const deck_node *group, const char *name); /* NULL: not there */
 void deck_remove(deck_node *parent, const deck_node *child);
 const char *deck_node_path(deck *d, const deck_node *node);
@@ -185,7 +186,8 @@ void deck_fail_child(deck *d, const deck_node *group, const char *key, const cha
     SD_PRINTF(4, 5);
 /* Before n things are made that take so many bytes each: if they cannot fit it tells so at the
  * key, and goes to out_of_memory. */
-void deck_need(deck *d, const deck_node *group, const char *key, double n, size_t bytes, const char *what);
+void deck_need(deck *d, const deck_node *group, const char *key, double n, size_t bytes,
+               const char *what);
 /* Bytes of a disk of the deck, at least: beyond these there is no run in this process. Ranks
  * share the state. */
 size_t deck_disk_bytes(bool free);
@@ -278,8 +280,9 @@ bool deck_sweep_read(deck *d, struct deck_sweep *out, sd_messages *messages);
 
 /* --- deck.c ----------------------------------------------------------------------------------- */
 /* The model of a deck with these settings. point: it is a point of the deck's sweep, which is known to be right. */
-sd_status deck_load(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
-                    bool point, sd_model **out, sd_messages *messages);
+sd_status deck_load(const char *text, const char *path, size_t n_settings,
+                    const deck_setting *settings, bool point, sd_model **out,
+                    sd_messages *messages);
 
 /* --- model parts --------------------------------------------------------------------------------------- */
 
@@ -291,7 +294,8 @@ void deck_read_container(deck *d);   /* its region and box; call before disks */
 void deck_container_bodies(deck *d); /* its walls and floor; call when disks and walls are read */
 void deck_read_packings(deck *d);    /* call when all other disks and walls are there */
 /* Appends a disk with copies of its name and group, which may be NULL (disk->name and disk->group are not read). */
-void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place);
+void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group,
+                    deck_place place);
 /* Number of a group of this name, which is there then; -1: NULL. */
 int deck_group_number(deck *d, const char *name);
 /* Notes that disks of the group are away (model/rows.h); -1: nothing. */

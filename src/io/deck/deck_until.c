@@ -33,13 +33,15 @@ static void read_disk(deck *d, const deck_node *node, const char *name) {
   if (m->until.rotation < m->n_rotations) return;
   guess near = guess_start(name);
   for (size_t k = 0; k < m->n_rotations; k++) guess_add(&near, watched_name(d, k));
-  deck_fail(d, node, "measure.rotation watches no disk that is called \"%s\"%s", name, deck_hint(d, &near));
+  deck_fail(d, node, "measure.rotation watches no disk that is called \"%s\"%s", name,
+            deck_hint(d, &near));
 }
 
 static void read_quantity(deck *d, const deck_node *node, const char *word) {
   guess near = guess_start(word);
   int kind = 0;
-  while (kind < QUANTITIES && strcmp(quantities[kind], word) != 0) guess_add(&near, quantities[kind++]);
+  while (kind < QUANTITIES && strcmp(quantities[kind], word) != 0)
+    guess_add(&near, quantities[kind++]);
   if (kind == QUANTITIES)
     deck_fail(d, node, "expected \"NAME.omega\" or \"NAME.scaled\", NAME that of a watched disk%s",
               deck_hint(d, &near));
@@ -90,6 +92,7 @@ void deck_read_until(deck *d) {
   deck_fill(&g, &m->until);
   if (m->n_phases == 0) return; /* reported */
   sd_phase *last = &m->phases[m->n_phases - 1];
-  if (!last->measure) deck_fail(d, g.node, "the last phase does not measure; expected measure = true in it");
+  if (!last->measure)
+    deck_fail(d, g.node, "the last phase does not measure; expected measure = true in it");
   read_length(&g, last);
 }

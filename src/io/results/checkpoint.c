@@ -66,7 +66,8 @@ static void put_extents(h5_file *file, const sd_state *sizes, size_t n_contacts)
   h5_group(file, "/state");
   h5_attr_i64(file, "/state", "format", CHECKPOINT_FORMAT);
   for (size_t k = 0; k < CHECKPOINT_EXTENTS; k++)
-    h5_attr_i64(file, "/state", checkpoint_extents[k].name, (int64_t)checkpoint_extent_of(sizes, k));
+    h5_attr_i64(file, "/state", checkpoint_extents[k].name,
+                (int64_t)checkpoint_extent_of(sizes, k));
   h5_attr_i64(file, "/state", "n_contacts", (int64_t)n_contacts);
 }
 
@@ -114,9 +115,9 @@ static sd_status file_for(const sd_state *state, h5_file **file, sd_messages *me
   return bytes < BORROWED ? h5_new(file, messages) : h5_new_borrowing(bytes, file, messages);
 }
 
-sd_status checkpoint_write(int folder, const char *path, const sd_state *state, const checkpoint_parts *parts,
-                           const checkpoint_shares *shares, const provenance *origin, const summary *found,
-                           sd_messages *messages) {
+sd_status checkpoint_write(int folder, const char *path, const sd_state *state,
+                           const checkpoint_parts *parts, const checkpoint_shares *shares,
+                           const provenance *origin, const summary *found, sd_messages *messages) {
   h5_file *file;
   sd_status status = file_for(state, &file, messages);
   if (status != SD_OK) return status;
@@ -148,8 +149,8 @@ void checkpoint_remove_share(int folder, const char *path, size_t k) {
 }
 
 /* Rows of a column in a group of a share; from[k] (NULL: k) is which of the state is row k. */
-static void put_rows(h5_file *file, const char *group, const sd_field *f, const void *data, size_t n,
-                     const uint32_t *from, char *scratch) {
+static void put_rows(h5_file *file, const char *group, const sd_field *f, const void *data,
+                     size_t n, const uint32_t *from, char *scratch) {
   const size_t size = sd_type_size(f->type), dims[2] = {n, SD_MEAN_BINS};
   char *path = format_text("%s/state/%s", group, f->name);
   for (size_t k = 0; from && k < n; k++)
@@ -161,8 +162,9 @@ static void put_rows(h5_file *file, const char *group, const sd_field *f, const 
   free(path);
 }
 
-sd_status checkpoint_write_share(const char *path, const sd_state *state, const checkpoint_order *order,
-                                 int64_t *sum, sd_messages *messages) {
+sd_status checkpoint_write_share(const char *path, const sd_state *state,
+                                 const checkpoint_order *order, int64_t *sum,
+                                 sd_messages *messages) {
   h5_file *file;
   uint64_t seal = 0;
   sd_status status = file_for(state, &file, messages);
@@ -177,8 +179,10 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state, const 
     const bool of_body = f->extent == SD_PER_BODY;
     const size_t n = of_body ? state->n_free : sd_extent_size(state, f->extent);
     if (n == 0) continue;
-    if (of_body || state_of_free(f->extent)) put_rows(file, "/disks", f, data, state->n_free, NULL, NULL);
-    if (state_of_contacts(f->extent)) put_rows(file, "/contacts", f, data, n, order->contact, scratch);
+    if (of_body || state_of_free(f->extent))
+      put_rows(file, "/disks", f, data, state->n_free, NULL, NULL);
+    if (state_of_contacts(f->extent))
+      put_rows(file, "/contacts", f, data, n, order->contact, scratch);
   }
   free(scratch);
   status = h5_save(file, -1, path, &seal, messages);
@@ -187,7 +191,8 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state, const 
 }
 
 /* Elements of a column; 1: of the run. */
-static sd_status count_stored(const h5_file *checkpoint, const char *path, size_t *n, sd_messages *messages) {
+static sd_status count_stored(const h5_file *checkpoint, const char *path, size_t *n,
+                              sd_messages *messages) {
   size_t dims[H5_MAX_RANK] = {0};
   int rank = 0;
   const sd_status status = h5_shape(checkpoint, path, &rank, dims, messages);
@@ -201,7 +206,8 @@ uint64_t checkpoint_stored_bytes(const h5_file *checkpoint) {
   for (size_t k = 0; k < sd_field_count; k++) {
     size_t n = 0;
     char *path = format_text("/state/%s", sd_fields[k].name);
-    if (count_stored(checkpoint, path, &n, NULL) == SD_OK) bytes += n * sd_type_size(sd_fields[k].type);
+    if (count_stored(checkpoint, path, &n, NULL) == SD_OK)
+      bytes += n * sd_type_size(sd_fields[k].type);
     free(path);
   }
   return bytes;
@@ -212,7 +218,8 @@ sd_status checkpoint_copy_state(h5_file *file, const h5_file *checkpoint, sd_mes
   sd_status status = SD_OK;
   h5_group(file, "/state");
   h5_attr_i64(file, "/state", "format", h5_get_attr_i64(checkpoint, "/state", "format", 0));
-  for (const checkpoint_extent *e = checkpoint_extents; e < checkpoint_extents + CHECKPOINT_EXTENTS; e++)
+  for (const checkpoint_extent *e = checkpoint_extents; e < checkpoint_extents + CHECKPOINT_EXTENTS;
+       e++)
     h5_attr_i64(file, "/state", e->name, h5_get_attr_i64(checkpoint, "/state", e->name, 0));
   h5_attr_i64(file, "/state", "n_contacts", checkpoint_count_contacts(checkpoint));
   for (size_t k = 0; k < sd_field_count && status == SD_OK && !h5_failed(file); k++) {
@@ -245,17 +252,19 @@ char *checkpoint_get_replaces(const h5_file *file) {
 }
 
 /* least: the oldest format that will do. */
-static sd_status check_version(const h5_file *file, const char *path, int64_t least, sd_messages *messages) {
+static sd_status check_version(const h5_file *file, const char *path, int64_t least,
+                               sd_messages *messages) {
   char *creator = h5_get_attr_text(file, "/h5md/creator", "name");
   char *version = h5_get_attr_text(file, "/h5md/creator", "version");
   const char *shown = version ? version : "unknown";
   int64_t format = h5_get_attr_i64(file, "/state", "format", 0);
   sd_status status = SD_OK;
   if (!creator && h5_exists(file, "/disks/key"))
-    status = sd_fail(messages, SD_ERROR_USER,
-                     "%s is what one rank has written of a larger file; give the result, or that file: the "
-                     "name without the number of the rank",
-                     path);
+    status = sd_fail(
+        messages, SD_ERROR_USER,
+        "%s is what one rank has written of a larger file; give the result, or that file: the "
+        "name without the number of the rank",
+        path);
   else if (!creator || strcmp(creator, "slipdisk") != 0)
     status = sd_fail(messages, SD_ERROR_USER, "%s is no result of slipdisk%s%.80s", path,
                      creator ? ": it was written by " : "", creator ? creator : "");
@@ -265,12 +274,12 @@ static sd_status check_version(const h5_file *file, const char *path, int64_t le
                      ", this program reads up to %d",
                      path, shown, format, CHECKPOINT_FORMAT);
   else if (format < least)
-    status =
-        sd_fail(messages, SD_ERROR_USER,
-                "%s was written by an older slipdisk, version %.40s: its format is %" PRId64
-                ", this program goes on from %d only; let the older one finish the run, or start over with "
-                "--force",
-                path, shown, format, CHECKPOINT_FORMAT);
+    status = sd_fail(
+        messages, SD_ERROR_USER,
+        "%s was written by an older slipdisk, version %.40s: its format is %" PRId64
+        ", this program goes on from %d only; let the older one finish the run, or start over with "
+        "--force",
+        path, shown, format, CHECKPOINT_FORMAT);
   free(creator);
   free(version);
   return status;

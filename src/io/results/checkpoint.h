@@ -21,8 +21,8 @@ const char *checkpoint_column(const h5_file *file, const char *name);
 
 /* Parts that belong to a state, without which a run cannot go on from it. */
 typedef struct checkpoint_parts {
-  int64_t n;            /* sealed parts */
-  uint64_t last;        /* sum in the seal of the last one; each part names that of the one before */
+  int64_t n;     /* sealed parts */
+  uint64_t last; /* sum in the seal of the last one; each part names that of the one before */
   const char *replaces; /* which result may be replaced in the end, see session_begin.c; "": none */
 } checkpoint_parts;
 
@@ -35,23 +35,24 @@ typedef struct checkpoint_shares {
 } checkpoint_shares;
 
 /* folder: see file.h. shares: NULL: the state has all. */
-sd_status checkpoint_write(int folder, const char *path, const sd_state *state, const checkpoint_parts *parts,
-                           const checkpoint_shares *shares, const provenance *origin, const summary *found,
-                           sd_messages *messages);
+sd_status checkpoint_write(int folder, const char *path, const sd_state *state,
+                           const checkpoint_parts *parts, const checkpoint_shares *shares,
+                           const provenance *origin, const summary *found, sd_messages *messages);
 
 /* Where the rows of a part of the state stand in the whole: by ascending keys. */
 typedef struct checkpoint_order {
   int64_t *disk_key;    /* [n_free] */
   int64_t *contact_key; /* [n_contacts] */
-  uint32_t
-      *contact; /* [n_contacts] which contact of the part has this key; those of one key in their order */
+  uint32_t *
+      contact; /* [n_contacts] which contact of the part has this key; those of one key in their order */
 } checkpoint_order;
 
 /* Share k of a checkpoint that is not written after all; folder: see file.h. */
 void checkpoint_remove_share(int folder, const char *path, size_t k);
 /* A share: the free disks and contacts of a part of the state. sum: of its seal. */
-sd_status checkpoint_write_share(const char *path, const sd_state *state, const checkpoint_order *order,
-                                 int64_t *sum, sd_messages *messages);
+sd_status checkpoint_write_share(const char *path, const sd_state *state,
+                                 const checkpoint_order *order, int64_t *sum,
+                                 sd_messages *messages);
 
 /* The group /state of a file that is being written; of one that borrows the state must stay as it is until it is saved. */
 void checkpoint_put_state(h5_file *file, const sd_state *state);
@@ -72,12 +73,13 @@ sd_status checkpoint_get_some(const char *path, const sd_model *model, size_t ra
                               sd_state **out, uint32_t **order, sd_messages *messages);
 /* Means of every disk (summary_disks_collect) from the state in a file, of which some disks are
  * read at a time. */
-sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, summary_disks *s, int threads,
-                                   sd_messages *messages);
+sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, summary_disks *s,
+                                   int threads, sd_messages *messages);
 /* Means of every disk that a checkpoint leaves to its readers (SUMMARY_LATER), from its state. path: of the file; model: of the
  * run, NULL: from its deck (constants_read). */
 sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model,
-                              constants_deck_reader *read_deck, summary_disks *s, sd_messages *messages);
+                              constants_deck_reader *read_deck, summary_disks *s,
+                              sd_messages *messages);
 uint64_t checkpoint_bytes(const sd_state *state);  /* of all its columns */
 int64_t checkpoint_get_parts(const h5_file *file); /* -1: this is no checkpoint */
 uint64_t checkpoint_get_last_part(const h5_file *file);

@@ -24,20 +24,23 @@ static sd_status check_extents(const h5_file *file, const sd_state *sizes, sd_me
     int64_t stored = h5_get_attr_i64(file, "/state", name, -1);
     if (stored != (int64_t)expected)
       status = sd_fail(messages, SD_ERROR_USER,
-                       "the state does not belong to this deck: %s is %" PRId64 ", in the deck it is %zu",
+                       "the state does not belong to this deck: %s is %" PRId64
+                       ", in the deck it is %zu",
                        name, stored, expected);
   }
   return status;
 }
 
-sd_status checkpoint_check_state(const h5_file *file, const sd_model *model, sd_messages *messages) {
+sd_status checkpoint_check_state(const h5_file *file, const sd_model *model,
+                                 sd_messages *messages) {
   const sd_state sizes = state_sizes(model);
   sd_status status = check_extents(file, &sizes, messages);
   const int64_t contacts = checkpoint_count_contacts(file);
   /* a damaged number does not get to ask for all memory */
   if (status == SD_OK &&
       (contacts < 0 || h5_check(file, "/state/contact_a", (size_t)contacts, NULL) != SD_OK))
-    status = sd_fail(messages, SD_ERROR_IO, "the state is damaged: the number of contacts is missing");
+    status =
+        sd_fail(messages, SD_ERROR_IO, "the state is damaged: the number of contacts is missing");
   return status;
 }
 
@@ -46,11 +49,13 @@ sd_status checkpoint_check_state(const h5_file *file, const sd_model *model, sd_
 static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messages *messages) {
   if (h5_has_shares(file)) return SD_OK;
   char found[20], *stored = h5_get_attr_text(file, "/state", "hash");
-  bool same = stored ? strcmp(stored, checkpoint_hash_of(state, found)) == 0
-                     : h5_has_attr(file, "/state", "sum") &&
-                           (uint64_t)h5_get_attr_i64(file, "/state", "sum", 0) == checkpoint_sum_of(state);
+  bool same =
+      stored ? strcmp(stored, checkpoint_hash_of(state, found)) == 0
+             : h5_has_attr(file, "/state", "sum") &&
+                   (uint64_t)h5_get_attr_i64(file, "/state", "sum", 0) == checkpoint_sum_of(state);
   free(stored);
-  return same ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the state is damaged: its hash does not fit");
+  return same ? SD_OK
+              : sd_fail(messages, SD_ERROR_IO, "the state is damaged: its hash does not fit");
 }
 
 /* --- rows ------------------------------------------------------------------------------------- */
@@ -62,12 +67,14 @@ typedef struct piece {
   size_t first, n, first_contact, n_contacts;
 } piece;
 
-static size_t width_of(const sd_field *f) { return f->extent == SD_PER_MEAN_BIN ? SD_MEAN_BINS : 1; }
+static size_t width_of(const sd_field *f) {
+  return f->extent == SD_PER_MEAN_BIN ? SD_MEAN_BINS : 1;
+}
 
 /* A row of several numbers is a row of the dataset in shares; else all numbers stand one after
  * the other. */
-static sd_status read_rows(const h5_file *file, const char *group, const sd_field *f, size_t first, size_t n,
-                           void *rows, sd_messages *messages) {
+static sd_status read_rows(const h5_file *file, const char *group, const sd_field *f, size_t first,
+                           size_t n, void *rows, sd_messages *messages) {
   size_t dims[H5_MAX_RANK];
   int rank;
   const size_t width = width_of(f);
@@ -75,8 +82,9 @@ static sd_status read_rows(const h5_file *file, const char *group, const sd_fiel
   char *path = format_text("%s/state/%s", group, f->name);
   sd_status status = h5_shape(file, path, &rank, dims, messages);
   if (status == SD_OK)
-    status = rank > 1 ? h5_get_values(file, path, f->type, first, n, width, rows, messages)
-                      : h5_get_values(file, path, f->type, first * width, n * width, 1, rows, messages);
+    status = rank > 1
+                 ? h5_get_values(file, path, f->type, first, n, width, rows, messages)
+                 : h5_get_values(file, path, f->type, first * width, n * width, 1, rows, messages);
   free(path);
   return status;
 }
@@ -96,8 +104,8 @@ static sd_status read_common(const h5_file *head, const sd_field *f, size_t befo
 }
 
 /* place: where disk k of the pieces, one after the other, stands; NULL: k. */
-static sd_status read_disks(const piece *p, const sd_field *f, size_t at, const uint32_t *place, sd_state *s,
-                            sd_messages *messages) {
+static sd_status read_disks(const piece *p, const sd_field *f, size_t at, const uint32_t *place,
+                            sd_state *s, sd_messages *messages) {
   const size_t row = sd_type_size(f->type) * width_of(f);
   char *data = sd_field_data(s, f), *scratch = NULL;
   if (!place) return read_rows(p->file, p->disks, f, p->first, p->n, data + at * row, messages);
@@ -120,7 +128,8 @@ static sd_status read_contacts(const piece *p, const sd_field *f, size_t at, sd_
 
 /* head: has the rest, behind so many rows of free disks. */
 static sd_status read_column(const h5_file *head, size_t before, size_t n_pieces, const piece *list,
-                             const sd_field *f, const uint32_t *place, sd_state *s, sd_messages *messages) {
+                             const sd_field *f, const uint32_t *place, sd_state *s,
+                             sd_messages *messages) {
   const bool disks = state_of_free(f->extent), contacts = state_of_contacts(f->extent);
   sd_status status = disks || contacts ? SD_OK : read_common(head, f, before, s, messages);
   size_t disk = 0, contact = 0;
@@ -136,7 +145,8 @@ static sd_status read_column(const h5_file *head, size_t before, size_t n_pieces
 
 /* The state of these pieces. */
 static sd_status get_pieces(const h5_file *head, size_t before, const sd_model *model, size_t n,
-                            const piece *list, const uint32_t *place, sd_state **out, sd_messages *messages) {
+                            const piece *list, const uint32_t *place, sd_state **out,
+                            sd_messages *messages) {
   size_t disks = 0, contacts = 0;
   for (size_t k = 0; k < n; k++) {
     disks += list[k].n;
@@ -179,8 +189,13 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
   sd_status status = checkpoint_check_state(file, model, messages);
   if (status == SD_OK) status = check_columns(file, model, messages);
   if (status != SD_OK) return status;
-  const piece all = {
-      (h5_file *)(uintptr_t)file, "", "", 0, model->n_free, 0, (size_t)checkpoint_count_contacts(file)};
+  const piece all = {(h5_file *)(uintptr_t)file,
+                     "",
+                     "",
+                     0,
+                     model->n_free,
+                     0,
+                     (size_t)checkpoint_count_contacts(file)};
   status = get_pieces(file, model->n_free, model, 1, &all, NULL, out, messages);
   if (status == SD_OK) status = check_hash(file, *out, messages);
   if (status == SD_OK || !*out) return status;
@@ -192,7 +207,8 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
 /* --- some of it: over ranks only, the counted build has one ----------------------------------- */
 /* GCOVR_EXCL_START */
 
-static sd_status count_rows(const h5_file *file, const char *path, size_t *n, sd_messages *messages) {
+static sd_status count_rows(const h5_file *file, const char *path, size_t *n,
+                            sd_messages *messages) {
   size_t dims[H5_MAX_RANK] = {0};
   int rank;
   const sd_status status = h5_shape(file, path, &rank, dims, messages);
@@ -200,7 +216,8 @@ static sd_status count_rows(const h5_file *file, const char *path, size_t *n, sd
   return status;
 }
 
-static sd_status open_share(const char *path, size_t k, int64_t sum, piece *p, sd_messages *messages) {
+static sd_status open_share(const char *path, size_t k, int64_t sum, piece *p,
+                            sd_messages *messages) {
   uint64_t found = 0;
   char *name = h5_share_path(path, k);
   *p = (piece){.disks = "/disks", .contacts = "/contacts"};
@@ -225,14 +242,16 @@ static int by_key(const void *one, const void *two) {
 }
 
 /* Disks of several shares, in the order of the whole. place: of each row read. */
-static sd_status order_rows(size_t n_pieces, const piece *list, size_t n, uint32_t *place, uint32_t *order,
-                            sd_messages *messages) {
+static sd_status order_rows(size_t n_pieces, const piece *list, size_t n, uint32_t *place,
+                            uint32_t *order, sd_messages *messages) {
   keyed *rows;
   sd_status status = SD_OK;
-  if (!memory_row(&rows, n, sizeof *rows)) return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
+  if (!memory_row(&rows, n, sizeof *rows))
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
   for (size_t p = 0, at = 0; p < n_pieces && status == SD_OK; at += list[p++].n) {
     int64_t *key = h5_column(list[p].file, "/disks/key", SD_I64, list[p].n, &status, messages);
-    for (size_t k = 0; key && k < list[p].n; k++) rows[at + k] = (keyed){key[k], (uint32_t)(at + k)};
+    for (size_t k = 0; key && k < list[p].n; k++)
+      rows[at + k] = (keyed){key[k], (uint32_t)(at + k)};
     free(key);
   }
   if (n > 1) qsort(rows, n, sizeof *rows, by_key);
@@ -244,8 +263,9 @@ static sd_status order_rows(size_t n_pieces, const piece *list, size_t n, uint32
   return status;
 }
 
-static sd_status get_shares(const h5_file *head, const char *path, const sd_model *model, size_t rank,
-                            size_t ranks, sd_state **out, uint32_t **order, sd_messages *messages) {
+static sd_status get_shares(const h5_file *head, const char *path, const sd_model *model,
+                            size_t rank, size_t ranks, sd_state **out, uint32_t **order,
+                            sd_messages *messages) {
   size_t all = 0, n = 0, disks = 0;
   sd_status status = count_rows(head, "/shares", &all, messages);
   int64_t *sums = h5_column(head, "/shares", SD_I64, all, &status, messages);
@@ -255,8 +275,8 @@ static sd_status get_shares(const h5_file *head, const char *path, const sd_mode
     status = open_share(path, k, sums[k], &list[n], messages);
     disks += list[n++].n;
   }
-  if (status == SD_OK &&
-      !memory_rows(2, (memory_column[]){{&place, disks, sizeof *place}, {order, disks, sizeof **order}}))
+  if (status == SD_OK && !memory_rows(2, (memory_column[]){{&place, disks, sizeof *place},
+                                                           {order, disks, sizeof **order}}))
     status = sd_fail(messages, SD_ERROR_IO, "no memory for the state");
   if (status == SD_OK) status = order_rows(n, list, disks, place, *order, messages);
   if (status == SD_OK) status = get_pieces(head, 0, model, n, list, place, out, messages);
@@ -271,10 +291,11 @@ static size_t begin_of(size_t n, size_t rank, size_t ranks) {
   return n / ranks * rank + n % ranks * rank / ranks;
 }
 
-static sd_status get_range(h5_file *file, const sd_model *model, size_t rank, size_t ranks, sd_state **out,
-                           uint32_t **order, sd_messages *messages) {
+static sd_status get_range(h5_file *file, const sd_model *model, size_t rank, size_t ranks,
+                           sd_state **out, uint32_t **order, sd_messages *messages) {
   const size_t disks = model->n_free, contacts = (size_t)checkpoint_count_contacts(file),
-               first = begin_of(disks, rank, ranks), first_contact = begin_of(contacts, rank, ranks);
+               first = begin_of(disks, rank, ranks),
+               first_contact = begin_of(contacts, rank, ranks);
   const piece mine = {file,
                       "",
                       "",
@@ -327,8 +348,8 @@ static sd_status read_for_totals(const h5_file *file, sd_state *s, sd_messages *
 }
 
 /* s: also looks at the contacts, bins and measured steps of the run. */
-static sd_status read_means(const h5_file *file, const sd_model *model, sd_state *s, sd_disk_mean *means,
-                            int threads, sd_messages *messages) {
+static sd_status read_means(const h5_file *file, const sd_model *model, sd_state *s,
+                            sd_disk_mean *means, int threads, sd_messages *messages) {
   enum { AT_ONCE = 1 << 16 };
   sd_status status = SD_OK;
   for (size_t at = 0; status == SD_OK && at < s->n_means; at += AT_ONCE) {
@@ -346,8 +367,8 @@ static sd_status read_means(const h5_file *file, const sd_model *model, sd_state
   return status;
 }
 
-sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, summary_disks *s, int threads,
-                                   sd_messages *messages) {
+sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, summary_disks *s,
+                                   int threads, sd_messages *messages) {
   sd_state all = state_sizes(model);
   sd_disk_mean *means = NULL;
   sd_status status = checkpoint_check_state(file, model, messages);
@@ -368,12 +389,14 @@ sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, s
 }
 
 sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model,
-                              constants_deck_reader *read_deck, summary_disks *s, sd_messages *messages) {
+                              constants_deck_reader *read_deck, summary_disks *s,
+                              sd_messages *messages) {
   sd_model *own = NULL;
   bool sealed;
   uint64_t sum;
   if (!s->later) return SD_OK;
-  if (checkpoint_get_parts(file) < 0) return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+  if (checkpoint_get_parts(file) < 0)
+    return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
   sd_status status = checkpoint_check_format(file, path, messages);
   /* all of it is read now; shares were checked when it was opened, and a run may have removed
    * it since */

@@ -20,10 +20,11 @@
 
 /* --- write -------------------------------------------------------------------------------------------- */
 
-#define CONSTANT(name, structure, field, type, width, unit, meaning)                                         \
+#define CONSTANT(name, structure, field, type, width, unit, meaning)                               \
   { name, unit, meaning, type, width, offsetof(structure, field), NULL, NULL, NULL, NULL }
-#define DISK(name, field, type, unit, meaning) CONSTANT(name, sd_disk, field, type, 1, unit, meaning)
-#define WALL(name, field, type, width, unit, meaning)                                                        \
+#define DISK(name, field, type, unit, meaning)                                                     \
+  CONSTANT(name, sd_disk, field, type, 1, unit, meaning)
+#define WALL(name, field, type, width, unit, meaning)                                              \
   CONSTANT(name, sd_wall, field, type, width, unit, meaning)
 
 static const observable disk_rows[] = {
@@ -36,9 +37,10 @@ static const observable disk_rows[] = {
 };
 static const observable_list disk_constants = OBSERVABLES("disks", "of disks", disk_rows);
 
-static const observable force_rows[] = {
-    CONSTANT("constant_force", sd_disk, force, OBSERVABLE_F64, 2, "force", "constant force on the centre")};
-static const observable_list disk_forces = OBSERVABLES("disks", "of disks, where there are any", force_rows);
+static const observable force_rows[] = {CONSTANT("constant_force", sd_disk, force, OBSERVABLE_F64,
+                                                 2, "force", "constant force on the centre")};
+static const observable_list disk_forces =
+    OBSERVABLES("disks", "of disks, where there are any", force_rows);
 
 static const observable in_clump_rows[] = {
     DISK("clump", clump, OBSERVABLE_I32, "1", "1 + number of its clump, 0: none")};
@@ -64,7 +66,8 @@ static const observable wall_rows[] = {
     WALL("shape/kind", kind, OBSERVABLE_I32, 1, "1",
          "0 line, 1 segment, 2 polyline, 3 circle, 4 arc: many points along it"),
     WALL("shape/radius", radius, OBSERVABLE_F64, 1, "length", "radius of a circle or arc, else 0"),
-    WALL("shape/count", n_points, OBSERVABLE_SIZE, 1, "1", "points of each wall, one wall after the other"),
+    WALL("shape/count", n_points, OBSERVABLE_SIZE, 1, "1",
+         "points of each wall, one wall after the other"),
     WALL("shape/pivot", pivot, OBSERVABLE_F64, 2, "length", "where the pivot stood in the deck"),
     WALL("shape/closed", closed, OBSERVABLE_FLAG, 1, "1", "1: a polyline whose ends are joined"),
     WALL("shape/inside", inside, OBSERVABLE_FLAG, 1, "1", "1: a circle with the disks inside"),
@@ -76,12 +79,13 @@ static const observable arc_rows[] = {
     WALL("shape/from", from, OBSERVABLE_F64, 1, "rad", "angle at which an arc begins"),
     WALL("shape/to", to, OBSERVABLE_F64, 1, "rad", "angle at which it ends"),
 };
-static const observable_list arc_constants = OBSERVABLES("walls", "of walls, where there are arcs", arc_rows);
+static const observable_list arc_constants =
+    OBSERVABLES("walls", "of walls, where there are arcs", arc_rows);
 _Static_assert(sizeof(sd_wall_kind) == sizeof(int32_t) && sizeof(int) == sizeof(int32_t),
                "stored as 32 bits");
 
-static void put(h5_file *file, const char *name, sd_type type, int rank, const size_t *dims, const void *data,
-                const char *unit, const char *meaning) {
+static void put(h5_file *file, const char *name, sd_type type, int rank, const size_t *dims,
+                const void *data, const char *unit, const char *meaning) {
   members_put(file, MODEL, name, type, rank, dims, data, false, unit, meaning);
 }
 
@@ -139,8 +143,8 @@ static void put_box(h5_file *file, const char *group, const sd_model *m) {
 
 /* Rows of bodies in the order of a state; NULL: they are not there, and why. What a checkpoint
  * gives is *own, to be freed. */
-static const void *state_column(const constants_source *from, const char *name, size_t n, void **own,
-                                sd_status *status, sd_messages *messages) {
+static const void *state_column(const constants_source *from, const char *name, size_t n,
+                                void **own, sd_status *status, sd_messages *messages) {
   size_t k = 0;
   while (strcmp(sd_fields[k].name, name) != 0) k++;
   *own = NULL;
@@ -165,7 +169,8 @@ static sd_status put_made(h5_file *file, const sd_model *m, const constants_sour
     const size_t size = sd_type_size(type);
     char *dense = NULL;
     void *own = NULL;
-    const char *rows = columns[k] ? state_column(from, columns[k], bodies, &own, &status, messages) : NULL;
+    const char *rows =
+        columns[k] ? state_column(from, columns[k], bodies, &own, &status, messages) : NULL;
     if (status == SD_OK && !memory_row(&dense, n, size))
       status = sd_fail(messages, SD_ERROR_IO, "no memory for the result");
     for (size_t slot = 0; id && dense && slot < bodies; slot++) {
@@ -326,17 +331,22 @@ static char **read_names(reader *r, const char *path, size_t n) {
 
 static void read_disks(reader *r, sd_model *m) {
   size_t n = count(r, DISKS "/radius");
-  if (n > LIMIT_DISKS) r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu disks: the file is damaged", n);
+  if (n > LIMIT_DISKS)
+    r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu disks: the file is damaged", n);
   if (r->status == SD_OK) r->status = h5_check(r->file, DISKS "/radius", n, r->messages);
   if (r->status != SD_OK) return;
   m->disks = rows_new(r, n, sizeof *m->disks, "disks");
   if (r->status == SD_OK)
-    r->status = members_read(r->file, DISKS, &disk_constants, m->disks, sizeof *m->disks, n, r->messages);
+    r->status =
+        members_read(r->file, DISKS, &disk_constants, m->disks, sizeof *m->disks, n, r->messages);
   if (r->status == SD_OK && h5_exists(r->file, DISKS "/constant_force"))
-    r->status = members_read(r->file, DISKS, &disk_forces, m->disks, sizeof *m->disks, n, r->messages);
+    r->status =
+        members_read(r->file, DISKS, &disk_forces, m->disks, sizeof *m->disks, n, r->messages);
   if (r->status == SD_OK && h5_exists(r->file, DISKS "/clump"))
-    r->status = members_read(r->file, DISKS, &in_clump_constants, m->disks, sizeof *m->disks, n, r->messages);
-  for (size_t k = 0; m->disks && r->status == SD_OK && k < n; k++) check_species(r, m, m->disks[k].material);
+    r->status = members_read(r->file, DISKS, &in_clump_constants, m->disks, sizeof *m->disks, n,
+                             r->messages);
+  for (size_t k = 0; m->disks && r->status == SD_OK && k < n; k++)
+    check_species(r, m, m->disks[k].material);
   if (r->status == SD_OK) m->n_disks = n;
   char **names = read_names(r, DISKS "/name", n);
   for (size_t k = 0; m->disks && names && k < n; k++) m->disks[k].name = names[k];
@@ -347,12 +357,15 @@ static void read_disks(reader *r, sd_model *m) {
 static void read_clumps(reader *r, sd_model *m) {
   if (r->status != SD_OK || !h5_exists(r->file, CLUMPS "/mass")) return;
   const size_t n = count(r, CLUMPS "/mass");
-  if (n > m->n_disks) r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu clumps: the file is damaged", n);
+  if (n > m->n_disks)
+    r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu clumps: the file is damaged", n);
   m->clumps = rows_new(r, n, sizeof *m->clumps, "clumps");
   if (r->status == SD_OK)
-    r->status = members_read(r->file, CLUMPS, &clump_constants, m->clumps, sizeof *m->clumps, n, r->messages);
+    r->status = members_read(r->file, CLUMPS, &clump_constants, m->clumps, sizeof *m->clumps, n,
+                             r->messages);
   if (r->status == SD_OK && h5_exists(r->file, CLUMPS "/constant_force"))
-    r->status = members_read(r->file, CLUMPS, &clump_forces, m->clumps, sizeof *m->clumps, n, r->messages);
+    r->status =
+        members_read(r->file, CLUMPS, &clump_forces, m->clumps, sizeof *m->clumps, n, r->messages);
   for (size_t k = 0; m->clumps && k < n; k++) m->clumps[k].n_disks = 0;
   if (r->status == SD_OK) m->n_clumps = n;
 }
@@ -376,14 +389,18 @@ static bool share_points(sd_model *m, size_t total, const double *points) {
 static void read_walls(reader *r, sd_model *m) {
   if (!h5_exists(r->file, WALLS "/shape/kind")) return;
   size_t n = count(r, WALLS "/shape/kind"), total = count(r, WALLS "/shape/points");
-  double *points = h5_column(r->file, WALLS "/shape/points", SD_F64, 2 * total, &r->status, r->messages);
+  double *points =
+      h5_column(r->file, WALLS "/shape/points", SD_F64, 2 * total, &r->status, r->messages);
   if (r->status == SD_OK) r->status = h5_check(r->file, WALLS "/shape/kind", n, r->messages);
   m->walls = rows_new(r, n, sizeof *m->walls, "walls");
   if (r->status == SD_OK)
-    r->status = members_read(r->file, WALLS, &wall_constants, m->walls, sizeof *m->walls, n, r->messages);
+    r->status =
+        members_read(r->file, WALLS, &wall_constants, m->walls, sizeof *m->walls, n, r->messages);
   if (r->status == SD_OK && h5_exists(r->file, WALLS "/shape/center"))
-    r->status = members_read(r->file, WALLS, &arc_constants, m->walls, sizeof *m->walls, n, r->messages);
-  for (size_t k = 0; m->walls && r->status == SD_OK && k < n; k++) check_species(r, m, m->walls[k].material);
+    r->status =
+        members_read(r->file, WALLS, &arc_constants, m->walls, sizeof *m->walls, n, r->messages);
+  for (size_t k = 0; m->walls && r->status == SD_OK && k < n; k++)
+    check_species(r, m, m->walls[k].material);
   if (r->status == SD_OK) m->n_walls = n;
   if (m->walls && r->status == SD_OK && !share_points(m, total, points))
     r->status = sd_fail(r->messages, SD_ERROR_IO, WALLS "/shape: the points cannot be read");
@@ -397,9 +414,11 @@ static void read_walls(reader *r, sd_model *m) {
 
 /* Names of materials and groups, from the lines of deck_bodies (io/deck/deck_result.c); older files have none. */
 static void read_words(reader *r, sd_model *m) {
-  char *text = r->status == SD_OK ? h5_get_text(r->file, "/parameters/deck_bodies") : NULL, *rest = NULL;
+  char *text = r->status == SD_OK ? h5_get_text(r->file, "/parameters/deck_bodies") : NULL,
+       *rest = NULL;
   size_t materials = 0;
-  for (char *line = text ? strtok_r(text, "\n", &rest) : NULL; line; line = strtok_r(NULL, "\n", &rest)) {
+  for (char *line = text ? strtok_r(text, "\n", &rest) : NULL; line;
+       line = strtok_r(NULL, "\n", &rest)) {
     char *name = strchr(line, '\t');
     if (!name) continue;
     *name++ = 0;
@@ -435,7 +454,8 @@ static sd_status from_deck(const h5_file *file, const char *path, constants_deck
   sd_status status = read_deck(full, name, 0, NULL, out, messages);
   if (status != SD_OK)
     sd_fail(messages, status,
-            "%s: the run's deck, as it is stored, cannot be read again, so box, walls and laws are not known",
+            "%s: the run's deck, as it is stored, cannot be read again, so box, walls and laws are "
+            "not known",
             path);
   free(full);
   free(deck);

@@ -19,7 +19,8 @@ sd_status constants_write(h5_file *file, const sd_model *model, const constants_
                           sd_messages *messages);
 /* Reads a deck, as sd_deck_load_text does: this room lies below the reader of decks. */
 typedef sd_status constants_deck_reader(const char *text, const char *path, size_t n_overrides,
-                                        const char *const *overrides, sd_model **out, sd_messages *messages);
+                                        const char *const *overrides, sd_model **out,
+                                        sd_messages *messages);
 /* A model, not finished, with one material per row of the laws: from a result, or, where
  * /parameters/model is not there (a checkpoint, an old result), from the deck that is stored in the
  * file. SD_ERROR_USER: the deck cannot be read again, for example since it names files that are

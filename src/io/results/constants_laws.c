@@ -17,8 +17,8 @@ enum { LAW = 4 }; /* numbers in one */
 
 /* --- write -------------------------------------------------------------------------------------------- */
 
-static void put(h5_file *file, const char *name, size_t n, size_t width, const void *data, const char *unit,
-                const char *meaning) {
+static void put(h5_file *file, const char *name, size_t n, size_t width, const void *data,
+                const char *unit, const char *meaning) {
   const size_t dims[3] = {n, n, width};
   members_put(file, MODEL, name, SD_F64, 3, dims, data, false, unit, meaning);
 }
@@ -110,7 +110,8 @@ typedef struct reader {
 static void read_normal_laws(reader *r, sd_model *m) {
   if (!h5_exists(r->file, MODEL "/normal_laws")) return;
   size_t n = m->n_materials;
-  double *laws = h5_column(r->file, MODEL "/normal_laws", SD_F64, n * n * 2, &r->status, r->messages);
+  double *laws =
+      h5_column(r->file, MODEL "/normal_laws", SD_F64, n * n * 2, &r->status, r->messages);
   for (size_t k = 0; laws && r->status == SD_OK && k < n * n; k++) {
     if (!(laws[2 * k] >= 0.0 && laws[2 * k] < SD_NORMAL_LAWS))
       r->status = sd_fail(r->messages, SD_ERROR_IO, "the laws of the contacts are damaged");
@@ -124,12 +125,13 @@ static void read_normal_laws(reader *r, sd_model *m) {
 static void read_general_laws(reader *r, sd_model *m) {
   if (r->status != SD_OK || !h5_exists(r->file, MODEL "/general_laws")) return;
   size_t n = m->n_materials;
-  double *laws =
-      h5_column(r->file, MODEL "/general_laws", SD_F64, n * n * LAW_MEMBERS, &r->status, r->messages);
+  double *laws = h5_column(r->file, MODEL "/general_laws", SD_F64, n * n * LAW_MEMBERS, &r->status,
+                           r->messages);
   for (size_t k = 0; laws && r->status == SD_OK && k < n * n; k++) {
     const double *x = laws + LAW_MEMBERS * k;
     sd_contact_law *law = &m->laws[k];
-    if (!(x[1] >= 0.0 && x[1] <= SD_TANGENTIAL_MINDLIN && x[2] >= 0.0 && x[2] <= SD_COHESION_BRIDGE)) {
+    if (!(x[1] >= 0.0 && x[1] <= SD_TANGENTIAL_MINDLIN && x[2] >= 0.0 &&
+          x[2] <= SD_COHESION_BRIDGE)) {
       r->status = sd_fail(r->messages, SD_ERROR_IO, "the laws of the contacts are damaged");
       break;
     }

@@ -31,7 +31,8 @@ static sd_status open_source(const frames *f, size_t source, h5_file **out, sd_m
   *out = f->base;
   if (strcmp(path, f->path) == 0) return SD_OK;
   /* each is checked once, by add_source */
-  return f->sources[source].checked ? h5_open_again(path, out, messages) : h5_open(path, out, messages);
+  return f->sources[source].checked ? h5_open_again(path, out, messages)
+                                    : h5_open(path, out, messages);
 }
 
 static void release_source(const frames *f, h5_file *file) {
@@ -57,17 +58,18 @@ sd_status frames_open(frames *f, const char *base, size_t n_sources, const char 
   sd_status status = h5_open(base, &f->base, messages);
   if (status != SD_OK) return status;
   if (!h5_exists(f->base, "/state/id") || !h5_exists(f->base, "/summary"))
-    return sd_fail(
-        messages, SD_ERROR_USER,
-        "%s is not a result of slipdisk: there is no /state; expected a result, its folder of parts, or a "
-        "part or checkpoint in it",
-        base);
+    return sd_fail(messages, SD_ERROR_USER,
+                   "%s is not a result of slipdisk: there is no /state; expected a result, its "
+                   "folder of parts, or a "
+                   "part or checkpoint in it",
+                   base);
   status = checkpoint_check_origin(f->base, base, messages);
   if (status != SD_OK) return status;
   f->state_time = h5_get_attr_f64(f->base, "/summary", "time", NAN);
   f->state_step = h5_get_attr_i64(f->base, "/summary", "step", -1);
   status = constants_read(f->base, base, read_deck, &f->constants, messages);
-  for (size_t k = 0; status == SD_OK && k < n_sources; k++) status = add_source(f, sources[k], messages);
+  for (size_t k = 0; status == SD_OK && k < n_sources; k++)
+    status = add_source(f, sources[k], messages);
   return status;
 }
 
@@ -95,9 +97,11 @@ sd_status frames_entry(const frames *f, size_t k, frame_entry *out, sd_messages 
   h5_file *file = NULL;
   sd_status status = open_source(f, source, &file, messages);
   if (status != SD_OK) return status;
-  status = h5_get_values(file, DISKS "/position/step", SD_I64, out->row, 1, 1, &out->step, messages);
+  status =
+      h5_get_values(file, DISKS "/position/step", SD_I64, out->row, 1, 1, &out->step, messages);
   if (status == SD_OK)
-    status = h5_get_values(file, DISKS "/position/time", SD_F64, out->row, 1, 1, &out->time, messages);
+    status =
+        h5_get_values(file, DISKS "/position/time", SD_F64, out->row, 1, 1, &out->time, messages);
   release_source(f, file);
   return status;
 }
@@ -165,7 +169,8 @@ static void state_bodies(reader *r, frame_data *f) {
   }
   for (int c = 0; c < COLUMNS; c++) free(column[c]);
   free(activity);
-  int32_t *image[2] = {state_column(r, "image_x", SD_I32, n), state_column(r, "image_y", SD_I32, n)};
+  int32_t *image[2] = {state_column(r, "image_x", SD_I32, n),
+                       state_column(r, "image_y", SD_I32, n)};
   for (size_t k = 0; r->status == SD_OK && k < n; k++)
     for (int c = 0; c < 2 && id[k] < f->n_disks; c++) f->image[id[k]][c] = image[c][k];
   free(image[0]);
@@ -181,7 +186,8 @@ static void state_cell(reader *r, const sd_model *m, frame_data *f) {
   if (r->status == SD_OK)
     r->status = h5_get(r->file, "/state/cell_speed", SD_F64, CELL_COLUMNS, speed, r->messages);
   if (r->status != SD_OK) return;
-  const sd_state s = {.box_scale = f->scale, .n_cell = CELL_COLUMNS, .cell = cell, .cell_speed = speed};
+  const sd_state s = {
+      .box_scale = f->scale, .n_cell = CELL_COLUMNS, .cell = cell, .cell_speed = speed};
   for (int c = 0; c < 2; c++) f->stretch[c] = cell[c];
   f->offset = cell_offset(m, &s);
   cell_gradient_of(m, &s, f->gradient);
@@ -204,8 +210,8 @@ static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   if (r->status == SD_OK) r->status = h5_check(r->file, "/state/contact_a", n, r->messages);
   if (r->status == SD_OK) r->status = frame_data_contacts(f, n, r->messages);
   if (r->status != SD_OK) return;
-  const bool has_tau =
-      n > 0 && h5_exists(r->file, "/state/contact_tau") && rows_of(r->file, "/state/contact_tau") == n;
+  const bool has_tau = n > 0 && h5_exists(r->file, "/state/contact_tau") &&
+                       rows_of(r->file, "/state/contact_tau") == n;
   const char *zeta = has_tau                                     ? "/state/contact_tau"
                      : h5_exists(r->file, "/state/contact_zeta") ? "/state/contact_zeta"
                                                                  : "/state/contact_stretch";
@@ -228,7 +234,8 @@ static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
       r->status = sd_fail(r->messages, SD_ERROR_IO, "the contacts of the state are damaged");
     else if (!has_tau)
       f->tau[k] *=
-          -sd_model_law(m, configuration_material(m, f->a[k]), configuration_material(m, f->b[k]))->k_t;
+          -sd_model_law(m, configuration_material(m, f->a[k]), configuration_material(m, f->b[k]))
+               ->k_t;
   }
 }
 
@@ -237,8 +244,8 @@ static sd_status read_state(const frames *f, frame_data *out, sd_messages *messa
   reader r = {f->base, SD_OK, messages};
   size_t stored = rows_of(f->base, "/state/id");
   if (stored != sd_model_bodies(m))
-    return sd_fail(messages, SD_ERROR_USER, "%s: the state has %zu bodies, its deck %zu", f->path, stored,
-                   sd_model_bodies(m));
+    return sd_fail(messages, SD_ERROR_USER, "%s: the state has %zu bodies, its deck %zu", f->path,
+                   stored, sd_model_bodies(m));
   r.status = frame_data_new(out, m->n_disks, m->n_walls, messages);
   out->step = f->state_step;
   out->time = f->state_time;
@@ -253,8 +260,8 @@ static sd_status read_state(const frames *f, frame_data *out, sd_messages *messa
 /* --- frames ------------------------------------------------------------------------------------------- */
 
 /* Row `row` of an element of disks, then of walls, into columns over all bodies. */
-static sd_status frame_element(const h5_file *file, const char *name, size_t row, size_t width, frame_data *f,
-                               double *data, sd_messages *messages) {
+static sd_status frame_element(const h5_file *file, const char *name, size_t row, size_t width,
+                               frame_data *f, double *data, sd_messages *messages) {
   sd_status status = SD_OK;
   for (int walls = 0; status == SD_OK && walls < 2; walls++) {
     size_t n = walls ? f->n_bodies - f->n_disks : f->n_disks, dims[H5_MAX_RANK] = {0};
@@ -266,14 +273,15 @@ static sd_status frame_element(const h5_file *file, const char *name, size_t row
     if (status == SD_OK && (dims[1] != n || (width > 1 && dims[2] != width)))
       status = sd_fail(messages, SD_ERROR_IO, "%s does not have %zu bodies", path, n);
     if (status == SD_OK)
-      status = h5_get_values(file, path, SD_F64, row, 1, n * width, data + (walls ? f->n_disks * width : 0),
-                             messages);
+      status = h5_get_values(file, path, SD_F64, row, 1, n * width,
+                             data + (walls ? f->n_disks * width : 0), messages);
   }
   return status;
 }
 
 /* Where the contacts of a moment begin: a result says so, of a part the counts before are added. */
-static sd_status first_contact(const h5_file *file, size_t row, int64_t *first, sd_messages *messages) {
+static sd_status first_contact(const h5_file *file, size_t row, int64_t *first,
+                               sd_messages *messages) {
   if (h5_exists(file, "/contacts/first"))
     return h5_get_values(file, "/contacts/first", SD_I64, row, 1, 1, first, messages);
   enum { BLOCK = 4096 };
@@ -289,8 +297,8 @@ static sd_status first_contact(const h5_file *file, size_t row, int64_t *first, 
 }
 
 /* Which rows have the contacts of this step; of several tables of a step the last. Steps grow. */
-static bool find_table(const h5_file *file, int64_t step, int64_t *first, int64_t *rows, sd_status *status,
-                       sd_messages *messages) {
+static bool find_table(const h5_file *file, int64_t step, int64_t *first, int64_t *rows,
+                       sd_status *status, sd_messages *messages) {
   size_t low = 0, high = rows_of(file, "/contacts/step");
   int64_t at = -1;
   while (*status == SD_OK && low < high) { /* to the first that is later */
@@ -315,8 +323,8 @@ static sd_status frame_contacts(const h5_file *file, frame_data *f, sd_messages 
   if (!find_table(file, f->step, &first, &n, &status, messages) || status != SD_OK) return status;
   size_t stored = rows_of(file, "/contacts/a");
   if (first < 0 || n < 0 || n > MOST_CONTACTS || (uint64_t)first + (uint64_t)n > stored)
-    return sd_fail(messages, SD_ERROR_IO, "/contacts is damaged: the table of step %lld is not there",
-                   (long long)f->step);
+    return sd_fail(messages, SD_ERROR_IO,
+                   "/contacts is damaged: the table of step %lld is not there", (long long)f->step);
   status = frame_data_contacts(f, (size_t)n, messages);
   if (status != SD_OK) return status;
   const struct {
@@ -335,8 +343,8 @@ static sd_status frame_contacts(const h5_file *file, frame_data *f, sd_messages 
   return status;
 }
 
-static sd_status read_frame(const frames *f, const h5_file *file, const frame_entry *e, frame_data *out,
-                            sd_messages *messages) {
+static sd_status read_frame(const frames *f, const h5_file *file, const frame_entry *e,
+                            frame_data *out, sd_messages *messages) {
   const sd_model *m = f->constants;
   sd_status status = frame_data_new(out, m->n_disks, m->n_walls, messages);
   out->step = e->step;
@@ -346,12 +354,14 @@ static sd_status read_frame(const frames *f, const h5_file *file, const frame_en
   if (status == SD_OK)
     status = frame_element(file, "velocity", e->row, 2, out, &out->velocity[0][0], messages);
   if (status == SD_OK) status = frame_element(file, "angle", e->row, 1, out, out->angle, messages);
-  if (status == SD_OK) status = frame_element(file, "angular_velocity", e->row, 1, out, out->spin, messages);
+  if (status == SD_OK)
+    status = frame_element(file, "angular_velocity", e->row, 1, out, out->spin, messages);
   if (status == SD_OK && h5_exists(file, DISKS "/image/value"))
-    status =
-        h5_get_values(file, DISKS "/image/value", SD_I32, e->row, 1, 2 * out->n_disks, out->image, messages);
+    status = h5_get_values(file, DISKS "/image/value", SD_I32, e->row, 1, 2 * out->n_disks,
+                           out->image, messages);
   if (status == SD_OK && h5_exists(file, DISKS "/box/scale/value"))
-    status = h5_get_values(file, DISKS "/box/scale/value", SD_F64, e->row, 1, 1, &out->scale, messages);
+    status =
+        h5_get_values(file, DISKS "/box/scale/value", SD_F64, e->row, 1, 1, &out->scale, messages);
   if (status == SD_OK && h5_exists(file, DISKS "/box/rate/value")) {
     double edges[4];
     status = h5_get_values(file, DISKS "/box/rate/value", SD_F64, e->row, 1, SD_CELL_COMPONENTS,
@@ -363,8 +373,8 @@ static sd_status read_frame(const frames *f, const h5_file *file, const frame_en
     if (status == SD_OK) out->offset = edges[2];
   }
   if (status == SD_OK && h5_exists(file, DISKS "/activity/value")) {
-    status = h5_get_values(file, DISKS "/activity/value", SD_I32, e->row, 1, out->n_disks, out->activity,
-                           messages);
+    status = h5_get_values(file, DISKS "/activity/value", SD_I32, e->row, 1, out->n_disks,
+                           out->activity, messages);
   } else if (status == SD_OK) {
     reader r = {f->base, SD_OK, messages};
     state_activity(&r, out);

@@ -16,8 +16,9 @@
 enum { PIECE_BYTES = 32 << 20 };
 
 /* Opens a part and counts the rows of each table; sum: of the seal before, becomes that of its own. */
-static sd_status open_part(const merge_job *job, int64_t number, h5_file **part, size_t rows[RECORD_TABLES],
-                           uint64_t *bytes, uint64_t *sum, sd_messages *messages) {
+static sd_status open_part(const merge_job *job, int64_t number, h5_file **part,
+                           size_t rows[RECORD_TABLES], uint64_t *bytes, uint64_t *sum,
+                           sd_messages *messages) {
   char *path = folder_part(job->folder->path, number);
   record_link link = {.run_id = job->origin->run_id, .number = number, .after = *sum};
   sd_status status = record_open(job->folder->at, path, &link, part, sum, messages);
@@ -34,16 +35,16 @@ static sd_status open_part(const merge_job *job, int64_t number, h5_file **part,
   return status;
 }
 
-static sd_status count_rows(const merge_job *job, int64_t number, size_t rows[RECORD_TABLES], uint64_t *bytes,
-                            uint64_t *sum, sd_messages *messages) {
+static sd_status count_rows(const merge_job *job, int64_t number, size_t rows[RECORD_TABLES],
+                            uint64_t *bytes, uint64_t *sum, sd_messages *messages) {
   h5_file *part = NULL;
   sd_status status = open_part(job, number, &part, rows, bytes, sum, messages);
   h5_close(part, NULL);
   return status;
 }
 
-sd_status merge_check_parts(const folder *f, const record *layout, const char *run_id, int64_t parts,
-                            uint64_t last, sd_messages *messages) {
+sd_status merge_check_parts(const folder *f, const record *layout, const char *run_id,
+                            int64_t parts, uint64_t last, sd_messages *messages) {
   provenance origin = {.run_id = (char *)(uintptr_t)run_id};
   merge_job job = {.folder = f, .layout = layout, .origin = &origin};
   uint64_t bytes, sum = 0;
@@ -53,21 +54,23 @@ sd_status merge_check_parts(const folder *f, const record *layout, const char *r
     status = count_rows(&job, p, rows, &bytes, &sum, messages);
   }
   if (status == SD_OK && sum != last)
-    status = sd_fail(messages, SD_ERROR_IO,
-                     "the last of the %" PRId64 " parts in %s is not the one that its checkpoint names",
-                     parts, f->path);
+    status =
+        sd_fail(messages, SD_ERROR_IO,
+                "the last of the %" PRId64 " parts in %s is not the one that its checkpoint names",
+                parts, f->path);
   return status;
 }
 
 /* Copies one column of a part behind what is there. */
-static sd_status copy_column(const table_column *c, const h5_file *part, h5_file *out, size_t first, size_t n,
-                             sd_messages *messages) {
+static sd_status copy_column(const table_column *c, const h5_file *part, h5_file *out, size_t first,
+                             size_t n, sd_messages *messages) {
   size_t row = c->width * sd_type_size(c->type);
   size_t piece = row > 0 && PIECE_BYTES / row > 0 ? PIECE_BYTES / row : 1;
   if (piece > n) piece = n;
   assert(n == 0 || piece >= 1);
   void *data = NULL;
-  if (!memory_resize_row(&data, piece, row)) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  if (!memory_resize_row(&data, piece, row))
+    return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && !h5_failed(out) && k < n; k += piece) {
     size_t m = n - k < piece ? n - k : piece;
@@ -79,8 +82,8 @@ static sd_status copy_column(const table_column *c, const h5_file *part, h5_file
 }
 
 /* The part is checked once more: the bytes that are copied are those that were checked. */
-static sd_status copy_part(const merge_job *job, int64_t number, h5_file *out, size_t done[RECORD_TABLES],
-                           uint64_t *sum, sd_messages *messages) {
+static sd_status copy_part(const merge_job *job, int64_t number, h5_file *out,
+                           size_t done[RECORD_TABLES], uint64_t *sum, sd_messages *messages) {
   h5_file *part = NULL;
   size_t rows[RECORD_TABLES];
   uint64_t bytes;
@@ -127,7 +130,8 @@ static sd_status write_rest(const merge_job *job, h5_file *out, sd_messages *mes
   else
     status = checkpoint_copy_state(out, job->checkpoint, messages);
   if (status == SD_OK)
-    status = constants_write(out, job->model, &(constants_source){job->state, job->checkpoint}, messages);
+    status = constants_write(out, job->model, &(constants_source){job->state, job->checkpoint},
+                             messages);
   series_write_columns(out, job->model);
   return status;
 }
@@ -144,14 +148,15 @@ static sd_status fill(const merge_job *job, h5_file *out, const size_t total[REC
     if (stopped(job)) return SD_INTERRUPTED;
     status = copy_part(job, p, out, done, &sum, messages);
   }
-  if (status == SD_OK && !h5_failed(out)) status = write_offsets(out, total[RECORD_CONTACT_INDEX], messages);
+  if (status == SD_OK && !h5_failed(out))
+    status = write_offsets(out, total[RECORD_CONTACT_INDEX], messages);
   if (status == SD_OK && !h5_failed(out)) status = write_rest(job, out, messages);
   return status;
 }
 
 /* The draft lies among the parts, so that a kill leaves nothing beside the result. */
-static sd_status write_result(const merge_job *job, const size_t total[RECORD_TABLES], uint64_t bytes,
-                              sd_messages *messages) {
+static sd_status write_result(const merge_job *job, const size_t total[RECORD_TABLES],
+                              uint64_t bytes, sd_messages *messages) {
   h5_file *out = NULL;
   file_draft draft;
   char *name = format_text("%s/result.h5", job->folder->path);
@@ -171,7 +176,8 @@ static sd_status write_result(const merge_job *job, const size_t total[RECORD_TA
 
 sd_status merge_parts(const merge_job *job, sd_messages *messages) {
   size_t total[RECORD_TABLES] = {0};
-  const uint64_t whole = job->state ? checkpoint_bytes(job->state) : checkpoint_stored_bytes(job->checkpoint);
+  const uint64_t whole =
+      job->state ? checkpoint_bytes(job->state) : checkpoint_stored_bytes(job->checkpoint);
   uint64_t bytes = (4u << 20) + 2 * whole, sum = 0;
   sd_status status = SD_OK;
   for (int64_t p = 1; status == SD_OK && p <= job->parts; p++) {

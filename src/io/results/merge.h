@@ -29,7 +29,7 @@ typedef struct merge_job {
 
 sd_status merge_parts(const merge_job *job, sd_messages *messages);
 /* Are all parts there, whole, of this run, and in their order? last: sum in the seal of the last one. */
-sd_status merge_check_parts(const folder *f, const record *layout, const char *run_id, int64_t parts,
-                            uint64_t last, sd_messages *messages);
+sd_status merge_check_parts(const folder *f, const record *layout, const char *run_id,
+                            int64_t parts, uint64_t last, sd_messages *messages);
 
 #endif

@@ -18,7 +18,7 @@
 #include "model/rows.h"
 #include "version.h"
 
-#define TEXT(name)                                                                                           \
+#define TEXT(name)                                                                                 \
   { #name, offsetof(provenance, name) }
 
 const provenance_text provenance_texts[] = {
@@ -29,15 +29,16 @@ const provenance_text provenance_texts[] = {
 const size_t provenance_text_count = sizeof provenance_texts / sizeof *provenance_texts;
 
 static const observable numbers[] = {
-    OBSERVABLE_FIELD("threads", "1", "threads (of each MPI rank)", I64, provenance, threads, NULL, NULL),
-    OBSERVABLE_FIELD("ranks", "1", "MPI ranks; 0: by a program older than 0.5", I64, provenance, ranks, NULL,
+    OBSERVABLE_FIELD("threads", "1", "threads (of each MPI rank)", I64, provenance, threads, NULL,
                      NULL),
-    OBSERVABLE_FIELD("sessions", "1", "times the run was started or continued", I64, provenance, sessions,
+    OBSERVABLE_FIELD("ranks", "1", "MPI ranks; 0: by a program older than 0.5", I64, provenance,
+                     ranks, NULL, NULL),
+    OBSERVABLE_FIELD("sessions", "1", "times the run was started or continued", I64, provenance,
+                     sessions, NULL, NULL),
+    OBSERVABLE_FIELD("wall_seconds", "s", "wall time of all sessions", F64, provenance,
+                     wall_seconds, NULL, NULL),
+    OBSERVABLE_FIELD("step_seconds", "s", "wall time spent on steps", F64, provenance, step_seconds,
                      NULL, NULL),
-    OBSERVABLE_FIELD("wall_seconds", "s", "wall time of all sessions", F64, provenance, wall_seconds, NULL,
-                     NULL),
-    OBSERVABLE_FIELD("step_seconds", "s", "wall time spent on steps", F64, provenance, step_seconds, NULL,
-                     NULL),
 };
 const observable_list provenance_observables =
     OBSERVABLES("parameters", "attributes of /parameters, beside texts, seed and inputs", numbers);
@@ -131,7 +132,8 @@ int64_t provenance_inputs(const sd_model *model) {
     if (k >= t->first && k < t->first + t->count) continue;
     const sd_disk *d = &model->disks[k];
     const double real[] = {d->radius, d->mass, d->inertia, d->force[0], d->force[1], d->force[2]};
-    const int32_t whole[] = {d->material, d->group, d->locked[0], d->locked[1], d->locked[2], d->driven};
+    const int32_t whole[] = {d->material,  d->group,     d->locked[0],
+                             d->locked[1], d->locked[2], d->driven};
     sum = file_sum(file_sum(sum, real, sizeof real), whole, sizeof whole);
   }
   for (size_t k = 0; k < model->n_motions; k++) {

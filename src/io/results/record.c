@@ -41,7 +41,8 @@ sd_status record_sample(record *r, unsigned what, const sd_state *state, const s
     status = trajectory_sample_bodies(&r->disks, &now, false, r->shared, messages);
   if (what & RECORD_FRAMES && status == SD_OK)
     status = trajectory_sample_bodies(&r->walls, &now, true, false, messages);
-  if (what & RECORD_FRAMES && status == SD_OK) status = trajectory_sample_clumps(&r->clumps, &now, messages);
+  if (what & RECORD_FRAMES && status == SD_OK)
+    status = trajectory_sample_clumps(&r->clumps, &now, messages);
   if (what & RECORD_CONTACTS && status == SD_OK)
     status = trajectory_sample_contacts(&r->contact_index, &r->contact_rows, &now,
                                         r->shared ? r->n_contacts : state->n_contacts, messages);
@@ -77,8 +78,9 @@ void record_take_series(record *r, record *shared) {
 }
 
 /* GCOVR_EXCL_STOP */
-sd_status record_seal(record *r, int folder, const char *path, const record_link *link, size_t n_shares,
-                      const int64_t *shares, uint64_t *sum, sd_messages *messages) {
+sd_status record_seal(record *r, int folder, const char *path, const record_link *link,
+                      size_t n_shares, const int64_t *shares, uint64_t *sum,
+                      sd_messages *messages) {
   h5_file *file;
   sd_status status = h5_new(&file, messages);
   if (status != SD_OK) return status;
@@ -92,8 +94,8 @@ sd_status record_seal(record *r, int folder, const char *path, const record_link
   return status;
 }
 
-sd_status record_open(int folder, const char *path, const record_link *link, h5_file **out, uint64_t *sum,
-                      sd_messages *messages) {
+sd_status record_open(int folder, const char *path, const record_link *link, h5_file **out,
+                      uint64_t *sum, sd_messages *messages) {
   sd_status status = h5_open_sealed(folder, path, out, sum, messages);
   if (status != SD_OK) return status;
   char *run_id = h5_get_attr_text(*out, "/", "run_id");

@@ -42,11 +42,11 @@ bool record_has_shares(const record *shared);
 void record_take_series(record *r, record *shared);
 /* Writes all rows to a part, and clears them when that has succeeded; sum: that of its seal. folder: see file.h. The n_shares of
  * a shared one are there already; their sums, see h5.h. */
-sd_status record_seal(record *r, int folder, const char *path, const record_link *link, size_t n_shares,
-                      const int64_t *shares, uint64_t *sum, sd_messages *messages);
+sd_status record_seal(record *r, int folder, const char *path, const record_link *link,
+                      size_t n_shares, const int64_t *shares, uint64_t *sum, sd_messages *messages);
 /* Opens a part and makes sure that it is this link of the chain; sum as above. SD_ERROR_IO: it is missing, damaged, or
  * of another run. */
-sd_status record_open(int folder, const char *path, const record_link *link, h5_file **out, uint64_t *sum,
-                      sd_messages *messages);
+sd_status record_open(int folder, const char *path, const record_link *link, h5_file **out,
+                      uint64_t *sum, sd_messages *messages);
 
 #endif

@@ -49,8 +49,8 @@ static sd_status put_disks(record_share *r, const moment *now, size_t driven, in
   uint64_t *list;
   uint32_t *slots;
   size_t n = 0;
-  if (!memory_rows(2,
-                   (memory_column[]){{&list, s->n_disks, sizeof *list}, {&slots, s->n_disks, sizeof *slots}}))
+  if (!memory_rows(2, (memory_column[]){{&list, s->n_disks, sizeof *list},
+                                        {&slots, s->n_disks, sizeof *slots}}))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
   for (size_t slot = 0; slot < s->n_disks; slot++)
     if (slot < s->n_free || slot >= driven) list[n++] = (uint64_t)s->id[slot] << 32 | slot;
@@ -100,7 +100,8 @@ static void put_table(h5_file *file, const table *t, const char *group, int64_t 
   }
 }
 
-sd_status record_share_seal(record_share *r, const char *path, int64_t *sum, sd_messages *messages) {
+sd_status record_share_seal(record_share *r, const char *path, int64_t *sum,
+                            sd_messages *messages) {
   h5_file *file;
   uint64_t seal = 0;
   sd_status status = h5_new(&file, messages);

@@ -40,7 +40,8 @@ sd_status series_sample(table *t, const moment *now, sd_messages *messages) {
   return SD_OK;
 }
 
-static void write_ids(h5_file *file, const char *path, size_t n, const uint32_t *id, const char *meaning) {
+static void write_ids(h5_file *file, const char *path, size_t n, const uint32_t *id,
+                      const char *meaning) {
   if (n == 0) return;
   h5_put(file, path, SD_U32, 1, &n, id, true);
   h5_attr_text(file, path, "description", meaning);
@@ -51,8 +52,8 @@ static void write_names(h5_file *file, const char *path, size_t n, const sd_mode
   char **lines = memory_new(n, sizeof *lines), text[32];
   for (size_t k = 0; k < n; k++) {
     const char *name = walls ? m->walls[k].name : m->groups[k];
-    lines[k] =
-        format_text("%s", name ? name : sd_model_body_name(m, (uint32_t)(m->n_disks + k), text, sizeof text));
+    lines[k] = format_text(
+        "%s", name ? name : sd_model_body_name(m, (uint32_t)(m->n_disks + k), text, sizeof text));
   }
   members_write_lines(file, path, n, lines);
   h5_attr_text(file, path, "description",

@@ -14,7 +14,7 @@
 
 /* --- what is stored ------------------------------------------------------------------------------------- */
 
-#define FACT(field, type, unit, meaning, column, json)                                                       \
+#define FACT(field, type, unit, meaning, column, json)                                             \
   { #field, unit, meaning, type, 1, offsetof(summary, field), NULL, column, json, NULL }
 
 OBSERVABLE_GET(time_of, summary, (double)at->step * at->dt)
@@ -28,7 +28,8 @@ static const observable fact_rows[] = {
     FACT(phase, OBSERVABLE_I64, "1", "index of the phase", NULL, NULL),
     FACT(phases, OBSERVABLE_I64, "1", "number of phases: the index when all are over", NULL, NULL),
     FACT(measured, OBSERVABLE_I64, "1", "steps measured", NULL, "measured_steps"),
-    {"measured_time", "time", "time measured", OBSERVABLE_F64, 1, 0, measured_time, NULL, "measured", NULL},
+    {"measured_time", "time", "time measured", OBSERVABLE_F64, 1, 0, measured_time, NULL,
+     "measured", NULL},
     FACT(disks, OBSERVABLE_I64, "1", "disks", NULL, NULL),
     FACT(walls, OBSERVABLE_I64, "1", "walls", NULL, NULL),
     FACT(contacts, OBSERVABLE_I64, "1", "closed contacts", NULL, NULL),
@@ -46,8 +47,8 @@ static double relative_residual(const void *row, size_t k) {
 }
 
 static const observable outcome_rows[] = {
-    {"relative_residual", "1", "residual of the energy budget, over its scale", OBSERVABLE_F64, 1, 0,
-     relative_residual, "residual", "", NULL},
+    {"relative_residual", "1", "residual of the energy budget, over its scale", OBSERVABLE_F64, 1,
+     0, relative_residual, "residual", "", NULL},
     FACT(step_nanoseconds, OBSERVABLE_F64, "ns",
          "wall time per step; of points side by side the share of each", "ns_per_step", NULL),
 };
@@ -57,21 +58,27 @@ const observable_list outcome_observables =
 OBSERVABLE_GET(goal_reached, summary, at->until_step >= 0)
 
 static const observable until_rows[] = {
-    OBSERVABLE_FIELD("value", "rad/time or rad", "the observable", F64, summary, goal.value, NULL, NULL),
-    OBSERVABLE_FIELD("error", "as value", "one standard error", F64, summary, goal.error, NULL, NULL),
-    OBSERVABLE_FIELD("goal", "as value", "error bar asked for", F64, summary, goal.goal, NULL, NULL),
-    OBSERVABLE_FIELD("relative", "1", "the goal as a fraction of the value; NAN: given as it is", F64,
-                     summary, relative, NULL, NULL),
+    OBSERVABLE_FIELD("value", "rad/time or rad", "the observable", F64, summary, goal.value, NULL,
+                     NULL),
+    OBSERVABLE_FIELD("error", "as value", "one standard error", F64, summary, goal.error, NULL,
+                     NULL),
+    OBSERVABLE_FIELD("goal", "as value", "error bar asked for", F64, summary, goal.goal, NULL,
+                     NULL),
+    OBSERVABLE_FIELD("relative", "1", "the goal as a fraction of the value; NAN: given as it is",
+                     F64, summary, relative, NULL, NULL),
     OBSERVABLE_FIELD("measured", "time", "time measured", F64, summary, goal.measured, NULL, ""),
-    OBSERVABLE_FIELD("converged", "1", "1: the error is reliable", FLAG, summary, goal.converged, NULL, NULL),
-    {"reached", "1", "1: the run ended with its goal", OBSERVABLE_FLAG, 1, 0, goal_reached, "goal", NULL,
-     NULL},
-    OBSERVABLE_FIELD("step", "1", "step at which it did; -1: it did not", I64, summary, until_step, NULL, ""),
+    OBSERVABLE_FIELD("converged", "1", "1: the error is reliable", FLAG, summary, goal.converged,
+                     NULL, NULL),
+    {"reached", "1", "1: the run ended with its goal", OBSERVABLE_FLAG, 1, 0, goal_reached, "goal",
+     NULL, NULL},
+    OBSERVABLE_FIELD("step", "1", "step at which it did; -1: it did not", I64, summary, until_step,
+                     NULL, ""),
 };
 const observable_list until_observables = OBSERVABLES(
-    "until", "of the goal of `until`: attributes of /summary/until, with observable, its name", until_rows);
+    "until", "of the goal of `until`: attributes of /summary/until, with observable, its name",
+    until_rows);
 
-#define PHASE(field, type, unit, meaning)                                                                    \
+#define PHASE(field, type, unit, meaning)                                                          \
   { #field, unit, meaning, type, 1, offsetof(summary_phase, field), NULL, NULL, NULL, NULL }
 
 static const observable phase_rows[] = {
@@ -99,14 +106,15 @@ static const struct group {
   size_t stride, each;       /* of a row; names of each */
 } groups[] = {
     {"/summary/rotation", "/summary/rotation/name", "/summary/rotation/disk", &rotation_observables,
-     offsetof(summary, n_rotations), offsetof(summary, rotations), offsetof(summary, rotation_names),
-     sizeof(sd_rotation), 1},
+     offsetof(summary, n_rotations), offsetof(summary, rotations),
+     offsetof(summary, rotation_names), sizeof(sd_rotation), 1},
     {"/summary/slide", "/summary/slide/name", "/summary/slide/disk", &slide_observables,
-     offsetof(summary, n_slides), offsetof(summary, slides), offsetof(summary, slide_names), sizeof(sd_slide),
-     3},
+     offsetof(summary, n_slides), offsetof(summary, slides), offsetof(summary, slide_names),
+     sizeof(sd_slide), 3},
     {"/summary/configuration", "/summary/configuration/name", "/summary/configuration/disk",
-     &configuration_observables, offsetof(summary, n_configurations), offsetof(summary, configurations),
-     offsetof(summary, configuration_names), sizeof(sd_configuration), 1},
+     &configuration_observables, offsetof(summary, n_configurations),
+     offsetof(summary, configurations), offsetof(summary, configuration_names),
+     sizeof(sd_configuration), 1},
     {"/summary/phase", "/summary/phase/name", "/summary/phase/steps", &phase_observables,
      offsetof(summary, n_stages), offsetof(summary, stages), offsetof(summary, stage_names),
      sizeof(summary_phase), 1},
@@ -143,7 +151,8 @@ static void collect_stages(summary *s, const sd_model *model, const sd_state *st
     s->stages[k] = (summary_phase){
         .steps = state->phase_steps[k],
         .most = p->steps,
-        .asked = (p->settle.asked ? SUMMARY_SETTLE : 0) | (p->compress.asked ? SUMMARY_COMPRESS : 0),
+        .asked =
+            (p->settle.asked ? SUMMARY_SETTLE : 0) | (p->compress.asked ? SUMMARY_COMPRESS : 0),
         .reached = state->phase_reached[k],
         .kinetic = state->phase_kinetic[k],
         .kinetic_goal = p->settle.kinetic,
@@ -164,7 +173,8 @@ static summary_lost lost_of(const sd_state *state) {
 }
 
 /* Which disks are outside, and where. */
-static void collect_lost(summary *s, const sd_model *model, const sd_state *state, const summary_lost *lost) {
+static void collect_lost(summary *s, const sd_model *model, const sd_state *state,
+                         const summary_lost *lost) {
   s->outside = lost->n;
   s->left = state->outside;
   s->waiting = rain_waiting(model, state);
@@ -196,7 +206,8 @@ void summary_new(summary *s, const sd_model *model) {
                  .walls = (int64_t)model->n_walls,
                  .n_rotations = model->n_rotations,
                  .n_slides = model->n_slides,
-                 .n_configurations = model->measure_configurations ? SD_CONFIGURATIONS * model->n_slides : 0,
+                 .n_configurations =
+                     model->measure_configurations ? SD_CONFIGURATIONS * model->n_slides : 0,
                  .n_stages = model->n_phases,
                  .has_until = model->until.asked,
                  .until_step = -1};
@@ -205,7 +216,8 @@ void summary_new(summary *s, const sd_model *model) {
     *rows_of(s, g) = memory_new(n, g->stride);
     *names_of(s, g) = memory_new(g->each * n, sizeof(char *));
   }
-  for (size_t k = 0; k < s->n_rotations; k++) s->rotation_names[k] = name_of(model, model->rotations[k]);
+  for (size_t k = 0; k < s->n_rotations; k++)
+    s->rotation_names[k] = name_of(model, model->rotations[k]);
   for (size_t k = 0; k < 3 * s->n_slides; k++) {
     const sd_slide_watch *watch = &model->slides[k / 3];
     s->slide_names[k] = name_of(model, k % 3 ? watch->partner[k % 3 - 1] : watch->disk);
@@ -226,12 +238,13 @@ summary_sums summary_sums_of(const sd_state *state) {
                         .farthest = summary_farthest(state),
                         .not_finite = summary_not_finite(state),
                         .lost = lost_of(state)};
-  for (size_t c = 0; c < state->n_contacts; c++) exact_sum_add(&total.overlap, state->contact_overlap[c]);
+  for (size_t c = 0; c < state->n_contacts; c++)
+    exact_sum_add(&total.overlap, state->contact_overlap[c]);
   return total;
 }
 
-void summary_collect(summary *s, const sd_model *model, const sd_state *state, const summary_sums *total,
-                     const sd_energy *energy, double step_nanoseconds) {
+void summary_collect(summary *s, const sd_model *model, const sd_state *state,
+                     const summary_sums *total, const sd_energy *energy, double step_nanoseconds) {
   const summary_sums all = total ? *total : summary_sums_of(state);
   summary_new(s, model);
   s->step = state->step;
@@ -270,8 +283,9 @@ void summary_free(summary *s) {
 }
 
 bool summary_is_column(const char *name, bool of_body) {
-  static const observable_list *const of_points[] = {
-      &fact_observables, &total_observables, &until_observables, &energy_observables, &outcome_observables};
+  static const observable_list *const of_points[] = {&fact_observables, &total_observables,
+                                                     &until_observables, &energy_observables,
+                                                     &outcome_observables};
   static const observable_list *const of_bodies[] = {&rotation_observables, &slide_observables,
                                                      &configuration_observables};
   size_t n = of_body ? sizeof of_bodies / sizeof *of_bodies : sizeof of_points / sizeof *of_points;
@@ -336,7 +350,8 @@ static sd_status read_until(summary *s, const h5_file *file, sd_messages *messag
 sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
   *s = (summary){0};
   if (!h5_exists(file, "/summary"))
-    return sd_fail(messages, SD_ERROR_USER, "this is not a result of slipdisk: there is no /summary in it");
+    return sd_fail(messages, SD_ERROR_USER,
+                   "this is not a result of slipdisk: there is no /summary in it");
   members_read_attrs(file, "/summary", &fact_observables, s);
   members_read_attrs(file, "/summary", &outcome_observables, s);
   members_read_attrs(file, "/summary/energy", &energy_observables, &s->energy);

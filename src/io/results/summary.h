@@ -14,24 +14,25 @@
 
 /* A phase that is over, or is not yet (steps 0). Values are those at its end, 0 where nothing was asked. */
 typedef struct summary_phase {
-  int64_t steps, most;                                       /* taken, and its length */
-  int32_t asked;                                             /* bit 0: to settle, bit 1: to compress */
-  int32_t reached;                                           /* what was asked for was there */
+  int64_t steps, most; /* taken, and its length */
+  int32_t asked;       /* bit 0: to settle, bit 1: to compress */
+  int32_t reached;     /* what was asked for was there */
   double kinetic, kinetic_goal, unbalanced, unbalanced_goal; /* 0: no goal */
   double target, target_goal;                                /* pressure or packing fraction */
 } summary_phase;
 enum { SUMMARY_SETTLE = 1, SUMMARY_COMPRESS = 2 };
 
 struct summary {
-  int64_t step, steps; /* done, of all phases; the most that there can be, as phases may end early */
+  int64_t step,
+      steps; /* done, of all phases; the most that there can be, as phases may end early */
   double dt;
   int64_t phase, phases; /* index, number */
   char *phase_name;      /* "" when finished */
   int64_t measured;      /* steps measured */
   int64_t disks, walls, contacts;
   int64_t waiting, outside,
-      left;                /* disks: not yet released, beyond the bounds or taken out; times one left */
-  char *lost;              /* the first of those outside: "disk 3 at (1, -5), ..."; "" for none */
+      left;   /* disks: not yet released, beyond the bounds or taken out; times one left */
+  char *lost; /* the first of those outside: "disk 3 at (1, -5), ..."; "" for none */
   double step_nanoseconds; /* wall time per step; NAN before the first */
   sd_energy energy;
   size_t n_rotations, n_slides, n_configurations, n_stages;
@@ -46,9 +47,11 @@ struct summary {
   summary_disks packing;            /* means of every free disk; n = 0: not asked for */
   bool has_until;                   /* the deck has `until`, and what follows */
   char *observable;                 /* "upper.omega" */
-  double relative; /* the goal as a fraction of the mean; NAN: it was given as it stands in `goal` */
+  double
+      relative; /* the goal as a fraction of the mean; NAN: it was given as it stands in `goal` */
   sd_goal goal;
-  int64_t until_step; /* at which the run ended because its goal was reached; -1: it was not, or not yet */
+  int64_t
+      until_step; /* at which the run ended because its goal was reached; -1: it was not, or not yet */
   summary_doubt doubts[DOUBT_KINDS];
 };
 
@@ -86,8 +89,8 @@ summary_sums summary_sums_of(const sd_state *state);
 
 /* All but the means of every disk: summary_disks_collect. Of the state the rest is taken: of
  * prescribed bodies, motions, the run. sums NULL: the state has all disks. */
-void summary_collect(summary *s, const sd_model *model, const sd_state *state, const summary_sums *sums,
-                     const sd_energy *energy, double step_nanoseconds);
+void summary_collect(summary *s, const sd_model *model, const sd_state *state,
+                     const summary_sums *sums, const sd_energy *energy, double step_nanoseconds);
 void summary_free(summary *s);
 /* Is this a column of the tables of sweeps: of a point, or (of_body) behind the name of a watched disk or contact? */
 bool summary_is_column(const char *name, bool of_body);

@@ -22,7 +22,8 @@ static void find_fastest(summary_disks *s) {
   size_t n = 0;
   for (size_t k = 0; k < s->n; k++) {
     const sd_disk_mean *d = &s->disks[k];
-    if (!(speed_of(d) > 0) || (n == SUMMARY_FASTEST && speed_of(d) <= speed_of(&list[n - 1]))) continue;
+    if (!(speed_of(d) > 0) || (n == SUMMARY_FASTEST && speed_of(d) <= speed_of(&list[n - 1])))
+      continue;
     size_t at = n < SUMMARY_FASTEST ? n++ : n - 1;
     for (; at > 0 && speed_of(&list[at - 1]) < speed_of(d); at--) list[at] = list[at - 1];
     list[at] = *d;
@@ -59,8 +60,8 @@ static void means_together(const team *t, void *with) {
   for (size_t k = begin; k < end; k++) f->means[k] = sd_disk_mean_of(f->model, f->state, k);
 }
 
-void summary_disks_means(sd_disk_mean *means, size_t n, const sd_model *model, const sd_state *state,
-                         int threads) {
+void summary_disks_means(sd_disk_mean *means, size_t n, const sd_model *model,
+                         const sd_state *state, int threads) {
   enum { FEW = 1024 }; /* disks, not worth a thread */
   pool *c = threads > 1 && n > FEW ? pool_new(threads) : NULL;
   pool_run(c, means_together, &(means_task){means, n, model, state});
@@ -77,7 +78,8 @@ void summary_disks_announce(summary_disks *s, const sd_model *model, const sd_st
 sd_status summary_disks_take(summary_disks *s, const sd_model *model, const sd_state *state,
                              const sd_disk_mean *means, sd_messages *messages) {
   uint32_t *place;
-  const memory_column rows[] = {{&s->disks, s->n, sizeof *s->disks}, {&place, model->n_disks, sizeof *place}};
+  const memory_column rows[] = {{&s->disks, s->n, sizeof *s->disks},
+                                {&place, model->n_disks, sizeof *place}};
   if (!memory_rows(sizeof rows / sizeof *rows, rows)) return no_memory(messages);
   s->totals = sd_disk_totals_of(model, state, means);
   sort_by_number(means, s->n, model->n_disks, place, s->disks);
@@ -87,8 +89,8 @@ sd_status summary_disks_take(summary_disks *s, const sd_model *model, const sd_s
   return SD_OK;
 }
 
-sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state, int threads,
-                                sd_messages *messages) {
+sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state,
+                                int threads, sd_messages *messages) {
   summary_disks_announce(s, model, state);
   if (s->n == 0) return SD_OK;
   sd_disk_mean *means;
@@ -113,7 +115,8 @@ void summary_disks_write(const summary_disks *s, h5_file *file) {
   h5_attr_f64(file, group, "measured", s->measured);
   if (!s->disks) return;
   members_write(file, group, &disk_observables, s->disks, sizeof *s->disks, s->n);
-  members_write(file, fastest_group, &disk_observables, s->fastest, sizeof *s->fastest, s->n_fastest);
+  members_write(file, fastest_group, &disk_observables, s->fastest, sizeof *s->fastest,
+                s->n_fastest);
   members_write_attrs(file, group, &total_observables, &s->totals);
 }
 
@@ -121,7 +124,8 @@ sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages 
   *s = (summary_disks){0};
   if (!h5_exists(file, group)) return SD_OK;
   int64_t count = h5_get_attr_i64(file, group, "count", 0);
-  if (count < 0 || count > UINT32_MAX) return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+  if (count < 0 || count > UINT32_MAX)
+    return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
   s->n = (size_t)count;
   s->looks = h5_get_attr_i64(file, group, "looks", 0);
   s->bins = h5_get_attr_i64(file, group, "bins", 0);
@@ -142,8 +146,8 @@ sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages 
     status = sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
   s->n_fastest = status == SD_OK ? dims[0] : 0;
   if (status != SD_OK) return status;
-  return members_read(file, fastest_group, &disk_observables, s->fastest, sizeof *s->fastest, s->n_fastest,
-                      messages);
+  return members_read(file, fastest_group, &disk_observables, s->fastest, sizeof *s->fastest,
+                      s->n_fastest, messages);
 }
 
 sd_status summary_disks_read_all(summary_disks *s, const h5_file *file, sd_messages *messages) {

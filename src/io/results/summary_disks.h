@@ -11,7 +11,7 @@ enum { SUMMARY_FASTEST = 10 };
 typedef struct summary_disks {
   size_t n;            /* disks; 0: the deck does not ask for their means */
   sd_disk_mean *disks; /* NULL: they have not been read, see summary_disks_read_all */
-  bool later;          /* the file has only the state from which they follow, see checkpoint_complete */
+  bool later; /* the file has only the state from which they follow, see checkpoint_complete */
   size_t n_fastest;
   sd_disk_mean fastest[SUMMARY_FASTEST]; /* those with the largest |Omega|, which is not 0 */
   sd_disk_totals totals;
@@ -29,12 +29,12 @@ enum { SUMMARY_LATER = 16384 };
 /* Of how many disks and what length the means will be. */
 void summary_disks_announce(summary_disks *s, const sd_model *model, const sd_state *state);
 /* summary_disks_free also when it fails. */
-sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state, int threads,
-                                sd_messages *messages);
+sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state,
+                                int threads, sd_messages *messages);
 /* The same in two steps: means of the first n slots of a state with some disks; and from those of
  * all, in the order of slots, with id, radius and contacts of the whole state. */
-void summary_disks_means(sd_disk_mean *means, size_t n, const sd_model *model, const sd_state *state,
-                         int threads);
+void summary_disks_means(sd_disk_mean *means, size_t n, const sd_model *model,
+                         const sd_state *state, int threads);
 sd_status summary_disks_take(summary_disks *s, const sd_model *model, const sd_state *state,
                              const sd_disk_mean *means, sd_messages *messages);
 void summary_disks_free(summary_disks *s);

@@ -16,11 +16,13 @@ const struct doubt_row doubt_kinds[DOUBT_KINDS] = {
                         "whose energy budget does not close: a smaller dt is needed"},
     [DOUBT_OPEN] = {"open", "fraction of the measured time in which a watched contact was open",
                     "whose watched contacts were open nearly all the time"},
-    [DOUBT_DISPLACEMENT] = {"displacement",
-                            "displacement in one step over the radius: of a free disk over its own, "
-                            "of a prescribed body over that of the smallest free disk",
-                            "in which a disk or a wall moves too far in a step"},
-    [DOUBT_FINITE] = {"finite", "a number of the result is not finite", "with numbers that are not finite"},
+    [DOUBT_DISPLACEMENT] =
+        {"displacement",
+         "displacement in one step over the radius: of a free disk over its own, "
+         "of a prescribed body over that of the smallest free disk",
+         "in which a disk or a wall moves too far in a step"},
+    [DOUBT_FINITE] = {"finite", "a number of the result is not finite",
+                      "with numbers that are not finite"},
     [DOUBT_UNSTABLE] = {"unstable", "dt over the limit of stability",
                         "whose dt is beyond the limit of stability: results mean nothing"},
 };
@@ -62,7 +64,8 @@ static void judge_residual(summary *s, double limit, double floor, const sd_mode
 }
 
 /* Distance between the surfaces of a disk and its partner now; NAN: not known. */
-static double gap_now(const sd_model *model, const sd_state *state, uint32_t disk, uint32_t partner) {
+static double gap_now(const sd_model *model, const sd_state *state, uint32_t disk,
+                      uint32_t partner) {
   double pose[3] = {NAN, NAN, NAN}, x[2] = {NAN, NAN};
   for (size_t i = 0; i < state->n_bodies && state->box_scale == 1.0; i++) {
     if (state->id[i] == disk) {
@@ -106,18 +109,22 @@ static void judge_open(summary *s, double limit, const sd_model *model, const sd
   if (!(limit > 0) || k == s->n_slides) return;
   const sd_slide *w = &s->slides[k];
   char *const *names = &s->slide_names[3 * k];
-  bool first = w->contact_open[0] > limit, second = w->contact_open[1] > limit, both = first == second;
+  bool first = w->contact_open[0] > limit, second = w->contact_open[1] > limit,
+       both = first == second;
   size_t one = first ? 0 : 1;
-  char *why[2] = {why_open(w, both ? 0 : one, model, state), both ? why_open(w, 1, model, state) : NULL},
+  char *why[2] = {why_open(w, both ? 0 : one, model, state),
+                  both ? why_open(w, 1, model, state) : NULL},
        *text;
   if (!both)
     text = format_text("the watched contact of %s with %s was open %.3g %% of the time%s", names[0],
                        names[1 + one], 100 * w->contact_open[one], why[0]);
   else if (*why[0])
-    text = format_text("the watched contacts of %s were open %.3g %% of the time (with %s%s, and with %s%s)",
-                       names[0], 100 * w->open, names[1], why[0], names[2], why[1]);
+    text = format_text(
+        "the watched contacts of %s were open %.3g %% of the time (with %s%s, and with %s%s)",
+        names[0], 100 * w->open, names[1], why[0], names[2], why[1]);
   else
-    text = format_text("the watched contacts of %s were open %.3g %% of the time", names[0], 100 * w->open);
+    text = format_text("the watched contacts of %s were open %.3g %% of the time", names[0],
+                       100 * w->open);
   doubt(s, DOUBT_OPEN, both ? w->open : w->contact_open[one], limit, text);
   free(why[0]);
   free(why[1]);
@@ -140,7 +147,8 @@ static char *why_far(const sd_model *model, const sd_state *state, const char *n
   return text;
 }
 
-static void judge_displacement(summary *s, double limit, const sd_model *model, const sd_state *state) {
+static void judge_displacement(summary *s, double limit, const sd_model *model,
+                               const sd_state *state) {
   if (!(limit > 0) || state->fast_step < 0) return;
   char name[96];
   const uint32_t body = (uint32_t)state->fast_disk;
@@ -175,7 +183,8 @@ unsigned summary_not_finite(const sd_state *state) {
 static const char *not_finite(const summary *s, const sd_state *state, unsigned columns) {
   for (unsigned c = 0; c < FINITE_COLUMNS; c++)
     if (columns >> c & 1) return finite_columns[c];
-  for (const observable *o = energy_observables.rows; o < energy_observables.rows + energy_observables.n; o++)
+  for (const observable *o = energy_observables.rows;
+       o < energy_observables.rows + energy_observables.n; o++)
     if (!isfinite(observable_value(o, &s->energy, 0))) return o->name;
   for (size_t k = 0; k < s->n_rotations; k++)
     if (state->bins > 0 && !isfinite(s->rotations[k].omega)) return "Omega";
@@ -197,13 +206,14 @@ static void judge_unstable(summary *s, const sd_model *model) {
   const double limit = sd_model_step_limit(model).dt;
   if (model->dt > limit)
     doubt(s, DOUBT_UNSTABLE, model->dt / limit, 1,
-          format_text("dt = %g is beyond the limit of stability %.3g: results mean nothing: a smaller dt "
-                      "is needed",
-                      model->dt, limit));
+          format_text(
+              "dt = %g is beyond the limit of stability %.3g: results mean nothing: a smaller dt "
+              "is needed",
+              model->dt, limit));
 }
 
-void summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
-                   const summary_sums *sums) {
+void summary_judge(summary *s, const sd_limits *limits, const sd_model *model,
+                   const sd_state *state, const summary_sums *sums) {
   judge_residual(s, limits->residual, sums ? rounding(model, sums) : 0, model);
   judge_open(s, limits->open, model, state);
   judge_unstable(s, model);
@@ -231,7 +241,9 @@ void summary_doubts_free(summary *s) {
 
 /* --- stored ------------------------------------------------------------------------------------------ */
 
-static char *group_of(size_t kind) { return format_text("/summary/doubts/%s", doubt_kinds[kind].name); }
+static char *group_of(size_t kind) {
+  return format_text("/summary/doubts/%s", doubt_kinds[kind].name);
+}
 
 void summary_doubts_write(const summary *s, h5_file *file) {
   h5_group(file, "/summary/doubts");
@@ -251,7 +263,9 @@ void summary_doubts_write(const summary *s, h5_file *file) {
 
 sd_status summary_doubts_read(summary *s, const h5_file *file, sd_messages *messages) {
   const sd_limits before = {.residual = 0.01, .open = 0.99};
-  int64_t n = h5_exists(file, "/summary/doubts") ? h5_get_attr_i64(file, "/summary/doubts", "count", -1) : -2;
+  int64_t n = h5_exists(file, "/summary/doubts")
+                  ? h5_get_attr_i64(file, "/summary/doubts", "count", -1)
+                  : -2;
   if (n == -2) {
     summary_judge(s, &before, NULL, NULL, NULL);
     return SD_OK;
@@ -264,5 +278,6 @@ sd_status summary_doubts_read(summary *s, const h5_file *file, sd_messages *mess
                                      h5_get_attr_f64(file, group, "limit", NAN)};
     free(group);
   }
-  return n == (int64_t)summary_doubts(s) ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+  return n == (int64_t)summary_doubts(s) ? SD_OK
+                                         : sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
 }

@@ -27,8 +27,8 @@ typedef struct summary summary;
 struct summary_sums; /* summary.h */
 /* Compares the summary with these limits; model, state, sums: of the run, NULL where only the
  * summary is known. */
-void summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
-                   const struct summary_sums *sums);
+void summary_judge(summary *s, const sd_limits *limits, const sd_model *model,
+                   const sd_state *state, const struct summary_sums *sums);
 /* Members farthest and not_finite of summary_sums, from one state. */
 double summary_farthest(const sd_state *state);
 unsigned summary_not_finite(const sd_state *state);

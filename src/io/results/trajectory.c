@@ -9,7 +9,8 @@
 /* --- bodies --------------------------------------------------------------------------------------- */
 
 void trajectory_edges(const sd_model *model, double scale, double edges[2]) {
-  for (int c = 0; c < 2; c++) edges[c] = model->periodic[c] ? scale * (model->upper[c] - model->lower[c]) : 0;
+  for (int c = 0; c < 2; c++)
+    edges[c] = model->periodic[c] ? scale * (model->upper[c] - model->lower[c]) : 0;
 }
 
 /* Rows are the edges of a box that deforms. */
@@ -23,7 +24,8 @@ static void put_cell(const moment *now, double edges[2][2], double gradient[SD_C
 
 static void add_cell(table *t, bool walls) {
   const size_t square[2] = {2, 2}, three = SD_CELL_COMPONENTS;
-  const char *edges = walls ? "/particles/walls/box/edges/value" : "/particles/disks/box/edges/value";
+  const char *edges =
+      walls ? "/particles/walls/box/edges/value" : "/particles/disks/box/edges/value";
   const char *rate = walls ? "/particles/walls/box/rate/value" : "/particles/disks/box/rate/value";
   table_add(t, edges, SD_F64, 2, square, "length", "edges of the periodic box, one a row");
   table_add(t, rate, SD_F64, 1, &three, "1/time", "velocity gradient of the box: xx, yy, xy");
@@ -34,7 +36,8 @@ static bool has_row(const observable *o, const sd_model *model, bool walls) {
   return !o->when || (!walls && o->when(model));
 }
 
-void trajectory_add_bodies(table *t, const sd_model *model, const char *group, bool walls, size_t n) {
+void trajectory_add_bodies(table *t, const sd_model *model, const char *group, bool walls,
+                           size_t n) {
   for (size_t k = 0; k < frame_observables.n; k++) {
     const observable *o = &frame_observables.rows[k];
     if (has_row(o, model, walls)) table_add_observable(t, group, o, "/value", n);
@@ -64,12 +67,15 @@ void trajectory_new_bodies(table *t, const sd_model *model, bool walls, bool sha
   table_add_clock(t, walls ? "/particles/walls/position" : "/particles/disks/position");
   if (!shared) trajectory_add_bodies(t, model, group, walls, n);
   if (!series_compresses(model)) return;
-  const char *edges = walls ? "/particles/walls/box/edges/value" : "/particles/disks/box/edges/value";
-  const char *scale = walls ? "/particles/walls/box/scale/value" : "/particles/disks/box/scale/value";
+  const char *edges =
+      walls ? "/particles/walls/box/edges/value" : "/particles/disks/box/edges/value";
+  const char *scale =
+      walls ? "/particles/walls/box/scale/value" : "/particles/disks/box/scale/value";
   if (cell_deforms(model))
     add_cell(t, walls);
   else
-    table_add(t, edges, SD_F64, 1, &two, "length", "lengths of the periodic box, 0 where it is open");
+    table_add(t, edges, SD_F64, 1, &two, "length",
+              "lengths of the periodic box, 0 where it is open");
   table_add(t, scale, SD_F64, 0, NULL, "1", "lengths of the region over those of the deck");
 }
 
@@ -81,7 +87,8 @@ sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, bool
   const sd_model *model = now->model;
   size_t column = table_put_clock(t, now->state->step, model->dt);
   if (!shared)
-    column = trajectory_put_bodies(t, column, now, walls, walls ? model->n_walls : model->n_disks, NULL);
+    column =
+        trajectory_put_bodies(t, column, now, walls, walls ? model->n_walls : model->n_disks, NULL);
   if (series_compresses(model)) {
     double edges[2][2], gradient[SD_CELL_COMPONENTS];
     const bool deforms = cell_deforms(model);
@@ -106,7 +113,8 @@ void trajectory_new_clumps(table *t, const sd_model *model) {
   if (model->n_clumps == 0) return;
   table_add_clock(t, "/particles/clumps/position");
   for (size_t k = 0; k < clump_observables.n; k++)
-    table_add_observable(t, "/particles/clumps", &clump_observables.rows[k], "/value", model->n_clumps);
+    table_add_observable(t, "/particles/clumps", &clump_observables.rows[k], "/value",
+                         model->n_clumps);
 }
 
 sd_status trajectory_sample_clumps(table *t, const moment *now, sd_messages *messages) {
@@ -130,7 +138,8 @@ void trajectory_add_contacts(table *rows, const char *group) {
     table_add_observable(rows, group, &contact_observables.rows[k], "", 0);
 }
 
-void trajectory_put_contacts(table *rows, size_t column, const moment *now, size_t n, const uint32_t *which) {
+void trajectory_put_contacts(table *rows, size_t column, const moment *now, size_t n,
+                             const uint32_t *which) {
   for (size_t k = 0; k < contact_observables.n; k++)
     for (size_t c = 0; c < n; c++)
       table_put(rows, column + k, c, &contact_observables.rows[k],
@@ -151,7 +160,8 @@ sd_status trajectory_sample_contacts(table *index, table *rows, const moment *no
   if (status == SD_OK) status = table_reserve(rows, n, messages);
   if (status != SD_OK) return status;
   const int64_t all = (int64_t)count;
-  memcpy(table_cell(index, table_put_clock(index, now->state->step, now->model->dt)), &all, sizeof all);
+  memcpy(table_cell(index, table_put_clock(index, now->state->step, now->model->dt)), &all,
+         sizeof all);
   table_commit(index, 1);
   if (n > 0) trajectory_put_contacts(rows, 0, now, n, NULL);
   table_commit(rows, n);

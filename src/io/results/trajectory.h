@@ -29,12 +29,14 @@ sd_status trajectory_sample_contacts(table *index, table *rows, const moment *no
 
 /* Columns of bodies in a group, n of them in a row, or one (n = 0); and their values, from this
  * column on: bodies in these slots, NULL: by number. Returns the number of the next column. */
-void trajectory_add_bodies(table *t, const sd_model *model, const char *group, bool walls, size_t n);
+void trajectory_add_bodies(table *t, const sd_model *model, const char *group, bool walls,
+                           size_t n);
 size_t trajectory_put_bodies(table *t, size_t column, const moment *now, bool walls, size_t n,
                              const uint32_t *slots);
 /* The same of contacts, one a row. which: of the state; NULL: all. */
 void trajectory_add_contacts(table *rows, const char *group);
-void trajectory_put_contacts(table *rows, size_t column, const moment *now, size_t n, const uint32_t *which);
+void trajectory_put_contacts(table *rows, size_t column, const moment *now, size_t n,
+                             const uint32_t *which);
 
 /* Lengths of the periodic box, 0 where it is open. */
 void trajectory_edges(const sd_model *model, double scale, double edges[2]);

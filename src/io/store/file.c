@@ -30,7 +30,9 @@ static int open_again(int folder, const char *name, int flags, mode_t mode) {
   return fd;
 }
 
-int file_open_at(int folder, const char *name, int flags) { return open_again(folder, name, flags, 0666); }
+int file_open_at(int folder, const char *name, int flags) {
+  return open_again(folder, name, flags, 0666);
+}
 
 static bool sync_again(int fd) {
   int result;
@@ -121,7 +123,8 @@ sd_status file_make_folder(const char *path, sd_messages *messages) {
   sd_status status;
   char *above = folder_of(path);
   if (error == ENOENT && !file_exists(above)) {
-    status = sd_fail(messages, SD_ERROR_USER, "there is no folder %s: make it, or name another place", above);
+    status = sd_fail(messages, SD_ERROR_USER,
+                     "there is no folder %s: make it, or name another place", above);
   } else {
     errno = error;
     status = file_fail(messages, "make folder", path);
@@ -171,7 +174,7 @@ void file_keep_mode(int fd, int folder, const char *path) {
   const int base = base_of(folder, path, &name);
   if (!mode_of(base, name, &mode) || fstat(fd, &facts) != 0) return;
   if (S_ISDIR(facts.st_mode)) mode |= 0700 | (mode & 0444) >> 2; /* who may read may also enter */
-  (void)!fchmod(fd, mode);                                       /* some file systems have no modes */
+  (void)!fchmod(fd, mode); /* some file systems have no modes */
 }
 
 /* "NAME.h5.0123456789abcdef.tmp": an ending that cannot be foreseen, so that nothing can lie in wait there. */
@@ -189,21 +192,23 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
   *out = (file_draft){.folder = -1, .fd = -1};
   char *above = folder_of(path);
   /* a descriptor of its own, so that a draft outlives the caller's */
-  out->folder =
-      folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : fcntl(folder, F_DUPFD_CLOEXEC, 0);
+  out->folder = folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY)
+                           : fcntl(folder, F_DUPFD_CLOEXEC, 0);
   sd_status status = out->folder < 0 ? file_fail(messages, "write to folder", above) : SD_OK;
   const char *last;
   mode_t mode;
   const int base = base_of(folder, path, &last);
-  const bool replaces = mode_of(base, last, &mode); /* then others do not see it before it has its mode */
+  const bool replaces =
+      mode_of(base, last, &mode); /* then others do not see it before it has its mode */
   for (int attempt = 0; status == SD_OK && out->fd < 0; attempt++) {
     free(out->name);
     free(out->path);
     out->name = file_draft_name(last_component(path));
     out->path = format_text("%s/%s", above, out->name);
-    out->fd =
-        open_again(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, replaces ? 0600 : 0666);
-    if (out->fd < 0 && (errno != EEXIST || attempt > 8)) status = file_fail(messages, "create", out->path);
+    out->fd = open_again(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW,
+                         replaces ? 0600 : 0666);
+    if (out->fd < 0 && (errno != EEXIST || attempt > 8))
+      status = file_fail(messages, "create", out->path);
   }
   if (out->fd >= 0 && replaces) file_keep_mode(out->fd, folder, path);
   free(above);
@@ -276,7 +281,8 @@ sd_status file_draft_publish(file_draft *draft, int folder, const char *path, fi
     status = file_fail(messages, "write", path);
   else if (!finish_draft(draft, base, name, how))
     status = how == FILE_KEEP && errno == EEXIST
-                 ? sd_fail(messages, SD_ERROR_IO, "%s has appeared meanwhile: it is not overwritten", path)
+                 ? sd_fail(messages, SD_ERROR_IO,
+                           "%s has appeared meanwhile: it is not overwritten", path)
                  : file_fail(messages, "write", path);
   file_draft_drop(draft);
   return status == SD_OK ? file_sync_folder(folder, path, messages) : status;
@@ -308,7 +314,8 @@ sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messa
   return status;
 }
 
-sd_status file_write_atomic(const char *path, const void *bytes, size_t size, sd_messages *messages) {
+sd_status file_write_atomic(const char *path, const void *bytes, size_t size,
+                            sd_messages *messages) {
   file_stream s;
   const sd_status status = file_stream_open(path, &s, messages);
   if (status == SD_OK) fwrite(bytes, 1, size, s.out);
@@ -371,12 +378,15 @@ const char *file_trouble(int error) {
                                              : strerror(error);
 }
 
-int file_open_quiet(const char *path, uint64_t *size) { return open_regular(AT_FDCWD, path, 0, size); }
+int file_open_quiet(const char *path, uint64_t *size) {
+  return open_regular(AT_FDCWD, path, 0, size);
+}
 
 int file_open(int folder, const char *path, sd_messages *messages) {
   const char *name;
   uint64_t size;
-  int base = base_of(folder, path, &name), fd = open_regular(base, name, folder < 0 ? 0 : O_NOFOLLOW, &size);
+  int base = base_of(folder, path, &name),
+      fd = open_regular(base, name, folder < 0 ? 0 : O_NOFOLLOW, &size);
   if (fd < 0) sd_fail(messages, SD_ERROR_IO, "cannot open %s: %s", path, file_trouble(errno));
   return fd;
 }
@@ -387,16 +397,16 @@ static const char *kind_of(const char *bytes, size_t n) {
     const char *head;
     size_t n;
     const char *kind;
-  } kinds[] = {
-      {"\x1f\x8b", 2, "it is compressed with gzip; unpack it first (gunzip)"},
-      {"\xfd"
-       "7zXZ",
-       5, "it is compressed with xz; unpack it first (unxz)"},
-      {"BZh91AY&SY", 10, "it is compressed with bzip2; unpack it first (bunzip2)"},
-      {"\x28\xb5\x2f\xfd", 4, "it is compressed with zstd; unpack it first (unzstd)"},
-      {"PK\x03\x04", 4, "it is a zip archive or a spreadsheet, not a text; unpack or export it first"},
-      {"\xff\xfe", 2, "it is a text in UTF-16; save it as UTF-8"},
-      {"\xfe\xff", 2, "it is a text in UTF-16; save it as UTF-8"}};
+  } kinds[] = {{"\x1f\x8b", 2, "it is compressed with gzip; unpack it first (gunzip)"},
+               {"\xfd"
+                "7zXZ",
+                5, "it is compressed with xz; unpack it first (unxz)"},
+               {"BZh91AY&SY", 10, "it is compressed with bzip2; unpack it first (bunzip2)"},
+               {"\x28\xb5\x2f\xfd", 4, "it is compressed with zstd; unpack it first (unzstd)"},
+               {"PK\x03\x04", 4,
+                "it is a zip archive or a spreadsheet, not a text; unpack or export it first"},
+               {"\xff\xfe", 2, "it is a text in UTF-16; save it as UTF-8"},
+               {"\xfe\xff", 2, "it is a text in UTF-16; save it as UTF-8"}};
   for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
     if (n >= kinds[k].n && memcmp(bytes, kinds[k].head, kinds[k].n) == 0) return kinds[k].kind;
   /* also behind a user block, as MATLAB writes them */
@@ -421,8 +431,8 @@ sd_status file_text(const char *path, uint64_t most, char **text, char trouble[F
   const char *kind;
   char *read = NULL;
   if (size > most) {
-    snprintf(trouble, FILE_TROUBLE, "it has %.1f MiB; expected at most %.0f MiB", (double)size / 0x1p20,
-             (double)most / 0x1p20);
+    snprintf(trouble, FILE_TROUBLE, "it has %.1f MiB; expected at most %.0f MiB",
+             (double)size / 0x1p20, (double)most / 0x1p20);
     status = SD_ERROR_USER;
   } else if (!memory_resize_row(&read, (size_t)size + 1, 1)) {
     snprintf(trouble, FILE_TROUBLE, "no memory");
@@ -462,7 +472,8 @@ bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have) {
   return true;
 }
 
-sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size, sd_messages *messages) {
+sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size,
+                    sd_messages *messages) {
   *bytes = NULL;
   *size = 0;
   int fd = file_open(-1, path, messages);

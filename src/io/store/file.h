@@ -55,7 +55,8 @@ sd_status file_stream_open(const char *path, file_stream *s,
  * first of what went wrong. */
 sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messages);
 /* A file of these bytes; replaces what is there. */
-sd_status file_write_atomic(const char *path, const void *bytes, size_t size, sd_messages *messages);
+sd_status file_write_atomic(const char *path, const void *bytes, size_t size,
+                            sd_messages *messages);
 /* A folder that gets its name when all files in it are written. */
 typedef struct file_folder {
   char *path, *draft;
@@ -98,7 +99,8 @@ const char *file_trouble(int error);
 enum { FILE_TROUBLE = 120 };
 sd_status file_text(const char *path, uint64_t most, char **text, char trouble[FILE_TROUBLE]);
 /* The first n bytes of a file, or all of it when n is SIZE_MAX; to be freed. */
-sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size, sd_messages *messages);
+sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size,
+                    sd_messages *messages);
 /* Up to n bytes from `at` on; *have < n: the file ends there. False with errno set when they cannot be read. */
 bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have);
 /* Sum of the first n bytes, in pieces; SD_ERROR_IO: the file is shorter, or cannot be read. */
@@ -110,7 +112,8 @@ bool file_is_folder(const char *path);
 bool file_is_link(const char *path);    /* a symbolic link */
 bool file_is_special(const char *path); /* a device, a pipe or a socket: never replaced by a file */
 uint64_t file_size(const char *path);   /* 0 when there is none */
-sd_status file_make_folder(const char *path, sd_messages *messages); /* one that exists is all right */
+sd_status file_make_folder(const char *path,
+                           sd_messages *messages); /* one that exists is all right */
 /* Makes renames and removals in the folder of `path` durable. */
 sd_status file_sync_folder(int folder, const char *path, sd_messages *messages);
 /* A file that is not there, or cannot be removed, is not told of. */

@@ -20,7 +20,8 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
   const bool there = stat(f->path, &facts) == 0 && S_ISDIR(facts.st_mode);
   const mode_t mode = there ? facts.st_mode & 0777 : 0777;
   if (file_exists(f->path) && (rmdir(f->path) != 0 || mkdir(f->path, mode) != 0))
-    return sd_fail(messages, SD_ERROR_USER, "%s is there already: remove it, or name another", f->path);
+    return sd_fail(messages, SD_ERROR_USER, "%s is there already: remove it, or name another",
+                   f->path);
   sd_status status = SD_ERROR_IO;
   for (int attempt = 0;; attempt++) {
     f->draft = file_draft_name(f->path);
@@ -47,7 +48,8 @@ FILE *file_folder_new(const file_folder *f, const char *name, sd_messages *messa
   return out;
 }
 
-sd_status file_folder_end(const file_folder *f, FILE *out, sd_status status, sd_messages *messages) {
+sd_status file_folder_end(const file_folder *f, FILE *out, sd_status status,
+                          sd_messages *messages) {
   if (!out) return status;
   bool bad = ferror(out) != 0;
   bad = fclose(out) != 0 || bad;

@@ -50,7 +50,8 @@ sd_status folder_check(const folder *f, sd_messages *messages) {
     return sd_fail(messages, SD_ERROR_IO, "cannot look at %s: %s", f->path, strerror(errno));
   return sd_fail(
       messages, SD_ERROR_IO,
-      "%s was removed or replaced while the run went on: nothing is written into what is there now", f->path);
+      "%s was removed or replaced while the run went on: nothing is written into what is there now",
+      f->path);
 }
 
 static sd_status open_folder(folder *f, bool may_be_link, sd_messages *messages) {
@@ -59,11 +60,11 @@ static sd_status open_folder(folder *f, bool may_be_link, sd_messages *messages)
   f->at = file_open_at(AT_FDCWD, f->path, O_RDONLY | O_DIRECTORY | (may_be_link ? 0 : O_NOFOLLOW));
   if (f->at >= 0) return SD_OK;
   if (!may_be_link && file_is_link(f->path))
-    return sd_fail(
-        messages, SD_ERROR_USER,
-        "%s is a symbolic link: it has to be a folder of the run's own; remove the link, or give the "
-        "result a name in the folder to which it leads",
-        f->path);
+    return sd_fail(messages, SD_ERROR_USER,
+                   "%s is a symbolic link: it has to be a folder of the run's own; remove the "
+                   "link, or give the "
+                   "result a name in the folder to which it leads",
+                   f->path);
   return sd_fail(messages, SD_ERROR_IO, "cannot open folder %s: %s", f->path, strerror(errno));
 }
 
@@ -71,7 +72,8 @@ static sd_status open_folder(folder *f, bool may_be_link, sd_messages *messages)
 static sd_status try_lock(folder *f, int *busy, sd_messages *messages) {
   int fd = file_open_at(f->at, "lock", O_RDWR | O_CREAT | O_NOFOLLOW);
   if (fd < 0 && errno == ENOENT) return SD_OK;
-  if (fd < 0) return sd_fail(messages, SD_ERROR_IO, "cannot create %s/lock: %s", f->path, strerror(errno));
+  if (fd < 0)
+    return sd_fail(messages, SD_ERROR_IO, "cannot create %s/lock: %s", f->path, strerror(errno));
   if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
     int error = errno;
     close(fd);
@@ -80,8 +82,8 @@ static sd_status try_lock(folder *f, int *busy, sd_messages *messages) {
       return sd_fail(messages, SD_ERROR_IO, "cannot lock %s/lock: %s", f->path, strerror(error));
     /* a process that only asks whether it is locked (folder_is_locked) holds it for a moment */
     if ((*busy)++ >= 4)
-      return sd_fail(messages, SD_ERROR_USER, "another process is writing this result (%s/lock is locked)",
-                     f->path);
+      return sd_fail(messages, SD_ERROR_USER,
+                     "another process is writing this result (%s/lock is locked)", f->path);
     nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
     return SD_OK;
   }
@@ -100,9 +102,9 @@ sd_status folder_open(const char *path, bool may_be_link, folder *out, sd_messag
   for (int attempt = 0; status == SD_OK && out->lock < 0; attempt++) {
     if (out->at >= 0) close(out->at);
     out->at = -1;
-    status = attempt < 100
-                 ? open_folder(out, may_be_link, messages)
-                 : sd_fail(messages, SD_ERROR_IO, "cannot lock %s/lock: it keeps disappearing", path);
+    status = attempt < 100 ? open_folder(out, may_be_link, messages)
+                           : sd_fail(messages, SD_ERROR_IO,
+                                     "cannot lock %s/lock: it keeps disappearing", path);
     if (status == SD_OK) status = try_lock(out, &busy, messages);
   }
   if (status != SD_OK) folder_close(out);
@@ -134,7 +136,8 @@ static kind kind_of(const char *name, int64_t *number) {
   int end = 0;
   *number = -1;
   if (file_is_draft(name)) return TEMPORARY;
-  if (sscanf(name, "part-%" SCNd64 ".h5%n", number, &end) == 1 && end > 0 && !name[end]) return PART;
+  if (sscanf(name, "part-%" SCNd64 ".h5%n", number, &end) == 1 && end > 0 && !name[end])
+    return PART;
   if (sscanf(name, "part-%" SCNd64 "-%*u.h5%n", number, &end) == 1 && end > 0 && !name[end])
     return PART_SHARE;
   if (sscanf(name, "checkpoint-%" SCNd64 ".h5%n", number, &end) == 1 && end > 0 && !name[end])
@@ -156,7 +159,8 @@ sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_me
   DIR *directory;
   do directory = opendir(path);
   while (!directory && errno == EINTR);
-  if (!directory) return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
+  if (!directory)
+    return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
   sd_status status = SD_OK;
   errno = 0;
   for (struct dirent *entry; (entry = readdir(directory)); errno = 0) {
@@ -165,7 +169,8 @@ sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_me
     *steps = memory_grow(*steps, *n + 1, sizeof **steps);
     (*steps)[(*n)++] = number;
   }
-  if (errno != 0) status = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
+  if (errno != 0)
+    status = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
   closedir(directory);
   if (*n > 0) qsort(*steps, *n, sizeof **steps, newest_first);
   return status;
@@ -174,7 +179,8 @@ sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_me
 /* Removes the files for which doomed says so. */
 typedef bool chooser(kind what, int64_t number, int64_t limit);
 
-static sd_status remove_some(const folder *f, chooser *doomed, int64_t limit, sd_messages *messages) {
+static sd_status remove_some(const folder *f, chooser *doomed, int64_t limit,
+                             sd_messages *messages) {
   sd_status worst = folder_check(f, messages);
   if (worst != SD_OK) return worst;
   /* by the descriptor: the path may lead elsewhere by now */
@@ -191,10 +197,11 @@ static sd_status remove_some(const folder *f, chooser *doomed, int64_t limit, sd
     kind what = kind_of(entry->d_name, &number);
     if (what == FOREIGN || !doomed(what, number, limit)) continue;
     if (unlinkat(f->at, entry->d_name, 0) != 0 && errno != ENOENT)
-      worst =
-          sd_fail(messages, SD_ERROR_IO, "cannot remove %s/%s: %s", f->path, entry->d_name, strerror(errno));
+      worst = sd_fail(messages, SD_ERROR_IO, "cannot remove %s/%s: %s", f->path, entry->d_name,
+                      strerror(errno));
   }
-  if (errno != 0) worst = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", f->path, strerror(errno));
+  if (errno != 0)
+    worst = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", f->path, strerror(errno));
   closedir(directory);
   return worst;
 }

@@ -31,8 +31,9 @@ typedef struct folder {
 sd_status folder_open(const char *path, bool may_be_link, folder *out, sd_messages *messages);
 /* SD_ERROR_IO: the folder was removed, moved or replaced. */
 sd_status folder_check(const folder *f, sd_messages *messages);
-bool folder_is_locked(const char *path); /* some process holds it now; false when there is no such folder */
-void folder_close(folder *f);            /* gives the lock back; the files stay */
+bool folder_is_locked(
+    const char *path);        /* some process holds it now; false when there is no such folder */
+void folder_close(folder *f); /* gives the lock back; the files stay */
 /* Removes all of it and closes; files that slipdisk does not make are left, with a warning. */
 sd_status folder_remove(folder *f, sd_messages *messages);
 

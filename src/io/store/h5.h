@@ -45,7 +45,8 @@ sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *message
 sd_status h5_open(const char *path, h5_file **out, sd_messages *messages);
 sd_status h5_open_whole(const char *path, h5_file **out, sd_messages *messages);
 /* Read only; SD_ERROR_IO when there is no seal or it does not fit. folder: see file.h; sum (may be NULL): of the seal. */
-sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum, sd_messages *messages);
+sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum,
+                         sd_messages *messages);
 /* The same without its shares, if it has any. */
 sd_status h5_open_head(const char *path, h5_file **out, sd_messages *messages);
 /* h5_open of a file that was opened, and checked, before. */
@@ -56,7 +57,8 @@ sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *
 sd_status h5_reseal(const char *path, sd_messages *messages);
 /* Writes a file of h5_new to path, with a seal, as file_write_atomic does. Frees the file in any case.
  * sum (may be NULL): of the seal. */
-sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum, sd_messages *messages);
+sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum,
+                  sd_messages *messages);
 /* The same bytes in memory, to be freed with free; *data is NULL on errors. Frees the file in any case. */
 sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *messages);
 /* Read only, of bytes of h5_save_memory, which may go when it returns; the seal is checked. */
@@ -67,26 +69,31 @@ sd_status h5_close(h5_file *file, sd_messages *messages);
 /* --- write ---------------------------------------------------------------------------------------- */
 void h5_group(h5_file *file, const char *path);
 /* A whole dataset; rank 0 is a scalar. */
-void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data,
-            bool compress);
+void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims,
+            const void *data, bool compress);
 /* The same, uncompressed. Of a file of h5_new_borrowing a long one is not copied: it must stay as
  * it is until h5_save. */
-void h5_lend(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data);
+void h5_lend(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims,
+             const void *data);
 void h5_put_text(h5_file *file, const char *path, const char *text); /* NULL counts as "" */
 /* n strings of equal storage length; NULL counts as "". */
 void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *texts);
 /* Attribute of n elements; n = 0: a scalar. */
-void h5_attr(h5_file *file, const char *path, const char *name, sd_type type, size_t n, const void *data);
+void h5_attr(h5_file *file, const char *path, const char *name, sd_type type, size_t n,
+             const void *data);
 void h5_attr_text(h5_file *file, const char *path, const char *name, const char *text);
 /* Attribute that is an array of n strings of equal storage length. */
-void h5_attr_texts(h5_file *file, const char *path, const char *name, size_t n, const char *const *texts);
+void h5_attr_texts(h5_file *file, const char *path, const char *name, size_t n,
+                   const char *const *texts);
 void h5_attr_f64(h5_file *file, const char *path, const char *name, double value);
 void h5_attr_i64(h5_file *file, const char *path, const char *name, int64_t value);
 void h5_link(h5_file *file, const char *target, const char *path); /* hard link */
 /* A dataset of known size (in chunks when compressed), to be filled by rows (first index) with h5_put_rows. Those of
  * a compressed one come in order, and wait in memory until their chunk is full, or the file is saved or closed. */
-void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, bool compress);
-void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n, const void *data);
+void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims,
+             bool compress);
+void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n,
+                 const void *data);
 bool h5_failed(const h5_file *file); /* a write has gone wrong */
 /* There is no memory for what should stand at path: reported like a failed write. */
 void h5_no_memory(h5_file *file, const char *path);
@@ -101,7 +108,8 @@ bool h5_exists(const h5_file *file, const char *path);
 /* Has the dataset n elements? Asked before there is memory for as many as a number in the file says. */
 sd_status h5_check(const h5_file *file, const char *path, size_t n, sd_messages *messages);
 /* rank and dims[H5_MAX_RANK] of a dataset. */
-sd_status h5_shape(const h5_file *file, const char *path, int *rank, size_t *dims, sd_messages *messages);
+sd_status h5_shape(const h5_file *file, const char *path, int *rank, size_t *dims,
+                   sd_messages *messages);
 /* Exactly n elements, converted to type; another size in the file is an error. */
 sd_status h5_get(const h5_file *file, const char *path, sd_type type, size_t n, void *data,
                  sd_messages *messages);
@@ -118,10 +126,13 @@ bool h5_has_attr(const h5_file *file, const char *path, const char *name);
 double h5_get_attr_f64(const h5_file *file, const char *path, const char *name, double otherwise);
 int64_t h5_get_attr_i64(const h5_file *file, const char *path, const char *name, int64_t otherwise);
 /* n numbers; false (values as they were): there is none, or not of n elements. */
-bool h5_get_attr_f64s(const h5_file *file, const char *path, const char *name, size_t n, double *values);
-char *h5_get_attr_text(const h5_file *file, const char *path, const char *name); /* to be freed, or NULL */
+bool h5_get_attr_f64s(const h5_file *file, const char *path, const char *name, size_t n,
+                      double *values);
+char *h5_get_attr_text(const h5_file *file, const char *path,
+                       const char *name); /* to be freed, or NULL */
 /* Calls visit for every dataset below the root, in alphabetical order. */
-typedef void h5_visitor(void *user, const char *path, sd_type type, bool text, int rank, const size_t *dims);
+typedef void h5_visitor(void *user, const char *path, sd_type type, bool text, int rank,
+                        const size_t *dims);
 sd_status h5_visit(const h5_file *file, h5_visitor *visit, void *user, sd_messages *messages);
 
 /* --- shares --------------------------------------------------------------------------------------- */
@@ -155,8 +166,9 @@ typedef struct h5_range {
  *   a particle are left out. There x, y, vx, vy, theta, omega stand for the elements position, velocity, angle,
  *   angular_velocity.
  * Every missing column is one message. SD_ERROR_IO: the file cannot be read; SD_ERROR_USER: the rest. */
-sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns, const char *const *columns,
-                        double **values, h5_range *rows, sd_messages *messages);
+sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns,
+                        const char *const *columns, double **values, h5_range *rows,
+                        sd_messages *messages);
 
 /* Edges of a box along x and y; equal in directions that are not periodic. step: whose it is, -1 where it does not change. */
 typedef struct h5_box {

@@ -20,7 +20,8 @@
 
 /* Elements of a chunk that are looked at. */
 enum { LOOKS = 4096 };
-static const double WORTH = 0.75; /* estimated size over plain size below which deflate is worth its time */
+static const double WORTH =
+    0.75; /* estimated size over plain size below which deflate is worth its time */
 
 /* --- what deflate would make of it ------------------------------------------------------------------------ */
 
@@ -93,7 +94,8 @@ static uint32_t fletcher32(const unsigned char *data, size_t n) {
 }
 
 /* Stores a chunk past the filters that make it smaller; n of `full` elements are given, the rest is 0. */
-static bool store_chunk(h5_rows *w, const hsize_t *start, size_t n, size_t full, const unsigned char *data) {
+static bool store_chunk(h5_rows *w, const hsize_t *start, size_t n, size_t full,
+                        const unsigned char *data) {
   size_t bytes = full * w->element, given = n * w->element;
   if (!w->padded) w->padded = memory_grow(NULL, bytes + sizeof(uint32_t), 1);
   memcpy(w->padded, data, given);
@@ -108,7 +110,8 @@ static bool store_chunk(h5_rows *w, const hsize_t *start, size_t n, size_t full,
 }
 
 /* Rows, or a part of one, that belong to one chunk. */
-static bool write_chunk(h5_rows *w, const hsize_t *start, const hsize_t *count, const unsigned char *data) {
+static bool write_chunk(h5_rows *w, const hsize_t *start, const hsize_t *count,
+                        const unsigned char *data) {
 #if HAS_WRITE_CHUNK
   size_t n = 1, full = 1;
   for (int k = 0; k < w->rank; k++) n *= (size_t)count[k], full *= (size_t)w->chunk[k];

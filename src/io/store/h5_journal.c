@@ -13,7 +13,8 @@
 enum { PIECE_BYTES = 8 << 20 };
 
 /* element: a constant where this is called, so that the loop knows it. */
-static inline uint64_t sum_words(const unsigned char *at, size_t n, size_t element, uint64_t first) {
+static inline uint64_t sum_words(const unsigned char *at, size_t n, size_t element,
+                                 uint64_t first) {
   uint64_t sum = 0;
   for (size_t k = 0; k < n; k++, at += element) {
     uint64_t word = 0;
@@ -54,8 +55,8 @@ void h5_expect(h5_file *file, const char *path, const char *attr, uint64_t eleme
       (h5_entry){.path = memory_text(path), .attr = memory_text(attr), .expected = elements};
 }
 
-void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n, size_t element,
-             uint64_t first) {
+void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n,
+             size_t element, uint64_t first) {
   h5_entry *e = file->on_disk ? find(file, path, attr) : NULL;
   if (!e) return;
   e->put += n;
@@ -73,8 +74,8 @@ static size_t element_of(hid_t type, size_t *each) {
 }
 
 /* Rows first ... first + n - 1 of a dataset as they are stored. */
-static bool read_rows(hid_t set, hid_t type, int rank, const hsize_t *dims, hsize_t first, hsize_t n,
-                      void *data) {
+static bool read_rows(hid_t set, hid_t type, int rank, const hsize_t *dims, hsize_t first,
+                      hsize_t n, void *data) {
   if (rank == 0) return H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
   hsize_t start[H5S_MAX_RANK] = {first}, count[H5S_MAX_RANK] = {n};
   for (int k = 1; k < rank; k++) count[k] = dims[k];
@@ -138,8 +139,9 @@ sd_status h5_compare(const h5_file *file, const h5_file *written, sd_messages *m
   for (size_t k = 0; k < written->n_entries; k++) {
     const h5_entry *e = &written->journal[k];
     if (!is_there(file, e))
-      return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s%s%s does not read back as it was written",
-                     written->path, e->path, e->attr ? ", attribute " : "", e->attr ? e->attr : "");
+      return sd_fail(messages, SD_ERROR_IO,
+                     "cannot write %s: %s%s%s does not read back as it was written", written->path,
+                     e->path, e->attr ? ", attribute " : "", e->attr ? e->attr : "");
   }
   return SD_OK;
 }

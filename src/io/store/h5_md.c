@@ -13,8 +13,8 @@
 
 /* --- steps ------------------------------------------------------------------------------------------------ */
 
-static sd_status fail(const h5_file *file, const char *group, sd_messages *messages, const char *name,
-                      const char *what) {
+static sd_status fail(const h5_file *file, const char *group, sd_messages *messages,
+                      const char *name, const char *what) {
   return sd_fail(messages, SD_ERROR_USER, "%s: %s: %s %s", file->path, group, name, what);
 }
 
@@ -33,7 +33,8 @@ static sd_status read_list(const h5_file *file, const char *group, const char *p
   return status;
 }
 
-static sd_status read_steps(const h5_file *file, const char *group, h5_element *e, sd_messages *messages) {
+static sd_status read_steps(const h5_file *file, const char *group, h5_element *e,
+                            sd_messages *messages) {
   size_t dims[H5_MAX_RANK];
   int rank;
   char *path = format_text("%s/%s/step", group, e->name);
@@ -47,7 +48,8 @@ static sd_status read_steps(const h5_file *file, const char *group, h5_element *
       status = h5_get(file, path, SD_I64, 1, &e->interval, messages);
       e->offset = h5_get_attr_i64(file, path, "offset", 0);
       if (status == SD_OK && (e->interval < 1 || e->interval > INT64_MAX / 2 / (int64_t)e->frames))
-        status = fail(file, group, messages, e->name, "has a distance of steps that is no positive number");
+        status = fail(file, group, messages, e->name,
+                      "has a distance of steps that is no positive number");
     } else if (status == SD_OK && (rank != 1 || dims[0] != e->frames)) {
       status = fail(file, group, messages, e->name, "has another number of steps than of frames");
     } else if (status == SD_OK) {
@@ -59,7 +61,8 @@ static sd_status read_steps(const h5_file *file, const char *group, h5_element *
 }
 
 /* Values of an element of this name: fixed, in frames, or not there. */
-static sd_status find_element(const h5_file *file, const char *group, h5_element *e, sd_messages *messages) {
+static sd_status find_element(const h5_file *file, const char *group, h5_element *e,
+                              sd_messages *messages) {
   size_t dims[H5_MAX_RANK];
   int rank;
   char *path = format_text("%s/%s/value", group, e->name);
@@ -110,10 +113,11 @@ static sd_status without_steps(const h5_file *file, const char *group, h5_elemen
     if (!e[k].framed) continue;
     e[k].frame = e[k].frames - 1;
     if (first && (first->stepped != e[k].stepped || first->frames != e[k].frames))
-      return sd_fail(messages, SD_ERROR_USER,
-                     "%s: %s: the steps of %s and %s are not all given: whether their values belong together "
-                     "cannot be told",
-                     file->path, group, first->name, e[k].name);
+      return sd_fail(
+          messages, SD_ERROR_USER,
+          "%s: %s: the steps of %s and %s are not all given: whether their values belong together "
+          "cannot be told",
+          file->path, group, first->name, e[k].name);
     if (!first) first = &e[k];
   }
   return SD_OK;
@@ -139,18 +143,18 @@ sd_status h5_moment(const h5_file *file, const char *group, h5_element *e, size_
     const int64_t end = step_of(latest, latest->frames - 1);
     *step = step_of(earliest, earliest->frames - 1);
     if (!common_step(e, n, step))
-      status =
-          sd_fail(messages, SD_ERROR_USER,
-                  "%s: %s: its elements have no step in common, %s ends at step %lld, %s at %lld; expected "
-                  "values of one moment",
-                  file->path, group, latest->name, (long long)end, earliest->name,
-                  (long long)step_of(earliest, earliest->frames - 1));
-    else if (*step != end)
-      sd_warn(
-          messages,
-          "%s: %s: step %lld is read, the last one that all have: %s goes on until step %lld, %s until %lld",
-          file->path, group, (long long)*step, latest->name, (long long)end, earliest->name,
+      status = sd_fail(
+          messages, SD_ERROR_USER,
+          "%s: %s: its elements have no step in common, %s ends at step %lld, %s at %lld; expected "
+          "values of one moment",
+          file->path, group, latest->name, (long long)end, earliest->name,
           (long long)step_of(earliest, earliest->frames - 1));
+    else if (*step != end)
+      sd_warn(messages,
+              "%s: %s: step %lld is read, the last one that all have: %s goes on until step %lld, "
+              "%s until %lld",
+              file->path, group, (long long)*step, latest->name, (long long)end, earliest->name,
+              (long long)step_of(earliest, earliest->frames - 1));
   }
   for (size_t k = 0; k < n; k++) {
     free(e[k].step);
@@ -167,7 +171,8 @@ static bool fill_value(const h5_file *file, const char *path, double *fill) {
   if (set < 0) return false;
   hid_t made = H5Dget_create_plist(set);
   H5D_fill_value_t kind = H5D_FILL_VALUE_UNDEFINED;
-  const bool given = H5Pfill_value_defined(made, &kind) >= 0 && kind == H5D_FILL_VALUE_USER_DEFINED &&
+  const bool given = H5Pfill_value_defined(made, &kind) >= 0 &&
+                     kind == H5D_FILL_VALUE_USER_DEFINED &&
                      H5Pget_fill_value(made, H5T_NATIVE_DOUBLE, fill) >= 0;
   H5Pclose(made);
   H5Oclose(set);
@@ -198,8 +203,8 @@ const char *h5_absence(const h5_file *file, const char *group) {
   return NULL;
 }
 
-sd_status h5_absent(const h5_file *file, const char *group, const h5_element *e, const double *value,
-                    size_t n, bool *gone, sd_messages *messages) {
+sd_status h5_absent(const h5_file *file, const char *group, const h5_element *e,
+                    const double *value, size_t n, bool *gone, sd_messages *messages) {
   char *path = format_text(e->framed ? "%s/%s/value" : "%s/%s", group, e->name);
   const bool id = strcmp(e->name, "id") == 0;
   double fill = 0;
@@ -226,7 +231,8 @@ typedef struct groups {
 } groups;
 
 /* h5_visitor */
-static void take_group(void *user, const char *path, sd_type type, bool text, int rank, const size_t *dims) {
+static void take_group(void *user, const char *path, sd_type type, bool text, int rank,
+                       const size_t *dims) {
   static const char head[] = "/particles/";
   groups *g = user;
   (void)type, (void)text, (void)rank, (void)dims;
@@ -261,8 +267,8 @@ char *h5_only_particles(const char *path) {
 }
 
 /* Numbers of the box at the moment of the positions: lengths, or a matrix of edge vectors in rows. */
-static sd_status read_edges(const h5_file *file, const char *group, int *dimension, double matrix[3][3],
-                            int64_t *step, sd_messages *messages) {
+static sd_status read_edges(const h5_file *file, const char *group, int *dimension,
+                            double matrix[3][3], int64_t *step, sd_messages *messages) {
   h5_element e[2] = {{.name = "box/edges"}, {.name = "position"}};
   size_t dims[H5_MAX_RANK];
   int rank;
@@ -276,7 +282,8 @@ static sd_status read_edges(const h5_file *file, const char *group, int *dimensi
   const int inner_rank = rank - e[0].framed;
   const bool square = inner_rank == 2 && inner[1] == d;
   if (status == SD_OK && ((inner_rank != 1 && !square) || (d != 2 && d != 3)))
-    status = fail(file, group, messages, "box/edges", "has the shape of no box in two or three dimensions");
+    status = fail(file, group, messages, "box/edges",
+                  "has the shape of no box in two or three dimensions");
   const size_t n = square ? d * d : d;
   if (status == SD_OK)
     status = e[0].framed ? h5_get_values(file, path, SD_F64, e[0].frame, 1, n, found, messages)
@@ -285,21 +292,24 @@ static sd_status read_edges(const h5_file *file, const char *group, int *dimensi
   if (status != SD_OK) return status;
   memset(matrix, 0, 9 * sizeof(double));
   for (size_t i = 0; i < d; i++)
-    for (size_t j = 0; j < d; j++) matrix[i][j] = square ? found[i * d + j] : i == j ? found[i] : 0.0;
+    for (size_t j = 0; j < d; j++)
+      matrix[i][j] = square ? found[i * d + j] : i == j ? found[i] : 0.0;
   *dimension = (int)d;
   return SD_OK;
 }
 
 /* Edges along x and y, whose rows of images are not shifted. */
-static sd_status check_edges(const h5_file *file, const char *group, double a[3][3], sd_messages *messages) {
+static sd_status check_edges(const h5_file *file, const char *group, double a[3][3],
+                             sd_messages *messages) {
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
       if (!isfinite(a[i][j]) || (i == j && a[i][j] < 0))
         return fail(file, group, messages, "box/edges", "are no lengths");
   const double least = 1e-9 * (a[0][0] + a[1][1]);
-  if (fabs(a[0][1]) > least || fabs(a[0][2]) > least || fabs(a[1][2]) > least || fabs(a[2][0]) > least ||
-      fabs(a[2][1]) > least)
-    return fail(file, group, messages, "box/edges", "are not along x and y; expected a rectangular box");
+  if (fabs(a[0][1]) > least || fabs(a[0][2]) > least || fabs(a[1][2]) > least ||
+      fabs(a[2][0]) > least || fabs(a[2][1]) > least)
+    return fail(file, group, messages, "box/edges",
+                "are not along x and y; expected a rectangular box");
   const double shift = a[0][0] > 0 ? remainder(a[1][0], a[0][0]) : a[1][0];
   if (fabs(shift) <= least) return SD_OK;
   return sd_fail(
@@ -309,7 +319,8 @@ static sd_status check_edges(const h5_file *file, const char *group, double a[3]
       file->path, group, shift / a[0][0]);
 }
 
-static sd_status box_of_group(const h5_file *file, const char *group, h5_box *box, sd_messages *messages) {
+static sd_status box_of_group(const h5_file *file, const char *group, h5_box *box,
+                              sd_messages *messages) {
   double a[3][3] = {{0}}, lower[3] = {0, 0, 0};
   int d = 0;
   sd_status status = read_edges(file, group, &d, a, &box->step, messages);
@@ -332,7 +343,8 @@ static sd_status box_of_group(const h5_file *file, const char *group, h5_box *bo
 
 static bool is_same_box(const h5_box *a, const h5_box *b) {
   bool same = true;
-  for (int c = 0; c < 2; c++) same = same && a->lower[c] == b->lower[c] && a->upper[c] == b->upper[c];
+  for (int c = 0; c < 2; c++)
+    same = same && a->lower[c] == b->lower[c] && a->upper[c] == b->upper[c];
   return same;
 }
 
@@ -343,15 +355,15 @@ sd_status h5_particles_box(const h5_file *file, bool *found, h5_box *box, sd_mes
   *found = g.n > 0;
   *box = (h5_box){.step = -1};
   if (status == SD_OK && g.lost)
-    status = sd_fail(messages, SD_ERROR_USER, "%s: more than %d groups of particles have a box", file->path,
-                     MOST_GROUPS);
+    status = sd_fail(messages, SD_ERROR_USER, "%s: more than %d groups of particles have a box",
+                     file->path, MOST_GROUPS);
   for (size_t k = 0; status == SD_OK && k < g.n; k++) {
     h5_box other = {.step = -1};
     status = box_of_group(file, g.name[k], &other, messages);
     if (k == 0) *box = other;
     if (status == SD_OK && !is_same_box(box, &other))
-      status = sd_fail(messages, SD_ERROR_USER, "%s: %s and %s have different boxes", file->path, g.name[0],
-                       g.name[k]);
+      status = sd_fail(messages, SD_ERROR_USER, "%s: %s and %s have different boxes", file->path,
+                       g.name[0], g.name[k]);
   }
   free_groups(&g);
   return status;

@@ -94,7 +94,8 @@ static sd_status whole_image(h5_file *file, const char *path, image *m, sd_messa
   return SD_OK;
 }
 
-sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum, sd_messages *messages) {
+sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum,
+                  sd_messages *messages) {
   image m;
   file_draft draft = {.folder = -1, .fd = -1};
   unsigned char seal[H5_SEAL_BYTES];
@@ -142,7 +143,8 @@ sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *
 hid_t h5_open_image(const char *name, const void *bytes, size_t size, unsigned flags) {
   hid_t id = H5I_INVALID_HID, access = H5Pcreate(H5P_FILE_ACCESS);
   H5Pset_fapl_core(access, GROWTH, false);
-  if (H5Pset_file_image(access, (void *)(uintptr_t)bytes, size) >= 0) id = H5Fopen(name, flags, access);
+  if (H5Pset_file_image(access, (void *)(uintptr_t)bytes, size) >= 0)
+    id = H5Fopen(name, flags, access);
   H5Pclose(access);
   return id;
 }
@@ -153,7 +155,8 @@ sd_status h5_open_memory(const void *data, size_t size, h5_file **out, sd_messag
   *out = NULL;
   if (body) h5_make_seal(body, file_sum(FILE_SUM, data, body), seal);
   if (!body || memcmp(seal, (const unsigned char *)data + body, H5_SEAL_BYTES) != 0)
-    return sd_fail(messages, SD_ERROR_IO, "the saved bytes are damaged: their checksum does not fit");
+    return sd_fail(messages, SD_ERROR_IO,
+                   "the saved bytes are damaged: their checksum does not fit");
   char name[40];
   h5_memory_name(name, sizeof name);
   *out = h5_allocate(name);

@@ -57,7 +57,8 @@ static sd_status open_share(h5_shares *s, int folder, size_t k, int64_t sum) {
   char *path = h5_share_path(s->head->path, k);
   sd_status status = h5_open_sealed(folder, path, &s->file[k], &found, s->messages);
   if (status == SD_OK && found != (uint64_t)sum)
-    status = sd_fail(s->messages, SD_ERROR_IO, "%s is not the share that %s names", path, s->head->path);
+    status =
+        sd_fail(s->messages, SD_ERROR_IO, "%s is not the share that %s names", path, s->head->path);
   free(path);
   return status;
 }
@@ -79,7 +80,8 @@ static sd_status open_shares(h5_shares *s, int folder) {
   if (status != SD_OK) return status;
   allow_files(dims[0]);
   s->file = memory_new(dims[0], sizeof *s->file);
-  for (; status == SD_OK && s->n < dims[0]; s->n++) status = open_share(s, folder, s->n, sums[s->n]);
+  for (; status == SD_OK && s->n < dims[0]; s->n++)
+    status = open_share(s, folder, s->n, sums[s->n]);
   free(sums);
   return status;
 }
@@ -92,14 +94,16 @@ static sd_status read_keys(h5_shares *s, h5_shared_group *g, const char *keys, s
   int rank;
   assert(g->rows && g->place);
   sd_status status = h5_shape(s->file[k], keys, &rank, dims, s->messages);
-  const int64_t *key = g->place[k] = h5_column(s->file[k], keys, SD_I64, dims[0], &status, s->messages);
+  const int64_t *key = g->place[k] =
+      h5_column(s->file[k], keys, SD_I64, dims[0], &status, s->messages);
   if (status != SD_OK) return status;
   assert(key && s->file[k]);
   g->rows[k] = dims[0];
   g->total += dims[0];
   for (size_t i = 1; i < dims[0]; i++)
     if (key[i] < key[i - 1])
-      return sd_fail(s->messages, SD_ERROR_IO, "%s is damaged: its keys do not ascend", s->file[k]->path);
+      return sd_fail(s->messages, SD_ERROR_IO, "%s is damaged: its keys do not ascend",
+                     s->file[k]->path);
   return SD_OK;
 }
 
@@ -144,7 +148,8 @@ static sd_status shape_set(h5_shares *s, h5_shared_set *set, int *rank, size_t *
   int own;
   set->width = 1;
   for (int k = 1; k < *rank; k++) set->width *= dims[k];
-  if (h5_exists(s->head, set->path) && h5_shape(s->head, set->path, &own, there, s->messages) != SD_OK)
+  if (h5_exists(s->head, set->path) &&
+      h5_shape(s->head, set->path, &own, there, s->messages) != SD_OK)
     return SD_ERROR_IO;
   set->tail = g->each ? 0 : there[0];
   if ((g->each && *rank == H5_MAX_RANK) || (g->each && g->total % g->each != 0))
@@ -157,14 +162,15 @@ static sd_status shape_set(h5_shares *s, h5_shared_set *set, int *rank, size_t *
   dims[0] = g->each ? g->total / g->each : g->total + set->tail;
   sd_status status = SD_OK;
   if (set->tail > 0)
-    set->own = h5_column(s->head, set->path, set->type, set->tail * set->width, &status, s->messages);
+    set->own =
+        h5_column(s->head, set->path, set->type, set->tail * set->width, &status, s->messages);
   return status;
 }
 
 /* In the head a dataset of the whole's shape stands for it, without values, with the attributes that the head or the
  * share has. */
-static void stand_for(h5_file *head, const h5_file *share, const char *from, const h5_shared_set *set,
-                      int rank, const size_t *dims) {
+static void stand_for(h5_file *head, const h5_file *share, const char *from,
+                      const h5_shared_set *set, int rank, const size_t *dims) {
   static const char *const names[] = {"unit", "description"};
   char *texts[sizeof names / sizeof *names];
   const bool there = h5_exists(head, set->path);
@@ -179,12 +185,13 @@ static void stand_for(h5_file *head, const h5_file *share, const char *from, con
 }
 
 /* h5_visitor of a share. */
-static void take_set(void *user, const char *path, sd_type type, bool text, int rank, const size_t *dims) {
+static void take_set(void *user, const char *path, sd_type type, bool text, int rank,
+                     const size_t *dims) {
   h5_shares *s = user;
   const size_t n = strlen(s->listed->name);
   size_t whole[H5_MAX_RANK + 1] = {0};
-  if (s->status != SD_OK || text || rank < 1 || strncmp(path, s->listed->name, n) != 0 || path[n] != '/' ||
-      strcmp(path + n, "/key") == 0)
+  if (s->status != SD_OK || text || rank < 1 || strncmp(path, s->listed->name, n) != 0 ||
+      path[n] != '/' || strcmp(path + n, "/key") == 0)
     return;
   s->set = memory_grow(s->set, s->n_sets + 1, sizeof *s->set);
   h5_shared_set *set = &s->set[s->n_sets++];
@@ -208,12 +215,15 @@ static sd_status take_sets(h5_shares *s, const h5_shared_group *g) {
 
 sd_status h5_join(h5_file *file, int folder, sd_messages *messages) {
   h5_shares *s = memory_new(1, sizeof *s);
-  *s = (h5_shares){.head = file, .group = {{.name = "/disks"}, {.name = "/contacts"}}, .messages = messages};
+  *s = (h5_shares){
+      .head = file, .group = {{.name = "/disks"}, {.name = "/contacts"}}, .messages = messages};
   sd_status status = open_shares(s, folder);
-  for (size_t g = 0; status == SD_OK && g < H5_SHARED_GROUPS; g++) status = order_group(s, &s->group[g]);
+  for (size_t g = 0; status == SD_OK && g < H5_SHARED_GROUPS; g++)
+    status = order_group(s, &s->group[g]);
   if (status == SD_OK) status = take_image(file, messages);
   file->writing = status == SD_OK;
-  for (size_t g = 0; status == SD_OK && g < H5_SHARED_GROUPS; g++) status = take_sets(s, &s->group[g]);
+  for (size_t g = 0; status == SD_OK && g < H5_SHARED_GROUPS; g++)
+    status = take_sets(s, &s->group[g]);
   if (status == SD_OK && file->failed) status = no_memory(s);
   file->writing = false;
   s->messages = NULL;
@@ -230,7 +240,8 @@ sd_status h5_join(h5_file *file, int folder, sd_messages *messages) {
 static sd_status check_sealed(const h5_file *file, const h5_mark *mark, sd_messages *messages) {
   if (mark->sealed || h5_get_attr_i64(file, "/", "sealed", 0) == 0) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO,
-                 "%s is damaged, or was changed by another program: its checksum is missing", file->path);
+                 "%s is damaged, or was changed by another program: its checksum is missing",
+                 file->path);
 }
 
 typedef enum trust { AGAIN, QUICK, WHOLE, SEALED, HEAD } trust;
@@ -248,10 +259,12 @@ static sd_status open_checked(int folder, const char *path, trust how, h5_file *
   if (status == SD_OK && whole && how != AGAIN)
     status = h5_check_whole(fd, path, &mark, messages);
   else if (status == SD_OK && how != AGAIN && (!mark.sealed || mark.has_small))
-    status = h5_probe(fd, path, mark.sealed ? H5_PROBE_SMALL : H5_PROBE_QUICK, mark.small, messages);
+    status =
+        h5_probe(fd, path, mark.sealed ? H5_PROBE_SMALL : H5_PROBE_QUICK, mark.small, messages);
   if (status == SD_OK) status = h5_open_descriptor(fd, path, out, messages);
   if (status == SD_OK && how != AGAIN) status = check_sealed(*out, &mark, messages);
-  if (status == SD_OK && how != HEAD && h5_has_shares(*out)) status = h5_join(*out, folder, messages);
+  if (status == SD_OK && how != HEAD && h5_has_shares(*out))
+    status = h5_join(*out, folder, messages);
   if (status != SD_OK && *out) {
     h5_close(*out, NULL);
     *out = NULL;
@@ -277,7 +290,8 @@ sd_status h5_open_head(const char *path, h5_file **out, sd_messages *messages) {
   return open_checked(-1, path, HEAD, out, NULL, messages);
 }
 
-sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum, sd_messages *messages) {
+sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum,
+                         sd_messages *messages) {
   return open_checked(folder, path, SEALED, out, sum, messages);
 }
 

@@ -24,7 +24,8 @@ static H5FD_t *pages_open(const char *name, unsigned flags, hid_t access, haddr_
   if (!room || !(flags & H5F_ACC_CREAT)) return NULL;
   pages *p = memory_new(1, sizeof *p);
   p->room = *room;
-  p->bytes = mmap(NULL, p->room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  p->bytes = mmap(NULL, p->room, PROT_READ | PROT_WRITE,
+                  MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (p->bytes != MAP_FAILED) return &p->base;
   free(p);
   return NULL;
@@ -67,10 +68,13 @@ static herr_t pages_handle(H5FD_t *file, hid_t access, void **handle) {
   return 0;
 }
 
-static bool is_inside(const pages *p, haddr_t at, size_t n) { return at <= p->room && n <= p->room - at; }
+static bool is_inside(const pages *p, haddr_t at, size_t n) {
+  return at <= p->room && n <= p->room - at;
+}
 
 /* Pages that were never written read as zeros. */
-static herr_t pages_read(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t at, size_t n, void *data) {
+static herr_t pages_read(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t at, size_t n,
+                         void *data) {
   (void)type, (void)transfer;
   const pages *p = (const pages *)file;
   if (!is_inside(p, at, n)) return -1;

@@ -96,8 +96,8 @@ uint64_t h5_sum(const void *data, size_t n, size_t element, uint64_t first);
 /* Makes or finds the entry of an object with so many elements. */
 void h5_expect(h5_file *file, const char *path, const char *attr, uint64_t elements);
 /* Elements first ... first + n - 1 were put there. */
-void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n, size_t element,
-             uint64_t first);
+void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n,
+             size_t element, uint64_t first);
 /* Is what `file` (just opened) holds what the journal of `written` says? */
 sd_status h5_compare(const h5_file *file, const h5_file *written, sd_messages *messages);
 
@@ -169,8 +169,8 @@ void h5_shares_free(h5_shares *s);
 /* The dataset, if its rows stand in shares; else NULL. */
 const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path);
 /* Rows [first, first + n) of the whole, which it must have. */
-sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first, size_t n,
-                         void *data, sd_messages *messages);
+sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first,
+                         size_t n, void *data, sd_messages *messages);
 
 /* --- h5_pages.c ------------------------------------------------------------------------------------- */
 /* Files of this access stand in memory, in at most so many bytes, and take pages where something was written. */
@@ -200,15 +200,15 @@ typedef struct h5_element {
 
 /* Finds the frames to be read of these elements, of the last step that all with frames have. step: -1 where there are none.
  * SD_ERROR_USER: there is no such step. */
-sd_status h5_moment(const h5_file *file, const char *group, h5_element *elements, size_t n, int64_t *step,
-                    sd_messages *messages);
+sd_status h5_moment(const h5_file *file, const char *group, h5_element *elements, size_t n,
+                    int64_t *step, sd_messages *messages);
 /* Does the file say by which value, other than 0, rows are filled that were not written? */
 bool h5_is_fill(const h5_file *file, const char *path, double *fill);
 /* The element that tells rows without a particle; NULL: there is none. */
 const char *h5_absence(const h5_file *file, const char *group);
 /* Of n rows of this element: gone[k] where there is no particle. */
-sd_status h5_absent(const h5_file *file, const char *group, const h5_element *element, const double *value,
-                    size_t n, bool *gone, sd_messages *messages);
+sd_status h5_absent(const h5_file *file, const char *group, const h5_element *element,
+                    const double *value, size_t n, bool *gone, sd_messages *messages);
 /* The texts of an attribute (an array of strings, or one with commas or blanks) as one with a newline after each; NULL:
  * none. To be freed. */
 char *h5_words(const h5_file *file, const char *path, const char *name);

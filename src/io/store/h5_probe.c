@@ -82,8 +82,8 @@ static size_t choose_box(hid_t set, size_t size, int rank, const hsize_t *dims, 
   return (size_t)bytes;
 }
 
-static bool read_box(hid_t set, hid_t type, hid_t space, int rank, const hsize_t *start, const hsize_t *count,
-                     unsigned char *data) {
+static bool read_box(hid_t set, hid_t type, hid_t space, int rank, const hsize_t *start,
+                     const hsize_t *count, unsigned char *data) {
   hid_t memory = H5Screate_simple(rank, count, NULL);
   const bool good = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
                     H5Dread(set, type, memory, space, H5P_DEFAULT, data) >= 0;
@@ -93,8 +93,8 @@ static bool read_box(hid_t set, hid_t type, hid_t space, int rank, const hsize_t
 }
 
 /* Boxes one after the other. Small ones count as pages, since each costs time. */
-static bool read_boxes(reading *r, hid_t set, hid_t type, hid_t space, int rank, const hsize_t *dims,
-                       const hsize_t *box, size_t bytes, unsigned char *data) {
+static bool read_boxes(reading *r, hid_t set, hid_t type, hid_t space, int rank,
+                       const hsize_t *dims, const hsize_t *box, size_t bytes, unsigned char *data) {
   enum { PAGE = 4096 };
   hsize_t at[H5S_MAX_RANK] = {0}, count[H5S_MAX_RANK];
   for (int k = 0; k >= 0;) {
@@ -111,7 +111,8 @@ static void read_set(reading *r, hid_t set) {
   hid_t type = H5Dget_type(set), space = H5Dget_space(set);
   hsize_t dims[H5S_MAX_RANK] = {0}, box[H5S_MAX_RANK] = {0};
   const int rank = H5Sget_simple_extent_dims(space, dims, NULL);
-  const size_t size = H5Tget_size(type), bytes = rank > 0 ? choose_box(set, size, rank, dims, box) : size;
+  const size_t size = H5Tget_size(type),
+               bytes = rank > 0 ? choose_box(set, size, rank, dims, box) : size;
   unsigned char *data = NULL;
   if (rank >= 0 && bytes > 0 && bytes <= (size_t)LIMIT_CHUNK * LIMIT_MIB)
     (void)memory_row(&data, bytes, 1); /* without memory it is not looked at */
@@ -131,7 +132,8 @@ static void read_set(reading *r, hid_t set) {
 static herr_t take_link(hid_t group, const char *name, const H5L_info_t *info, void *user) {
   reading *r = user;
   if (info->type != H5L_TYPE_HARD) return 0;
-  if (++r->listed > LIMIT_LINKS || r->depth > LIMIT_GROUPS) return 1; /* the reader has these limits, too */
+  if (++r->listed > LIMIT_LINKS || r->depth > LIMIT_GROUPS)
+    return 1; /* the reader has these limits, too */
   hid_t object = H5Oopen(group, name, H5P_DEFAULT);
   r->broken |= object < 0;
   if (object < 0) return 0;
@@ -213,7 +215,8 @@ static bool trusts;
 
 void h5_probe_nothing(void) { trusts = true; }
 
-sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small, sd_messages *messages) {
+sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small,
+                   sd_messages *messages) {
   static _Thread_local struct stat sound; /* the last file that was looked at, and good */
   struct stat facts;
   if (trusts) return SD_OK;
@@ -223,7 +226,8 @@ sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small, sd_
   const pid_t child = fork();
   if (child == 0) {
     be_quiet((uint64_t)facts.st_size);
-    _exit(how == H5_PROBE_SMALL ? compare_small(fd, path, small) : read_all(fd, path, how == H5_PROBE_WHOLE));
+    _exit(how == H5_PROBE_SMALL ? compare_small(fd, path, small)
+                                : read_all(fd, path, how == H5_PROBE_WHOLE));
   }
   if (child < 0) {
     shortage_note();
@@ -239,10 +243,12 @@ sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small, sd_
     case BROKEN: return fail(path, ": its structure cannot be read", messages);
     case UNREADABLE:
       return fail(path,
-                  how == H5_PROBE_SMALL ? ": its small data cannot be read" : ": its data cannot be read",
+                  how == H5_PROBE_SMALL ? ": its small data cannot be read"
+                                        : ": its data cannot be read",
                   messages);
     case OTHER_SUM:
-      return fail(path, ", or was changed by another program: the sum of its small data does not fit",
+      return fail(path,
+                  ", or was changed by another program: the sum of its small data does not fit",
                   messages);
     default: return fail(path, ": the HDF5 library ends when it reads it", messages);
   }

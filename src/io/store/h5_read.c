@@ -22,8 +22,8 @@ static bool is_there(const h5_file *file, const char *path, bool *link) {
   for (char *slash = strchr(copy + 1, '/'); there; slash = strchr(slash + 1, '/')) {
     H5L_info_t info;
     if (slash) *slash = 0;
-    there =
-        H5Lexists(file->id, copy, H5P_DEFAULT) > 0 && H5Lget_info(file->id, copy, &info, H5P_DEFAULT) >= 0;
+    there = H5Lexists(file->id, copy, H5P_DEFAULT) > 0 &&
+            H5Lget_info(file->id, copy, &info, H5P_DEFAULT) >= 0;
     *link = there && info.type != H5L_TYPE_HARD;
     there = there && !*link;
     if (!slash) break;
@@ -46,10 +46,12 @@ bool h5_is_link(const h5_file *file, const char *path) {
 
 hid_t h5_open_object(const h5_file *file, const char *path, sd_messages *messages) {
   bool link;
-  hid_t object = is_there(file, path, &link) ? H5Oopen(file->id, path, H5P_DEFAULT) : H5I_INVALID_HID;
+  hid_t object =
+      is_there(file, path, &link) ? H5Oopen(file->id, path, H5P_DEFAULT) : H5I_INVALID_HID;
   if (link)
-    sd_fail(messages, SD_ERROR_IO, "%s: %s is a link, which is not followed; expected the data in this place",
-            file->path, path);
+    sd_fail(messages, SD_ERROR_IO,
+            "%s: %s is a link, which is not followed; expected the data in this place", file->path,
+            path);
   else if (object < 0)
     sd_fail(messages, SD_ERROR_IO, "%s: there is no dataset or group %s", file->path, path);
   return object;
@@ -59,7 +61,8 @@ const char *h5_set_trouble(hid_t set) {
   hid_t made = H5Dget_create_plist(set), type = H5Dget_type(set);
   const char *trouble = NULL;
   H5D_layout_t layout = H5Pget_layout(made);
-  if (H5Pget_external_count(made) > 0) trouble = "its values stand in other files (external storage)";
+  if (H5Pget_external_count(made) > 0)
+    trouble = "its values stand in other files (external storage)";
   if (layout == H5D_VIRTUAL) trouble = "its values stand in other datasets (a virtual dataset)";
   hsize_t chunk[H5S_MAX_RANK], bytes = H5Tget_size(type);
   int rank = layout == H5D_CHUNKED ? H5Pget_chunk(made, H5S_MAX_RANK, chunk) : 0;
@@ -91,13 +94,15 @@ int h5_extent(hid_t set, size_t dims[H5_MAX_RANK]) {
   return rank;
 }
 
-sd_status h5_shape(const h5_file *file, const char *path, int *rank, size_t *dims, sd_messages *messages) {
+sd_status h5_shape(const h5_file *file, const char *path, int *rank, size_t *dims,
+                   sd_messages *messages) {
   hid_t set = h5_open_data(file, path, messages);
   if (set < 0) return SD_ERROR_IO;
   *rank = h5_extent(set, dims);
   H5Oclose(set);
   if (*rank >= 0 && *rank <= H5_MAX_RANK) return SD_OK;
-  return sd_fail(messages, SD_ERROR_IO, "%s: %s has a shape that cannot be read here", file->path, path);
+  return sd_fail(messages, SD_ERROR_IO, "%s: %s has a shape that cannot be read here", file->path,
+                 path);
 }
 
 /* Its elements; SIZE_MAX: more than a size_t can say. */
@@ -121,9 +126,10 @@ static sd_status check_size(const h5_file *file, const char *path, hid_t set, si
                             sd_messages *messages) {
   size_t have = elements(set);
   if (have == n && (h5_shared_set_of(file, path) || is_stored(set, n))) return SD_OK;
-  if (have == n) return sd_fail(messages, SD_ERROR_IO, "%s: %s was not written as a whole", file->path, path);
-  return sd_fail(messages, SD_ERROR_IO, "%s: %s has %zu values where %zu are expected", file->path, path,
-                 have, n);
+  if (have == n)
+    return sd_fail(messages, SD_ERROR_IO, "%s: %s was not written as a whole", file->path, path);
+  return sd_fail(messages, SD_ERROR_IO, "%s: %s has %zu values where %zu are expected", file->path,
+                 path, have, n);
 }
 
 sd_status h5_check(const h5_file *file, const char *path, size_t n, sd_messages *messages) {
@@ -144,7 +150,8 @@ sd_status h5_get(const h5_file *file, const char *path, sd_type type, size_t n, 
   size_t dims[H5_MAX_RANK];
   if (shared && status == SD_OK && n > 0 && h5_extent(set, dims) > 0)
     status = h5_shared_rows(file, shared, type, 0, dims[0], data, messages);
-  else if (status == SD_OK && n > 0 && H5Dread(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+  else if (status == SD_OK && n > 0 &&
+           H5Dread(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
     status = sd_fail(messages, SD_ERROR_IO, "%s: cannot read %s: %s", file->path, path,
                      h5_reason(reason, sizeof reason));
   H5Oclose(set);
@@ -201,7 +208,8 @@ static char *read_text(hid_t id, bool attribute) {
   hid_t type = attribute ? H5Aget_type(id) : H5Dget_type(id);
   hid_t space = attribute ? H5Aget_space(id) : H5Dget_space(id);
   char *text = NULL;
-  bool one = H5Sget_simple_extent_npoints(space) == 1 && H5Tget_size(type) <= (size_t)LIMIT_TEXT * LIMIT_MIB;
+  bool one = H5Sget_simple_extent_npoints(space) == 1 &&
+             H5Tget_size(type) <= (size_t)LIMIT_TEXT * LIMIT_MIB;
   if (one && H5Tget_class(type) == H5T_STRING) {
     if (H5Tis_variable_str(type) > 0) {
       hid_t memory = H5Tcopy(H5T_C_S1);
@@ -215,8 +223,8 @@ static char *read_text(hid_t id, bool attribute) {
       H5Tclose(memory);
     } else {
       text = memory_new(H5Tget_size(type) + 1, 1);
-      herr_t result =
-          attribute ? H5Aread(id, type, text) : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text);
+      herr_t result = attribute ? H5Aread(id, type, text)
+                                : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text);
       if (result < 0) {
         free(text);
         text = NULL;
@@ -247,7 +255,8 @@ static bool get_attr(const h5_file *file, const char *path, const char *name, hi
   hid_t attr = H5Aopen_by_name(file->id, path, name, H5P_DEFAULT, H5P_DEFAULT);
   if (attr < 0) return false;
   hid_t space = H5Aget_space(attr);
-  bool found = H5Sget_simple_extent_npoints(space) == (hssize_t)n && H5Aread(attr, type, value) >= 0;
+  bool found =
+      H5Sget_simple_extent_npoints(space) == (hssize_t)n && H5Aread(attr, type, value) >= 0;
   H5Sclose(space);
   H5Aclose(attr);
   return found;
@@ -258,12 +267,14 @@ double h5_get_attr_f64(const h5_file *file, const char *path, const char *name, 
   return otherwise;
 }
 
-int64_t h5_get_attr_i64(const h5_file *file, const char *path, const char *name, int64_t otherwise) {
+int64_t h5_get_attr_i64(const h5_file *file, const char *path, const char *name,
+                        int64_t otherwise) {
   get_attr(file, path, name, H5T_NATIVE_INT64, 1, &otherwise);
   return otherwise;
 }
 
-bool h5_get_attr_f64s(const h5_file *file, const char *path, const char *name, size_t n, double *values) {
+bool h5_get_attr_f64s(const h5_file *file, const char *path, const char *name, size_t n,
+                      double *values) {
   return get_attr(file, path, name, H5T_NATIVE_DOUBLE, n, values);
 }
 
@@ -351,7 +362,8 @@ static herr_t list_link(hid_t group, const char *name, const H5L_info_t *info, v
     size_t dims[H5_MAX_RANK];
     hid_t type = H5Dget_type(object);
     int rank = h5_extent(object, dims);
-    at->visit(at->user, text_clean(path), nearest_type(type), H5Tget_class(type) == H5T_STRING, rank, dims);
+    at->visit(at->user, text_clean(path), nearest_type(type), H5Tget_class(type) == H5T_STRING,
+              rank, dims);
     H5Tclose(type);
   }
   H5Oclose(object);
@@ -391,10 +403,11 @@ static size_t first_at(const int64_t *place, size_t n, int64_t at) {
 }
 
 /* Rows [from, to) of the shares, in the order of the whole, from share k. */
-static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type type, size_t k, size_t from,
-                           size_t to, char *data, sd_messages *messages) {
+static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type type, size_t k,
+                           size_t from, size_t to, char *data, sd_messages *messages) {
   const int64_t *place = set->group->place[k];
-  const size_t row = set->width * sd_type_size(type), most = row < PIECE_BYTES ? PIECE_BYTES / row : 1;
+  const size_t row = set->width * sd_type_size(type),
+               most = row < PIECE_BYTES ? PIECE_BYTES / row : 1;
   size_t at = first_at(place, set->group->rows[k], (int64_t)from);
   const size_t end = first_at(place, set->group->rows[k], (int64_t)to);
   if (at == end) return SD_OK;
@@ -419,22 +432,24 @@ static sd_status get_own(const h5_shared_set *set, sd_type type, size_t first, s
   char *copy = NULL;
   bool good = memory_resize_row(&copy, values, from > to ? from : to);
   if (good) memcpy(copy, set->own + first * set->width * from, values * from);
-  good = good && H5Tconvert(h5_native(set->type), h5_native(type), values, copy, NULL, H5P_DEFAULT) >= 0;
+  good = good &&
+         H5Tconvert(h5_native(set->type), h5_native(type), values, copy, NULL, H5P_DEFAULT) >= 0;
   if (good) memcpy(data, copy, values * to);
   free(copy);
   return good ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", set->path);
 }
 
-sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first, size_t n,
-                         void *data, sd_messages *messages) {
+sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first,
+                         size_t n, void *data, sd_messages *messages) {
   const h5_shares *s = file->shares;
-  const size_t unit = set->group->each ? set->group->each : 1, total = set->group->total, from = first * unit,
-               to = (first + n) * unit, end = to < total ? to : total, begin = from > total ? from : total,
-               row = set->width * sd_type_size(type);
+  const size_t unit = set->group->each ? set->group->each : 1, total = set->group->total,
+               from = first * unit, to = (first + n) * unit, end = to < total ? to : total,
+               begin = from > total ? from : total, row = set->width * sd_type_size(type);
   sd_status status = SD_OK;
   assert(to <= total + set->tail);
   for (size_t k = 0; k < s->n && status == SD_OK && from < end; k++)
     status = get_piece(s, set, type, k, from, end, data, messages);
   if (status != SD_OK || to <= total) return status;
-  return get_own(set, type, begin - total, to - begin, (char *)data + (begin - from) * row, messages);
+  return get_own(set, type, begin - total, to - begin, (char *)data + (begin - from) * row,
+                 messages);
 }

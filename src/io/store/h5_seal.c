@@ -49,8 +49,8 @@ sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *mes
   mark->sum = last[1].sum;
   mark->sealed = mark->size == size - sizeof last[1];
   mark->broken = !mark->sealed;
-  mark->has_small =
-      memcmp(last[0].mark, small_mark, sizeof small_mark) == 0 && last[0].size == size - sizeof last;
+  mark->has_small = memcmp(last[0].mark, small_mark, sizeof small_mark) == 0 &&
+                    last[0].size == size - sizeof last;
   mark->small = last[0].sum;
   return SD_OK;
 }
@@ -61,7 +61,8 @@ sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messa
   if (mark->sealed) status = file_sum_of(fd, path, mark->size, &sum, messages);
   if (status == SD_OK && (!mark->sealed || sum != mark->sum))
     status = sd_fail(messages, SD_ERROR_IO,
-                     "%s is damaged, or was changed by another program: its checksum does not fit", path);
+                     "%s is damaged, or was changed by another program: its checksum does not fit",
+                     path);
   return status;
 }
 
@@ -80,7 +81,8 @@ sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *mes
   if (good && file_sum_of(fd, path, size, &sum, messages) != SD_OK) return SD_ERROR_IO;
   piece second = make_piece(seal_mark, size, sum);
   good = good && append(fd, size, &second);
-  return good ? SD_OK : sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", path, strerror(errno));
+  return good ? SD_OK
+              : sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", path, strerror(errno));
 }
 
 void h5_make_seal(size_t size, uint64_t sum, unsigned char seal[H5_SEAL_BYTES]) {
@@ -103,12 +105,12 @@ static void add_data(tally *t, hid_t id, bool attribute, hid_t type, hid_t space
   hssize_t n = H5Sget_simple_extent_npoints(space);
   size_t size = H5Tget_size(type);
   H5T_class_t kind = H5Tget_class(type);
-  bool plain =
-      kind == H5T_INTEGER || kind == H5T_FLOAT || (kind == H5T_STRING && H5Tis_variable_str(type) == 0);
+  bool plain = kind == H5T_INTEGER || kind == H5T_FLOAT ||
+               (kind == H5T_STRING && H5Tis_variable_str(type) == 0);
   if (!plain || n <= 0 || (uint64_t)n > SMALL || (uint64_t)n * size > SMALL) return;
   unsigned char *data = memory_new((size_t)n, size);
-  bool good =
-      (attribute ? H5Aread(id, type, data) : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data)) >= 0;
+  bool good = (attribute ? H5Aread(id, type, data)
+                         : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data)) >= 0;
   if (good) add(t, data, (size_t)n * size);
   t->failed = t->failed || !good;
   free(data);

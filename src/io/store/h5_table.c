@@ -26,8 +26,8 @@ typedef struct table {
 } table;
 
 static sd_status user_error(const table *t, const char *column, const char *what) {
-  return sd_fail(t->messages, SD_ERROR_USER, "%s: %s: column \"%s\": %s", t->file->path, t->path, column,
-                 what);
+  return sd_fail(t->messages, SD_ERROR_USER, "%s: %s: column \"%s\": %s", t->file->path, t->path,
+                 column, what);
 }
 
 static sd_status no_memory(const table *t) {
@@ -38,8 +38,8 @@ static sd_status no_memory(const table *t) {
 static sd_status size_rows(table *t, const char *column, size_t n) {
   if (!t->sized && n > LIMIT_DISKS) {
     t->too_long = true;
-    return sd_fail(t->messages, SD_ERROR_USER, "%s: %s has %zu rows; expected at most %d", t->file->path,
-                   t->path, n, LIMIT_DISKS);
+    return sd_fail(t->messages, SD_ERROR_USER, "%s: %s has %zu rows; expected at most %d",
+                   t->file->path, t->path, n, LIMIT_DISKS);
   }
   if (!t->sized) {
     h5_range *r = &t->rows;
@@ -52,8 +52,9 @@ static sd_status size_rows(table *t, const char *column, size_t n) {
       return no_memory(t);
     t->sized = true;
   }
-  return n == t->rows.all ? SD_OK
-                          : user_error(t, column, "has another number of rows than the columns before");
+  return n == t->rows.all
+             ? SD_OK
+             : user_error(t, column, "has another number of rows than the columns before");
 }
 
 /* Room for n values of a column. */
@@ -74,7 +75,8 @@ static void scatter(table *t, size_t column, const double *data) {
 }
 
 /* Was each of these values written? A chunk that never was would read as zeros. */
-static bool is_written(hid_t set, const hsize_t start[H5_MAX_RANK], const hsize_t count[H5_MAX_RANK]) {
+static bool is_written(hid_t set, const hsize_t start[H5_MAX_RANK],
+                       const hsize_t count[H5_MAX_RANK]) {
   hid_t made = H5Dget_create_plist(set);
   const H5D_layout_t layout = H5Pget_layout(made);
   hsize_t chunk[H5S_MAX_RANK] = {0}, at[H5S_MAX_RANK] = {0}, size;
@@ -84,7 +86,8 @@ static bool is_written(hid_t set, const hsize_t start[H5_MAX_RANK], const hsize_
   for (int k = 0; k < rank; k++) at[k] = start[k] / chunk[k] * chunk[k];
   for (bool more = rank > 0; more && good;) {
     haddr_t address = HADDR_UNDEF;
-    good = H5Dget_chunk_info_by_coord(set, at, NULL, &address, &size) >= 0 && address != HADDR_UNDEF;
+    good =
+        H5Dget_chunk_info_by_coord(set, at, NULL, &address, &size) >= 0 && address != HADDR_UNDEF;
     int k = rank - 1;
     for (; k >= 0; k--) {
       at[k] += chunk[k];
@@ -168,16 +171,16 @@ static size_t count_names(const char *names) {
 /* Which column is which only its attribute says. */
 static sd_status check_names(const table *t, const char *names, size_t width) {
   if (!names)
-    return sd_fail(
-        t->messages, SD_ERROR_USER,
-        "%s: %s is a matrix without names of its columns; expected an attribute \"columns\", such as "
-        "\"x,y,radius\"",
-        t->file->path, t->path);
+    return sd_fail(t->messages, SD_ERROR_USER,
+                   "%s: %s is a matrix without names of its columns; expected an attribute "
+                   "\"columns\", such as "
+                   "\"x,y,radius\"",
+                   t->file->path, t->path);
   const size_t n = count_names(names);
   if (n == width) return SD_OK;
   return sd_fail(t->messages, SD_ERROR_USER,
-                 "%s: %s has %zu columns, and its attribute \"columns\" %zu names", t->file->path, t->path,
-                 width, n);
+                 "%s: %s has %zu columns, and its attribute \"columns\" %zu names", t->file->path,
+                 t->path, width, n);
 }
 
 /* A column at a time: however wide it is, there is memory for one. */
@@ -189,9 +192,11 @@ static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
   status = check_names(t, names, width);
   for (size_t c = 0; names && status == SD_OK && c < t->n_columns; c++) {
     const size_t from = find_name(names, t->columns[c]);
-    const hsize_t start[H5_MAX_RANK] = {t->rows.first, from}, count[H5_MAX_RANK] = {t->rows.n, 1, 1, 1};
+    const hsize_t start[H5_MAX_RANK] = {t->rows.first, from},
+                  count[H5_MAX_RANK] = {t->rows.n, 1, 1, 1};
     const char *trouble = from >= width ? "is not among the names in attribute \"columns\"" : NULL;
-    if (!trouble && t->rows.n > 0) trouble = read_box(set, H5T_NATIVE_DOUBLE, start, count, t->data);
+    if (!trouble && t->rows.n > 0)
+      trouble = read_box(set, H5T_NATIVE_DOUBLE, start, count, t->data);
     if (trouble)
       status = user_error(t, t->columns[c], trouble);
     else
@@ -244,7 +249,8 @@ static size_t add_element(h5_element *elements, size_t *n, const char *name) {
 }
 
 /* A dataset of the column's own name goes before an element that holds it. */
-static sd_status find_source(const table *t, size_t c, h5_element *elements, size_t *n, source *from) {
+static sd_status find_source(const table *t, size_t c, h5_element *elements, size_t *n,
+                             source *from) {
   const char *name = t->columns[c], *element = name;
   char *path = path_of(t, name, false), *fixed = NULL, *framed = NULL;
   *from = (source){.component = -1};
@@ -306,8 +312,9 @@ static const double *read_values(table *t, const h5_element *e, const char *name
     room = has_room(t, n);
     double *data = t->data;
     if (room && shared) { /* rows of shares come a frame at a time */
-      const sd_status got = e->framed ? h5_get_values(t->file, path, SD_F64, e->frame, 1, n, data, NULL)
-                                      : h5_get(t->file, path, SD_F64, n, data, NULL);
+      const sd_status got = e->framed
+                                ? h5_get_values(t->file, path, SD_F64, e->frame, 1, n, data, NULL)
+                                : h5_get(t->file, path, SD_F64, n, data, NULL);
       if (got != SD_OK) trouble = "cannot be read as numbers";
       memmove(data, data + r->first * *width, r->n * *width * sizeof *data);
     } else if (room && !e->framed && h5_check(t->file, path, r->all * *width, NULL) != SD_OK) {
@@ -326,7 +333,8 @@ static bool is_gone(const bool *gone, size_t k) { return gone && gone[k]; }
 /* Vectors of three components: all particles stand, or move, in one plane. */
 static sd_status check_plane(const table *t, const h5_element *e, const double *data, size_t width,
                              const bool *gone) {
-  double least[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, most[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, range[3];
+  double least[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, most[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL},
+         range[3];
   for (size_t k = 0; k < t->rows.n; k++)
     for (size_t c = 0; c < width && c < 3 && !is_gone(gone, k); c++) {
       least[c] = fmin(least[c], data[k * width + c]);
@@ -357,13 +365,14 @@ static sd_status check_fill(const table *t, const h5_element *e, const double *d
       filled = data[k * width + c] == fill || (isnan(fill) && isnan(data[k * width + c]));
     if (filled)
       status = sd_fail(t->messages, SD_ERROR_USER,
-                       "%s: %s: row %zu of %s holds the fill value %g: it was not written", t->file->path,
-                       t->path, t->rows.first + k, e->name, fill);
+                       "%s: %s: row %zu of %s holds the fill value %g: it was not written",
+                       t->file->path, t->path, t->rows.first + k, e->name, fill);
   }
   return status;
 }
 
-static sd_status read_column(table *t, size_t c, const source *from, const h5_element *e, const bool *gone) {
+static sd_status read_column(table *t, size_t c, const source *from, const h5_element *e,
+                             const bool *gone) {
   size_t width = 1;
   const double *data = read_values(t, e, t->columns[c], from->component, &width);
   if (!data) return SD_ERROR_USER;
@@ -393,7 +402,8 @@ static void leave_out(table *t, const bool *gone) {
   n = 0;
   for (size_t k = 0; k < t->rows.n; k++) {
     if (gone[k]) continue;
-    memmove(t->values + n * t->n_columns, t->values + k * t->n_columns, t->n_columns * sizeof *t->values);
+    memmove(t->values + n * t->n_columns, t->values + k * t->n_columns,
+            t->n_columns * sizeof *t->values);
     t->rows.kept[n++] = (uint32_t)k;
   }
   t->rows.n = n;
@@ -407,9 +417,11 @@ static sd_status read_group(table *t) {
   size_t n = 0, absence = SIZE_MAX;
   const bool *gone = NULL;
   sd_status status, worst = SD_OK;
-  if (t->n_columns >= MOST_ELEMENTS) return user_error(t, t->columns[MOST_ELEMENTS - 1], "is one too many");
+  if (t->n_columns >= MOST_ELEMENTS)
+    return user_error(t, t->columns[MOST_ELEMENTS - 1], "is one too many");
   for (size_t c = 0; c < t->n_columns; c++)
-    if ((status = find_source(t, c, elements, &n, &from[c])) != SD_OK && worst == SD_OK) worst = status;
+    if ((status = find_source(t, c, elements, &n, &from[c])) != SD_OK && worst == SD_OK)
+      worst = status;
   if (worst != SD_OK) return worst;
   const char *name = h5_absence(t->file, base_of(t));
   if (name) absence = add_element(elements, &n, name);
@@ -419,7 +431,8 @@ static sd_status read_group(table *t) {
     gone = t->gone;
   }
   for (size_t c = 0; (worst == SD_OK || c > 0) && c < t->n_columns && !t->too_long; c++)
-    if ((status = read_column(t, c, &from[c], &elements[from[c].element], gone)) != SD_OK && worst == SD_OK)
+    if ((status = read_column(t, c, &from[c], &elements[from[c].element], gone)) != SD_OK &&
+        worst == SD_OK)
       worst = status;
   if (worst == SD_OK) leave_out(t, gone);
   return worst;
@@ -434,21 +447,24 @@ static sd_status read_set(table *t, hid_t set) {
   if (status != SD_OK) return status;
   hid_t type = H5Dget_type(set);
   if (h5_shared_set_of(t->file, t->path))
-    status = sd_fail(t->messages, SD_ERROR_USER, "%s: %s is a column; expected the group that it is in",
-                     t->file->path, t->path);
+    status =
+        sd_fail(t->messages, SD_ERROR_USER, "%s: %s is a column; expected the group that it is in",
+                t->file->path, t->path);
   else if (H5Tget_class(type) == H5T_COMPOUND)
     status = read_compound(t, set, type, rank);
   else if (rank == 2 && is_number(type))
     status = read_matrix(t, set, dims[0], dims[1]);
   else
     status = sd_fail(t->messages, SD_ERROR_USER,
-                     "%s: %s is neither a compound dataset nor a 2D one of numbers", t->file->path, t->path);
+                     "%s: %s is neither a compound dataset nor a 2D one of numbers", t->file->path,
+                     t->path);
   H5Tclose(type);
   return status;
 }
 
-sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns, const char *const *columns,
-                        double **values, h5_range *rows, sd_messages *messages) {
+sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns,
+                        const char *const *columns, double **values, h5_range *rows,
+                        sd_messages *messages) {
   *values = NULL;
   h5_file *h5;
   sd_status status = (rows->again ? h5_open_again : h5_open)(file, &h5, messages);

@@ -23,7 +23,8 @@ sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_m
     file->id = H5Fcreate(again, H5F_ACC_TRUNC, H5P_DEFAULT, access);
     h5_reason(reason, sizeof reason);
     H5Pclose(access);
-    if (file->id < 0) status = sd_fail(messages, SD_ERROR_IO, "cannot create %s: %s", draft->path, reason);
+    if (file->id < 0)
+      status = sd_fail(messages, SD_ERROR_IO, "cannot create %s: %s", draft->path, reason);
     free(again);
   }
   if (status == SD_OK) return SD_OK;
@@ -107,7 +108,8 @@ static void choose_chunk(int rank, const size_t *dims, size_t element, hsize_t *
 /* Compressed only where there is something to gain; lent: room that the library does not fill. */
 typedef enum layout { PLAIN, COMPRESSED, LENT } layout;
 
-static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const size_t *dims, layout how) {
+static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const size_t *dims,
+                  layout how) {
   hsize_t extent[H5_MAX_RANK] = {0}, chunk[H5_MAX_RANK] = {0};
   for (int k = 0; k < rank; k++) extent[k] = dims[k];
   hid_t link = with_parents();
@@ -143,8 +145,8 @@ static void close_set(h5_file *file, hid_t set, const char *path) {
   if (!file->failed) h5_require(file, H5Dclose(set) >= 0, path);
 }
 
-void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data,
-            bool compress) {
+void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims,
+            const void *data, bool compress) {
   if (file->failed) return;
   size_t n = 1;
   for (int k = 0; k < rank; k++) n *= dims[k];
@@ -154,18 +156,20 @@ void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_
   if (set < 0) return;
   if (n > 0 && large) {
     h5_rows rows;
-    bool good =
-        h5_rows_open(&rows, set, type) && h5_rows_put(&rows, 0, dims[0], data) && h5_rows_flush(&rows);
+    bool good = h5_rows_open(&rows, set, type) && h5_rows_put(&rows, 0, dims[0], data) &&
+                h5_rows_flush(&rows);
     h5_require(file, good, path);
     h5_rows_close(&rows);
   } else if (n > 0) {
-    h5_require(file, H5Dwrite(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path);
+    h5_require(file, H5Dwrite(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0,
+               path);
   }
   h5_note(file, path, NULL, data, n, sd_type_size(type), 0);
   close_set(file, set, path);
 }
 
-void h5_lend(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data) {
+void h5_lend(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims,
+             const void *data) {
   size_t bytes = sd_type_size(type);
   for (int k = 0; k < rank; k++) bytes *= dims[k];
   if (!file->borrows || bytes < H5_LOAN_LEAST || bytes % H5_LOAN_WORD != 0) {
@@ -225,17 +229,20 @@ void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *
 static void write_attr(h5_file *file, const char *path, const char *name, hid_t type, hid_t space,
                        const void *data) {
   hid_t object = H5Oopen(file->id, path, H5P_DEFAULT);
-  hid_t attr = object < 0 ? H5I_INVALID_HID : H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t attr = object < 0 ? H5I_INVALID_HID
+                          : H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
   h5_require(file, attr >= 0 && H5Awrite(attr, type, data) >= 0, path);
   bool text = H5Tget_class(type) == H5T_STRING;
-  size_t size = H5Tget_size(type), n = (size_t)H5Sget_simple_extent_npoints(space) * (text ? size : 1);
+  size_t size = H5Tget_size(type),
+         n = (size_t)H5Sget_simple_extent_npoints(space) * (text ? size : 1);
   h5_expect(file, path, name, n);
   h5_note(file, path, name, data, n, text ? 1 : size, 0);
   if (file->failed) return;
   h5_require(file, H5Aclose(attr) >= 0 && H5Oclose(object) >= 0, path);
 }
 
-void h5_attr(h5_file *file, const char *path, const char *name, sd_type type, size_t n, const void *data) {
+void h5_attr(h5_file *file, const char *path, const char *name, sd_type type, size_t n,
+             const void *data) {
   if (file->failed) return;
   hsize_t extent = n;
   hid_t space = n == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &extent, NULL);
@@ -252,7 +259,8 @@ void h5_attr_text(h5_file *file, const char *path, const char *name, const char 
   H5Tclose(type);
 }
 
-void h5_attr_texts(h5_file *file, const char *path, const char *name, size_t n, const char *const *texts) {
+void h5_attr_texts(h5_file *file, const char *path, const char *name, size_t n,
+                   const char *const *texts) {
   if (file->failed || n == 0) return;
   size_t longest;
   char *all = dense_texts(n, texts, &longest);
@@ -279,7 +287,8 @@ void h5_link(h5_file *file, const char *target, const char *path) {
   H5Pclose(link);
 }
 
-void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, bool compress) {
+void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims,
+             bool compress) {
   if (file->failed) return;
   hid_t set = make(file, path, h5_native(type), rank, dims, compress ? COMPRESSED : PLAIN);
   if (set >= 0) close_set(file, set, path);
@@ -301,7 +310,8 @@ static h5_rows *set_of(h5_file *file, const char *path, sd_type type) {
   return NULL;
 }
 
-void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n, const void *data) {
+void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n,
+                 const void *data) {
   if (file->failed || n == 0) return;
   h5_rows *rows = set_of(file, path, type);
   h5_require(file, rows && h5_rows_put(rows, first, n, data), path);

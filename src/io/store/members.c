@@ -13,8 +13,9 @@
 /* Names since format 5, and before. */
 static const struct renamed {
   const char *now, *before;
-} renamed[] = {
-    {"elastic_tangential", "elastic_skin"}, {"nonconservative_work", "variant"}, {"zeta", "stretch"}};
+} renamed[] = {{"elastic_tangential", "elastic_skin"},
+               {"nonconservative_work", "variant"},
+               {"zeta", "stretch"}};
 enum { RENAMED = sizeof renamed / sizeof *renamed };
 
 char *members_path(const h5_file *file, const char *path) {
@@ -30,12 +31,14 @@ char *members_path(const h5_file *file, const char *path) {
 
 static const char *attr_name(const h5_file *file, const char *path, const char *name) {
   for (size_t k = 0; k < RENAMED; k++)
-    if (strcmp(name, renamed[k].now) == 0 && !h5_has_attr(file, path, name)) return renamed[k].before;
+    if (strcmp(name, renamed[k].now) == 0 && !h5_has_attr(file, path, name))
+      return renamed[k].before;
   return name;
 }
 
 void members_put(h5_file *file, const char *group, const char *name, sd_type type, int rank,
-                 const size_t *dims, const void *data, bool compress, const char *unit, const char *meaning) {
+                 const size_t *dims, const void *data, bool compress, const char *unit,
+                 const char *meaning) {
   if (!h5_have(file, data, group)) return;
   char *path = format_text("%s/%s", group, name);
   h5_put(file, path, type, rank, dims, data, compress);
@@ -65,15 +68,17 @@ void members_write(h5_file *file, const char *group, const observable_list *list
     sd_type type = observable_stored(o);
     size_t dims[2] = {n, o->width};
     for (size_t i = 0; i < n * o->width; i++)
-      observable_store(o, dense, i,
-                       observable_value(o, (const char *)first + i / o->width * stride, i % o->width));
-    members_put(file, group, o->name, type, o->width > 1 ? 2 : 1, dims, dense, true, o->unit, o->meaning);
+      observable_store(
+          o, dense, i,
+          observable_value(o, (const char *)first + i / o->width * stride, i % o->width));
+    members_put(file, group, o->name, type, o->width > 1 ? 2 : 1, dims, dense, true, o->unit,
+                o->meaning);
   }
   free(dense);
 }
 
-sd_status members_read(const h5_file *file, const char *group, const observable_list *list, void *first,
-                       size_t stride, size_t n, sd_messages *messages) {
+sd_status members_read(const h5_file *file, const char *group, const observable_list *list,
+                       void *first, size_t stride, size_t n, sd_messages *messages) {
   sd_status status = SD_OK;
   void *dense = NULL;
   for (size_t k = 0; status == SD_OK && k < list->n; k++) {
@@ -99,7 +104,8 @@ sd_status members_read(const h5_file *file, const char *group, const observable_
 }
 
 /* Whole numbers of 64 bits keep all of them. */
-void members_write_attrs(h5_file *file, const char *path, const observable_list *list, const void *row) {
+void members_write_attrs(h5_file *file, const char *path, const observable_list *list,
+                         const void *row) {
   for (size_t k = 0; k < list->n; k++) {
     const observable *o = &list->rows[k];
     if (o->type == OBSERVABLE_I64 && !o->get)
@@ -111,7 +117,8 @@ void members_write_attrs(h5_file *file, const char *path, const observable_list 
   }
 }
 
-void members_read_attrs(const h5_file *file, const char *path, const observable_list *list, void *row) {
+void members_read_attrs(const h5_file *file, const char *path, const observable_list *list,
+                        void *row) {
   for (size_t k = 0; k < list->n; k++) {
     const observable *o = &list->rows[k];
     if (o->get) continue;

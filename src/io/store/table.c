@@ -19,8 +19,8 @@ void table_free(table *t) {
   *t = (table){0};
 }
 
-void table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims, const char *unit,
-               const char *meaning) {
+void table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims,
+               const char *unit, const char *meaning) {
   assert(t->n_rows == 0 && rank >= 0 && rank <= 2 && (rank == 0 || dims));
   t->columns = memory_grow(t->columns, t->n_columns + 1, sizeof *t->columns);
   table_column *c = &t->columns[t->n_columns++];
@@ -42,7 +42,8 @@ void table_add_clock(table *t, const char *element) {
   free(time);
 }
 
-void table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n) {
+void table_add_observable(table *t, const char *group, const observable *o, const char *ending,
+                          size_t n) {
   const size_t dims[2] = {n, o->width};
   const int values = o->width == 1 || o->width >= OBSERVABLE_CHOSEN ? 0 : 1,
             rank = n > 0 ? 1 + values : values;
@@ -80,10 +81,12 @@ size_t table_put_clock(table *t, int64_t step, double dt) {
   return 2;
 }
 
-void table_put(table *t, size_t column, size_t index, const observable *o, const void *row, size_t n) {
+void table_put(table *t, size_t column, size_t index, const observable *o, const void *row,
+               size_t n) {
   void *cell = table_cell(t, column);
   assert(observable_stored(o) == t->columns[column].type);
-  for (size_t k = 0; k < n; k++) observable_store(o, cell, index * n + k, observable_value(o, row, k));
+  for (size_t k = 0; k < n; k++)
+    observable_store(o, cell, index * n + k, observable_value(o, row, k));
 }
 
 void table_commit(table *t, size_t n) {
@@ -119,7 +122,8 @@ static void annotate(const table *t, h5_file *file) {
     h5_attr_text(file, c->path, "description", c->meaning);
     int length = element_of(c->path);
     if (length == 0) continue;
-    char *step = format_text("%.*s/step", length, c->path), *time = format_text("%.*s/time", length, c->path);
+    char *step = format_text("%.*s/step", length, c->path),
+         *time = format_text("%.*s/time", length, c->path);
     if (strcmp(step, t->columns[0].path) != 0) {
       h5_link(file, t->columns[0].path, step);
       h5_link(file, t->columns[1].path, time);

@@ -30,13 +30,14 @@ typedef struct table {
 void table_free(table *t);
 /* Adds a column to a table without rows; rank 0: a number per row. The order of the calls is the order of the
  * columns. */
-void table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims, const char *unit,
-               const char *meaning);
+void table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims,
+               const char *unit, const char *meaning);
 /* Columns step and time of the element at this path. */
 void table_add_clock(table *t, const char *element);
 /* The column of an observable in a group: of one thing a row (n = 0), or of n things. ending:
  * "/value" or "". */
-void table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n);
+void table_add_observable(table *t, const char *group, const observable *o, const char *ending,
+                          size_t n);
 /* Room for n more rows. SD_ERROR_IO: no memory. */
 sd_status table_reserve(table *t, size_t n, sd_messages *messages);
 /* Where the column's value in the row to be added stands; fill all columns, then table_commit. */
@@ -45,7 +46,8 @@ void table_commit(table *t, size_t n);
 /* Fills the clock in the row to be added; returns the number of the next column. */
 size_t table_put_clock(table *t, int64_t step, double dt);
 /* n elements of an observable, behind those of `index` others in the same cell. */
-void table_put(table *t, size_t column, size_t index, const observable *o, const void *row, size_t n);
+void table_put(table *t, size_t column, size_t index, const observable *o, const void *row,
+               size_t n);
 void table_clear(table *t); /* keeps the memory */
 size_t table_bytes(const table *t);
 /* Writes all rows (also none), units and links. */

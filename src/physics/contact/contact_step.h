@@ -58,7 +58,8 @@ typedef struct LANE(pair_geometry) {
   LANE(real) turned, sine2; /* angle from e to n, its squared sine */
   LANE(real) lever;         /* (R_a + R_b)/r */
   LANE(real) slide;         /* dlambda/dt; where dashpots want it, or a contact begins */
-  LANE(real) rho, rolls;    /* R_eff (theta_a - theta_b), its derivative, R_eff: where rolling wants it */
+  LANE(real)
+  rho, rolls; /* R_eff (theta_a - theta_b), its derivative, R_eff: where rolling wants it */
   LANE(real) arm;
 } LANE(pair_geometry);
 
@@ -105,35 +106,35 @@ LANE_INLINE LANE(pair_geometry) LANE(pair_geometry_of)(const LANE(pair_input) * 
 
 typedef struct LANE(contact_constants) {
   LANE(real) k_n, k_t, half_k_t, gamma_n, cap; /* cap: mu/k_t, 0 where k_t is: frictionless */
-  LANE(real) normal, tsuji;                    /* law's number, law_tsuji sqrt(m_eff k_n): LAW_NORMAL */
-  LANE(mask) pulls;                            /* LAW_PULLS */
-  LANE(real) cap_kinetic, mindlin, lag;        /* LAW_TANGENTIAL; as in law_row */
-  LANE(real) k_r, cap_r, lag_r;                /* LAW_ROLLING */
-  LANE(cohesion) cohesion;                     /* LAW_COHESION */
+  LANE(real) normal, tsuji;             /* law's number, law_tsuji sqrt(m_eff k_n): LAW_NORMAL */
+  LANE(mask) pulls;                     /* LAW_PULLS */
+  LANE(real) cap_kinetic, mindlin, lag; /* LAW_TANGENTIAL; as in law_row */
+  LANE(real) k_r, cap_r, lag_r;         /* LAW_ROLLING */
+  LANE(cohesion) cohesion;              /* LAW_COHESION */
 } LANE(contact_constants);
 
 /* Elastic force, the coefficient of damping, and stored energy, at overlap delta. Without LAW_NORMAL all contacts have the
  * linear law. */
-LANE_INLINE LANE(real)
-    LANE(law_elastic)(const LANE(contact_constants) * k, LANE(real) delta, const unsigned features) {
+LANE_INLINE LANE(real) LANE(law_elastic)(const LANE(contact_constants) * k, LANE(real) delta,
+                                         const unsigned features) {
   const int mixed = (features & LAW_NORMAL) != 0;
   LANE(real) force = LANE(linear_elastic)(k->k_n, delta);
-#define LAW_CASE(number, word, keys, meaning)                                                                \
-  if (mixed && number != SD_NORMAL_LINEAR)                                                                   \
-    force = LANE(select)(LANE(equal)(k->normal, LANE(splat)((double)number)),                                \
+#define LAW_CASE(number, word, keys, meaning)                                                      \
+  if (mixed && number != SD_NORMAL_LINEAR)                                                         \
+    force = LANE(select)(LANE(equal)(k->normal, LANE(splat)((double)number)),                      \
                          LANE(word##_elastic)(k->k_n, delta), force);
   NORMAL_LAWS(LAW_CASE)
 #undef LAW_CASE
   return force;
 }
 
-LANE_INLINE LANE(real)
-    LANE(law_damping)(const LANE(contact_constants) * k, LANE(real) delta, const unsigned features) {
+LANE_INLINE LANE(real) LANE(law_damping)(const LANE(contact_constants) * k, LANE(real) delta,
+                                         const unsigned features) {
   const int mixed = (features & LAW_NORMAL) != 0;
   LANE(real) gamma = mixed ? LANE(linear_damping)(k->gamma_n, k->tsuji, delta) : k->gamma_n;
-#define LAW_CASE(number, word, keys, meaning)                                                                \
-  if (mixed && number != SD_NORMAL_LINEAR)                                                                   \
-    gamma = LANE(select)(LANE(equal)(k->normal, LANE(splat)((double)number)),                                \
+#define LAW_CASE(number, word, keys, meaning)                                                      \
+  if (mixed && number != SD_NORMAL_LINEAR)                                                         \
+    gamma = LANE(select)(LANE(equal)(k->normal, LANE(splat)((double)number)),                      \
                          LANE(word##_damping)(k->gamma_n, k->tsuji, delta), gamma);
   NORMAL_LAWS(LAW_CASE)
 #undef LAW_CASE
@@ -143,9 +144,9 @@ LANE_INLINE LANE(real)
 LANE_INLINE LANE(real)
     LANE(law_stored)(const LANE(contact_constants) * k, LANE(real) delta, const unsigned features) {
   LANE(real) energy = LANE(linear_stored)(k->k_n, delta);
-#define LAW_CASE(number, word, keys, meaning)                                                                \
-  if (features & LAW_NORMAL && number != SD_NORMAL_LINEAR)                                                   \
-    energy = LANE(select)(LANE(equal)(k->normal, LANE(splat)((double)number)),                               \
+#define LAW_CASE(number, word, keys, meaning)                                                      \
+  if (features & LAW_NORMAL && number != SD_NORMAL_LINEAR)                                         \
+    energy = LANE(select)(LANE(equal)(k->normal, LANE(splat)((double)number)),                     \
                           LANE(word##_stored)(k->k_n, delta), energy);
   NORMAL_LAWS(LAW_CASE)
 #undef LAW_CASE
@@ -168,10 +169,11 @@ typedef struct LANE(contact_closed) {
 typedef struct LANE(contact_output) {
   LANE(real) fx, fy, tau;
   LANE(real)
-  viscous, friction, work;    /* losses of the step; work of the paper's force beyond that of a potential */
-  LANE(real) dropped;         /* energy left in contacts that opened */
-  LANE(real) slip;            /* length by which lambda* was shifted; its sign is opposite to tau's */
-  LANE(real) couple;          /* on a, the opposite on b */
+  viscous, friction,
+      work;           /* losses of the step; work of the paper's force beyond that of a potential */
+  LANE(real) dropped; /* energy left in contacts that opened */
+  LANE(real) slip;    /* length by which lambda* was shifted; its sign is opposite to tau's */
+  LANE(real) couple;  /* on a, the opposite on b */
   LANE(real) rolling, bridge; /* losses of the step */
 } LANE(contact_output);
 
@@ -186,8 +188,9 @@ LANE_INLINE LANE(mask) LANE(contact_is_deep)(const LANE(pair_geometry) * g, LANE
 }
 
 /* Contacts that are closed after the step: attraction begins and ends them beyond touch. */
-LANE_INLINE LANE(mask) LANE(contact_touches)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                             LANE(mask) was_closed, const unsigned features) {
+LANE_INLINE LANE(mask)
+    LANE(contact_touches)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                          LANE(mask) was_closed, const unsigned features) {
   LANE(real) gap = LANE(splat)(0.0);
   if (features & LAW_COHESION) gap = LANE(select)(was_closed, k->cohesion.ends, k->cohesion.begins);
   return LANE(greater)(g->reach, -gap);
@@ -200,16 +203,17 @@ LANE_INLINE LANE(mask) LANE(has_direction)(const LANE(pair_geometry) * g) {
 }
 
 /* Energy of what acts along the normal. */
-LANE_INLINE LANE(real)
-    LANE(normal_energy)(const LANE(contact_constants) * k, LANE(real) reach, const unsigned features) {
+LANE_INLINE LANE(real) LANE(normal_energy)(const LANE(contact_constants) * k, LANE(real) reach,
+                                           const unsigned features) {
   return LANE(law_stored)(k, LANE(max)(reach, LANE(splat)(0.0)), features) +
          LANE(cohesion_energy)(&k->cohesion, reach);
 }
 
 /* Normal force of contacts of which some may be apart; limit: without attraction, if it pushes. Where a step takes surfaces
  * together or apart the trapezoid is no work of a smooth force: what it gives beyond the stored energy is booked as lost. */
-LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                      LANE(mask) touching, LANE(mask) closed, const unsigned features,
+LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g,
+                                      const LANE(contact_constants) * k, LANE(mask) touching,
+                                      LANE(mask) closed, const unsigned features,
                                       LANE(contact_memory) * m, LANE(contact_output) * out,
                                       LANE(real) * limit) {
   const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
@@ -227,20 +231,20 @@ LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g, const LANE(
   *limit = LANE(mask_zero)(deep, pushes);
   LANE(real) pull = zero;
   if (features & LAW_COHESION)
-    pull =
-        LANE(mask_zero)(touching, k->cohesion.pull_off * LANE(cohesion_part)(&k->cohesion, g->reach,
-                                                                             (features & LAW_BRIDGE) != 0));
+    pull = LANE(mask_zero)(
+        touching, k->cohesion.pull_off *
+                      LANE(cohesion_part)(&k->cohesion, g->reach, (features & LAW_BRIDGE) != 0));
   LANE(real) before_damping = m->force - LANE(law_elastic)(k, was_deep, features);
   if (features & LAW_COHESION) before_damping = before_damping + m->pull;
   out->viscous = half * (before_damping + (push - elastic)) * way;
   if (features & LAW_COHESION) {
     const LANE(mask) crossed = closed & (LANE(greater)(was, zero) ^ deep);
     if (__builtin_expect(LANE(any)(crossed), 0))
-      out->viscous =
-          LANE(select)(crossed,
-                       half * (m->force + (push - pull)) * way -
-                           (LANE(normal_energy)(k, now, features) - LANE(normal_energy)(k, was, features)),
-                       out->viscous);
+      out->viscous = LANE(select)(
+          crossed,
+          half * (m->force + (push - pull)) * way -
+              (LANE(normal_energy)(k, now, features) - LANE(normal_energy)(k, was, features)),
+          out->viscous);
   }
   m->force = push - pull;
   m->pull = pull;
@@ -248,10 +252,10 @@ LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g, const LANE(
 }
 
 /* History of a step with any features. */
-LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                       LANE(mask) touching, LANE(mask) closed, const int paper,
-                                       const unsigned features, LANE(contact_memory) * m,
-                                       LANE(contact_output) * out) {
+LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g,
+                                       const LANE(contact_constants) * k, LANE(mask) touching,
+                                       LANE(mask) closed, const int paper, const unsigned features,
+                                       LANE(contact_memory) * m, LANE(contact_output) * out) {
   const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
   const LANE(real) torn = paper ? m->tau * m->overlap : zero;
   LANE(real) limit, was = m->overlap, now;
@@ -271,10 +275,10 @@ LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g, const LANE
 
 /* History of a step. touching: contacts with a memory, also those that contact_begin has given one; closed: these without
  * those. paper: the paper's tangential force, tau instead of tau (R_a + R_b)/r. */
-LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                       LANE(mask) touching, LANE(mask) closed, const int paper,
-                                       const unsigned features, LANE(contact_memory) * m,
-                                       LANE(contact_output) * out) {
+LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g,
+                                       const LANE(contact_constants) * k, LANE(mask) touching,
+                                       LANE(mask) closed, const int paper, const unsigned features,
+                                       LANE(contact_memory) * m, LANE(contact_output) * out) {
   const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
   out->couple = out->rolling = out->bridge = zero;
   if (features & LAW_GENERAL) {
@@ -284,10 +288,11 @@ LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g, const LANE
   const LANE(real) before_damping = m->force - LANE(law_elastic)(k, m->overlap, features);
 
   /* normal force: never pulls */
-  LANE(real) delta = LANE(mask_zero)(touching, g->reach), elastic = LANE(law_elastic)(k, delta, features);
   LANE(real)
-  force = LANE(mask_zero)(touching,
-                          LANE(max)(elastic - LANE(law_damping)(k, delta, features) * g->approach, zero));
+  delta = LANE(mask_zero)(touching, g->reach), elastic = LANE(law_elastic)(k, delta, features);
+  LANE(real)
+  force = LANE(mask_zero)(
+      touching, LANE(max)(elastic - LANE(law_damping)(k, delta, features) * g->approach, zero));
 
   /* tangential displacement, and Amonton's cap */
   LANE(real) zeta = LANE(mask_zero)(touching, g->lambda - m->lambda_ref), cap = k->cap * force;
@@ -308,9 +313,10 @@ LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g, const LANE
 }
 
 /* F_n n - lever tau t with t = (-n_y, n_x); lever: (R_a + R_b)/r, or 1 with the paper's force. */
-LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                     LANE(real) lever, const unsigned features,
-                                     const LANE(contact_memory) * m, LANE(contact_output) * out) {
+LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g,
+                                     const LANE(contact_constants) * k, LANE(real) lever,
+                                     const unsigned features, const LANE(contact_memory) * m,
+                                     LANE(contact_output) * out) {
   LANE(real) tau = features & LAW_GENERAL ? m->tau : -(k->k_t * m->zeta), push = tau * lever;
   out->fx = m->force * g->nx + push * g->ny;
   out->fy = m->force * g->ny - push * g->nx;
@@ -318,8 +324,9 @@ LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g, const LANE(c
 }
 
 /* The whole step of a contact; the pass over round pairs puts other work between the two. */
-LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                    LANE(mask) touching, LANE(mask) closed, LANE(real) lever, const int paper,
+LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g,
+                                    const LANE(contact_constants) * k, LANE(mask) touching,
+                                    LANE(mask) closed, LANE(real) lever, const int paper,
                                     const unsigned features, LANE(contact_memory) * m,
                                     LANE(contact_output) * out) {
   LANE(contact_history)(g, k, touching, closed, paper, features, m, out);
@@ -338,26 +345,30 @@ LANE_INLINE LANE(real) LANE(since_touch)(const LANE(pair_geometry) * g, LANE(rea
 }
 
 /* Contacts that begin, and those whose surfaces meet in this step after attraction closed them at a gap. was: overlap before. */
-LANE_INLINE LANE(mask) LANE(surfaces_meet)(const LANE(pair_geometry) * g, LANE(real) was, LANE(mask) touching,
-                                           LANE(mask) was_closed, const unsigned features) {
+LANE_INLINE LANE(mask)
+    LANE(surfaces_meet)(const LANE(pair_geometry) * g, LANE(real) was, LANE(mask) touching,
+                        LANE(mask) was_closed, const unsigned features) {
   const LANE(mask) begun = touching & LANE(not )(was_closed);
   if (!(features & LAW_COHESION)) return begun;
   const LANE(real) zero = LANE(splat)(0.0);
-  return begun |
-         (touching & was_closed & LANE(not )(LANE(greater)(was, zero)) & LANE(greater)(g->reach, zero));
+  return begun | (touching & was_closed & LANE(not )(LANE(greater)(was, zero)) &
+                  LANE(greater)(g->reach, zero));
 }
 
 /* Before the step of contacts whose surfaces meet: lambda* and rho* are those of the moment of touch, found by going back
  * along the velocities (physics.md 2). Taken at the end of the step they would lack the way since then. Mindlin's stiffness
  * has grown as sqrt(t) meanwhile: sqrt(K) zeta is 4/5 of its last value times the way, and the trapezoid takes 1/2. */
-LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                     LANE(mask) meet, LANE(real) dt, const unsigned features,
+LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g,
+                                     const LANE(contact_constants) * k, LANE(mask) meet,
+                                     LANE(real) dt, const unsigned features,
                                      LANE(contact_memory) * m) {
   const LANE(real) since = LANE(since_touch)(g, dt);
   LANE(real) way = g->slide * since;
-  if (features & LAW_MINDLIN) way = LANE(select)(LANE(greater)(k->mindlin, LANE(splat)(0.0)), 1.6 * way, way);
+  if (features & LAW_MINDLIN)
+    way = LANE(select)(LANE(greater)(k->mindlin, LANE(splat)(0.0)), 1.6 * way, way);
   m->lambda_ref = LANE(select)(meet, g->lambda - way, m->lambda_ref);
-  if (features & LAW_ROLLING) m->rho_ref = LANE(select)(meet, g->rho - g->rolls * since, m->rho_ref);
+  if (features & LAW_ROLLING)
+    m->rho_ref = LANE(select)(meet, g->rho - g->rolls * since, m->rho_ref);
 }
 
 /* A spring and its dashpot in the step in which their contact begins or ends. */
@@ -380,10 +391,12 @@ LANE_INLINE LANE(real) LANE(edge_stored)(const LANE(edge_spring) * s) {
 }
 
 /* As contact_begin_end, of the tangential spring and of rolling. Adds to the losses of edges; out->dropped: the energy left. */
-LANE_INLINE void LANE(springs_begin_end)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                         LANE(mask) begun, LANE(mask) edge, LANE(real) dt,
-                                         const unsigned features, const LANE(contact_memory) * before,
-                                         const LANE(contact_memory) * m, LANE(contact_output) * out) {
+LANE_INLINE void LANE(springs_begin_end)(const LANE(pair_geometry) * g,
+                                         const LANE(contact_constants) * k, LANE(mask) begun,
+                                         LANE(mask) edge, LANE(real) dt, const unsigned features,
+                                         const LANE(contact_memory) * before,
+                                         const LANE(contact_memory) * m,
+                                         LANE(contact_output) * out) {
   const LANE(real) k_t = k->half_k_t + k->half_k_t;
   LANE(edge_spring)
   s = {.stiffness = k_t,
@@ -391,18 +404,22 @@ LANE_INLINE void LANE(springs_begin_end)(const LANE(pair_geometry) * g, const LA
        .way = LANE(select)(begun, g->slide * dt, g->lambda - before->lambda_ref - before->zeta)};
   LANE(real) sliding;
   if (features & LAW_MINDLIN) {
-    const LANE(real) deep = LANE(max)(LANE(select)(begun, m->overlap, before->overlap), LANE(splat)(0.0));
-    s.stiffness = LANE(select)(LANE(greater)(k->mindlin, LANE(splat)(0.0)), k_t * LANE(sqrt)(deep), k_t);
+    const LANE(real) deep =
+        LANE(max)(LANE(select)(begun, m->overlap, before->overlap), LANE(splat)(0.0));
+    s.stiffness =
+        LANE(select)(LANE(greater)(k->mindlin, LANE(splat)(0.0)), k_t * LANE(sqrt)(deep), k_t);
   }
-  s.force = features & LAW_GENERAL ? LANE(select)(begun, m->tau, before->tau) : -(s.stiffness * s.q);
+  s.force =
+      features & LAW_GENERAL ? LANE(select)(begun, m->tau, before->tau) : -(s.stiffness * s.q);
   out->viscous = out->viscous + LANE(mask_zero)(edge, LANE(edge_losses)(&s, begun, &sliding));
   out->friction = LANE(select)(edge, sliding, out->friction);
   out->dropped = LANE(edge_stored)(&s);
   if (!(features & LAW_ROLLING)) return;
-  s = (LANE(edge_spring)){.stiffness = k->k_r,
-                          .q = LANE(select)(begun, m->rho, before->rho),
-                          .force = LANE(select)(begun, m->roll, before->roll),
-                          .way = LANE(select)(begun, g->rolls * dt, g->rho - before->rho_ref - before->rho)};
+  s = (LANE(edge_spring)){
+      .stiffness = k->k_r,
+      .q = LANE(select)(begun, m->rho, before->rho),
+      .force = LANE(select)(begun, m->roll, before->roll),
+      .way = LANE(select)(begun, g->rolls * dt, g->rho - before->rho_ref - before->rho)};
   out->viscous = out->viscous + LANE(mask_zero)(edge, LANE(edge_losses)(&s, begun, &sliding));
   out->rolling = LANE(select)(edge, sliding, out->rolling);
   out->dropped = out->dropped + LANE(edge_stored)(&s);
@@ -414,12 +431,14 @@ LANE_INLINE void LANE(springs_begin_end)(const LANE(pair_geometry) * g, const LA
  * The force with which a contact begins works over the whole way of the step, not only over the part of it on which
  * the disks overlap, and so does that with which it ends: the losses of both make up for each other, so that the budget of
  * elastic contacts does not drift. The energy left in the springs of a contact that opens is booked as such. */
-LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                         LANE(mask) touching, LANE(mask) was_closed, LANE(real) dt,
-                                         LANE(real) bent, const unsigned features,
-                                         const LANE(contact_memory) * before, LANE(contact_memory) * m,
-                                         LANE(contact_output) * out) {
-  const LANE(mask) opened = was_closed & LANE(not )(touching), begun = LANE(not )(was_closed) & touching;
+LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
+                                         const LANE(contact_constants) * k, LANE(mask) touching,
+                                         LANE(mask) was_closed, LANE(real) dt, LANE(real) bent,
+                                         const unsigned features,
+                                         const LANE(contact_memory) * before,
+                                         LANE(contact_memory) * m, LANE(contact_output) * out) {
+  const LANE(mask) opened = was_closed & LANE(not )(touching),
+                   begun = LANE(not )(was_closed) & touching;
   const LANE(mask) meet = LANE(surfaces_meet)(g, before->overlap, touching, was_closed, features);
   const LANE(real) half = LANE(splat)(0.5), way = bent - g->approach * dt;
   const LANE(real) overlap = LANE(select)(begun, m->overlap, before->overlap);
@@ -430,7 +449,8 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g, const LA
   }
   const LANE(real) done =
       half * LANE(select)(begun, m->force * way, before->force * (before->overlap - g->reach));
-  out->viscous = LANE(select)(begun, done - stored, LANE(select)(opened, stored - done, out->viscous));
+  out->viscous =
+      LANE(select)(begun, done - stored, LANE(select)(opened, stored - done, out->viscous));
   if (features & LAW_COHESION) { /* without what the springs have added */
     const LANE(real) met = half * (before->force + m->force) * (m->overlap - before->overlap) -
                            (LANE(normal_energy)(k, m->overlap, features) - stored);

@@ -21,7 +21,8 @@ typedef struct energy_sums {
 } energy_sums;
 
 /* The sum that a member of sd_energy has. */
-#define ADD(sum, member, x) exact_sum_add(&(sum)->of[offsetof(sd_energy, member) / sizeof(double)], x)
+#define ADD(sum, member, x)                                                                        \
+  exact_sum_add(&(sum)->of[offsetof(sd_energy, member) / sizeof(double)], x)
 
 /* Coordinates that are held or prescribed carry no energy of the system: their work is counted instead. */
 static void add_disks(const engine *e, energy_sums *sum) {
@@ -88,11 +89,13 @@ static sd_energy budget_of(const sd_state *s, const energy_sums *exact) {
   sum.start = s->energy_start;
   sum.work += s->work_driven;
   sum.relaxed = s->relaxed;
-  sum.residual = (energy_total(&sum) - sum.start) - (sum.work + sum.nonconservative_work) + energy_lost(&sum);
+  sum.residual =
+      (energy_total(&sum) - sum.start) - (sum.work + sum.nonconservative_work) + energy_lost(&sum);
   /* where nothing is done and nothing lost, as in a conservative collision, the motion itself is the scale; at
    * rest it is what rounding can do to the energies that are there */
   double done = fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.rolling) +
-                fabs(sum.bridge) + fabs(sum.opening) + fabs(sum.drag) + fabs(sum.damping) + fabs(sum.relaxed);
+                fabs(sum.bridge) + fabs(sum.opening) + fabs(sum.drag) + fabs(sum.damping) +
+                fabs(sum.relaxed);
   double rounding = 1e-9 * (sum.elastic_normal + sum.elastic_tangential + fabs(sum.external));
   sum.scale = fmax(done, fmax(sum.kinetic_translation + sum.kinetic_rotation, rounding));
   return sum;
@@ -149,7 +152,8 @@ static void look_together(const team *t, void *with) {
   look_task *l = with;
   for (size_t piece = (size_t)t->rank; piece < PIECES; piece += (size_t)t->size) {
     l->any[piece] = false;
-    for (size_t b = piece_begin(l->p, piece); b < piece_begin(l->p, piece + 1) && !l->any[piece]; b++)
+    for (size_t b = piece_begin(l->p, piece); b < piece_begin(l->p, piece + 1) && !l->any[piece];
+         b++)
       l->any[piece] = any_loss(l->p, b);
   }
 }

@@ -18,7 +18,8 @@ static inline double energy_total(const sd_energy *e) {
 
 /* Sum of its losses. */
 static inline double energy_lost(const sd_energy *e) {
-  return e->viscous + e->friction + e->rolling + e->bridge + e->opening + e->drag + e->damping + e->relaxed;
+  return e->viscous + e->friction + e->rolling + e->bridge + e->opening + e->drag + e->damping +
+         e->relaxed;
 }
 
 /* Losses of contacts: kept by contact while it lasts, and by body afterwards.

@@ -33,7 +33,8 @@ static pair_input_w1 round_input(const engine *e, size_t k) {
   return in;
 }
 
-static pair_geometry_w1 present(const engine *e, size_t k, nearest_points_w1 *found, pair_input_w1 *in) {
+static pair_geometry_w1 present(const engine *e, size_t k, nearest_points_w1 *found,
+                                pair_input_w1 *in) {
   assert(k < e->work.pairs.count && e->work.pairs.a[k] != PAIR_PADDING);
   if (pairs_is_segment(&e->work.pairs, k))
     nearest_of_w1(e, k, in, found);
@@ -65,8 +66,8 @@ static void energies_of_general(const engine *e, size_t k, double delta, double 
   /* y at the forces' coordinates, and the way from there */
   const double was = sqrt(l->k_t * sqrt(fmax(PAIR(p, k, overlap), 0.0))),
                now = sqrt(l->k_t * sqrt(fmax(delta, 0.0)));
-  const double y =
-      was * PAIR(p, k, zeta) + 0.5 * (was + now) * (lambda - PAIR(p, k, lambda_ref) - PAIR(p, k, zeta));
+  const double y = was * PAIR(p, k, zeta) +
+                   0.5 * (was + now) * (lambda - PAIR(p, k, lambda_ref) - PAIR(p, k, zeta));
   u->tangential = 0.5 * y * y;
 }
 
@@ -83,7 +84,8 @@ double contact_rho_of(const engine *e, size_t k) {
 contact_energies contact_energies_of(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const sd_contact_law *law = &e->model->laws[PAIR(p, k, law)];
-  double delta = PAIR(p, k, overlap), zeta = PAIR(p, k, zeta), rho = p->more ? MORE(p, k, rho) : 0.0;
+  double delta = PAIR(p, k, overlap), zeta = PAIR(p, k, zeta),
+         rho = p->more ? MORE(p, k, rho) : 0.0;
   if (e->model->integrator ==
       SD_GEAR5) { /* forces acted at the predicted coordinates, energy is stored at the corrected ones */
     const contact_geometry g = contact_geometry_of(e, k);
@@ -103,7 +105,8 @@ static double lever_at(const contact_place *at, const pair_geometry_w1 *g) {
   return at->nearest.flat ? walls_lever(at->piece, &at->nearest, at->ra) : g->lever;
 }
 
-contact_reaction contact_reaction_at(const contact_place *at, double force, double tau, double roll) {
+contact_reaction contact_reaction_at(const contact_place *at, double force, double tau,
+                                     double roll) {
   const pair_input_w1 in = {.dx = at->dx, .dy = at->dy, .sum = at->rb + at->ra};
   const pair_geometry_w1 g = pair_geometry_of_w1(&in);
   const contact_memory_w1 m = {.force = force, .tau = tau};
@@ -112,7 +115,8 @@ contact_reaction contact_reaction_at(const contact_place *at, double force, doub
   contact_force_w1(&g, &unused, lever_at(at, &g), LAW_GENERAL, &m, &out);
   const double rb = at->piece ? walls_radius(at->piece, at->nearest.side) : at->rb;
   const double couple = roll == 0.0 ? 0.0 : roll * walls_arm(at->ra, rb);
-  const double turn = at->piece ? at->arm_x * out.fy - at->arm_y * out.fx - tau * at->ra : tau * at->rb;
+  const double turn =
+      at->piece ? at->arm_x * out.fy - at->arm_y * out.fx - tau * at->ra : tau * at->rb;
   return (contact_reaction){.nx = g.nx,
                             .ny = g.ny,
                             .fx = out.fx,
@@ -134,15 +138,19 @@ static contact_reaction reaction_of(const engine *e, size_t k, nearest_points_w1
   const int32_t a = p->a[k], b = p->b[k];
   pair_input_w1 in;
   present(e, k, found, &in);
-  contact_place at = {
-      .dx = in.dx, .dy = in.dy, .ra = s->radius[a], .rb = s->radius[b], .conservative = e->work.conservative};
+  contact_place at = {.dx = in.dx,
+                      .dy = in.dy,
+                      .ra = s->radius[a],
+                      .rb = s->radius[b],
+                      .conservative = e->work.conservative};
   if (pairs_is_segment(p, k)) {
     at.piece = &e->work.segments[p->part[k]];
     at.nearest = found->q[0];
     at.arm_x = s->x[a] - (s->x[b] + found->shift_x[0]);
     at.arm_y = s->y[a] - (s->y[b] + found->shift_y[0]);
   }
-  return contact_reaction_at(&at, PAIR(p, k, force), tau_of(e, k), p->more ? MORE(p, k, roll) : 0.0);
+  return contact_reaction_at(&at, PAIR(p, k, force), tau_of(e, k),
+                             p->more ? MORE(p, k, roll) : 0.0);
 }
 
 contact_reaction contact_reaction_of(const engine *e, size_t k) {

@@ -19,15 +19,16 @@ typedef struct contact_reaction {
 } contact_reaction;
 /* Where a contact is: what its force depends on beside F_n, tau and the rolling force. */
 typedef struct contact_place {
-  double dx, dy;               /* from a's centre to b's, or to the nearest point of a piece of a wall */
-  double ra, rb;               /* rb: negative inside a round wall, 0 of a piece */
-  double arm_x, arm_y;         /* from a wall's pivot to a's centre; of pieces */
+  double dx, dy;       /* from a's centre to b's, or to the nearest point of a piece of a wall */
+  double ra, rb;       /* rb: negative inside a round wall, 0 of a piece */
+  double arm_x, arm_y; /* from a wall's pivot to a's centre; of pieces */
   const placed_segment *piece; /* NULL: b is round */
   nearest_point nearest;       /* of the piece */
   bool conservative;           /* the variant; pieces have the force of their energy in both */
 } contact_place;
 /* The force of a contact for all that is not in the passes: with their text and levers. */
-contact_reaction contact_reaction_at(const contact_place *at, double force, double tau, double roll);
+contact_reaction contact_reaction_at(const contact_place *at, double force, double tau,
+                                     double roll);
 contact_reaction contact_reaction_of(const engine *e, size_t pair);
 /* Adds the remembered force of a closed contact to the force sums of its bodies. */
 void contact_sum(engine *e, size_t pair);

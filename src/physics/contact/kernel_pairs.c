@@ -35,12 +35,18 @@ enum { BLOCK_VECTORS = PAIR_BLOCK / VECTOR_WIDTH };
 /* The columns of a later block are fetched meanwhile: processors do not foresee them, and have room for some twenty
  * lines at a time, so that each vector asks for some. (Not a function: one that only fetches is taken for one that does
  * nothing.) The last two columns are the paper's. */
-enum { AHEAD = 9, PAPER_LINES = offsetof(pair_block, law) / 64, LINES = offsetof(pair_block, turned) / 64 };
-#define FETCH(block, v)                                                                                      \
-  for (size_t line = lines * (v) / BLOCK_VECTORS; line < lines * ((v) + 1) / BLOCK_VECTORS; line++)          \
+enum {
+  AHEAD = 9,
+  PAPER_LINES = offsetof(pair_block, law) / 64,
+  LINES = offsetof(pair_block, turned) / 64
+};
+#define FETCH(block, v)                                                                            \
+  for (size_t line = lines * (v) / BLOCK_VECTORS; line < lines * ((v) + 1) / BLOCK_VECTORS;        \
+       line++)                                                                                     \
   __builtin_prefetch((const char *)(block) + 64 * line, 0, 3)
 
-LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t blocks, const int kind) {
+LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t blocks,
+                             const int kind) {
   const LANE(pass_constants) constants = LANE(pass_constants_of)(&e->work);
   const size_t lines = kind & PASS_PAPER ? PAPER_LINES : LINES;
   LANE(pair_distance) d[BLOCK_VECTORS];
@@ -58,7 +64,8 @@ LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t
 }
 
 /* Whole vectors, as they stand in their blocks: the others' lanes may be another thread's. */
-static __attribute__((noinline)) void segments(engine *e, thread_work *mine, size_t begin, size_t end) {
+static __attribute__((noinline)) void segments(engine *e, thread_work *mine, size_t begin,
+                                               size_t end) {
   size_t at = begin;
   while (at < end && at % VECTOR_WIDTH) evaluate_segments_w1(e, mine, at++);
   for (; at + VECTOR_WIDTH <= end; at += VECTOR_WIDTH) LANE(evaluate_segments)(e, mine, at);
@@ -66,9 +73,9 @@ static __attribute__((noinline)) void segments(engine *e, thread_work *mine, siz
 }
 
 /* A copy for each kind of pass, so that what it does not do costs nothing. */
-#define COPY(kind)                                                                                           \
-  case kind:                                                                                                 \
-    round_pairs(e, mine, w->pairs.block + begin / PAIR_BLOCK, (end - begin) / PAIR_BLOCK, kind);             \
+#define COPY(kind)                                                                                 \
+  case kind:                                                                                       \
+    round_pairs(e, mine, w->pairs.block + begin / PAIR_BLOCK, (end - begin) / PAIR_BLOCK, kind);   \
     break
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end) {
   const work *w = &e->work;

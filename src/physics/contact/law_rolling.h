@@ -16,8 +16,9 @@ LANE_INLINE void LANE(rolled)(LANE(real) ra, LANE(real) rb, LANE(real) arc_a, LA
   g->arm = ra * rb * per_sum;
 }
 
-LANE_INLINE void LANE(rolling_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                       LANE(mask) closed, LANE(real) limit, LANE(contact_memory) * m,
+LANE_INLINE void LANE(rolling_history)(const LANE(pair_geometry) * g,
+                                       const LANE(contact_constants) * k, LANE(mask) closed,
+                                       LANE(real) limit, LANE(contact_memory) * m,
                                        LANE(contact_output) * out) {
   const LANE(real) half = LANE(splat)(0.5);
   LANE(real)

@@ -15,8 +15,8 @@ typedef struct LANE(firmness) {
   LANE(real) before, now, inverse;
 } LANE(firmness);
 
-LANE_INLINE void LANE(firmness_of)(const LANE(contact_constants) * k, LANE(real) before, LANE(real) overlap,
-                                   LANE(firmness) * f) {
+LANE_INLINE void LANE(firmness_of)(const LANE(contact_constants) * k, LANE(real) before,
+                                   LANE(real) overlap, LANE(firmness) * f) {
   const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0);
   const LANE(mask) mindlin = LANE(greater)(k->mindlin, zero);
   f->before = LANE(select)(mindlin, LANE(sqrt)(LANE(max)(before, zero)), one);
@@ -25,8 +25,9 @@ LANE_INLINE void LANE(firmness_of)(const LANE(contact_constants) * k, LANE(real)
 }
 
 /* limit: F. overlap: not negative. Adds to out->viscous. */
-LANE_INLINE void LANE(tangential_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                          LANE(mask) closed, LANE(real) overlap, LANE(real) limit,
+LANE_INLINE void LANE(tangential_history)(const LANE(pair_geometry) * g,
+                                          const LANE(contact_constants) * k, LANE(mask) closed,
+                                          LANE(real) overlap, LANE(real) limit,
                                           const unsigned features, LANE(contact_memory) * m,
                                           LANE(contact_output) * out) {
   const LANE(real) one = LANE(splat)(1.0), half = LANE(splat)(0.5);
@@ -37,8 +38,8 @@ LANE_INLINE void LANE(tangential_history)(const LANE(pair_geometry) * g, const L
     LANE(firmness_of)(k, m->overlap, overlap, &f);
     const LANE(real) root = LANE(sqrt)(f.before * f.inverse);
     kept = root * m->zeta;
-    zeta =
-        LANE(select)(LANE(greater)(k->mindlin, LANE(splat)(0.0)), kept + half * (root + 1.0) * moved, zeta);
+    zeta = LANE(select)(LANE(greater)(k->mindlin, LANE(splat)(0.0)),
+                        kept + half * (root + 1.0) * moved, zeta);
   }
   if (features & LAW_KINETIC) cap = LANE(select)(m->slid, k->cap_kinetic, cap);
   zeta = LANE(mask_zero)(closed, zeta);
@@ -47,7 +48,8 @@ LANE_INLINE void LANE(tangential_history)(const LANE(pair_geometry) * g, const L
   LANE(real) stiffness = k->k_t * f.now;
   if (features & LAW_DASHPOT) {
     both = LANE(max)(LANE(min)(capped + k->lag * f.inverse * g->slide, cap), -cap);
-    LANE(real) drag = stiffness * (both - capped), drag_before = -m->tau - (k->k_t * f.before) * m->zeta;
+    LANE(real)
+    drag = stiffness * (both - capped), drag_before = -m->tau - (k->k_t * f.before) * m->zeta;
     out->viscous = out->viscous + half * (drag_before + drag) * LANE(mask_zero)(closed, moved);
   }
   out->friction = half * stiffness * (kept + capped) * slip;

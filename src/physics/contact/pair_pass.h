@@ -36,7 +36,8 @@ LANE_INLINE LANE(contact_constants) LANE(constants)(const work *w) {
                                    .cap = LANE(splat)(w->laws->cap)};
 }
 
-LANE_INLINE LANE(contact_constants) LANE(constants_of)(const work *w, const int32_t *law, const int mixed) {
+LANE_INLINE LANE(contact_constants)
+    LANE(constants_of)(const work *w, const int32_t *law, const int mixed) {
   double row[6][LANE_WIDTH];
   for (int l = 0; l < LANE_WIDTH; l++) {
     const law_row *r = &w->laws[law[l]];
@@ -64,7 +65,8 @@ LANE_INLINE LANE(contact_constants) LANE(constants_of)(const work *w, const int3
 /* A member of the laws of LANE_WIDTH pairs. */
 LANE_INLINE LANE(real) LANE(law_number)(const work *w, const int32_t *law, size_t member) {
   double row[LANE_WIDTH];
-  for (int l = 0; l < LANE_WIDTH; l++) memcpy(&row[l], (const char *)&w->laws[law[l]] + member, sizeof *row);
+  for (int l = 0; l < LANE_WIDTH; l++)
+    memcpy(&row[l], (const char *)&w->laws[law[l]] + member, sizeof *row);
   return LANE(load)(row);
 }
 #define LAW_NUMBER(member) LANE(law_number)(w, law, offsetof(law_row, member))
@@ -101,8 +103,8 @@ LANE_INLINE LANE(contact_constants) LANE(constants_mixed)(const work *w, LANE(lo
   LANE(contact_constants) k = LANE(constants_of)(w, at.b->law + at.l, 1);
   const double *inverse_mass = w->packed + PACKED_INVERSE_MASS;
   LANE(real)
-  inverse =
-      LANE(gather)(inverse_mass, at.b->packed_a + at.l) + LANE(gather)(inverse_mass, at.b->packed_b + at.l);
+  inverse = LANE(gather)(inverse_mass, at.b->packed_a + at.l) +
+            LANE(gather)(inverse_mass, at.b->packed_b + at.l);
   k.tsuji = k.tsuji * LANE(sqrt)(k.k_n / LANE(max)(inverse, LANE(splat)(1e-300)));
   return k;
 }
@@ -121,7 +123,8 @@ LANE_INLINE LANE(contact_constants)
     LANE(constants_for)(const work *w, LANE(location) at, const int kind, const unsigned features) {
   if (!(kind & (PASS_MIXED | PASS_GENERAL))) return LANE(constants_of)(w, at.b->law + at.l, 0);
   LANE(contact_constants)
-  k = features & LAW_NORMAL ? LANE(constants_mixed)(w, at) : LANE(constants_of)(w, at.b->law + at.l, 0);
+  k = features & LAW_NORMAL ? LANE(constants_mixed)(w, at)
+                            : LANE(constants_of)(w, at.b->law + at.l, 0);
   if (kind & PASS_GENERAL) LANE(constants_general)(w, at.b->law + at.l, features, &k);
   return k;
 }
@@ -136,8 +139,8 @@ LANE_INLINE pair_more *LANE(more_of)(const work *w, LANE(location) at) {
 }
 
 /* Memory of general laws, beyond load_memory; slides: of these lanes before the step. */
-LANE_INLINE void LANE(load_more)(const pair_more *more, size_t l, const unsigned features, unsigned slides,
-                                 LANE(contact_memory) * m) {
+LANE_INLINE void LANE(load_more)(const pair_more *more, size_t l, const unsigned features,
+                                 unsigned slides, LANE(contact_memory) * m) {
   m->slid = LANE(mask_of)(slides);
   m->tau = LANE(load)(more->tau + l);
   m->pull = m->rho_ref = m->rho = m->roll = LANE(splat)(0.0);
@@ -149,7 +152,8 @@ LANE_INLINE void LANE(load_more)(const pair_more *more, size_t l, const unsigned
 }
 
 LANE_INLINE void LANE(store_more)(pair_more *more, size_t l, const unsigned features,
-                                  const LANE(contact_memory) * m, const LANE(contact_output) * out) {
+                                  const LANE(contact_memory) * m,
+                                  const LANE(contact_output) * out) {
   LANE(store)(more->tau + l, m->tau);
   if (features & LAW_COHESION) LANE(store)(more->pull + l, m->pull);
   if (!(features & LAW_ROLLING)) return;
@@ -159,9 +163,12 @@ LANE_INLINE void LANE(store_more)(pair_more *more, size_t l, const unsigned feat
   LANE(store)(more->rolling + l, LANE(load)(more->rolling + l) + out->rolling);
 }
 
-LANE_INLINE void LANE(add_loss)(double *sum, LANE(real) loss) { LANE(store)(sum, LANE(load)(sum) + loss); }
+LANE_INLINE void LANE(add_loss)(double *sum, LANE(real) loss) {
+  LANE(store)(sum, LANE(load)(sum) + loss);
+}
 
-LANE_INLINE void LANE(store_memory)(LANE(location) at, const int paper, const LANE(contact_memory) * m,
+LANE_INLINE void LANE(store_memory)(LANE(location) at, const int paper,
+                                    const LANE(contact_memory) * m,
                                     const LANE(contact_output) * out) {
   pair_block *b = at.b;
   LANE(add_loss)(b->viscous + at.l, out->viscous);
@@ -194,7 +201,8 @@ LANE_INLINE void LANE(scatter)(double *sum, LANE(location) at, const LANE(contac
 }
 
 /* Its couple, of opposite sign; on a round wall it is part of what turns. */
-LANE_INLINE void LANE(scatter_couple)(const engine *e, LANE(location) at, const LANE(contact_output) * out) {
+LANE_INLINE void LANE(scatter_couple)(const engine *e, LANE(location) at,
+                                      const LANE(contact_output) * out) {
   const pairs *p = &e->work.pairs;
   const size_t k = (size_t)(at.b - p->block) * PAIR_BLOCK + at.l;
   double couple[LANE_WIDTH], *sum = e->work.sums.row;
@@ -237,7 +245,8 @@ LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, LANE(location) at
 }
 
 /* Geometry of a vector of pairs, as far as the root and the division. */
-LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind, LANE(pair_distance) * d) {
+LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind,
+                                LANE(pair_distance) * d) {
   LANE(real) pose[4], speed[2];
   LANE(across4)(w->packed, at.b->packed_a + at.l, at.b->packed_b + at.l, pose);
   LANE(across2)(w->packed + PACKED_VX, at.b->packed_a + at.l, at.b->packed_b + at.l, speed);
@@ -270,13 +279,14 @@ LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind
 /* R omega of the body in a slot; the rows have it where laws want it in every step, and of ghosts. */
 static inline double LANE(spin_in)(const engine *e, int32_t slot) {
   if (slot < 0) return 0.0;
-  if (halo_is_ghost(e, (size_t)slot)) return e->work.packed[PACKED_ROW * e->work.row[slot] + PACKED_SPIN];
+  if (halo_is_ghost(e, (size_t)slot))
+    return e->work.packed[PACKED_ROW * e->work.row[slot] + PACKED_SPIN];
   return body_spin(e->state, (size_t)slot);
 }
 
 /* dlambda/dt, where contacts begin. */
-LANE_INLINE LANE(real)
-    LANE(slide_of)(const engine *e, LANE(location) at, const int kind, const LANE(pair_geometry) * g) {
+LANE_INLINE LANE(real) LANE(slide_of)(const engine *e, LANE(location) at, const int kind,
+                                      const LANE(pair_geometry) * g) {
   const pairs *p = &e->work.pairs;
   const size_t k = (size_t)(at.b - p->block) * PAIR_BLOCK + at.l;
   double a[LANE_WIDTH], b[LANE_WIDTH];
@@ -290,7 +300,8 @@ LANE_INLINE LANE(real)
 }
 
 /* dt^2/2 times the relative acceleration along n, of free disks. */
-LANE_INLINE LANE(real) LANE(bent_of)(const engine *e, LANE(location) at, LANE(real) nx, LANE(real) ny) {
+LANE_INLINE LANE(real)
+    LANE(bent_of)(const engine *e, LANE(location) at, LANE(real) nx, LANE(real) ny) {
   const pairs *p = &e->work.pairs;
   double x[LANE_WIDTH], y[LANE_WIDTH];
   for (size_t l = 0; l < LANE_WIDTH; l++) {
@@ -303,14 +314,16 @@ LANE_INLINE LANE(real) LANE(bent_of)(const engine *e, LANE(location) at, LANE(re
 }
 
 /* Contacts with images of a box that deforms: their forces do work on it. */
-static __attribute__((noinline)) void
-LANE(note_crossings)(const work *w, thread_work *mine, LANE(location) at, const LANE(contact_output) * out) {
+static __attribute__((noinline)) void LANE(note_crossings)(const work *w, thread_work *mine,
+                                                           LANE(location) at,
+                                                           const LANE(contact_output) * out) {
   const unsigned closed = w->pairs.flags[at.b - w->pairs.block].closed;
   double fx[LANE_WIDTH], fy[LANE_WIDTH];
   LANE(store)(fx, out->fx);
   LANE(store)(fy, out->fy);
   for (size_t l = 0; l < LANE_WIDTH; l++) {
-    const double *a = w->packed + at.b->packed_a[at.l + l], *b = w->packed + at.b->packed_b[at.l + l];
+    const double *a = w->packed + at.b->packed_a[at.l + l],
+                 *b = w->packed + at.b->packed_b[at.l + l];
     double dx = b[PACKED_X] - a[PACKED_X], dy = b[PACKED_Y] - a[PACKED_Y];
     const box_image n = box_nearest(w, &dx, &dy);
     if (closed >> (at.l + l) & 1u && (n.x != 0.0 || n.y != 0.0))
@@ -319,9 +332,9 @@ LANE(note_crossings)(const work *w, thread_work *mine, LANE(location) at, const 
 }
 
 /* A vector of contacts of which some begin, end, turn far or overlap deeply. */
-static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *e, thread_work *mine,
-                                                                        LANE(location) at,
-                                                                        LANE(pair_geometry) * g, int kind) {
+static __attribute__((noinline, cold)) void
+LANE(contact_evaluate_slow)(engine *e, thread_work *mine, LANE(location) at,
+                            LANE(pair_geometry) * g, int kind) {
   work *w = &e->work;
   pair_block *b = at.b;
   pair_flags *flags = &w->pairs.flags[b - w->pairs.block];
@@ -329,30 +342,33 @@ static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *
   const unsigned features = LANE(features_of)(w, kind);
   const LANE(contact_constants) k = LANE(constants_for)(w, at, kind, features);
   const LANE(mask) was_closed = LANE(mask_of)((unsigned)flags->closed >> at.l);
-  const LANE(mask) touching = LANE(contact_touches)(g, &k, was_closed, features) & LANE(has_direction)(g);
+  const LANE(mask) touching =
+      LANE(contact_touches)(g, &k, was_closed, features) & LANE(has_direction)(g);
   const LANE(mask) closed = touching & was_closed;
   LANE(contact_memory) m, before;
   LANE(contact_output) out;
   LANE(load_memory)(at, paper, &m);
-  if (kind & PASS_GENERAL) LANE(load_more)(LANE(more_of)(w, at), at.l, features, slides_at(flags, at.l), &m);
+  if (kind & PASS_GENERAL)
+    LANE(load_more)(LANE(more_of)(w, at), at.l, features, slides_at(flags, at.l), &m);
   m.ex = LANE(load)(b->ex + at.l);
   m.ey = LANE(load)(b->ey + at.l);
   before = m;
   g->slide = LANE(slide_of)(e, at, kind, g);
   LANE(contact_begin)
-  (g, &k, LANE(surfaces_meet)(g, m.overlap, touching, was_closed, features), LANE(splat)(w->dt), features,
-   &m);
-  LANE(contact_step)(g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, features, &m, &out);
+  (g, &k, LANE(surfaces_meet)(g, m.overlap, touching, was_closed, features), LANE(splat)(w->dt),
+   features, &m);
+  LANE(contact_step)
+  (g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, features, &m, &out);
   LANE(contact_begin_end)
-  (g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, at, g->nx, g->ny), features, &before, &m,
-   &out);
+  (g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, at, g->nx, g->ny), features,
+   &before, &m, &out);
 
   LANE(real) of_a[4], of_b[4];
   LANE(gather4)(w->packed, b->packed_a + at.l, of_a);
   LANE(gather4)(w->packed, b->packed_b + at.l, of_b);
   LANE(real) rb = of_b[PACKED_RADIUS], smaller = LANE(min)(of_a[PACKED_RADIUS], LANE(max)(rb, -rb));
-  const LANE(mask) which =
-      (touching ^ was_closed) | (LANE(contact_is_deep)(g, e->model->max_overlap * smaller) & touching);
+  const LANE(mask) which = (touching ^ was_closed) |
+                           (LANE(contact_is_deep)(g, e->model->max_overlap * smaller) & touching);
   if (features & LAW_BRIDGE) out.dropped = out.dropped + out.bridge;
   if (LANE(any)(which)) LANE(note)(&w->pairs, mine, at, which, was_closed, out.dropped);
   LANE(scatter)(w->sums.row, at, &out);
@@ -378,9 +394,11 @@ LANE_INLINE LANE(pass_constants) LANE(pass_constants_of)(const work *w) {
 
 /* Evaluates the pairs `at` at distance *d; then *d becomes that of the pairs `next`: between history and force, where
  * measurements say that it delays neither. */
-LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(location) at, LANE(location) next,
-                                        pair_flags *flags, LANE(pair_distance) * d,
-                                        const LANE(pass_constants) * constants, double *sum, const int kind) {
+LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(location) at,
+                                        LANE(location) next, pair_flags *flags,
+                                        LANE(pair_distance) * d,
+                                        const LANE(pass_constants) * constants, double *sum,
+                                        const int kind) {
   const work *w = &e->work;
   const int paper = kind & PASS_PAPER;
   const unsigned features = LANE(features_of)(w, kind);
@@ -397,24 +415,27 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
                                   : LANE(greater)(g.reach, LANE(splat)(0.0));
   LANE(mask) rare = LANE(contact_is_deep)(&g, constants->limit);
   if (kind & PASS_GENERAL && features & LAW_COHESION)
-    rare = rare | LANE(surfaces_meet)(&g, LANE(load)(at.b->overlap + at.l), touching, LANE(mask_of)(closed),
-                                      features);
+    rare = rare | LANE(surfaces_meet)(&g, LANE(load)(at.b->overlap + at.l), touching,
+                                      LANE(mask_of)(closed), features);
   if (__builtin_expect(LANE(bits_of)(touching) != closed || LANE(any)(rare), 0)) {
     LANE(contact_evaluate_slow)(e, mine, at, &g, kind);
     LANE(distance)(w, next, kind, d);
     return;
   }
   if (!(kind & PASS_GENERAL))
-    k = kind & (PASS_MIXED | PASS_LAWS) ? LANE(constants_for)(w, at, kind, features) : constants->law;
+    k = kind & (PASS_MIXED | PASS_LAWS) ? LANE(constants_for)(w, at, kind, features)
+                                        : constants->law;
   LANE(contact_memory) m;
   LANE(contact_output) out;
   LANE(load_memory)(at, paper, &m);
-  if (kind & PASS_GENERAL) LANE(load_more)(LANE(more_of)(w, at), at.l, features, slides_at(flags, at.l), &m);
+  if (kind & PASS_GENERAL)
+    LANE(load_more)(LANE(more_of)(w, at), at.l, features, slides_at(flags, at.l), &m);
   LANE(contact_history)(&g, &k, touching, touching, paper, features, &m, &out);
   LANE(store_memory)(at, paper, &m, &out);
   if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, &m, &out);
   LANE(set_slides)(flags, at.l, out.slip);
-  const LANE(mask) across = kind & PASS_CELL ? touching & LANE(greater)(d->away, LANE(splat)(0.0)) : touching;
+  const LANE(mask) across =
+      kind & PASS_CELL ? touching & LANE(greater)(d->away, LANE(splat)(0.0)) : touching;
   LANE(distance)(w, next, kind, d);
   LANE(contact_force)(&g, &k, paper ? LANE(splat)(1.0) : g.lever, features, &m, &out);
   LANE(scatter)(sum, at, &out);

@@ -152,7 +152,8 @@ static size_t first_from(const pairs *p, size_t k, size_t end, const pairs *q, s
 }
 
 /* Both lists have the same order, so one sweep finds what the old one remembers. */
-static void carry(pairs *from, pairs *to, size_t from_begin, size_t from_end, size_t begin, size_t end) {
+static void carry(pairs *from, pairs *to, size_t from_begin, size_t from_end, size_t begin,
+                  size_t end) {
   if (begin >= end) return;
   size_t k = first_from(from, from_begin, from_end, to, begin);
   for (size_t n = begin; n < end; n++) {

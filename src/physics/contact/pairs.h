@@ -34,7 +34,8 @@ static inline bool pairs_is_segment(const pairs *p, size_t k) { return k >= p->f
 
 /* Where the flags of pair k stand. */
 static inline size_t pairs_flags_at(const pairs *p, size_t k) {
-  return pairs_is_segment(p, k) ? p->first_segment / PAIR_BLOCK + (k - p->first_segment) : k / PAIR_BLOCK;
+  return pairs_is_segment(p, k) ? p->first_segment / PAIR_BLOCK + (k - p->first_segment)
+                                : k / PAIR_BLOCK;
 }
 static inline unsigned pairs_flag_bit(const pairs *p, size_t k) {
   return pairs_is_segment(p, k) ? 1u : 1u << k % PAIR_BLOCK;

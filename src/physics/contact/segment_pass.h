@@ -16,8 +16,8 @@ typedef struct LANE(nearest_points) {
 /* dlambda/dt of pair k at the lever of its piece, 0 at an end. dvx, dvy: of the wall's material at the nearest point, against
  * the disk. At an end n turns by the velocity across it; else the nearest point runs along the piece, and n turns with it
  * on an arc, with the wall on a straight piece. */
-LANE_INLINE double LANE(slide_on)(const engine *e, size_t k, const nearest_point *q, double lever, double dvx,
-                                  double dvy) {
+LANE_INLINE double LANE(slide_on)(const engine *e, size_t k, const nearest_point *q, double lever,
+                                  double dvx, double dvy) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const int32_t a = p->a[k], b = p->b[k];
@@ -36,8 +36,8 @@ LANE_INLINE double LANE(slide_on)(const engine *e, size_t k, const nearest_point
 /* The nearest point of a segment is a surface of radius 0, and
  * lambda = R_a (th_a - turned) + side * (arc length of that point) - (way of a moving surface). physics.md 4. active: a neighbouring segment owns no
  * part of this region. */
-LANE_INLINE LANE(mask)
-    LANE(nearest_of)(const engine *e, size_t at, LANE(pair_input) * in, LANE(nearest_points) * found) {
+LANE_INLINE LANE(mask) LANE(nearest_of)(const engine *e, size_t at, LANE(pair_input) * in,
+                                        LANE(nearest_points) * found) {
   enum { DX, DY, DVX, DVY, SUM, ARC, ACTIVE, ROWS };
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
@@ -55,7 +55,8 @@ LANE_INLINE LANE(mask)
     row[DX][l] = q.dx;
     row[DY][l] = q.dy;
     /* velocity of the wall's material at that point */
-    double lx = s->x[a] + q.dx - (s->x[b] + g->shift_x), ly = s->y[a] + q.dy - (s->y[b] + g->shift_y);
+    double lx = s->x[a] + q.dx - (s->x[b] + g->shift_x),
+           ly = s->y[a] + q.dy - (s->y[b] + g->shift_y);
     row[DVX][l] = (s->vx[b] - s->omega[b] * ly) - s->vx[a];
     row[DVY][l] = (s->vy[b] + s->omega[b] * lx) - s->vy[a];
     row[SUM][l] = s->radius[a];
@@ -91,14 +92,16 @@ LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(nearest
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const unsigned features = e->work.features;
-  double fx[LANE_WIDTH], fy[LANE_WIDTH], tau[LANE_WIDTH], couple[LANE_WIDTH], *row = e->work.sums.row;
+  double fx[LANE_WIDTH], fy[LANE_WIDTH], tau[LANE_WIDTH], couple[LANE_WIDTH],
+      *row = e->work.sums.row;
   if (features & LAW_ROLLING) LANE(store)(couple, out->couple);
   LANE(store)(fx, out->fx);
   LANE(store)(fy, out->fy);
   LANE(store)(tau, out->tau);
   for (size_t l = 0; l < LANE_WIDTH; l++) {
     const int32_t a = p->a[at + l], b = p->b[at + l];
-    double rx = s->x[a] - (s->x[b] + found->shift_x[l]), ry = s->y[a] - (s->y[b] + found->shift_y[l]);
+    double rx = s->x[a] - (s->x[b] + found->shift_x[l]),
+           ry = s->y[a] - (s->y[b] + found->shift_y[l]);
     double turn = rx * fy[l] - ry * fx[l] - tau[l] * s->radius[a];
     if (features & LAW_ROLLING) turn -= couple[l];
     double *on_a = row + PAIR(p, at + l, sum_a), *on_b = row + PAIR(p, at + l, sum_b);
@@ -130,7 +133,8 @@ LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_
   double rho[LANE_WIDTH], rolls[LANE_WIDTH], arm[LANE_WIDTH];
   for (size_t l = 0; l < LANE_WIDTH; l++) {
     const size_t a = (size_t)p->a[at + l], b = (size_t)p->b[at + l];
-    arm[l] = walls_arm(s->radius[a], walls_radius(&e->work.segments[p->part[at + l]], found->side[l]));
+    arm[l] =
+        walls_arm(s->radius[a], walls_radius(&e->work.segments[p->part[at + l]], found->side[l]));
     rho[l] = arm[l] * (s->theta[a] - s->theta[b]);
     rolls[l] = arm[l] * (s->omega[a] - s->omega[b]);
   }
@@ -157,7 +161,8 @@ LANE_INLINE LANE(mask) LANE(closed_before)(const pairs *p, size_t at) {
 /* Contacts that would last, closed or not. */
 LANE_INLINE LANE(mask) LANE(lasts)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                                    LANE(mask) active, const unsigned features) {
-  return LANE(contact_touches)(g, k, LANE(all_lanes)(1), features) & active & LANE(has_direction)(g);
+  return LANE(contact_touches)(g, k, LANE(all_lanes)(1), features) & active &
+         LANE(has_direction)(g);
 }
 
 LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(location) here,
@@ -185,7 +190,8 @@ static __attribute__((noinline, cold)) LANE(real)
   return LANE(load)(slide);
 }
 
-LANE_INLINE void LANE(store_flags_on_walls)(pairs *p, size_t at, LANE(mask) touching, LANE(real) slips) {
+LANE_INLINE void LANE(store_flags_on_walls)(pairs *p, size_t at, LANE(mask) touching,
+                                            LANE(real) slips) {
   double slip[LANE_WIDTH];
   LANE(store)(slip, slips);
   for (size_t l = 0; l < LANE_WIDTH; l++)
@@ -206,7 +212,8 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   LANE(pair_geometry) g = LANE(pair_geometry_of)(&in);
   LANE(mask) was_closed = LANE(closed_before)(&w->pairs, at);
   const LANE(mask) changes = was_closed ^ LANE(lasts)(&g, &k, active, features);
-  if (LANE(any)(changes) && LANE(hand_over)(e, at, LANE(bits_of)(changes), LANE(bits_of)(was_closed))) {
+  if (LANE(any)(changes) &&
+      LANE(hand_over)(e, at, LANE(bits_of)(changes), LANE(bits_of)(was_closed))) {
     was_closed = LANE(closed_before)(&w->pairs, at);
     active = LANE(nearest_of)(e, at, &in, &found);
     g = LANE(pair_geometry_of)(&in);
@@ -214,7 +221,8 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   if (features & LAW_DASHPOT) g.slide = LANE(load)(found.slide);
   if (features & LAW_ROLLING) LANE(rolled_on)(e, at, &found, &g);
   unsigned slides = 0;
-  for (size_t l = 0; l < LANE_WIDTH; l++) slides |= (pairs_slide_sign(&w->pairs, at + l) != 0 ? 1u : 0u) << l;
+  for (size_t l = 0; l < LANE_WIDTH; l++)
+    slides |= (pairs_slide_sign(&w->pairs, at + l) != 0 ? 1u : 0u) << l;
   const LANE(mask) touching =
       LANE(contact_touches)(&g, &k, was_closed, features) & active & LANE(has_direction)(&g);
   const LANE(mask) closed = touching & was_closed;
@@ -239,8 +247,8 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   const LANE(mask) rare = (touching ^ was_closed) | deep;
   if (LANE(any)(rare | meet)) {
     LANE(contact_begin_end)
-    (&g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, here, g.nx, g.ny), features, &before,
-     &m, &out);
+    (&g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, here, g.nx, g.ny), features,
+     &before, &m, &out);
     if (features & LAW_BRIDGE) out.dropped = out.dropped + out.bridge;
     LANE(note)(&w->pairs, mine, here, rare, was_closed, out.dropped);
     LANE(store)(here.b->ex + here.l, m.ex);

@@ -88,7 +88,8 @@ static placed_segment place(const sd_segment *from, const wall_pose *w) {
   return g;
 }
 
-placed_segment walls_place(const sd_segment *from, double x, double y, double c, double i, double scale) {
+placed_segment walls_place(const sd_segment *from, double x, double y, double c, double i,
+                           double scale) {
   return place(from, &(wall_pose){.x = x, .y = y, .c = c, .i = i, .scale = scale});
 }
 
@@ -241,7 +242,8 @@ bool joints_own(const engine *e, size_t k, const nearest_point *q) {
 
 double joints_radius(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
-  return pairs_is_segment(p, k) ? walls_radius(placed(e, k), p->side[k]) : e->state->radius[p->b[k]];
+  return pairs_is_segment(p, k) ? walls_radius(placed(e, k), p->side[k])
+                                : e->state->radius[p->b[k]];
 }
 
 /* Would a closed contact stay closed? As contact_touches has it. */
@@ -284,7 +286,8 @@ bool joints_hand_over(engine *e, size_t k, bool closed) {
   const pairs *p = &e->work.pairs;
   size_t begin, end;
   joint found = {0};
-  if (!placed(e, k)->shared || pairs_closed(p, k) != closed) return false; /* it has been handed over */
+  if (!placed(e, k)->shared || pairs_closed(p, k) != closed)
+    return false; /* it has been handed over */
   pairs_beside(p, k, &begin, &end);
   for (size_t j = begin; j < end; j++) {
     if (j == k || pairs_closed(p, j) == closed || PAIR(p, j, law) != PAIR(p, k, law)) continue;

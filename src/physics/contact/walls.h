@@ -89,7 +89,8 @@ static inline double walls_arc_at(const placed_segment *g, int end) {
 }
 
 static inline nearest_point walls_nearest(const placed_segment *g, double x, double y) {
-  return g->piece == SD_PIECE_STRAIGHT ? walls_nearest_straight(g, x, y) : walls_nearest_arc(g, x, y);
+  return g->piece == SD_PIECE_STRAIGHT ? walls_nearest_straight(g, x, y)
+                                       : walls_nearest_arc(g, x, y);
 }
 
 /* The image of a piece that is nx, ny periods away. */
@@ -104,16 +105,16 @@ static inline void walls_shift(const double length[2], double nx, double ny, pla
 }
 
 /* How many periods away the image is whose middle is nearest to (x, y). length: of the periodic box. */
-static inline void walls_periods(const double length[2], const placed_segment *g, double x, double y,
-                                 double n[2]) {
+static inline void walls_periods(const double length[2], const placed_segment *g, double x,
+                                 double y, double n[2]) {
   n[0] = g->image[0] ? nearbyint((x - (g->x + g->middle_x)) / length[0]) : 0.0;
   n[1] = g->image[1] ? nearbyint((y - (g->y + g->middle_y)) / length[1]) : 0.0;
 }
 
 /* The nearest image of a piece: that whose middle is nearest to (x, y), since pieces are short (model/walls.h). Returns g itself
  * where it has no images, else `image`. */
-static inline const placed_segment *walls_image(const double length[2], const placed_segment *g, double x,
-                                                double y, placed_segment *image) {
+static inline const placed_segment *walls_image(const double length[2], const placed_segment *g,
+                                                double x, double y, placed_segment *image) {
   if (!(g->image[0] || g->image[1])) return g;
   double n[2];
   walls_periods(length, g, x, y, n);
@@ -126,7 +127,8 @@ static inline const placed_segment *walls_image(const double length[2], const pl
 void walls_bounds(const placed_segment *g, double lower[2], double upper[2]);
 
 /* A piece of a wall whose pivot, and cosine and sine of whose angle these are; without the start of the next piece. */
-placed_segment walls_place(const sd_segment *from, double x, double y, double c, double i, double scale);
+placed_segment walls_place(const sd_segment *from, double x, double y, double c, double i,
+                           double scale);
 
 /* Brings every piece to its wall's present pose. */
 void walls_pose(engine *e);

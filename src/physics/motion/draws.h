@@ -32,8 +32,8 @@ LANE_INLINE void LANE(draw_keys_from)(LANE(draw_keys) * keys, LANE(bits) seed) {
 
 /* One of DRAW_ROUNDS rounds. Words are the low halves of 64-bit lanes; what stands above them is not cleared on the way,
  * because the multiplication does not see it. */
-LANE_INLINE void LANE(philox_round)(LANE(bits) word[DRAW_BLOCKS][4], int blocks, const LANE(draw_keys) * keys,
-                                    int round) {
+LANE_INLINE void LANE(philox_round)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
+                                    const LANE(draw_keys) * keys, int round) {
   const LANE(bits) m0 = LANE(splat_bits)(0xD2511F53u), m1 = LANE(splat_bits)(0xCD9E8D57u);
   EACH_BLOCK {
     LANE(bits) p0 = LANE(multiply32)(m0, word[n][0]), p1 = LANE(multiply32)(m1, word[n][2]);
@@ -45,7 +45,8 @@ LANE_INLINE void LANE(philox_round)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
 }
 
 /* The low bits of a word as an integer, by way of the last bits of 2^52 or 2^20 and some more. */
-LANE_INLINE LANE(real) LANE(draw_integer)(LANE(bits) w, uint64_t bits, uint64_t above, double less) {
+LANE_INLINE LANE(real)
+    LANE(draw_integer)(LANE(bits) w, uint64_t bits, uint64_t above, double less) {
   return LANE(as_real)((w & bits) | above) - less;
 }
 
@@ -59,13 +60,15 @@ LANE_INLINE LANE(real) LANE(draw_signed)(LANE(real) a, LANE(bits) sign) {
  * the last six bits of the exponent's field become the double e + 127.
  * Direction: bits 31 and 0 are the signs of b and a, the others the place y in the quarter turn, from its middle
  * and in units of pi/4 2^-30, with sin, cos (pi/4 + y) = (cos y +- sin y)/sqrt 2. */
-LANE_INLINE void LANE(draw_pairs)(LANE(bits) word[DRAW_BLOCKS][4], int blocks, LANE(real) a[2 * DRAW_BLOCKS],
-                                  LANE(real) b[2 * DRAW_BLOCKS]) {
+LANE_INLINE void LANE(draw_pairs)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
+                                  LANE(real) a[2 * DRAW_BLOCKS], LANE(real) b[2 * DRAW_BLOCKS]) {
   LANE(real) e[2 * DRAW_BLOCKS], s[2 * DRAW_BLOCKS], z[2 * DRAW_BLOCKS], r[2 * DRAW_BLOCKS];
-  LANE(real) y[2 * DRAW_BLOCKS], y2[2 * DRAW_BLOCKS], sine[2 * DRAW_BLOCKS], cosine[2 * DRAW_BLOCKS];
+  LANE(real)
+  y[2 * DRAW_BLOCKS], y2[2 * DRAW_BLOCKS], sine[2 * DRAW_BLOCKS], cosine[2 * DRAW_BLOCKS];
   EACH_PAIR {
     LANE(bits) w = word[k / 2][k % 2 * 2];
-    LANE(bits) u = LANE(as_bits)(LANE(draw_integer)(w, 0xffffffffu, 0x4130000000000000u, 0x1p20 - 0x1p-33));
+    LANE(bits)
+    u = LANE(as_bits)(LANE(draw_integer)(w, 0xffffffffu, 0x4130000000000000u, 0x1p20 - 0x1p-33));
     LANE(real) m = LANE(as_real)((u & 0x000fffffffffffffu) | 0x3ff0000000000000u);
     e[k] = LANE(as_real)(((u >> 6) & 0x000fc00000000000u) | 0x4050000000000000u);
     e[k] = e[k] * -1.3862943611198906 + 175.36623668166615;
@@ -96,8 +99,9 @@ LANE_INLINE void LANE(draw_pairs)(LANE(bits) word[DRAW_BLOCKS][4], int blocks, L
 }
 
 /* Draws of so many blocks, of which the words are the counters; these are lost. */
-LANE_INLINE void LANE(draw_normals)(LANE(bits) word[DRAW_BLOCKS][4], int blocks, const LANE(draw_keys) * keys,
-                                    LANE(real) a[2 * DRAW_BLOCKS], LANE(real) b[2 * DRAW_BLOCKS]) {
+LANE_INLINE void LANE(draw_normals)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
+                                    const LANE(draw_keys) * keys, LANE(real) a[2 * DRAW_BLOCKS],
+                                    LANE(real) b[2 * DRAW_BLOCKS]) {
 #pragma GCC unroll 10
   for (int round = 0; round < DRAW_ROUNDS; round++) LANE(philox_round)(word, blocks, keys, round);
   LANE(draw_pairs)(word, blocks, a, b);

@@ -42,7 +42,8 @@ void feedback_list(engine *e, feedbacks *all) {
   for (size_t k = 0; k < m->n_motions; k++) {
     if (s->motion_start[k] < 0 || !motion_is_feedback(&m->motions[k])) continue;
     uint32_t slot = slot_of(&e->work.slots, m->motions[k].bodies[0]);
-    assert(m->motions[k].n_bodies == 1 && slot >= s->n_disks && m->motions[k].coordinate != SD_THETA);
+    assert(m->motions[k].n_bodies == 1 && slot >= s->n_disks &&
+           m->motions[k].coordinate != SD_THETA);
     bool x = m->motions[k].coordinate == SD_X;
     all->item[all->count++] = (feedback){.motion = k,
                                          .slot = slot,
@@ -69,7 +70,8 @@ void feedback_end(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
   assert(motion_is_feedback(m));
   sd_state *s = e->state;
-  (m->coordinate == SD_X ? s->base_x : s->base_y)[slot_of(&e->work.slots, m->bodies[0])] += s->motion_u0[k];
+  (m->coordinate == SD_X ? s->base_x : s->base_y)[slot_of(&e->work.slots, m->bodies[0])] +=
+      s->motion_u0[k];
   s->motion_u0[k] = s->motion_v0[k] = s->motion_u1[k] = 0.0;
 }
 

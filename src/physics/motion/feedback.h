@@ -22,8 +22,9 @@ typedef struct feedback {
 
 typedef struct feedbacks {
   size_t count;
-  feedback *item;   /* [motions of these kinds] */
-  double smoothing; /* share of a step in the force that a servo has measured: 1 - exp(-dt/period) */
+  feedback *item; /* [motions of these kinds] */
+  double
+      smoothing; /* share of a step in the force that a servo has measured: 1 - exp(-dt/period) */
 } feedbacks;
 
 void feedback_new(const engine *e, feedbacks *all);

@@ -55,7 +55,8 @@ LANE_INLINE targets targets_of(const lanes_signal *s, sink to) {
   return t;
 }
 
-LANE_INLINE void put(const lanes_signal *s, sink to, const targets *t, size_t k, LANE(real) u, LANE(real) v) {
+LANE_INLINE void put(const lanes_signal *s, sink to, const targets *t, size_t k, LANE(real) u,
+                     LANE(real) v) {
   if (to == ONE_POSE || to == TWO_POSES) put_pose(&t->first, k, u, v);
   if (to == TWO_POSES) put_pose(&t->second, k, u, v);
   if (to == OWN_ROWS || (to == MANY && s->shared)) put_rows(&t->first, k, u, v);
@@ -170,11 +171,11 @@ LANE_INLINE int fades(const lanes_signal *s, int64_t local) {
 }
 
 LANE_INLINE void any_wave(lanes_signal *s, sink to, int64_t local, int64_t n) {
-#define ROTATED(kind, ...)                                                                                   \
-  case kind:                                                                                                 \
-    rotated(s, to, local, n);                                                                                \
+#define ROTATED(kind, ...)                                                                         \
+  case kind:                                                                                       \
+    rotated(s, to, local, n);                                                                      \
     return;
-#define PHASED(kind, ...)                                                                                    \
+#define PHASED(kind, ...)                                                                          \
   case kind: phased(s, kind, to, local, n); return;
   switch (s->form) {
     ROTATED_WAVES(ROTATED)
@@ -265,7 +266,8 @@ void KERNEL(kernel_lanes_sum)(const lanes_pose *p, size_t n) {
   const target to = pose_of(p);
   const double *u = s->u, *v = s->v;
   const size_t stride = s->stride;
-  for (size_t k = 0; k < n; k++) put_pose(&to, k, LANE(load)(u + k * stride), LANE(load)(v + k * stride));
+  for (size_t k = 0; k < n; k++)
+    put_pose(&to, k, LANE(load)(u + k * stride), LANE(load)(v + k * stride));
 }
 
 bool KERNEL(kernel_lanes_beyond)(const lanes_pose *p, size_t n, double limit) {

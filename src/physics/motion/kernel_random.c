@@ -11,8 +11,8 @@
 #include "base/vmath.h"
 #include "physics/motion/draws.h"
 
-void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
-                            double *a, double *b);
+void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first,
+                            size_t n, double *a, double *b);
 void KERNEL(kernel_sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
 void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks);
 void KERNEL(kernel_spread)(const oscillators *g, size_t n, double (*u)[OSCILLATOR_ROWS],
@@ -30,8 +30,8 @@ static void copy_draws(const double *from, uint64_t index, uint64_t first, size_
 }
 
 /* Blocks that follow one another in the lanes. */
-void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
-                            double *a, double *b) {
+void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first,
+                            size_t n, double *a, double *b) {
   LANE(draw_keys) keys;
   LANE(draw_keys_from)(&keys, LANE(splat_bits)(seed));
   LANE(bits) lane = LANE(splat_bits)(0);
@@ -72,7 +72,8 @@ LANE_INLINE void swing_on(swing *s, oscillators *g, size_t l, size_t row, int k)
 
 /* Normal numbers of the next blocks. Meanwhile, between the rounds, the oscillators swing on with those that wait,
  * 2 * waiting of them, from `row` on: they are a chain of operations each of which waits for the one before. */
-LANE_INLINE void draw_beside(swing *s, oscillators *g, size_t l, size_t row, int waiting, int blocks) {
+LANE_INLINE void draw_beside(swing *s, oscillators *g, size_t l, size_t row, int waiting,
+                             int blocks) {
   LANE(bits) word[DRAW_BLOCKS][4];
   EACH_BLOCK {
     word[n][0] = s->block + (uint64_t)n;
@@ -97,7 +98,8 @@ LANE_INLINE void swing_rest(swing *s, oscillators *g, size_t l, size_t row, int 
 static void oscillate(swing *s, oscillators *g, size_t l, size_t row, size_t blocks) {
   if (blocks >= DRAW_BLOCKS) {
     draw_beside(s, g, l, row, 0, DRAW_BLOCKS);
-    for (blocks -= DRAW_BLOCKS; blocks >= DRAW_BLOCKS; blocks -= DRAW_BLOCKS, row += 2 * DRAW_BLOCKS)
+    for (blocks -= DRAW_BLOCKS; blocks >= DRAW_BLOCKS;
+         blocks -= DRAW_BLOCKS, row += 2 * DRAW_BLOCKS)
       draw_beside(s, g, l, row, DRAW_BLOCKS, DRAW_BLOCKS);
     swing_rest(s, g, l, row, DRAW_BLOCKS);
     row += 2 * DRAW_BLOCKS;
@@ -147,7 +149,8 @@ LANE_INLINE void transpose(LANE(real) a[LANE_WIDTH]) {
   for (int k = 0; k < 8; k += 4)
     for (int j = 0; j < 2; j++) {
       a[k + j] = (LANE(real))_mm512_shuffle_f64x2((__m512d)b[k + j], (__m512d)b[k + j + 2], 0x88);
-      a[k + j + 2] = (LANE(real))_mm512_shuffle_f64x2((__m512d)b[k + j], (__m512d)b[k + j + 2], 0xdd);
+      a[k + j + 2] =
+          (LANE(real))_mm512_shuffle_f64x2((__m512d)b[k + j], (__m512d)b[k + j + 2], 0xdd);
     }
   for (int j = 0; j < 4; j++) {
     b[j] = (LANE(real))_mm512_shuffle_f64x2((__m512d)a[j], (__m512d)a[j + 4], 0x88);

@@ -25,7 +25,8 @@ static void set_anchors(wave *w, int64_t from) {
   if (w->from == from) return;
   double turns[LANE_WIDTH], sine[LANE_WIDTH], cosine[LANE_WIDTH];
   LANE(real) at = LANE(splat)((double)from) + steps_from(0) * (double)WAVE_STEPS, s, c;
-  LANE(real) t = LANE(turns)(LANE(splat)(w->rate_high), LANE(splat)(w->rate_low), LANE(splat)(w->offset), at);
+  LANE(real)
+  t = LANE(turns)(LANE(splat)(w->rate_high), LANE(splat)(w->rate_low), LANE(splat)(w->offset), at);
   LANE(sine_cosine)(t, &s, &c);
   LANE(store)(turns, t);
   LANE(store)(sine, s);
@@ -53,7 +54,8 @@ static void rotated(const wave *w, int64_t local, size_t n, double *u, double *v
   }
 }
 
-LANE_INLINE void phased(const wave *w, sd_motion_kind form, int64_t local, size_t n, double *u, double *v) {
+LANE_INLINE void phased(const wave *w, sd_motion_kind form, int64_t local, size_t n, double *u,
+                        double *v) {
   LANE(real) shape[WAVE_SHAPE];
   for (int k = 0; k < WAVE_SHAPE; k++) shape[k] = LANE(splat)(w->shape[k]);
   for (int64_t at = local, end = local + (int64_t)n, next; at < end; at = next) {
@@ -71,11 +73,11 @@ LANE_INLINE void phased(const wave *w, sd_motion_kind form, int64_t local, size_
 
 static void any_wave(wave *w, int64_t local, size_t n, double *u, double *v) {
   set_anchors(w, local & ~(int64_t)(WAVE_STEPS - 1));
-#define ROTATED(kind, ...)                                                                                   \
-  case kind:                                                                                                 \
-    rotated(w, local, n, u, v);                                                                              \
+#define ROTATED(kind, ...)                                                                         \
+  case kind:                                                                                       \
+    rotated(w, local, n, u, v);                                                                    \
     return;
-#define PHASED(kind, ...)                                                                                    \
+#define PHASED(kind, ...)                                                                          \
   case kind: phased(w, kind, local, n, u, v); return;
   switch (w->form) {
     ROTATED_WAVES(ROTATED)
@@ -93,8 +95,8 @@ static void cubics(const draw_series *d, int64_t local, size_t n, double *u, dou
     int64_t from = at - at % m;
     next = from + m;
     LANE(cubic)
-    p = LANE(cubic_between)(LANE(splat)(d->u[row]), LANE(splat)(d->v[row]), LANE(splat)(d->u[row + 1]),
-                            LANE(splat)(d->v[row + 1]), h, per_h);
+    p = LANE(cubic_between)(LANE(splat)(d->u[row]), LANE(splat)(d->v[row]),
+                            LANE(splat)(d->u[row + 1]), LANE(splat)(d->v[row + 1]), h, per_h);
     for (int64_t k = at; k < next && k < end; k += LANE_WIDTH) {
       LANE(real) x, y;
       LANE(cubic_at)(&p, steps_from(k - from) * d->per_interval, &x, &y);
@@ -104,7 +106,8 @@ static void cubics(const draw_series *d, int64_t local, size_t n, double *u, dou
   }
 }
 
-static void fade(double dt, double ramp, int64_t local, size_t n, double *u, double *v, double *low) {
+static void fade(double dt, double ramp, int64_t local, size_t n, double *u, double *v,
+                 double *low) {
   for (size_t k = 0; k < n; k += LANE_WIDTH) {
     LANE(real) x = LANE(load)(u + k), y = LANE(load)(v + k);
     LANE(real) r = LANE(fade)(steps_from(local + (int64_t)k) * dt, LANE(splat)(ramp), &x, &y);
@@ -146,8 +149,8 @@ static void sum(pose_sum *p, size_t n) {
 
 /* --- the table --------------------------------------------------------------------------------------- */
 
-extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
-                                   double *a, double *b);
+extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first,
+                                   size_t n, double *a, double *b);
 extern void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks);
 extern void KERNEL(kernel_spread)(const oscillators *g, size_t n, double (*u)[OSCILLATOR_ROWS],
                                   double (*v)[OSCILLATOR_ROWS]);

@@ -30,7 +30,7 @@ struct motions {
   size_t *term_motions; /* of each term */
   feedbacks feedbacks;
   bool moves_walls, drives_free; /* free: coordinates of free disks */
-  bool quiet;                    /* nothing in this batch can make the lists stale or leave its range */
+  bool quiet; /* nothing in this batch can make the lists stale or leave its range */
 };
 
 bool motion_in_range(const engine *e, int coordinate, double at) {
@@ -88,7 +88,8 @@ void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, 
 /* Sums a coordinate's signals. */
 static void fill_one(engine *e, prescribed *p) {
   assert(p->count > 0 && p->slot < movers_of(e->state));
-  pose_sum b = {e->work.motions->terms + p->first, p->count, .value = p->value, .velocity = p->velocity};
+  pose_sum b = {e->work.motions->terms + p->first, p->count, .value = p->value,
+                .velocity = p->velocity};
   motion_offset(e, p->slot, p->coordinate, &b.off, &b.base);
   e->work.kernels->motion->sum(&b, MOTION_BATCH);
   p->low = b.low;
@@ -112,7 +113,8 @@ static bool is_quiet(const engine *e, const prescribed *p) {
                : p->coordinate != SD_THETA ? 1.0
                : wall                      ? w->reach[p->slot - s->n_disks]
                                            : 0.0;
-  double most = (wall ? 0.02 : 0.06) * w->moved_limit2; /* less than that: the skin may shrink on the way */
+  double most =
+      (wall ? 0.02 : 0.06) * w->moved_limit2; /* less than that: the skin may shrink on the way */
   double down = (p->low - from) * arm, up = (p->high - from) * arm;
   return down * down <= most && up * up <= most && motion_in_range(e, p->coordinate, p->low) &&
          motion_in_range(e, p->coordinate, p->high);
@@ -138,10 +140,11 @@ sd_status motion_new(engine *e, sd_messages *messages) {
   const size_t most = SD_MOVED * model_movables(m);
   size_t terms = 0;
   for (size_t k = 0; k < m->n_motions; k++) terms += m->motions[k].n_bodies;
-  if (!memory_rows(4, (memory_column[]){{&q->prescribed, most < terms ? most : terms, sizeof *q->prescribed},
-                                        {&q->addends, terms, sizeof *q->addends},
-                                        {&q->terms, terms, sizeof *q->terms},
-                                        {&q->term_motions, terms, sizeof *q->term_motions}}))
+  if (!memory_rows(
+          4, (memory_column[]){{&q->prescribed, most < terms ? most : terms, sizeof *q->prescribed},
+                               {&q->addends, terms, sizeof *q->addends},
+                               {&q->terms, terms, sizeof *q->terms},
+                               {&q->term_motions, terms, sizeof *q->term_motions}}))
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   feedback_new(e, &q->feedbacks);
   return signals_new(e, &q->signals, messages);
@@ -179,7 +182,8 @@ static void list_addends(engine *e, const bool *begins) {
   q->n_addends = 0;
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0;
-         (e->state->motion_start[k] >= 0 || (begins && begins[k])) && b < m->motions[k].n_bodies; b++)
+         (e->state->motion_start[k] >= 0 || (begins && begins[k])) && b < m->motions[k].n_bodies;
+         b++)
       q->addends[q->n_addends++] = (addend){place_of(e, &m->motions[k], b), k};
   if (q->n_addends > 1) qsort(q->addends, q->n_addends, sizeof *q->addends, by_place);
 }
@@ -208,7 +212,8 @@ static void list_prescribed(engine *e) {
   list_addends(e, NULL);
   for (const addend *a = q->addends; a < q->addends + q->n_addends; a++) {
     const size_t slot = a->place / SD_MOVED;
-    if (slot >= s->n_disks && slot < s->n_bodies && a->place % SD_MOVED != SD_SURFACE) q->moves_walls = true;
+    if (slot >= s->n_disks && slot < s->n_bodies && a->place % SD_MOVED != SD_SURFACE)
+      q->moves_walls = true;
     if (slot < s->n_free) q->drives_free = true;
     if (motion_is_feedback(&e->model->motions[a->motion])) continue;
     if (a->place != last) prescribe(e, &q->prescribed[q->n_prescribed++], a->place, terms);
@@ -262,7 +267,8 @@ static void switch_off(engine *e, size_t k) {
   }
   s->motion_start[k] = -1;
   for (size_t b = 0; b < m->n_bodies; b++)
-    if (!is_moved(e, place_of(e, m, b))) rest(e, slot_of(&e->work.slots, m->bodies[b]), m->coordinate);
+    if (!is_moved(e, place_of(e, m, b)))
+      rest(e, slot_of(&e->work.slots, m->bodies[b]), m->coordinate);
 }
 
 static void switch_on(engine *e, size_t k) {
@@ -308,7 +314,8 @@ void motion_store(engine *e) {
 
 void motion_begin_run(engine *e) {
   for (size_t k = 0; k < e->model->n_motions; k++)
-    if (motion_is_feedback(&e->model->motions[k]) && e->state->motion_start[k] >= 0) feedback_begin(e, k);
+    if (motion_is_feedback(&e->model->motions[k]) && e->state->motion_start[k] >= 0)
+      feedback_begin(e, k);
 }
 
 bool motion_moves_walls(const engine *e) { return e->work.motions->moves_walls; }
@@ -417,7 +424,8 @@ void motion_wrapped(engine *e, uint32_t slot) {
 
 /* Displacement of a body by one coordinate of it in the step, over the radius it is compared with, where that is beyond the
  * limit; else 0. speed: the larger of those at both ends. */
-static double beyond_limit(const engine *e, uint32_t slot, int coordinate, double moved, double speed) {
+static double beyond_limit(const engine *e, uint32_t slot, int coordinate, double moved,
+                           double speed) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
   if (coordinate == SD_SURFACE || (coordinate == SD_THETA && slot < s->n_disks)) return 0.0;
@@ -441,12 +449,13 @@ double motion_fastest(const engine *e, size_t *slot) {
   for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
     const double speed = fmax(fabs(*p->speed), fabs(p->speed_before));
     if (p->slot < n_bodies)
-      keep_faster(beyond_limit(e, p->slot, p->coordinate, p->moved, speed), p->slot, &fastest, slot);
+      keep_faster(beyond_limit(e, p->slot, p->coordinate, p->moved, speed), p->slot, &fastest,
+                  slot);
   }
   for (const feedback *f = q->feedbacks.item; f < q->feedbacks.item + q->feedbacks.count; f++)
     if (f->slot < n_bodies)
-      keep_faster(beyond_limit(e, f->slot, f->coordinate, f->moved, fabs(*f->speed)), f->slot, &fastest,
-                  slot);
+      keep_faster(beyond_limit(e, f->slot, f->coordinate, f->moved, fabs(*f->speed)), f->slot,
+                  &fastest, slot);
   return fastest;
 }
 

@@ -17,10 +17,10 @@ enum { MOTION_BATCH = 64 };
 typedef struct prescribed {
   uint32_t slot;
   int coordinate;
-  size_t first, count;        /* in the list of terms */
-  double *at, *speed;         /* in the state */
-  const double *force;        /* of the contacts, in the state */
-  double last;                /* after the last step: the predictor moves free disks before they are posed */
+  size_t first, count; /* in the list of terms */
+  double *at, *speed;  /* in the state */
+  const double *force; /* of the contacts, in the state */
+  double last; /* after the last step: the predictor moves free disks before they are posed */
   double moved, force_before; /* by the last step */
   double speed_before;        /* that it began with */
   double low, high;           /* least and largest value of the batch */

@@ -22,7 +22,8 @@ typedef struct oscillators {
   double v[OSCILLATOR_ROWS][OSCILLATORS];
   double uu[OSCILLATORS], uv[OSCILLATORS], vu[OSCILLATORS], vv[OSCILLATORS]; /* propagator */
   double noise_u[OSCILLATORS], noise_vu[OSCILLATORS], noise_vv[OSCILLATORS]; /* Cholesky factor */
-  uint64_t seed[OSCILLATORS], stream[OSCILLATORS], block[OSCILLATORS];       /* block: of the next new row */
+  uint64_t seed[OSCILLATORS], stream[OSCILLATORS],
+      block[OSCILLATORS];     /* block: of the next new row */
   int64_t start[OSCILLATORS]; /* step at which the motion was switched on, -1: it does not run */
   int64_t base[OSCILLATORS], known[OSCILLATORS]; /* numbers of the first row, and of the last one */
   int64_t interval;                              /* steps between draws */
@@ -48,7 +49,7 @@ typedef struct wave {
   double rate, rate_high, rate_low, offset;          /* turns per step, also in two parts; turns */
   double shape[WAVE_SHAPE];                          /* waveforms.h */
   double sine[2 * WAVE_FINE], cosine[2 * WAVE_FINE]; /* of 0, 1, ... 7 steps, and of 0, 8, ... 56 */
-  int64_t from;                                      /* the anchors are at from and from + WAVE_STEPS steps */
+  int64_t from; /* the anchors are at from and from + WAVE_STEPS steps */
   wave_anchor anchor[2];
 } wave;
 
@@ -74,12 +75,13 @@ typedef struct lanes_pose lanes_pose;
 typedef struct motion_kernels {
   /* n pairs of independent standard normal numbers: draw first + k of a stream in a[k], b[k], which is half
    * (first + k) & 1 of block (first + k)/2. */
-  void (*normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n, double *a,
-                  double *b);
+  void (*normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
+                  double *a, double *b);
   /* New rows from `row` on, two of each block. */
   void (*oscillate)(oscillators *g, size_t row, size_t blocks);
   /* Columns of the first n rows, one behind the other: u[lane][row], v[lane][row]; n is rounded up to a multiple of 8. */
-  void (*spread)(const oscillators *g, size_t n, double (*u)[OSCILLATOR_ROWS], double (*v)[OSCILLATOR_ROWS]);
+  void (*spread)(const oscillators *g, size_t n, double (*u)[OSCILLATOR_ROWS],
+                 double (*v)[OSCILLATOR_ROWS]);
   /* Signals of one system, n steps from `local` steps after their beginning; n is a multiple of 8, and eight numbers
    * before and after what is asked for are written too. low may be NULL. */
   void (*wave)(wave *w, int64_t local, size_t n, double *u, double *v);

@@ -10,7 +10,8 @@
 
 oscillators *oscillators_new(size_t n) { return memory_lines(n * sizeof(oscillators)); }
 
-void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint64_t seed, uint32_t stream) {
+void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint64_t seed,
+                     uint32_t stream) {
   assert(lane < OSCILLATORS);
   g->uu[lane] = step->propagator[0][0];
   g->uv[lane] = step->propagator[0][1];
@@ -25,7 +26,8 @@ void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint6
 }
 
 void oscillators_load(oscillators *g, size_t lane, const sd_state *s, size_t k, int64_t interval) {
-  assert(lane < OSCILLATORS && interval >= 1 && s->motion_start[k] >= 0 && s->motion_start[k] <= s->step);
+  assert(lane < OSCILLATORS && interval >= 1 && s->motion_start[k] >= 0 &&
+         s->motion_start[k] <= s->step);
   int64_t number = (s->step - s->motion_start[k]) / interval;
   size_t odd = (size_t)(number & 1);
   g->start[lane] = s->motion_start[k];
@@ -143,13 +145,14 @@ random_step random_step_new(double omega, double c, double rms, double h) {
   gsl_set_error_handler(handler);
   if (!table) memory_lacks(0);
   double fastest = omega * (c + sqrt(fabs(1.0 - c * c)) + 1.0), uu = 0.0, vu = 0.0, vv = 0.0;
-  double span =
-      fmin(h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c))); /* beyond it, nothing is left */
+  double span = fmin(
+      h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c))); /* beyond it, nothing is left */
   int panels = 1 + (int)fmin(ceil(span * fastest / 2.0), 1e6);
   for (int k = 0; k < panels; k++)
     for (size_t p = 0; p < POINTS; p++) {
       double t, weight;
-      gsl_integration_glfixed_point(span * k / panels, span * (k + 1) / panels, p, &t, &weight, table);
+      gsl_integration_glfixed_point(span * k / panels, span * (k + 1) / panels, p, &t, &weight,
+                                    table);
       kick(omega, c, t, &g, &dg);
       uu += weight * g * g;
       vu += weight * g * dg;

@@ -30,7 +30,8 @@ random_step random_step_new(double omega, double damping, double rms, double h);
 
 /* n zeroed groups whose rows begin where vectors do; goes with free. */
 oscillators *oscillators_new(size_t n);
-void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint64_t seed, uint32_t stream);
+void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint64_t seed,
+                     uint32_t stream);
 
 /* Takes a lane from the state: motion k runs, and its draws are `interval` steps apart. Back: at state->step. */
 void oscillators_load(oscillators *g, size_t lane, const sd_state *s, size_t k, int64_t interval);

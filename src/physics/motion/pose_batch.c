@@ -54,7 +54,8 @@ static void set_signal(pose_batch *m, size_t k) {
   s->draws->count = m->width;
   s->interval = m->systems[0]->model->motions[k].interval;
   s->per_interval = 1.0 / (double)s->interval;
-  for (size_t part = 0; part < 3; part++) s->rows[part] = m->rows + (3 * k + part) * BATCH * m->width;
+  for (size_t part = 0; part < 3; part++)
+    s->rows[part] = m->rows + (3 * k + part) * BATCH * m->width;
   for (size_t l = 0; l < m->width; l++) {
     const engine *e = m->systems[l];
     const sd_motion *motion = &e->model->motions[k];
@@ -68,7 +69,8 @@ static void set_signal(pose_batch *m, size_t k) {
     s->per_h[l] = 1.0 / s->h[l];
     s->velocity[l] = motion->velocity;
     s->per_step[l] = motion->velocity * e->work.dt;
-    if (s->source == SIGNAL_RANDOM) oscillators_set(s->draws, l, &from->step, e->model->seed, motion->stream);
+    if (s->source == SIGNAL_RANDOM)
+      oscillators_set(s->draws, l, &from->step, e->model->seed, motion->stream);
   }
 }
 
@@ -129,7 +131,8 @@ static void load_still(pose_batch *m) {
     for (size_t l = 0; l < m->width; l++) {
       const sd_state *s = m->systems[l]->state;
       uint32_t slot = (uint32_t)m->first_slot + i;
-      double now[POSES] = {s->x[slot], s->y[slot], s->theta[slot], s->vx[slot], s->vy[slot], s->omega[slot]};
+      double now[POSES] = {s->x[slot],  s->y[slot],  s->theta[slot],
+                           s->vx[slot], s->vy[slot], s->omega[slot]};
       for (int c = 0; c < POSES; c++)
         for (size_t k = 0; k < POSE_STEPS; k++) pose_row(m, slot, c)[k * m->width + l] = now[c];
     }
@@ -149,7 +152,8 @@ static void load_signals(pose_batch *m) {
 static void add_alone(lanes_signal *s, lanes_pose *p) { s->alone[s->n_alone++] = p; }
 
 /* Coordinate k: that of motion.c, whose terms say which signals. */
-static void load_coordinate(pose_batch *m, size_t k, const prescribed *from, const lanes_signal **terms) {
+static void load_coordinate(pose_batch *m, size_t k, const prescribed *from,
+                            const lanes_signal **terms) {
   lanes_pose *p = &m->coordinates[k];
   size_t w = m->width;
   p->slot = from->slot;
@@ -159,7 +163,8 @@ static void load_coordinate(pose_batch *m, size_t k, const prescribed *from, con
   p->stride = w;
   p->value = pose_row(m, p->slot, p->coordinate) + w;
   p->velocity = pose_row(m, p->slot, POSE_VX + p->coordinate) + w;
-  for (size_t t = 0; t < from->count; t++) terms[t] = &m->signals[motion_term(m->systems[0], from, t)];
+  for (size_t t = 0; t < from->count; t++)
+    terms[t] = &m->signals[motion_term(m->systems[0], from, t)];
   p->turned = false;
   for (size_t l = 0; l < w; l++) {
     motion_offset(m->systems[l], p->slot, p->coordinate, &p->off[l], &p->base[l]);
@@ -178,7 +183,8 @@ void pose_batch_load(pose_batch *m) {
   const prescribed *from = motion_prescribed(m->systems[0], &m->n_coordinates);
   assert(m->n_coordinates <= m->capacity);
   const lanes_signal **terms = m->terms;
-  for (size_t k = 0; k < m->n_coordinates; terms += from[k++].count) load_coordinate(m, k, &from[k], terms);
+  for (size_t k = 0; k < m->n_coordinates; terms += from[k++].count)
+    load_coordinate(m, k, &from[k], terms);
   m->first = m->systems[0]->state->step;
   m->filled = false;
 }
@@ -227,7 +233,8 @@ static void fill(pose_batch *m) {
   for (size_t k = 0; k < m->systems[0]->model->n_motions; k++) {
     lanes_signal *one = &m->signals[k];
     if (!one->runs) continue;
-    if (one->source == SIGNAL_RANDOM) oscillators_ahead(m->kernels, one->draws, first, BATCH, one->interval);
+    if (one->source == SIGNAL_RANDOM)
+      oscillators_ahead(m->kernels, one->draws, first, BATCH, one->interval);
     if (one->source == SIGNAL_TABLE)
       fill_table(m, one, first[0] - s->motion_start[k]);
     else

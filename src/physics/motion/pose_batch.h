@@ -27,7 +27,8 @@ struct lanes_signal {
   int64_t interval;
   double per_interval;
   bool ramped, runs;
-  size_t n_alone; /* coordinates that it moves alone, at no turns or images: it writes their poses at once */
+  size_t
+      n_alone; /* coordinates that it moves alone, at no turns or images: it writes their poses at once */
   lanes_pose **alone;
   bool shared;        /* some coordinate is summed from its rows */
   oscillators *draws; /* random */

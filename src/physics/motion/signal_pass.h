@@ -6,7 +6,8 @@
 
 /* Turns of a motion after `at` steps, but for whole ones: rate = high + low, where high has so few digits that its
  * product with 64 times a number of up to 2^27 is exact. */
-LANE_INLINE LANE(real) LANE(turns)(LANE(real) high, LANE(real) low, LANE(real) offset, LANE(real) at) {
+LANE_INLINE LANE(real)
+    LANE(turns)(LANE(real) high, LANE(real) low, LANE(real) offset, LANE(real) at) {
   LANE(real) t = high * at;
   return ((t - LANE(nearest)(t)) + low * at) + offset;
 }
@@ -40,16 +41,18 @@ typedef struct LANE(cubic) {
   LANE(real) u[4], v[3];
 } LANE(cubic);
 
-LANE_INLINE LANE(cubic) LANE(cubic_between)(LANE(real) u0, LANE(real) v0, LANE(real) u1, LANE(real) v1,
-                                            LANE(real) h, LANE(real) per_h) {
+LANE_INLINE LANE(cubic) LANE(cubic_between)(LANE(real) u0, LANE(real) v0, LANE(real) u1,
+                                            LANE(real) v1, LANE(real) h, LANE(real) per_h) {
   LANE(real) rise = u1 - u0, a = h * v0 - rise, c = rise - h * v1;
   LANE(real) second = c - (a + a), third = a - c;
-  LANE(cubic) p = {{u0, h * v0, second, third}, {v0, (second + second) * per_h, (3.0 * third) * per_h}};
+  LANE(cubic)
+  p = {{u0, h * v0, second, third}, {v0, (second + second) * per_h, (3.0 * third) * per_h}};
   return p;
 }
 
 /* At z = (time since the first draw)/h. */
-LANE_INLINE void LANE(cubic_at)(const LANE(cubic) * p, LANE(real) z, LANE(real) * u, LANE(real) * v) {
+LANE_INLINE void LANE(cubic_at)(const LANE(cubic) * p, LANE(real) z, LANE(real) * u,
+                                LANE(real) * v) {
   *u = p->u[0] + z * (p->u[1] + z * (p->u[2] + z * p->u[3]));
   *v = p->v[0] + z * (p->v[1] + z * p->v[2]);
 }

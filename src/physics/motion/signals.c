@@ -77,7 +77,8 @@ static void fade_in(batch *b) {
     now->u = b->u;
     now->v = b->v;
   }
-  b->k->fade(b->e->work.dt, b->motion->ramp, b->local, MOTION_BATCH, b->u, b->v, now->low ? b->low : NULL);
+  b->k->fade(b->e->work.dt, b->motion->ramp, b->local, MOTION_BATCH, b->u, b->v,
+             now->low ? b->low : NULL);
 }
 
 /* all: NULL where the signal has no draws. */
@@ -227,7 +228,8 @@ void signals_store(const engine *e, const signals *all) {
   for (size_t k = 0; k < e->model->n_motions; k++) {
     const sd_motion *m = &e->model->motions[k];
     if (m->kind != SD_MOTION_RANDOM || e->state->motion_start[k] < 0) continue;
-    oscillators_store(&all->groups[all->item[k].group], all->item[k].lane, e->state, k, m->interval);
+    oscillators_store(&all->groups[all->item[k].group], all->item[k].lane, e->state, k,
+                      m->interval);
   }
 }
 
@@ -240,9 +242,10 @@ void signals_start_random(const engine *e, const signals *all, size_t k) {
   double u = m->amplitude * a, v = m->omega * m->amplitude * b;
   s->motion_u0[k] = u;
   s->motion_v0[k] = v;
-  e->work.kernels->motion->normals(e->model->seed, m->stream, RANDOM_STEP, 2 * s->step + 1, 1, &a, &b);
+  e->work.kernels->motion->normals(e->model->seed, m->stream, RANDOM_STEP, 2 * s->step + 1, 1, &a,
+                                   &b);
   /* as the kernel sums it */
   s->motion_u1[k] = r->propagator[0][0] * u + (r->propagator[0][1] * v + r->cholesky[0] * a);
-  s->motion_v1[k] =
-      r->propagator[1][1] * v + (r->propagator[1][0] * u + (r->cholesky[1] * a + r->cholesky[2] * b));
+  s->motion_v1[k] = r->propagator[1][1] * v +
+                    (r->propagator[1][0] * u + (r->cholesky[1] * a + r->cholesky[2] * b));
 }

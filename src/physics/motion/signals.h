@@ -22,7 +22,7 @@ typedef struct signal {
 typedef struct signals {
   signal *item; /* [n_motions] */
   size_t n_groups;
-  oscillators *groups;                              /* random motions of the same interval, side by side */
+  oscillators *groups; /* random motions of the same interval, side by side */
   double (*draws)[2][OSCILLATORS][OSCILLATOR_ROWS]; /* of each group: u, v, one behind the other */
 } signals;
 

@@ -16,7 +16,9 @@
 /* --- near enough ------------------------------------------------------------------------------------- */
 
 /* Does the body in this slot touch anything? */
-static bool in_play(const sd_state *s, size_t slot) { return slot >= s->n_free || body_in_play(s, slot); }
+static bool in_play(const sd_state *s, size_t slot) {
+  return slot >= s->n_free || body_in_play(s, slot);
+}
 
 /* By how much any pair may be apart and is a candidate. */
 static double largest_margin(const engine *e) { return e->work.skin + e->work.margin; }
@@ -120,7 +122,8 @@ static sd_status by_disks(wall_lists *l, size_t n_free) {
   return SD_OK;
 }
 
-static void find_round_wall(const engine *e, const grid *g, uint32_t b, grid_runs *runs, wall_lists *l) {
+static void find_round_wall(const engine *e, const grid *g, uint32_t b, grid_runs *runs,
+                            wall_lists *l) {
   const sd_state *s = e->state;
   const double at[2] = {s->x[b], s->y[b]};
   for (uint32_t i = 0; i < s->n_free && s->radius[b] < 0.0; i++)
@@ -149,7 +152,8 @@ static sd_status find_round_walls(const engine *e, const grid *g, wall_lists *l)
 static grid_line line_along(const placed_segment *p, double *beside) {
   double lower[2], upper[2];
   *beside = 0.0;
-  if (p->piece == SD_PIECE_STRAIGHT) return (grid_line){p->x, p->y, p->tx, p->ty, -p->backwards, p->length};
+  if (p->piece == SD_PIECE_STRAIGHT)
+    return (grid_line){p->x, p->y, p->tx, p->ty, -p->backwards, p->length};
   walls_bounds(p, lower, upper);
   *beside = 0.5 * (upper[1] - lower[1]);
   return (grid_line){lower[0], 0.5 * (lower[1] + upper[1]), 1.0, 0.0, 0.0, upper[0] - lower[0]};
@@ -172,14 +176,15 @@ static void find_image(const engine *e, const grid *g, uint32_t m, const placed_
 }
 
 /* The images of a piece that may be near a disk: first to last along direction c. */
-static void find_range(const engine *e, const grid *g, const placed_segment *p, int c, double *first,
-                       double *last) {
+static void find_range(const engine *e, const grid *g, const placed_segment *p, int c,
+                       double *first, double *last) {
   const work *w = &e->work;
   double lower[2], upper[2];
   *first = *last = 0.0;
   if (!p->image[c] || g->count == 0) return;
   walls_bounds(p, lower, upper);
-  if (!isfinite(lower[c])) lower[c] = upper[c] = c == 0 ? p->x : p->y; /* a line across the direction */
+  if (!isfinite(lower[c]))
+    lower[c] = upper[c] = c == 0 ? p->x : p->y; /* a line across the direction */
   const double reach = g->level[0].largest + largest_margin(e) + g->overhang;
   *first = ceil((w->lower[c] - reach - upper[c]) / w->length[c]);
   *last = floor((w->upper[c] + reach - lower[c]) / w->length[c]);
@@ -205,7 +210,8 @@ static sd_status find_segments(const engine *e, const grid *g, wall_lists *l) {
 /* --- candidates -------------------------------------------------------------------------------------- */
 
 /* Adds the partners of free disk i among the disks in higher slots, unordered. */
-static void find_partners(const engine *e, const grid *g, uint32_t i, grid_runs *runs, numbers *found) {
+static void find_partners(const engine *e, const grid *g, uint32_t i, grid_runs *runs,
+                          numbers *found) {
   const sd_state *s = e->state;
   const double at[2] = {s->x[i], s->y[i]}, margin = largest_margin(e);
   for (size_t k = 0; k < g->count; k++) {
@@ -215,7 +221,8 @@ static void find_partners(const engine *e, const grid *g, uint32_t i, grid_runs 
     for (size_t r = 0; r < runs->count; r++)
       for (uint32_t n = runs->run[r].from; n < runs->run[r].to; n++) {
         const uint32_t j = l->disks[n];
-        if (j > i && near(e, i, j, largest_margin(e)) && !clumps_same(e, i, j)) numbers_add(found, j);
+        if (j > i && near(e, i, j, largest_margin(e)) && !clumps_same(e, i, j))
+          numbers_add(found, j);
       }
   }
 }
@@ -245,7 +252,8 @@ static void add_closed(const engine *e, const closed_before *c, uint32_t i, numb
   }
 }
 
-static void add_closed_segments(const engine *e, const closed_before *c, uint32_t i, numbers *found) {
+static void add_closed_segments(const engine *e, const closed_before *c, uint32_t i,
+                                numbers *found) {
   const pairs *old = &e->work.pairs;
   for (size_t k = c->from; k < c->to; k++)
     if (pairs_closed(old, k) && !near_piece(e, i, &e->work.segments[old->part[k]]))
@@ -295,7 +303,8 @@ static void find_share(const search *q, size_t begin, size_t end, share *mine) {
   const engine *e = q->e;
   const pairs *old = &e->work.pairs;
   const size_t old_end = q->pieces ? old->count : old->n_round;
-  closed_before before = {.to = pairs_from(old, q->pieces ? old->first_segment : 0, old_end, begin)};
+  closed_before before = {.to =
+                              pairs_from(old, q->pieces ? old->first_segment : 0, old_end, begin)};
   numbers found = {0};
   grid_runs runs = {0};
   for (size_t k = begin; k < end && !mine->failed; k++) {
@@ -329,7 +338,8 @@ static void place_list(search *q, int n, int ghosts) {
     count += q->share[k].pairs[ghosts].b.n;
     if (q->share[k].failed) q->status = SD_ERROR_IO;
   }
-  if (q->status == SD_OK && count > q->to->capacity) q->status = pairs_reserve(q->to, count + count / 4);
+  if (q->status == SD_OK && count > q->to->capacity)
+    q->status = pairs_reserve(q->to, count + count / 4);
   if (q->status == SD_OK) q->to->count = count;
 }
 
@@ -353,7 +363,8 @@ static void copy_share(const search *q, const share *mine) {
       const size_t k = mine->pairs[list].at + n;
       const uint32_t found = mine->pairs[list].b.at[n];
       p->a[k] = (int32_t)mine->pairs[list].a.at[n];
-      p->b[k] = (int32_t)(q->pieces ? slot_of(&q->e->work.slots, q->e->model->segments[found].body) : found);
+      p->b[k] = (int32_t)(q->pieces ? slot_of(&q->e->work.slots, q->e->model->segments[found].body)
+                                    : found);
       p->part[k] = q->pieces ? (int32_t)found : 0;
     }
 }
@@ -370,7 +381,8 @@ static void search_together(const team *t, void *with) {
 }
 
 static sd_status push(search *q) {
-  q->status = q->pieces ? find_segments(q->e, q->g, &q->walls) : find_round_walls(q->e, q->g, &q->walls);
+  q->status =
+      q->pieces ? find_segments(q->e, q->g, &q->walls) : find_round_walls(q->e, q->g, &q->walls);
   if (q->status == SD_OK) pool_run(work_pool(q->e), search_together, q);
   for (size_t k = 0; k < WORK_MAX_THREADS; k++)
     for (int list = 0; list < 2; list++) {

@@ -46,16 +46,17 @@ void chunks_free(chunks *c) {
 static sd_status reserve(chunks *c, size_t count, size_t n_free) {
   if (count <= c->capacity) return SD_OK;
   chunks_free(c);
-  if (!memory_rows(10, (memory_column[]){{&c->begin, count + 1, sizeof *c->begin},
-                                         {&c->of_disks, n_free / CHUNK_STEP + 1, sizeof *c->of_disks},
-                                         {&c->pair, count + 1, sizeof *c->pair},
-                                         {&c->segment, count + 1, sizeof *c->segment},
-                                         {&c->need_start, count + 1, sizeof *c->need_start},
-                                         {&c->row, count, sizeof *c->row},
-                                         {&c->predicted, count, sizeof *c->predicted},
-                                         {&c->packed, count, sizeof *c->packed},
-                                         {&c->boundary_first, count, sizeof *c->boundary_first},
-                                         {&c->boundary_last, count, sizeof *c->boundary_last}}))
+  if (!memory_rows(10,
+                   (memory_column[]){{&c->begin, count + 1, sizeof *c->begin},
+                                     {&c->of_disks, n_free / CHUNK_STEP + 1, sizeof *c->of_disks},
+                                     {&c->pair, count + 1, sizeof *c->pair},
+                                     {&c->segment, count + 1, sizeof *c->segment},
+                                     {&c->need_start, count + 1, sizeof *c->need_start},
+                                     {&c->row, count, sizeof *c->row},
+                                     {&c->predicted, count, sizeof *c->predicted},
+                                     {&c->packed, count, sizeof *c->packed},
+                                     {&c->boundary_first, count, sizeof *c->boundary_first},
+                                     {&c->boundary_last, count, sizeof *c->boundary_last}}))
     return SD_ERROR_IO;
   c->capacity = count;
   return SD_OK;
@@ -67,7 +68,8 @@ static void find_pairs(chunks *c, const pairs *p) {
     const size_t k = n < c->count ? pairs_from(p, 0, p->n_round, c->begin[n]) : p->n_round;
     const size_t whole = (k + PAIR_BLOCK - 1) / PAIR_BLOCK * PAIR_BLOCK;
     c->pair[n] = whole < p->first_ghost ? whole : p->first_ghost;
-    c->segment[n] = n < c->count ? pairs_from(p, p->first_segment, p->count, c->begin[n]) : p->count;
+    c->segment[n] =
+        n < c->count ? pairs_from(p, p->first_segment, p->count, c->begin[n]) : p->count;
     assert(c->pair[n] % PAIR_BLOCK == 0 && (n == 0 || c->pair[n - 1] <= c->pair[n]));
     assert(n == 0 || c->segment[n - 1] <= c->segment[n]);
   }
@@ -218,7 +220,8 @@ static void cut_shares(chunks *c, const size_t *disk) {
 
 /* Ranks for which these disks are ghosts wait for them. */
 static void find_sent(const halo *h, chunks *c) {
-  for (size_t k = 0; k < h->n_send; k++) c->boundary_first[chunks_of_disk(c, h->send_slot[k])] = true;
+  for (size_t k = 0; k < h->n_send; k++)
+    c->boundary_first[chunks_of_disk(c, h->send_slot[k])] = true;
   c->any_boundary_first = true;
 }
 
@@ -256,7 +259,8 @@ int chunks_thread_of_disk(const engine *e, size_t slot) {
 int chunks_thread_of_pair(const engine *e, size_t pair) {
   const chunks *c = &e->work.chunks;
   assert(pair < e->work.pairs.count);
-  if (pair >= e->work.pairs.first_ghost) return chunks_thread_of_disk(e, (size_t)e->work.pairs.a[pair]);
+  if (pair >= e->work.pairs.first_ghost)
+    return chunks_thread_of_disk(e, (size_t)e->work.pairs.a[pair]);
   int t = 0;
   while (pair >= c->pair[c->share[t + 1]]) t++;
   return t;
@@ -282,7 +286,8 @@ static size_t take_page(page_list *l, size_t first, size_t k, size_t until) {
 
 /* Last chunk of its share that reads the rows of each; SIZE_MAX where they are kept. */
 static void find_ends(chunks *c, size_t *until) {
-  for (size_t k = 0; k < c->count; k++) until[k] = c->boundary_first[k] || c->boundary_last[k] ? SIZE_MAX : k;
+  for (size_t k = 0; k < c->count; k++)
+    until[k] = c->boundary_first[k] || c->boundary_last[k] ? SIZE_MAX : k;
   for (size_t k = 0; k < c->count; k++)
     for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
       if (until[c->need[n]] < k) until[c->need[n]] = k;
@@ -308,7 +313,8 @@ void chunks_plan_rows(chunks *c, size_t n_free) {
   find_ends(c, until);
   give_rows(c, until, &pages);
   assert(pages.n <= c->count);
-  for (size_t k = 0; k < c->count; k++) assert(c->row[k] != SIZE_MAX); /* each is read by its own pairs */
+  for (size_t k = 0; k < c->count; k++)
+    assert(c->row[k] != SIZE_MAX); /* each is read by its own pairs */
   c->rows = pages.n * c->size;
   c->shares = pages.n < c->count;
   if (!c->shares) {

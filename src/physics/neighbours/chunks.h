@@ -16,7 +16,9 @@ enum { CHUNK_STEP = 8 };
 sd_status chunks_plan(engine *e);
 void chunks_free(chunks *c);
 /* In which chunk is this free disk? */
-static inline size_t chunks_of_disk(const chunks *c, size_t slot) { return c->of_disks[slot / CHUNK_STEP]; }
+static inline size_t chunks_of_disk(const chunks *c, size_t slot) {
+  return c->of_disks[slot / CHUNK_STEP];
+}
 /* Which thread takes this pair, and which this free disk. */
 int chunks_thread_of_pair(const engine *e, size_t pair);
 int chunks_thread_of_disk(const engine *e, size_t slot);

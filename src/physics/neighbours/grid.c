@@ -16,7 +16,8 @@ static const double LEVEL_FACTOR = 2.5, CELL_SIZE = 1.0, CELLS_PER_DISK = 4.0;
 
 /* --- levels ---------------------------------------------------------------------------------------------- */
 
-size_t grid_levels_of(const double *radius, size_t n, double factor, const comm *c, double top[GRID_LEVELS]) {
+size_t grid_levels_of(const double *radius, size_t n, double factor, const comm *c,
+                      double top[GRID_LEVELS]) {
   double least = HUGE_VAL, below = HUGE_VAL;
   size_t count = 0;
   assert(factor > 1.0);
@@ -55,7 +56,9 @@ static size_t cell_index(const grid_level *l, double x, double y) {
 }
 
 /* Does the disk in this slot touch anything? */
-static bool in_play(const sd_state *s, size_t slot) { return slot >= s->n_free || body_in_play(s, slot); }
+static bool in_play(const sd_state *s, size_t slot) {
+  return slot >= s->n_free || body_in_play(s, slot);
+}
 
 static void choose_cells(grid_level *l, const double low[2], const double high[2], double reach) {
   const double most = CELLS_PER_DISK * (double)l->count + 1.0;
@@ -273,7 +276,8 @@ static int64_t round_down(double v) {
 }
 
 static range range_of(const grid_level *l, int c, double low, double high) {
-  const double from = (low - l->lower[c]) * l->per_cell[c], to = (high - l->lower[c]) * l->per_cell[c];
+  const double from = (low - l->lower[c]) * l->per_cell[c],
+               to = (high - l->lower[c]) * l->per_cell[c];
   const int64_t n = l->cells[c];
   if (!l->periodic[c])
     return (range){from >= (double)n ? n - 1
@@ -286,7 +290,8 @@ static range range_of(const grid_level *l, int c, double low, double high) {
   return (range){round_down(from), round_down(to)};
 }
 
-static void add_run(const grid_level *l, int64_t row, int64_t first, int64_t last, grid_runs *found) {
+static void add_run(const grid_level *l, int64_t row, int64_t first, int64_t last,
+                    grid_runs *found) {
   const uint32_t *start = l->start + row * l->cells[0];
   const uint32_t from = start[first], to = start[last + 1];
   if (from == to) return;
@@ -341,7 +346,8 @@ static void row_edges(const grid_level *l, int64_t v, double *low, double *high)
 static double slack(double reach, double at) { return reach * (1.0 + 1e-9) + 1e-14 * at; }
 
 /* The cells of rows v that a circle of radius r reaches. */
-static void add_circle(const grid_level *l, range v, const double at[2], double r, grid_runs *found) {
+static void add_circle(const grid_level *l, range v, const double at[2], double r,
+                       grid_runs *found) {
   for (int64_t k = v.first; k <= v.last; k++) {
     double low, high;
     row_edges(l, k, &low, &high);
@@ -353,7 +359,8 @@ static void add_circle(const grid_level *l, range v, const double at[2], double 
 
 /* Few rows are taken as wide as the circle. All rows of a periodic box stand for several images each. */
 enum { FEW_ROWS = 4 };
-void grid_around(const grid *g, const grid_level *l, const double at[2], double reach, grid_runs *found) {
+void grid_around(const grid *g, const grid_level *l, const double at[2], double reach,
+                 grid_runs *found) {
   const double r = slack(reach + 2.0 * g->overhang, fabs(at[0]) + fabs(at[1]));
   const range v = range_of(l, 1, at[1] - r, at[1] + r);
   const bool all = l->periodic[1] && v.last - v.first + 1 == l->cells[1];
@@ -372,10 +379,12 @@ void grid_around(const grid *g, const grid_level *l, const double at[2], double 
 }
 
 /* The line's piece between two heights, with `reach` around it. False: none. */
-static bool chord(const grid_line *line, double reach, double low, double high, double *left, double *right) {
+static bool chord(const grid_line *line, double reach, double low, double high, double *left,
+                  double *right) {
   double from = -line->back, to = line->length;
   if (line->ty != 0.0) {
-    const double one = (low - reach - line->y) / line->ty, two = (high + reach - line->y) / line->ty;
+    const double one = (low - reach - line->y) / line->ty,
+                 two = (high + reach - line->y) / line->ty;
     from = fmax(from, fmin(one, two));
     to = fmin(to, fmax(one, two));
   } else if (line->y < low - reach || line->y > high + reach) {

@@ -18,7 +18,8 @@ typedef struct grid_level {
   uint32_t last;  /* highest slot */
   size_t count;
   bool periodic[2];
-  double lower[2], per_cell[2], offset; /* offset: of a row of periodic images against the one below */
+  double lower[2], per_cell[2],
+      offset; /* offset: of a row of periodic images against the one below */
   int64_t cells[2];
   uint32_t *start; /* cell c holds disks[start[c] .. start[c + 1]) */
   uint32_t *disks; /* of the level, by cell and slot */
@@ -49,11 +50,13 @@ typedef struct grid_line {
 sd_status grid_build(const engine *e, double margin, grid *g);
 void grid_free(grid *g);
 /* Disks whose centres are nearer to a point than `reach`, and others; each once. */
-void grid_around(const grid *g, const grid_level *l, const double at[2], double reach, grid_runs *found);
+void grid_around(const grid *g, const grid_level *l, const double at[2], double reach,
+                 grid_runs *found);
 /* The same for a line, not for its periodic images. */
 void grid_along(const grid_level *l, const grid_line *line, double reach, grid_runs *found);
 /* Radii of the levels: writes the largest of each, descending, and returns how many there are. most: the largest of a value on all
  * ranks, which then call together; NULL: of this one. */
-size_t grid_levels_of(const double *radius, size_t n, double factor, const comm *c, double top[GRID_LEVELS]);
+size_t grid_levels_of(const double *radius, size_t n, double factor, const comm *c,
+                      double top[GRID_LEVELS]);
 
 #endif

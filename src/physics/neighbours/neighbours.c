@@ -22,7 +22,9 @@ void neighbours_free(engine *e) {
 }
 
 /* Does the body in this slot touch anything? */
-static bool in_play(const sd_state *s, size_t slot) { return slot >= s->n_free || body_in_play(s, slot); }
+static bool in_play(const sd_state *s, size_t slot) {
+  return slot >= s->n_free || body_in_play(s, slot);
+}
 
 /* By how much any pair may be apart and is a candidate. */
 static double largest_margin(const engine *e) { return e->work.skin + e->work.margin; }
@@ -50,7 +52,8 @@ static void find_watched(engine *e) {
       size_t pair = n->entry[at] / 2;
       if (p->a[pair] + p->b[pair] == d + q && (p->a[pair] == d || p->b[pair] == d)) {
         /* of several pieces of one wall the first: they follow one another, and which is closed changes */
-        if (e->work.watched[k] < 0 || (int64_t)pair < e->work.watched[k]) e->work.watched[k] = (int64_t)pair;
+        if (e->work.watched[k] < 0 || (int64_t)pair < e->work.watched[k])
+          e->work.watched[k] = (int64_t)pair;
       }
     }
   }
@@ -61,9 +64,10 @@ static void find_watched(engine *e) {
 static sd_status tell_not_finite(const engine *e, int64_t step, size_t slot,
                                  const double pose[SD_COORDINATES], sd_messages *messages) {
   char name[96], hint[200];
-  return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s is at (%g, %g), angle %g: not finite; %s",
-                 (long long)step, sd_model_body_name(e->model, e->state->id[slot], name, sizeof name),
-                 pose[SD_X], pose[SD_Y], pose[SD_THETA],
+  return sd_fail(messages, SD_ERROR_NUMERIC,
+                 "step %lld: %s is at (%g, %g), angle %g: not finite; %s", (long long)step,
+                 sd_model_body_name(e->model, e->state->id[slot], name, sizeof name), pose[SD_X],
+                 pose[SD_Y], pose[SD_THETA],
                  advice_of_failure(e->model, "is dt too large?", hint, sizeof hint));
 }
 
@@ -111,7 +115,8 @@ static void note_reaches(const engine *e, const double low[2], const double high
     const placed_segment *g = &w->segments[k];
     const uint32_t b = slot_of(&w->slots, e->model->segments[k].body);
     const double x = g->x - s->x[b], y = g->y - s->y[b];
-    const double end = isfinite(g->length) ? hypot(x + g->length * g->tx, y + g->length * g->ty) : HUGE_VAL;
+    const double end =
+        isfinite(g->length) ? hypot(x + g->length * g->tx, y + g->length * g->ty) : HUGE_VAL;
     double *reach = &w->reach[b - s->n_disks];
     *reach = fmax(*reach, fmax(hypot(x, y) + g->radius, end));
   }
@@ -179,7 +184,8 @@ static double largest_radius(const sd_state *s) {
 
 /* Of lengths, by a deforming box: the smaller singular value of its map. */
 static double least_stretch(const work_cell *c) {
-  const double x = 1.0 + c->map[0], y = 1.0 + c->map[1], sum = x * x + y * y + c->map[2] * c->map[2],
+  const double x = 1.0 + c->map[0], y = 1.0 + c->map[1],
+               sum = x * x + y * y + c->map[2] * c->map[2],
                root = sqrt(fmax(sum * sum - 4.0 * (x * y) * (x * y), 0.0));
   return sqrt(fmax(0.5 * (sum - root), 0.0));
 }
@@ -193,7 +199,9 @@ static double limit_of(const engine *e) {
   return 0.45 * w->skin - 0.5 * shrunk * (2.0 * largest_radius(e->state) + largest_margin(e));
 }
 
-static void set_limit(work *w, double limit) { w->moved_limit2 = limit > 0.0 ? limit * limit : -1.0; }
+static void set_limit(work *w, double limit) {
+  w->moved_limit2 = limit > 0.0 ? limit * limit : -1.0;
+}
 
 void neighbours_deform(engine *e, int64_t step) {
   work *w = &e->work;
@@ -296,7 +304,8 @@ sd_status neighbours_build(engine *e, sd_messages *messages) {
     *next = swap;
     status = pairs_list(e);
   }
-  if (status != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
+  if (status != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
   find_pieces(e);
   find_watched(e);
   note_poses(e);

@@ -132,16 +132,18 @@ static void turn_contact(const sd_model *m, sd_state *s, size_t k, const slot_ta
 
 /* Contacts that a packing brings along may be with disks that are out of reach here: these stand last, and are not listed. Returns how
  * many are. */
-static size_t list_contacts(const sd_model *m, sd_state *s, const slot_table *slots, contact_place *list,
-                            uint32_t *from) {
+static size_t list_contacts(const sd_model *m, sd_state *s, const slot_table *slots,
+                            contact_place *list, uint32_t *from) {
   size_t n = 0, last = s->n_contacts;
   for (uint32_t k = 0; k < s->n_contacts; k++) {
-    if (slot_of(slots, s->contact_a[k]) == SLOT_NONE || slot_of(slots, s->contact_b[k]) == SLOT_NONE) {
+    if (slot_of(slots, s->contact_a[k]) == SLOT_NONE ||
+        slot_of(slots, s->contact_b[k]) == SLOT_NONE) {
       from[--last] = k;
       continue;
     }
     turn_contact(m, s, k, slots);
-    const uint32_t body = s->contact_b[k], a = slot_of(slots, s->contact_a[k]), b = slot_of(slots, body);
+    const uint32_t body = s->contact_b[k], a = slot_of(slots, s->contact_a[k]),
+                   b = slot_of(slots, body);
     const bool piece = body >= m->n_disks && m->walls[body - m->n_disks].kind != SD_WALL_CIRCLE,
                ghost = b >= s->n_free && b < s->n_free + s->n_ghosts;
     assert(a < b);
@@ -180,7 +182,8 @@ sd_status order_part(const sd_model *m, sd_state *s, const comm *c, order_place 
   size_t row = s->n_means ? SD_MEAN_BINS * sizeof(double) : sizeof(double);
   uint32_t *from;
   void *scratch;
-  if (!memory_rows(2, (memory_column[]){{&from, s->n_free, sizeof *from}, {&scratch, s->n_free, row}}))
+  if (!memory_rows(2,
+                   (memory_column[]){{&from, s->n_free, sizeof *from}, {&scratch, s->n_free, row}}))
     return SD_ERROR_IO;
   fill_places(m, s, c, list);
   if (s->n_free > 1) qsort(list, s->n_free, sizeof *list, order_by_place);

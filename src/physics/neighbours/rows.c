@@ -22,7 +22,8 @@ static void order_partners(const engine *e, size_t slot) {
   const incidence *n = &e->work.incidence;
   const pairs *p = &e->work.pairs;
   uint32_t *entry = n->entry;
-  for (size_t k = n->start[slot]; k < n->start[slot + 1] && !pairs_is_segment(p, entry[k] / 2); k++) {
+  for (size_t k = n->start[slot]; k < n->start[slot + 1] && !pairs_is_segment(p, entry[k] / 2);
+       k++) {
     const uint32_t moved = entry[k];
     const uint64_t here = halo_order(e, partner_of(p, moved));
     size_t at = k;
@@ -235,7 +236,8 @@ static sd_status list_rows(engine *e) {
   const chunks *c = &w->chunks;
   if (reserve_rows(e) != SD_OK) return SD_ERROR_IO;
   assert(count_rows(e) <= INT32_MAX / PACKED_ROW && count_rows(e) <= w->packed_capacity);
-  for (size_t slot = n_free; slot <= n_bodies; slot++) w->row[slot] = (int32_t)(c->rows + slot - n_free);
+  for (size_t slot = n_free; slot <= n_bodies; slot++)
+    w->row[slot] = (int32_t)(c->rows + slot - n_free);
   assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* that of padding is the last */
   memset(w->packed + PACKED_ROW * (size_t)w->row[n_bodies], 0, PACKED_ROW * sizeof *w->packed);
   pool_run(work_pool(e), rows_together, e);
@@ -310,7 +312,8 @@ static sd_status reserve_sums(engine *e) {
   sums *m = &e->work.sums;
   const incidence *n = &e->work.incidence;
   size_t rows = count_rows(e);
-  for (size_t k = 0; k < m->n_listed; k++) rows += n->start[m->listed[k] + 1] - n->start[m->listed[k]];
+  for (size_t k = 0; k < m->n_listed; k++)
+    rows += n->start[m->listed[k] + 1] - n->start[m->listed[k]];
   if (rows > m->capacity) {
     arena_free(m->row);
     m->capacity = rows + rows / 4;

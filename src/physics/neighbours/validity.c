@@ -17,7 +17,9 @@
 
 /* --- lists that were just built --------------------------------------------------------------- */
 
-static bool in_play(const sd_state *s, size_t slot) { return slot >= s->n_free || body_in_play(s, slot); }
+static bool in_play(const sd_state *s, size_t slot) {
+  return slot >= s->n_free || body_in_play(s, slot);
+}
 
 /* Rows of packed bodies, with that of padding. */
 static size_t count_rows(const engine *e) {
@@ -74,8 +76,9 @@ static bool is_padding(const pairs *p, size_t k) {
 
 static void check_pairs(const engine *e) {
   const pairs *p = &e->work.pairs;
-  assert(p->n_round <= p->first_ghost && p->first_ghost <= p->end_ghost && p->end_ghost <= p->first_segment &&
-         p->first_segment <= p->count && p->count <= p->capacity);
+  assert(p->n_round <= p->first_ghost && p->first_ghost <= p->end_ghost &&
+         p->end_ghost <= p->first_segment && p->first_segment <= p->count &&
+         p->count <= p->capacity);
   assert(p->first_ghost % PAIR_BLOCK == 0 && p->first_ghost - p->n_round < PAIR_BLOCK);
   assert(p->first_segment % PAIR_BLOCK == 0 && p->first_segment - p->end_ghost < PAIR_BLOCK);
   for (size_t k = 0; k < p->count; k++) {
@@ -147,7 +150,8 @@ static bool follows(const engine *e, size_t slot, uint32_t first, uint32_t secon
   const pairs *p = &e->work.pairs;
   const size_t one = (size_t)(first & 1 ? p->a[first / 2] : p->b[first / 2]);
   const size_t two = (size_t)(second & 1 ? p->a[second / 2] : p->b[second / 2]);
-  if (!e->halo || slot >= e->state->n_free || pairs_is_segment(p, second / 2)) return first / 2 < second / 2;
+  if (!e->halo || slot >= e->state->n_free || pairs_is_segment(p, second / 2))
+    return first / 2 < second / 2;
   return halo_order(e, one) < halo_order(e, two);
 }
 
@@ -231,7 +235,8 @@ static void check_readers(const engine *e) {
   for (int t = 0; t < c->n_threads; t++)
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
       assert(needs(c, k, k));
-      for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++) check_reader(e, k, c->share[t + 1], at);
+      for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++)
+        check_reader(e, k, c->share[t + 1], at);
       for (size_t at = c->segment[k]; at < c->segment[k + 1]; at++) {
         check_reader(e, k, c->share[t + 1], at);
         assert((size_t)e->work.pairs.a[at] < c->begin[k + 1]);
@@ -302,7 +307,8 @@ static void check_sum_rows(const engine *e, size_t slot, bool listed, size_t sin
   for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++) {
     const size_t k = n->entry[at] / 2;
     const size_t row = listed ? single + (at - n->start[slot]) : (size_t)e->work.row[slot];
-    const int32_t sum = n->entry[at] & 1 ? PAIR(&e->work.pairs, k, sum_b) : PAIR(&e->work.pairs, k, sum_a);
+    const int32_t sum =
+        n->entry[at] & 1 ? PAIR(&e->work.pairs, k, sum_b) : PAIR(&e->work.pairs, k, sum_a);
     assert((size_t)sum == SUM_ROW * row);
   }
 }
@@ -314,7 +320,8 @@ static void check_sums(const engine *e) {
   size_t k = 0;
   for (size_t slot = 0; slot < e->state->n_bodies; slot++) {
     const bool listed = k < m->n_listed && m->listed[k] == slot;
-    assert(listed || slot < e->state->n_free); /* contacts of prescribed bodies are wanted one by one */
+    assert(listed ||
+           slot < e->state->n_free); /* contacts of prescribed bodies are wanted one by one */
     check_sum_rows(e, slot, listed, listed ? m->single[k] : 0);
     if (!listed) continue;
     assert(slot >= e->state->n_free || c->boundary_last[chunks_of_disk(c, slot)]);
@@ -373,12 +380,16 @@ static void check_run(const engine *e) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
   assert(s->step > 0 && s->phase >= 0 && (size_t)s->phase < m->n_phases);
-  assert(s->phase_step >= 0 && s->phase_step <= s->step && s->measured >= 0 && s->measured <= s->step);
-  assert(s->bins >= 0 && s->bins < SD_BINS && s->bin_steps > 0 && (s->bin_steps & (s->bin_steps - 1)) == 0);
+  assert(s->phase_step >= 0 && s->phase_step <= s->step && s->measured >= 0 &&
+         s->measured <= s->step);
+  assert(s->bins >= 0 && s->bins < SD_BINS && s->bin_steps > 0 &&
+         (s->bin_steps & (s->bin_steps - 1)) == 0);
   assert(s->mean_bins >= 0 && s->mean_bins < SD_MEAN_BINS && s->mean_bin_steps > 0);
   assert(s->box_scale > 0.0 && s->n_contacts <= s->contact_capacity && s->outside >= 0);
-  assert(s->fast_step >= -1 && s->fast_step <= s->step && s->fast_disk < (int64_t)(m->n_disks + m->n_walls));
-  for (size_t k = 0; k < s->n_motions; k++) assert(s->motion_start[k] >= -1 && s->motion_start[k] <= s->step);
+  assert(s->fast_step >= -1 && s->fast_step <= s->step &&
+         s->fast_disk < (int64_t)(m->n_disks + m->n_walls));
+  for (size_t k = 0; k < s->n_motions; k++)
+    assert(s->motion_start[k] >= -1 && s->motion_start[k] <= s->step);
 }
 
 /* Angles within half a turn of 8 rad, positions within the box; disks that are out of play stand still. */
@@ -391,7 +402,8 @@ static void check_poses(const engine *e) {
     if (i >= s->n_free) continue;
     if (!body_in_play(s, i)) {
       assert(s->vx[i] == 0.0 && s->vy[i] == 0.0 && s->omega[i] == 0.0);
-      assert(w->inverse_mass_x[i] == 0.0 && w->inverse_mass_y[i] == 0.0 && w->inverse_inertia[i] == 0.0);
+      assert(w->inverse_mass_x[i] == 0.0 && w->inverse_mass_y[i] == 0.0 &&
+             w->inverse_inertia[i] == 0.0);
       continue;
     }
     assert(fabs(s->theta[i]) <= 4.0);
@@ -428,7 +440,8 @@ static void check_closed(const engine *e, size_t k) {
   if (general) {
     const double limit = fmax(r.force + r.pull, 0.0);
     assert(law->pulls > 0.0 || r.force + r.pull >= -ROUNDING * r.pull);
-    assert(r.pull >= 0.0 && r.pull <= law->pull_off && (r.overlap > 0.0 || limit <= ROUNDING * r.pull));
+    assert(r.pull >= 0.0 && r.pull <= law->pull_off &&
+           (r.overlap > 0.0 || limit <= ROUNDING * r.pull));
     assert(fabs(r.tau) <= law->cap * law->k_t * (limit + ROUNDING * r.pull) * (1.0 + ROUNDING));
     assert(fabs(r.roll) <= law->cap_r * law->k_r * (limit + ROUNDING * r.pull) * (1.0 + ROUNDING));
   } else {
@@ -478,7 +491,8 @@ static bool is_candidate(const engine *e, size_t i, size_t j) {
   const incidence *n = &e->work.incidence;
   const pairs *p = &e->work.pairs;
   for (size_t at = n->start[i]; at < n->start[i + 1]; at++)
-    if ((size_t)(n->entry[at] & 1 ? p->a[n->entry[at] / 2] : p->b[n->entry[at] / 2]) == j) return true;
+    if ((size_t)(n->entry[at] & 1 ? p->a[n->entry[at] / 2] : p->b[n->entry[at] / 2]) == j)
+      return true;
   return false;
 }
 
@@ -520,7 +534,8 @@ static void check_loss_sums(const engine *e) {
 
 /* All disks were predicted for the same step, and rare events are treated. */
 static void check_work(const work *w) {
-  for (size_t k = 0; k < w->chunks.count; k++) assert(w->chunks.predicted[k] == w->chunks.predicted[0]);
+  for (size_t k = 0; k < w->chunks.count; k++)
+    assert(w->chunks.predicted[k] == w->chunks.predicted[0]);
   for (int t = 0; t < w->n_threads; t++) {
     assert(w->threads[t].events.count == 0 && w->threads[t].returns.count == 0);
     assert(!w->threads[t].events.failed && !w->threads[t].returns.failed && !w->threads[t].fast);

@@ -23,7 +23,8 @@ void validity_check_step(const engine *e);
  * at the beginning, then every power of two and every 97th, which meets all residues of the usual intervals. */
 enum { VALIDITY_ALL = 256, VALIDITY_EVERY = 97 };
 static inline bool validity_due(int64_t step) {
-  return VALIDITY_CHECKED && (step <= VALIDITY_ALL || step % VALIDITY_EVERY == 0 || (step & (step - 1)) == 0);
+  return VALIDITY_CHECKED &&
+         (step <= VALIDITY_ALL || step % VALIDITY_EVERY == 0 || (step & (step - 1)) == 0);
 }
 
 #endif

@@ -67,33 +67,34 @@
 
 void KERNEL(kernel_lanes)(lanes *l, int64_t n);
 
-#define SHAPES(name, width, single)                                                                          \
-  static void name##_three_gear(lanes *l, int64_t n) {                                                       \
-    steps_three_w##width(l, n, (shape_three_w##width){1, 2, true, false, 0, single});                        \
-  }                                                                                                          \
-  static void name##_three_verlet(lanes *l, int64_t n) {                                                     \
-    steps_three_w##width(l, n, (shape_three_w##width){1, 2, false, false, 0, single});                       \
-  }                                                                                                          \
-  static void name##_wall(lanes *l, int64_t n) {                                                             \
-    if (l->gear)                                                                                             \
-      steps_wall_w##width(l, n, (shape_wall_w##width){1, 1, true, true, 0, single});                         \
-    else                                                                                                     \
-      steps_wall_w##width(l, n, (shape_wall_w##width){1, 1, false, true, 0, single});                        \
-  }                                                                                                          \
-  static void name##_any(lanes *l, int64_t n) {                                                              \
-    steps_any_w##width(                                                                                      \
-        l, n, (shape_any_w##width){l->n_free, l->n_pairs, l->gear, l->conservative, l->features, single});   \
-  }                                                                                                          \
-  static void name(lanes *l, int64_t n) {                                                                    \
-    if (KNOWN_SHAPES && l->n_pairs == 1 && l->straight[0] && !l->features)                                   \
-      name##_wall(l, n);                                                                                     \
-    else if (!KNOWN_SHAPES || l->n_free != 1 || l->n_pairs != 2 || l->any_straight || l->conservative ||     \
-             l->features)                                                                                    \
-      name##_any(l, n);                                                                                      \
-    else if (l->gear)                                                                                        \
-      name##_three_gear(l, n);                                                                               \
-    else                                                                                                     \
-      name##_three_verlet(l, n);                                                                             \
+#define SHAPES(name, width, single)                                                                \
+  static void name##_three_gear(lanes *l, int64_t n) {                                             \
+    steps_three_w##width(l, n, (shape_three_w##width){1, 2, true, false, 0, single});              \
+  }                                                                                                \
+  static void name##_three_verlet(lanes *l, int64_t n) {                                           \
+    steps_three_w##width(l, n, (shape_three_w##width){1, 2, false, false, 0, single});             \
+  }                                                                                                \
+  static void name##_wall(lanes *l, int64_t n) {                                                   \
+    if (l->gear)                                                                                   \
+      steps_wall_w##width(l, n, (shape_wall_w##width){1, 1, true, true, 0, single});               \
+    else                                                                                           \
+      steps_wall_w##width(l, n, (shape_wall_w##width){1, 1, false, true, 0, single});              \
+  }                                                                                                \
+  static void name##_any(lanes *l, int64_t n) {                                                    \
+    steps_any_w##width(l, n,                                                                       \
+                       (shape_any_w##width){l->n_free, l->n_pairs, l->gear, l->conservative,       \
+                                            l->features, single});                                 \
+  }                                                                                                \
+  static void name(lanes *l, int64_t n) {                                                          \
+    if (KNOWN_SHAPES && l->n_pairs == 1 && l->straight[0] && !l->features)                         \
+      name##_wall(l, n);                                                                           \
+    else if (!KNOWN_SHAPES || l->n_free != 1 || l->n_pairs != 2 || l->any_straight ||              \
+             l->conservative || l->features)                                                       \
+      name##_any(l, n);                                                                            \
+    else if (l->gear)                                                                              \
+      name##_three_gear(l, n);                                                                     \
+    else                                                                                           \
+      name##_three_verlet(l, n);                                                                   \
   }
 SHAPES(one, 2, true)
 #if VECTOR_WIDTH == 8

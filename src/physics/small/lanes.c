@@ -50,7 +50,8 @@ static double *rows_at(const lanes *l, size_t row) { return l->memory + row * l-
 static void lay_rows(lanes *l) {
   for (size_t i = 0; i < LANES_FREE; i++) l->disk[i] = rows_at(l, ROWS_DISK + i * DISK_ROWS);
   for (size_t k = 0; k < LANES_PAIRS; k++) l->pair[k] = rows_at(l, ROWS_PAIR + k * PAIR_ROWS);
-  for (size_t k = 0; k < LANES_PAIRS; k++) l->of_straight[k] = rows_at(l, ROWS_STRAIGHT + k * STRAIGHT_ROWS);
+  for (size_t k = 0; k < LANES_PAIRS; k++)
+    l->of_straight[k] = rows_at(l, ROWS_STRAIGHT + k * STRAIGHT_ROWS);
   _Static_assert((int)PAIR_CLOSED == (int)SD_CONTACT_ALL, "the record comes first");
   l->place = rows_at(l, ROWS_PLACE);
   l->radius = rows_at(l, ROWS_RADIUS);
@@ -89,7 +90,8 @@ lanes *lanes_new(bool alone, size_t count, engine *const *system) {
   }
   const slot_table *slots = &system[0]->work.slots;
   l->visits = m->measure_configurations;
-  for (size_t k = 0; k < l->n_slides; k++) l->watching[k] = (uint8_t)slot_of(slots, m->slides[k].disk);
+  for (size_t k = 0; k < l->n_slides; k++)
+    l->watching[k] = (uint8_t)slot_of(slots, m->slides[k].disk);
   for (size_t k = 0; k < l->n_slides; k++)
     for (size_t side = 0; side < 2; side++)
       l->watched[2 * k + side] = (uint8_t)find_pair(l, slot_of(slots, m->slides[k].disk),
@@ -116,7 +118,8 @@ static void find_poses(lanes *l) {
   size_t n;
   const prescribed *p = motion_prescribed(e, &n);
   for (size_t k = 0; k < n; k++) {
-    assert(p[k].slot >= l->n_free && p[k].slot < l->n_bodies && !l->placed[p[k].slot][p[k].coordinate]);
+    assert(p[k].slot >= l->n_free && p[k].slot < l->n_bodies &&
+           !l->placed[p[k].slot][p[k].coordinate]);
     l->placed[p[k].slot][p[k].coordinate] = true;
   }
   l->poses = l->motion ? pose_batch_poses(l->motion) : NULL;
@@ -137,8 +140,9 @@ static void find_poses(lanes *l) {
 static double pose_now(const lanes *l, size_t slot, int which, size_t lane) {
   assert(l->at >= 0 && l->at < (l->motion ? POSE_STEPS : MOTION_BATCH));
   if (!l->motion) return l->pose[slot][which][l->at];
-  return l
-      ->poses[(((slot - l->n_free) * POSES + (size_t)which) * POSE_STEPS + (size_t)l->at) * l->width + lane];
+  return l->poses[(((slot - l->n_free) * POSES + (size_t)which) * POSE_STEPS + (size_t)l->at) *
+                      l->width +
+                  lane];
 }
 
 static double *cell(const lanes *l, double *rows, size_t row, size_t lane) {
@@ -213,7 +217,8 @@ static void load_straight(lanes *l, size_t k, size_t lane) {
   const sd_state *s = e->state;
   const uint32_t a = l->a[k], b = l->b[k];
   const double angle = s->theta[b] + s->turn[b], radius = s->radius[a];
-  const law_row *law = &e->work.laws[(size_t)s->material[a] * e->model->n_materials + (size_t)s->material[b]];
+  const law_row *law =
+      &e->work.laws[(size_t)s->material[a] * e->model->n_materials + (size_t)s->material[b]];
   const sd_segment *piece = e->model->segments;
   while (piece->body != s->id[b]) piece++;
   const placed_segment g = walls_place(piece, 0.0, 0.0, cos(angle), sin(angle), s->box_scale);
@@ -243,8 +248,8 @@ static void load_constants(lanes *l, size_t lane) {
     }
   for (size_t k = 0; k < l->n_pairs; k++) {
     double ra = s->radius[l->a[k]], rb = s->radius[l->b[k]], least = fabs(rb) < ra ? fabs(rb) : ra;
-    const law_row *law =
-        &w->laws[(size_t)s->material[l->a[k]] * e->model->n_materials + (size_t)s->material[l->b[k]]];
+    const law_row *law = &w->laws[(size_t)s->material[l->a[k]] * e->model->n_materials +
+                                  (size_t)s->material[l->b[k]]];
     double *p = l->pair[k];
     *cell(l, p, PAIR_KN, lane) = law->k_n;
     *cell(l, p, PAIR_KT, lane) = law->k_t;
@@ -263,13 +268,16 @@ static void load_constants(lanes *l, size_t lane) {
   }
 }
 
-static double *visit_rows(const lanes *l, size_t w) { return rows_at(l, ROWS_VISIT + VISIT_ROWS * w); }
+static double *visit_rows(const lanes *l, size_t w) {
+  return rows_at(l, ROWS_VISIT + VISIT_ROWS * w);
+}
 
 static void load_visits(lanes *l, size_t lane) {
   const sd_state *s = l->system[lane]->state;
   for (size_t w = 0; w < s->n_visits; w++) {
     double *rows = visit_rows(l, w);
-    for (size_t q = 0; q < VISIT_SUMS; q++) *cell(l, rows, q, lane) = s->visit_part[VISIT_SUMS * w + q];
+    for (size_t q = 0; q < VISIT_SUMS; q++)
+      *cell(l, rows, q, lane) = s->visit_part[VISIT_SUMS * w + q];
     *cell(l, rows, VISIT_ROW_CLASS, lane) = s->visit_class[w];
     *cell(l, rows, VISIT_ROW_LEFT, lane) = visits_left(s, w, s->measured);
     for (size_t side = 0; side < 2; side++)
@@ -291,8 +299,10 @@ static void load_lane(lanes *l, size_t lane) {
   for (size_t i = 0; i < l->n_free; i++)
     for (size_t c = 0; c < SD_COORDINATES; c++) {
       const columns *q = &e->work.columns[c];
-      const double column[DISK_COLUMNS] = {q->q[i], q->v[i], q->q2[i], q->q3[i], q->q4[i], q->q5[i]};
-      for (size_t r = 0; r < DISK_COLUMNS; r++) *cell(l, l->disk[i], c * DISK_COLUMNS + r, lane) = column[r];
+      const double column[DISK_COLUMNS] = {q->q[i],  q->v[i],  q->q2[i],
+                                           q->q3[i], q->q4[i], q->q5[i]};
+      for (size_t r = 0; r < DISK_COLUMNS; r++)
+        *cell(l, l->disk[i], c * DISK_COLUMNS + r, lane) = column[r];
     }
   const double *at[] = {s->x, s->y, s->theta}, *force[] = {s->force_x, s->force_y, s->torque};
   const double *speed[] = {s->vx, s->vy, s->omega};
@@ -328,8 +338,10 @@ static sd_status store_poses(const lanes *l, size_t lane) {
   for (size_t i = 0; i < l->n_free; i++)
     for (size_t c = 0; c < SD_COORDINATES; c++) {
       const columns *q = &e->work.columns[c];
-      double *column[DISK_COLUMNS] = {q->q + i, q->v + i, q->q2 + i, q->q3 + i, q->q4 + i, q->q5 + i};
-      for (size_t r = 0; r < DISK_COLUMNS; r++) *column[r] = *cell(l, l->disk[i], c * DISK_COLUMNS + r, lane);
+      double *column[DISK_COLUMNS] = {q->q + i,  q->v + i,  q->q2 + i,
+                                      q->q3 + i, q->q4 + i, q->q5 + i};
+      for (size_t r = 0; r < DISK_COLUMNS; r++)
+        *column[r] = *cell(l, l->disk[i], c * DISK_COLUMNS + r, lane);
     }
   double *at[POSES] = {s->x, s->y, s->theta, s->vx, s->vy, s->omega}, *p = l->place;
   for (size_t i = l->n_free; i < l->n_bodies; i++)
@@ -358,13 +370,16 @@ static void store_memory(const lanes *l, size_t lane) {
     const bool closed = *cell(l, l->pair[k], PAIR_CLOSED, lane) > 0.0;
     assert(n != SIZE_MAX || !closed);
     if (n == SIZE_MAX) continue; /* farther apart than any contact */
-    for (size_t r = 0; r < SD_CONTACT_COLUMNS; r++) PAIR(p, n, record[r]) = *cell(l, l->pair[k], r, lane);
+    for (size_t r = 0; r < SD_CONTACT_COLUMNS; r++)
+      PAIR(p, n, record[r]) = *cell(l, l->pair[k], r, lane);
     for (size_t r = 0; p->more && r < SD_CONTACT_EXTRA; r++)
       MORE(p, n, record[r]) = *cell(l, l->pair[k], SD_CONTACT_COLUMNS + r, lane);
     pairs_set_flags(p, n, closed, (slip < 0.0) - (slip > 0.0));
-    const double push[] = {*cell(l, l->pair[k], PAIR_FX, lane), *cell(l, l->pair[k], PAIR_FY, lane)};
+    const double push[] = {*cell(l, l->pair[k], PAIR_FX, lane),
+                           *cell(l, l->pair[k], PAIR_FY, lane)};
     double tau = *cell(l, l->pair[k], PAIR_TAU, lane);
-    double *on_a = e->work.sums.row + PAIR(p, n, sum_a), *on_b = e->work.sums.row + PAIR(p, n, sum_b);
+    double *on_a = e->work.sums.row + PAIR(p, n, sum_a),
+           *on_b = e->work.sums.row + PAIR(p, n, sum_b);
     on_a[SUM_X] -= push[0], on_b[SUM_X] += push[0];
     on_a[SUM_Y] -= push[1], on_b[SUM_Y] += push[1];
     on_a[SUM_TURN] += tau;
@@ -430,7 +445,8 @@ void lanes_show_angles(const lanes *l) {
   for (size_t lane = 0; lane < l->count; lane++) {
     sd_state *s = l->system[lane]->state;
     if (is_dead(l, lane)) continue;
-    for (size_t i = 0; i < l->n_free; i++) s->theta[i] = *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane);
+    for (size_t i = 0; i < l->n_free; i++)
+      s->theta[i] = *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane);
     const double *p = l->place;
     for (size_t i = l->n_free; i < l->n_bodies; i++)
       for (int c = 0; c < SD_COORDINATES; c++) {

@@ -88,8 +88,9 @@ enum {
   ROWS_DT = ROWS_RADIUS + LANES_BODIES,
   ROWS_PER_DT,
   ROWS_WORK,
-  ROWS_LEAST,                                /* force of each watched contact */
-  ROWS_FAST = ROWS_LEAST + 2 * LANES_SLIDES, /* squared speed beyond which a free disk is too fast */
+  ROWS_LEAST, /* force of each watched contact */
+  ROWS_FAST =
+      ROWS_LEAST + 2 * LANES_SLIDES, /* squared speed beyond which a free disk is too fast */
   ROWS_VISIT = ROWS_FAST + LANES_FREE,
   ROWS_STRAIGHT = ROWS_VISIT + VISIT_ROWS * LANES_SLIDES,
   ROWS_ALL = ROWS_STRAIGHT + STRAIGHT_ROWS * LANES_PAIRS
@@ -105,8 +106,8 @@ typedef struct lanes {
   bool gear, conservative;
   unsigned features; /* of all laws (model/laws.h) */
   size_t n_free, n_disks, n_bodies, n_pairs, n_slides;
-  uint32_t a[LANES_PAIRS], b[LANES_PAIRS];  /* slots */
-  size_t touching[LANES_BODIES];            /* pairs of each body, in order of the partners' keys: ... */
+  uint32_t a[LANES_PAIRS], b[LANES_PAIRS]; /* slots */
+  size_t touching[LANES_BODIES]; /* pairs of each body, in order of the partners' keys: ... */
   uint8_t entry[LANES_BODIES][LANES_PAIRS]; /* ... 2 * pair + (1 if the body is b) */
   bool straight[LANES_PAIRS], any_straight; /* pairs with a line or segment */
   bool placed[LANES_BODIES][SD_COORDINATES];
@@ -124,7 +125,8 @@ typedef struct lanes {
   /* alone: values of the batch, or of a coordinate that does not move as often */
   const double *pose[LANES_BODIES][POSES];
   double still[LANES_BODIES][POSES][MOTION_BATCH];
-  int64_t count_of[LANES_SLIDES][16][LANES_MOST]; /* measured steps by configuration, since the last store */
+  int64_t count_of[LANES_SLIDES][16]
+                  [LANES_MOST]; /* measured steps by configuration, since the last store */
 
   /* of the present call of the kernel */
   int64_t from[LANES_MOST]; /* step of each system when it began */
@@ -132,7 +134,8 @@ typedef struct lanes {
   int64_t done;             /* steps completed */
   bool measure, dead_now;
   bool stepped; /* since the rows were loaded: else there is nothing to store */
-  unsigned rare[LANES_PAIRS], returns[LANES_FREE], fast; /* bits: lanes in which something rare happened */
+  unsigned rare[LANES_PAIRS], returns[LANES_FREE],
+      fast; /* bits: lanes in which something rare happened */
 } lanes;
 
 /* Can systems of this model go in lanes: few bodies, of straight walls lines and segments that do not turn, open box, neither rain nor relaxer,

@@ -9,47 +9,54 @@ LANE_INLINE LANE(real)
 }
 
 /* Predicted poses of free disks, and those of prescribed ones at step `at`. */
-LANE_INLINE LANE(real) PASS(pose)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f,
-                                  size_t slot, int which, int64_t at) {
+LANE_INLINE LANE(real)
+    PASS(pose)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, size_t slot,
+               int which, int64_t at) {
   if (slot >= s->n_free) return PASS(prescribed)(l, s, slot, which, at);
   const LANE(nordsieck) *c = &f->c[slot][which % SD_COORDINATES];
   return which < SD_COORDINATES ? c->q : c->v;
 }
 
 /* As in pair_pass.h: dlambda/dt, and with general laws how the surfaces roll. */
-LANE_INLINE void PASS(turning)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
-                               size_t k, const LANE(pair_input) * in) {
+LANE_INLINE void PASS(turning)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
+                               int64_t at, size_t k, const LANE(pair_input) * in) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
   const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   LANE(pair_geometry) *g = &f->geometry[k];
   LANE(pair_distance) d;
   LANE(pair_distance_of)(in, &d);
   LANE(real) ra = PASS(row)(p, PAIR_RA), rb = PASS(row)(p, PAIR_RB);
-  LANE(real) spin_a = ra * f->c[a][SD_THETA].v, spin_b = rb * PASS(pose)(l, s, f, b, POSE_VX + SD_THETA, at);
+  LANE(real)
+  spin_a = ra * f->c[a][SD_THETA].v, spin_b = rb * PASS(pose)(l, s, f, b, POSE_VX + SD_THETA, at);
   d.swing = in->dx * in->dvy - in->dy * in->dvx;
   g->slide = (spin_b + spin_a) - g->lever * (d.swing * d.inverse_r);
   if (!(s->features & LAW_ROLLING)) return;
   LANE(rolled)
-  (ra, rb, ra * f->c[a][SD_THETA].q, rb * PASS(pose)(l, s, f, b, POSE_THETA, at), spin_a, spin_b, g);
+  (ra, rb, ra * f->c[a][SD_THETA].q, rb * PASS(pose)(l, s, f, b, POSE_THETA, at), spin_a, spin_b,
+   g);
 }
 
 /* The nearest point of a line or a segment that does not turn: walls_nearest, bit by bit. flat: between the ends. */
-LANE_INLINE LANE(pair_input) PASS(straight)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
-                                            int64_t at, size_t k, size_t a, size_t b, LANE(mask) * flat) {
+LANE_INLINE LANE(pair_input)
+    PASS(straight)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
+                   size_t k, size_t a, size_t b, LANE(mask) * flat) {
   const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   const double *w = PASS(straight_rows)(l, k);
   const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0);
-  const LANE(real) tx = PASS(row)(w, STRAIGHT_TX), ty = PASS(row)(w, STRAIGHT_TY), x = f->c[a][SD_X].q,
-                   y = f->c[a][SD_Y].q;
-  const LANE(real) wall_x = PASS(pose)(l, s, f, b, POSE_X, at), wall_y = PASS(pose)(l, s, f, b, POSE_Y, at);
+  const LANE(real) tx = PASS(row)(w, STRAIGHT_TX), ty = PASS(row)(w, STRAIGHT_TY),
+                   x = f->c[a][SD_X].q, y = f->c[a][SD_Y].q;
+  const LANE(real) wall_x = PASS(pose)(l, s, f, b, POSE_X, at),
+                   wall_y = PASS(pose)(l, s, f, b, POSE_Y, at);
   const LANE(real) rx = x - (wall_x + PASS(row)(w, STRAIGHT_START_X)),
                    ry = y - (wall_y + PASS(row)(w, STRAIGHT_START_Y));
   const LANE(real) u = rx * tx + ry * ty, back = PASS(row)(w, STRAIGHT_BACK),
                    length = PASS(row)(w, STRAIGHT_LENGTH);
   const LANE(mask) before = LANE(greater)(back, u), beyond = LANE(greater)(u, length);
   const LANE(real) on = LANE(select)(before, back, LANE(select)(beyond, length, u));
-  const LANE(real) here = LANE(select)(LANE(greater)(zero, tx * ry - ty * rx), -one, one), kept = f->side[k];
-  const LANE(mask) crossed = LANE(not )(LANE(equal)(kept, zero)) & LANE(not )(LANE(equal)(kept, here));
+  const LANE(real) here = LANE(select)(LANE(greater)(zero, tx * ry - ty * rx), -one, one),
+                   kept = f->side[k];
+  const LANE(mask) crossed =
+      LANE(not )(LANE(equal)(kept, zero)) & LANE(not )(LANE(equal)(kept, here));
   const LANE(real) side = LANE(select)(crossed, kept, here);
   f->side[k] = side;
   f->crossed[k] = crossed;
@@ -67,8 +74,8 @@ LANE_INLINE LANE(pair_input) PASS(straight)(const lanes *l, const PASS(shape) * 
 }
 
 LANE_INLINE LANE(pair_input)
-    PASS(round)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, int64_t at, size_t k,
-                size_t a, size_t b) {
+    PASS(round)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, int64_t at,
+                size_t k, size_t a, size_t b) {
   const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   LANE(pair_input) in;
   in.dx = PASS(pose)(l, s, f, b, POSE_X, at) - f->c[a][SD_X].q;
@@ -84,8 +91,8 @@ LANE_INLINE LANE(pair_input)
 }
 
 /* With one free disk pair k is that of slots 0 and k + 1. */
-LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
-                                size_t k) {
+LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
+                                int64_t at, size_t k) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
   if (PASS(is_straight)(l, k)) {
     LANE(mask) flat;
@@ -100,8 +107,8 @@ LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step
 }
 
 /* dlambda/dt where contacts begin: slide_on of segment_pass.h, or as above. */
-LANE_INLINE void PASS(slide)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
-                             size_t k) {
+LANE_INLINE void PASS(slide)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
+                             int64_t at, size_t k) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
   if (!PASS(is_straight)(l, k)) {
     const LANE(pair_input) in = PASS(round)(l, s, f, at, k, a, b);
@@ -110,7 +117,8 @@ LANE_INLINE void PASS(slide)(const lanes *l, const PASS(shape) * s, PASS(step_re
   }
   LANE(mask) flat;
   const LANE(pair_input) in = PASS(straight)(l, s, f, at, k, a, b, &flat);
-  const LANE(real) r = LANE(sqrt)(in.dx * in.dx + in.dy * in.dy), spin = in.sum * f->c[a][SD_THETA].v;
+  const LANE(real) r = LANE(sqrt)(in.dx * in.dx + in.dy * in.dy),
+                   spin = in.sum * f->c[a][SD_THETA].v;
   const LANE(real) across = (in.dx * in.dvy - in.dy * in.dvx) / r;
   f->geometry[k].slide = LANE(select)(flat, spin - across, spin - in.sum / r * across);
 }

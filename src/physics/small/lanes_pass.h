@@ -11,20 +11,20 @@
 #define LANES_PASTE(name, text) LANES_PASTE2(name, text)
 #define PASS(name) LANE(LANES_PASTE(name, LANES_TEXT))
 enum { WALLS_NONE, WALLS_SOME, WALLS_ALL };
-#define EACH_COORDINATE(c, statement)                                                                        \
-  do {                                                                                                       \
-    {                                                                                                        \
-      const int c = SD_X;                                                                                    \
-      statement;                                                                                             \
-    }                                                                                                        \
-    {                                                                                                        \
-      const int c = SD_Y;                                                                                    \
-      statement;                                                                                             \
-    }                                                                                                        \
-    {                                                                                                        \
-      const int c = SD_THETA;                                                                                \
-      statement;                                                                                             \
-    }                                                                                                        \
+#define EACH_COORDINATE(c, statement)                                                              \
+  do {                                                                                             \
+    {                                                                                              \
+      const int c = SD_X;                                                                          \
+      statement;                                                                                   \
+    }                                                                                              \
+    {                                                                                              \
+      const int c = SD_Y;                                                                          \
+      statement;                                                                                   \
+    }                                                                                              \
+    {                                                                                              \
+      const int c = SD_THETA;                                                                      \
+      statement;                                                                                   \
+    }                                                                                              \
   } while (0)
 #endif
 
@@ -32,28 +32,28 @@ enum { WALLS_NONE, WALLS_SOME, WALLS_ALL };
 #undef EACH_DISK
 #if LANES_KNOWN
 /* one disk, one or two pairs */
-#define EACH_DISK(i, n, statement)                                                                           \
-  do {                                                                                                       \
-    (void)(n);                                                                                               \
-    const size_t i = 0;                                                                                      \
-    statement;                                                                                               \
+#define EACH_DISK(i, n, statement)                                                                 \
+  do {                                                                                             \
+    (void)(n);                                                                                     \
+    const size_t i = 0;                                                                            \
+    statement;                                                                                     \
   } while (0)
-#define EACH_PAIR(k, n, statement)                                                                           \
-  do {                                                                                                       \
-    (void)(n);                                                                                               \
-    {                                                                                                        \
-      const size_t k = 0;                                                                                    \
-      statement;                                                                                             \
-    }                                                                                                        \
-    if (LANES_KNOWN > 1) {                                                                                   \
-      const size_t k = 1;                                                                                    \
-      statement;                                                                                             \
-    }                                                                                                        \
+#define EACH_PAIR(k, n, statement)                                                                 \
+  do {                                                                                             \
+    (void)(n);                                                                                     \
+    {                                                                                              \
+      const size_t k = 0;                                                                          \
+      statement;                                                                                   \
+    }                                                                                              \
+    if (LANES_KNOWN > 1) {                                                                         \
+      const size_t k = 1;                                                                          \
+      statement;                                                                                   \
+    }                                                                                              \
   } while (0)
 #else
-#define EACH_DISK(i, number, statement)                                                                      \
+#define EACH_DISK(i, number, statement)                                                            \
   for (size_t i = 0; i < (number); i++) statement
-#define EACH_PAIR(k, number, statement)                                                                      \
+#define EACH_PAIR(k, number, statement)                                                            \
   for (size_t k = 0; k < (number); k++) statement
 #endif
 
@@ -78,11 +78,15 @@ typedef struct PASS(step_registers) {
   LANE(mask) returns; /* an angle must return into its range, or a disk is too fast */
 } PASS(step_registers);
 
-LANE_INLINE double *PASS(rows_at)(const lanes *l, size_t row) { return l->memory + row * LANE_WIDTH; }
+LANE_INLINE double *PASS(rows_at)(const lanes *l, size_t row) {
+  return l->memory + row * LANE_WIDTH;
+}
 LANE_INLINE double *PASS(straight_rows)(const lanes *l, size_t k) {
   return PASS(rows_at)(l, ROWS_STRAIGHT + k * STRAIGHT_ROWS);
 }
-LANE_INLINE LANE(real) PASS(row)(const double *rows, size_t k) { return LANE(load)(rows + k * LANE_WIDTH); }
+LANE_INLINE LANE(real) PASS(row)(const double *rows, size_t k) {
+  return LANE(load)(rows + k * LANE_WIDTH);
+}
 LANE_INLINE void PASS(set_row)(double *rows, size_t k, LANE(real) a) {
   LANE(store)(rows + k * LANE_WIDTH, a);
 }
@@ -163,7 +167,8 @@ LANE_INLINE void PASS(store_pair)(const lanes *l, const PASS(step_registers) * f
   PASS(set_row)(w, STRAIGHT_SIDE, f->side[k]);
   const LANE(contact_output) *out = &f->out[k];
   PASS(set_row)
-  (w, STRAIGHT_TURN, f->arm_x[k] * out->fy - f->arm_y[k] * out->fx - out->tau * PASS(row)(p, PAIR_RA));
+  (w, STRAIGHT_TURN,
+   f->arm_x[k] * out->fy - f->arm_y[k] * out->fx - out->tau * PASS(row)(p, PAIR_RA));
 }
 
 LANE_INLINE LANE(contact_constants) PASS(constants)(const double *p) {
@@ -218,21 +223,22 @@ LANE_INLINE LANE(mask)
 }
 
 /* Straight walls have the force that derives from the tangential energy in both variants. */
-LANE_INLINE void PASS(contact)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, size_t k,
-                               const LANE(contact_constants) * c, LANE(mask) touching, LANE(mask) closed) {
+LANE_INLINE void PASS(contact)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
+                               size_t k, const LANE(contact_constants) * c, LANE(mask) touching,
+                               LANE(mask) closed) {
   const LANE(pair_geometry) *g = &f->geometry[k];
   if (PASS(is_straight)(l, k))
     LANE(contact_step)(g, c, touching, closed, f->lever[k], 0, s->features, &f->m[k], &f->out[k]);
   else
     LANE(contact_step)
-  (g, c, touching, closed, s->conservative ? g->lever : LANE(splat)(1.0), !s->conservative, s->features,
-   &f->m[k], &f->out[k]);
+  (g, c, touching, closed, s->conservative ? g->lever : LANE(splat)(1.0), !s->conservative,
+   s->features, &f->m[k], &f->out[k]);
 }
 
 /* The step of pair k once more, where contacts begin, end, turn far or overlap deeply. */
-LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
-                                     int64_t at, size_t k, LANE(mask) was_closed,
-                                     const LANE(contact_memory) * before) {
+LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s,
+                                     PASS(step_registers) * f, int64_t at, size_t k,
+                                     LANE(mask) was_closed, const LANE(contact_memory) * before) {
   double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   const LANE(contact_constants) c = PASS(constants_for)(p, s->features);
   const LANE(pair_geometry) *g = &f->geometry[k];
@@ -243,7 +249,8 @@ LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s, PASS
   *m = *before;
   PASS(slide)(l, s, f, at, k);
   LANE(contact_begin)
-  (g, &c, LANE(surfaces_meet)(g, m->overlap, touching, was_closed, s->features), dt, s->features, m);
+  (g, &c, LANE(surfaces_meet)(g, m->overlap, touching, was_closed, s->features), dt, s->features,
+   m);
   PASS(contact)(l, s, f, k, &c, touching, closed);
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
   const LANE(real) zero = LANE(splat)(0.0);
@@ -254,18 +261,20 @@ LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s, PASS
   f->closed[k] = touching;
   f->rare[k] = PASS(rare)(l, f, k, was_closed);
   PASS(set_row)(p, PAIR_WAS_CLOSED, LANE(mask_zero)(was_closed, LANE(splat)(1.0)));
-  PASS(set_row)(p, PAIR_DROPPED, s->features & LAW_BRIDGE ? out->dropped + out->bridge : out->dropped);
+  PASS(set_row)
+  (p, PAIR_DROPPED, s->features & LAW_BRIDGE ? out->dropped + out->bridge : out->dropped);
 }
 
-LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
-                                size_t k) {
+LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
+                                int64_t at, size_t k) {
   double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   const LANE(contact_constants) c = PASS(constants_for)(p, s->features);
   const LANE(pair_geometry) *g = &f->geometry[k];
   const LANE(mask) was_closed = f->closed[k],
                    touching = LANE(contact_touches)(g, &c, was_closed, s->features);
   LANE(contact_output) *out = &f->out[k];
-  if (s->features & LAW_GENERAL) f->m[k].slid = LANE(not )(LANE(equal)(out->slip, LANE(splat)(0.0)));
+  if (s->features & LAW_GENERAL)
+    f->m[k].slid = LANE(not )(LANE(equal)(out->slip, LANE(splat)(0.0)));
   const LANE(contact_memory) before = f->m[k];
   PASS(contact)(l, s, f, k, &c, touching, touching & was_closed);
   f->closed[k] = touching;
@@ -273,7 +282,8 @@ LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step
   LANE(mask) rare = f->rare[k];
   if (s->features & LAW_COHESION)
     rare = rare | LANE(surfaces_meet)(g, before.overlap, touching, was_closed, s->features);
-  if (__builtin_expect(LANE(any)(rare), 0)) PASS(evaluate_slow)(l, s, f, at, k, was_closed, &before);
+  if (__builtin_expect(LANE(any)(rare), 0))
+    PASS(evaluate_slow)(l, s, f, at, k, was_closed, &before);
   if (PASS(is_straight)(l, k)) f->side[k] = LANE(mask_zero)(f->closed[k], f->side[k]);
   PASS(add_loss)(p, PAIR_viscous, out->viscous);
   PASS(add_loss)(p, PAIR_friction, out->friction);
@@ -287,22 +297,23 @@ LANE_INLINE LANE(real) PASS(component)(const LANE(contact_output) * out, int c) 
   return c == SD_X ? out->fx : c == SD_Y ? out->fy : out->tau;
 }
 
-LANE_INLINE LANE(real) PASS(add)(LANE(real) sum, const LANE(contact_output) * out, int c, bool on_b) {
+LANE_INLINE LANE(real)
+    PASS(add)(LANE(real) sum, const LANE(contact_output) * out, int c, bool on_b) {
   LANE(real) part = PASS(component)(out, c);
   return c == SD_THETA || on_b ? sum + part : sum - part;
 }
 
 /* The couple of rolling on a disk; on a round wall it is part of what turns (pair_pass.h). */
-LANE_INLINE LANE(real) PASS(add_couple)(const lanes *l, LANE(real) sum, const LANE(contact_output) * out,
-                                        size_t slot, bool on_b) {
+LANE_INLINE LANE(real) PASS(add_couple)(const lanes *l, LANE(real) sum,
+                                        const LANE(contact_output) * out, size_t slot, bool on_b) {
   if (slot < l->n_disks) return on_b ? sum - out->couple : sum + out->couple;
   const LANE(real) radius = PASS(row)(PASS(rows_at)(l, ROWS_RADIUS), slot);
   return sum + (out->tau - out->couple / radius);
 }
 
 /* Torque by couples: added to that of a disk, or the whole that turns a wall. */
-LANE_INLINE LANE(real)
-    PASS(couples_on)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, size_t slot) {
+LANE_INLINE LANE(real) PASS(couples_on)(const lanes *l, const PASS(shape) * s,
+                                        const PASS(step_registers) * f, size_t slot) {
   LANE(real) sum = LANE(splat)(0.0);
   if (s->n_free == 1 && slot > 0) return PASS(add_couple)(l, sum, &f->out[slot - 1], slot, true);
   if (s->n_free == 1)
@@ -314,8 +325,8 @@ LANE_INLINE LANE(real)
 }
 
 /* Of the contacts of a body along a coordinate. */
-LANE_INLINE LANE(real) PASS(force_on)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f,
-                                      size_t slot, int c) {
+LANE_INLINE LANE(real) PASS(force_on)(const lanes *l, const PASS(shape) * s,
+                                      const PASS(step_registers) * f, size_t slot, int c) {
   LANE(real) sum = LANE(splat)(0.0);
   if (s->n_free == 1 && slot > 0)
     sum = PASS(add)(sum, &f->out[slot - 1], c, true);
@@ -331,21 +342,24 @@ LANE_INLINE LANE(real) PASS(force_on)(const lanes *l, const PASS(shape) * s, con
   return slot < l->n_disks ? sum * radius + couples : couples * radius;
 }
 
-LANE_INLINE void PASS(predict)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, size_t i,
-                               int c) {
+LANE_INLINE void PASS(predict)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
+                               size_t i, int c) {
   LANE(real)
-  dt = PASS(row)(PASS(rows_at)(l, ROWS_DT), 0), per_dt = PASS(row)(PASS(rows_at)(l, ROWS_PER_DT), 0);
+  dt = PASS(row)(PASS(rows_at)(l, ROWS_DT), 0),
+  per_dt = PASS(row)(PASS(rows_at)(l, ROWS_PER_DT), 0);
   if (s->gear)
     LANE(gear_predict)(&f->c[i][c], dt, per_dt);
   else
     LANE(verlet_predict)(&f->c[i][c], dt, per_dt);
 }
 
-LANE_INLINE void PASS(correct)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, size_t i,
-                               int c) {
+LANE_INLINE void PASS(correct)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
+                               size_t i, int c) {
   double *d = PASS(rows_at)(l, ROWS_DISK + i * DISK_ROWS);
-  LANE(real) force = PASS(force_on)(l, s, f, i, c), per_dt = PASS(row)(PASS(rows_at)(l, ROWS_PER_DT), 0);
-  LANE(real) acceleration = force * PASS(row)(d, DISK_GAIN + (size_t)c) + PASS(row)(d, DISK_PUSH + (size_t)c);
+  LANE(real)
+  force = PASS(force_on)(l, s, f, i, c), per_dt = PASS(row)(PASS(rows_at)(l, ROWS_PER_DT), 0);
+  LANE(real)
+  acceleration = force * PASS(row)(d, DISK_GAIN + (size_t)c) + PASS(row)(d, DISK_PUSH + (size_t)c);
   if (s->gear)
     LANE(gear_correct)(&f->c[i][c], acceleration, per_dt);
   else
@@ -362,8 +376,9 @@ LANE_INLINE LANE(mask) PASS(too_fast)(const lanes *l, const PASS(step_registers)
 }
 
 /* Work of a prescribed coordinate: trapezoid of the contact forces over the step to `at`. */
-LANE_INLINE double *PASS(work_of)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f,
-                                  int64_t at, size_t slot, int c, double *p, LANE(real) * done) {
+LANE_INLINE double *PASS(work_of)(const lanes *l, const PASS(shape) * s,
+                                  const PASS(step_registers) * f, int64_t at, size_t slot, int c,
+                                  double *p, LANE(real) * done) {
   if (!l->placed[slot][c]) return p;
   LANE(real) now = PASS(prescribed)(l, s, slot, c, at), force = PASS(force_on)(l, s, f, slot, c);
   *done = *done + (PASS(row)(p, PLACE_FORCE) + force) * (now - PASS(row)(p, PLACE_LAST));
@@ -372,13 +387,14 @@ LANE_INLINE double *PASS(work_of)(const lanes *l, const PASS(shape) * s, const P
   return p + PLACE_ROWS * LANE_WIDTH;
 }
 
-LANE_INLINE void PASS(book_work)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f,
-                                 int64_t at) {
+LANE_INLINE void PASS(book_work)(const lanes *l, const PASS(shape) * s,
+                                 const PASS(step_registers) * f, int64_t at) {
   LANE(real) done = LANE(splat)(0.0);
   size_t n = s->n_free == 1 ? s->n_pairs : l->n_bodies - s->n_free;
   double *p = PASS(rows_at)(l, ROWS_PLACE);
   EACH_PAIR(b, n, EACH_COORDINATE(c, p = PASS(work_of)(l, s, f, at, s->n_free + b, c, p, &done)));
-  PASS(set_row)(PASS(rows_at)(l, ROWS_WORK), 0, PASS(row)(PASS(rows_at)(l, ROWS_WORK), 0) - 0.5 * done);
+  PASS(set_row)
+  (PASS(rows_at)(l, ROWS_WORK), 0, PASS(row)(PASS(rows_at)(l, ROWS_WORK), 0) - 0.5 * done);
 }
 
 /* --- sampling ---------------------------------------------------------------------------------------- */
@@ -394,8 +410,8 @@ typedef struct PASS(contact_sample) {
   LANE(real) configuration, force, tau;
 } PASS(contact_sample);
 
-LANE_INLINE void PASS(sample_contact)(const lanes *l, const PASS(step_registers) * f, size_t at, size_t k,
-                                      PASS(contact_sample) * sample) {
+LANE_INLINE void PASS(sample_contact)(const lanes *l, const PASS(step_registers) * f, size_t at,
+                                      size_t k, PASS(contact_sample) * sample) {
   double *least = PASS(rows_at)(l, ROWS_LEAST);
   PASS(set_row)(least, at, LANE(min)(f->m[k].force, PASS(row)(least, at)));
   *sample = (PASS(contact_sample)){PASS(configuration)(f, k), f->m[k].force, f->out[k].tau};
@@ -414,7 +430,8 @@ LANE_INLINE void PASS(sum_visits)(lanes *l, size_t w, const PASS(contact_sample)
   class = LANE(select)(LANE(greater)(more, LANE(splat)(1.0)), more + 2.0, both),
   left = PASS(row)(v, VISIT_ROW_LEFT);
   LANE(mask)
-  ends = LANE(not )(LANE(equal)(class, PASS(row)(v, VISIT_ROW_CLASS))) | LANE(equal)(left, LANE(splat)(0.0));
+  ends = LANE(not )(LANE(equal)(class, PASS(row)(v, VISIT_ROW_CLASS))) |
+         LANE(equal)(left, LANE(splat)(0.0));
   if (__builtin_expect(LANE(any)(ends), 0)) {
     PASS(set_row)(v, VISIT_ROW_CLASS, class);
     lanes_visits(l, w, LANE(bits_of)(ends));
@@ -423,7 +440,8 @@ LANE_INLINE void PASS(sum_visits)(lanes *l, size_t w, const PASS(contact_sample)
     left = PASS(row)(v, VISIT_ROW_LEFT);
   }
   PASS(set_row)(v, VISIT_ROW_LEFT, left - 1.0);
-  LANE(real) torque = (two[0].tau + two[1].tau) * PASS(row)(PASS(rows_at)(l, ROWS_RADIUS), l->watching[w]);
+  LANE(real)
+  torque = (two[0].tau + two[1].tau) * PASS(row)(PASS(rows_at)(l, ROWS_RADIUS), l->watching[w]);
   PASS(add_to_row)(v, VISIT_TORQUE, torque);
   PASS(add_to_row)(v, VISIT_TORQUE2, torque * torque);
   for (size_t side = 0; side < 2; side++) {
@@ -434,12 +452,13 @@ LANE_INLINE void PASS(sum_visits)(lanes *l, size_t w, const PASS(contact_sample)
 }
 
 /* Counts the configuration of two watched contacts. */
-LANE_INLINE void PASS(count)(lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, size_t w) {
+LANE_INLINE void PASS(count)(lanes *l, const PASS(shape) * s, const PASS(step_registers) * f,
+                             size_t w) {
   PASS(contact_sample) two[2] = {0};
   for (size_t side = 0; side < 2; side++)
     EACH_PAIR(k, s->n_pairs,
-              if (l->watched[2 * w + side] == k)
-                  PASS(sample_contact)(l, f, 2 * w + side, k, &two[side])); /* k: no index that varies */
+              if (l->watched[2 * w + side] == k) PASS(sample_contact)(
+                  l, f, 2 * w + side, k, &two[side])); /* k: no index that varies */
   /* small integers, in the low bits of the sum */
   uint64_t index[LANE_WIDTH];
   LANE(bits) bits = LANE(as_bits)((4.0 * two[0].configuration + two[1].configuration) + 0x1p52);
@@ -454,14 +473,16 @@ LANE_INLINE void PASS(sample)(lanes *l, const PASS(shape) * s, const PASS(step_r
 
 /* --- the step ---------------------------------------------------------------------------------------- */
 
-LANE_INLINE void PASS(store)(lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, int64_t at) {
+LANE_INLINE void PASS(store)(lanes *l, const PASS(shape) * s, const PASS(step_registers) * f,
+                             int64_t at) {
   EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(store_disk)(l, f, i, c)));
   EACH_PAIR(k, s->n_pairs, PASS(store_pair)(l, f, k, s->features));
   l->at = at;
 }
 
 /* Rare events of the step: to the rows, through the systems, and back. */
-LANE_INLINE void PASS(events)(lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at) {
+LANE_INLINE void PASS(events)(lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
+                              int64_t at) {
   EACH_PAIR(k, s->n_pairs, l->rare[k] = LANE(bits_of)(f->rare[k]));
   EACH_DISK(i, s->n_free, l->returns[i] = LANE(bits_of)(PASS(out_of_turn)(f, i)));
   EACH_DISK(i, s->n_free, l->fast |= LANE(bits_of)(PASS(too_fast)(l, f, i)));
@@ -477,7 +498,8 @@ LANE_INLINE void PASS(step)(lanes *l, const PASS(shape) * s, PASS(step_registers
   EACH_PAIR(k, s->n_pairs, PASS(evaluate)(l, s, f, at, k));
   EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(correct)(l, s, f, i, c)));
   f->returns = LANE(all_lanes)(0);
-  EACH_DISK(i, s->n_free, f->returns = f->returns | PASS(out_of_turn)(f, i) | PASS(too_fast)(l, f, i));
+  EACH_DISK(i, s->n_free,
+            f->returns = f->returns | PASS(out_of_turn)(f, i) | PASS(too_fast)(l, f, i));
   PASS(book_work)(l, s, f, at);
   l->done++;
   LANE(mask) rare = f->returns;

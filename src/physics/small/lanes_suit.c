@@ -36,8 +36,9 @@ static bool suits_motion(const sd_model *m, const sd_motion *motion) {
   if (motion_is_feedback(motion)) return false;
   for (size_t b = 0; b < motion->n_bodies; b++) {
     const uint32_t body = motion->bodies[b];
-    if (body < m->n_disks ? !m->disks[body].driven
-                          : motion->coordinate == SD_THETA && wall_is_straight(&m->walls[body - m->n_disks]))
+    if (body < m->n_disks
+            ? !m->disks[body].driven
+            : motion->coordinate == SD_THETA && wall_is_straight(&m->walls[body - m->n_disks]))
       return false;
   }
   return true;
@@ -50,10 +51,10 @@ static bool suits_watch(const sd_model *m, const sd_slide_watch *w) {
 
 bool lanes_suit(const sd_model *m) {
   if (m->n_free < 1 || m->n_free > LANES_FREE || m->n_disks + m->n_walls > LANES_BODIES ||
-      count_pairs(m) < 1 || count_pairs(m) > LANES_PAIRS || m->n_slides > LANES_SLIDES || !suits_walls(m) ||
-      m->periodic[0] || m->periodic[1] || m->measure_disks || m->n_rains > 0 || m->n_fields > 0 ||
-      m->n_clumps > 0 || model_moves_surfaces(m) || walls_meet(m) || strides_are_long(m) ||
-      (m->n_segments > 0 && laws_features(m) & LAW_GENERAL) ||
+      count_pairs(m) < 1 || count_pairs(m) > LANES_PAIRS || m->n_slides > LANES_SLIDES ||
+      !suits_walls(m) || m->periodic[0] || m->periodic[1] || m->measure_disks || m->n_rains > 0 ||
+      m->n_fields > 0 || m->n_clumps > 0 || model_moves_surfaces(m) || walls_meet(m) ||
+      strides_are_long(m) || (m->n_segments > 0 && laws_features(m) & LAW_GENERAL) ||
       (m->bounds.given && m->bounds.outside == SD_OUTSIDE_REMOVE))
     return false;
   bool suits = true;
@@ -65,11 +66,14 @@ bool lanes_suit(const sd_model *m) {
 }
 
 /* Nothing is the same as nothing, wherever it stands. */
-static bool same_bytes(const void *a, const void *b, size_t n) { return n == 0 || memcmp(a, b, n) == 0; }
+static bool same_bytes(const void *a, const void *b, size_t n) {
+  return n == 0 || memcmp(a, b, n) == 0;
+}
 
 static bool same_motion(const sd_motion *a, const sd_motion *b) {
   return a->kind == b->kind && a->coordinate == b->coordinate && a->n_bodies == b->n_bodies &&
-         a->interval == b->interval && same_bytes(a->bodies, b->bodies, a->n_bodies * sizeof *a->bodies);
+         a->interval == b->interval &&
+         same_bytes(a->bodies, b->bodies, a->n_bodies * sizeof *a->bodies);
 }
 
 static bool same_phase(const sd_phase *a, const sd_phase *b, size_t n_motions) {
@@ -81,9 +85,10 @@ static bool same_phase(const sd_phase *a, const sd_phase *b, size_t n_motions) {
 
 bool lanes_alike(const sd_model *a, const sd_model *b) {
   if (a->n_disks != b->n_disks || a->n_walls != b->n_walls || a->n_motions != b->n_motions ||
-      a->n_phases != b->n_phases || a->n_rotations != b->n_rotations || a->n_slides != b->n_slides ||
-      a->measure_configurations != b->measure_configurations || a->integrator != b->integrator ||
-      a->variant != b->variant || !lanes_suit(a) || !lanes_suit(b))
+      a->n_phases != b->n_phases || a->n_rotations != b->n_rotations ||
+      a->n_slides != b->n_slides || a->measure_configurations != b->measure_configurations ||
+      a->integrator != b->integrator || a->variant != b->variant || !lanes_suit(a) ||
+      !lanes_suit(b))
     return false;
   const unsigned features = laws_features(a), other = laws_features(b);
   if (features != other && (features | other) & LAW_GENERAL) return false;
@@ -92,7 +97,8 @@ bool lanes_alike(const sd_model *a, const sd_model *b) {
   for (size_t k = 0; k < a->n_disks; k++) same = same && a->disks[k].driven == b->disks[k].driven;
   for (size_t k = 0; k < a->n_walls; k++)
     same = same && wall_is_straight(&a->walls[k]) == wall_is_straight(&b->walls[k]);
-  for (size_t k = 0; k < a->n_motions; k++) same = same && same_motion(&a->motions[k], &b->motions[k]);
+  for (size_t k = 0; k < a->n_motions; k++)
+    same = same && same_motion(&a->motions[k], &b->motions[k]);
   for (size_t k = 0; k < a->n_phases; k++)
     same = same && same_phase(&a->phases[k], &b->phases[k], a->n_motions);
   return same;
@@ -102,8 +108,9 @@ bool lanes_in_step(const engine *a, const engine *b) {
   const sd_state *s = a->state, *t = b->state;
   bool same = s->phase == t->phase;
   for (size_t k = 0; k < s->n_motions; k++)
-    same = same && (s->motion_start[k] < 0 ? t->motion_start[k] < 0
-                                           : t->motion_start[k] >= 0 && s->step - s->motion_start[k] ==
-                                                                            t->step - t->motion_start[k]);
+    same = same && (s->motion_start[k] < 0
+                        ? t->motion_start[k] < 0
+                        : t->motion_start[k] >= 0 &&
+                              s->step - s->motion_start[k] == t->step - t->motion_start[k]);
   return same;
 }

@@ -10,7 +10,8 @@ int64_t engine_watched(const engine *e, size_t k) {
   if (first < 0) return -1;
   int64_t pressed = first;
   if (pairs_is_segment(p, (size_t)first))
-    for (size_t at = (size_t)first; at < p->count && p->a[at] == p->a[first] && p->b[at] == p->b[first]; at++)
+    for (size_t at = (size_t)first;
+         at < p->count && p->a[at] == p->a[first] && p->b[at] == p->b[first]; at++)
       if (engine_contact_force(e, at) > engine_contact_force(e, (size_t)pressed) ||
           !engine_contact_closed(e, (size_t)pressed))
         pressed = (int64_t)at;

@@ -17,7 +17,9 @@
 /* --- bodies and box ------------------------------------------------------------------------------------ */
 
 /* SLOT_NONE: the body is on another rank. */
-static inline uint32_t engine_slot(const engine *e, uint32_t body) { return slot_of(&e->work.slots, body); }
+static inline uint32_t engine_slot(const engine *e, uint32_t body) {
+  return slot_of(&e->work.slots, body);
+}
 static inline const slot_table *engine_slots(const engine *e) { return &e->work.slots; }
 /* Of the periodic box as it is now; 0 where it is open. */
 static inline double engine_length(const engine *e, int c) { return e->work.length[c]; }
@@ -47,14 +49,20 @@ static inline void engine_accelerate(const engine *e, int c, size_t slot, double
 /* Brings all pieces of the walls to where they are now; a step does so for those in the list of pairs. */
 void engine_pose_walls(engine *e);
 /* Piece k of the walls, where it is after engine_pose_walls. */
-static inline const placed_segment *engine_segment(const engine *e, size_t k) { return &e->work.segments[k]; }
+static inline const placed_segment *engine_segment(const engine *e, size_t k) {
+  return &e->work.segments[k];
+}
 static inline const double *engine_periods(const engine *e) { return e->work.length; }
 
 /* --- contacts ------------------------------------------------------------------------------------------- */
 
 static inline size_t engine_candidates(const engine *e) { return e->work.pairs.count; }
-static inline size_t engine_contact_a(const engine *e, size_t k) { return (size_t)e->work.pairs.a[k]; }
-static inline size_t engine_contact_b(const engine *e, size_t k) { return (size_t)e->work.pairs.b[k]; }
+static inline size_t engine_contact_a(const engine *e, size_t k) {
+  return (size_t)e->work.pairs.a[k];
+}
+static inline size_t engine_contact_b(const engine *e, size_t k) {
+  return (size_t)e->work.pairs.b[k];
+}
 static inline bool engine_contact_closed(const engine *e, size_t k) {
   return pairs_closed(&e->work.pairs, k);
 }
@@ -83,8 +91,12 @@ static inline double engine_contact_stiffness(const engine *e, size_t k) {
                        fmax(engine_contact_overlap(e, k), 0.0));
 }
 /* The candidates of a body are engine_candidate(e, at) for at in [first, first of the next slot). */
-static inline size_t engine_first(const engine *e, size_t slot) { return e->work.incidence.start[slot]; }
-static inline size_t engine_candidate(const engine *e, size_t at) { return e->work.incidence.entry[at] / 2; }
+static inline size_t engine_first(const engine *e, size_t slot) {
+  return e->work.incidence.start[slot];
+}
+static inline size_t engine_candidate(const engine *e, size_t at) {
+  return e->work.incidence.entry[at] / 2;
+}
 static inline size_t engine_partner(const engine *e, size_t at) {
   size_t k = engine_candidate(e, at);
   return e->work.incidence.entry[at] & 1 ? engine_contact_a(e, k) : engine_contact_b(e, k);
@@ -104,7 +116,8 @@ static inline contact_push engine_push(const engine *e, size_t k, size_t i) {
   const double *row = e->work.sums.row + SUM_ROW * (e->work.sums.single[k] + i);
   double radius = e->state->radius[engine_kept_slot(e, k)];
   double torque = radius != 0.0 ? row[SUM_TURN] * radius : row[SUM_TURN];
-  if (e->work.features & LAW_ROLLING && engine_kept_slot(e, k) < e->state->n_disks) torque += row[SUM_COUPLE];
+  if (e->work.features & LAW_ROLLING && engine_kept_slot(e, k) < e->state->n_disks)
+    torque += row[SUM_COUPLE];
   return (contact_push){row[SUM_X], row[SUM_Y], torque};
 }
 

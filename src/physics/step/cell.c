@@ -75,7 +75,8 @@ static void take_up(engine *e, const double change[SD_CELL_COMPONENTS]) {
   double done = 0.0;
   for (size_t i = 0; i < s->n_free; i++) {
     if (!body_in_play(s, i)) continue;
-    const double x = change[SD_CELL_XX] * (s->x[i] - w->lower[0]) + change[SD_CELL_XY] * (s->y[i] - middle),
+    const double x = change[SD_CELL_XX] * (s->x[i] - w->lower[0]) +
+                     change[SD_CELL_XY] * (s->y[i] - middle),
                  y = change[SD_CELL_YY] * (s->y[i] - w->lower[1]);
     done += jump(e, i, x, y);
   }
@@ -93,7 +94,8 @@ static void set_speed(engine *e, int k, double speed) {
 }
 
 /* rate: of the present step. over: time for which it stands; lengths are exact there. */
-static void set_gradient(engine *e, const double rate[SD_CELL_COMPONENTS], double over, bool boundary) {
+static void set_gradient(engine *e, const double rate[SD_CELL_COMPONENTS], double over,
+                         bool boundary) {
   sd_state *s = e->state;
   double before[SD_CELL_COMPONENTS], after[SD_CELL_COMPONENTS];
   cell_gradient(e, before);
@@ -125,7 +127,8 @@ static void measure_stress(const engine *e, double stress[SD_CELL_COMPONENTS]) {
   for (size_t i = 0; i < s->n_free; i++) {
     if (!body_in_play(s, i)) continue;
     const double x = s->x[i] - w->lower[0], y = s->y[i] - w->lower[1], m = s->mass[i];
-    const double vx = s->vx[i] - (g[SD_CELL_XX] * x + g[SD_CELL_XY] * y), vy = s->vy[i] - g[SD_CELL_YY] * y;
+    const double vx = s->vx[i] - (g[SD_CELL_XX] * x + g[SD_CELL_XY] * y),
+                 vy = s->vy[i] - g[SD_CELL_YY] * y;
     const double of_disk[SUMS] = {[XX] = s->force_x[i] * x + m * (vx * vx),
                                   [YY] = s->force_y[i] * y + m * (vy * vy),
                                   [XY] = s->force_x[i] * y + m * (vx * vy),
@@ -166,7 +169,8 @@ bool cell_near(const engine *e, double part) {
 }
 
 /* Rates for the coming steps. */
-static void choose_rates(const engine *e, const sd_cell *c, double over, double rate[SD_CELL_COMPONENTS]) {
+static void choose_rates(const engine *e, const sd_cell *c, double over,
+                         double rate[SD_CELL_COMPONENTS]) {
   double stress[SD_CELL_COMPONENTS], now[SD_CELL_COMPONENTS], scale = 0.0;
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
     rate[k] = c->rate[k];
@@ -278,7 +282,8 @@ sd_status cell_work(engine *e, bool start) {
   for (int k = 0; k < CELL_COLUMNS; k++) t[k] = 0.0;
   for (int k = 0; k < w->n_threads; k++) {
     crossing_list *list = &w->threads[k].crossings;
-    if (list->failed) return sd_fail(w->messages, SD_ERROR_IO, "out of memory for contacts across the box");
+    if (list->failed)
+      return sd_fail(w->messages, SD_ERROR_IO, "out of memory for contacts across the box");
     for (const crossing *c = list->item; c < list->item + list->count; c++) {
       t[T_XX] += c->fx * c->nx;
       t[T_XY] += c->fx * c->ny;
@@ -353,7 +358,8 @@ void cell_begin(engine *e) {
   e->work.cell.on |= c->asked;
   set_gradient(e, rate, over, c->boundary);
   e->work.cell.on = matters(e);
-  if (was_on && !e->work.cell.on) e->work.moved_limit2 = -1.0; /* the lists have followed until here */
+  if (was_on && !e->work.cell.on)
+    e->work.moved_limit2 = -1.0; /* the lists have followed until here */
   if (c == &still) return;
   for (size_t i = 0; i < s->n_free; i++) s->nonaffine_x[i] = s->nonaffine_y[i] = 0.0;
   note_places(e);
@@ -364,11 +370,11 @@ static sd_status check_width(const engine *e, sd_messages *messages) {
   const double least = cell_least_length(e->model, NULL);
   for (int c = 0; c < 2; c++)
     if (!(e->work.length[c] > least))
-      return sd_fail(
-          messages, SD_ERROR_NUMERIC,
-          "step %lld: the deformed box is %g long in %c; expected more than %g, 4.8 times the largest "
-          "radius and twice the reach of attraction",
-          (long long)e->state->step, e->work.length[c], c == SD_X ? 'x' : 'y', least);
+      return sd_fail(messages, SD_ERROR_NUMERIC,
+                     "step %lld: the deformed box is %g long in %c; expected more than %g, 4.8 "
+                     "times the largest "
+                     "radius and twice the reach of attraction",
+                     (long long)e->state->step, e->work.length[c], c == SD_X ? 'x' : 'y', least);
   return SD_OK;
 }
 

@@ -54,8 +54,8 @@ typedef struct field_system {
 } field_system;
 
 /* Drag f and f_r, Coriolis force b of the disk at arm (x, y), which moves with V + Omega x arm. */
-static void add_disk(field_system *m, const double gain[SD_COORDINATES], const field_sum_w1 *s, double x,
-                     double y) {
+static void add_disk(field_system *m, const double gain[SD_COORDINATES], const field_sum_w1 *s,
+                     double x, double y) {
   const double f = s->drag[0], b = s->turn;
   const double taken[SD_COORDINATES][SD_COORDINATES] = {
       {f, -b, -(f * y + b * x)},
@@ -121,8 +121,8 @@ static void correct_fields(engine *e, size_t k) {
   for (size_t n = c->start[k]; n < c->start[k + 1]; n++) {
     const uint32_t i = c->member[n];
     const double sum[] = {s->force_x[i], s->force_y[i], s->torque[i]};
-    const double speed[] = {u[SD_X] - u[SD_THETA] * c->arm_y[n], u[SD_Y] + u[SD_THETA] * c->arm_x[n],
-                            u[SD_THETA]};
+    const double speed[] = {u[SD_X] - u[SD_THETA] * c->arm_y[n],
+                            u[SD_Y] + u[SD_THETA] * c->arm_x[n], u[SD_THETA]};
     double before[FIELD_POWERS];
     field_force_w1 of;
     s->vx[i] = speed[SD_X];
@@ -131,7 +131,8 @@ static void correct_fields(engine *e, size_t k) {
     for (int p = 0; p < FIELD_POWERS; p++) before[p] = f->power[p][i];
     field_forces_w1(f, &v, i, 0.0, sum, &of);
     field_book_w1(f, &v, i, 0.0, &of, speed);
-    for (int p = 0; p < FIELD_POWERS; p++) f->sum[p][i] += 0.5 * w->dt * (f->power[p][i] - before[p]);
+    for (int p = 0; p < FIELD_POWERS; p++)
+      f->sum[p][i] += 0.5 * w->dt * (f->power[p][i] - before[p]);
   }
 }
 
@@ -147,7 +148,8 @@ static clump_load correct(const engine *e, size_t k) {
   for (int q = 0; q < SD_COORDINATES; q++) {
     const columns *c = &w->clumps.columns[q];
     if (c->inverse[k] == 0.0) continue;
-    const double a = accelerate_w1(c->force[k], constant.on[q] + damped.on[q], c->inverse[k], w->half_dt2);
+    const double a =
+        accelerate_w1(c->force[k], constant.on[q] + damped.on[q], c->inverse[k], w->half_dt2);
     nordsieck_w1 n = {c->q[k], c->v[k], c->q2[k], c->q3[k], c->q4[k], c->q5[k]};
     if (e->model->integrator == SD_GEAR5)
       gear_correct_w1(&n, a, w->per_dt);

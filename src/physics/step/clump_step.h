@@ -8,8 +8,9 @@
 void clumps_predict(
     engine *e,
     const team *t); /* coordinates that are not prescribed; the first thread poses those that are */
-void clumps_place(engine *e, const team *t);   /* their disks */
-void clumps_correct(engine *e, const team *t); /* from the forces on the disks, which are placed again */
+void clumps_place(engine *e, const team *t); /* their disks */
+void clumps_correct(engine *e,
+                    const team *t); /* from the forces on the disks, which are placed again */
 /* Angle and position back into range; its disks return by themselves. */
 void clumps_wrap(engine *e, size_t k);
 

@@ -85,16 +85,18 @@ static void book_opening(engine *e, size_t k, double energy) {
 static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
-  double ra = s->radius[p->a[k]], rb = fabs(s->radius[p->b[k]]), least = rb > 0.0 && rb < ra ? rb : ra;
+  double ra = s->radius[p->a[k]], rb = fabs(s->radius[p->b[k]]),
+         least = rb > 0.0 && rb < ra ? rb : ra;
   if (!(PAIR(p, k, overlap) > e->model->max_overlap * least)) return SD_OK;
   char a[96], b[96], hint[200];
-  return sd_fail(messages, SD_ERROR_NUMERIC,
-                 "step %lld: %s and %s overlap by %g, more than max_overlap = %g of the radius %g; "
-                 "%s",
-                 (long long)s->step + 1, sd_model_body_name(e->model, s->id[p->a[k]], a, sizeof a),
-                 sd_model_body_name(e->model, s->id[p->b[k]], b, sizeof b), PAIR(p, k, overlap),
-                 e->model->max_overlap, least,
-                 advice_of_failure(e->model, "is k_n too small for this speed or load?", hint, sizeof hint));
+  return sd_fail(
+      messages, SD_ERROR_NUMERIC,
+      "step %lld: %s and %s overlap by %g, more than max_overlap = %g of the radius %g; "
+      "%s",
+      (long long)s->step + 1, sd_model_body_name(e->model, s->id[p->a[k]], a, sizeof a),
+      sd_model_body_name(e->model, s->id[p->b[k]], b, sizeof b), PAIR(p, k, overlap),
+      e->model->max_overlap, least,
+      advice_of_failure(e->model, "is k_n too small for this speed or load?", hint, sizeof hint));
 }
 
 static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
@@ -135,7 +137,8 @@ static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double sl
   const double ra = e->state->radius[p->a[k]], rb = e->state->radius[p->b[k]],
                arm = walls_arm(ra, joints_radius(e, k));
   MORE(p, k, rho_ref) -= (uint32_t)p->a[k] == i ? arm * turn : -(arm * turn);
-  if (slid != 0.0 && rb != 0.0) MORE(p, k, rho_ref) += (rb > 0.0 ? 1.0 : -1.0) * slid * (ra / (ra + rb));
+  if (slid != 0.0 && rb != 0.0)
+    MORE(p, k, rho_ref) += (rb > 0.0 ? 1.0 : -1.0) * slid * (ra / (ra + rb));
 }
 
 /* theta back into [-4, 4] and the position into the box; lambda* of the disk's contacts follows. */
@@ -154,7 +157,8 @@ static void wrap(engine *e, uint32_t i) {
   const double nx = across < w->lower[0] ? -1.0 : across >= w->upper[0] ? 1.0 : 0.0;
   const double shift[2] = {-nx * w->length[0] - ny * w->offset, -ny * w->length[1]};
   if ((nx != 0.0 || ny != 0.0) && e->halo && i < s->n_free && e->halo->sent[i] &&
-      halo_wait_for(&e->halo->shifted, (halo_wait){.index = i, .x = s->x[i], .y = s->y[i]}) != SD_OK)
+      halo_wait_for(&e->halo->shifted, (halo_wait){.index = i, .x = s->x[i], .y = s->y[i]}) !=
+          SD_OK)
     e->halo->lost = true;
   s->theta[i] -= turn;
   s->turn[i] += turn;
@@ -238,8 +242,10 @@ static sd_status collect(engine *e) {
   }
   place_events(e, &first->events);
   place_wraps(&first->returns);
-  if (first->events.count > 1) qsort(first->events.item, first->events.count, sizeof(event), by_place);
-  if (first->returns.count > 1) qsort(first->returns.item, first->returns.count, sizeof(event), by_place);
+  if (first->events.count > 1)
+    qsort(first->events.item, first->events.count, sizeof(event), by_place);
+  if (first->returns.count > 1)
+    qsort(first->returns.item, first->returns.count, sizeof(event), by_place);
   return status;
 }
 
@@ -256,7 +262,8 @@ static void check_speed(engine *e) {
 sd_status contacts_events(engine *e, sd_messages *messages) {
   sd_status status = SD_OK;
   work *w = &e->work;
-  if (collect(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
+  if (collect(e) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
   event_list *events = &w->threads[0].events, *returns = &w->threads[0].returns;
   for (size_t n = 1; n < events->count; n++) assert(events->item[n - 1].at <= events->item[n].at);
   for (size_t n = 0; n < events->count; n++) {
@@ -280,7 +287,8 @@ static void follow_wrap(engine *e, size_t i, double turn) {
   const incidence *n = &e->work.incidence;
   for (size_t at = n->start[i]; at < n->start[i + 1]; at++) {
     const size_t k = n->entry[at] / 2;
-    if (!pairs_closed(p, k) || !halo_is_ghost(e, (size_t)p->b[k])) continue; /* the others have followed */
+    if (!pairs_closed(p, k) || !halo_is_ghost(e, (size_t)p->b[k]))
+      continue; /* the others have followed */
     PAIR(p, k, lambda_ref) -= s->radius[i] * turn;
     if (p->more) wrap_rolling(e, k, (uint32_t)i, turn, 0.0);
   }
@@ -323,9 +331,11 @@ sd_status contacts_follow(engine *e) {
   sd_status status = SD_OK;
   for (size_t g = 0; g < s->n_ghosts && status == SD_OK; g++)
     if (ghosts[g].turn != 0.0) status = halo_wait_for(wrapped, ghosts[g]);
-  for (size_t n = 0; n < wrapped->count; n++) wrapped->item[n].order = h->order[wrapped->item[n].index];
+  for (size_t n = 0; n < wrapped->count; n++)
+    wrapped->item[n].order = h->order[wrapped->item[n].index];
   if (wrapped->count > 1) qsort(wrapped->item, wrapped->count, sizeof *wrapped->item, by_order);
-  for (size_t n = 0; n < wrapped->count; n++) follow_wrap(e, wrapped->item[n].index, wrapped->item[n].turn);
+  for (size_t n = 0; n < wrapped->count; n++)
+    follow_wrap(e, wrapped->item[n].index, wrapped->item[n].turn);
   h->rebased.count = wrapped->count = 0;
   free(ghosts);
   if (status != SD_OK) comm_fail(e->halo->comm, "no memory");
@@ -371,15 +381,17 @@ sd_status contacts_check_start(const engine *e, first_overlap *deepest, sd_messa
                  dy = engine_nearest(e, SD_Y, s->y[a] - s->y[b]);
     const double least = fmin(s->radius[a], s->radius[b]),
                  depth = s->radius[a] + s->radius[b] - hypot(dx, dy);
-    if (depth > deepest->relative * least && !pairs_closed(p, k)) *deepest = overlap_of(e, a, b, depth);
+    if (depth > deepest->relative * least && !pairs_closed(p, k))
+      *deepest = overlap_of(e, a, b, depth);
     if (!(most > 0.0 && depth > most * least)) continue;
     char one[96], two[96];
     const size_t later = s->id[a] > s->id[b] ? a : b;
-    return sd_fail(messages, SD_ERROR_USER,
-                   "disk_files[%zu].file: %s and %s overlap by %g, more than max_overlap = %g of the smaller "
-                   "radius %g",
-                   e->model->tiles.entry, sd_model_body_name(e->model, s->id[later], one, sizeof one),
-                   sd_model_body_name(e->model, s->id[a + b - later], two, sizeof two), depth, most, least);
+    return sd_fail(
+        messages, SD_ERROR_USER,
+        "disk_files[%zu].file: %s and %s overlap by %g, more than max_overlap = %g of the smaller "
+        "radius %g",
+        e->model->tiles.entry, sd_model_body_name(e->model, s->id[later], one, sizeof one),
+        sd_model_body_name(e->model, s->id[a + b - later], two, sizeof two), depth, most, least);
   }
   return SD_OK;
 }
@@ -413,8 +425,8 @@ sd_status contacts_end(engine *e, const bool *gone) {
   for (size_t k = 0; k < p->count; k++) {
     if (!pairs_closed(p, k) || !(goes(e, gone, p->a[k]) || goes(e, gone, p->b[k]))) continue;
     const uint64_t a = halo_order(e, (size_t)p->a[k]), b = halo_order(e, (size_t)p->b[k]);
-    list[n++] =
-        (ending){a < b ? a : b, a < b ? b : a, (uint32_t)p->part[k], (uint32_t)k, pairs_is_segment(p, k)};
+    list[n++] = (ending){a < b ? a : b, a < b ? b : a, (uint32_t)p->part[k], (uint32_t)k,
+                         pairs_is_segment(p, k)};
   }
   if (n > 1) qsort(list, n, sizeof *list, by_whole);
   for (size_t k = 0; k < n; k++) {
@@ -457,8 +469,8 @@ static bool stands_before(const engine *e, size_t c, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   assert(s->contact_a[c] < e->model->n_disks && s->contact_b[c] < sd_model_bodies(e->model));
-  uint32_t a = slot_of(&e->work.slots, s->contact_a[c]), b = slot_of(&e->work.slots, s->contact_b[c]),
-           n_disks = (uint32_t)s->n_disks;
+  uint32_t a = slot_of(&e->work.slots, s->contact_a[c]),
+           b = slot_of(&e->work.slots, s->contact_b[c]), n_disks = (uint32_t)s->n_disks;
   bool piece = b >= n_disks && e->model->walls[b - n_disks].kind != SD_WALL_CIRCLE;
   if (piece != pairs_is_segment(p, k)) return !piece;
   if (halo_is_ghost(e, b) != halo_is_ghost(e, (size_t)p->b[k])) return !halo_is_ghost(e, b);

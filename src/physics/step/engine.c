@@ -111,7 +111,8 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
   engine_fill_prescribed(m, s);
   if (slot >= ORDER_LEAST && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
   for (slot = 0; m->n_derivatives > 0 && slot < s->n_free; slot++)
-    if (s->id[slot] < m->n_derivatives) engine_fill_derivatives(s, slot, m->derivatives[s->id[slot]]);
+    if (s->id[slot] < m->n_derivatives)
+      engine_fill_derivatives(s, slot, m->derivatives[s->id[slot]]);
   const sd_status status = engine_fill_contacts(s, m->n_memories, m->memories);
   return status == SD_OK && s->n_contacts > 0 ? order_contacts(m, s) : status;
 }
@@ -121,7 +122,8 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
 static double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
 
 static law_row row_of(const sd_contact_law *l) {
-  const bool constant = l->cohesion == SD_COHESION_CONSTANT, bridge = l->cohesion == SD_COHESION_BRIDGE;
+  const bool constant = l->cohesion == SD_COHESION_CONSTANT,
+             bridge = l->cohesion == SD_COHESION_BRIDGE;
   law_row row = {.k_n = l->k_n,
                  .k_t = l->k_t,
                  .gamma_n = l->gamma_n,
@@ -207,7 +209,9 @@ static void fill_limit(const engine *e, work *w) {
   assert(w->least_limit > 0.0);
 }
 
-double engine_first_skin(const sd_model *m) { return m->skin > 0.0 ? m->skin : 0.15 * m->mean_radius; }
+double engine_first_skin(const sd_model *m) {
+  return m->skin > 0.0 ? m->skin : 0.15 * m->mean_radius;
+}
 
 static void fill_skin(const engine *e, work *w) {
   const sd_model *m = e->model;
@@ -224,11 +228,16 @@ static sd_status columns_new(engine *e) {
   const struct {
     double **at;
     size_t n;
-  } column[] = {
-      {&w->inverse_mass_x, s->n_free}, {&w->inverse_mass_y, s->n_free}, {&w->inverse_inertia, s->n_free},
-      {&w->constant_x, s->n_free},     {&w->constant_y, s->n_free},     {&w->constant_torque, s->n_free},
-      {&w->x0, s->n_bodies},           {&w->y0, s->n_bodies},           {&w->theta0, s->n_bodies},
-      {&w->reach, s->n_bodies}};
+  } column[] = {{&w->inverse_mass_x, s->n_free},
+                {&w->inverse_mass_y, s->n_free},
+                {&w->inverse_inertia, s->n_free},
+                {&w->constant_x, s->n_free},
+                {&w->constant_y, s->n_free},
+                {&w->constant_torque, s->n_free},
+                {&w->x0, s->n_bodies},
+                {&w->y0, s->n_bodies},
+                {&w->theta0, s->n_bodies},
+                {&w->reach, s->n_bodies}};
   enum { COLUMNS = sizeof column / sizeof *column };
   arena_plan plan = {0};
   for (size_t k = 0; k < COLUMNS; k++) arena_column(&plan, column[k].n * sizeof(double));
@@ -275,7 +284,8 @@ static void touch_first(const team *t, void *with) {
   team_share(t, e->state->n_free, &from, &to);
   double *column[FREE_COLUMNS];
   free_columns(w, column);
-  for (size_t k = 0; k < FREE_COLUMNS; k++) memset(column[k] + from, 0, (to - from) * sizeof(double));
+  for (size_t k = 0; k < FREE_COLUMNS; k++)
+    memset(column[k] + from, 0, (to - from) * sizeof(double));
 }
 
 void engine_find_slots(engine *e) { slot_table_fill(&e->work.slots, e->state); }
@@ -284,7 +294,8 @@ void engine_find_slots(engine *e) { slot_table_fill(&e->work.slots, e->state); }
 static sd_status build_bodies(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
   assert(threads >= 1 && threads <= WORK_MAX_THREADS && !w->slots.slot && e->model->dt > 0.0);
-  if (allocate(e, threads) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
+  if (allocate(e, threads) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   fill_laws(e->model, w);
   w->dt = e->model->dt;
   w->per_dt = 1.0 / w->dt;
@@ -310,11 +321,11 @@ enum { MOST_BODIES = 50000000 };
 
 static sd_status build_lists(engine *e, sd_messages *messages) {
   if (e->state->n_bodies > MOST_BODIES)
-    return sd_fail(
-        messages, SD_ERROR_USER,
-        "%zu disks and walls: expected at most %d in one process; the ranks of an MPI job can share "
-        "more",
-        e->state->n_bodies, MOST_BODIES);
+    return sd_fail(messages, SD_ERROR_USER,
+                   "%zu disks and walls: expected at most %d in one process; the ranks of an MPI "
+                   "job can share "
+                   "more",
+                   e->state->n_bodies, MOST_BODIES);
   walls_pose(e);
   sd_status status = neighbours_build(e, messages);
   if (status == SD_OK) contacts_load(e);
@@ -374,7 +385,8 @@ static size_t drop_apart(engine *e) {
 static void warn_of_dropped(const sd_model *model, size_t kept, sd_messages *messages) {
   const size_t n = model->all_memories;
   if (kept < n)
-    sd_warn(messages, "%zu of %zu contacts of the packing do not touch at the start: they are dropped",
+    sd_warn(messages,
+            "%zu of %zu contacts of the packing do not touch at the start: they are dropped",
             n - kept, n);
 }
 

@@ -10,7 +10,8 @@ sd_status engine_fill_state(const sd_model *model, sd_state *state);
 /* Parts of it, for a rank whose state has some of the free disks only: prescribed bodies and
  * motions; Gear's derivatives of a slot; contacts. SD_ERROR_IO: no memory. */
 void engine_fill_prescribed(const sd_model *model, sd_state *state);
-void engine_fill_derivatives(sd_state *state, size_t slot, const double derivatives[SD_DERIVATIVES]);
+void engine_fill_derivatives(sd_state *state, size_t slot,
+                             const double derivatives[SD_DERIVATIVES]);
 sd_status engine_fill_contacts(sd_state *state, size_t n, const sd_contact_memory *contacts);
 /* The columns of one disk, in its slot. */
 void engine_fill_disk(sd_state *state, const sd_disk *disk, uint32_t number, uint32_t slot);

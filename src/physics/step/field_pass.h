@@ -24,11 +24,12 @@ typedef struct LANE(field_place) {
   LANE(real) x, y, weight, turn_weight;
 } LANE(field_place);
 
-LANE_INLINE void LANE(drag_field)(const sd_body_force *f, const LANE(field_place) * p, LANE(field_sum) * s) {
+LANE_INLINE void LANE(drag_field)(const sd_body_force *f, const LANE(field_place) * p,
+                                  LANE(field_sum) * s) {
   const LANE(real) drag[2] = {f->gamma * p->weight, f->gamma_rotation * p->turn_weight};
-  const LANE(real)
-      u[SD_COORDINATES] = {f->flow[0] + (f->shear_rate - f->swirl) * p->y, f->flow[1] + f->swirl * p->x,
-                           LANE(splat)(f->swirl - 0.5 * f->shear_rate)};
+  const LANE(real) u[SD_COORDINATES] = {f->flow[0] + (f->shear_rate - f->swirl) * p->y,
+                                        f->flow[1] + f->swirl * p->x,
+                                        LANE(splat)(f->swirl - 0.5 * f->shear_rate)};
   for (int c = 0; c < SD_COORDINATES; c++) {
     const LANE(real) flow = drag[c == SD_THETA] * u[c];
     s->flow[c] = s->flow[c] + flow;
@@ -66,7 +67,8 @@ LANE_INLINE void LANE(rotation_field)(const sd_body_force *f, const LANE(field_p
   s->turn = s->turn + (2.0 * f->omega) * p->weight;
 }
 
-LANE_INLINE void LANE(field_sums)(const body_forces *f, const view *v, size_t i, LANE(field_sum) * s) {
+LANE_INLINE void LANE(field_sums)(const body_forces *f, const view *v, size_t i,
+                                  LANE(field_sum) * s) {
   const LANE(real) x = LANE(load)(v->k[SD_X].q + i), y = LANE(load)(v->k[SD_Y].q + i);
   for (size_t k = 0; k < f->n; k++) {
     const sd_body_force *field = f->row[k].field;
@@ -75,7 +77,7 @@ LANE_INLINE void LANE(field_sums)(const body_forces *f, const view *v, size_t i,
                                  .weight = LANE(load)(f->row[k].weight + i),
                                  .turn_weight = LANE(load)(f->row[k].turn_weight + i)};
     switch (field->kind) {
-#define FIELD_CASE(kind, word, ...)                                                                          \
+#define FIELD_CASE(kind, word, ...)                                                                \
   case kind: LANE(word##_field)(field, &p, s); break;
       FIELD_KINDS(FIELD_CASE)
 #undef FIELD_CASE
@@ -96,11 +98,12 @@ LANE_INLINE void LANE(field_forces)(const body_forces *f, const view *v, size_t 
     base[n] = LANE(load)(f->base[n] + i);
     gain[n] = LANE(load)(k->inverse + i) * (kappa * v->half_dt2);
     o->force[n] = n == SD_THETA ? s->flow[n] : s->place[n] + s->flow[n];
-    r[n] =
-        LANE(load)(k->v + i) + (gain[n] * (sum[n] + base[n] + o->force[n]) - kappa * LANE(load)(k->q2 + i));
+    r[n] = LANE(load)(k->v + i) +
+           (gain[n] * (sum[n] + base[n] + o->force[n]) - kappa * LANE(load)(k->q2 + i));
   }
   const LANE(real) dx = 1.0 + gain[SD_X] * s->drag[0], dy = 1.0 + gain[SD_Y] * s->drag[0];
-  const LANE(real) tx = gain[SD_X] * s->turn, ty = gain[SD_Y] * s->turn, per = 1.0 / (dx * dy + tx * ty);
+  const LANE(real) tx = gain[SD_X] * s->turn, ty = gain[SD_Y] * s->turn,
+                   per = 1.0 / (dx * dy + tx * ty);
   u[SD_X] = (dy * r[SD_X] + tx * r[SD_Y]) * per;
   u[SD_Y] = (dx * r[SD_Y] - ty * r[SD_X]) * per;
   u[SD_THETA] = r[SD_THETA] / (1.0 + gain[SD_THETA] * s->drag[1]);
@@ -110,8 +113,8 @@ LANE_INLINE void LANE(field_forces)(const body_forces *f, const view *v, size_t 
   for (int n = 0; n < SD_COORDINATES; n++) {
     const LANE(real) zero = LANE(splat)(0.0), all = sum[n] + base[n] + o->force[n];
     const LANE(real) most = s->alpha[n == SD_THETA] * LANE(max)(all, zero - all);
-    o->damped[n] =
-        LANE(mask_zero)(LANE(greater)(zero, u[n]), most) - LANE(mask_zero)(LANE(greater)(u[n], zero), most);
+    o->damped[n] = LANE(mask_zero)(LANE(greater)(zero, u[n]), most) -
+                   LANE(mask_zero)(LANE(greater)(u[n], zero), most);
     o->total[n] = base[n] + (o->force[n] + o->damped[n]);
     LANE(store)(f->force[n] + i, o->force[n] + o->damped[n]);
     LANE(store)(f->total[n] + i, o->total[n]);
@@ -121,7 +124,8 @@ LANE_INLINE void LANE(field_forces)(const body_forces *f, const view *v, size_t 
 /* Powers at the corrected velocities, and their trapezoid since the last step; dt 0: powers alone. Work is F v + f (v - u)^2, the
  * part without loss. Coordinates that are held or prescribed have none. */
 LANE_INLINE void LANE(field_book)(const body_forces *f, const view *v, size_t i, double dt,
-                                  const LANE(field_force) * o, const LANE(real) speed[SD_COORDINATES]) {
+                                  const LANE(field_force) * o,
+                                  const LANE(real) speed[SD_COORDINATES]) {
   LANE(real) power[FIELD_POWERS];
   for (int k = 0; k < FIELD_POWERS; k++) power[k] = LANE(splat)(0.0);
   for (int n = 0; n < SD_COORDINATES; n++) {
@@ -134,7 +138,8 @@ LANE_INLINE void LANE(field_book)(const body_forces *f, const view *v, size_t i,
     power[FIELD_DAMPED] = power[FIELD_DAMPED] - w * (o->damped[n] * q);
   }
   for (int k = 0; k < FIELD_POWERS; k++) {
-    LANE(real) sum = LANE(load)(f->sum[k] + i) + (0.5 * dt) * (LANE(load)(f->power[k] + i) + power[k]);
+    LANE(real)
+    sum = LANE(load)(f->sum[k] + i) + (0.5 * dt) * (LANE(load)(f->power[k] + i) + power[k]);
     LANE(store)(f->sum[k] + i, sum);
     LANE(store)(f->power[k] + i, power[k]);
   }
@@ -170,7 +175,8 @@ LANE_INLINE int LANE(correct_at)(const view *v, size_t i, const int gear, const 
       constant = LANE(load)(k->constant + i);
     LANE(real)
     a = LANE(accelerate)(sum[n], constant, LANE(load)(k->inverse + i), LANE(splat)(v->half_dt2));
-    LANE(nordsieck) c = {.q = LANE(load)(k->q + i), .v = LANE(load)(k->v + i), .q2 = LANE(load)(k->q2 + i)};
+    LANE(nordsieck)
+    c = {.q = LANE(load)(k->q + i), .v = LANE(load)(k->v + i), .q2 = LANE(load)(k->q2 + i)};
     if (gear) {
       c.q3 = LANE(load)(k->q3 + i);
       c.q4 = LANE(load)(k->q4 + i);

@@ -33,7 +33,8 @@ LANE_INLINE void LANE(gear_predict)(LANE(nordsieck) * c, LANE(real) dt, LANE(rea
 }
 
 /* acceleration: dt^2/2 of it */
-LANE_INLINE void LANE(gear_correct)(LANE(nordsieck) * c, LANE(real) acceleration, LANE(real) per_dt) {
+LANE_INLINE void LANE(gear_correct)(LANE(nordsieck) * c, LANE(real) acceleration,
+                                    LANE(real) per_dt) {
   LANE(real) error = acceleration - c->q2;
   c->q = c->q + GEAR0 * error;
   c->v = c->v + (GEAR1 * per_dt) * error;
@@ -48,14 +49,15 @@ LANE_INLINE void LANE(verlet_predict)(LANE(nordsieck) * c, LANE(real) dt, LANE(r
   c->v = c->v + (2.0 * per_dt) * c->q2;
 }
 
-LANE_INLINE void LANE(verlet_correct)(LANE(nordsieck) * c, LANE(real) acceleration, LANE(real) per_dt) {
+LANE_INLINE void LANE(verlet_correct)(LANE(nordsieck) * c, LANE(real) acceleration,
+                                      LANE(real) per_dt) {
   c->v = c->v + per_dt * (acceleration - c->q2);
   c->q2 = acceleration;
 }
 
 /* dt^2/2 times the acceleration; inverse: of the mass, 0 where nothing moves. */
-LANE_INLINE LANE(real)
-    LANE(accelerate)(LANE(real) force, LANE(real) constant, LANE(real) inverse, LANE(real) half_dt2) {
+LANE_INLINE LANE(real) LANE(accelerate)(LANE(real) force, LANE(real) constant, LANE(real) inverse,
+                                        LANE(real) half_dt2) {
   return force * (half_dt2 * inverse) + constant * (half_dt2 * inverse);
 }
 
@@ -124,11 +126,11 @@ LANE_INLINE void LANE(gear_predict_at)(const columns *k, size_t i, LANE(real) dt
 }
 
 /* Rows of PACKED_ROW numbers. */
-LANE_INLINE void LANE(store_packed)(const view *v, size_t i, LANE(real) x, LANE(real) y, LANE(real) theta,
-                                    LANE(real) vx, LANE(real) vy) {
+LANE_INLINE void LANE(store_packed)(const view *v, size_t i, LANE(real) x, LANE(real) y,
+                                    LANE(real) theta, LANE(real) vx, LANE(real) vy) {
   LANE(real) radius = LANE(load)(v->radius + i), zero = LANE(splat)(0.0);
-  const LANE(real)
-      pose[] = {[PACKED_X] = x, [PACKED_Y] = y, [PACKED_ARC] = radius * theta, [PACKED_RADIUS] = radius};
+  const LANE(real) pose[] = {
+      [PACKED_X] = x, [PACKED_Y] = y, [PACKED_ARC] = radius * theta, [PACKED_RADIUS] = radius};
   const LANE(real) inverse_mass = v->mass ? 1.0 / LANE(load)(v->mass + i) : zero;
   const LANE(real) spin = v->omega ? radius * LANE(load)(v->omega + i) : zero;
   const LANE(real) speed[] = {vx, vy, inverse_mass, spin};
@@ -140,8 +142,8 @@ LANE_INLINE void LANE(store_packed)(const view *v, size_t i, LANE(real) x, LANE(
 LANE_INLINE void LANE(pack_at)(const view *v, size_t i) {
   const columns *x = &v->k[SD_X], *y = &v->k[SD_Y];
   LANE(store_packed)
-  (v, i, LANE(load)(x->q + i), LANE(load)(y->q + i), LANE(load)(v->k[SD_THETA].q + i), LANE(load)(x->v + i),
-   LANE(load)(y->v + i));
+  (v, i, LANE(load)(x->q + i), LANE(load)(y->q + i), LANE(load)(v->k[SD_THETA].q + i),
+   LANE(load)(x->v + i), LANE(load)(y->v + i));
 }
 
 /* Beyond the limit since the lists were built; a coordinate that is not a number is, too. */
@@ -187,7 +189,8 @@ LANE_INLINE LANE(mask) LANE(beyond)(const view *v, int c, LANE(real) q) {
   return LANE(greater)(LANE(splat)(v->lower[c]), q) | LANE(within)(LANE(splat)(v->upper[c]), q);
 }
 
-LANE_INLINE LANE(mask) LANE(out_of_range)(const view *v, LANE(real) x, LANE(real) y, LANE(real) theta) {
+LANE_INLINE LANE(mask)
+    LANE(out_of_range)(const view *v, LANE(real) x, LANE(real) y, LANE(real) theta) {
   LANE(mask) out = LANE(greater)(theta, LANE(splat)(4.0)) | LANE(greater)(LANE(splat)(-4.0), theta);
   if (v->periodic[0]) out = out | LANE(beyond)(v, 0, x);
   if (v->periodic[1]) out = out | LANE(beyond)(v, 1, y);

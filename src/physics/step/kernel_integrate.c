@@ -19,26 +19,30 @@
 #include "physics/step/field_pass.h"
 
 /* The whole vectors of [begin, end), then single lanes. */
-#define FOR_LANES(vector, single)                                                                            \
-  do {                                                                                                       \
-    size_t i = begin;                                                                                        \
-    for (; i + VECTOR_WIDTH <= end; i += VECTOR_WIDTH) vector;                                               \
-    for (; i < end; i++) single;                                                                             \
+#define FOR_LANES(vector, single)                                                                  \
+  do {                                                                                             \
+    size_t i = begin;                                                                              \
+    for (; i + VECTOR_WIDTH <= end; i += VECTOR_WIDTH) vector;                                     \
+    for (; i < end; i++) single;                                                                   \
   } while (0)
 
 static void pack_alike(engine *e, size_t begin, size_t end, bool prescribed) {
   view v = view_of(e, begin);
   if (prescribed) v.mass = NULL;
-  FOR_LANES((LANE(pack_at)(&v, i), LANE(clear_sum)(&v, i)), (pack_at_w1(&v, i), clear_sum_w1(&v, i)));
+  FOR_LANES((LANE(pack_at)(&v, i), LANE(clear_sum)(&v, i)),
+            (pack_at_w1(&v, i), clear_sum_w1(&v, i)));
 }
 
 /* Poses to the packed bodies. The mass of prescribed ones is infinite, that of ghosts is not. */
 static void pack(engine *e, size_t begin, size_t end) {
   const sd_state *s = e->state;
-  const size_t first = s->n_free + s->n_ghosts, middle = begin > first ? begin : end < first ? end : first;
+  const size_t first = s->n_free + s->n_ghosts, middle = begin > first ? begin
+                                                         : end < first ? end
+                                                                       : first;
   pack_alike(e, begin, middle, false);
   pack_alike(e, middle, end, true);
-  for (size_t i = s->n_surfaces && begin < s->n_disks ? s->n_disks : begin; s->n_surfaces && i < end; i++)
+  for (size_t i = s->n_surfaces && begin < s->n_disks ? s->n_disks : begin;
+       s->n_surfaces && i < end; i++)
     body_pack(e, i);
 }
 
@@ -91,7 +95,8 @@ static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t en
 /* Fields on free disks whose forces of contacts are in the state. */
 static void renew_fields(engine *e, size_t begin, size_t end) {
   const view v = view_of(e, begin);
-  FOR_LANES(LANE(field_renew)(e->work.body_forces, &v, i), field_renew_w1(e->work.body_forces, &v, i));
+  FOR_LANES(LANE(field_renew)(e->work.body_forces, &v, i),
+            field_renew_w1(e->work.body_forces, &v, i));
 }
 
 /* Of any bodies; prescribed ones are few. */
@@ -100,8 +105,11 @@ static void gather(engine *e, size_t begin, size_t end) {
   v.show = true;
   sums_add_listed(e, begin, end);
   for (size_t i = begin; i < end; i++) {
-    const double *row = v.sums + SUM_ROW * (i + v.shift), radius = v.radius[i], turn = row[SUM_TURN];
-    double sum[SD_COORDINATES], slide = radius > 0.0 ? turn : radius < 0.0 ? -turn : row[SUM_SURFACE];
+    const double *row = v.sums + SUM_ROW * (i + v.shift), radius = v.radius[i],
+                 turn = row[SUM_TURN];
+    double sum[SD_COORDINATES], slide = radius > 0.0   ? turn
+                                        : radius < 0.0 ? -turn
+                                                       : row[SUM_SURFACE];
     take_sum_w1(&v, i, sum);
     if (radius == 0.0) v.k[SD_THETA].force[i] = turn;
     if (i >= e->state->n_disks && e->state->n_surfaces > 0)

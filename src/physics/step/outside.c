@@ -29,7 +29,8 @@ static bool beyond(const engine *e, size_t i) {
   double scale = e->state->box_scale;
   for (int c = 0; c < 2; c++) {
     double corner = box_corner(e->model, c);
-    if (at[c] < corner + scale * (b->lower[c] - corner) || at[c] > corner + scale * (b->upper[c] - corner))
+    if (at[c] < corner + scale * (b->lower[c] - corner) ||
+        at[c] > corner + scale * (b->upper[c] - corner))
       return true;
   }
   return false;
@@ -87,13 +88,14 @@ static sd_status tell_left(engine *e, const outside_left *list, size_t n, sd_mes
     if (how != SD_OUTSIDE_STOP && s->outside > told + 1) continue;
     sd_model_body_name(e->model, d->disk, name, sizeof name);
     if (how == SD_OUTSIDE_STOP)
-      return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s left the bounds, it is at (%g, %g)", step,
-                     name, d->x, d->y);
+      return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s left the bounds, it is at (%g, %g)",
+                     step, name, d->x, d->y);
     if (s->outside <= told)
-      sd_warn(messages, "step %lld: %s left the bounds, it is at (%g, %g)%s", step, name, d->x, d->y,
-              how == SD_OUTSIDE_REMOVE ? " and is taken out" : "");
+      sd_warn(messages, "step %lld: %s left the bounds, it is at (%g, %g)%s", step, name, d->x,
+              d->y, how == SD_OUTSIDE_REMOVE ? " and is taken out" : "");
     else
-      sd_warn(messages, "step %lld: more disks leave the bounds; they are only counted from here on", step);
+      sd_warn(messages,
+              "step %lld: more disks leave the bounds; they are only counted from here on", step);
   }
   return SD_OK;
 }
@@ -145,7 +147,8 @@ static sd_status remove_left(engine *e, const outside_left *mine, size_t n, cons
                              size_t n_all, sd_messages *messages) {
   const sd_energy before = energy_of(e);
   sd_status status = end_contacts(e, all, n_all);
-  if (status != SD_OK) sd_fail(messages, status, "out of memory for contacts of disks that are taken out");
+  if (status != SD_OK)
+    sd_fail(messages, status, "out of memory for contacts of disks that are taken out");
   status = comm_agree(e->comm, status);
   if (status != SD_OK) return status;
   mark_left(e, mine, n);
@@ -162,7 +165,8 @@ sd_status outside_look(engine *e, sd_messages *messages) {
   size_t n, n_all = 0;
   sd_status status = comm_agree(e->comm, find_left(e, &mine, &n));
   if (status == SD_OK) status = gather_left(e->comm, mine, n, &all, &n_all);
-  if (status != SD_OK) sd_fail(messages, status, "out of memory for disks that have left the bounds");
+  if (status != SD_OK)
+    sd_fail(messages, status, "out of memory for disks that have left the bounds");
   if (status == SD_OK && n_all > 0) status = tell_left(e, all, n_all, messages);
   if (status == SD_OK && n_all > 0 && e->model->bounds.outside == SD_OUTSIDE_REMOVE)
     status = remove_left(e, mine, n, all, n_all, messages);
@@ -175,6 +179,7 @@ sd_status outside_look(engine *e, sd_messages *messages) {
 
 int64_t outside_count(const sd_state *s) {
   int64_t n = 0;
-  for (size_t i = 0; i < s->n_free; i++) n += s->activity[i] == SD_REMOVED || s->activity[i] == SD_OUTSIDE;
+  for (size_t i = 0; i < s->n_free; i++)
+    n += s->activity[i] == SD_REMOVED || s->activity[i] == SD_OUTSIDE;
   return n;
 }

@@ -33,8 +33,9 @@ static bool any_stale(const work *w) {
 /* --- step -------------------------------------------------------------------------------------------- */
 
 /* Shares are those of n_threads; a team may be smaller. */
-#define FOR_SHARES(t, share, w) for (int share = (t)->rank; share < (w)->n_threads; share += (t)->size)
-#define FOR_CHUNKS(k, w, share)                                                                              \
+#define FOR_SHARES(t, share, w)                                                                    \
+  for (int share = (t)->rank; share < (w)->n_threads; share += (t)->size)
+#define FOR_CHUNKS(k, w, share)                                                                    \
   for (size_t k = (w)->chunks.share[share]; k < (w)->chunks.share[(share) + 1]; k++)
 
 static void predict_all(engine *e, const team *t) {
@@ -148,7 +149,8 @@ void step_once(engine *e, const team *t) {
     fields_apply(e);
     if (motion_moves_walls(e)) walls_pose_listed(e);
     w->stale = !e->halo && any_stale(w); /* else step_agree has asked all ranks */
-    if (w->predict_all || !w->stale) cell_pose(e, e->state->step + 1); /* else when lists are built */
+    if (w->predict_all || !w->stale)
+      cell_pose(e, e->state->step + 1); /* else when lists are built */
     pairs_clear_single(e);
   }
   team_wait(t);
@@ -159,7 +161,8 @@ void step_once(engine *e, const team *t) {
   }
 
   if (w->chunks.any_boundary_first) {
-    FOR_SHARES(t, share, w) FOR_CHUNKS(k, w, share) if (w->chunks.boundary_first[k]) sweep_pack(e, k);
+    FOR_SHARES(t, share, w)
+    FOR_CHUNKS(k, w, share) if (w->chunks.boundary_first[k]) sweep_pack(e, k);
     team_wait(t);
   }
   if (e->halo && first) halo_start(e);

@@ -61,7 +61,8 @@ static void evaluate(engine *e, thread_work *mine, size_t k) {
   const work *w = &e->work;
   const chunks *c = &w->chunks;
   w->kernels->pairs(e, mine, c->pair[k], c->pair[k + 1]);
-  if (c->segment[k] < c->segment[k + 1]) w->kernels->pairs(e, mine, c->segment[k], c->segment[k + 1]);
+  if (c->segment[k] < c->segment[k + 1])
+    w->kernels->pairs(e, mine, c->segment[k], c->segment[k + 1]);
 }
 
 void sweep_share(engine *e, int t) {
@@ -86,7 +87,8 @@ void sweep_ghosts(engine *e, int t) {
   const pairs *p = &w->pairs;
   const size_t blocks = (p->first_segment - p->first_ghost) / PAIR_BLOCK, n = (size_t)w->n_threads;
   const size_t from = blocks * (size_t)t / n, to = blocks * ((size_t)t + 1) / n;
-  w->kernels->pairs(e, &w->threads[t], p->first_ghost + PAIR_BLOCK * from, p->first_ghost + PAIR_BLOCK * to);
+  w->kernels->pairs(e, &w->threads[t], p->first_ghost + PAIR_BLOCK * from,
+                    p->first_ghost + PAIR_BLOCK * to);
 }
 
 /* Rows of plain laws have no R omega, but contacts that begin with a ghost look there. */
@@ -106,7 +108,8 @@ void sweep_forces(engine *e, sweep_kind kind) {
   pack_spins(e);
   for (int t = 0; t < w->n_threads; t++)
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
-      for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) pack(e, c->need[n], INT64_MAX);
+      for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
+        pack(e, c->need[n], INT64_MAX);
       if (kind == SWEEP_SUM)
         sum_chunk(e, k);
       else

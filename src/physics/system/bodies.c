@@ -31,7 +31,8 @@ void bodies_fill_constants(engine *e) {
     const sd_disk *d = &m->disks[s->id[i]];
     const double mass = s->mass[i], inertia = s->inertia[i];
     assert(!d->driven && mass > 0.0 && inertia > 0.0);
-    if (d->clump > 0 && body_in_play(s, i)) { /* it moves with its clump, on which its weight acts */
+    if (d->clump > 0 &&
+        body_in_play(s, i)) { /* it moves with its clump, on which its weight acts */
       w->inverse_mass_x[i] = w->inverse_mass_y[i] = w->inverse_inertia[i] = 0.0;
       w->constant_x[i] = d->force[SD_X];
       w->constant_y[i] = d->force[SD_Y];
@@ -57,7 +58,9 @@ void bodies_fill_constants(engine *e) {
              m->motions[k].coordinate < SD_MOVED);
       if (slot >= s->n_free) continue; /* also clumps: clumps_fill_constants */
       int c = m->motions[k].coordinate;
-      (c == SD_X ? w->inverse_mass_x : c == SD_Y ? w->inverse_mass_y : w->inverse_inertia)[slot] = 0.0;
+      (c == SD_X   ? w->inverse_mass_x
+       : c == SD_Y ? w->inverse_mass_y
+                   : w->inverse_inertia)[slot] = 0.0;
     }
   clumps_fill_constants(e);
   note_sameness(e);
@@ -65,7 +68,9 @@ void bodies_fill_constants(engine *e) {
   fields_attach(e);
 }
 
-double box_corner(const sd_model *m, int c) { return m->periodic[c] ? m->lower[c] : m->region_lower[c]; }
+double box_corner(const sd_model *m, int c) {
+  return m->periodic[c] ? m->lower[c] : m->region_lower[c];
+}
 
 void box_update(engine *e) {
   const sd_model *m = e->model;

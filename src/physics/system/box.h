@@ -30,7 +30,8 @@ static inline box_image box_nearest(const work *w, double *dx, double *dy) {
 /* Position of the disk in this slot beyond the box, where its way has led it. */
 static inline double box_absolute_x(const engine *e, size_t slot) {
   const work *w = &e->work;
-  return e->state->x[slot] + e->state->image_x[slot] * w->length[0] + e->state->image_y[slot] * w->offset;
+  return e->state->x[slot] + e->state->image_x[slot] * w->length[0] +
+         e->state->image_y[slot] * w->offset;
 }
 static inline double box_absolute_y(const engine *e, size_t slot) {
   return e->state->y[slot] + e->state->image_y[slot] * e->work.length[1];

@@ -44,10 +44,10 @@ static void fill_columns(const sd_state *s, clumps *c, double *own) {
     inverse[k] = own + (size_t)k * c->count;
     constant[k] = own + (size_t)(SD_COORDINATES + k) * c->count;
   }
-#define CLUMP_COLUMNS(k, name, v_, force_)                                                                   \
-  c->columns[k] =                                                                                            \
-      (columns){s->clump_##name,    s->v_,     s->clump_##name##2, s->clump_##name##3, s->clump_##name##4,   \
-                s->clump_##name##5, s->force_, constant[k],        inverse[k]}
+#define CLUMP_COLUMNS(k, name, v_, force_)                                                         \
+  c->columns[k] = (columns){                                                                       \
+      s->clump_##name,    s->v_,     s->clump_##name##2, s->clump_##name##3, s->clump_##name##4,   \
+      s->clump_##name##5, s->force_, constant[k],        inverse[k]}
   CLUMP_COLUMNS(SD_X, x, clump_vx, clump_force_x);
   CLUMP_COLUMNS(SD_Y, y, clump_vy, clump_force_y);
   CLUMP_COLUMNS(SD_THETA, theta, clump_omega, clump_torque);
@@ -138,15 +138,16 @@ void clumps_fill_constants(engine *e) {
   bool pushed = false;
   for (size_t n = 0; n < (c->count ? c->start[c->count] : 0); n++) {
     const uint32_t i = c->member[n];
-    pushed |=
-        e->work.constant_x[i] != 0.0 || e->work.constant_y[i] != 0.0 || e->work.constant_torque[i] != 0.0;
+    pushed |= e->work.constant_x[i] != 0.0 || e->work.constant_y[i] != 0.0 ||
+              e->work.constant_torque[i] != 0.0;
   }
   e->work.clumps.pushed = pushed;
   for (size_t n = 0; c->count && n < m->n_motions; n++)
     for (size_t b = 0; b < m->motions[n].n_bodies; b++) {
       const uint32_t slot = slot_of(&e->work.slots, m->motions[n].bodies[b]);
       if (slot >= s->n_bodies)
-        ((double *)(uintptr_t)c->columns[m->motions[n].coordinate].inverse)[slot - s->n_bodies] = 0.0;
+        ((double *)(uintptr_t)c->columns[m->motions[n].coordinate].inverse)[slot - s->n_bodies] =
+            0.0;
     }
 }
 
@@ -178,7 +179,8 @@ void clump_place(engine *e, size_t k) {
   turn(e, k);
   for (size_t n = c->start[k]; n < c->start[k + 1]; n++) {
     const uint32_t i = c->member[n];
-    const double across = s->clump_image_x[k] - s->image_x[i], up = s->clump_image_y[k] - s->image_y[i];
+    const double across = s->clump_image_x[k] - s->image_x[i],
+                 up = s->clump_image_y[k] - s->image_y[i];
     s->x[i] = (s->clump_x[k] + c->arm_x[n]) + (across * w->length[0] + up * w->offset);
     s->y[i] = (s->clump_y[k] + c->arm_y[n]) + up * w->length[1];
     s->theta[i] = s->clump_theta[k] + (c->offset_theta[n] + (s->clump_turn[k] - s->turn[i]));
@@ -208,8 +210,10 @@ void clump_set_out(engine *e, size_t k, double x, double y, double vy) {
   clump_place(e, k);
   for (size_t n = w->clumps.start[k]; n < w->clumps.start[k + 1]; n++) {
     const uint32_t i = w->clumps.member[n];
-    if (w->periodic[0]) s->image_x[i] += (int32_t)floor((s->x[i] - w->lower[0]) * w->inverse_length[0]);
-    if (w->periodic[1]) s->image_y[i] += (int32_t)floor((s->y[i] - w->lower[1]) * w->inverse_length[1]);
+    if (w->periodic[0])
+      s->image_x[i] += (int32_t)floor((s->x[i] - w->lower[0]) * w->inverse_length[0]);
+    if (w->periodic[1])
+      s->image_y[i] += (int32_t)floor((s->y[i] - w->lower[1]) * w->inverse_length[1]);
   }
   clump_place(e, k);
 }
@@ -245,7 +249,8 @@ clump_load clump_constant(const engine *e, size_t k) {
 
 clump_load clump_total(const engine *e, size_t k) {
   clump_load all = clump_constant(e, k);
-  for (int q = 0; q < SD_COORDINATES; q++) all.on[q] = e->work.clumps.columns[q].force[k] + all.on[q];
+  for (int q = 0; q < SD_COORDINATES; q++)
+    all.on[q] = e->work.clumps.columns[q].force[k] + all.on[q];
   return all;
 }
 
@@ -330,9 +335,9 @@ void clumps_add_energy(const engine *e, sd_energy *sum) {
   const work *w = &e->work;
   const clumps *c = &w->clumps;
   for (size_t k = 0; k < c->count; k++) {
-    const double at[] = {s->clump_x[k] + s->clump_image_x[k] * w->length[0] + s->clump_image_y[k] * w->offset,
-                         s->clump_y[k] + s->clump_image_y[k] * w->length[1],
-                         s->clump_theta[k] + s->clump_turn[k]};
+    const double at[] = {
+        s->clump_x[k] + s->clump_image_x[k] * w->length[0] + s->clump_image_y[k] * w->offset,
+        s->clump_y[k] + s->clump_image_y[k] * w->length[1], s->clump_theta[k] + s->clump_turn[k]};
     /* constant forces on single disks: their potential is that of the disks' places */
     double push[SD_COORDINATES] = {0.0, 0.0, 0.0}, levers = 0.0;
     for (size_t n = c->start[k]; n < c->start[k + 1]; n++) {

@@ -14,7 +14,9 @@
 static void sum_up(engine *e) {
   for (int c = 0; c < SD_COORDINATES; c++) {
     const work *w = &e->work;
-    const double *constant = c == SD_X ? w->constant_x : c == SD_Y ? w->constant_y : w->constant_torque;
+    const double *constant = c == SD_X   ? w->constant_x
+                             : c == SD_Y ? w->constant_y
+                                         : w->constant_torque;
     for (size_t i = 0; i < e->state->n_free; i++)
       e->fields->total[c][i] = constant[i] + e->fields->force[c][i];
   }
@@ -57,7 +59,8 @@ static void evaluate(engine *e, int64_t step) {
   f->calling = true;
   for (size_t k = 0; k < f->n; k++) f->item[k].call(&present, f->item[k].user);
   f->calling = false;
-  if (pool_forked(e->pool)) e->work.status = SD_ERROR_USER; /* threads of the step stayed in the parent */
+  if (pool_forked(e->pool))
+    e->work.status = SD_ERROR_USER; /* threads of the step stayed in the parent */
   sum_up(e);
 }
 
@@ -74,10 +77,11 @@ static double power(const engine *e) {
       if (q->inverse[i] != 0.0) sum += e->fields->force[c][i] * q->v[i];
   }
   for (size_t k = 0; k < e->work.clumps.count; k++) {
-    const clump_load load =
-        clumps_load_of(e, k, e->fields->force[SD_X], e->fields->force[SD_Y], e->fields->force[SD_THETA]);
+    const clump_load load = clumps_load_of(e, k, e->fields->force[SD_X], e->fields->force[SD_Y],
+                                           e->fields->force[SD_THETA]);
     for (int c = 0; c < SD_COORDINATES; c++)
-      if (e->work.clumps.columns[c].inverse[k] != 0.0) sum += load.on[c] * e->work.clumps.columns[c].v[k];
+      if (e->work.clumps.columns[c].inverse[k] != 0.0)
+        sum += load.on[c] * e->work.clumps.columns[c].v[k];
   }
   return sum;
 }

@@ -39,7 +39,8 @@ void fields_work(engine *e);
 
 typedef struct body_force_row {
   const sd_body_force *field;
-  double *weight, *turn_weight; /* [n_free] 0 where it does not act; else 1, R or m, and 1, R^3 or I */
+  double *weight,
+      *turn_weight; /* [n_free] 0 where it does not act; else 1, R or m, and 1, R^3 or I */
 } body_force_row;
 
 /* Powers of the fields on a disk, and their sums: sd_energy's work, drag, damping. */
@@ -47,11 +48,15 @@ enum { FIELD_WORK, FIELD_DRAG, FIELD_DAMPED, FIELD_POWERS };
 
 typedef struct body_forces {
   size_t n;
-  int64_t phase;                      /* that the weights are of */
-  double *total[SD_COORDINATES];      /* [n_free] constant forces and those of the fields in the last step */
-  const double *base[SD_COORDINATES]; /* [n_free] what is constant, and forces of the program's fields */
-  const double *clumped; /* [n_free] 1 of disks in clumps, whose coordinates are not held; NULL: none */
-  double *force[SD_COORDINATES], *power[FIELD_POWERS], *sum[FIELD_POWERS]; /* columns of the state */
+  int64_t phase; /* that the weights are of */
+  double *
+      total[SD_COORDINATES]; /* [n_free] constant forces and those of the fields in the last step */
+  const double
+      *base[SD_COORDINATES]; /* [n_free] what is constant, and forces of the program's fields */
+  const double
+      *clumped; /* [n_free] 1 of disks in clumps, whose coordinates are not held; NULL: none */
+  double *force[SD_COORDINATES], *power[FIELD_POWERS],
+      *sum[FIELD_POWERS]; /* columns of the state */
   void *arena;
   body_force_row row[];
 } body_forces;

@@ -153,8 +153,10 @@ void halo_refresh(engine *e, halo_wait *change) {
     const double *row = h->receive + HALO_ROW * k;
     const uint32_t i = h->ghost_slot[k];
     if (change)
-      change[i - h->n_own] = (halo_wait){
-          .index = i, .turn = row[POSE_TURN] - s->turn[i], .x = row[POSE_BEFORE_X], .y = row[POSE_BEFORE_Y]};
+      change[i - h->n_own] = (halo_wait){.index = i,
+                                         .turn = row[POSE_TURN] - s->turn[i],
+                                         .x = row[POSE_BEFORE_X],
+                                         .y = row[POSE_BEFORE_Y]};
     if (!change) {
       h->x2[i - h->n_own] = row[POSE_BEFORE_X];
       h->y2[i - h->n_own] = row[POSE_BEFORE_Y];

@@ -45,7 +45,8 @@ struct halo {
   const comm *comm;
   double skin; /* of the lists, the same on all ranks */
   size_t n_own, n_ghosts;
-  uint32_t *order; /* [n_own + n_ghosts] slots in the whole, of own disks and of ghosts each ascending */
+  uint32_t
+      *order; /* [n_own + n_ghosts] slots in the whole, of own disks and of ghosts each ascending */
   /* messages: rows of HALO_ROW numbers of own disks to ranks that have them as ghosts, and of ghosts */
   uint32_t *send_slot, *ghost_slot;
   size_t n_send;
@@ -54,10 +55,11 @@ struct halo {
   comm_links *links;
   bool *sent; /* [n_own] is a ghost elsewhere */
   halo_rows prescribed;
-  halo_waits rebased, wrapped, shifted; /* shifted: of this step, own disks before they went round the box */
-  bool lost;                            /* no memory for one of them */
-  unsigned bits;                        /* HALO_STALE ... of this rank for the next halo_agree */
-  double waited;                        /* seconds in messages, since it was last set to 0 */
+  halo_waits rebased, wrapped,
+      shifted;   /* shifted: of this step, own disks before they went round the box */
+  bool lost;     /* no memory for one of them */
+  unsigned bits; /* HALO_STALE ... of this rank for the next halo_agree */
+  double waited; /* seconds in messages, since it was last set to 0 */
 };
 
 /* After each step every rank knows whether any of them: has stale lists, has failed, is to stop, has changes that wait. */
@@ -82,7 +84,8 @@ static inline uint64_t halo_order(const engine *e, size_t slot) {
 /* A contact that another rank counts, too: it belongs to the disk of the lower order. */
 static inline bool halo_counts(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
-  return !e->halo || !halo_is_ghost(e, (size_t)p->b[k]) || e->halo->order[p->a[k]] < e->halo->order[p->b[k]];
+  return !e->halo || !halo_is_ghost(e, (size_t)p->b[k]) ||
+         e->halo->order[p->a[k]] < e->halo->order[p->b[k]];
 }
 /* dt^2/2 times the acceleration of a disk here or on another rank; 0 of prescribed bodies and of padding. */
 static inline double halo_second(const engine *e, int32_t slot, int c) {

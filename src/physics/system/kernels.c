@@ -31,6 +31,7 @@ const kernels *kernels_choose(void) {
   if (!k) k = kernels_named("avx512");
   if (!k) k = kernels_named("avx2");
   k = k ? k : &kernels_baseline;
-  assert(k->pairs && k->lanes && k->motion && k->lane_width >= 1 && PAIR_BLOCK % k->lane_width == 0);
+  assert(k->pairs && k->lanes && k->motion && k->lane_width >= 1 &&
+         PAIR_BLOCK % k->lane_width == 0);
   return k;
 }

@@ -23,9 +23,9 @@ typedef struct law_row {
   double k_n, k_t, gamma_n, cap; /* cap: mu/k_t, 0 where frictionless */
   double normal, tsuji;          /* number of the normal law; law_tsuji */
   /* where laws are general (model/laws.h) */
-  double pulls;                              /* 1: damping may pull */
-  double cap_kinetic, mindlin, lag;          /* mu_kinetic/k_t; 1: Mindlin's stiffness; gamma_t/k_t */
-  double k_r, cap_r, lag_r;                  /* mu_r/k_r, gamma_r/k_r; 0 without k_r */
+  double pulls;                     /* 1: damping may pull */
+  double cap_kinetic, mindlin, lag; /* mu_kinetic/k_t; 1: Mindlin's stiffness; gamma_t/k_t */
+  double k_r, cap_r, lag_r;         /* mu_r/k_r, gamma_r/k_r; 0 without k_r */
   double bridge, pull_off, range, per_range; /* 1: a bridge; 1/range */
   double broken, begins, ends; /* exp(-rupture/range); gaps at which a contact begins and ends */
 } law_row;
@@ -63,8 +63,10 @@ typedef struct pair_more {
 #undef PAIR_COLUMN
 
 /* Column of pair k. */
-#define PAIR(pairs, k, column) ((pairs)->block[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
-#define MORE(pairs, k, column) ((pairs)->more[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
+#define PAIR(pairs, k, column)                                                                     \
+  ((pairs)->block[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
+#define MORE(pairs, k, column)                                                                     \
+  ((pairs)->more[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
 
 /* Bits of the contacts of a block, or bit 0 for one wall segment: it touched in the last evaluation; it slid there with
  * positive or negative torque. They go with the record. */
@@ -145,7 +147,8 @@ enum {
   PACKED_ROW = 8
 };
 /* of two bodies the differences of even numbers are wanted, and the sums of odd ones: across4 in base/lane.h */
-_Static_assert(PACKED_X % 2 == 0 && PACKED_Y % 2 == 0 && PACKED_ARC % 2 == 1 && PACKED_RADIUS % 2 == 1,
+_Static_assert(PACKED_X % 2 == 0 && PACKED_Y % 2 == 0 && PACKED_ARC % 2 == 1 &&
+                   PACKED_RADIUS % 2 == 1,
                "across4");
 _Static_assert(PACKED_VY == PACKED_VX + 1, "across2");
 
@@ -162,8 +165,9 @@ typedef struct placed_segment {
   double middle_x, middle_y; /* of the piece, from (x, y) */
   double shift_x, shift_y;   /* of an image, from the piece itself */
   sd_piece piece;
-  double c, i;                           /* cosine and sine of the wall's angle; 0, 0: not placed yet */
-  double radius, fx, fy, lx, ly, mx, my; /* arc: of its first and last end, and of the middle between */
+  double c, i; /* cosine and sine of the wall's angle; 0, 0: not placed yet */
+  double radius, fx, fy, lx, ly, mx,
+      my; /* arc: of its first and last end, and of the middle between */
 } placed_segment;
 
 /* Pairs that need rare, serial treatment after the pass: contacts that ended (with the energy they dropped), began,
@@ -195,13 +199,14 @@ typedef struct clumps {
   bool pushed;      /* constant forces or fields act on single disks */
   size_t *start;    /* [count + 1] the disks of each, by their numbers, in what follows */
   uint32_t *member; /* slots */
-  double *offset_x, *offset_y, *offset_theta; /* from the centre, in the frame of the clump; of the angle */
-  double *arm_x, *arm_y;                      /* the same in space, when the disks were last placed */
-  int32_t *of;                                /* [n_free] clump of the disk in each slot, -1: none */
-  double *clumped;                            /* [n_free] 1 of their disks, 0 of others */
-  double *contact_mass;                       /* [n_free] of a disk, or of its clump */
-  double *alpha, *alpha_rotation;             /* of non-viscous damping, on the clump as a whole */
-  columns columns[SD_COORDINATES];            /* as those of the free disks */
+  double *offset_x, *offset_y,
+      *offset_theta;               /* from the centre, in the frame of the clump; of the angle */
+  double *arm_x, *arm_y;           /* the same in space, when the disks were last placed */
+  int32_t *of;                     /* [n_free] clump of the disk in each slot, -1: none */
+  double *clumped;                 /* [n_free] 1 of their disks, 0 of others */
+  double *contact_mass;            /* [n_free] of a disk, or of its clump */
+  double *alpha, *alpha_rotation;  /* of non-viscous damping, on the clump as a whole */
+  columns columns[SD_COORDINATES]; /* as those of the free disks */
 } clumps;
 
 /* A contact with an image, and its force on the body b. */
@@ -231,10 +236,10 @@ typedef struct work_cell {
 typedef struct thread_work {
   _Alignas(
       64) bool stale; /* a body will have moved too far since the lists were built, or nowhere; correct kernels */
-  bool fast;          /* a disk is beyond the displacement limit; correct kernels */
+  bool fast;               /* a disk is beyond the displacement limit; correct kernels */
   event_list events;       /* pairs kernels, commit pass */
   crossing_list crossings; /* pairs kernels, of a box that deforms */
-  event_list returns;      /* disks whose theta or position must return into range; correct kernels */
+  event_list returns; /* disks whose theta or position must return into range; correct kernels */
 } thread_work;
 
 typedef struct body_forces body_forces; /* fields.h */
@@ -248,21 +253,25 @@ typedef struct kernels kernels; /* kernels.h */
 typedef struct work {
   /* constants of the model in the form the loops want; engine_new */
   double dt, per_dt, half_dt2;
-  double speed_limit2;  /* squared speed over squared radius beyond which a disk is noted; speed_begin */
+  double
+      speed_limit2; /* squared speed over squared radius beyond which a disk is noted; speed_begin */
   bool compare_motions; /* prescribed bodies may be beyond the limit of displacement; speed_begin */
   bool conservative, periodic[2];
-  double lower[2], upper[2], length[2], inverse_length[2]; /* box; lengths 0, bounds infinite where open */
-  double offset;                                           /* of a row of cells against the one below */
+  double lower[2], upper[2], length[2],
+      inverse_length[2]; /* box; lengths 0, bounds infinite where open */
+  double offset;         /* of a row of cells against the one below */
   work_cell cell;
   law_row *laws;
   bool one_law;
   unsigned features; /* of all laws (model/laws.h), 0: plain */
   bool stale;        /* the lists, for the coming step; step_once */
-  int64_t show_from; /* from this step on the forces on free disks are wanted in the state; step_begin */
-  bool predict_all;  /* all disks are predicted before anything else is done; step_begin */
-  double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
-  double *constant_x, *constant_y, *constant_torque;         /* [n_free] gravity and body force */
-  bool nothing_constant[SD_COORDINATES];                     /* the same is 0 for all */
+  int64_t
+      show_from; /* from this step on the forces on free disks are wanted in the state; step_begin */
+  bool predict_all; /* all disks are predicted before anything else is done; step_begin */
+  double *inverse_mass_x, *inverse_mass_y,
+      *inverse_inertia;                              /* [n_free], 0 where held or prescribed */
+  double *constant_x, *constant_y, *constant_torque; /* [n_free] gravity and body force */
+  bool nothing_constant[SD_COORDINATES];             /* the same is 0 for all */
   columns columns[SD_COORDINATES];
   clumps clumps;
   void *arena;      /* columns of these, and poses when the lists were built */
@@ -275,20 +284,20 @@ typedef struct work {
   incidence incidence;
   sums sums;
   chunks chunks;
-  int32_t *row;              /* [n_bodies + 1] of each body in packed and sums; the last is that of padding */
-  double *packed;            /* [rows of bodies][PACKED_ROW] */
+  int32_t *row;   /* [n_bodies + 1] of each body in packed and sums; the last is that of padding */
+  double *packed; /* [rows of bodies][PACKED_ROW] */
   size_t packed_capacity;    /* rows */
   double least_limit;        /* of the overlap, of the smallest body */
   double margin;             /* largest gap at which a contact begins or ends */
   double skin, moved_limit2; /* squared displacement that makes the lists stale */
   double list_scale;         /* state->box_scale when the lists were built */
   double *x0, *y0, *theta0;  /* [n_bodies] poses when the lists were built, in today's lengths */
-  double *reach;             /* [n_walls] largest distance from the pivot that matters when the wall turns */
-  int64_t builds, built_at;  /* how often; step of the last */
-  double mean_radius;        /* harmonic mean of the disks: most pairs are of small ones; engine_build */
-  double surface_unit;       /* a power of two no less; engine_build */
-  placed_segment *segments;  /* walls_pose */
-  uint32_t *pieces;          /* of walls that are in the list of pairs, ascending; neighbours_build */
+  double *reach; /* [n_walls] largest distance from the pivot that matters when the wall turns */
+  int64_t builds, built_at; /* how often; step of the last */
+  double mean_radius;  /* harmonic mean of the disks: most pairs are of small ones; engine_build */
+  double surface_unit; /* a power of two no less; engine_build */
+  placed_segment *segments; /* walls_pose */
+  uint32_t *pieces; /* of walls that are in the list of pairs, ascending; neighbours_build */
   size_t n_pieces;
   int64_t *watched; /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
 
@@ -296,7 +305,8 @@ typedef struct work {
   body_forces *body_forces; /* NULL: the model has no fields */
   lanes *lanes;             /* of this system alone; NULL: the general step only */
   thread_work *threads;     /* [n_threads] */
-  sd_status status;         /* of the step that is being done; set by one thread, read by all after a wait */
+  sd_status
+      status; /* of the step that is being done; set by one thread, read by all after a wait */
   sd_messages *messages;
 } work;
 
@@ -316,6 +326,8 @@ struct engine {
 
 /* The threads that make lists; NULL with few disks, where one is as fast. */
 enum { WORK_TOGETHER = 1000 };
-static inline pool *work_pool(const engine *e) { return e->state->n_free < WORK_TOGETHER ? NULL : e->pool; }
+static inline pool *work_pool(const engine *e) {
+  return e->state->n_free < WORK_TOGETHER ? NULL : e->pool;
+}
 
 #endif
