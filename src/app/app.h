@@ -165,4 +165,15 @@ void stored_release(const frames *f, h5_file *file);
  * as the model does; UINT32_MAX: none. */
 uint32_t stored_body(const sd_model *m, const h5_file *file, const observable *o, size_t k);
 
+/* Pages of the manual (man 7) and completion for bash, written from the tables of the commands. */
+
+/* All exit statuses, a line each. */
+void manual_statuses(FILE *out);
+/* slipdisk(1): commands, exit statuses, environment, files. */
+void manual_overview(FILE *out, size_t n, const command_line *const *lines);
+/* slipdisk-COMMAND(1) */
+void manual_command(FILE *out, const command_line *line);
+/* Completes commands, options, values that are a closed set, decks, results and folders. */
+void manual_bash(FILE *out, size_t n, const command_line *const *lines);
+
 #endif

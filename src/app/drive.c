@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "app/app.h"
-#include "app/view/live.h"
+#include "app/view/view.h"
 #include "base/clock.h"
 #include "base/comm.h"
 #include "base/text.h"

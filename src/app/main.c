@@ -10,7 +10,6 @@
 #endif
 
 #include "app/app.h"
-#include "app/manual.h"
 #include "base/comm.h"
 #include "base/limits.h"
 #include "base/memory.h"

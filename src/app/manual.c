@@ -1,5 +1,5 @@
-/* manual.c: see manual.h. */
-#include "app/manual.h"
+/* manual.c: see app.h. */
+#include "app/app.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -163,16 +163,16 @@ static void man_examples(FILE *out, const char *examples) {
   fputs(".fi\n", out);
 }
 
-/* slipdisk, and a command behind a hyphen; the summary begins in small letters. */
-static void man_head(FILE *out, const char *command, const char *summary) {
+/* slipdisk, and a command behind a hyphen; the line begins in small letters. */
+static void man_head(FILE *out, const char *command, const char *line) {
   char title[64], name[64];
   bool bold = false;
   snprintf(name, sizeof name, *command ? "slipdisk\\-%s" : "slipdisk", command);
   snprintf(title, sizeof title, *command ? "SLIPDISK\\-%s" : "SLIPDISK", command);
   for (char *c = title; *c; c++) *c = (char)toupper((unsigned char)*c);
   fprintf(out, ".TH %s 1 %s \"slipdisk %s\" \"slipdisk\"\n.SH NAME\n%s \\- %c", title,
-          SD_VERSION_DATE, SD_VERSION, name, tolower((unsigned char)*summary));
-  man_bytes(out, summary + 1, strlen(summary + 1), &bold);
+          SD_VERSION_DATE, SD_VERSION, name, tolower((unsigned char)*line));
+  man_bytes(out, line + 1, strlen(line + 1), &bold);
   fputc('\n', out);
 }
 

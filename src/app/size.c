@@ -125,7 +125,7 @@ const char *size_text(double bytes, char *text, size_t size) {
 void size_find(result_size *size, const sd_model *m) {
   record r;
   const rows n = count_rows(m);
-  record_new(&r, m, false);
+  record_new(&r, m, RECORD_WHOLE);
   *size = (result_size){.most_contacts = most_contacts(m),
                         .at_most = m->until.asked,
                         .series = n.series,

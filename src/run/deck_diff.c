@@ -2,7 +2,13 @@
  * which they agree again is looked for. Full decks list their keys in a fixed order, so that is enough. */
 #include "run/deck_diff.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "io/deck/deck.h"
+#include "run/sweep_private.h"
 
 enum { WINDOW = 200, MOST = 20 };
 
@@ -88,4 +94,109 @@ void deck_diff(const char *before, const char *now, sd_messages *messages) {
     now = tell(now, skip_now, "this deck has", &told, messages);
   }
   if (told > MOST) sd_fail(messages, SD_ERROR_USER, "... and %d more lines", told - MOST);
+}
+
+/* --- which keys another deck says otherwise, of a point, and of many -------------------------- */
+
+/* Differences that are kept of a point, and of many together. */
+enum { MOST_KEPT = 20, MOST_TOLD = 20 };
+
+/* A missing value is NULL. */
+static void add(sweep_result *r, const char *path, const char *there, const char *here) {
+  r->differences = memory_grow(r->differences, r->n_differences + 1, sizeof *r->differences);
+  r->differences[r->n_differences++] =
+      (sweep_difference){memory_text(path), memory_text(there), memory_text(here)};
+}
+
+/* --- two decks ---------------------------------------------------------------------------------------------- */
+
+static void keep(void *user, const char *path, const char *there, const char *here) {
+  sweep_result *r = user;
+  if (r->n_differences < MOST_KEPT) add(r, path, there, here);
+}
+
+bool sweep_compare(sweep_result *r, const char *there, const char *here, bool any_title) {
+  if (deck_same(there, here)) return true;
+  if (*there && deck_compare(there, here, any_title, keep, r)) return r->n_differences == 0;
+  add(r, "its deck cannot be compared with this one", NULL, NULL);
+  return false;
+}
+
+void sweep_differ(sweep_result *r, const char *why) { add(r, why, NULL, NULL); }
+
+/* "gravity.tilt: 0.1 there, 0.2 here" */
+static char *words(const sweep_difference *d) {
+  if (!d->there && !d->here) return memory_text(d->path);
+  if (!d->there) return format_text("%s: not there, %s here", d->path, d->here);
+  if (!d->here) return format_text("%s: %s there, not here", d->path, d->there);
+  return format_text("%s: %s there, %s here", d->path, d->there, d->here);
+}
+
+char *sweep_differences_text(const sweep_result *r) {
+  enum { TOLD = 4 };
+  char *text = memory_text("");
+  for (size_t k = 0; k < r->n_differences && k < TOLD; k++) {
+    char *one = words(&r->differences[k]);
+    text = append_text(text, "%s%s", k ? "; " : "", one);
+    free(one);
+  }
+  return r->n_differences <= TOLD ? text
+                                  : append_text(text, "; and %zu more", r->n_differences - TOLD);
+}
+
+void sweep_differences_free(sweep_result *r) {
+  for (size_t k = 0; k < r->n_differences; k++) {
+    free(r->differences[k].path);
+    free(r->differences[k].there);
+    free(r->differences[k].here);
+  }
+  free(r->differences);
+  r->differences = NULL;
+  r->n_differences = 0;
+}
+
+/* --- of many points ----------------------------------------------------------------------------------------- */
+
+static bool same_text(const char *a, const char *b) { return a && b ? strcmp(a, b) == 0 : a == b; }
+
+static void count(sweep_tally *t, sweep_difference *d) {
+  for (size_t k = 0; k < t->n; k++) {
+    sweep_tally_line *line = &t->list[k];
+    if (strcmp(line->first.path, d->path) != 0) continue;
+    line->points++;
+    line->varies = line->varies || !same_text(line->first.there, d->there) ||
+                   !same_text(line->first.here, d->here);
+    return;
+  }
+  if (t->n == MOST_TOLD) {
+    t->more++;
+    return;
+  }
+  t->list = memory_grow(t->list, t->n + 1, sizeof *t->list);
+  t->list[t->n++] = (sweep_tally_line){.first = *d, .points = 1};
+  *d = (sweep_difference){0}; /* moved */
+}
+
+void sweep_tally_add(sweep_tally *t, sweep_result *r) {
+  if (r->status != SWEEP_OTHER) return;
+  t->points++;
+  for (size_t k = 0; k < r->n_differences; k++) count(t, &r->differences[k]);
+  sweep_differences_free(r);
+}
+
+char *sweep_tally_text(const sweep_tally *t, size_t k) {
+  const sweep_tally_line *line = &t->list[k];
+  return append_text(words(&line->first), "%s (%zu point%s)",
+                     line->varies ? ", and other values" : "", line->points,
+                     line->points == 1 ? "" : "s");
+}
+
+void sweep_tally_free(sweep_tally *t) {
+  for (size_t k = 0; k < t->n; k++) {
+    free(t->list[k].first.path);
+    free(t->list[k].first.there);
+    free(t->list[k].first.here);
+  }
+  free(t->list);
+  *t = (sweep_tally){0};
 }

@@ -16,7 +16,6 @@
 #include "physics/step/speed.h"
 #include "physics/system/halo.h"
 #include "run/loop.h"
-#include "run/ranks_failure.h"
 #include "run/ranks_first.h"
 #include "run/ranks_move.h"
 #include "run/ranks_share.h"
@@ -161,7 +160,7 @@ static sd_status write_share(ranks *r, bool rows, const char *path, int64_t *sea
   int64_t sum = 0;
   char *head = comm_text(r->comm, path), *share = h5_share_path(head, (size_t)comm_rank(r->comm));
   const sd_status status =
-      comm_agree(r->comm, rows ? record_share_seal(&r->rows, share, &sum, r->messages)
+      comm_agree(r->comm, rows ? record_seal_share(&r->rows, share, &sum, r->messages)
                                : ranks_write_share(r->part, share, &sum, r->messages));
   if (status == SD_OK)
     ranks_gather_sums(r->comm, sum, seals);
@@ -188,6 +187,6 @@ sd_status ranks_sample(ranks *r, unsigned what, int64_t frame, int64_t moment_nu
       tell(r, ranks_sample_share(r->part, what, at[0], at[1], &r->rows, r->messages), messages);
   if (status != SD_OK) return status;
   *n_contacts = ranks_count_contacts(r->part);
-  *bytes = (size_t)comm_total(r->comm, (double)record_share_bytes(&r->rows));
+  *bytes = (size_t)comm_total(r->comm, (double)record_bytes(&r->rows));
   return SD_OK;
 }

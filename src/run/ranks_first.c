@@ -15,7 +15,7 @@
 #include "physics/neighbours/order.h"
 #include "physics/small/lanes.h"
 #include "physics/step/engine.h"
-#include "run/ranks_failure.h"
+#include "run/steps.h"
 #include "run/ranks_move.h"
 #include "run/route.h"
 

@@ -78,13 +78,13 @@ sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum,
 
 /* Disks that are driven are on all ranks, and written by the first. */
 sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame,
-                             int64_t moment_number, record_share *rows, sd_messages *messages) {
+                             int64_t moment_number, record *rows, sd_messages *messages) {
   const sd_state *s = part->state;
   const size_t driven = comm_rank(part->comm) == 0 ? s->n_free + s->n_ghosts : s->n_disks;
   checkpoint_order order;
   sd_status status = order_new(part, &order, messages);
   if (status == SD_OK)
-    status = record_share_sample(rows, what, s, driven, engine_slots(part), &order, frame,
+    status = record_sample_share(rows, what, s, driven, engine_slots(part), &order, frame,
                                  moment_number, messages);
   order_free(&order);
   return status;

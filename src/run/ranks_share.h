@@ -5,7 +5,7 @@
 #include <stdbool.h>
 
 #include "base/comm.h"
-#include "io/results/record_share.h"
+#include "io/results/record.h"
 #include "io/results/summary.h"
 #include "model/state.h"
 #include "physics/system/work.h"
@@ -16,7 +16,7 @@ sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum,
                             sd_messages *messages);
 /* Adds frame `frame` and contacts of moment `moment_number` of the next part, as `what` says, to the rows of this rank. */
 sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame,
-                             int64_t moment_number, record_share *rows, sd_messages *messages);
+                             int64_t moment_number, record *rows, sd_messages *messages);
 /* Collective: sums of all ranks to `all` of rank 0 (the others: NULL). */
 void ranks_gather_sums(const comm *c, int64_t sum, int64_t *all);
 

@@ -14,7 +14,7 @@
 #include "io/store/file.h"
 #include "model/rows.h"
 #include "run/deck_diff.h"
-#include "run/ranks_failure.h"
+#include "run/steps.h"
 #include "run/session_private.h"
 #include "run/simulation_private.h"
 #include "slipdisk/deck.h"
@@ -277,8 +277,8 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
     status = refuse_existing(s, *there, messages);
   if (status == SD_OK) status = folder_open(parts, false, &s->parts_folder, messages);
   if (status == SD_OK) file_keep_mode(s->parts_folder.at, -1, s->result); /* parts are as private */
-  record_new(&s->rows, s->model, false);
-  record_new(&s->shared, s->model, true);
+  record_new(&s->rows, s->model, RECORD_WHOLE);
+  record_new(&s->shared, s->model, RECORD_HEAD);
   free(parts);
   return status;
 }

@@ -1,5 +1,5 @@
-/* session_group.c: the loop of runs, one or several side by side; see session_group.h. */
-#include "run/session_group.h"
+/* session_group.c: the loop of runs, one or several side by side; see session.h. */
+#include "run/session.h"
 
 #include <assert.h>
 #include <inttypes.h>

@@ -94,7 +94,7 @@ int64_t observers_room(const sd_simulation *simulation, int64_t most);
 /* Calls those that are due now. */
 sd_status observers_call(sd_simulation *simulation, sd_messages *messages);
 
-/* --- simulation_store.c ------------------------------------------------------------------------------ */
+/* --- Storing and cloning ------------------------------------------------------------------------- */
 /* The model of the deck that a checkpoint or a result holds. c: of ranks that share it
  * (ranks_load), and the deck is that of rank 0; NULL: of one process. */
 sd_status simulation_model_of(const comm *c, const provenance *origin, sd_model **out,

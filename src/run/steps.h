@@ -5,8 +5,9 @@
 
 #include <signal.h>
 
+#include "base/comm.h"
 #include "base/comm_cuts.h"
-#include "io/results/record_share.h"
+#include "io/results/record.h"
 #include "measure/resultant.h"
 #include "physics/small/lanes.h"
 #include "run/ranks.h"
@@ -22,7 +23,7 @@ struct ranks {
   double skin;
   unsigned bits;         /* of all ranks, after the last step */
   sd_messages *messages; /* of this rank */
-  record_share rows;     /* of this rank, since the last part */
+  record rows;           /* of this rank, since the last part */
   resultants sums;       /* of all ranks, for a row of the series */
   double busy;           /* seconds of work since the last cut */
   int64_t cut_step;
@@ -56,5 +57,12 @@ sd_status ranks_store_part(ranks *r, bool rows);
 /* n steps within a phase, or fewer when one of the systems goes wrong: the others are then where it was, and its
  * work.status says so. States are complete before and after. */
 void lanes_loop(lanes *l, int64_t n, bool measure);
+
+/* --- what ranks say when one of them cannot go on --------------------------------------------- */
+
+/* Collective, with a status on which all ranks agree. Rank 0 (the others: messages NULL) gets the
+ * warnings of its own list, which every rank has alike, and after a failure the errors of all
+ * ranks, equal ones once. The list is empty then. Returns the status. */
+sd_status ranks_tell(const comm *c, sd_status status, sd_messages *own, sd_messages *messages);
 
 #endif

@@ -125,7 +125,7 @@ typedef struct sweep_options {
   void *user;
 } sweep_options;
 
-/* Runs points, or continues them, side by side (session_group.h). A finished one, and one that another process runs, are
+/* Runs points, or continues them, side by side (session.h). A finished one, and one that another process runs, are
  * left alone (SD_OK); the result of another deck, or a damaged one, is SD_ERROR_USER. Each point ends by itself:
  * when a run fails its messages are kept in NAME.failed, too, and the others go on. */
 void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_options *options);

@@ -20,9 +20,9 @@ SRC = ROOT / "src"
 ROOMS = {"physics": ["system", "contact", "neighbours", "motion", "step", "small"], "io": ["store", "results", "deck"]}
 # Headers of a room that files outside may include.
 DOORS = {"io/deck": ["deck"], "io/store": ["file", "folder", "h5"],
-         "io/results": ["checkpoint", "constants", "frames", "merge", "provenance", "record", "record_share", "summary"],
+         "io/results": ["checkpoint", "constants", "frames", "merge", "provenance", "record", "summary"],
          "app/check": [], "app/export": [], "app/measure": ["measure"], "app/sweep": ["sweep"], "app/theory": [],
-         "app/view": ["live"]}
+         "app/view": ["view"]}
 FLOORS = ["base", "model", "physics", "pack", "theory", "measure", "io", "run", "app"]
 ONLY = {"libconfig.h": "io/deck/", "hdf5.h": "io/store/h5", "hdf5_hl.h": "io/store/h5", "mpi.h": "base/comm",
         "zoltan.h": "base/comm_cuts"}

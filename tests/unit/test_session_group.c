@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
-#include "run/session_group.h"
+#include "run/session.h"
 #include "run/session_private.h"
 
 enum { MEMBERS = 3, FIRST = 2000, SECOND = 3000, AHEAD = 2500 };

@@ -18,7 +18,7 @@ BUILD = ROOT / "build" / "coverage"
 # Room -> its files below src/; the first that fits counts.
 ROOMS = {
     # this build has no MPI: test_ranks has ranks that are threads, and no shares
-    "ranks": r"base/comm|run/(ranks|route|steps)|model/rows|io/(results/record_share|store/h5_open)",
+    "ranks": r"base/comm|run/(ranks|route|steps)|model/rows|io/store/h5_open",
     "deck reader": r"io/deck",
     "checkpoint": r"io/(results/checkpoint|store/file|store/folder|store/members)",
     "merge": r"io/(store/table|results/(merge|record|series|trajectory|frames))",

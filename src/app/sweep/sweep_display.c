@@ -6,7 +6,6 @@
 #include "app/app.h"
 #include "app/json.h"
 #include "app/sweep/sweep.h"
-#include "app/sweep/sweep_scheduler.h"
 #include "base/clock.h"
 
 const char *sweep_finding(const sweep_result *r, char *text, size_t size) {

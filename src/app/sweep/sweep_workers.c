@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "app/app.h"
-#include "app/sweep/sweep_scheduler.h"
+#include "app/sweep/sweep.h"
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/text.h"

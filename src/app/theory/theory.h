@@ -82,7 +82,7 @@ sd_status theory_drive_read(const sd_model *m, uint32_t upper, const uint32_t su
 /* Fills all of r that applies, also when it fails: SD_ERROR_USER, SD_ERROR_NUMERIC of sd_sliding_solve. */
 sd_status theory_case_solve(const theory_case *c, theory_result *r, sd_messages *messages);
 
-/* --- theory_page.c: for people and for programs ----------------------------------------------- */
+/* --- The page, for people and for programs ------------------------------------------------------- */
 void theory_page(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r);
 bool theory_json(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r);
 

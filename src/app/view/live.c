@@ -1,5 +1,5 @@
-/* live.c: see live.h. A thread steps and puts down copies; a thread of the server answers from them. */
-#include "app/view/live.h"
+/* live.c: see view.h. A thread steps and puts down copies; a thread of the server answers from them. */
+#include "app/view/view.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -17,9 +17,6 @@
 #include <unistd.h>
 #endif
 
-#include "app/view/view_chunk.h"
-#include "app/view/view_data.h"
-#include "app/view/view_page.h"
 #include "base/clock.h"
 #include "base/memory.h"
 #include "io/results/record.h"
@@ -513,7 +510,7 @@ static void prepare(live *l, const char *source) {
   view_meta_phases(l->meta, m);
   json_object_set_new(l->meta, "frames", json_integer(0));
   l->status.steps = sd_model_steps(m);
-  record_new(&l->rows, m, false);
+  record_new(&l->rows, m, RECORD_WHOLE);
 }
 
 sd_status live_open(const sd_model *model, const char *source, live **out, sd_messages *messages) {

@@ -9,8 +9,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "app/view/live.h"
-#include "app/view/view_page.h"
 #include "base/clock.h"
 #include "base/text.h"
 #include "io/store/file.h"

@@ -1,5 +1,5 @@
-/* view_data.c: see view_data.h. */
-#include "app/view/view_data.h"
+/* view_data.c: see view.h. */
+#include "app/view/view.h"
 
 #include <inttypes.h>
 #include <math.h>

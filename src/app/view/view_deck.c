@@ -5,8 +5,6 @@
 
 #include "app/json.h"
 #include "app/view/view.h"
-#include "app/view/view_data.h"
-#include "app/view/view_page.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/deck/deck.h"

@@ -3,8 +3,6 @@
 #include <stdlib.h>
 
 #include "app/view/view.h"
-#include "app/view/view_data.h"
-#include "app/view/view_page.h"
 #include "base/memory.h"
 #include "io/results/checkpoint.h"
 #include "slipdisk/deck.h"

@@ -89,7 +89,7 @@ sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_mess
 /* And a checkpoint that it can go on from? */
 sd_status checkpoint_check_format(const h5_file *file, const char *path, sd_messages *messages);
 
-/* --- of checkpoint_read.c --------------------------------------------------------------------- */
+/* --- Reading ------------------------------------------------------------------------------------- */
 /* Sizes in a state, and their names as attributes of /state. */
 typedef struct checkpoint_extent {
   const char *name;

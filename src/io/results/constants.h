@@ -28,12 +28,8 @@ typedef sd_status constants_deck_reader(const char *text, const char *path, size
 sd_status constants_read(const h5_file *file, const char *path, constants_deck_reader *read_deck,
                          sd_model **out, sd_messages *messages);
 
-/* --- the laws of contacts in a finished result (/parameters/model) ---------------------------- */
-
-void constants_laws_write(h5_file *file, const sd_model *model);
-/* Materials without names, and their laws. SD_ERROR_IO: not there, damaged, no memory. */
-sd_status constants_laws_read(const h5_file *file, sd_model *model, sd_messages *messages);
-/* The laws, the integrator and dt (0: not known) alone; NULL: not there, damaged, no memory. */
+/* Reads only the contact laws, the integrator and dt (0: not known) of a result. Returns NULL if they
+ * are missing or damaged. The caller frees the model. */
 sd_model *constants_laws_model(const h5_file *file);
 
 #endif

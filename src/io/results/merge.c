@@ -8,7 +8,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/results/constants.h"
-#include "io/results/series.h"
+#include "io/results/trajectory.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
 

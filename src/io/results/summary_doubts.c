@@ -1,4 +1,4 @@
-/* summary_doubts.c: see summary_doubts.h. */
+/* summary_doubts.c: see summary.h. */
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>

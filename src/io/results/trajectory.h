@@ -5,12 +5,13 @@
  * Contacts of one moment are rows of one long table; the index says which: rows first ... first + count - 1.
  * `first` is known only when the parts are put together (merge.c).
  *
- * shared: what is of disks and of contacts stands in shares of the ranks (record_share.h), and is left out.
+ * shared: what is of disks and of contacts stands in shares of the ranks (record.h), and is left out.
  */
 #ifndef SLIPDISK_IO_TRAJECTORY_H
 #define SLIPDISK_IO_TRAJECTORY_H
 
 #include "io/store/table.h"
+#include "measure/observable.h"
 
 /* With no disks (no walls) the table has no columns and no rows. The edges of the box, and the scale of the region, are
  * columns when some phase compresses, else constants (constants.h). */
@@ -40,5 +41,13 @@ void trajectory_put_contacts(table *rows, size_t column, const moment *now, size
 
 /* Lengths of the periodic box, 0 where it is open. */
 void trajectory_edges(const sd_model *model, double scale, double edges[2]);
+
+/* --- the time series: the rows of energy_observables and series_observables ------------------- */
+
+void series_new(table *t, const sd_model *model);
+/* One row. */
+sd_status series_sample(table *t, const moment *now, sd_messages *messages);
+/* Which disks, walls and groups the columns with a number for each are about. */
+void series_write_columns(h5_file *file, const sd_model *model);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "io/store/h5.h"
 
-/* A dataset that is being filled by rows, see h5_chunks.c. */
+/* A dataset that is being filled by rows, see h5_file.c. */
 typedef struct h5_rows {
   hid_t set, type;
   int rank, filters;
@@ -172,7 +172,7 @@ const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path);
 sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first,
                          size_t n, void *data, sd_messages *messages);
 
-/* --- h5_pages.c ------------------------------------------------------------------------------------- */
+/* --- Pages of files that borrow (h5_memory.c) ---------------------------------------------------- */
 /* Files of this access stand in memory, in at most so many bytes, and take pages where something was written. */
 bool h5_set_pages(hid_t access, size_t room);
 
