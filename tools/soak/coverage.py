@@ -31,10 +31,10 @@ ROOMS = {
 LEAST = {"deck reader": 88, "checkpoint": 70, "merge": 82}  # per cent of branches
 
 # The tests that reach most in a second: no tests of numbers and of speed, none that run for long.
-TESTS = (r"^test_(deck|deck_.*|packings_(deck|mistakes|check)|tiles|files_in_parts|model_part|sweep_(deck|mistakes|folder)|check_sweep|checkpoint|restart"
-         r"|rows|configuration|configuration_frames|measure_command|disk_files|disk_results|results|large_files"
+TESTS = (r"^test_(deck|deck_.*|packings_(deck|check)|tiles|files_in_parts|model_part|sweep_(deck|folder)|check_sweep|checkpoint|restart"
+         r"|rows|configuration|measure_command|disk_files|disk_results|results|large_files"
          r"|session_group|settle|settle_runs|ensemble|compress|compress_results|watch|bounds|walls|rain|relax|generators|motion"
-         r"|lanes_motion|neighbours|ranks|theory_command|random|until|expressions|mistakes|advice|library|library_more|json|export|h5md|cell_readers|clump_decks)$")
+         r"|lanes_motion|neighbours|ranks|theory_command|random|until|expressions|mistakes|advice|library|library_mistakes|json|export|h5md|cell_readers|clump_decks)$")
 # The modes that lead into branches of failures, and their sizes
 FAULTS = {"faults": "brief", "memory": "small", "altered": "brief"}
 

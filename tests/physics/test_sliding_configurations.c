@@ -1,4 +1,4 @@
-/* test_configurations.c: torque, normal forces and visits in each sliding configuration: against closed forms, against
+/* test_sliding_configurations.c: torque, normal forces and visits in each sliding configuration: against closed forms, against
  * sums over the contacts of every step, and against the angular momentum.
  */
 #include <setjmp.h>

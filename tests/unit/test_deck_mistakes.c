@@ -1,4 +1,4 @@
-/* test_deck_corners.c: mistakes that few make and spellings that few use, each with what the reader says or takes.
+/* test_deck_mistakes.c: mistakes that few make and spellings that few use, each with what the reader says or takes.
  * The cases were found with tools/soak.sh coverage.
  */
 #include <setjmp.h>

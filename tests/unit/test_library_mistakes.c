@@ -1,4 +1,4 @@
-/* test_library_more.c: mistakes of programs that use the library: each is told, none of them crashes. Public headers alone. */
+/* test_library_mistakes.c: mistakes of programs that use the library: each is told, none of them crashes. Public headers alone. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
