@@ -23,7 +23,7 @@ static double largest_radius(const sd_model *m) {
   return largest;
 }
 
-/* --- of the container ------------------------------------------------------------------------------------ */
+/* --- of the container ------------------------------------------------------------------------- */
 
 /* A wall of this name, else a disk of a group of this name. */
 static bool find_side(const deck *d, const char *name, uint32_t *body) {
@@ -77,7 +77,7 @@ static void follow_container(const deck *d) {
   limit_side(d, drum ? "drum" : "lid", SD_Y, true, margin);
 }
 
-/* --- far out --------------------------------------------------------------------------------------------- */
+/* --- far out ---------------------------------------------------------------------------------- */
 
 typedef struct extent {
   double low[2], high[2];
@@ -117,7 +117,7 @@ static bool may_leak(const sd_model *m) {
   return m->n_walls > 0 && !endless && (m->gravity[0] != 0 || m->gravity[1] != 0);
 }
 
-/* --- the group ------------------------------------------------------------------------------------------- */
+/* --- the group -------------------------------------------------------------------------------- */
 
 static bool starts_inside(const deck *d, size_t row) {
   const sd_bounds *b = &d->model->bounds;

@@ -6,7 +6,7 @@
 
 #include "base/memory.h"
 
-/* --- into the model ------------------------------------------------------------------------------------- */
+/* --- into the model --------------------------------------------------------------------------- */
 
 static sd_clump *push(deck *d) {
   sd_model *m = d->model;
@@ -17,7 +17,7 @@ static sd_clump *push(deck *d) {
   return c;
 }
 
-/* --- clumps by name ------------------------------------------------------------------------------------- */
+/* --- clumps by name --------------------------------------------------------------------------- */
 
 static void check_disk(deck *d, const deck_group *g, uint32_t body) {
   const sd_disk *disk = &d->model->disks[body];
@@ -81,7 +81,7 @@ void deck_read_clumps(deck *d) {
   order_clumps(d, packed);
 }
 
-/* --- grains of a packing --------------------------------------------------------------------------------- */
+/* --- grains of a packing ---------------------------------------------------------------------- */
 
 /* From the common centre of mass, whatever the density. */
 static void centre(deck_grain *grain) {

@@ -62,7 +62,7 @@ void deck_read_box(deck *d) {
   }
 }
 
-/* --- space -------------------------------------------------------------------------------------------------- */
+/* --- space ------------------------------------------------------------------------------------ */
 
 static void read_hopper(deck_group *g, const deck_container_values *v, place_interior *in) {
   deck *d = g->d;
@@ -135,7 +135,7 @@ void deck_read_container(deck *d) {
     v->material = deck_material(&g);
 }
 
-/* --- walls -------------------------------------------------------------------------------------------------- */
+/* --- walls ------------------------------------------------------------------------------------ */
 
 static sd_wall *add_wall(deck *d, const char *name, sd_wall_kind kind) {
   sd_model *m = d->model;

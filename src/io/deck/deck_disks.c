@@ -24,7 +24,7 @@ typedef struct values {
   bool broken; /* the common values have errors: rows are not checked again */
 } values;
 
-/* --- one disk ------------------------------------------------------------------------------------------- */
+/* --- one disk --------------------------------------------------------------------------------- */
 
 static void fail_value(deck *d, const values *v, const char *key, const char *text) {
   if (v->node)
@@ -79,7 +79,7 @@ static void add_disk(deck *d, const values *v) {
   deck_push_disk(d, &disk, v->name, v->group, v->place);
 }
 
-/* --- groups of the deck ---------------------------------------------------------------------------------- */
+/* --- groups of the deck ----------------------------------------------------------------------- */
 
 /* A value that is a column is not asked for in the group, and may not stand there too. */
 static bool common(deck_group *g, const deck_columns *t, int column) {
@@ -179,7 +179,7 @@ void deck_read_single_disks(deck *d) {
   }
 }
 
-/* --- the echo of short files ------------------------------------------------------------------------------ */
+/* --- the echo of short files ------------------------------------------------------------------ */
 
 static void file_to_rows(deck *d, deck_node *file, const deck_columns *t, deck_node *rows_list) {
   deck_node *group = deck_node_new(d, rows_list, NULL, DECK_GROUP, file->place);
@@ -232,7 +232,7 @@ void deck_echo_files(deck *d) {
   if (files) deck_remove(d->root, files);
 }
 
-/* --- forces and locks ------------------------------------------------------------------------------------- */
+/* --- forces and locks ------------------------------------------------------------------------- */
 
 void deck_read_forces(deck *d) {
   deck_group g;

@@ -388,7 +388,7 @@ const deck_table *const deck_tables[] = {
 };
 const size_t deck_table_count = COUNT(deck_tables);
 
-/* --- words ------------------------------------------------------------------------------------------------ */
+/* --- words ------------------------------------------------------------------------------------ */
 
 const char *deck_kind_text(deck_kind kind) {
   static const char *const text[] = {
@@ -446,7 +446,7 @@ bool deck_names_kind(const char *name, bool flag) {
   return found;
 }
 
-/* --- documentation -------------------------------------------------------------------------------------- */
+/* --- documentation ---------------------------------------------------------------------------- */
 
 /* The words of a choice, with what each kind reads where it is one of kinds. */
 static void print_shapes(FILE *out, const char *heading, const deck_shape *shape) {

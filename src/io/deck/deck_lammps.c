@@ -55,7 +55,7 @@ typedef struct lammps {
   bool sorted, velocities, crowded;
 } lammps;
 
-/* --- lines ---------------------------------------------------------------------------------------------- */
+/* --- lines ------------------------------------------------------------------------------------ */
 
 /* The next line that holds more than a comment; false at the end. */
 static bool next_line(lammps *in) {
@@ -103,7 +103,7 @@ static bool whole(const lammps *in, size_t k, const char *what, long long *n) {
   return false;
 }
 
-/* --- header --------------------------------------------------------------------------------------------- */
+/* --- header ----------------------------------------------------------------------------------- */
 
 static void header_line(lammps *in) {
   static const char *const edges[2][2] = {{"xlo", "xhi"}, {"ylo", "yhi"}};
@@ -155,7 +155,7 @@ bool deck_lammps_box(deck *d, const deck_node *file, double lower[2], double upp
   return true;
 }
 
-/* --- sections ------------------------------------------------------------------------------------------- */
+/* --- sections --------------------------------------------------------------------------------- */
 
 static bool choose_style(lammps *in) {
   for (int k = 0; k < STYLES && !in->style; k++) {
@@ -266,7 +266,7 @@ static bool read_sections(lammps *in) {
   return found;
 }
 
-/* --- columns -------------------------------------------------------------------------------------------- */
+/* --- columns ---------------------------------------------------------------------------------- */
 
 typedef enum source { X, Y, RADIUS, MASS, VX, VY, OMEGA, TYPE, ID, SOURCES } source;
 static const char *const source_names[SOURCES] = {"x",  "y",     "radius", "mass", "vx",

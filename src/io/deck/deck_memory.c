@@ -26,7 +26,7 @@ typedef struct our_walls {
   bool *placed;
 } our_walls;
 
-/* --- walls ---------------------------------------------------------------------------------------------- */
+/* --- walls ------------------------------------------------------------------------------------ */
 
 /* Which wall of the deck the file's wall k is; NOWHERE: none. */
 static uint32_t same_wall(const our_walls *ours, const deck_result *r, size_t k) {
@@ -108,7 +108,7 @@ static our_walls list_walls(deck *d) {
   return ours;
 }
 
-/* --- contacts ------------------------------------------------------------------------------------------- */
+/* --- contacts --------------------------------------------------------------------------------- */
 
 /* Places the walls of the model that the file has, and tells which they are. */
 static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_wall *walls) {

@@ -46,7 +46,7 @@ static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned ma
   return kind->amplitude(motion, deck_number(g, "acceleration") * strength / (w * w));
 }
 
-/* --- tables ------------------------------------------------------------------------------------------------ */
+/* --- tables ----------------------------------------------------------------------------------- */
 
 static size_t read_list(deck *d, deck_node *list, double **out) {
   if (!list || list->type != DECK_LIST) {
@@ -128,7 +128,7 @@ static void read_table(deck_group *g, sd_motion *motion) {
   if (from_file && n <= MOST_ECHOED) table_to_lists(g, n, time, value);
 }
 
-/* --- into the model ---------------------------------------------------------------------------------------- */
+/* --- into the model --------------------------------------------------------------------------- */
 
 static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, size_t n,
                  const uint32_t *bodies) {
@@ -244,7 +244,7 @@ static void check_clumped(deck *d, deck_group *g, const deck_bodies *bodies) {
   }
 }
 
-/* --- walls that the disks move ------------------------------------------------------------------------------ */
+/* --- walls that the disks move ---------------------------------------------------------------- */
 
 static uint32_t wall_called(const sd_model *m, const char *name) {
   for (size_t w = 0; w < m->n_walls; w++)
@@ -323,7 +323,7 @@ static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const 
   }
 }
 
-/* --- signals ------------------------------------------------------------------------------------------------ */
+/* --- signals ---------------------------------------------------------------------------------- */
 
 static void read_wave_keys(deck_group *g, const deck_shape *shape, sd_motion *motion) {
 #define READ(member, ...)                                                                          \
@@ -353,7 +353,7 @@ static void read_signal(deck_group *g, const deck_shape *shape, unsigned mask, s
   }
 }
 
-/* --- all ---------------------------------------------------------------------------------------------------- */
+/* --- all -------------------------------------------------------------------------------------- */
 
 static void read_motion(deck_group *g, size_t entry, streams *s) {
   deck *d = g->d;

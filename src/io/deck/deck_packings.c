@@ -34,7 +34,7 @@ typedef struct packing {
   deck_grain grain; /* generators see the circles in which the grains lie */
 } packing;
 
-/* --- region --------------------------------------------------------------------------------------------- */
+/* --- region ----------------------------------------------------------------------------------- */
 
 /* The region's upper edge is one of the container. */
 static bool has_lid(const deck *d) {
@@ -92,7 +92,7 @@ static void read_region(packing *p) {
   if (!(p->area > 0)) deck_fail(d, p->g.node, "its region lies outside the container");
 }
 
-/* --- can it fit? ------------------------------------------------------------------------------------------- */
+/* --- can it fit? ------------------------------------------------------------------------------ */
 
 /* The largest disk must go between the edges; the disks' area must be less than the region's. */
 static void check_room(packing *p, double width, double height) {
@@ -121,7 +121,7 @@ static void check_area(packing *p, double count, double area) {
               count, count * p->mean_area, area, count * p->mean_area / area);
 }
 
-/* --- disks -------------------------------------------------------------------------------------------------- */
+/* --- disks ------------------------------------------------------------------------------------ */
 
 /* Angles of clumps, by a generator of their own. */
 static double *draw_angles(packing *p, size_t n) {
@@ -198,7 +198,7 @@ static double fraction_of(const packing *p, size_t n, const double *radius) {
   return sum / p->area;
 }
 
-/* --- generators -------------------------------------------------------------------------------------------- */
+/* --- generators ------------------------------------------------------------------------------- */
 
 /* What a generator works with. Between open_bench and close_bench nothing may be taken from the arena. */
 typedef struct bench {
@@ -319,7 +319,7 @@ static void make_front(packing *p) {
     push(p, placed, b.radius, b.position, false);
 }
 
-/* --- tiles ---------------------------------------------------------------------------------------------------- */
+/* --- tiles ------------------------------------------------------------------------------------ */
 
 /* The model keeps all that tiles are made from; their group is known when there is a disk. */
 static void keep_tiles(packing *p, double spacing) {
@@ -443,7 +443,7 @@ static void make_tiled(packing *p, double spacing, double height) {
   }
 }
 
-/* --- rain ----------------------------------------------------------------------------------------------------- */
+/* --- rain ------------------------------------------------------------------------------------- */
 
 /* Time in which a batch falls by its own height. */
 static double fall_time(const sd_model *m, double height, double speed) {
@@ -552,7 +552,7 @@ static void make_rain(packing *p) {
   m->rains[m->n_rains++] = rain;
 }
 
-/* --- a packing ------------------------------------------------------------------------------------------------ */
+/* --- a packing -------------------------------------------------------------------------------- */
 
 static void make_packing(packing *p) {
   static void (*const make[])(packing *) = {[SD_PACKING_TRIANGULAR] = make_lattice,

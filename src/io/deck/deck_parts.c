@@ -22,7 +22,7 @@
  * file, at most. */
 enum { LEAST = 20000, MOST = 1 << 16, FEWEST = 8, MOST_GROUPS = 64 };
 
-/* --- rows ------------------------------------------------------------------------------------------------------ */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 /* Rows of an entry of disk_files, and a function that takes them. */
 typedef struct rows_task {
@@ -85,7 +85,7 @@ static sd_status open_rows(const sd_deck *from, rows_task *task, sd_messages *me
   return status;
 }
 
-/* --- what a file says of its disks ----------------------------------------------------------------------------- */
+/* --- what a file says of its disks ------------------------------------------------------------ */
 
 static const char *group_of(const sd_model *m, const sd_disk *d) {
   return d->group >= 0 ? m->groups[d->group] : "";
@@ -335,7 +335,7 @@ bool deck_parts_begin(deck *d, size_t entry) {
   return true;
 }
 
-/* --- contacts --------------------------------------------------------------------------------------------------- */
+/* --- contacts --------------------------------------------------------------------------------- */
 
 static void add_contact(int64_t *sum, const sd_contact_memory *c) {
   const uint32_t whole[] = {c->a, c->b, c->part, (uint32_t)c->slide};

@@ -9,7 +9,7 @@
 /* All free disks are watched when there are no more than these. */
 enum { MOST_WATCHED = 16 };
 
-/* --- length ------------------------------------------------------------------------------------------------ */
+/* --- length ----------------------------------------------------------------------------------- */
 
 /* The keys steps and time of a phase, or of the deck itself. */
 static int64_t read_steps(deck_group *g) {
@@ -23,7 +23,7 @@ static int64_t read_steps(deck_group *g) {
   return 1;
 }
 
-/* --- motions and fields that are on -------------------------------------------------------------------------- */
+/* --- motions and fields that are on ----------------------------------------------------------- */
 
 /* The list `key` of a phase names entries of the list of the same name in the deck. */
 typedef struct switched {
@@ -101,7 +101,7 @@ static void read_active(deck_group *g, sd_phase *phase) {
   memcpy(phase->fields, on, m->n_fields * sizeof *phase->fields);
 }
 
-/* --- phases ---------------------------------------------------------------------------------------------------- */
+/* --- phases ----------------------------------------------------------------------------------- */
 
 static void read_settle(deck_group *g, sd_settle *settle) {
   deck_node *node = deck_get(g, "settle");
@@ -199,7 +199,7 @@ void deck_read_phases(deck *d) {
   }
 }
 
-/* --- measurements -------------------------------------------------------------------------------------------- */
+/* --- measurements ----------------------------------------------------------------------------- */
 
 /* Adds the disks that a key names to a list. */
 static void add_disks(deck *d, deck_node *names, size_t *n, uint32_t **list) {

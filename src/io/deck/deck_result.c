@@ -25,7 +25,7 @@
 /* Those of a deck and of its container. */
 enum { MOST_WALLS = LIMIT_ENTRIES + 16 };
 
-/* --- the text ------------------------------------------------------------------------------------------- */
+/* --- the text --------------------------------------------------------------------------------- */
 
 static void put(deck *d, deck_buffer *out, const char *text) {
   deck_put(d, out, text, strlen(text));
@@ -115,7 +115,7 @@ static void parse_text(deck *d, deck_result *r, char *text) {
   }
 }
 
-/* --- the state ------------------------------------------------------------------------------------------ */
+/* --- the state -------------------------------------------------------------------------------- */
 
 bool deck_result_there(const char *path) {
   h5_file *file;
@@ -379,7 +379,7 @@ deck_result *deck_result_read(deck *d, const deck_node *node, const char *path, 
   return in.failed ? NULL : r;
 }
 
-/* --- rows ----------------------------------------------------------------------------------------------- */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 static const char *name_at(const result_names *list, int64_t k) {
   return k >= 0 && (size_t)k < list->n && list->name[k] && *list->name[k] ? list->name[k] : NULL;
@@ -460,7 +460,7 @@ void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_col
   }
 }
 
-/* --- the box -------------------------------------------------------------------------------------------- */
+/* --- the box ---------------------------------------------------------------------------------- */
 
 /* Of a box that has deformed: its lengths over those before, and the shift of a row of cells. Others have no numbers there. */
 static void cell_of(const h5_file *file, double cell[CELL_COLUMNS]) {
