@@ -24,7 +24,7 @@ typedef struct sweep_parameter {
 
 /* Source location of a value of the sweep. */
 typedef struct sweep_place {
-  const char *file; /* Name owned by the sweep (deck_sweep.files) */
+  const char *file; /* File name, owned by deck_sweep.files */
   int line;
 } sweep_place;
 

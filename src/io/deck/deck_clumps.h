@@ -12,7 +12,7 @@ typedef struct deck_grain {
   double *radius, (*at)[2]; /* [n]: radii and centres of the disks; NULL for a single disk */
   /* Radius of the circle about the centre of mass that encloses the grain */
   double reach;
-  double area; /* Sum of squared radii */
+  double area; /* Area divided by pi: the sum of squared radii */
 } deck_grain;
 
 /* Reads the packing's key `clump`. Returns false and a single disk if the key is missing or

@@ -257,7 +257,7 @@ static double behind(parser *e) {
   guess near = guess_start(deck_copy(e->d, e->p, n));
   for (size_t k = 0; k < UNITS && !is_foreign(e->p, n); k++) {
     guess_add(&near, units[k].name);
-    /* Such as "degrees" */
+    /* A longer word with the same start, such as "degrees", counts too */
     if (n > 3 && strncmp(e->p, units[k].name, 3) == 0) near.best = units[k].name;
   }
   if (near.best)

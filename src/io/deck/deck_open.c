@@ -70,7 +70,7 @@ static sd_status open_and_use(deck *d, const task *t) {
 }
 
 static sd_status no_memory(const deck *d, sd_messages *messages) {
-  /* The other ranks would wait for ever */
+  /* End the job: the other ranks would wait for ever */
   if (d->comm) comm_fail(d->comm, "out of memory for the deck");
   return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", d->path);
 }

@@ -42,8 +42,8 @@ static void fail(deck *d, const deck_setting *s, const char *format, ...) {
     deck_fail_place(d, place_of(d, s), "%s", words);
 }
 
-/* Parses the value as a deck would; anything else that begins like a word or number becomes a
- * text: -D motions[0].type=parabolic, -D gravity.tilt=0.04 pi. NULL: reported. */
+/* Parses the value as a deck would. Other values that begin with neither a bracket nor a quote
+ * become texts: -D motions[0].type=parabolic, -D gravity.tilt=0.04 pi. NULL: reported. */
 static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   deck_place place = place_of(d, s);
   while (isspace((unsigned char)*text)) text++;

@@ -87,8 +87,8 @@ void deck_read_memories(deck *d);
 /* Returns contact k with body numbers of the file. */
 sd_contact_memory deck_result_contact(const deck_result *result, size_t k);
 /* Returns the angle (rad) that must be added to theta in the file to get theta in the new state
- * of the disk in this row. The two differ because theta starts in [-4, 4] with another multiple
- * of 8, and by rounding. */
+ * of the disk in this row. The new theta is the total angle minus its nearest multiple of 8 rad,
+ * so the two differ by a multiple of 8 and by rounding. */
 double deck_result_shift(const deck_result *result, size_t row);
 
 #endif

@@ -402,7 +402,8 @@ static void scan_other(scanner *s) {
                     write ? "; write " : "", write ? write : "");
   s->p += n ? n : 1;
   if (!write || *write != '"') return;
-  begin_value(s); /* Skip the text up to the next such character */
+  /* Treat it as a text that ends before a line break or one of ; , ) } */
+  begin_value(s);
   s->p += strcspn(s->p, "\n;,)}");
 }
 

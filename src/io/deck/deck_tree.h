@@ -136,14 +136,15 @@ typedef struct deck {
   bool disks_missing;    /* True if some disks could not be read */
   const comm *comm;      /* Ranks that read this deck together; NULL: a single process */
   bool wrong;            /* True after deck_meet if any rank has found a mistake */
-  /* Receives from deck_leave the reason why no disks may be away; NULL: no disks may be away */
+  /* Receives the reason from deck_leave; NULL: all disks must be on every rank */
   const char **whole;
-  /* That reason, on the second reading, if disks might have been away; else NULL */
+  /* Reason of deck_leave, during the second reading; NULL: no second reading, or no ranks */
   const char *why;
-  bool *away_group; /* [n_away_groups]: true for groups with disks that are away */
+  /* [n_away_groups]: true for groups with disks of which other ranks have the rows */
+  bool *away_group;
   size_t n_away_groups;
-  /* Location of the first disk that is away: its entry of packings, or row 0 or disk 0 of its
-   * file */
+  /* Location of the first disk whose row only one rank has: its entry of packings, or row 0 or
+   * disk 0 of its file */
   deck_place away_place;
   /* True if the deck has no mistakes except, possibly, in the positions of bodies */
   bool readable;
@@ -222,7 +223,7 @@ void deck_fail_place(deck *d, deck_place place, const char *format, ...) SD_PRIN
 /* Returns a source location as messages begin with it: "file:line", "file: row 3" or "file: disk
  * 3". */
 const char *deck_place_text(deck *d, deck_place place);
-/* Returns the source location of a disk, which may be away. */
+/* Returns the source location of a disk, also of one whose row is on another rank. */
 deck_place deck_disk_place(const deck *d, uint32_t disk);
 /* Gives up this reading for the reason `why`; deck_load_for_ranks then reads the deck again with
  * all disks on each rank. Every rank must call it. */
@@ -261,7 +262,7 @@ void deck_index_guess(const deck *d, const deck_index *x, struct guess *near);
 
 typedef struct deck_text {
   char *raw;   /* Text as read, with included files put in place; NULL unless files are included */
-  char *clean; /* Text for libconfig */
+  char *clean; /* Clean text, which libconfig parses */
   size_t n_lines;
   deck_place *line; /* [n_lines]: source location of line k+1 of clean */
   bool broken;      /* True if the text must not be parsed */

@@ -73,7 +73,7 @@ static void read_length(deck_group *g, sd_phase *last) {
   deck *d = g->d;
   d->model->until.least = last->steps;
   double most = round(deck_number(g, "max_time") / d->model->dt);
-  if (isnan(most)) return; /* Reported before */
+  if (isnan(most)) return; /* An invalid max_time was reported before */
   if (most >= 9e18)
     deck_fail_key(g, "max_time", "more than 9e18 time steps");
   else if (most < (double)last->steps)
@@ -92,7 +92,7 @@ void deck_read_until(deck *d) {
   read_observable(&g);
   deck_one_of(&g, "the standard error to be reached, error or relative");
   deck_fill(&g, &m->until);
-  if (m->n_phases == 0) return; /* Reported before */
+  if (m->n_phases == 0) return; /* Missing phases were reported before */
   sd_phase *last = &m->phases[m->n_phases - 1];
   if (!last->measure)
     deck_fail(d, g.node, "the last phase does not measure; expected measure = true in it");
