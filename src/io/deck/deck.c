@@ -29,7 +29,7 @@ static void read_gravity(deck *d) {
 
 static void read_limits(deck *d) {
   deck_group g;
-  if (!deck_child(d->root, "limits")) return; /* The limits of sd_model_new stay */
+  if (!deck_child(d->root, "limits")) return; /* Keep the limits of sd_model_new */
   if (deck_enter_one(d, &deck_limits, &g)) deck_fill(&g, &d->model->limits);
 }
 
@@ -43,7 +43,7 @@ static void read_sweep(deck *d, bool point) {
 /* Reads all groups. The order matters: motions refer to bodies, and phases to motions. */
 static void read_all(deck *d, bool point) {
   deck_group top;
-  /* Errors of the scanner: the tree holds 1 or "" in place of the wrong values */
+  /* Number of errors of the scanner, which has put 1 or "" in place of the wrong values */
   size_t scanned = d->reported;
   deck_read_constants(d);
   if (deck_enter(d, d->root, &deck_top, &top)) {

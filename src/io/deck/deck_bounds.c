@@ -20,7 +20,7 @@ enum { FAR = 10, MOST_ALIKE = 8 };
 static const double SWING = 4;
 
 static double largest_radius(const sd_model *m) {
-  /* Disks of tiles may be away */
+  /* Tiles know their largest radius; the rows of their disks may be on other ranks */
   double largest = m->tiles.n ? m->tiles.most : 0;
   for (size_t i = 0; i < model_held(m); i++) largest = fmax(largest, m->disks[i].radius);
   return largest;
@@ -28,8 +28,8 @@ static double largest_radius(const sd_model *m) {
 
 /* --- bounds of the container ------------------------------------------------------------------ */
 
-/* Finds the wall with this name, else a disk of the group with this name; true also if that
- * group is away. */
+/* Finds the wall with this name, else a disk of the group with this name; true also if other
+ * ranks have the rows of that group. */
 static bool find_side(const deck *d, const char *name, uint32_t *body) {
   const sd_model *m = d->model;
   for (uint32_t w = 0; w < m->n_walls; w++) {

@@ -47,8 +47,9 @@ static void check_values(deck *d, const values *v) {
   bool tried = v->node && (deck_child(v->node, "mass") || deck_child(v->node, "density"));
   if (!mass && !density && !tried)
     fail_value(d, v, "mass", "missing: expected mass or density > 0");
-  if (mass && density) /* NAN, which was reported before, counts as no motion */
+  if (mass && density)
     fail_value(d, v, "density", "given together with mass; expected one of them");
+  /* NAN, which was reported before, counts as no motion */
   bool moving = fabs(x[COLUMN_VX]) > 0 || fabs(x[COLUMN_VY]) > 0 || fabs(x[COLUMN_OMEGA]) > 0;
   if (x[COLUMN_FIXED] != 0 && moving)
     fail_value(d, v, "fixed",
@@ -152,7 +153,8 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
   add_disk(d, &v);
 }
 
-/* The caller keeps a file's table until deck_echo_files. */
+/* Reads a table and adds its disks to the model. The caller keeps a file's table until
+ * deck_echo_files. */
 deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) {
   deck_columns t = {0};
   deck_group g;

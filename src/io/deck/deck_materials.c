@@ -23,8 +23,8 @@ int deck_material(deck_group *g) {
   return deck_index_look_up(d, &d->materials, "material", node, "", &number) ? (int)number : -1;
 }
 
-/* Warns of a rolling stiffness without friction, which has no effect. An explicit mu_r = 0 is
- * accepted, as sweeps set it. */
+/* Warns of a rolling stiffness k_r without rolling friction mu_r, which has no effect. An
+ * explicit mu_r = 0 is accepted, as sweeps set it. */
 static void warn_of_rolling(const deck_group *g, const sd_contact_law *law) {
   if (!(law->k_r > 0) || law->mu_r > 0 || deck_given(g, "mu_r")) return;
   const deck_node *k_r = deck_get(g, "k_r");

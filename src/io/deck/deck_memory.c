@@ -41,8 +41,8 @@ static uint32_t same_wall(const our_walls *ours, const deck_result *r, size_t k)
   return NOWHERE;
 }
 
-/* Moves a wall's pivot to (x, y), turns the wall by `angle` and scales it about the pivot. The
- * radius stays: with a compressed box only infinite lines are scaled. */
+/* Moves a wall's pivot to (x, y), turns the wall by `angle` (rad) and scales it about the pivot.
+ * The radius stays, since compression of the box scales only infinite lines, which have none. */
 static void move_wall(sd_wall *w, double x, double y, double angle, double scale) {
   double c = cos(angle), s = sin(angle);
   for (size_t k = 0; k < w->n_points; k++) {

@@ -318,7 +318,7 @@ void deck_report_rest(deck *d) {
 
 /* --- numbers by name, found in a hash table so that the cost is linear in their number -------- */
 
-/* Names that are searched for the nearest one, at most. */
+/* Largest number of names among which the nearest one is searched. */
 enum { MOST_GUESSES = 10000 };
 
 /* Returns the hash slot of the name, or the empty slot where it belongs; a slot holds 1 + the

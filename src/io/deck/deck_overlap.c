@@ -5,8 +5,8 @@
 #include "io/deck/deck_tree.h"
 #include "model/overlaps.h"
 
-/* Mistakes of one kind that are shown; further ones are counted, since one wrong number can move
- * all disks. */
+/* Number of mistakes of one kind that are shown; further ones are counted, since one wrong
+ * number can move all disks. */
 enum { MOST_ALIKE = 8 };
 
 typedef struct teller {

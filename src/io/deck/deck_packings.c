@@ -509,8 +509,8 @@ static void make_waiting(packing *p, double spacing) {
   push(p, b.n, b.radius, b.position, true);
 }
 
-/* Sets the number of disks in a batch of rain. If disks are away, rank 0, which made the first
- * tile, counts and broadcasts it. */
+/* Sets the number of disks in a batch of rain. If each rank has only some of the disks, rank 0,
+ * which made the first tile, counts and broadcasts it. */
 static void count_batch(const packing *p, sd_rain *r, double rows) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
