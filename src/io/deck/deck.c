@@ -1,4 +1,4 @@
-/* deck.c: from a deck to a finished model; see slipdisk/deck.h and deck_tree.h. */
+/* deck.c: builds a finished model from a deck; see slipdisk/deck.h and deck_tree.h. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 #include "model/motions.h"
 #include "slipdisk/deck.h"
 
-/* --- the keys of the deck itself --------------------------------------------------------------------------- */
+/* --- keys of the deck itself ------------------------------------------------------------------ */
 
 static void read_gravity(deck *d) {
   deck_group g;
@@ -24,26 +24,27 @@ static void read_gravity(deck *d) {
   if (written->type == DECK_FLOAT) deck_warn_tilt(d, tilt, written->place, d->messages);
   d->model->gravity[0] = -strength * sin(tilt);
   d->model->gravity[1] = -strength * cos(tilt);
-  if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0; /* and not -0 */
+  if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0; /* Avoids -0 */
 }
 
 static void read_limits(deck *d) {
   deck_group g;
-  if (!deck_child(d->root, "limits")) return; /* those of sd_model_new */
+  if (!deck_child(d->root, "limits")) return; /* Keep the limits of sd_model_new */
   if (deck_enter_one(d, &deck_limits, &g)) deck_fill(&g, &d->model->limits);
 }
 
-/* Checked and counted; the model is that of the deck as it stands. */
+/* Checks the group `sweep` and counts its points, then removes it: the model is that of the deck
+ * without its sweep. */
 static void read_sweep(deck *d, bool point) {
   if (!point) d->model->deck->sweep_points = deck_sweep_count(d);
   deck_remove(d->root, deck_child(d->root, "sweep"));
 }
 
-/* The order matters: motions speak of bodies, phases of motions. */
+/* Reads all groups. The order matters: motions refer to bodies, and phases to motions. */
 static void read_all(deck *d, bool point) {
   deck_group top;
-  size_t scanned =
-      d->reported; /* what was wrong in the text itself stands as 1 or "" in the tree */
+  /* Number of errors of the scanner, which has put 1 or "" in place of the wrong values */
+  size_t scanned = d->reported;
   deck_read_constants(d);
   if (deck_enter(d, d->root, &deck_top, &top)) {
     deck_fill(&top, d->model);
@@ -78,7 +79,7 @@ static void read_all(deck *d, bool point) {
   if (scanned == 0) deck_check_overlaps(d);
 }
 
-/* --- loading ------------------------------------------------------------------------------------------------ */
+/* --- loading ---------------------------------------------------------------------------------- */
 
 static char *join_settings(size_t n, const deck_setting *settings) {
   char *text = memory_text("");
@@ -86,7 +87,7 @@ static char *join_settings(size_t n, const deck_setting *settings) {
   return text;
 }
 
-/* suits: what else is asked of the model; NULL: nothing. */
+/* Checks and finishes the model. suits: further check of the finished model; NULL: none. */
 static sd_status finish(deck *d, deck_suits *suits) {
   deck_meet(d);
   if (d->reported > 0 || d->wrong) return SD_ERROR_USER;
@@ -107,9 +108,9 @@ static sd_status finish(deck *d, deck_suits *suits) {
 typedef struct model_task {
   size_t n_settings;
   const deck_setting *settings;
-  bool point, unfinished;   /* wanted even so */
-  const comm *comm;         /* of ranks that read it together; NULL: one alone */
-  const char **whole, *why; /* see deck */
+  bool point, unfinished;   /* unfinished: return the model even if the checks fail */
+  const comm *comm;         /* Ranks that read the deck together; NULL: a single process */
+  const char **whole, *why; /* As in struct deck */
   deck_suits *suits;
   sd_model *model;
 } model_task;
@@ -142,7 +143,7 @@ sd_status deck_load(const char *text, const char *path, size_t n_settings,
   return status;
 }
 
-/* how: what else is wanted. */
+/* Loads a deck from its text. how: options; the settings in it are set here. */
 static sd_status load_text(const char *text, const char *path, size_t n_overrides,
                            const char *const *overrides, model_task how, sd_model **out,
                            sd_messages *messages) {
@@ -182,7 +183,8 @@ sd_status deck_look(const char *path, size_t n_overrides, const char *const *ove
   return load(path, n_overrides, overrides, (model_task){.unfinished = true}, out, messages);
 }
 
-/* Warns of tiles that were asked for; of a file where it is so large that memory matters. */
+/* Warns that tiles are read or made as a whole on every rank: for packings with tiles always,
+ * for files only if they are so large that memory matters. */
 static void warn_of_whole(const sd_tiles *t, const char *why, sd_messages *messages) {
   enum { LARGE = 1000000 };
   if (t->of_file && t->count >= LARGE)
@@ -222,7 +224,7 @@ sd_status deck_load_for_ranks(const comm *c, const char *text, const char *path,
 
 typedef struct reading {
   deck_sweep *out;
-  sd_messages *messages; /* of a sweep without mistakes */
+  sd_messages *messages; /* Receives the warnings of a sweep without mistakes */
 } reading;
 
 static sd_status read_sweep_deck(deck *d, void *user) {
@@ -239,12 +241,13 @@ static sd_status load_sweep(const char *text, deck_sweep *s, sd_messages *messag
   sd_status status =
       deck_open(text, s->deck_path, s->n_overrides, settings, read_sweep_deck, &r, mine);
   if (status != SD_OK) {
-    /* the deck as it stands has the same mistakes, and perhaps others: tell all at once */
+    /* The deck with its own values has the same mistakes, and perhaps others: report all at once */
     sd_model *model;
     sd_status again =
         deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
     sd_model_free(model);
-    /* what was missing at first is there now; but not the points */
+    /* Loading succeeded this time, so the first failure was a lack of memory; there are still no
+     * points */
     status =
         again != SD_OK ? again : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
   }

@@ -1,18 +1,20 @@
-/* deck_bodies.c: names of disks, groups and walls, and which bodies a group of the deck speaks of. See deck_tree.h. */
+/* deck_bodies.c: finds disks, groups and walls by name or number, and lists the bodies that a
+ * group of the deck selects. See deck_tree.h. */
 #include <stdlib.h>
 
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_rows.h"
 
-/* --- one body --------------------------------------------------------------------------------------------- */
+/* --- one body --------------------------------------------------------------------------------- */
 
-/* A name or a number that is not found may be that of a disk which a mistake further up has kept out. */
+/* Returns a remark for messages that a name or number is not found: an earlier mistake may have
+ * kept out the disk that has it. */
 static const char *remark(const deck *d) {
   return d->disks_missing ? " (not all disks could be read, see above)" : "";
 }
 
-/* disks, walls: which of the two the name may stand for. */
+/* Finds the body of a name or number. disks, walls: whether it may be a disk, or a wall. */
 static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, uint32_t *body) {
   const sd_model *m = d->model;
   const char *what = disks && walls ? "disk or wall" : disks ? "disk" : "wall";
@@ -66,14 +68,15 @@ static bool find_clump(deck *d, const deck_node *node, uint32_t *body) {
   return k < m->n_clumps;
 }
 
-/* --- many bodies ------------------------------------------------------------------------------------------ */
+/* --- many bodies ------------------------------------------------------------------------------ */
 
 static void add(deck *d, deck_bodies *list, uint32_t body) {
   list->body = deck_extend(d, list->body, list->n, &list->capacity, sizeof *list->body);
   list->body[list->n++] = body;
 }
 
-/* All disks, sorted by group once: many groups cost no more than their disks. */
+/* Sorts all disks by group, only once, so that the cost with many groups is linear in the number
+ * of disks. */
 static void sort_by_group(deck *d) {
   const sd_model *m = d->model;
   const size_t n = model_held(m);
@@ -81,7 +84,8 @@ static void sort_by_group(deck *d) {
   d->n_grouped = n;
   d->grouped = deck_alloc(d, n, sizeof *d->grouped);
   d->group_start = deck_alloc(d, m->n_groups + 2, sizeof *d->group_start);
-  size_t *end = d->group_start + 1; /* while they are filled: where group k goes on */
+  /* While filling: index at which the next disk of group k goes */
+  size_t *end = d->group_start + 1;
   for (size_t i = 0; i < n; i++)
     if (m->disks[i].group >= 0) end[m->disks[i].group + 1]++;
   for (size_t k = 1; k <= m->n_groups; k++) end[k] += end[k - 1];
@@ -126,7 +130,7 @@ deck_bodies deck_select(deck_group *g, bool walls) {
   if (named == 0)
     deck_fail_key(g, "disk", "missing: it names no disk; expected disk, group%s",
                   walls ? ", wall or clump" : " or both");
-  /* a body that is named twice would feel a force, or move, twice */
+  /* A body that is named twice would get a force, or a motion, twice */
   if (list.n) qsort(list.body, list.n, sizeof *list.body, by_number);
   size_t kept = 0;
   for (size_t k = 0; k < list.n; k++) {

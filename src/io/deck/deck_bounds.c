@@ -1,10 +1,11 @@
-/* deck_bounds.c: where the disks belong. See deck_tree.h and sd_bounds in slipdisk/model.h.
+/* deck_bounds.c: the group `bounds`, the region that disks should not leave. See deck_tree.h and
+ * sd_bounds in slipdisk/model.h.
  *
- * Without limits of its own the group follows the container, a largest radius beyond its walls and as far again as
- * these move; below the outlet of a hopper is outside. Where there is no container, limits are far out: FAR times
- * the extent of all bodies at the start. They hold also without the group when there are walls through which
- * gravity may pull a disk: none of them endless, so that there is no way to roll on for ever.
- */
+ * Without explicit limits the bounds follow the container: its walls, plus the largest radius,
+ * plus the distance that motions may move these walls; below the outlet of a hopper is outside.
+ * Without a container the limits are far out: FAR times the extent of all bodies at the start.
+ * They apply even without the group `bounds` if gravity may pull a disk past the walls, that is,
+ * if there are walls and none of them is an infinite line. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,18 +15,21 @@
 #include "model/motions.h"
 
 enum { FAR = 10, MOST_ALIKE = 8 };
-/* A random motion rarely goes beyond so many times its rms value. */
+/* Largest excursion of a motion in units of motion_reach; a random motion rarely exceeds 4 times
+ * its rms value. */
 static const double SWING = 4;
 
 static double largest_radius(const sd_model *m) {
-  double largest = m->tiles.n ? m->tiles.most : 0; /* tiles may not all be here */
+  /* Tiles know their largest radius; the rows of their disks may be on other ranks */
+  double largest = m->tiles.n ? m->tiles.most : 0;
   for (size_t i = 0; i < model_held(m); i++) largest = fmax(largest, m->disks[i].radius);
   return largest;
 }
 
-/* --- of the container ------------------------------------------------------------------------------------ */
+/* --- bounds of the container ------------------------------------------------------------------ */
 
-/* A wall of this name, else a disk of a group of this name. */
+/* Finds the wall with this name, else a disk of the group with this name; true also if other
+ * ranks have the rows of that group. */
 static bool find_side(const deck *d, const char *name, uint32_t *body) {
   const sd_model *m = d->model;
   for (uint32_t w = 0; w < m->n_walls; w++) {
@@ -41,7 +45,8 @@ static bool find_side(const deck *d, const char *name, uint32_t *body) {
   return false;
 }
 
-/* How far motions carry a body along a coordinate; infinite where they say nothing about it. */
+/* Returns the largest distance that motions carry a body along a coordinate; infinite if it is
+ * not known. */
 static double travel(const sd_model *m, uint32_t body, int coordinate) {
   double sum = 0;
   for (size_t k = 0; k < m->n_motions; k++) {
@@ -55,7 +60,8 @@ static double travel(const sd_model *m, uint32_t body, int coordinate) {
   return sum;
 }
 
-/* One limit, `margin` beyond the edge of the region. */
+/* Sets one limit at the distance `margin` outside the region's edge, plus the travel of the wall
+ * there. */
 static void limit_side(const deck *d, const char *wall, int c, bool upper, double margin) {
   sd_model *m = d->model;
   uint32_t body;
@@ -77,7 +83,7 @@ static void follow_container(const deck *d) {
   limit_side(d, drum ? "drum" : "lid", SD_Y, true, margin);
 }
 
-/* --- far out --------------------------------------------------------------------------------------------- */
+/* --- bounds without container ----------------------------------------------------------------- */
 
 typedef struct extent {
   double low[2], high[2];
@@ -110,14 +116,15 @@ static void far_out(sd_model *m) {
   }
 }
 
-/* Gravity, and walls that have an end or may be passed by. */
+/* Returns true if gravity may pull a disk past the walls: there are walls, and none is an
+ * infinite line. */
 static bool may_leak(const sd_model *m) {
   bool endless = false;
   for (size_t w = 0; w < m->n_walls; w++) endless = endless || m->walls[w].kind == SD_WALL_LINE;
   return m->n_walls > 0 && !endless && (m->gravity[0] != 0 || m->gravity[1] != 0);
 }
 
-/* --- the group ------------------------------------------------------------------------------------------- */
+/* --- the group -------------------------------------------------------------------------------- */
 
 static bool starts_inside(const deck *d, size_t row) {
   const sd_bounds *b = &d->model->bounds;
@@ -128,14 +135,14 @@ static bool starts_inside(const deck *d, size_t row) {
   return true;
 }
 
-/* Disks that start outside, and the first of them. */
+/* Number of disks that start outside, and number and position of the first of them. */
 typedef struct outside {
   size_t n;
   uint32_t disk;
   double at[2];
 } outside;
 
-/* Adds up the disks outside of all ranks. */
+/* Finds the disks that start outside, over all ranks. Collective. */
 static outside find_outside(const deck *d) {
   outside o = {.disk = UINT32_MAX}, *all = memory_new((size_t)comm_size(d->comm), sizeof *all);
   for (size_t row = rows_first(d->model); row < rows_count(d->model); row++) {
@@ -156,7 +163,8 @@ static outside find_outside(const deck *d) {
   return o;
 }
 
-/* Limits that are not written in the deck are no reason to refuse the deck. */
+/* Warns of disks that start outside the container. It is no error, since the deck does not give
+ * these limits. */
 static void warn_start(deck *d) {
   const outside o = find_outside(d);
   if (o.n == 0) return;

@@ -1,4 +1,5 @@
-/* deck_clumps.c: rigid bodies of several disks: entries of `clumps`, and grains of a packing. See deck_clumps.h. */
+/* deck_clumps.c: rigid bodies of several disks: entries of `clumps`, and grains of a packing.
+ * See deck_clumps.h. */
 #include "io/deck/deck_clumps.h"
 
 #include <math.h>
@@ -6,7 +7,7 @@
 
 #include "base/memory.h"
 
-/* --- into the model ------------------------------------------------------------------------------------- */
+/* --- adding a clump to the model -------------------------------------------------------------- */
 
 static sd_clump *push(deck *d) {
   sd_model *m = d->model;
@@ -17,7 +18,7 @@ static sd_clump *push(deck *d) {
   return c;
 }
 
-/* --- clumps by name ------------------------------------------------------------------------------------- */
+/* --- clumps by name --------------------------------------------------------------------------- */
 
 static void check_disk(deck *d, const deck_group *g, uint32_t body) {
   const sd_disk *disk = &d->model->disks[body];
@@ -60,7 +61,8 @@ static void read_clump(deck_group *g, uint32_t number) {
     deck_fail_key(g, "name", "two clumps have this name");
 }
 
-/* Those of packings were there first, since clumps may be made of their disks; they get the numbers behind those of the list. */
+/* Puts the clumps of the list `clumps` before the first `packed` ones, which packings made.
+ * Packings come first because the list may use their disks. */
 static void order_clumps(deck *d, size_t packed) {
   sd_model *m = d->model;
   const size_t listed = m->n_clumps - packed;
@@ -81,9 +83,10 @@ void deck_read_clumps(deck *d) {
   order_clumps(d, packed);
 }
 
-/* --- grains of a packing --------------------------------------------------------------------------------- */
+/* --- grains of a packing ---------------------------------------------------------------------- */
 
-/* From the common centre of mass, whatever the density. */
+/* Shifts the disks so that their centre of mass, for equal density, is the origin; sets reach
+ * and area. */
 static void centre(deck_grain *grain) {
   double weight = 0, x = 0, y = 0;
   for (size_t k = 0; k < grain->n; k++) {

@@ -1,4 +1,5 @@
-/* deck_columns.c: disks in columns: the key `columns`, cells, rows of the deck. See deck_rows.h. */
+/* deck_columns.c: the key `columns`, storage of tables, and tables of rows in the deck. See
+ * deck_rows.h. */
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
@@ -18,9 +19,9 @@ int deck_column(const char *name) {
   return -1;
 }
 
-/* --- the key `columns` ---------------------------------------------------------------------------------- */
+/* --- the key `columns` ------------------------------------------------------------------------ */
 
-/* "radius", or "radius = diameter column of the file" */
+/* Parses a column such as "radius" or "radius = diameter column of the file", and adds it. */
 bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck_node *node,
                       deck_place place) {
   const char *equals = strchr(text, '=');
@@ -64,7 +65,7 @@ void deck_columns_read(deck_group *g, deck_columns *table) {
   }
 }
 
-/* --- cells ---------------------------------------------------------------------------------------------- */
+/* --- cells ------------------------------------------------------------------------------------ */
 
 void deck_columns_reserve(deck *d, deck_columns *t, size_t capacity) {
   size_t cells = capacity * t->n_columns, before = t->n_rows * t->n_columns;

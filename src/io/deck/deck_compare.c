@@ -1,9 +1,9 @@
-/* deck_compare.c: which keys another deck says otherwise; see deck.h.
+/* deck_compare.c: finds the keys in which two decks differ; see deck.h.
  *
- * Full decks are compared key by key, and not line by line: a line holds many keys, and what the user wants to know is
- * which -D is missing. What another sweep says of the same point is no difference, since full decks have no sweep; nor
- * is a key that the other deck lacks and that is here at its default: its program did not know the key.
- */
+ * Full decks are compared key by key, and not line by line: a line holds many keys, and the user
+ * wants to know which -D is missing. A different sweep around the same point is no difference,
+ * since full decks have no sweep; nor is a key that the other deck lacks and that has its
+ * default value here: the other deck's program did not know the key. */
 #include <string.h>
 
 #include "io/deck/deck.h"
@@ -15,13 +15,15 @@ enum { LONGEST_VALUE = 60 };
 typedef struct comparison {
   deck_difference *tell;
   void *user;
-  const char *here;      /* text of this deck */
-  const deck_node *root; /* of the other one */
-  deck *d;               /* of this one, for memory */
-  bool any_title;        /* a run that was begun goes on with its title only */
+  const char *here;      /* Text of this deck */
+  const deck_node *root; /* Tree of the other deck */
+  deck *d;               /* This deck, whose arena is used */
+  /* True: titles may differ. False: they must agree, since a started run is continued only under
+   * its own title */
+  bool any_title;
 } comparison;
 
-/* --- trees -------------------------------------------------------------------------------------------------- */
+/* --- trees ------------------------------------------------------------------------------------ */
 
 static bool is_number(const deck_node *n) { return n->type == DECK_INT || n->type == DECK_FLOAT; }
 
@@ -40,7 +42,7 @@ static bool same_scalar(const deck_node *a, const deck_node *b) {
 
 static bool is_scalar(const deck_node *n) { return n->type != DECK_GROUP && n->type != DECK_LIST; }
 
-/* "3.5", "(1.0, 2.0)", "4 entries"; NULL: nothing. */
+/* Returns a value as text: "3.5", "(1.0, 2.0)", "4 entries"; NULL: no value. */
 static const char *value_text(deck *d, const deck_node *n) {
   if (!n) return NULL;
   if (n->type == DECK_LIST && n->n > 0 && !is_scalar(n->child[0]))
@@ -60,7 +62,8 @@ static bool is_ignored(const comparison *c, const deck_node *child) {
          (c->any_title && strcmp(child->name, "title") == 0);
 }
 
-/* Is a key at its default? So it is in the full deck of an older version that did not have the key. */
+/* Returns true if a key has its default value. Such a key is ignored if the other deck lacks it:
+ * an older version may not have known it. */
 static bool is_default(deck *d, const deck_node *n) {
   const char *table = "";
   for (const deck_node *group = n->parent; group && group->parent; group = group->parent)
@@ -97,7 +100,7 @@ static void compare_groups(const comparison *c, const char *path, const deck_nod
   }
 }
 
-/* As -D would name an entry of a list: by its name when it has one. */
+/* Returns the path of an entry of a list as -D would write it: with its name if it has one. */
 static const char *entry_path(deck *d, const char *path, size_t k, const deck_node *there,
                               const deck_node *here) {
   const deck_node *a = there->type == DECK_GROUP ? deck_child(there, "name") : NULL,
@@ -126,7 +129,7 @@ static void compare(const comparison *c, const char *path, const deck_node *ther
   }
 }
 
-/* --- two decks ---------------------------------------------------------------------------------------------- */
+/* --- two decks -------------------------------------------------------------------------------- */
 
 static sd_status with_both(deck *d, void *user) {
   comparison *c = user;

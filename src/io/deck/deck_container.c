@@ -1,8 +1,8 @@
-/* deck_container.c: the group `container`: a box, a bed, a hopper or a drum, made of walls. See deck_tree.h.
+/* deck_container.c: the group `container`: a box, a bed, a hopper or a drum, made of walls. See
+ * deck_tree.h.
  *
- * Its part about space (region, periodic box, interior) is needed before disks are read; its walls and the
- * disks of its floor come after those of the deck, so that these keep their numbers.
- */
+ * Its geometry (region, periodic box, interior) is read before disks; its walls and the disks of
+ * its floor are added after the bodies of the deck, so that these keep their numbers. */
 #include <math.h>
 #include <string.h>
 
@@ -15,7 +15,8 @@ static const char floor_group[] = "floor";
 
 /* --- box -------------------------------------------------------------------------------------- */
 
-/* Edges from the file that the key `file` names, which is read when they are first asked for. */
+/* Edges of the box from the file that the key `file` names; the file is read when they are first
+ * needed. */
 typedef struct file_edges {
   bool tried, found;
   double lower[2], upper[2];
@@ -62,7 +63,7 @@ void deck_read_box(deck *d) {
   }
 }
 
-/* --- space -------------------------------------------------------------------------------------------------- */
+/* --- geometry --------------------------------------------------------------------------------- */
 
 static void read_hopper(deck_group *g, const deck_container_values *v, place_interior *in) {
   deck *d = g->d;
@@ -78,13 +79,13 @@ static void read_hopper(deck_group *g, const deck_container_values *v, place_int
     deck_fail_key(g, "height", "the inclined walls alone are %g high; expected more", in->rise);
 }
 
-/* Bit c: it repeats along coordinate c. */
+/* Returns the periodic directions of a container as bits: bit c is coordinate c. */
 static unsigned repeats(int kind) {
   if (kind == SD_CONTAINER_PERIODIC) return 3;
   return kind == SD_CONTAINER_CHANNEL || kind == SD_CONTAINER_BED ? 1 : 0;
 }
 
-/* The container says what the box would say. */
+/* Reports keys of `box` that contradict the container. */
 static void check_box(deck *d, const deck_shape *shape) {
   static const char *const keys[] = {"x", "y"}, *const directions[] = {"no direction", "x", "y",
                                                                        "x and y"};
@@ -99,7 +100,8 @@ static void check_box(deck *d, const deck_shape *shape) {
               shape->name, directions[repeats(shape->kind)]);
 }
 
-/* A drum lies about its origin, a periodic box right and above of it, all others above it. */
+/* Sets the region: a drum is centred on its origin, a periodic box extends right and up from it,
+ * all others are centred in x and extend upwards. */
 static void set_region(sd_model *m, const deck_container_values *v) {
   bool drum = v->kind == SD_CONTAINER_DRUM;
   double size[2] = {drum ? 2 * v->radius : v->width, drum ? 2 * v->radius : v->height};
@@ -135,7 +137,7 @@ void deck_read_container(deck *d) {
     v->material = deck_material(&g);
 }
 
-/* --- walls -------------------------------------------------------------------------------------------------- */
+/* --- walls ------------------------------------------------------------------------------------ */
 
 static sd_wall *add_wall(deck *d, const char *name, sd_wall_kind kind) {
   sd_model *m = d->model;
@@ -164,7 +166,7 @@ static void add_line(deck *d, const char *name, double x0, double y0, double x1,
   add_straight(d, name, SD_WALL_LINE, 2, (const double[2][2]){{x0, y0}, {x1, y1}});
 }
 
-/* From the top down to the edge of the outlet. */
+/* Adds the two side walls, each from the top down to the outlet. */
 static void add_hopper(deck *d, double top) {
   const place_interior *in = &d->container->interior;
   for (int side = -1; side <= 1; side += 2) {
@@ -182,7 +184,7 @@ static void add_drum(deck *d) {
   memcpy(drum->pivot, d->container->origin, sizeof drum->pivot);
 }
 
-/* A row of fixed disks, whose tops are the floor. */
+/* Adds a row of fixed disks whose tops touch the floor line. */
 static void add_bed(deck *d) {
   const sd_model *m = d->model;
   deck_group g = {d, deck_child(d->root, "container"), &deck_container};
@@ -202,7 +204,8 @@ static void add_bed(deck *d) {
     sd_disk disk = {
         .position = {left + ((double)k + 0.5) * (width / n), m->region_lower[1] - radius},
         .radius = radius,
-        .mass = 3.14159265358979323846 * radius * radius, /* never felt */
+        /* Has no effect, since the disk is fixed */
+        .mass = 3.14159265358979323846 * radius * radius,
         .material = d->container->material,
         .driven = true};
     deck_push_disk(d, &disk, NULL, floor_group, g.node->place);

@@ -1,30 +1,31 @@
-/* deck_disks.c: disks from disks, disk_rows and disk_files, in this order; forces and locks. See deck_tree.h.
+/* deck_disks.c: makes disks from disks, disk_rows and disk_files, in this order; reads forces and
+ * locks. See deck_tree.h.
  *
- * Every source ends in add_disk: single disks are rows without columns, whose values all come from their
- * group.
- */
+ * Every source ends in add_disk. Single disks are rows without columns: all their values are
+ * those of their group. */
 #include <math.h>
 #include <string.h>
 
 #include "base/text.h"
 #include "io/deck/deck_rows.h"
 
-/* Disk files up to so many disks are echoed as rows, so that the echo stands on its own. */
+/* Disk files with up to so many disks in all are echoed as rows, so that the echo needs no
+ * files. */
 enum { MOST_ECHOED = 1000 };
 
-/* What a group says about its disks; a row's columns are put over it. */
+/* Values that a group gives to all its disks; the columns of a row override them. */
 typedef struct values {
   double number[COLUMN_NUMBERS]; /* NAN: not given */
   const char *name, *group;
   int material;
   unsigned locked;
   double force[3];
-  const deck_node *node; /* for messages; NULL when the disk comes from a file */
+  const deck_node *node; /* Node for messages; NULL for the disk of a row */
   deck_place place;
-  bool broken; /* the common values have errors: rows are not checked again */
+  bool broken; /* The common values have errors: rows are not checked again */
 } values;
 
-/* --- one disk ------------------------------------------------------------------------------------------- */
+/* --- one disk --------------------------------------------------------------------------------- */
 
 static void fail_value(deck *d, const values *v, const char *key, const char *text) {
   if (v->node)
@@ -36,7 +37,8 @@ static void fail_value(deck *d, const values *v, const char *key, const char *te
 static void check_values(deck *d, const values *v) {
   const double *x = v->number;
   static const int required[] = {COLUMN_X, COLUMN_Y, COLUMN_RADIUS};
-  bool single = v->node && v->node->table == &deck_disks; /* then the getters have reported */
+  /* The getters have reported what a single disk lacks */
+  bool single = v->node && v->node->table == &deck_disks;
   for (int k = 0; k < 3 && !single; k++)
     if (isnan(x[required[k]]))
       fail_value(d, v, deck_column_names[required[k]],
@@ -47,8 +49,8 @@ static void check_values(deck *d, const values *v) {
     fail_value(d, v, "mass", "missing: expected mass or density > 0");
   if (mass && density)
     fail_value(d, v, "density", "given together with mass; expected one of them");
-  bool moving = fabs(x[COLUMN_VX]) > 0 || fabs(x[COLUMN_VY]) > 0 ||
-                fabs(x[COLUMN_OMEGA]) > 0; /* NAN: reported */
+  /* NAN, which was reported before, counts as no motion */
+  bool moving = fabs(x[COLUMN_VX]) > 0 || fabs(x[COLUMN_VY]) > 0 || fabs(x[COLUMN_OMEGA]) > 0;
   if (x[COLUMN_FIXED] != 0 && moving)
     fail_value(d, v, "fixed",
                "a fixed disk cannot have a velocity; a motion of type \"velocity\" moves it");
@@ -79,9 +81,10 @@ static void add_disk(deck *d, const values *v) {
   deck_push_disk(d, &disk, v->name, v->group, v->place);
 }
 
-/* --- groups of the deck ---------------------------------------------------------------------------------- */
+/* --- common values of a group ----------------------------------------------------------------- */
 
-/* A value that is a column is not asked for in the group, and may not stand there too. */
+/* Returns true if the value comes from the group because it is not a column; reports a value
+ * that is given twice. */
 static bool common(deck_group *g, const deck_columns *t, int column) {
   if (!deck_columns_have(t, column)) return true;
   if (deck_given(g, deck_column_names[column]))
@@ -116,7 +119,7 @@ static void check_cell(deck *d, const values *v, int column) {
              deck_format(d, "%g: expected a number %s", x, deck_expected(key->range, x)));
 }
 
-/* Row r of the table over the common values. */
+/* Adds the disk of row r: the common values, overridden by the columns. */
 static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
   v.node = NULL;
   v.place = t->place[r];
@@ -125,7 +128,8 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
     const char *text = t->text ? t->text[r * t->n_columns + c] : NULL;
     if (column < COLUMN_NUMBERS) {
       v.number[column] = t->number[r * t->n_columns + c];
-      /* a result's velocity is no mistake of a deck that locks the coordinate */
+      /* A locked coordinate discards the velocity of a result; only the deck's own would be a
+       * mistake */
       if (t->result && column >= COLUMN_VX && column <= COLUMN_OMEGA &&
           v.locked >> (column - COLUMN_VX) & 1)
         v.number[column] = 0.0;
@@ -149,7 +153,8 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
   add_disk(d, &v);
 }
 
-/* A file's table is kept until deck_echo_files. */
+/* Reads a table and adds its disks to the model. The caller keeps a file's table until
+ * deck_echo_files. */
 deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) {
   deck_columns t = {0};
   deck_group g;
@@ -179,7 +184,7 @@ void deck_read_single_disks(deck *d) {
   }
 }
 
-/* --- the echo of short files ------------------------------------------------------------------------------ */
+/* --- echo of short files ---------------------------------------------------------------------- */
 
 static void file_to_rows(deck *d, deck_node *file, const deck_columns *t, deck_node *rows_list) {
   deck_node *group = deck_node_new(d, rows_list, NULL, DECK_GROUP, file->place);
@@ -211,8 +216,9 @@ static void file_to_rows(deck *d, deck_node *file, const deck_columns *t, deck_n
   }
 }
 
-/* Files are read after rows: the order of the disks stays when the first few files become rows. Contacts have no
- * rows: their file stays. */
+/* Turns the first files into rows as long as these are few. Files are read after rows, so the
+ * order of disks does not change. A file whose contacts are used stays a file, since rows have
+ * no contacts. */
 void deck_echo_files(deck *d) {
   deck_node *files = deck_child(d->root, "disk_files"), *rows = deck_child(d->root, "disk_rows");
   size_t total = 0;
@@ -232,7 +238,7 @@ void deck_echo_files(deck *d) {
   if (files) deck_remove(d->root, files);
 }
 
-/* --- forces and locks ------------------------------------------------------------------------------------- */
+/* --- forces and locks ------------------------------------------------------------------------- */
 
 void deck_read_forces(deck *d) {
   deck_group g;

@@ -6,9 +6,8 @@
  *   power   = atom [ (^ | **) signed ]
  *   atom    = number | name | pi | function ( sum { , sum } ) | ( sum )
  *
- * libmuparser reads "1/3 pi" as 1/(3 pi) and, through its interface for C, ends the process at an expression longer than
- * its buffer for messages.
- */
+ * libmuparser is not used: it reads "1/3 pi" as 1/(3 pi) and, through its interface for C, ends
+ * the process at an expression longer than its buffer for messages. */
 #include "io/deck/deck_expression.h"
 
 #include <ctype.h>
@@ -26,14 +25,14 @@ typedef struct parser {
   const char *p;
   deck_names names;
   bool angle, empty;
-  int depth;         /* brackets and exponents inside each other */
-  int functions;     /* open around this place */
-  const char *wrong; /* the first mistake */
+  int depth;         /* Nesting depth of brackets and exponents */
+  int functions;     /* Number of function calls around the current position */
+  const char *wrong; /* First mistake found; NULL: none */
 } parser;
 
 static double sum(parser *e);
 
-/* --- words ---------------------------------------------------------------------------------------------- */
+/* --- functions, units and names --------------------------------------------------------------- */
 
 static double lesser(double a, double b) { return a < b ? a : b; }
 static double greater(double a, double b) { return a > b ? a : b; }
@@ -57,7 +56,7 @@ static const struct unit {
 } units[] = {{"pi", 3.14159265358979323846}, {"deg", 3.14159265358979323846 / 180}, {"rad", 1}};
 enum { UNITS = sizeof units / sizeof *units };
 
-/* Units that people write; such a word is no misspelt angle. */
+/* Physical units that users write; such a word is not taken for a misspelt unit of angle. */
 static const char *const foreign_units[] = {
     "m",   "dm",  "cm",   "mm",  "um", "nm", "km", "s",  "ms",  "us",  "ns",  "min", "h",
     "kg",  "g",   "mg",   "t",   "N",  "mN", "uN", "kN", "MN",  "Pa",  "kPa", "MPa", "GPa",
@@ -94,17 +93,17 @@ static const struct function *find_function(const char *name, size_t n) {
   return NULL;
 }
 
-/* --- parts ---------------------------------------------------------------------------------------------- */
+/* --- grammar ---------------------------------------------------------------------------------- */
 
 static double fail(parser *e, const char *why) {
   if (!e->wrong) e->wrong = why;
-  e->p = ""; /* everything ends here */
+  e->p = ""; /* Ends parsing, since no text is left */
   return 1;
 }
 
 static void skip(parser *e) { e->p += strspn(e->p, " \t\r\n"); }
 
-/* Takes the character c if it comes next. */
+/* Consumes the character c if it comes next. */
 static bool take(parser *e, char c) {
   skip(e);
   if (*e->p != c) return false;
@@ -250,7 +249,7 @@ static double signed_power(parser *e) {
   return minus ? -x : x;
 }
 
-/* Something behind a number or a bracket. */
+/* Reports the text that wrongly follows a number or a bracket. */
 static double behind(parser *e) {
   size_t n = name_length(e->p);
   if (n == 0)
@@ -258,7 +257,8 @@ static double behind(parser *e) {
   guess near = guess_start(deck_copy(e->d, e->p, n));
   for (size_t k = 0; k < UNITS && !is_foreign(e->p, n); k++) {
     guess_add(&near, units[k].name);
-    if (n > 3 && strncmp(e->p, units[k].name, 3) == 0) near.best = units[k].name; /* degrees */
+    /* A longer word with the same start, such as "degrees", counts too */
+    if (n > 3 && strncmp(e->p, units[k].name, 3) == 0) near.best = units[k].name;
   }
   if (near.best)
     return fail(e, deck_format(e->d, "\"%s\" behind a number%s", rest(e), deck_hint(e->d, &near)));
@@ -328,7 +328,7 @@ bool deck_arithmetic(deck *d, const char *text, double *x) {
   return !deck_expression(d, text, DECK_NAMES_NONE, true, x);
 }
 
-/* --- constants ------------------------------------------------------------------------------------------- */
+/* --- constants -------------------------------------------------------------------------------- */
 
 typedef enum constant_state { UNREAD, OPEN, GOOD, WRONG } constant_state;
 
@@ -337,7 +337,7 @@ struct deck_constants {
   deck_node **node;
   constant_state *state;
   double *value;
-  int depth; /* constants that are being read for each other */
+  int depth; /* Nesting depth of constants that refer to each other */
 };
 
 static struct deck_constants *constants_of(deck *d) {
@@ -379,7 +379,8 @@ static void read_constant(deck *d, struct deck_constants *c, size_t k) {
   c->state[k] = good ? GOOD : WRONG;
 }
 
-/* NULL: good; "": it has a mistake, which is reported. */
+/* Evaluates a constant. Returns NULL on success, "" if it has a mistake that was reported, else
+ * the mistake. */
 static const char *constant_value(deck *d, const char *name, double *x) {
   struct deck_constants *c = constants_of(d);
   uint32_t k;
@@ -412,7 +413,8 @@ void deck_read_constants(deck *d) {
 
 /* --- numbers of the deck ---------------------------------------------------------------------- */
 
-/* Behind "expected a number". Kinds of values differ in words: a sweep tells of each once. */
+/* Returns the end of "expected a number, not ...". Each kind of value has its own words, so that
+ * a sweep reports each kind once. */
 static const char *but_not(const deck_node *node) {
   switch (node->type) {
     case DECK_BOOL: return ", not true or false";
@@ -422,7 +424,8 @@ static const char *but_not(const deck_node *node) {
   }
 }
 
-/* Behind a text in the echo, where the text does not say it: not "0.04 pi" of an angle. */
+/* Returns the value that the echo prints behind a text that is arithmetic; NULL if the text
+ * shows the value itself, such as a plain number or the angle "0.04 pi". */
 static const char *computed_value(deck *d, const char *text, bool angle, double x) {
   bool real;
   double same;

@@ -1,27 +1,30 @@
-/* deck_expression.h: arithmetic in the texts of a deck: "2 * R", "1/3 pi", "sqrt(3) * R", with its named constants. */
+/* deck_expression.h: arithmetic in the texts of a deck, such as "2 * R", "1/3 pi" or "sqrt(3) *
+ * R", with named constants. */
 #ifndef SLIPDISK_IO_DECK_EXPRESSION_H
 #define SLIPDISK_IO_DECK_EXPRESSION_H
 
 #include "io/deck/deck_tree.h"
 
-/* Names in an expression: pi and functions only; the deck's constants too; or any, which stand for 1: is it arithmetic
- * at all? */
+/* Names that an expression may contain: only pi and functions; also the deck's constants; or any
+ * name, with value 1, to test whether a text is arithmetic at all. */
 typedef enum deck_names { DECK_NAMES_NONE, DECK_NAMES_CONSTANTS, DECK_NAMES_ANY } deck_names;
 
-/* The value of a text. angle: deg and rad may stand in it, not only inside a function. NULL: good; else why not, in the
- * arena, "" when that was reported before. */
+/* Evaluates a text. angle: the units deg and rad are allowed, not only inside a function.
+ * Returns NULL on success, else the reason in the arena, "" if it was reported already. */
 const char *deck_expression(deck *d, const char *text, deck_names names, bool angle, double *x);
-/* The same without words. */
+/* Evaluates a text without constants, units of angles allowed; returns false, without a message,
+ * if it is not arithmetic. */
 bool deck_arithmetic(deck *d, const char *text, double *x);
-/* A value of the deck as a number; an integer turns into a float in the tree, arithmetic stays a text. angle: deg and rad may
- * stand in it. */
+/* Reads a value of the deck as a number; false: reported. An integer becomes a float in the
+ * tree, arithmetic stays a text. angle: the units deg and rad are allowed. */
 bool deck_value_number(deck *d, deck_node *node, bool angle, double *x);
-/* Length of the number at p, 0 when it is none; *real: it has a point or an exponent. */
+/* Returns the length of the number at p, 0 if there is none; *real: it has a point or an
+ * exponent. */
 size_t deck_number_length(const char *p, bool *real);
 
-/* Reads the group `constants`; all mistakes in it are reported. */
+/* Reads the group `constants` and reports all mistakes in it. */
 void deck_read_constants(deck *d);
-/* Has the deck a constant of this name? */
+/* Returns true if the deck has a constant of this name. */
 bool deck_has_constant(deck *d, const char *name);
 
 #endif

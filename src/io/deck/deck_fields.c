@@ -1,4 +1,4 @@
-/* deck_fields.c: fields. See deck_tree.h. */
+/* deck_fields.c: reads the list `fields` (body forces). See deck_tree.h. */
 #include <string.h>
 
 #include "base/memory.h"

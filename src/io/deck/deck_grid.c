@@ -1,8 +1,8 @@
 /* deck_grid.c: reads the group `sweep`; see deck_grid.h.
  *
- * Values keep the text that they have in the deck: it names files and is what -D would be given. Computed
- * ones (linspace, logspace) are rounded to 12 digits, and that is the value then.
- */
+ * A value keeps the text that it has in the deck, since this text names files and is passed on
+ * as by -D. Computed values (linspace, logspace) are rounded to 12 digits, and the rounded
+ * number is used. */
 #include "io/deck/deck_grid.h"
 
 #include <ctype.h>
@@ -14,9 +14,9 @@
 #include "io/deck/deck_read.h"
 #include "io/results/summary.h"
 
-/* --- values ------------------------------------------------------------------------------------------------ */
+/* --- values ----------------------------------------------------------------------------------- */
 
-/* Short, and the same number: 0.0001, 1e-05, 100000. */
+/* Returns the shortest text that reads back as the same number: 0.0001, 1e-05, 100000. */
 static const char *number_text(deck *d, double x) {
   char text[40];
   if (x == floor(x) && fabs(x) < 1e15) {
@@ -68,14 +68,15 @@ static void read_values(deck_group *g, grid_axis *a) {
   for (size_t k = 0; k < list->n; k++) a->values[a->n_values++] = value_of(g->d, list->child[k]);
 }
 
-/* Is the word one of the text, which is a number with a unit and no formula? */
+/* Returns true if the text is a number with this unit, such as "0.1 pi", and not a formula. */
 static bool has_word(const char *text, const char *word) {
   const char *at = strstr(text, word);
   return at && !isalpha((unsigned char)at[strlen(word)]) &&
          !(at > text && isalpha((unsigned char)at[-1])) && strcspn(text, "(_") == strlen(text);
 }
 
-/* The unit in which both ends of a range are written, as a factor: pi, one degree, or 1. */
+/* Returns the unit in which both ends of a range are written, as a factor (pi, one degree, or
+ * 1), and its word in *suffix; NULL for 1. */
 static double unit_of(const deck_node *list, const char **suffix) {
   static const struct {
     const char *word;
@@ -96,7 +97,7 @@ static double unit_of(const deck_node *list, const char **suffix) {
   return 1;
 }
 
-/* A computed value: 12 digits, in the unit of the ends. */
+/* Makes the value of a computed number: 12 digits, in the unit of the ends. */
 static grid_value number_value(deck *d, double x, const char *suffix, double unit,
                                deck_place place) {
   const char *text = number_text(d, strtod(deck_format(d, "%.12g", x), NULL));
@@ -109,7 +110,7 @@ static grid_value number_value(deck *d, double x, const char *suffix, double uni
   return v;
 }
 
-/* Value k of n. Near the zero of a range only rounding would be left, which is no value that anybody means. */
+/* Returns value k of n of a range. Values that are 0 but for rounding become exactly 0. */
 static double range_value(const double end[2], size_t k, size_t n, bool logarithmic) {
   if (k == 0) return end[0];
   if (k + 1 == n) return end[1];
@@ -119,7 +120,7 @@ static double range_value(const double end[2], size_t k, size_t n, bool logarith
   return fabs(x) < 1e-12 * (fabs(end[0]) + fabs(end[1])) ? 0 : x;
 }
 
-/* linspace and logspace: (first, last, count). */
+/* Reads linspace or logspace: (first, last, count). */
 static void read_range(deck_group *g, const char *key, bool logarithmic, grid_axis *a) {
   deck *d = g->d;
   deck_node *list = deck_get(g, key);
@@ -150,7 +151,7 @@ static void read_range(deck_group *g, const char *key, bool logarithmic, grid_ax
         number_value(d, range_value(end, k, n, logarithmic), suffix, unit, list->place);
 }
 
-/* --- parameters -------------------------------------------------------------------------------------------- */
+/* --- parameters ------------------------------------------------------------------------------- */
 
 static bool good_name(const char *name) {
   static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
@@ -192,7 +193,8 @@ static void read_axis(deck *d, deck_node *node, grid_axis *a) {
   read_range(&g, "logspace", true, a);
 }
 
-/* Which axes advance together. */
+/* Numbers the dimensions of a grid: axes with the same word `zip` share one and advance
+ * together. */
 static void find_dimensions(deck *d, grid *g) {
   g->length = deck_alloc(d, g->n_axes + 1, sizeof *g->length);
   for (size_t k = 0; k < g->n_axes; k++) {
@@ -222,7 +224,8 @@ static bool has_path(const grid_axis *a, const char *path) {
   return false;
 }
 
-/* Tells once where path p of axis a sets what another path does; of its own axis the same key may be named twice. */
+/* Reports, once, that path p of axis a sets the same key as another path. Within one axis the
+ * same key may be named twice. */
 static void check_path(deck *d, const grid *g, const grid_axis *a, size_t p) {
   for (const grid_axis *other = g->axes; other <= a; other++)
     for (size_t q = 0; q < (other == a ? p : other->n_paths); q++) {
@@ -246,7 +249,8 @@ static void check_path(deck *d, const grid *g, const grid_axis *a, size_t p) {
     }
 }
 
-/* A key is set by one parameter of a grid. The seed belongs to replicas, or to a parameter. */
+/* Checks that each key is set by one parameter of the grid only, and that the seed is set by
+ * replicas or by a parameter, not both. */
 static void check_paths(deck *d, grid *g) {
   for (size_t k = 0; k < g->n_axes; k++) {
     const grid_axis *a = &g->axes[k];
@@ -291,7 +295,7 @@ size_t deck_grid_points(const grid *g) {
   return n > GRID_MOST ? GRID_MOST + 1 : (size_t)n;
 }
 
-/* --- names ------------------------------------------------------------------------------------------------- */
+/* --- names ------------------------------------------------------------------------------------ */
 
 static bool same_paths(const grid_axis *a, const grid_axis *b) {
   if (a->n_paths != b->n_paths) return false;
@@ -300,7 +304,8 @@ static bool same_paths(const grid_axis *a, const grid_axis *b) {
   return true;
 }
 
-/* Another parameter, of those before it or of all, has this name. Grids may share one, with the same paths. */
+/* Returns true if another parameter has this name. before: only parameters before this one
+ * count. Parameters of two grids may share a name if they have the same paths. */
 static bool is_taken(const deck_grids *all, const grid *mine, const grid_axis *a, bool before,
                      const char *name) {
   for (size_t i = 0; i < all->n; i++)
@@ -313,7 +318,7 @@ static bool is_taken(const deck_grids *all, const grid *mine, const grid_axis *a
   return false;
 }
 
-/* The last `words` words of a path, without brackets. */
+/* Returns the last `words` words of a path, without brackets. */
 static const char *tail(deck *d, const char *path, int words) {
   const char *start = path + strlen(path);
   while (start > path && words > 0)
@@ -336,7 +341,8 @@ static bool ends_in(const char *name, const char *ending) {
   return n >= m && strcmp(name + n - m, ending) == 0;
 }
 
-/* Columns that the tables of results have anyway (run/sweep_table.c), and r, which is the replica in names. */
+/* Returns true for names of columns that tables of results have anyway (run/sweep_table.c), and
+ * for r, which stands for the replica in names. */
 static bool reserved(const char *name) {
   static const char *const columns[] = {"point",    "name", "status",  "set", "replica",
                                         "replicas", "seed", "message", "r",   "deck_path"};

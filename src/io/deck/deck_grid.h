@@ -1,25 +1,25 @@
-/* deck_grid.h: the group `sweep` of a deck, as it is written: grids of parameters and their values.
- * deck_sweep.c makes points of them. Everything stands in the arena of the deck. */
+/* deck_grid.h: the group `sweep` of a deck as written: grids of parameters and their values.
+ * deck_sweep.c expands them to points. All data are in the arena of the deck. */
 #ifndef SLIPDISK_IO_DECK_GRID_H
 #define SLIPDISK_IO_DECK_GRID_H
 
 #include "io/deck/deck_tree.h"
 
 typedef struct grid_value {
-  const char *text;    /* as in the deck, without quotes; equal numbers have equal texts */
-  const char *literal; /* as behind the = of -D; the same */
-  double number;       /* an angle in rad; NAN: no number */
+  const char *text;    /* As in the deck, without quotes; equal numbers have equal texts */
+  const char *literal; /* The value in the form that follows the = of -D, with quotes */
+  double number;       /* Numerical value, angles in rad; NAN: not a number */
   deck_place place;
 } grid_value;
 
 typedef struct grid_axis {
-  const char *name; /* NULL until all are known and none is given */
-  bool named;       /* by the deck */
+  const char *name; /* Name of the parameter; NULL until it is derived from the path */
+  bool named;       /* True if the deck gives the name */
   size_t n_paths;
   const char **paths;
   size_t n_values;
   grid_value *values;
-  size_t dimension; /* axes of one dimension advance together */
+  size_t dimension; /* Index of the dimension; axes with the same index advance together (zip) */
   const deck_node *node;
 } grid_axis;
 
@@ -27,9 +27,9 @@ typedef struct grid {
   size_t n_axes;
   grid_axis *axes;
   size_t n_dimensions;
-  size_t *length; /* [n_dimensions] */
+  size_t *length; /* [n_dimensions]: number of values */
   int64_t replicas;
-  bool seed_varies; /* a parameter sets the seed */
+  bool seed_varies; /* True if a parameter sets the seed */
   deck_node *node;
 } grid;
 
@@ -40,9 +40,9 @@ typedef struct deck_grids {
   const char **collect;
 } deck_grids;
 
-/* Mistakes are reported. n is 0 when the deck has no sweep. */
+/* Reads the group `sweep` and reports mistakes. n is 0 if the deck has no sweep. */
 deck_grids deck_read_grids(deck *d);
-/* Number of points, replicas and repeated points included; at most GRID_MOST + 1. */
+/* Returns the number of points, replicas and repeated points included; at most GRID_MOST + 1. */
 enum { GRID_MOST = 1000000 };
 size_t deck_grid_points(const grid *g);
 

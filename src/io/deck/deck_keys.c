@@ -1,4 +1,5 @@
-/* deck_keys.c: the tables of all keys, and the search for the nearest valid name. See deck_keys.h. */
+/* deck_keys.c: tables of all keys of a deck, and of other programs' words for them. See
+ * deck_keys.h. */
 #include "io/deck/deck_keys.h"
 
 #include <string.h>
@@ -24,7 +25,8 @@ static const deck_key pair_keys[] = {
 TABLE_WITH(deck_pairs, "material_pairs", false,
            "The law of contacts between two different materials.", pair_keys, law_table);
 
-/* place, radius: "required" for a single disk, "-" where columns give them */
+/* Keys of a disk. place: default of x, y and radius, "required" for a single disk, "-" if
+ * columns may give them. */
 #define DISK(place)                                                                                \
   {"x", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                           \
       {"y", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                       \
@@ -388,7 +390,7 @@ const deck_table *const deck_tables[] = {
 };
 const size_t deck_table_count = COUNT(deck_tables);
 
-/* --- words ------------------------------------------------------------------------------------------------ */
+/* --- lists of words --------------------------------------------------------------------------- */
 
 const char *deck_kind_text(deck_kind kind) {
   static const char *const text[] = {
@@ -398,7 +400,7 @@ const char *deck_kind_text(deck_kind kind) {
   return text[kind];
 }
 
-/* Is the word one of those in a list such as "points* pivot" or "mass/density"? */
+/* Returns true if the word is in a list such as "points* pivot" or "mass/density". */
 bool deck_listed(const char *list, const char *word) {
   size_t n = strlen(word);
   for (const char *p = list; p && (p = strstr(p, word)); p += n)
@@ -406,7 +408,7 @@ bool deck_listed(const char *list, const char *word) {
   return false;
 }
 
-/* Do two words stand in one run "a/b/c" of the list? */
+/* Returns true if the two words stand in one run "a/b/c" of the list. */
 static bool joined(const char *list, const char *a, const char *b) {
   while (list && *list) {
     size_t n = strcspn(list, " ");
@@ -446,9 +448,9 @@ bool deck_names_kind(const char *name, bool flag) {
   return found;
 }
 
-/* --- documentation -------------------------------------------------------------------------------------- */
+/* --- documentation ---------------------------------------------------------------------------- */
 
-/* The words of a choice, with what each kind reads where it is one of kinds. */
+/* Prints the words of a choice; for kinds also the keys that each kind reads. */
 static void print_shapes(FILE *out, const char *heading, const deck_shape *shape) {
   fprintf(out, "| %s | keys | meaning |\n|---|---|---|\n", heading);
   for (; shape->name; shape++)
@@ -466,7 +468,7 @@ static void print_key(FILE *out, const deck_key *key) {
   fprintf(out, " | %s | %s | %s |\n", key->unit, key->initial, key->meaning);
 }
 
-/* The table whose keys this one has, too. */
+/* Returns the table whose keys this table has, too; NULL: none. */
 static const deck_table *base_of(const deck_table *table) {
   if (table == &deck_pairs) return &deck_materials;
   return table == &deck_disk_rows || table == &deck_disk_files ? &deck_disks : NULL;
@@ -477,7 +479,7 @@ static bool repeats(const deck_table *base, const deck_key *key) {
   return other && other->kind == key->kind && strcmp(other->meaning, key->meaning) == 0;
 }
 
-/* One row for all keys of the base. */
+/* Prints one row that stands for all keys of the base table. */
 static void print_repeated(FILE *out, const deck_table *table, const deck_table *base) {
   const deck_key *key;
   fprintf(out, "| the same as in [`%s`](#%s) | | | | |", base->name, base->name);
@@ -501,16 +503,18 @@ void deck_keys_print(FILE *out) {
     for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
       if (!key->words || !key->words[0].keys || repeats(base, key)) continue;
       char heading[96];
-      size_t n = strlen(table->name) - !table->one; /* "walls": "wall type" */
+      /* Drops the plural s: "walls" becomes "wall type" */
+      size_t n = strlen(table->name) - !table->one;
       snprintf(heading, sizeof heading, "%.*s type", (int)n, table->name);
       print_shapes(out, strcmp(key->name, "type") == 0 ? heading : key->name, key->words);
     }
   }
 }
 
-/* --- words of other programs and of textbooks, and the keys that say the same ----------------- */
+/* --- words of other programs and of textbooks, with the keys that mean the same --------------- */
 
-/* A row counts for tables that have the first key; keys: as the hint has them, behind "did you mean". */
+/* Words that users of other programs may write, for tables that have `key`; hint: the text
+ * behind "did you mean"; NULL: the key. */
 static const struct word {
   const char *word, *key, *hint;
 } words[] = {
@@ -561,7 +565,7 @@ static const struct word {
 const char *deck_other_word(deck *d, const deck_table *table, const char *word) {
   for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
     const struct word *w = &words[k];
-    /* "E" is not "e" */
+    /* A single letter must match in case: "E" is not "e" */
     const bool same = word[1] ? strcasecmp(word, w->word) == 0 : strcmp(word, w->word) == 0;
     if (!same || !deck_key_find(table, w->key)) continue;
     return w->hint ? deck_format(d, "; did you mean %s?", w->hint)

@@ -1,9 +1,8 @@
 /* deck_keys.h: all groups that a deck may have, with their keys.
  *
- * Unknown keys, ranges, defaults, the echo and docs/deck.md follow the rows (model/keys.h); a test compares
- * docs/deck.md with them in both directions. Groups that set members of the model stand in model/keys.h; here are
- * those of bodies, motions and sweeps.
- */
+ * Unknown keys, ranges, defaults, the echo and docs/deck.md follow the rows (model/keys.h); a
+ * test compares docs/deck.md with them in both directions. Groups that set members of the model
+ * are in model/keys.h; the groups here are those of bodies, motions and sweeps. */
 #ifndef SLIPDISK_IO_DECK_KEYS_H
 #define SLIPDISK_IO_DECK_KEYS_H
 
@@ -20,12 +19,13 @@ enum { DECK_MOTION_FIXED = SD_MOTION_KINDS };
 extern const deck_shape deck_motion_kinds[];
 
 const char *deck_kind_text(deck_kind kind);
-/* Is the word one of those in a list such as "points* pivot" or "mass/density"? */
+/* Returns true if the word is in a list such as "points* pivot" or "mass/density". */
 bool deck_listed(const char *list, const char *word);
-/* In some group only one of these two keys may be given. */
+/* Returns true if some group allows only one of these two keys. */
 bool deck_keys_exclude(const char *a, const char *b);
 
-/* Is every key of this name, in any group, a flag (or else: a number or numbers)? */
+/* Returns true if every key of this name, in any group, is a flag; with flag = false: if every
+ * one is a number or a list of numbers. */
 bool deck_names_kind(const char *name, bool flag);
 
 #endif

@@ -1,11 +1,10 @@
-/* deck_lammps.c: disks from a LAMMPS data file, as write_data makes it. See deck_rows.h.
+/* deck_lammps.c: reads disks from a LAMMPS data file, as write_data makes it. See deck_rows.h.
  *
- * Taken are atom styles that know a diameter: sphere, bpm/sphere, and hybrid when sphere comes first; the style
- * stands in the comment behind "Atoms". z is left out; x and y are those in the box, whatever the image flags.
- * The density in the file is the mass over the volume of a sphere, also in two dimensions, so that the mass
- * LAMMPS has worked with is density 4/3 pi R^3: that is the column `mass` here.
- * Format: https://docs.lammps.org/read_data.html
- */
+ * Supported are atom styles with a diameter: sphere, bpm/sphere, and hybrid with sphere first; the
+ * style is read from the comment behind "Atoms". z is ignored; x and y are positions in the box,
+ * whatever the image flags. The density in the file is mass per volume of a sphere, also in two
+ * dimensions, so the mass that LAMMPS used is density 4/3 pi R^3; it is the column `mass` here.
+ * Format: https://docs.lammps.org/read_data.html */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,10 +15,12 @@
 
 enum { MOST_WORDS = 64, NO_COLUMN = -1 };
 
-/* Where the values stand in a line of section Atoms, behind which three image flags may stand. */
+/* Index of each value in a line of the section Atoms, and the number n of values; three image
+ * flags may follow. */
 typedef struct atom_style {
   const char *name;
-  bool prefix; /* more may follow: words of the comment, and values */
+  /* True if more words may follow in the comment, and more values in the line */
+  bool prefix;
   size_t type, diameter, density, x, n;
 } atom_style;
 
@@ -39,13 +40,13 @@ typedef struct atom {
 
 typedef struct lammps {
   deck *d;
-  char *p; /* rest of the text */
+  char *p; /* Rest of the text */
   deck_place here;
   size_t n_words;
-  char *word[MOST_WORDS]; /* of the line, its comment cut off */
-  const char *comment;    /* "" when there is none */
+  char *word[MOST_WORDS]; /* Words of the line, without its comment */
+  const char *comment;    /* Comment of the line, "" if there is none */
 
-  long long announced; /* atoms, by the header; -1: not there */
+  long long announced; /* Number of atoms in the header; -1: missing */
   double edge[2][2];
   bool bounded[2], tilted;
 
@@ -55,9 +56,10 @@ typedef struct lammps {
   bool sorted, velocities, crowded;
 } lammps;
 
-/* --- lines ---------------------------------------------------------------------------------------------- */
+/* --- lines ------------------------------------------------------------------------------------ */
 
-/* The next line that holds more than a comment; false at the end. */
+/* Reads the next line that holds more than a comment; false at the end. The first line of the
+ * file is skipped. */
 static bool next_line(lammps *in) {
   while (*in->p) {
     char *line = in->p, *end = strchr(line, '\n'), *rest = NULL;
@@ -103,7 +105,7 @@ static bool whole(const lammps *in, size_t k, const char *what, long long *n) {
   return false;
 }
 
-/* --- header --------------------------------------------------------------------------------------------- */
+/* --- header ----------------------------------------------------------------------------------- */
 
 static void header_line(lammps *in) {
   static const char *const edges[2][2] = {{"xlo", "xhi"}, {"ylo", "yhi"}};
@@ -119,7 +121,8 @@ static void header_line(lammps *in) {
   if (n == 4 && strcmp(w[3], "avec") == 0) in->tilted = true;
 }
 
-/* Up to the first section, whose keyword is then the line; false: reported. */
+/* Reads the header up to the keyword of the first section, which becomes the current line;
+ * false: reported. */
 static bool open_file(lammps *in, deck *d, const deck_node *file) {
   const char *path = deck_resolve(d, d->path, file->value.text);
   *in = (lammps){.d = d, .here = {path, 0}, .announced = -1};
@@ -155,7 +158,7 @@ bool deck_lammps_box(deck *d, const deck_node *file, double lower[2], double upp
   return true;
 }
 
-/* --- sections ------------------------------------------------------------------------------------------- */
+/* --- sections --------------------------------------------------------------------------------- */
 
 static bool choose_style(lammps *in) {
   for (int k = 0; k < STYLES && !in->style; k++) {
@@ -196,7 +199,8 @@ static void add_atom(lammps *in) {
   in->atoms = deck_extend(in->d, in->atoms, in->n_atoms, &in->capacity, sizeof *in->atoms);
   atom *a = &in->atoms[in->n_atoms];
   *a = (atom){.type = in->word[s->type], .place = in->here};
-  bool good = whole(in, 0, "id", &a->id); /* every value that is wrong is told */
+  /* No short circuit: every wrong value is reported */
+  bool good = whole(in, 0, "id", &a->id);
   good = number(in, s->diameter, "diameter", &a->diameter) && good;
   good = number(in, s->density, "density", &a->density) && good;
   good = number(in, s->x, "x", &a->x) && good;
@@ -209,7 +213,8 @@ static int by_id(const void *a, const void *b) {
   return p < q ? -1 : p > q;
 }
 
-/* write_data leaves them in the order of the processors' lists. */
+/* Sorts the atoms by id, since write_data writes them in the order of the processors' lists;
+ * reports repeated ids. */
 static void sort_atoms(lammps *in) {
   if (in->n_atoms) qsort(in->atoms, in->n_atoms, sizeof *in->atoms, by_id);
   for (size_t k = 1; k < in->n_atoms; k++)
@@ -241,7 +246,8 @@ static bool at_section(const lammps *in, const char *name) {
   return in->n_words == 1 && strcmp(in->word[0], name) == 0;
 }
 
-/* The line is the keyword of a section. False: no use to go on. */
+/* Reads all sections; the current line is the keyword of the first. Returns false if reading
+ * cannot go on (reported). */
 static bool read_sections(lammps *in) {
   enum { OTHER, ATOMS, VELOCITIES } section = OTHER;
   bool more = true, found = false;
@@ -266,7 +272,7 @@ static bool read_sections(lammps *in) {
   return found;
 }
 
-/* --- columns -------------------------------------------------------------------------------------------- */
+/* --- columns ---------------------------------------------------------------------------------- */
 
 typedef enum source { X, Y, RADIUS, MASS, VX, VY, OMEGA, TYPE, ID, SOURCES } source;
 static const char *const source_names[SOURCES] = {"x",  "y",     "radius", "mass", "vx",
@@ -286,7 +292,7 @@ static double value(const atom *a, source s) {
   }
 }
 
-/* Which value of an atom a column is; NO_COLUMN: reported. */
+/* Returns the value of an atom that a column takes; NO_COLUMN: reported. */
 static int find_source(const deck_group *g, const deck_columns *t, size_t c) {
   const char *column = deck_column_names[t->column[c]];
   int s = 0;
@@ -305,7 +311,7 @@ static int find_source(const deck_group *g, const deck_columns *t, size_t c) {
   return NO_COLUMN;
 }
 
-/* Without the key `columns`: what the file gives and the deck does not. */
+/* Without the key `columns`, adds the columns that the file gives and the deck does not. */
 static void usual_columns(const deck_group *g, const lammps *in, const deck_node *file,
                           deck_columns *t) {
   static const source usual[] = {X, Y, RADIUS, VX, VY, OMEGA};

@@ -1,19 +1,20 @@
-/* deck_locate.c: file and line in front of what the checks of a model say. See deck_tree.h.
+/* deck_locate.c: adds file and line to the messages of the model's checks. See deck_tree.h.
  *
- * A message of the model begins with its subject: a path of the deck (phases[0].cell), or a body or motion (clump "plate", disk 3).
- */
+ * A message of the model begins with its subject: a path of the deck (phases[0].cell), or a body
+ * or motion (clump "plate", disk 3). */
 #include <stdlib.h>
 #include <string.h>
 
 #include "io/deck/deck_tree.h"
 
-/* --- paths ----------------------------------------------------------------------------------------------- */
+/* --- paths ------------------------------------------------------------------------------------ */
 
 static size_t word_length(const char *p) {
   return strspn(p, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
 }
 
-/* The deepest node of the path at the start of the text that the deck has; NULL: the text begins with none. */
+/* Follows the path at the start of the text through the tree and returns the deepest node that
+ * exists; NULL: the text does not begin with a path. */
 static const deck_node *follow(deck *d, const char *p) {
   const deck_node *node = d->root;
   for (size_t n; (n = word_length(p)) > 0; p += *p == '.') {
@@ -31,15 +32,16 @@ static const deck_node *follow(deck *d, const char *p) {
   return node == d->root ? NULL : node;
 }
 
-/* --- bodies and motions ---------------------------------------------------------------------------------- */
+/* --- bodies and motions ----------------------------------------------------------------------- */
 
-/* Entry k of a list of the deck; NULL: it has fewer. */
+/* Returns entry k of a list of the deck; NULL if the list is shorter. */
 static const deck_node *entry(const deck *d, const char *list, size_t k) {
   const deck_node *node = deck_child(d->root, list);
   return node && node->type == DECK_LIST && k < node->n ? node->child[k] : NULL;
 }
 
-/* The place of the first disk of a clump of a packing. */
+/* Returns the location of clump k: its entry of `clumps`, or, for a clump of a packing, that of
+ * its first disk. */
 static deck_place place_of_clump(const deck *d, size_t k) {
   const sd_model *m = d->model;
   const deck_node *node = entry(d, "clumps", k);
@@ -55,7 +57,8 @@ static deck_place place_of_wall(const deck *d, size_t k) {
   return node ? node->place : d->root->place;
 }
 
-/* "disk 3: ..." or "disk "a": ..."; *rest: what follows its number or name. False: another subject. */
+/* Reads the subject of a message such as "disk 3: ..." or "disk "a": ..."; *rest is the text
+ * behind the number or name. Returns false for another subject. */
 static bool number_of(deck *d, const char *text, const char *kind, const deck_index *names,
                       uint32_t *number, const char **rest) {
   const size_t n = strlen(kind);
@@ -72,9 +75,9 @@ static bool number_of(deck *d, const char *text, const char *kind, const deck_in
   return end != p && *end == ':';
 }
 
-/* --- one message ----------------------------------------------------------------------------------------- */
+/* --- one message ------------------------------------------------------------------------------ */
 
-/* The edges of the box that a container has made are its width and height. */
+/* Replaces box.x and box.y by width and height if a container has made the box. */
 static const char *key_of_container(deck *d, const char *text, deck_place *place) {
   const bool x = strncmp(text, "box.x:", 6) == 0, y = strncmp(text, "box.y:", 6) == 0;
   const deck_node *container = deck_child(d->root, "container"), *box = deck_child(d->root, "box");
@@ -84,7 +87,8 @@ static const char *key_of_container(deck *d, const char *text, deck_place *place
   return deck_format(d, "container.%s%s", x ? "width" : "height", text + 5);
 }
 
-/* The text, with a motion called by its place in the deck. */
+/* Finds the location of a message's subject. Returns the message, in which a motion is named by
+ * its path in the deck. */
 static const char *locate(deck *d, const char *text, deck_place *place) {
   const sd_model *m = d->model;
   const char *rest;

@@ -1,4 +1,4 @@
-/* deck_materials.c: materials, the laws between them, and walls. See deck_tree.h. */
+/* deck_materials.c: reads materials, the contact laws between them, and walls. See deck_tree.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 #include "model/laws.h"
 #include "model/walls.h"
 
-/* --- materials -------------------------------------------------------------------------------------------- */
+/* --- materials -------------------------------------------------------------------------------- */
 
 int deck_material(deck_group *g) {
   deck *d = g->d;
@@ -23,7 +23,8 @@ int deck_material(deck_group *g) {
   return deck_index_look_up(d, &d->materials, "material", node, "", &number) ? (int)number : -1;
 }
 
-/* mu_r = 0 that is written is meant, as by a sweep. */
+/* Warns of a rolling stiffness k_r without rolling friction mu_r, which has no effect. An
+ * explicit mu_r = 0 is accepted, as sweeps set it. */
 static void warn_of_rolling(const deck_group *g, const sd_contact_law *law) {
   if (!(law->k_r > 0) || law->mu_r > 0 || deck_given(g, "mu_r")) return;
   const deck_node *k_r = deck_get(g, "k_r");
@@ -38,7 +39,7 @@ static void check_law(const deck_group *g, const sd_contact_law *law) {
   const char *key = NULL;
   double value;
   char *text = law_mistake(law, &key, &value);
-  /* a key that is missing was told of by its kind */
+  /* A missing key was reported when its kind was read */
   if (text && deck_get(g, key)) deck_fail_key(g, key, "%s", text);
   free(text);
   warn_of_rolling(g, law);
@@ -123,7 +124,7 @@ void deck_check_laws(deck *d) {
   }
 }
 
-/* --- walls ------------------------------------------------------------------------------------------------ */
+/* --- walls ------------------------------------------------------------------------------------ */
 
 static void read_points(deck_group *g, sd_wall *wall) {
   deck *d = g->d;
@@ -157,7 +158,8 @@ static void read_points(deck_group *g, sd_wall *wall) {
               "the same as the first point, to which `closed` joins it already");
 }
 
-/* Bare numbers beyond a whole turn may have been meant as degrees. */
+/* Reports an arc with a wrong opening. Bare numbers beyond a whole turn may have been meant as
+ * degrees. */
 static void fail_arc(const deck_group *g, const sd_wall *wall) {
   static const char *const expected = "expected counterclockwise, by a whole turn at most";
   const bool bare =

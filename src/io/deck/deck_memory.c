@@ -1,8 +1,8 @@
-/* deck_memory.c: contacts of a packing, taken over from the result of another run. See deck_result.h.
+/* deck_memory.c: takes over contacts from the result of another run. See deck_result.h.
  *
- * A wall of the deck is the file's when it is described in the same words: by its name where both have one, else
- * by its place among as many. It then stands where it was at the end of that run, and its contacts go on.
- */
+ * A wall of the deck corresponds to a wall of the file if both have the same description, and
+ * the same name, or, where one has no name, the same index among equally many. It is then moved
+ * to its position at the end of that run, and its contacts continue. */
 #include <math.h>
 #include <string.h>
 
@@ -15,20 +15,20 @@
 #include "model/laws.h"
 #include "slipdisk/deck.h"
 
-#define NOWHERE UINT32_MAX /* of a body number */
+#define NOWHERE UINT32_MAX /* Stands for "not in the model" in place of a body number */
 
-/* The walls of the deck, as read, and where files have put them. */
+/* Walls of the deck as read, and their state after files have moved them. */
 typedef struct our_walls {
   deck *d;
   size_t n;
   result_wall *walls;
-  size_t *first_segment; /* of each wall */
+  size_t *first_segment; /* Number of the first segment of each wall */
   bool *placed;
 } our_walls;
 
-/* --- walls ---------------------------------------------------------------------------------------------- */
+/* --- walls ------------------------------------------------------------------------------------ */
 
-/* Which wall of the deck the file's wall k is; NOWHERE: none. */
+/* Returns the wall of the deck that corresponds to the file's wall k; NOWHERE: none. */
 static uint32_t same_wall(const our_walls *ours, const deck_result *r, size_t k) {
   const result_wall *theirs = &r->walls[k];
   for (uint32_t w = 0; w < ours->n; w++) {
@@ -41,7 +41,8 @@ static uint32_t same_wall(const our_walls *ours, const deck_result *r, size_t k)
   return NOWHERE;
 }
 
-/* Only lines change their size with a compressed box, and they have none. */
+/* Moves a wall's pivot to (x, y), turns the wall by `angle` (rad) and scales it about the pivot.
+ * The radius stays, since compression of the box scales only infinite lines, which have none. */
 static void move_wall(sd_wall *w, double x, double y, double angle, double scale) {
   double c = cos(angle), s = sin(angle);
   for (size_t k = 0; k < w->n_points; k++) {
@@ -59,8 +60,8 @@ static void move_wall(sd_wall *w, double x, double y, double angle, double scale
   w->pivot[1] = y;
 }
 
-/* An edge of the region that is a straight wall goes where the file has put the wall: servo walls and compression measure
- * the container by its region. */
+/* Moves an edge of the region together with the infinite line that coincides with it: servo
+ * walls and compression measure the container by its region. */
 static void move_edges(sd_model *m, const sd_wall *w, double x, double y) {
   const double to[2] = {x, y};
   for (int c = 0; c < 2; c++) {
@@ -108,9 +109,10 @@ static our_walls list_walls(deck *d) {
   return ours;
 }
 
-/* --- contacts ------------------------------------------------------------------------------------------- */
+/* --- contacts --------------------------------------------------------------------------------- */
 
-/* Places the walls of the model that the file has, and tells which they are. */
+/* Moves the walls of the model to their positions in the file, and fills `walls` with the
+ * correspondence of the file's walls to the model's. */
 static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_wall *walls) {
   const deck_result *r = t->result;
   size_t first = 0;
@@ -136,7 +138,8 @@ static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_w
   return walls;
 }
 
-/* R_b: negative inside a round wall or an arc, 0 of straight pieces and ends. */
+/* Returns R_b: negative inside a round wall or an arc, 0 for straight segments and ends of
+ * walls. */
 static double radius_of(const sd_contact_memory *c, deck_turned b, const sd_tile_wall *wall) {
   if (!wall) return b.radius;
   if (wall->pieces == 0) return wall->radius;
@@ -146,7 +149,7 @@ static double radius_of(const sd_contact_memory *c, deck_turned b, const sd_tile
 void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b,
                         const sd_tile_wall *wall, bool carried) {
   const double rb = radius_of(c, b, wall);
-  double shift = a.radius * a.shift; /* of lambda* */
+  double shift = a.radius * a.shift; /* Change of lambda_ref */
   const double rolled = a.shift - (wall ? -wall->theta : b.shift);
   if (!wall) {
     shift += b.radius * b.shift;
@@ -154,23 +157,26 @@ void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b,
     if (wall->pieces)
       c->part = (uint32_t)(c->part - wall->first + wall->own_first);
     else
-      shift -= wall->radius * wall->theta;                      /* a round wall begins at angle 0 */
-    shift += wall->radius > 0 ? -wall->surface : wall->surface; /* and a surface at 0 */
+      /* The new state measures the angle of a round wall from 0 */
+      shift -= wall->radius * wall->theta;
+    /* The new state measures the displacement of a wall's surface from 0 */
+    shift += wall->radius > 0 ? -wall->surface : wall->surface;
   }
   c->record.lambda_ref += shift;
   c->record.rho_ref += law_arm(a.radius, rb) * rolled;
   c->record.viscous = c->record.friction = c->record.nonconservative_work = c->record.rolling = 0.0;
   c->force_carried = carried;
   if (carried) return;
-  /* these follow from the first forces; tau and pull say what limit friction had */
+  /* The first evaluation sets rho and roll; a sliding contact keeps tau and pull, the limit of
+   * its friction */
   c->record.rho = c->record.roll = 0.0;
   if (c->slide == 0) c->record.tau = c->record.pull = 0.0;
 }
 
-/* Contacts whose partner is no body of this deck. */
+/* Contacts whose partner is not in this deck. */
 typedef struct lost_contacts {
   size_t n;
-  uint32_t first; /* the wall of the file */
+  uint32_t first; /* Body number, in the file, of the wall of the first one */
 } lost_contacts;
 
 static void warn_of_lost(deck *d, const deck_result *r, const lost_contacts *lost) {
@@ -185,7 +191,7 @@ static void warn_of_lost(deck *d, const deck_result *r, const lost_contacts *los
           known ? r->walls[wall].name : "", known && *r->walls[wall].name ? "\"" : "");
 }
 
-/* Where disks of a file are in the model. */
+/* Returns an array from the file's disk numbers to the model's; NOWHERE: not in the model. */
 static uint32_t *map_disks(deck *d, const deck_columns *t) {
   const deck_result *r = t->result;
   uint32_t *body = deck_alloc(d, r->n_disks + 1, sizeof *body);
@@ -198,7 +204,7 @@ static deck_turned turned_of(const deck_result *r, uint32_t disk) {
   return (deck_turned){r->radius[disk], deck_result_shift(r, disk)};
 }
 
-/* Material k of the file is this one of the deck; -1: no disk of the deck has it. */
+/* Returns the deck's number of the file's material k; -1: no disk of the deck has it. */
 static int32_t own_material(const our_walls *ours, const deck_columns *t, size_t k) {
   const sd_model *m = ours->d->model;
   const deck_result *r = t->result;
@@ -211,8 +217,9 @@ static int32_t own_material(const our_walls *ours, const deck_columns *t, size_t
   return name && deck_index_find(&ours->d->materials, name, &found) ? (int32_t)found : -1;
 }
 
-/* If laws, masses and velocities are those of the file, its contact forces hold at step 0. They
- * were evaluated at predicted velocities, which the file does not have. */
+/* Returns true if laws, masses and velocities are those of the file, so that its contact forces
+ * hold at step 0. They cannot be recomputed: they were evaluated at predicted velocities, which
+ * the file does not have. */
 static bool forces_carried(const our_walls *ours, const deck_columns *t) {
   const sd_model *m = ours->d->model;
   const deck_result *r = t->result;
@@ -243,7 +250,8 @@ static bool forces_carried(const our_walls *ours, const deck_columns *t) {
   return true;
 }
 
-/* Derivatives of free coordinates; column k is dt^k/k! times the k-th. */
+/* Takes over the derivatives of free coordinates. A column holds dt^j/j! times the j-th
+ * derivative, j = 3 to 5, so it is scaled by (new dt / old dt)^j. */
 static void take_derivatives(deck *d, const deck_columns *t) {
   sd_model *m = d->model;
   const deck_result *r = t->result;
@@ -259,7 +267,7 @@ static void take_derivatives(deck *d, const deck_columns *t) {
             r->derivatives[k][t->disk[row]] * pow(ratio, (double)(3 + k % 3));
 }
 
-/* Returns whether the forces of the file's contacts hold at step 0. */
+/* Takes over the contacts of a file. Returns true if their forces hold at step 0. */
 static bool take_contacts(our_walls *ours, const deck_columns *t) {
   deck *d = ours->d;
   sd_model *m = d->model;
@@ -291,7 +299,8 @@ static bool take_contacts(our_walls *ours, const deck_columns *t) {
   return carried;
 }
 
-/* Of the file that ranks read in parts: which walls they are with, and how many come along. */
+/* Reads the walls of a file that ranks read in parts, counts its contacts, and lets the ranks
+ * read them. */
 static void survey_contacts(our_walls *ours, deck_columns *t) {
   deck *d = ours->d;
   sd_tiles *tiles = &d->model->tiles;
@@ -326,7 +335,7 @@ void deck_read_memories(deck *d) {
       continue;
     }
     const bool carried = take_contacts(&ours, t);
-    /* ranks read a large file in parts, without derivatives */
+    /* Derivatives of a large file are ignored: ranks, which read it in parts, do not get them */
     if (carried && !large && t->result->derivatives[0]) take_derivatives(d, t);
     if (large) deck_parts_note_contacts(d, t->result);
   }

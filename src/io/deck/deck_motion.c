@@ -1,11 +1,11 @@
-/* deck_motion.c: motions. See deck_tree.h.
+/* deck_motion.c: reads the list `motions`. See deck_tree.h.
  *
- * One entry of the deck becomes one motion of the model for each coordinate, and for random motions with
- * independent signals for each body too. The number of a random stream is made of what it drives,
+ * One entry of the deck becomes one motion of the model for each coordinate; random motions with
+ * independent signals become one for each body and coordinate. The number of a random stream
+ * encodes what it drives,
  *   index (24 bits) | ordinal (4) | coordinate (2) | kind of driven thing (2),
- * so that it does not change when other motions come or go: ordinal counts the random motions that add up
- * on the same coordinate of the same thing.
- */
+ * so that it does not change when other motions are added or removed. The ordinal counts the
+ * random motions that add up on the same coordinate of the same thing. */
 #include <math.h>
 #include <string.h>
 
@@ -13,12 +13,12 @@
 #include "io/deck/deck_rows.h"
 #include "model/motions.h"
 
-/* Tables of motions up to so many rows are echoed in place of their file. */
+/* Tables of motions with up to so many rows are echoed in place of their file. */
 enum { MOST_ECHOED = 1000 };
 
-/* How many random motions drive each coordinate of each thing so far. */
+/* Number of random motions so far on each coordinate of each driven thing. */
 typedef struct streams {
-  unsigned char *used[STREAM_THINGS]; /* [SD_MOVED * things] */
+  unsigned char *used[STREAM_THINGS]; /* [things * SD_MOVED], index SD_MOVED * thing + coordinate */
 } streams;
 
 static const double pi = 3.14159265358979323846;
@@ -32,11 +32,12 @@ static double read_omega(deck_group *g) {
   return 2 * pi * deck_number(g, "frequency");
 }
 
-/* From `amplitude`, or from the largest acceleration (motion_kind.amplitude). */
+/* Reads the key `amplitude`, or computes the amplitude from the largest acceleration
+ * (motion_kind.amplitude). */
 static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned mask) {
   if (!deck_given(g, "acceleration")) return deck_number(g, "amplitude");
   const motion_kind *kind = &motion_kinds[motion->kind];
-  if (!kind->amplitude) return NAN; /* deck_shape_of has refused the key */
+  if (!kind->amplitude) return NAN; /* deck_shape_of has reported the key */
   const double *gravity = g->d->model->gravity;
   double strength = hypot(gravity[0], gravity[1]), w = motion->omega;
   if (mask >> SD_THETA & 1)
@@ -46,7 +47,7 @@ static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned ma
   return kind->amplitude(motion, deck_number(g, "acceleration") * strength / (w * w));
 }
 
-/* --- tables ------------------------------------------------------------------------------------------------ */
+/* --- tables ----------------------------------------------------------------------------------- */
 
 static size_t read_list(deck *d, deck_node *list, double **out) {
   if (!list || list->type != DECK_LIST) {
@@ -58,7 +59,7 @@ static size_t read_list(deck *d, deck_node *list, double **out) {
   return list->n;
 }
 
-/* The file's numbers in place of the file, for the echo. */
+/* Puts the numbers of a file into the tree in place of the file's name, for the echo. */
 static void table_to_lists(deck_group *g, size_t n, const double *time, const double *value) {
   static const char *const file_keys[] = {"file", "columns"}, *const list_keys[] = {"times",
                                                                                     "values"};
@@ -123,12 +124,13 @@ static void read_table(deck_group *g, sd_motion *motion) {
                   value[0]);
   if (d->reported > before) return;
   motion->n_table = n;
-  motion->table_time = time; /* in the arena; each motion of the model gets its own copy */
+  /* The arrays are in the arena; each motion of the model gets its own copy */
+  motion->table_time = time;
   motion->table_value = value;
   if (from_file && n <= MOST_ECHOED) table_to_lists(g, n, time, value);
 }
 
-/* --- into the model ---------------------------------------------------------------------------------------- */
+/* --- into the model --------------------------------------------------------------------------- */
 
 static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, size_t n,
                  const uint32_t *bodies) {
@@ -244,7 +246,7 @@ static void check_clumped(deck *d, deck_group *g, const deck_bodies *bodies) {
   }
 }
 
-/* --- walls that the disks move ------------------------------------------------------------------------------ */
+/* --- walls moved by contact forces ------------------------------------------------------------ */
 
 static uint32_t wall_called(const sd_model *m, const char *name) {
   for (size_t w = 0; w < m->n_walls; w++)
@@ -252,8 +254,9 @@ static uint32_t wall_called(const sd_model *m, const char *name) {
   return 0;
 }
 
-/* What a pressure acts on: the segment; the period of the box; of a line in a container the distance of the walls
- * beside it, wherever they move. */
+/* Finds the length on which a pressure acts: the length of a segment; for a line, the period of
+ * the box along it, or, in a container, the distance of the two adjacent walls (`beside`), which
+ * may move. */
 static void read_length(deck_group *g, sd_motion *motion, const sd_wall *wall, int coordinate) {
   static const char *const beside[2][2] = {{"left", "right"}, {"floor", "lid"}};
   const sd_model *m = g->d->model;
@@ -301,7 +304,7 @@ static void read_load(deck_group *g, sd_motion *motion, int coordinate) {
   motion->force = deck_number(g, "force") + motion->mass * g->d->model->gravity[coordinate];
 }
 
-/* One motion for each wall: they move on their own. */
+/* Reads a load or a servo; each wall gets a motion of its own, since walls move independently. */
 static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const deck_bodies *bodies,
                           unsigned mask) {
   deck *d = g->d;
@@ -323,7 +326,7 @@ static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const 
   }
 }
 
-/* --- signals ------------------------------------------------------------------------------------------------ */
+/* --- signals ---------------------------------------------------------------------------------- */
 
 static void read_wave_keys(deck_group *g, const deck_shape *shape, sd_motion *motion) {
 #define READ(member, ...)                                                                          \
@@ -353,7 +356,7 @@ static void read_signal(deck_group *g, const deck_shape *shape, unsigned mask, s
   }
 }
 
-/* --- all ---------------------------------------------------------------------------------------------------- */
+/* --- the list --------------------------------------------------------------------------------- */
 
 static void read_motion(deck_group *g, size_t entry, streams *s) {
   deck *d = g->d;
@@ -364,7 +367,7 @@ static void read_motion(deck_group *g, size_t entry, streams *s) {
   const deck_shape *shape = deck_shape_of(g, "type");
   if (!shape) return;
   char *own_name = name ? deck_copy(d, name, strlen(name)) : NULL;
-  bool fixed = shape->kind == DECK_MOTION_FIXED; /* velocity 0 */
+  bool fixed = shape->kind == DECK_MOTION_FIXED; /* A "fixed" motion has velocity 0 */
   sd_motion motion = {.name = own_name,
                       .kind = fixed ? SD_MOTION_VELOCITY : (sd_motion_kind)shape->kind,
                       .interval = 1};
@@ -405,7 +408,7 @@ void deck_check_motions(deck *d) {
 void deck_read_motions(deck *d) {
   sd_model *m = d->model;
   deck_group g;
-  /* clumps follow the walls */
+  /* Clumps follow the walls in the numbering */
   size_t things[STREAM_THINGS] = {m->n_disks, m->n_walls + m->n_clumps, m->n_groups,
                                   model_movables(m)};
   streams s;

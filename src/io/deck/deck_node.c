@@ -1,4 +1,4 @@
-/* deck_node.c: the arena, the tree, and how a place in the deck is put into words. See deck_tree.h. */
+/* deck_node.c: the arena, the tree, and source locations in messages. See deck_tree.h. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -16,7 +16,7 @@ enum { CHUNK = 64 * 1024 };
 
 struct deck_chunk {
   deck_chunk *next;
-  void *owned; /* of deck_own */
+  void *owned; /* Block of malloc that deck_own took over; NULL: none */
   size_t used, size;
   _Alignas(16) unsigned char bytes[];
 };
@@ -83,7 +83,7 @@ char *deck_format(deck *d, const char *format, ...) {
 void deck_own(deck *d, void *p) {
   deck_chunk *chunk = memory_new(1, sizeof *chunk);
   chunk->owned = p;
-  /* behind the chunk that is being filled */
+  /* Insert it behind the chunk that is being filled */
   deck_chunk **at = d->memory ? &d->memory->next : &d->memory;
   chunk->next = *at;
   *at = chunk;
@@ -115,7 +115,7 @@ void deck_memory_free(deck *d) {
   }
 }
 
-/* --- the tree ------------------------------------------------------------------------------------------- */
+/* --- the tree --------------------------------------------------------------------------------- */
 
 deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type type,
                          deck_place place) {
@@ -143,7 +143,7 @@ void deck_remove(deck_node *parent, const deck_node *child) {
 
 const char *deck_node_path(deck *d, const deck_node *node) {
   if (!node || !node->parent) return "";
-  /* the one phase of a deck without phases: its keys stand at the top */
+  /* The only phase of a deck without phases: its keys are at the top of the deck */
   if (node->type == DECK_GROUP && node->parent->type == DECK_LIST && node->parent->defaulted)
     return "";
   const char *above = deck_node_path(d, node->parent);
@@ -189,11 +189,11 @@ const char *deck_node_value(deck *d, const deck_node *node) {
   return deck_format(d, "%s)", list);
 }
 
-/* --- messages ------------------------------------------------------------------------------------------- */
+/* --- messages --------------------------------------------------------------------------------- */
 
 bool deck_told(const deck *d) { return d->reported >= LIMIT_DECK_ERRORS; }
 
-/* So many errors were told that this one is only counted. */
+/* Counts an error without showing it, if enough were reported; returns whether it did so. */
 static bool counted(deck *d) {
   if (!deck_told(d)) return false;
   d->reported++;
@@ -255,7 +255,7 @@ size_t deck_disk_bytes(bool free) {
   return comm_world() ? sizeof(sd_disk) : state_disk_bytes(free);
 }
 
-/* Disks that every rank makes are no more than these. */
+/* Largest number of disks that every rank may hold. */
 enum { MOST_OF_ALL_RANKS = 2000000 };
 
 void deck_need(deck *d, const deck_node *group, const char *key, double n, size_t bytes,
@@ -316,12 +316,13 @@ void deck_report_rest(deck *d) {
             d->reported - LIMIT_DECK_ERRORS);
 }
 
-/* --- numbers by name, so that many names cost no more than their sum -------------------------- */
+/* --- numbers by name, found in a hash table so that the cost is linear in their number -------- */
 
-/* Beyond so many names no nearest one is looked for. */
+/* Largest number of names among which the nearest one is searched. */
 enum { MOST_GUESSES = 10000 };
 
-/* The slot of the name, or the empty one where it belongs: 1 + its place among the names. */
+/* Returns the hash slot of the name, or the empty slot where it belongs; a slot holds 1 + the
+ * index of its name. */
 static size_t *slot_of(const deck_index *x, const char *name) {
   uint64_t h = UINT64_C(14695981039346656037);
   for (const char *p = name; *p; p++) h = (h ^ (unsigned char)*p) * UINT64_C(1099511628211);

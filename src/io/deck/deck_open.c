@@ -1,4 +1,4 @@
-/* deck_open.c: from a file to the tree of a deck. See deck_tree.h. */
+/* deck_open.c: reads the text of a deck and makes its tree. See deck_tree.h. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 #include "io/deck/deck_tree.h"
 #include "io/store/file.h"
 
-/* Reads one byte more than `most` at most, and puts a zero behind. */
+/* Reads the standard input, at most one byte more than `most`, and adds a final zero. */
 static void read_input(size_t most, char **all, size_t *n) {
   size_t capacity = 0;
   for (int c = 0; c != EOF && *n <= most;) {
@@ -20,7 +20,8 @@ static void read_input(size_t most, char **all, size_t *n) {
   }
 }
 
-/* Read once: a command may load its deck several times. */
+/* Returns a copy of the standard input, which is read only once because a command may load its
+ * deck several times; NULL: `trouble` says why. */
 static char *standard_input(char trouble[FILE_TROUBLE]) {
   static char *all;
   static size_t n;
@@ -69,7 +70,8 @@ static sd_status open_and_use(deck *d, const task *t) {
 }
 
 static sd_status no_memory(const deck *d, sd_messages *messages) {
-  if (d->comm) comm_fail(d->comm, "out of memory for the deck"); /* the others would wait */
+  /* End the job: the other ranks would wait for ever */
+  if (d->comm) comm_fail(d->comm, "out of memory for the deck");
   return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", d->path);
 }
 

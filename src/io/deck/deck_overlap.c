@@ -1,10 +1,12 @@
-/* deck_overlap.c: disks that overlap too much at the start, lie outside the box or sit in a wall. See deck_tree.h. */
+/* deck_overlap.c: reports disks that overlap too much at the start, lie outside the box or
+ * penetrate a wall. See deck_tree.h. */
 #include <math.h>
 
 #include "io/deck/deck_tree.h"
 #include "model/overlaps.h"
 
-/* Of one kind of mistake so many are told, the others are counted: one wrong number can move all disks. */
+/* Number of mistakes of one kind that are shown; further ones are counted, since one wrong
+ * number can move all disks. */
 enum { MOST_ALIKE = 8 };
 
 typedef struct teller {
@@ -17,7 +19,8 @@ static void tell_rest(deck *d, size_t found, const char *what) {
     deck_fail_place(d, (deck_place){d->path, 0}, "%zu more %s", found - MOST_ALIKE, what);
 }
 
-/* When enough was told one pair of each disk is counted. */
+/* Reports a pair of disks that overlap too much. Returns true once enough were shown; then only
+ * one pair of each disk is counted. */
 static bool tell_disks(void *user, const overlap *o) {
   teller *t = user;
   const sd_model *m = t->d->model;

@@ -1,10 +1,9 @@
-/* deck_override.c: path=value, from -D or from a point of a sweep. See deck_tree.h.
+/* deck_override.c: applies path=value, from -D or from a point of a sweep. See deck_tree.h.
  *
- * The path is that of the messages: gravity.tilt, motions[0].amplitude; also motions.[0].amplitude as
- * libconfig writes it, and motions.left_x.amplitude for the entry whose name is left_x;
- * motions[*].amplitude for all entries. Groups on the way
- * that are not there yet are made: the check of unknown keys finds the wrong ones later.
- */
+ * Paths are written as in messages: gravity.tilt, motions[0].amplitude; also
+ * motions.[0].amplitude as libconfig writes it, motions.left_x.amplitude for the entry named
+ * left_x, and motions[*].amplitude for all entries. Missing groups on the path are added: the
+ * check of unknown keys finds wrong ones later. */
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
@@ -21,14 +20,15 @@ static bool same_word(const char *word, size_t n, const char *text) {
   return strlen(text) == n && !memcmp(word, text, n);
 }
 
-/* What -D has set stands in the command line. */
+/* Returns the location of a setting: in the sweep, or "-D path=value" for the command line. */
 static deck_place place_of(deck *d, const deck_setting *s) {
   return s->place.file
              ? s->place
              : (deck_place){deck_format(d, "-D %s", deck_quote(d, s->text, strlen(s->text))), 0};
 }
 
-/* About the setting as a whole: "-D path=value: ...", or "file:line: path = value: ...". */
+/* Reports an error of a setting: "-D path=value: ...", or "file:line: path = value: ..." for a
+ * sweep. */
 static void fail(deck *d, const deck_setting *s, const char *format, ...) SD_PRINTF(3, 4);
 static void fail(deck *d, const deck_setting *s, const char *format, ...) {
   va_list args;
@@ -42,7 +42,8 @@ static void fail(deck *d, const deck_setting *s, const char *format, ...) {
     deck_fail_place(d, place_of(d, s), "%s", words);
 }
 
-/* The value as a deck would read it, else as a text: -D motions[0].type=parabolic, -D gravity.tilt=0.04 pi. */
+/* Parses the value as a deck would. Other values that begin with neither a bracket nor a quote
+ * become texts: -D motions[0].type=parabolic, -D gravity.tilt=0.04 pi. NULL: reported. */
 static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   deck_place place = place_of(d, s);
   while (isspace((unsigned char)*text)) text++;
@@ -70,8 +71,8 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   const char *why = sd_messages_count(mine) > 0 ? sd_messages_text(mine, 0) : ": ";
   why = deck_copy(d, why, strlen(why));
   sd_messages_free(mine);
-  bool bad_text =
-      one && d->reported > reported; /* all that is wrong with a value that can be parsed */
+  /* A value that parses can only be wrong in the encoding of a text */
+  bool bad_text = one && d->reported > reported;
   d->reported = reported;
   if (bad_text) fail(d, s, "expected a text in UTF-8 without control characters");
   if (one) return bad_text ? NULL : root->child[0];
@@ -82,8 +83,8 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   return NULL;
 }
 
-/* The name of an entry of a list; NULL: it has none. A parameter of a sweep that is not named goes by the last word of
- * its path, as in the table of results (deck_grid.c). */
+/* Returns the name of an entry of a list; NULL: it has none. A parameter of a sweep without a
+ * name has the last word of its path, as in the table of results (deck_grid.c). */
 static const char *entry_name(const deck_node *entry) {
   const deck_node *name = deck_child(entry, "name");
   if (name) return name->type == DECK_STRING ? name->value.text : NULL;
@@ -94,7 +95,8 @@ static const char *entry_name(const deck_node *entry) {
   return dot ? dot + 1 : path->value.text;
 }
 
-/* The entry of this name; one that is so named by the deck goes before one that has the name from its path. */
+/* Returns the entry with this name; names written in the deck take precedence over names derived
+ * from paths. */
 static deck_node *find_entry(const deck_node *list, const char *word, size_t n) {
   deck_node *found = NULL;
   for (size_t k = 0; k < list->n; k++) {
@@ -106,7 +108,7 @@ static deck_node *find_entry(const deck_node *list, const char *word, size_t n) 
   return found;
 }
 
-/* "; expected "a" or "b"" when a list has few names, "" when it has more, or none. */
+/* Returns "; expected "a" or "b"" if a list has few names, "" if it has more, or none. */
 static const char *names_of(deck *d, const deck_node *list) {
   enum { FEW = 6 };
   const char *text = "";
@@ -138,7 +140,8 @@ static deck_node *element(deck *d, const deck_setting *s, deck_node *list, const
   return NULL;
 }
 
-/* One step of the path, "[3]" or "name"; *p goes behind it. NULL: reported. make: a key may be new. */
+/* Follows one step of the path, "[3]" or "name", and moves *p behind it. A key that a group
+ * lacks is added. NULL: reported. */
 static deck_node *step(deck *d, const deck_setting *s, deck_node *at, const char **p) {
   if (**p == '.') ++*p;
   if (**p == '[') {
@@ -174,7 +177,7 @@ static deck_node *step(deck *d, const deck_setting *s, deck_node *at, const char
   return child ? child : deck_node_new(d, at, deck_copy(d, word, n), DECK_GROUP, place_of(d, s));
 }
 
-/* The value and its children come from the setting, wherever the node stands. */
+/* Copies a value and its children to the node `to`, with the setting's location. */
 static void adopt(deck *d, deck_node *to, const deck_node *from, deck_place place) {
   to->type = from->type;
   to->value = from->value;
@@ -186,7 +189,7 @@ static void adopt(deck *d, deck_node *to, const deck_node *from, deck_place plac
   }
 }
 
-/* Steps of a path, or more: more brackets and points. */
+/* Returns an upper bound of the number of steps in a path: it counts brackets and points. */
 static size_t path_depth(const char *p) {
   size_t n = 1;
   for (; *p; p++) n += *p == '.' || *p == '[';
@@ -209,7 +212,7 @@ static void set(deck *d, const deck_setting *s, deck_node *at, const char *p,
       return;
     }
   }
-  /* of keys of which one may be given, setting one takes the others away */
+  /* Remove the alternatives of a key of which only one may be given */
   for (size_t k = 0; at->name && k < at->parent->n; k++)
     if (at->parent->child[k] != at && deck_keys_exclude(at->name, at->parent->child[k]->name))
       deck_remove(at->parent, at->parent->child[k--]);
@@ -233,9 +236,9 @@ void deck_override(deck *d, const deck_setting *setting) {
   if (value) set(d, setting, d->root, path, value);
 }
 
-/* --- two paths --------------------------------------------------------------------------------------------- */
+/* --- comparison of two paths ------------------------------------------------------------------ */
 
-/* The next step of a path, "word" or "[3]", which ends at `end`. */
+/* One step of a path, "word" or "[3]". */
 typedef struct step_text {
   const char *start;
   size_t n;
@@ -251,7 +254,7 @@ static step_text next_step(const char **p, const char *end) {
   return one;
 }
 
-/* Two keys of which one may be given. */
+/* Returns true if only one of the two keys may be given. */
 static bool exclude(step_text a, step_text b) {
   char one[LIMIT_QUOTE + 1], two[LIMIT_QUOTE + 1];
   snprintf(one, sizeof one, "%.*s", (int)a.n, a.start);
@@ -259,7 +262,8 @@ static bool exclude(step_text a, step_text b) {
   return a.n < sizeof one && b.n < sizeof two && deck_keys_exclude(one, two);
 }
 
-/* The entries of a list to which a step of a path leads: from *first on, how many. */
+/* Returns the number of entries of a list that a step of a path selects; *first is the index of
+ * the first. */
 static size_t entries_of(step_text one, const deck_node *list, size_t *first) {
   *first = 0;
   if (same_word(one.start, one.n, "[*]")) return list->n;
@@ -272,12 +276,13 @@ static size_t entries_of(step_text one, const deck_node *list, size_t *first) {
   return found != NULL;
 }
 
-/* at: where both have come to; NULL: a group that is not there. */
+/* Compares two paths step by step. at: node that both have reached; NULL: a group that is not
+ * there. */
 static deck_meeting meet(const deck_node *at, const char *p, const char *p_end, const char *q,
                          const char *q_end) {
-  if (p == p_end || q == q_end) return DECK_SAME_KEY; /* or a part of it */
+  if (p == p_end || q == q_end) return DECK_SAME_KEY; /* One path may be the start of the other */
   step_text a = next_step(&p, p_end), b = next_step(&q, q_end);
-  if (a.n == 0 || b.n == 0) return DECK_APART; /* no paths */
+  if (a.n == 0 || b.n == 0) return DECK_APART; /* Not valid paths */
   if (at && at->type == DECK_LIST) {
     deck_meeting met = DECK_APART;
     size_t from_a, from_b, n_a = entries_of(a, at, &from_a), n_b = entries_of(b, at, &from_b);
@@ -295,7 +300,7 @@ static deck_meeting meet(const deck_node *at, const char *p, const char *p_end, 
   return last && exclude(a, b) ? DECK_ALTERNATIVES : DECK_APART;
 }
 
-/* Where a path ends: at its =, or without it; blanks before that do not count. */
+/* Returns the end of a path: at its = or at the end of the text, without blanks before it. */
 static const char *path_end(const char *path) {
   size_t n = strcspn(path, "=");
   while (n > 0 && isspace((unsigned char)path[n - 1])) n--;

@@ -1,8 +1,8 @@
-/* deck_packings.c: disks from generators. See deck_tree.h.
+/* deck_packings.c: makes disks with the generators of packings. See deck_tree.h.
  *
- * Each entry of `packings` is read and checked, then its disks are made and appended, so that the next one finds
- * them there. What the generators allocate is freed before the arena is used again: deck_alloc may not return.
- */
+ * Each entry of `packings` is read and checked, then its disks are made and added, so that the
+ * next entry finds them. What the generators allocate is freed before the arena is used again,
+ * because deck_alloc may jump out. */
 #include <assert.h>
 #include <math.h>
 
@@ -17,26 +17,27 @@
 #include "pack/sizes.h"
 #include "pack/tiles.h"
 
-/* Densest packing of equal disks, pi/sqrt(12). */
+/* Packing fraction of the densest packing of equal disks, pi/sqrt(12). */
 static const double DENSEST = 0.90689968211710892;
 
 typedef struct packing {
   deck_group g;
   size_t number;
-  bool last; /* of the deck */
+  bool last; /* True for the last packing of the deck */
   deck_packing_values v;
-  sizes *sizes; /* of v */
+  sizes *sizes; /* Points to v.sizes */
   double mean_area;
-  double lower[2], upper[2]; /* region */
-  double area;               /* of its part inside the container; NAN: that has mistakes */
+  double lower[2], upper[2]; /* Corners of the region */
+  /* Area of the region inside the container; NAN: the container has mistakes */
+  double area;
   int material;
   const char *group;
-  deck_grain grain; /* generators see the circles in which the grains lie */
+  deck_grain grain; /* Shape of the grains; generators work with the circles that enclose them */
 } packing;
 
-/* --- region --------------------------------------------------------------------------------------------- */
+/* --- region ----------------------------------------------------------------------------------- */
 
-/* The region's upper edge is one of the container. */
+/* Returns true if the upper edge of the container limits the region. */
 static bool has_lid(const deck *d) {
   return d->model->container == SD_CONTAINER_BOX && !d->container->open;
 }
@@ -92,9 +93,9 @@ static void read_region(packing *p) {
   if (!(p->area > 0)) deck_fail(d, p->g.node, "its region lies outside the container");
 }
 
-/* --- can it fit? ------------------------------------------------------------------------------------------- */
+/* --- checks before disks are made ------------------------------------------------------------- */
 
-/* The largest disk must go between the edges; the disks' area must be less than the region's. */
+/* Checks that the largest disk fits between the edges of the region. */
 static void check_room(packing *p, double width, double height) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
@@ -121,9 +122,9 @@ static void check_area(packing *p, double count, double area) {
               count, count * p->mean_area, area, count * p->mean_area / area);
 }
 
-/* --- disks -------------------------------------------------------------------------------------------------- */
+/* --- disks ------------------------------------------------------------------------------------ */
 
-/* Angles of clumps, by a generator of their own. */
+/* Draws the angles of clumps from a random stream of its own. */
 static double *draw_angles(packing *p, size_t n) {
   deck *d = p->g.d;
   double *angle = deck_alloc(d, n, sizeof *angle);
@@ -135,7 +136,8 @@ static double *draw_angles(packing *p, size_t n) {
 
 static bool mass_is_good(const packing *p, double mass) {
   const bool good =
-      !(mass >= 0) || deck_in_range(DECK_POSITIVE, mass); /* what is no number is told at its key */
+      /* A mass that is not a number was reported at its key */
+      !(mass >= 0) || deck_in_range(DECK_POSITIVE, mass);
   if (!good)
     deck_fail_key(&p->g, "density", "the mass of a disk is %g; expected a number %s", mass,
                   deck_expected(DECK_POSITIVE, mass));
@@ -168,8 +170,9 @@ static void push(packing *p, size_t n, const double *circle, double (*position)[
   }
 }
 
-/* Radii whose areas add up to `area` as nearly as they can: a fixed number where there are few radii, else as many as
- * it takes. Returns how many; capacity: at most. */
+/* Draws radii whose areas add up to `area` as nearly as possible: rint(area/mean_area) radii if
+ * all are equal or from a list, else as many as needed. Returns their number, at most
+ * `capacity`. */
 static size_t draw_area(const packing *p, gsl_rng *rng, double area, size_t capacity,
                         double *radius) {
   double sum = 0;
@@ -198,18 +201,19 @@ static double fraction_of(const packing *p, size_t n, const double *radius) {
   return sum / p->area;
 }
 
-/* --- generators -------------------------------------------------------------------------------------------- */
+/* --- generators ------------------------------------------------------------------------------- */
 
-/* What a generator works with. Between open_bench and close_bench nothing may be taken from the arena. */
+/* Working memory of a generator. Between open_bench and close_bench nothing may be allocated in
+ * the arena. */
 typedef struct bench {
   size_t n, capacity;
-  double *radius, (*position)[2]; /* in the arena */
+  double *radius, (*position)[2]; /* [capacity]: radii and centres, in the arena */
   place_space space;
   gsl_rng *rng;
   sd_status status;
 } bench;
 
-enum { BENCH_BYTES = sizeof(double[3]) }; /* of a disk */
+enum { BENCH_BYTES = sizeof(double[3]) }; /* Memory of a generator per disk */
 
 static bench open_bench(const packing *p, double capacity) {
   deck *d = p->g.d;
@@ -228,7 +232,7 @@ static void close_bench(const packing *p, bench *b) {
   if (b->status != SD_OK) longjmp(p->g.d->out_of_memory, 1);
 }
 
-/* The spacing of a lattice; 0: there are mistakes. */
+/* Returns the lattice spacing; 0 after mistakes (reported). */
 static double read_spacing(packing *p) {
   deck *d = p->g.d;
   deck_group *g = &p->g;
@@ -295,7 +299,7 @@ static void make_random(packing *p) {
                 placed, b.n, fraction_of(p, b.n, b.radius), all);
 }
 
-/* Without count there are more disks than can fit. */
+/* Fills the region with an advancing front. Without `count`, more disks are drawn than can fit. */
 static void make_front(packing *p) {
   deck *d = p->g.d;
   double target = 1.05 * p->area + p->mean_area, most = 2 * target / p->mean_area + 100;
@@ -319,9 +323,9 @@ static void make_front(packing *p) {
     push(p, placed, b.radius, b.position, false);
 }
 
-/* --- tiles ---------------------------------------------------------------------------------------------------- */
+/* --- tiles ------------------------------------------------------------------------------------ */
 
-/* The model keeps all that tiles are made from; their group is known when there is a disk. */
+/* Keeps in the model everything from which tiles are made. The group's number is set later. */
 static void keep_tiles(packing *p, double spacing) {
   const sizes *s = p->sizes;
   sd_tiles *t = &p->g.d->model->tiles;
@@ -351,7 +355,7 @@ static void keep_tiles(packing *p, double spacing) {
   }
 }
 
-/* As high as disks of any size could need. */
+/* Sets the region where tiles of rain wait, from `height` up: high enough for disks of any size. */
 static void wait_above(sd_tiles *t, double height) {
   const double across = fmax(1, floor((t->upper[0] - t->lower[0]) / t->spacing));
   t->lower[1] = height - t->spacing;
@@ -381,7 +385,7 @@ static void check_tiles(packing *p) {
                   SD_TILE_RADII);
 }
 
-/* The disks of a tile; NULL: told. */
+/* Makes the disks of one tile; NULL: reported. */
 static const sd_disk *make_tile(packing *p, size_t tile, sd_disk *disks) {
   const sd_tiles *t = &p->g.d->model->tiles;
   const size_t n = model_tile_size(t, tile);
@@ -397,7 +401,7 @@ static const sd_disk *make_tile(packing *p, size_t tile, sd_disk *disks) {
   return disks;
 }
 
-/* Each rank makes every so many-th tile. */
+/* Makes every n-th tile on each of n ranks, beginning with the tile that has the rank's number. */
 static void make_own_tiles(packing *p, sd_disk *disks) {
   deck *d = p->g.d;
   sd_model *m = d->model;
@@ -414,10 +418,12 @@ static void make_own_tiles(packing *p, sd_disk *disks) {
   m->n_disks += m->tiles.count;
 }
 
-/* With fewer disks a run has them in the order of the deck. */
+/* With fewer disks than this every rank makes all tiles, since a run then keeps the order of the
+ * deck. */
 enum { FEWEST_AWAY = 1000 };
 
-/* height: where disks wait for rain, from that row on. */
+/* Makes a packing in tiles. height: lowest row of disks that wait for rain; other kinds ignore
+ * it. */
 static void make_tiled(packing *p, double spacing, double height) {
   deck *d = p->g.d;
   sd_model *m = d->model;
@@ -443,15 +449,15 @@ static void make_tiled(packing *p, double spacing, double height) {
   }
 }
 
-/* --- rain ----------------------------------------------------------------------------------------------------- */
+/* --- rain ------------------------------------------------------------------------------------- */
 
-/* Time in which a batch falls by its own height. */
+/* Returns the time in which a batch falls by its own height; NAN: nothing falls. */
 static double fall_time(const sd_model *m, double height, double speed) {
   double g = fmax(0, -m->gravity[SD_Y]), end = sqrt(speed * speed + 2 * g * height);
   return speed + end > 0 ? 2 * height / (speed + end) : NAN;
 }
 
-/* The lowest height at which the container is as wide as the rain. */
+/* Returns the lowest height at which the container is as wide as the rain. */
 static double rain_floor(packing *p) {
   deck *d = p->g.d;
   const place_interior *in = &d->container->interior;
@@ -480,7 +486,7 @@ static void check_rain(packing *p, double height) {
                place_area(&d->container->interior, m->region_lower, m->region_upper));
 }
 
-/* Above the region and everything that is there, or waits there already. */
+/* Returns a height above the region and above all disks that are there, waiting ones included. */
 static double waiting_height(const packing *p, double spacing) {
   const sd_model *m = p->g.d->model;
   double top = p->upper[1];
@@ -503,7 +509,8 @@ static void make_waiting(packing *p, double spacing) {
   push(p, b.n, b.radius, b.position, true);
 }
 
-/* The rank that has made the first tile has the first batch. */
+/* Sets the number of disks in a batch of rain. If each rank has only some of the disks, rank 0,
+ * which made the first tile, counts and broadcasts it. */
 static void count_batch(const packing *p, sd_rain *r, double rows) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
@@ -552,7 +559,7 @@ static void make_rain(packing *p) {
   m->rains[m->n_rains++] = rain;
 }
 
-/* --- a packing ------------------------------------------------------------------------------------------------ */
+/* --- a packing -------------------------------------------------------------------------------- */
 
 static void make_packing(packing *p) {
   static void (*const make[])(packing *) = {[SD_PACKING_TRIANGULAR] = make_lattice,
@@ -585,7 +592,7 @@ static void make_packing(packing *p) {
   if (d->reported == before) make_tiled(p, spacing, NAN);
 }
 
-/* Radii become those of the circles around the grains. */
+/* Scales the radii of a distribution to those of the circles that enclose the grains. */
 static void enlarge(deck *d, sizes *s, double by) {
   double *radii = deck_alloc(d, s->n, sizeof *radii);
   for (size_t k = 0; k < s->n; k++) radii[k] = by * s->radii[k];

@@ -1,8 +1,8 @@
-/* deck_parse.c: libconfig's tree, turned into nodes. The only file that sees libconfig. See deck_tree.h.
+/* deck_parse.c: converts libconfig's tree to nodes. The only file that uses libconfig. See
+ * deck_tree.h.
  *
- * The text has been through deck_scan, so that every number fits its type and every line can be traced
- * back to its file.
- */
+ * The text has been through deck_scan, so that every number fits its type and every line can be
+ * traced back to its file. */
 #include <libconfig.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +34,8 @@ static deck_type type_of(const config_setting_t *setting) {
   }
 }
 
-/* Texts and names that are missing are those for which the library had no memory. Depth is bounded by the scanner. */
+/* Copies a setting of libconfig and its children to nodes. If a text or name is missing, the
+ * library ran out of memory. The scanner bounds the depth of the recursion. */
 static void convert(deck *d, const deck_text *text, const config_setting_t *from, deck_node *to) {
   switch (to->type) {
     case DECK_BOOL: to->value.flag = config_setting_get_bool(from); return;
@@ -59,7 +60,7 @@ static void convert(deck *d, const deck_text *text, const config_setting_t *from
     const config_setting_t *child = config_setting_get_elem(from, (unsigned)k);
     const char *name = name_of(d, child);
     if (!name && to->type == DECK_GROUP) memory_lacks(0);
-    /* the second of two equal keys was renamed and reported by the scanner */
+    /* Skip the second of two equal keys, which the scanner renamed and reported */
     if (name && strncmp(name, "*repeated-", 10) == 0) continue;
     deck_place place = place_of(text, config_setting_source_line(child));
     convert(d, text, child, deck_node_new(d, to, name, type_of(child), place));

@@ -1,9 +1,8 @@
-/* deck_parts.c: a large file of disks, which ranks read part by part (sd_tiles in model.h). See
+/* deck_parts.c: reads a large file of disks in parts, some on each rank (sd_tiles in model.h). See
  * deck_parts.h.
  *
- * A part is read by the deck itself: opened anew, with nothing but what a row of the file needs,
- * and these rows.
- */
+ * A part is read by the deck reader itself: it opens the deck anew, and reads only what a row of
+ * the file needs, and the rows of the part. */
 #include "io/deck/deck_parts.h"
 
 #include <math.h>
@@ -18,18 +17,20 @@
 #include "model/rows.h"
 #include "slipdisk/deck.h"
 
-/* Files of fewer disks are read as a whole; disks of a part, at most; parts at least; groups in a
- * file, at most. */
+/* LEAST: files with fewer disks are read as a whole. MOST: disks in a part, at most. FEWEST:
+ * number of parts, at least. MOST_GROUPS: groups in a file, at most. */
 enum { LEAST = 20000, MOST = 1 << 16, FEWEST = 8, MOST_GROUPS = 64 };
 
-/* --- rows ------------------------------------------------------------------------------------------------------ */
+/* --- rows ------------------------------------------------------------------------------------- */
 
-/* Rows of an entry of disk_files, and a function that takes them. */
+/* A task that reads rows of an entry of disk_files; one of the two functions is set. */
 typedef struct rows_task {
   deck_rows_asked asked;
   size_t entry;
-  void (*take)(void *user, const sd_model *m, const deck_columns *t); /* disks */
-  sd_status (*use)(void *user, deck *d, const deck_node *file);       /* of contacts */
+  /* Takes over disks of the file; m: model with only these disks */
+  void (*take)(void *user, const sd_model *m, const deck_columns *t);
+  /* Takes over contacts of the file */
+  sd_status (*use)(void *user, deck *d, const deck_node *file);
   void *user;
 } rows_task;
 
@@ -64,7 +65,8 @@ static sd_status read_rows(deck *d, void *user) {
   return SD_OK;
 }
 
-/* The deck of the model, with the settings that it was read with. messages: errors alone. */
+/* Opens the model's deck again with its settings, and runs the task. messages: receives only
+ * errors. */
 static sd_status open_rows(const sd_deck *from, rows_task *task, sd_messages *messages) {
   char *lines = memory_text(from->overrides);
   size_t n = 0, most = 1;
@@ -85,13 +87,13 @@ static sd_status open_rows(const sd_deck *from, rows_task *task, sd_messages *me
   return status;
 }
 
-/* --- what a file says of its disks ----------------------------------------------------------------------------- */
+/* --- checksum and bounds of the disks of a file ----------------------------------------------- */
 
 static const char *group_of(const sd_model *m, const sd_disk *d) {
   return d->group >= 0 ? m->groups[d->group] : "";
 }
 
-/* Sums add up in any order: each has the number of the disk in it. */
+/* Returns a hash of one disk, its number included, so that hashes can be summed in any order. */
 static uint64_t sum_disk(const sd_model *m, const sd_disk *d, uint32_t number) {
   const double real[] = {d->radius,      d->mass,        d->inertia,     d->force[0],
                          d->force[1],    d->force[2],    d->position[0], d->position[1],
@@ -130,7 +132,7 @@ static sd_tiles begin_tiles(const sd_model *m, size_t entry, size_t all) {
                     .least = HUGE_VAL};
 }
 
-/* No disks follow this entry, and no contacts come from those before it. */
+/* Returns true if no disks follow this entry, and no contacts come from entries before it. */
 static bool is_last(const deck *d, size_t entry) {
   bool others = deck_child(d->root, "packings") != NULL;
   for (size_t k = 0; k < entry; k++) others = others || d->file_tables[k].contacts;
@@ -148,26 +150,27 @@ void deck_parts_note(deck *d, size_t entry, const deck_columns *t) {
   m->tiles = tiles;
 }
 
-/* --- what ranks read, each some parts --------------------------------------------------------- */
+/* --- parts that ranks read -------------------------------------------------------------------- */
 
-/* A group of disks of the file, and the first disk that is in it. */
+/* A group of disks in the file, and the lowest number of its disks. */
 typedef struct file_group {
   uint32_t disk;
-  char *name; /* in the arena */
+  char *name; /* Name, in the arena */
 } file_group;
 
 typedef struct survey {
   deck *d;
   sd_tiles tiles;
   size_t all;
-  size_t first, n;  /* rows of the part that is read */
-  bool special;     /* some disk is named, held, driven or gone: all ranks must know it */
-  uint64_t numbers; /* their sum */
+  size_t first, n; /* Rows of the part that is being read */
+  /* True if a disk is named, locked, driven or out of play, so that all ranks must know it */
+  bool special;
+  uint64_t numbers; /* Sum of the disk numbers */
   size_t n_groups;
   file_group groups[MOST_GROUPS];
 } survey;
 
-/* The place of the group in the list; -1: none. */
+/* Returns the index of the group in the list, adding it if new; -1: no group, or too many. */
 static int note_group(survey *s, const char *name, uint32_t disk) {
   size_t k = 0;
   if (!*name) return -1;
@@ -180,7 +183,7 @@ static int note_group(survey *s, const char *name, uint32_t disk) {
   return (int)k;
 }
 
-/* Groups of disks are their places in the list, for now. */
+/* Takes over the disks of a part. For now their groups are indices of the survey's list. */
 static void take_rows(void *user, const sd_model *m, const deck_columns *t) {
   survey *s = user;
   sd_model *own = s->d->model;
@@ -198,7 +201,7 @@ static void take_rows(void *user, const sd_model *m, const deck_columns *t) {
   s->special = s->special || t->all != s->all || t->n_rows != s->n;
 }
 
-/* Errors are told in d->messages. */
+/* Reads the parts of this rank. Errors are reported in d->messages. */
 static sd_status read_own(survey *s) {
   sd_status status = SD_OK;
   const size_t ranks = (size_t)comm_size(s->d->comm);
@@ -215,8 +218,7 @@ static sd_status read_own(survey *s) {
   return status;
 }
 
-/* Groups of all ranks get the numbers that they have where all disks are read, by their first
- * disks. */
+/* Exchanges the groups of all ranks, so that each rank lists all groups with their first disks. */
 static void share_groups(survey *s) {
   const comm *c = s->d->comm;
   deck_buffer text = {0};
@@ -257,7 +259,7 @@ static void name_groups(survey *s) {
   }
 }
 
-/* Sums and limits of all ranks. */
+/* Combines the sums and limits of all ranks. Collective. */
 static void share_survey(survey *s) {
   const comm *c = s->d->comm;
   sd_tiles *t = &s->tiles;
@@ -275,7 +277,8 @@ static void share_survey(survey *s) {
   }
 }
 
-/* An entry that may be read so; its columns and keys are looked at when it is read. */
+/* Returns true if the entry may be read in parts; its columns and keys are checked when it is
+ * read. */
 static bool may_begin(deck *d, size_t entry) {
   const deck_node *node = deck_child(d->root, "disk_files")->child[entry];
   const deck_node *file = deck_child(node, "file"), *format = deck_child(node, "format");
@@ -285,7 +288,7 @@ static bool may_begin(deck *d, size_t entry) {
   return deck_file_format(d, file->value.text) == DECK_HDF5;
 }
 
-/* The columns of the file, and how many disks it has. */
+/* Reads the columns of the file and its number of disks. */
 static void read_head(survey *s, deck_columns *table) {
   deck *d = s->d;
   d->asked = (deck_rows_asked){.part = true, .head = true, .again = comm_rank(d->comm) > 0, .n = 1};
@@ -293,10 +296,11 @@ static void read_head(survey *s, deck_columns *table) {
                            &deck_disk_files);
   d->asked = (deck_rows_asked){0};
   s->all = table->all;
-  comm_wait(d->comm, SD_OK); /* for the first rank, which has checked all of it */
+  /* Other ranks wait for rank 0, which checks the whole file */
+  comm_wait(d->comm, SD_OK);
 }
 
-/* Ends what has failed here or on another rank. */
+/* Returns true if this or another rank has found a mistake. Collective. */
 static bool has_failed(deck *d) {
   deck_meet(d);
   d->disks_missing = d->disks_missing || !d->comm;
@@ -335,7 +339,7 @@ bool deck_parts_begin(deck *d, size_t entry) {
   return true;
 }
 
-/* --- contacts --------------------------------------------------------------------------------------------------- */
+/* --- contacts --------------------------------------------------------------------------------- */
 
 static void add_contact(int64_t *sum, const sd_contact_memory *c) {
   const uint32_t whole[] = {c->a, c->b, c->part, (uint32_t)c->slide};
@@ -357,11 +361,12 @@ typedef struct contacts_task {
   sd_model *model;
   int64_t inputs;
   size_t lost;
-  double first; /* the file's number of the first that is lost; infinite: none */
+  /* Index in the file of the first contact that is lost; infinite: none */
+  double first;
   uint32_t wall;
 } contacts_task;
 
-/* Keeps those whose partners are bodies of the model. */
+/* Keeps the contacts whose partners are bodies of the model, and counts the others. */
 static sd_status use_contacts(void *user, deck *d, const deck_node *file) {
   contacts_task *t = user;
   const sd_tiles *tiles = &t->model->tiles;
@@ -428,8 +433,8 @@ void deck_read_disks(deck *d) {
     d->file_tables[k] = deck_read_table(d, list->child[k], &deck_disk_files);
     if (last) deck_parts_note(d, k, &d->file_tables[k]);
   }
-  bool tried = deck_child(d->root, "disks") &&
-               deck_child(d->root, "disks")->type != DECK_LIST; /* reported */
+  /* A `disks` that is not a list was reported before */
+  bool tried = deck_child(d->root, "disks") && deck_child(d->root, "disks")->type != DECK_LIST;
   if (d->model->n_disks == 0 && !tried && !deck_child(d->root, "disk_files") &&
       !deck_child(d->root, "packings"))
     deck_fail_child(

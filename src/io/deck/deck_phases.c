@@ -1,4 +1,4 @@
-/* deck_phases.c: phases, output cadences and measurements. See deck_tree.h. */
+/* deck_phases.c: reads phases, output intervals and measurements. See deck_tree.h. */
 #include <math.h>
 #include <string.h>
 
@@ -6,32 +6,33 @@
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
 
-/* All free disks are watched when there are no more than these. */
+/* If there are at most so many free disks, all of them are observed by default. */
 enum { MOST_WATCHED = 16 };
 
-/* --- length ------------------------------------------------------------------------------------------------ */
+/* --- length ----------------------------------------------------------------------------------- */
 
-/* The keys steps and time of a phase, or of the deck itself. */
+/* Reads the length of a phase, or of the deck, from the key `steps` or `time`; returns steps. */
 static int64_t read_steps(deck_group *g) {
   const char *key = deck_one_of(g, "the length in steps or time");
   if (!key) return 1;
   if (deck_given(g, "steps")) return deck_integer(g, "steps");
   double n = round(deck_number(g, "time") / g->d->model->dt);
-  if (isnan(n)) return 1; /* reported */
+  if (isnan(n)) return 1; /* An invalid time was reported before */
   if (n >= 1 && n < 9e18) return (int64_t)n;
   deck_fail_key(g, "time", n < 1 ? "shorter than half a time step" : "more than 9e18 time steps");
   return 1;
 }
 
-/* --- motions and fields that are on -------------------------------------------------------------------------- */
+/* --- motions and fields of a phase ------------------------------------------------------------ */
 
-/* The list `key` of a phase names entries of the list of the same name in the deck. */
+/* A list of a phase, "motions" or "fields", that names entries of the deck's list with the same
+ * key. */
 typedef struct switched {
-  const char *key, *what; /* "motions", "motion" */
+  const char *key, *what; /* Key and singular word: "motions", "motion" */
   const deck_index *index;
 } switched;
 
-/* Place of the motion or field in the deck; false: reported. */
+/* Finds the index of a motion or field in the deck's list; false: reported. */
 static bool find_entry(deck *d, const switched *of, const deck_node *node, size_t *entry) {
   const deck_node *list = deck_child(d->root, of->key);
   size_t n = list && list->type == DECK_LIST ? list->n : 0;
@@ -51,7 +52,7 @@ static bool find_entry(deck *d, const switched *of, const deck_node *node, size_
   return true;
 }
 
-/* Its name where it has one, else its number. */
+/* Appends an entry to a list: its name if it has one, else its number. */
 static void add_entry(deck *d, deck_node *list, const char *name, size_t number) {
   deck_node *node = deck_node_new(d, list, NULL, name ? DECK_STRING : DECK_INT, list->place);
   if (name)
@@ -60,7 +61,7 @@ static void add_entry(deck *d, deck_node *list, const char *name, size_t number)
     node->value.integer = (int64_t)number;
 }
 
-/* Every entry of the deck. */
+/* Fills the list with all entries of the deck's list. */
 static void default_entries(deck_group *g, const char *key) {
   const deck_node *all = deck_child(g->d->root, key);
   deck_node *list = deck_default_list(g, key);
@@ -70,7 +71,8 @@ static void default_entries(deck_group *g, const char *key) {
   }
 }
 
-/* Of each entry of the deck: is it on? */
+/* Returns an array, one bool per entry of the deck's list: true for entries that are switched
+ * on. */
 static bool *read_switches(deck_group *g, const switched *of) {
   deck *d = g->d;
   const deck_node *all = deck_child(d->root, of->key);
@@ -101,7 +103,7 @@ static void read_active(deck_group *g, sd_phase *phase) {
   memcpy(phase->fields, on, m->n_fields * sizeof *phase->fields);
 }
 
-/* --- phases ---------------------------------------------------------------------------------------------------- */
+/* --- phases ----------------------------------------------------------------------------------- */
 
 static void read_settle(deck_group *g, sd_settle *settle) {
   deck_node *node = deck_get(g, "settle");
@@ -128,7 +130,7 @@ static void read_compress(deck_group *g, sd_compress *compress) {
               "there is nothing to compress; expected a container, or a box with edges x and y");
 }
 
-/* Each component has a rate or a stress. */
+/* Reads the group `cell`. Each strain component has a rate or a stress. */
 static void read_cell(deck_group *g, sd_cell *cell) {
   static const char *const rates[] = {"rate_xx", "rate_yy", "rate_xy"};
   static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_xy"};
@@ -174,7 +176,7 @@ void deck_read_phases(deck *d) {
   if (list && short_form)
     deck_fail_key(&top, deck_given(&top, "steps") ? "steps" : "time",
                   "given together with phases; expected a length in each phase");
-  /* steps = ... alone is a deck with one phase, and is echoed as one */
+  /* A deck with `steps` or `time` instead of phases has one phase, and is echoed so */
   if (!list && short_form) {
     list = deck_default_list(&top, "phases");
     deck_node *phase = deck_node_new(d, list, NULL, DECK_GROUP, list->place);
@@ -199,9 +201,9 @@ void deck_read_phases(deck *d) {
   }
 }
 
-/* --- measurements -------------------------------------------------------------------------------------------- */
+/* --- measurements ----------------------------------------------------------------------------- */
 
-/* Adds the disks that a key names to a list. */
+/* Appends to a list the disks that a key names; reports disks that are named twice. */
 static void add_disks(deck *d, deck_node *names, size_t *n, uint32_t **list) {
   for (size_t k = 0; k < deck_each_count(names); k++) {
     deck_node *node = deck_each(names, k);

@@ -8,9 +8,9 @@
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_read.h"
 
-/* --- groups --------------------------------------------------------------------------------------------- */
+/* --- groups ----------------------------------------------------------------------------------- */
 
-/* "; expected g or tilt" for a table of few keys, "" for a longer one. */
+/* Returns "; expected g or tilt" for a table with few keys, "" for a longer one. */
 static const char *keys_of(deck *d, const deck_table *table) {
   enum { FEW = 8 };
   const char *text = "; expected ";
@@ -91,7 +91,7 @@ bool deck_given(const deck_group *g, const char *key) {
 
 deck_node *deck_get(const deck_group *g, const char *key) { return deck_child(g->node, key); }
 
-/* --- defaults ------------------------------------------------------------------------------------------- */
+/* --- defaults --------------------------------------------------------------------------------- */
 
 static deck_node *add(deck_group *g, const char *key, deck_type type) {
   deck_node *node = deck_node_new(g->d, g->node, key, type, g->node->place);
@@ -128,7 +128,7 @@ void deck_default_pair(deck_group *g, const char *key, const double pair[2]) {
     deck_node_new(g->d, list, NULL, DECK_FLOAT, list->place)->value.number = pair[k];
 }
 
-/* "a", "b" of a choice. */
+/* Lists the words of a choice: "a", "b". */
 static const char *words_of(deck *d, const deck_key *key) {
   const char *list = "";
   for (const deck_shape *word = key->words; word->name; word++)
@@ -136,7 +136,8 @@ static const char *words_of(deck *d, const deck_key *key) {
   return list;
 }
 
-/* The default that the table gives, as a node; NULL when it gives none. */
+/* Returns the table's default for a key as a new node; NULL if there is none, or if the key is
+ * required (reported). */
 static deck_node *table_default(deck_group *g, const deck_key *key) {
   const char *text = key->initial;
   if (text[0] == '-' && !text[1]) return NULL;
@@ -182,9 +183,9 @@ static deck_node *find(deck_group *g, const char *name, const deck_key **key) {
   return node ? node : *key ? table_default(g, *key) : NULL;
 }
 
-/* --- values --------------------------------------------------------------------------------------------- */
+/* --- values ----------------------------------------------------------------------------------- */
 
-/* "it is 0.3; " of arithmetic. */
+/* Returns "it is 0.3; " for a value that is arithmetic, else "". */
 static const char *computed(deck *d, const deck_node *node) {
   return node->remark ? deck_format(d, "it is %s; ", node->remark) : "";
 }
@@ -207,7 +208,7 @@ int64_t deck_integer(deck_group *g, const char *name) {
   double x = node->type == DECK_FLOAT ? node->value.number : 0.5;
   if (node->type == DECK_STRING && !deck_value_number(g->d, node, false, &x))
     return key->range == DECK_AT_LEAST_1;
-  /* 5e8 is a whole number too; beyond 2^53 a float no longer says which one is meant */
+  /* 5e8 is a whole number too; beyond 2^53 a float no longer identifies one whole number */
   bool whole = x == floor(x) && fabs(x) <= 9007199254740992.0;
   if (whole && node->type == DECK_FLOAT) {
     node->type = DECK_INT;
@@ -240,7 +241,7 @@ const char *deck_text_of(deck_group *g, const char *name) {
   return NULL;
 }
 
-/* The word that a choice names; NULL: left out, or reported. */
+/* Returns the word that a choice names; NULL: left out, or wrong (reported). */
 static const deck_shape *choose(deck_group *g, const char *name) {
   const deck_key *key;
   deck_node *node = find(g, name, &key);
@@ -284,7 +285,7 @@ unsigned deck_coordinates(deck_group *g, const char *name) {
   static const char *const words[SD_MOVED] = {"x", "y", "theta", "surface"};
   const deck_key *key;
   deck_node *list = find(g, name, &key);
-  /* what is held are coordinates of disks */
+  /* "surface" is a coordinate of motions only; locks know x, y and theta */
   const int most = strcmp(name, "coordinate") == 0 ? SD_MOVED : SD_COORDINATES;
   unsigned mask = 0;
   for (size_t k = 0; k < deck_each_count(list); k++) {
@@ -303,9 +304,9 @@ unsigned deck_coordinates(deck_group *g, const char *name) {
   return mask;
 }
 
-/* --- alternatives and kinds ----------------------------------------------------------------------------------- */
+/* --- alternatives and kinds ------------------------------------------------------------------- */
 
-/* Of keys joined by / at most one may be given; which one, or NULL. */
+/* Returns which of the keys joined by / is given, or NULL; reports an error if several are. */
 static const char *given_of(deck_group *g, const char *keys) {
   const char *seen = NULL;
   char *copy = deck_copy(g->d, keys, strcspn(keys, " *")), *rest = NULL;
@@ -324,7 +325,8 @@ const char *deck_one_of(deck_group *g, const char *expected) {
   return seen;
 }
 
-/* Keys that belong to another kind only, and those of its own that are missing. */
+/* Reports keys of the group that belong to other kinds only, and keys that this kind needs and
+ * the group lacks. */
 static void check_kind(deck_group *g, const deck_key *chooser, const deck_shape *kind) {
   for (size_t k = 0; k < g->node->n; k++) {
     const deck_node *child = g->node->child[k];
@@ -355,7 +357,7 @@ const deck_shape *deck_shape_of(deck_group *g, const char *key) {
   return kind;
 }
 
-/* --- members -------------------------------------------------------------------------------------------------- */
+/* --- members ---------------------------------------------------------------------------------- */
 
 static void read_member(deck_group *g, const deck_key *key, void *member) {
   const deck_shape *word;

@@ -1,11 +1,11 @@
-/* deck_result.c: the last state of a result or a checkpoint, as disks of a deck. See deck_result.h.
+/* deck_result.c: reads the last state of a result or a checkpoint as disks of a deck. See
+ * deck_result.h.
  *
- * Numbers come from /state. What only the deck knew of a run - names, shapes of walls, the box - stands in
- * /parameters/deck_bodies, in lines of words with tabs between:
+ * Numbers are in /state. Names, shapes of walls and the box, which only the deck of that run knew,
+ * are in the text /parameters/deck_bodies: lines of words separated by tabs,
  *   box   periodic_x periodic_y lower_x upper_x lower_y upper_y
  *   material NAME     group NAME     disk NUMBER NAME
- *   wall NAME  PIECES ANGLE SCALE  kind, closed, inside, radius, pivot, points
- */
+ *   wall NAME  PIECES ANGLE SCALE  kind, closed, inside, radius, pivot, points */
 #include "base/limits.h"
 #include "io/deck/deck.h"
 #include "io/deck/deck_result.h"
@@ -22,16 +22,16 @@
 #include "model/law_features.h"
 #include "model/walls.h"
 
-/* Those of a deck and of its container. */
+/* Largest number of walls: those of a deck and of its container. */
 enum { MOST_WALLS = LIMIT_ENTRIES + 16 };
 
-/* --- the text ------------------------------------------------------------------------------------------- */
+/* --- text /parameters/deck_bodies ------------------------------------------------------------- */
 
 static void put(deck *d, deck_buffer *out, const char *text) {
   deck_put(d, out, text, strlen(text));
 }
 
-/* A name that would break the lines is left out. */
+/* Returns the name, or "" for a name with tabs or line breaks, which would break the lines. */
 static const char *clean(const char *name) { return name && !strpbrk(name, "\t\n") ? name : ""; }
 
 result_wall *deck_result_walls(deck *d) {
@@ -115,14 +115,14 @@ static void parse_text(deck *d, deck_result *r, char *text) {
   }
 }
 
-/* --- the state ------------------------------------------------------------------------------------------ */
+/* --- state ------------------------------------------------------------------------------------ */
 
 bool deck_result_there(const char *path) {
   h5_file *file;
   bool sealed = false;
   uint64_t sum;
   if (h5_open(path, &file, NULL) != SD_OK) {
-    /* a damaged one is one: its reader says what is wrong with it */
+    /* A sealed file counts even if it is damaged: its reader reports the damage */
     if (file_exists(path)) h5_verify(path, &sealed, &sum, NULL);
     return sealed;
   }
@@ -147,7 +147,8 @@ typedef struct reader {
   bool failed;
 } reader;
 
-/* `rows` of the n values from `first` on. NULL: reported. Its length is looked at before there is memory for it. */
+/* Reads `rows` values from index `first` on, of a column with n values. The column's length is
+ * checked before memory is allocated. NULL: reported. */
 static void *part_of(reader *in, const char *name, sd_type type, size_t n, size_t first,
                      size_t rows) {
   const char *path = deck_format(in->d, "/state/%s", checkpoint_column(in->file, name));
@@ -166,7 +167,8 @@ static void *column(reader *in, const char *name, sd_type type, size_t n) {
   return part_of(in, name, type, n, 0, n);
 }
 
-/* A column that goes by slots, of n bodies: brought into the order of body numbers, or (rows asked for) as it comes. */
+/* Reads a column that is stored by slot, for n bodies, and sorts it by body number; if rows were
+ * asked for, they keep the order of slots. */
 static void *by_body(reader *in, const char *name, sd_type type, const deck_result *r,
                      const uint32_t *id, size_t n) {
   size_t size = sd_type_size(type);
@@ -191,7 +193,7 @@ static rows_of_file rows_asked(const deck *d, size_t all) {
   return (rows_of_file){first, d->asked.n < all - first ? d->asked.n : all - first};
 }
 
-/* Checkpoints have no laws: then n_materials stays 0. */
+/* Reads the laws. Checkpoints have none: then n_materials stays 0. */
 static void read_laws(reader *in, deck_result *r) {
   const size_t walls = r->n_bodies - r->n_disks;
   r->wall_material = part_of(in, "material", SD_I32, r->n_bodies, r->n_disks, walls);
@@ -220,7 +222,7 @@ static void read_contacts(reader *in, deck_result *r) {
 #undef NAME
   for (size_t k = 0; k < SD_CONTACT_ALL && !in->failed; k++) {
     const char *path = deck_format(in->d, "/state/%s", names[k]);
-    /* columns of laws that the other run did not have */
+    /* Columns that only some laws need may be missing or empty: the other run had no such law */
     const bool absent = k >= SD_CONTACT_COLUMNS &&
                         (!h5_exists(in->file, path) || h5_check(in->file, path, 0, NULL) == SD_OK);
     if (strcmp(names[k], "contact_rho_ref") == 0) r->rolls = !absent;
@@ -232,7 +234,8 @@ static void read_contacts(reader *in, deck_result *r) {
     in->failed |= r->a[k] >= r->n_disks || r->b[k] >= r->n_bodies || r->a[k] == r->b[k];
 }
 
-/* Numbers of bodies by slot: each of them once, as far as they are read. NULL: reported, or they are not that. */
+/* Reads the body numbers of the slots, and checks their range and, for a whole file, that each
+ * occurs once. NULL: reported, or damaged. */
 static uint32_t *read_numbers(reader *in, const deck_result *r) {
   const bool part = in->d->asked.part;
   const size_t n = part ? r->n_rows : r->n_bodies, most = part ? r->n_disks : r->n_bodies;
@@ -246,7 +249,7 @@ static uint32_t *read_numbers(reader *in, const deck_result *r) {
   return in->failed ? NULL : id;
 }
 
-/* Which rows are of driven disks, and of disks that are out of play. */
+/* Finds out which rows are driven disks, and which are disks out of play. */
 static void read_kinds(reader *in, deck_result *r, const uint32_t *id) {
   const int32_t *activity = by_body(in, "activity", SD_I32, r, id, r->n_free);
   if (in->failed) return;
@@ -255,7 +258,8 @@ static void read_kinds(reader *in, deck_result *r, const uint32_t *id) {
   r->number = deck_alloc(in->d, r->n_rows, sizeof *r->number);
   for (size_t k = 0; k < r->n_rows; k++) {
     const size_t slot = r->first + k, row = in->d->asked.part ? k : id[slot];
-    if (row >= r->n_rows) continue; /* a wall, where n_disks is wrong */
+    /* A wall, if n_disks in the file is wrong */
+    if (row >= r->n_rows) continue;
     r->number[row] = id[k];
     r->driven[row] = slot >= r->n_free;
   }
@@ -287,7 +291,7 @@ static void read_surfaces(reader *in, deck_result *r) {
   if (!in->failed && r->n_surfaces) r->surface = column(in, "surface", SD_F64, r->n_surfaces);
 }
 
-/* Gear's columns 3 to 5, if both runs use Gear. */
+/* Reads Gear's derivatives of order 3 to 5, if both runs use Gear. */
 static void read_derivatives(reader *in, deck_result *r) {
   static const char *const names[SD_DERIVATIVES] = {"x3", "x4",     "x5",     "y3",    "y4",
                                                     "y5", "theta3", "theta4", "theta5"};
@@ -298,7 +302,7 @@ static void read_derivatives(reader *in, deck_result *r) {
     r->derivatives[k] = by_body(in, names[k], SD_F64, r, id, r->n_free);
 }
 
-/* Walls stand behind the disks, in their order. */
+/* Reads the walls, which follow the disks in the order of their numbers. */
 static void read_walls(reader *in, deck_result *r) {
   const size_t n = r->n_bodies - r->n_disks;
   const uint32_t *id = part_of(in, "id", SD_U32, r->n_bodies, r->n_disks, n);
@@ -379,7 +383,7 @@ deck_result *deck_result_read(deck *d, const deck_node *node, const char *path, 
   return in.failed ? NULL : r;
 }
 
-/* --- rows ----------------------------------------------------------------------------------------------- */
+/* --- table of disks --------------------------------------------------------------------------- */
 
 static const char *name_at(const result_names *list, int64_t k) {
   return k >= 0 && (size_t)k < list->n && list->name[k] && *list->name[k] ? list->name[k] : NULL;
@@ -391,7 +395,8 @@ static double number_of(const deck_result *r, int column, size_t k) {
     case COLUMN_X: return r->x[k];
     case COLUMN_Y: return r->y[k];
     case COLUMN_THETA: return r->turn[k] + r->theta[k];
-    case COLUMN_VX: return still ? 0.0 : r->vx[k]; /* motions move it, not its velocity */
+    /* Motions move a driven disk, its velocity does not */
+    case COLUMN_VX: return still ? 0.0 : r->vx[k];
     case COLUMN_VY: return still ? 0.0 : r->vy[k];
     case COLUMN_OMEGA: return still ? 0.0 : r->omega[k];
     case COLUMN_RADIUS: return r->radius[k];
@@ -414,7 +419,8 @@ static bool any_text(const deck_result *r, int column) {
   return false;
 }
 
-/* Places are those of the contacts: the deck cannot give them itself. */
+/* Returns true if the file's column is used. Positions and radii come from the file if contacts
+ * do, since they must agree; else the deck may give them. */
 static bool takes(const deck_group *g, const deck_result *r, const deck_columns *t, int column) {
   bool given = deck_given(g, deck_column_names[column]);
   bool mass = deck_given(g, "mass") || deck_given(g, "density");
@@ -436,7 +442,8 @@ static bool takes(const deck_group *g, const deck_result *r, const deck_columns 
 void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_columns *t) {
   deck *d = g->d;
   deck_result *r = deck_result_read(d, file, path, t->contacts && !d->asked.part);
-  if (!r) { /* the materials that it would have named are not missing */
+  /* Materials that the file would have named are then not reported as missing */
+  if (!r) {
     if (!deck_given(g, "material")) deck_columns_add(d, t, "material", file, file->place);
     return;
   }
@@ -460,9 +467,10 @@ void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_col
   }
 }
 
-/* --- the box -------------------------------------------------------------------------------------------- */
+/* --- the box ---------------------------------------------------------------------------------- */
 
-/* Of a box that has deformed: its lengths over those before, and the shift of a row of cells. Others have no numbers there. */
+/* Reads the deformation of the box: its lengths relative to the original ones, and the shift of
+ * a row of periodic images. Without the dataset: 1, 1, 0. */
 static void cell_of(const h5_file *file, double cell[CELL_COLUMNS]) {
   size_t dims[H5_MAX_RANK] = {0};
   int rank = 0;
@@ -473,7 +481,7 @@ static void cell_of(const h5_file *file, double cell[CELL_COLUMNS]) {
     h5_get(file, "/state/cell", SD_F64, CELL_COLUMNS, cell, NULL);
 }
 
-/* As the engine places them. */
+/* Computes the box of a result from its text, scale and deformation, as the engine does. */
 static bool box_of_text(deck *d, const h5_file *file, double lower[2], double upper[2]) {
   deck_result r = {0};
   double scale = 1.0, cell[CELL_COLUMNS];
@@ -492,7 +500,8 @@ static bool box_of_text(deck *d, const h5_file *file, double lower[2], double up
   return r.boxed;
 }
 
-/* Disks of this file, which are read later, are to be of the same step. */
+/* Reads the box of an H5MD file of another program, and notes file and step: disks of this file,
+ * which are read later, must be of the same step. */
 static bool box_of_others(deck *d, const h5_file *file, const char *path, double lower[2],
                           double upper[2]) {
   h5_box box;
@@ -548,7 +557,8 @@ sd_contact_memory deck_result_contact(const deck_result *r, size_t k) {
       .a = r->a[k], .b = r->b[k], .part = r->part[k], .slide = r->slide[k], .side = r->side[k]};
   for (size_t n = 0; n < SD_CONTACT_ALL; n++) record[n] = r->record[n][k];
   memcpy(&c.record, record, sizeof record);
-  if (!r->rolls) c.record.rho_ref = NAN; /* the spring of rolling begins relaxed */
+  /* NAN: the rolling spring begins relaxed */
+  if (!r->rolls) c.record.rho_ref = NAN;
   return c;
 }
 

@@ -1,8 +1,8 @@
-/* deck_rows.c: disks in columns: which form a file has; CSV and HDF5. See deck_rows.h.
+/* deck_rows.c: tables of disks from files: detects the format, reads CSV and HDF5. See deck_rows.h.
  *
- * CSV: values with commas between (or semicolons or tabs, when the line of names has no comma), a line of names at the top,
- * # begins a comment line, blank lines do not count. Values may stand in quotes, in which "" is a quote.
- */
+ * CSV: values separated by commas (by semicolons or tabs, if the line of names has no comma), a
+ * line of names at the top; # begins a comment line, blank lines are skipped. Values may be in
+ * quotes, in which "" is a quote. */
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -15,18 +15,19 @@
 #include "io/store/file.h"
 #include "io/store/h5.h"
 
-/* --- CSV ------------------------------------------------------------------------------------------------ */
+/* --- CSV -------------------------------------------------------------------------------------- */
 
 typedef struct csv {
   deck *d;
   char *p;
   deck_place here;
-  char separator; /* 0 until the line of names is read */
+  char separator; /* Character between values; 0 until the line of names is read */
   size_t n_fields, capacity;
-  char **field; /* of the line that csv_line has read */
+  char **field; /* [n_fields]: values of the line that csv_line has read */
 } csv;
 
-/* Of more than LIMIT_COLUMNS fields only the number is known. */
+/* Adds a value of the line, without surrounding blanks. Beyond LIMIT_COLUMNS values are only
+ * counted. */
 static void add_field(csv *in, char *text) {
   if (in->n_fields >= LIMIT_COLUMNS) {
     in->n_fields++;
@@ -39,7 +40,7 @@ static void add_field(csv *in, char *text) {
   in->field[in->n_fields++] = text;
 }
 
-/* Takes the quotes off a value, in place; where it ends. */
+/* Removes the quotes of a value, in place; returns the end of the value in the line. */
 static char *unquote(csv *in, char *text) {
   char *from = text + 1, *to = text;
   while (*from && (*from != '"' || from[1] == '"')) {
@@ -71,7 +72,7 @@ static void split(csv *in, char *line) {
   }
 }
 
-/* Reads the next line that counts, in place; false at the end. */
+/* Reads the next line that is neither blank nor a comment, in place; false at the end. */
 static bool csv_line(csv *in) {
   while (*in->p) {
     char *line = in->p, *end = strchr(line, '\n');
@@ -96,7 +97,7 @@ static bool csv_open(csv *in, deck *d, const deck_node *file) {
   *in = (csv){.d = d, .here = {path, 0}};
   in->p = deck_read_file(d, path, (uint64_t)LIMIT_TABLE * LIMIT_MIB, file->place, "file");
   if (!in->p) return false;
-  if (strncmp(in->p, "\xef\xbb\xbf", 3) == 0) in->p += 3; /* the mark of UTF-8 */
+  if (strncmp(in->p, "\xef\xbb\xbf", 3) == 0) in->p += 3; /* Skips the byte order mark of UTF-8 */
   for (char *c = strchr(in->p, '\n') ? NULL : in->p; c && (c = strchr(c, '\r'));) *c = '\n';
   size_t before = d->reported;
   bool line = csv_line(in), good = line && in->n_fields <= LIMIT_COLUMNS && d->reported == before;
@@ -153,7 +154,8 @@ static bool csv_row_is_whole(const csv *in, size_t n) {
   return false;
 }
 
-/* columns = ("x", "y", "radius = diameter"), as far as the names in the file tell. */
+/* Suggests the key columns = ("x", "y", "radius = diameter") as far as the names in the file
+ * allow. */
 static const char *example_columns(const csv *in) {
   static const char *const usual[] = {"x", "y", "radius"}, *const letters[] = {"xX", "yY", "rR"};
   const char *text = "columns = (";
@@ -167,7 +169,8 @@ static const char *example_columns(const csv *in) {
   return deck_format(in->d, "%s)", text);
 }
 
-/* Without the key `columns` each name must be one of a disk's. */
+/* Takes all columns of a file, if the key `columns` is missing: each name must then be a
+ * property of disks. */
 static bool take_all_columns(csv *in, deck_columns *t) {
   enum { SHOWN = 200 };
   deck *d = in->d;
@@ -251,9 +254,10 @@ size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2],
   return rows;
 }
 
-/* --- HDF5 ----------------------------------------------------------------------------------------------- */
+/* --- HDF5 ------------------------------------------------------------------------------------- */
 
-/* False: reported. */
+/* Returns true for an HDF5 file, also a damaged one; false for a text or an unreadable file
+ * (reported). */
 static bool is_hdf5(deck *d, const deck_node *file, const char *path) {
   uint64_t size;
   char head[8] = "";
@@ -269,14 +273,16 @@ static bool is_hdf5(deck *d, const deck_node *file, const char *path) {
   while (letters < have &&
          (isprint((unsigned char)head[letters]) || isspace((unsigned char)head[letters])))
     letters++;
-  if (!known || letters == 0 || letters < have) return true; /* the library says what is wrong */
+  /* Let the HDF5 library report what is wrong */
+  if (!known || letters == 0 || letters < have) return true;
   deck_fail(
       d, file,
       "it is a text, and its name that of an HDF5 file; expected another name or format = \"csv\"");
   return false;
 }
 
-/* The group of particles of an H5MD file need not be named where there is one. NULL: reported. */
+/* Returns the name of the dataset. In an H5MD file with a single group of particles it need not
+ * be given. NULL: missing (reported). */
 static const char *dataset_of(deck_group *g, const char *path) {
   if (deck_given(g, "dataset")) return deck_text_of(g, "dataset");
   char *only = h5_only_particles(path);
@@ -290,7 +296,7 @@ static const char *dataset_of(deck_group *g, const char *path) {
   return name;
 }
 
-/* Disks and the box that were read from one file are of one moment. */
+/* Reports an error if the disks and the box come from one file but from different steps. */
 static void check_moment(deck *d, const deck_node *file, const char *path, int64_t step) {
   if (!d->box_path || strcmp(d->box_path, path) != 0 || d->box_step < 0 || step < 0 ||
       step == d->box_step)
@@ -315,7 +321,7 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
   h5_range rows = {
       .first = first, .n = d->asked.part ? d->asked.n : SIZE_MAX, .again = d->asked.again};
   if (h5_read_table(path, dataset, t->n_columns, t->source, &values, &rows, d->messages) != SD_OK) {
-    /* the reader has said what; say where the deck asked for it */
+    /* The HDF5 reader has reported the reason; add the location in the deck */
     d->reported += sd_messages_errors(d->messages) - before;
     deck_fail(d, file, "cannot be read");
     free(values);
@@ -339,7 +345,8 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
   free(values);
 }
 
-/* Of a result all that it knows is taken, unless columns or another dataset are asked for. */
+/* Takes all that a result knows, unless columns or another dataset are asked for; reads any
+ * other HDF5 file as a table. */
 static void hdf5_or_result(deck_group *g, deck_node *file, deck_columns *t) {
   deck *d = g->d;
   const char *path = deck_resolve(d, d->path, file->value.text);

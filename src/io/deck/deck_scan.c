@@ -1,6 +1,6 @@
-/* deck_scan.c: a deck's text, made safe for libconfig. See deck_tree.h.
+/* deck_scan.c: makes the text of a deck safe for libconfig. See deck_tree.h.
  *
- * libconfig 1.5 takes these without a word, or with a poor one:
+ * libconfig 1.5 accepts these without a message, or with a poor one:
  *   5000000000   cut to 32 bits            -> given the suffix L
  *   1e400        read as infinity          -> error
  *   10kg, 2 * R  read as several tokens    -> error that names units, or the quotes of arithmetic
@@ -8,12 +8,11 @@
  *   "...         string over a line end    -> error: most likely a quote was forgotten
  *   [0, 10.5]    arrays of one type only   -> written as a list, whose elements may differ
  *   a = 1; a = 2 stops at the first        -> all reported, with the line of the first
- *   @include     lines counted per file    -> put in place here, each line remembering where it is from
+ *   @include     lines counted per file    -> file inserted here, each line keeps its location
  *   a = word     "syntax error"            -> error that names the quotes
  *   (1, 2,)      "syntax error"            -> the last comma is dropped
  *   (1 2), a = ; "syntax error"            -> error that says what is missing
- * Line breaks are kept, so that line k of the clean text has a known place.
- */
+ * Line breaks are kept, so that line k of the clean text has a known location. */
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -37,16 +36,16 @@ typedef struct key {
 typedef struct level {
   char open;
   deck_place place;
-  bool value;       /* in a group: a = was read, its value has not come yet */
-  bool key;         /* in a group: a key was read, its = has not come yet */
-  bool full;        /* in a list: an element has come since the last comma */
-  size_t comma;     /* in a list: where the last comma stands in the clean text */
-  const char *name; /* in a group: of the key being read */
+  bool value;       /* In a group: "a =" was read, its value has not come yet */
+  bool key;         /* In a group: a key was read, its = has not come yet */
+  bool full;        /* In a list: an element has come since the last comma */
+  size_t comma;     /* In a list: index of the last comma in the clean text */
+  const char *name; /* In a group: name of the key being read */
   size_t length;
-  size_t index; /* in a list: of the element being read */
+  size_t index; /* In a list: index of the element being read */
   key *keys;
   size_t n_keys, key_capacity;
-  size_t n_seen; /* repeated ones counted in */
+  size_t n_seen; /* Number of keys read, repeated ones included */
 } level;
 
 typedef struct scanner {
@@ -56,18 +55,19 @@ typedef struct scanner {
   size_t n_lines, line_capacity;
   level levels[LIMIT_DEPTH];
   int depth;
-  int includes; /* files open around this one */
+  int includes; /* Depth of nested includes */
   int included_files;
-  size_t bytes; /* of the deck and all that it includes */
+  size_t bytes; /* Length of the deck with all files that it includes */
   int repeated;
   bool override, included, broken;
-  bool torn; /* a quote or a bracket is missing: what other brackets seem to be follows from it */
-  const char *p; /* current text */
+  /* A quote or bracket is missing: later errors about brackets would only follow from it */
+  bool torn;
+  const char *p; /* Current position in the text */
   const char *start;
   deck_place here;
 } scanner;
 
-/* --- output --------------------------------------------------------------------------------------------- */
+/* --- output ----------------------------------------------------------------------------------- */
 
 static void emit(scanner *s, const char *text, size_t n) { deck_put(s->d, &s->clean, text, n); }
 static void emit_text(scanner *s, const char *text) { emit(s, text, strlen(text)); }
@@ -86,7 +86,7 @@ static void newline(scanner *s) {
 static level *top(scanner *s) { return &s->levels[s->depth]; }
 static bool in_group(scanner *s) { return top(s)->open == 0 || top(s)->open == '{'; }
 
-/* The path of the value being read, with " = " behind it; "" before any. */
+/* Returns the path of the value being read, followed by " = "; "" before the first key. */
 static const char *path(scanner *s) {
   if (s->override || deck_told(s->d)) return "";
   const char *text = "";
@@ -101,7 +101,8 @@ static const char *path(scanner *s) {
   return *text ? deck_format(s->d, "%s = ", text) : text;
 }
 
-/* About brackets, commas and keys: of these only the first mistake is told, since others follow from it. */
+/* Reports a mistake in brackets, commas or keys. Only the first such mistake is shown, since
+ * others follow from it. */
 static void fail_form(scanner *s, const char *format, ...) SD_PRINTF(2, 3);
 static void fail_form(scanner *s, const char *format, ...) {
   s->broken = true;
@@ -114,20 +115,20 @@ static void fail_form(scanner *s, const char *format, ...) {
   deck_fail_place(s->d, s->here, "%s", words);
 }
 
-/* The path of the key that was read last. */
+/* Returns the path of the key that was read last. */
 static const char *key_path(scanner *s) {
   const char *text = path(s);
   size_t n = strlen(text);
   return n > 3 ? deck_copy(s->d, text, n - 3) : "the value";
 }
 
-/* "( of line 4"; of -D, which has no lines: "(". */
+/* Returns the bracket and its line, "( of line 4"; only "(" for -D, which has no lines. */
 static const char *bracket_of(scanner *s, const level *l) {
   return l->place.line > 0 ? deck_format(s->d, "%c of line %d", l->open, l->place.line)
                            : deck_format(s->d, "%c", l->open);
 }
 
-/* A value begins at p: is there a place for it? */
+/* Notes that a value begins at s->p, and reports an error if no value is allowed there. */
 static void begin_value(scanner *s) {
   level *l = top(s);
   const char *p = s->p;
@@ -149,7 +150,7 @@ static void begin_value(scanner *s) {
   l->key = false;
 }
 
-/* --- tokens --------------------------------------------------------------------------------------------- */
+/* --- tokens ----------------------------------------------------------------------------------- */
 
 static void skip_comment(scanner *s) {
   deck_place start = s->here;
@@ -167,16 +168,18 @@ static void skip_comment(scanner *s) {
   s->broken = true;
 }
 
-/* \" does not end a string, \\ does not escape what follows it. */
+/* Scans a text in quotes. In it \" does not end the text, and \\ does not escape the next
+ * character. */
 static void scan_string(scanner *s) {
   deck_place start = s->here;
-  /* libconfig joins texts that follow one another: no harm as the value of a key */
+  /* libconfig joins adjacent texts, which is harmless in the value of a key */
   if (!in_group(s) || s->clean.n == 0 || s->clean.bytes[s->clean.n - 1] != '"') begin_value(s);
   const char *from = s->p++;
   while (*s->p && *s->p != '"' && *s->p != '\n')
     s->p += *s->p == '\\' && s->p[1] && s->p[1] != '\n' ? 2 : 1;
   if (*s->p != '"') {
-    /* what follows is read as if a quote stood here: one that is forgotten does not turn the deck inside out */
+    /* Read on as if a quote stood here, so that a forgotten quote does not swap texts and code
+     * in the rest of the deck */
     deck_fail_place(s->d, start, "%sthe text %s is not closed with \" on this line", path(s),
                     deck_quote(s->d, from, (size_t)(s->p - from)));
     s->broken = s->torn = true;
@@ -218,7 +221,7 @@ static void emit_real(scanner *s, const char *token) {
   emit_text(s, token);
 }
 
-/* Where the text of a value without quotes ends. */
+/* Returns the end of a value without quotes. */
 static const char *value_end(scanner *s) {
   const char *p = s->p;
   for (int open = 0; *p && !strchr(";\n\r#\"'{}=:[]@", *p); p++) {
@@ -226,7 +229,8 @@ static const char *value_end(scanner *s) {
     open += *p == '(';
     if (*p == ')' && open-- == 0) break;
   }
-  if (in_group(s) && (*p == '=' || *p == ':')) { /* a key follows, without a ; before it */
+  /* A key follows, without a ; before it */
+  if (in_group(s) && (*p == '=' || *p == ':')) {
     while (p > s->p && isspace((unsigned char)p[-1])) p--;
     while (p > s->p && word_char(p[-1])) p--;
   }
@@ -234,7 +238,8 @@ static const char *value_end(scanner *s) {
   return p;
 }
 
-/* More than one token, of which the first has n bytes: a unit, arithmetic, a text. False: one only. */
+/* Handles a value of more than one token, whose first token has n bytes: reports that a unit,
+ * arithmetic or a text needs other syntax. Returns false if there is only one token. */
 static bool scan_unquoted(scanner *s, size_t n) {
   const char *end = value_end(s);
   if (end <= s->p + n) return false;
@@ -251,13 +256,14 @@ static bool scan_unquoted(scanner *s, size_t n) {
     deck_fail_place(s->d, s->here, "%s%s: expected quotes around it: \"%s\"", path(s), shown,
                     shown);
   s->broken |= s->override || (wrong && !in_group(s));
-  emit_text(s, is_text ? "\"?\"" : "1"); /* most likely good, so that no second message follows */
+  /* Emit a value that most likely fits, so that no second message follows */
+  emit_text(s, is_text ? "\"?\"" : "1");
   begin_value(s);
   s->p = end;
   return true;
 }
 
-/* False: this is no number. */
+/* Scans a number; returns false if there is none. */
 static bool scan_number(scanner *s) {
   bool real, hex = s->p[0] == '0' && (s->p[1] == 'x' || s->p[1] == 'X') &&
                    isxdigit((unsigned char)s->p[2]);
@@ -319,14 +325,14 @@ static bool is_word(const char *name, size_t n, const char *word) {
   return true;
 }
 
-/* The key whose value is being read, perhaps inside lists. */
+/* Returns the key whose value is being read, perhaps inside lists. */
 static const char *key_name(scanner *s) {
   const level *l = top(s);
   while (l > s->levels && l->open != '{') l--;
   return l->name ? deck_copy(s->d, l->name, l->length) : "";
 }
 
-/* A key cannot stand in a list: the list ends before it. */
+/* Ends open lists before a key, which cannot stand in a list, and reports the missing bracket. */
 static void leave_lists(scanner *s, const char *before) {
   if (in_group(s)) return;
   while (!in_group(s) && s->levels[s->depth - 1].open != 0 && s->levels[s->depth - 1].open != '{')
@@ -359,7 +365,7 @@ static void scan_word(scanner *s) {
   s->p += n;
   const char *word = deck_quote(s->d, name, n), *owner = deck_told(s->d) ? "" : key_name(s);
   s->broken |= s->override;
-  /* read on as if it were right, so that later mistakes are found too */
+  /* Emit a value of the right type, so that later mistakes are found too */
   if (deck_names_kind(owner, true)) {
     deck_fail_place(s->d, s->here, "%s%s: expected true or false", path(s), word);
     emit_text(s, "false");
@@ -373,7 +379,8 @@ static void scan_word(scanner *s) {
   }
 }
 
-/* Characters that word processors and keyboards put in the place of others. */
+/* Reports a character that cannot stand here, such as those that word processors put in place of
+ * quotes, minus or *. */
 static void scan_other(scanner *s) {
   static const struct {
     const char *bytes, *write;
@@ -395,11 +402,12 @@ static void scan_other(scanner *s) {
                     write ? "; write " : "", write ? write : "");
   s->p += n ? n : 1;
   if (!write || *write != '"') return;
-  begin_value(s); /* a text, up to such a character again */
+  /* Treat it as a text that ends before a line break or one of ; , ) } */
+  begin_value(s);
   s->p += strcspn(s->p, "\n;,)}");
 }
 
-/* --- brackets and includes ------------------------------------------------------------------------------ */
+/* --- brackets and includes -------------------------------------------------------------------- */
 
 static void open_bracket(scanner *s) {
   if (s->depth == 0 || top(s)->open) begin_value(s);
@@ -442,7 +450,7 @@ static void close_bracket(scanner *s) {
   emit(s, c == '}' ? "}" : ")", 1);
 }
 
-/* = : ; , */
+/* Scans one of the marks = : ; and the comma. */
 static void scan_mark(scanner *s) {
   char c = *s->p;
   if (c == ';') leave_lists(s, "\";\"");
@@ -463,14 +471,14 @@ static void scan_mark(scanner *s) {
   }
   size_t n = s->clean.n;
   while (n > 0 && isspace((unsigned char)s->clean.bytes[n - 1])) n--;
-  bool again = c == ';' && n > 0 && s->clean.bytes[n - 1] == ';'; /* ;; */
+  bool again = c == ';' && n > 0 && s->clean.bytes[n - 1] == ';'; /* A second ; is dropped */
   emit(s, again ? " " : &c, 1);
   s->p++;
 }
 
 static void scan_all(scanner *s, const char *text, deck_place place);
 
-/* @include "file" alone on its line. */
+/* Includes a file for @include "file", which must be alone on its line. */
 static void include_file(scanner *s) {
   const char *p = s->p + 8, *line = s->p;
   while (line > s->start && (line[-1] == ' ' || line[-1] == '\t')) line--;
@@ -506,7 +514,8 @@ static void include_file(scanner *s) {
   }
   s->included_files++;
   if (text) {
-    /* drop "@include ..." from the raw text, whose copy runs up to here, and put the file in its place */
+    /* In the raw text, replace "@include ..." by the file's content; the text up to the line is
+     * copied first */
     s->included = true;
     deck_put(s->d, &s->raw, start, (size_t)(line - start));
     s->includes++;
@@ -525,7 +534,7 @@ static void include_file(scanner *s) {
   s->p = after;
 }
 
-/* --- the loop ------------------------------------------------------------------------------------------- */
+/* --- the loop --------------------------------------------------------------------------------- */
 
 static void scan_token(scanner *s) {
   char c = *s->p;
@@ -561,7 +570,7 @@ static void scan_token(scanner *s) {
 static void scan_all(scanner *s, const char *text, deck_place place) {
   s->p = s->start = text;
   s->here = place;
-  if (strncmp(s->p, "\xef\xbb\xbf", 3) == 0) s->p += 3; /* the mark of UTF-8 */
+  if (strncmp(s->p, "\xef\xbb\xbf", 3) == 0) s->p += 3; /* Skips the byte order mark of UTF-8 */
   while (*s->p) scan_token(s);
   deck_put(s->d, &s->raw, s->start, strlen(s->start));
 }
@@ -586,7 +595,7 @@ deck_text deck_scan(deck *d, const char *text, deck_place place, bool override) 
                      .broken = s->broken};
 }
 
-/* --- files ---------------------------------------------------------------------------------------------- */
+/* --- files ------------------------------------------------------------------------------------ */
 
 char *deck_resolve(deck *d, const char *file, const char *path) {
   const char *slash = file ? strrchr(file, '/') : NULL;

@@ -1,9 +1,10 @@
-/* deck_sizes.c: sizes of the disks of a packing; see deck_values.h. */
+/* deck_sizes.c: size distribution of the disks of a packing; see deck_values.h. */
 #include "io/deck/deck_values.h"
 
 #include <math.h>
 
-/* A distribution that is cut down to less than this is taken for a mistake. */
+/* A distribution of which less than this fraction lies between its limits is taken for a
+ * mistake. */
 static const double LEAST_KEPT = 1e-6;
 
 static const double *read_numbers(deck_group *g, const char *key, size_t *n) {
@@ -45,7 +46,8 @@ static void read_list(deck_group *g, sizes *s) {
   if (!(s->upper > 0)) deck_fail_key(g, "weights", "all are 0");
 }
 
-/* Gaussian and lognormal are cut at 3 deviations unless the deck says otherwise. */
+/* Sets the default limits of gaussian and lognormal distributions: 3 standard deviations on each
+ * side. */
 static void cut_normal(deck_group *g, const sizes *s) {
   bool logarithm = s->kind == SD_SIZES_LOGNORMAL;
   double lower = logarithm ? s->radius * exp(-3 * s->deviation) : s->radius - 3 * s->deviation;

@@ -1,4 +1,5 @@
-/* deck_sweep.c: the points of a sweep; see deck.h. How the deck's group is read: deck_grid.c. */
+/* deck_sweep.c: expands a sweep to its points; see deck.h. The group `sweep` is read by
+ * deck_grid.c. */
 #include "base/memory.h"
 #include "io/deck/deck.h"
 
@@ -15,20 +16,20 @@
 #include "io/store/file.h"
 #include "slipdisk/deck.h"
 
-/* Names of files are cut here. */
+/* File names of points are cut to this length. */
 enum { LONGEST_NAME = 120 };
 
 typedef struct expansion {
   deck *d;
   deck_sweep *out;
   size_t capacity;
-  int64_t seed;      /* of the deck */
-  deck_index points; /* numbers by name */
+  int64_t seed;      /* Seed of the deck */
+  deck_index points; /* Map from names of points to their numbers */
 } expansion;
 
-/* --- names and seeds --------------------------------------------------------------------------------------- */
+/* --- names and seeds -------------------------------------------------------------------------- */
 
-/* Mixes the bits of a sum (the finaliser of splitmix64), and keeps as many as a double holds. */
+/* Hashes a sum with the finaliser of splitmix64, and keeps the 53 bits that a double holds. */
 static int64_t mixed(uint64_t z) {
   z += UINT64_C(0x9e3779b97f4a7c15);
   z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -36,7 +37,8 @@ static int64_t mixed(uint64_t z) {
   return (int64_t)((z ^ (z >> 31)) >> 11);
 }
 
-/* What is set, replica and seed of the deck: whatever else is in the sweep has no part in it. */
+/* Returns a checksum of the point's settings, its replica and the deck's seed. Other points of
+ * the sweep do not influence it. */
 static uint64_t point_sum(const sweep_point *p, int64_t replica, int64_t seed) {
   uint64_t sum = file_sum(FILE_SUM, &seed, sizeof seed);
   for (size_t k = 0; k < p->n_overrides; k++)
@@ -44,8 +46,8 @@ static uint64_t point_sum(const sweep_point *p, int64_t replica, int64_t seed) {
   return file_sum(sum, &replica, sizeof replica);
 }
 
-/* A value as a part of a file name, where all but letters, digits and ._+- turns into _. The blank of an angle goes.
- * False: this lost something. */
+/* Turns a value into a part of a file name: characters other than letters, digits and ._+-
+ * become _. number: blanks, as in angles, are dropped. Returns false if characters were lost. */
 static bool file_word(char *text, bool number) {
   bool good = true;
   char *to = text;
@@ -62,7 +64,8 @@ static bool file_word(char *text, bool number) {
   return good;
 }
 
-/* "tilt=0.04pi,eps=0.0001,r=2"; where a text does not go into a file name, a sum of all is added. */
+/* Returns the name of a point, "tilt=0.04pi,eps=0.0001,r=2". A checksum of the settings is added
+ * if a text does not fit into a file name. */
 static const char *name_of(deck *d, const deck_sweep *s, const sweep_point *p) {
   const char *name = "";
   bool good = true;
@@ -79,7 +82,7 @@ static const char *name_of(deck *d, const deck_sweep *s, const sweep_point *p) {
   return name;
 }
 
-/* --- points ------------------------------------------------------------------------------------------------ */
+/* --- points ----------------------------------------------------------------------------------- */
 
 static size_t column_of(const deck_sweep *s, const grid_axis *a) {
   for (size_t k = 0; k < s->n_parameters; k++)
@@ -120,14 +123,16 @@ static const char *keep_file(deck_sweep *s, const char *file) {
 static void add_override(expansion *e, sweep_point *p, const char *text, deck_place place) {
   p->overrides = memory_grow(p->overrides, p->n_overrides + 1, sizeof *p->overrides);
   p->places = memory_grow(p->places, p->n_overrides + 1, sizeof *p->places);
-  /* values that -D has put into the sweep have no line, but a name that says it all */
+  /* Values that -D has put into the sweep have no line; the file name then holds the whole
+   * setting */
   p->places[p->n_overrides] =
       (sweep_place){keep_file(e->out, place.file ? place.file : e->d->path), place.line};
   p->overrides[p->n_overrides] = memory_text(text);
   p->n_overrides++;
 }
 
-/* The seed that a value stands for; `otherwise` when it is none, which the loader of the model reports. */
+/* Returns the seed that a value stands for; `otherwise` if it is not a seed, which the loader of
+ * the model reports. */
 static int64_t seed_value(const grid_value *v, int64_t otherwise) {
   char *end;
   errno = 0;
@@ -145,7 +150,7 @@ static void set_value(expansion *e, sweep_point *p, const grid_axis *a, const gr
   }
 }
 
-/* A new point at the end of the list, whose values come from place[dimension] of each axis. */
+/* Appends a new point, with value place[dimension] of each axis. */
 static sweep_point *add_point(expansion *e, const grid *g, const size_t *place, int64_t replica) {
   deck *d = e->d;
   deck_sweep *s = e->out;
@@ -176,7 +181,8 @@ static void point_free(sweep_point *p, size_t n_parameters) {
   free(p->name);
 }
 
-/* Names are made from the values, but a letter that does not go into a file name is lost in them. */
+/* Returns true if two points with the same name have the same values. Names alone do not tell,
+ * since characters that do not fit into a file name are lost. */
 static bool same_values(const deck_sweep *s, const sweep_point *p, const sweep_point *q) {
   for (size_t k = 0; k < s->n_parameters; k++)
     if (strcmp(p->texts[k], q->texts[k]) != 0 && !(p->values[k] == q->values[k])) return false;
@@ -189,8 +195,8 @@ static void add_replicas(expansion *e, const grid *g, const size_t *place, int64
   for (int64_t r = 0; r < replicas; r++) {
     sweep_point *p = add_point(e, g, place, r);
     uint32_t other;
-    if (deck_index_find(&e->points, p->name,
-                        &other)) { /* an equal point of another grid: it stays */
+    /* An equal point of another grid is kept, and this one dropped */
+    if (deck_index_find(&e->points, p->name, &other)) {
       if (g && !same_values(s, p, &s->points[other]))
         deck_fail(e->d, g->node, "two points would have the same name, %s", p->name);
       set = s->points[other].set;
@@ -208,7 +214,7 @@ static void add_replicas(expansion *e, const grid *g, const size_t *place, int64
   s->n_sets += set == s->n_sets;
 }
 
-/* All combinations, the last dimension fastest. */
+/* Adds the points of all combinations of values; the last dimension varies fastest. */
 static void add_grid(expansion *e, const grid *g) {
   size_t *place = deck_alloc(e->d, g->n_dimensions + 1, sizeof *place), k;
   if (deck_grid_points(g) == 0) return;
@@ -221,7 +227,7 @@ static void add_grid(expansion *e, const grid *g) {
   } while (k > 0);
 }
 
-/* As deck_integer would read it. */
+/* Reads the deck's seed as deck_integer would, without messages. */
 static void find_seed(expansion *e) {
   const deck_node *seed = deck_child(e->d->root, "seed");
   double x;
@@ -250,7 +256,8 @@ static bool sets_files(const deck_grids *all) {
   return false;
 }
 
-/* The number of points that the deck asks for, whose grids are these; `reported` mistakes were there before them. */
+/* Expands the grids to points and returns their number; 0 if there is no grid or a mistake.
+ * `reported`: number of mistakes before the grids were read. */
 static size_t expand(deck *d, deck_grids all, size_t reported, deck_sweep *s) {
   expansion e = {.d = d, .out = s};
   if (d->reported > reported) return 0;
@@ -266,9 +273,10 @@ static size_t expand(deck *d, deck_grids all, size_t reported, deck_sweep *s) {
   return d->reported > reported || all.n == 0 ? 0 : s->n_points;
 }
 
-/* --- interface --------------------------------------------------------------------------------------------- */
+/* --- interface -------------------------------------------------------------------------------- */
 
-/* What the user has typed is set again by the points, perhaps in other words. */
+/* Warns if a setting of -D is overwritten by the points of the sweep, perhaps under another
+ * path. */
 static void warn_of_overrides(const deck *d, const deck_grids *all, const deck_sweep *s,
                               sd_messages *messages) {
   for (size_t o = 0; o < s->n_overrides; o++) {
@@ -284,7 +292,7 @@ static void warn_of_overrides(const deck *d, const deck_grids *all, const deck_s
   }
 }
 
-/* Is a value of the axis a text such as "90 deg", or computed from such texts? */
+/* Returns true if the value is a text such as "90 deg", or was computed from such texts. */
 static bool has_unit(const grid_axis *a, const grid_value *v) {
   static const char *const ranges[] = {"linspace", "logspace"};
   bool unit = *v->literal == '"';
@@ -296,7 +304,7 @@ static bool has_unit(const grid_axis *a, const grid_value *v) {
   return unit;
 }
 
-/* As for the deck's own tilt; once a parameter. */
+/* Warns of tilts in a sweep that may be meant in degrees, once per parameter. */
 static void warn_of_tilts(const deck *d, const deck_grids *all, sd_messages *messages) {
   for (size_t i = 0; i < all->n; i++)
     for (size_t k = 0; k < all->grid[i].n_axes; k++) {

@@ -1,7 +1,8 @@
-/* deck_until.c: the error bar at which the last phase ends. See deck_tree.h and sd_until in slipdisk/model.h.
+/* deck_until.c: the group `until`, the error bar at which the last phase ends. See deck_tree.h and
+ * sd_until in slipdisk/model.h.
  *
- * The last phase of the model has as many steps as there can be (max_time); until.least holds its own length.
- */
+ * The last phase of the model has the largest possible number of steps (max_time); until.least
+ * holds its own length. */
 #include <math.h>
 #include <string.h>
 
@@ -10,14 +11,15 @@
 static const char *const quantities[] = {"omega", "scaled"};
 enum { OMEGA, SCALED, QUANTITIES };
 
-/* What the first part of an observable calls the k-th watched disk: its name, else its number. */
+/* Returns the name of the k-th observed disk in the names of observables: its name, else its
+ * number. */
 static const char *watched_name(deck *d, size_t k) {
   uint32_t disk = d->model->rotations[k];
   const char *name = d->model->disks[disk].name;
   return name ? name : deck_format(d, "%u", disk);
 }
 
-/* Which of the watched disks is called that; n_rotations: none. */
+/* Returns the index of the observed disk with this name or number; n_rotations: none. */
 static size_t find_watched(deck *d, const char *name) {
   const sd_model *m = d->model;
   for (size_t k = 0; k < m->n_rotations; k++)
@@ -50,7 +52,7 @@ static void read_quantity(deck *d, const deck_node *node, const char *word) {
     deck_fail(d, node, "t_g Omega does not exist without gravity; expected \"NAME.omega\"");
 }
 
-/* "upper.omega"; a name may have dots in it. */
+/* Reads the key `observable`, such as "upper.omega"; the disk's name may contain dots. */
 static void read_observable(deck_group *g) {
   deck *d = g->d;
   if (d->model->n_rotations == 0) {
@@ -66,12 +68,12 @@ static void read_observable(deck_group *g) {
   if (dot) read_disk(d, node, deck_copy(d, text, (size_t)(dot - text)));
 }
 
-/* The length of the last phase in steps turns into what it has at least. */
+/* Makes the length of the last phase its least length, and max_time its greatest; both in steps. */
 static void read_length(deck_group *g, sd_phase *last) {
   deck *d = g->d;
   d->model->until.least = last->steps;
   double most = round(deck_number(g, "max_time") / d->model->dt);
-  if (isnan(most)) return; /* reported */
+  if (isnan(most)) return; /* An invalid max_time was reported before */
   if (most >= 9e18)
     deck_fail_key(g, "max_time", "more than 9e18 time steps");
   else if (most < (double)last->steps)
@@ -90,7 +92,7 @@ void deck_read_until(deck *d) {
   read_observable(&g);
   deck_one_of(&g, "the standard error to be reached, error or relative");
   deck_fill(&g, &m->until);
-  if (m->n_phases == 0) return; /* reported */
+  if (m->n_phases == 0) return; /* Missing phases were reported before */
   sd_phase *last = &m->phases[m->n_phases - 1];
   if (!last->measure)
     deck_fail(d, g.node, "the last phase does not measure; expected measure = true in it");

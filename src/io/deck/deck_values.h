@@ -1,4 +1,5 @@
-/* deck_values.h: what the keys of a container and of a packing say, before bodies are made of them. */
+/* deck_values.h: values of the keys of a container and of a packing, before bodies are made from
+ * them. */
 #ifndef SLIPDISK_IO_DECK_VALUES_H
 #define SLIPDISK_IO_DECK_VALUES_H
 
@@ -18,19 +19,20 @@ typedef struct deck_container_values {
 
 typedef struct deck_packing_values {
   sd_packing_kind kind;
-  int64_t count;   /* 0: not given */
-  double fraction; /* 0: not given */
+  int64_t count;   /* Number of disks; 0: not given */
+  double fraction; /* Packing fraction; 0: not given */
   double jitter;
-  int64_t tiles; /* 0: not given */
+  int64_t tiles; /* Number of tiles; 0: not given */
   int64_t rows;
   double speed;
-  double mass, density; /* one is 0 */
+  double mass, density; /* Mass of a grain, and density per area; one of them is 0 */
   sizes sizes;
 } deck_packing_values;
 
-/* --- the radii of a packing, as its entry of the deck gives them ------------------------------ */
+/* --- radii of a packing ----------------------------------------------------------------------- */
 
-/* Completes a distribution whose keys are read: its limits, and the radii and weights of a list. Reports what is wrong. */
+/* Completes a size distribution whose keys are read: its limits, or the radii and weights of a
+ * list. Reports mistakes. */
 void deck_finish_sizes(struct deck_group *g, sizes *s);
 
 #endif
