@@ -61,7 +61,7 @@ typedef struct sd_tile_wall {
 } sd_tile_wall;
 
 /* The last disks of a model, where each part of them can be had by itself: the last packing, in slabs side by side along x, tile after
- * tile (pack/tiles.h), or a large file, in rows (io/deck/deck_parts.h). */
+ * tile (pack/tiles.h), or a large file, in rows (io/deck/deck_parts.c). */
 typedef struct sd_tiles {
   size_t n;            /* 0: there are none */
   size_t first, count; /* disks */

@@ -8,7 +8,7 @@
 
 #include "base/memory.h"
 #include "io/deck/deck.h"
-#include "io/deck/deck_parts.h"
+#include "io/deck/deck_rows.h"
 #include "io/deck/deck_result.h"
 #include "model/arc.h"
 #include "model/law_features.h"

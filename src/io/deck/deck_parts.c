@@ -1,9 +1,9 @@
 /* deck_parts.c: reads a large file of disks in parts, some on each rank (sd_tiles in model.h). See
- * deck_parts.h.
+ * deck_rows.h.
  *
  * A part is read by the deck reader itself: it opens the deck anew, and reads only what a row of
  * the file needs, and the rows of the part. */
-#include "io/deck/deck_parts.h"
+#include "io/deck/deck_rows.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -115,7 +115,7 @@ typedef struct deck {
   deck_chunk *memory;
   jmp_buf out_of_memory;
   bool lacks_told; /* True if deck_need has already reported why out_of_memory is entered */
-  void *library;   /* libconfig's tree (config_t) while it exists, else NULL; see deck_parse.c */
+  void *library;   /* libconfig's tree (config_t) while it exists, else NULL; see deck_node.c */
   deck_node *root;
   const char *text; /* Text of the deck as read, with included files put in place */
   sd_model *model;  /* Model under construction; NULL when only the tree is wanted */
@@ -277,7 +277,7 @@ char *deck_read_file(deck *d, const char *path, uint64_t most, deck_place place,
 /* Returns a path of the deck relative to the folder of `file`; absolute paths stay as they are. */
 char *deck_resolve(deck *d, const char *file, const char *path);
 
-/* --- deck_parse.c ----------------------------------------------------------------------------- */
+/* --- deck_node.c: parsing --------------------------------------------------------------------- */
 
 /* Parses a scanned text with libconfig and returns it as nodes; NULL if it is not a deck
  * (reported). */
@@ -351,7 +351,7 @@ void deck_read_locks(deck *d);
  * because that coordinate is locked or moved by a motion. */
 void deck_forget_velocity(deck *d, uint32_t disk, int c);
 void deck_read_motions(deck *d);
-void deck_read_fields(deck *d); /* In deck_fields.c; call before phases are read */
+void deck_read_fields(deck *d); /* Call before phases are read */
 void deck_read_phases(deck *d);
 void deck_check_motions(deck *d); /* Call after phases are read */
 void deck_read_measure(deck *d);
