@@ -62,7 +62,8 @@ static sd_status sites_new(sites *s, const configuration *c, const region *g,
 /* --- one cell --------------------------------------------------------------------------------- */
 
 enum { MOST_CORNERS = 2048 };
-enum { BY_NEIGHBOUR, BY_WALL, BY_REGION, BY_NOTHING }; /* origin of an edge of a cell */
+/* kind of an edge: on a radical line, a wall, the region, or the initial rectangle */
+enum { BY_NEIGHBOUR, BY_WALL, BY_REGION, BY_NOTHING };
 
 /* Convex polygon, relative to the centre of a disk. Edge k goes from corner k to the next
  * corner. */
@@ -132,7 +133,7 @@ typedef struct cutter {
   const configuration *c;
   const region *whole;
   const sites *s;
-  /* distance from the box within which images are sites; largest radius */
+  /* margin: distance from the box within which images are sites; largest: largest radius */
   double margin[2], largest;
   bool short_of_images; /* true if some cell may have a neighbour among images that are not sites */
 } cutter;
@@ -316,7 +317,7 @@ static double cell_area(const cutter *q, size_t i, bool *closed, bool *short_of_
   *closed = false;
   if (!region_holds(g, q->s->at[i][0], q->s->at[i][1])) return NAN;
   polygon_box(&p, length[0] > 0.0 ? length[0] : size, length[1] > 0.0 ? length[1] : size);
-  /* the cell is empty: larger disks hide the disk */
+  /* larger disks leave no cell to this disk */
   if (!cut_neighbours(q->s, i, q->largest, &p) || p.n < 3) return NAN;
   cut_walls(q, i, &p);
   if (g->round) {

@@ -159,7 +159,7 @@ static void fill_laws(sd_model *m, const sd_model *from) {
 /* Fills everything of the model except its bodies. */
 static void fill_constants(configuration *c, const sd_model *from, const frame_data *f) {
   sd_model *m = c->model;
-  m->dt = 1.0; /* arbitrary, as no step is taken */
+  m->dt = 1.0; /* any value will do, as no step is taken */
   m->limits.unstable_step = true;
   m->max_overlap = 1e300; /* accept any overlap */
   fill_space(m, from, f);
@@ -437,7 +437,8 @@ static void use_clump_masses(const configuration *c, sd_state *s) {
     if (configuration_in_clump(c, s->id[i])) s->mass[i] = c->clumps[c->clump_of[s->id[i]]].mass;
 }
 
-/* Sets the shear offset and velocity gradient of the box; its lengths are the model's. */
+/* Sets the shear offset and velocity gradient of a deforming box in the state; its lengths are
+ * those of the model. */
 static void deform(const configuration *c, sd_state *s) {
   const double *g = c->gradient;
   s->cell_start[CELL_OFFSET] = c->offset / c->length[0];
@@ -565,7 +566,7 @@ region configuration_region(const configuration *c, const double *wanted) {
     }
     double length = c->length[k];
     g.whole[k] = length > 0.0 && g.upper[k] - g.lower[k] >= length * (1.0 - 1e-12);
-    if (g.whole[k]) g.upper[k] = g.lower[k] + length; /* limits the region to one period */
+    if (g.whole[k]) g.upper[k] = g.lower[k] + length; /* the region is at most one period long */
     g.image[k] = length > 0.0 && !g.whole[k] ? length : 0.0;
   }
   if (!wanted && given && m->container == SD_CONTAINER_DRUM) {

@@ -26,19 +26,19 @@ typedef struct frame_data {
   /* box that deforms: factors of its lengths on top of `scale`; x shift of the periodic image
    * above */
   double stretch[2], offset;
-  double gradient[SD_CELL_COMPONENTS]; /* velocity gradient of the box: xx, yy, xy, 1/time */
+  double gradient[SD_CELL_COMPONENTS]; /* velocity gradient of the box, 1/time: xx, yy, xy */
   size_t n_bodies, n_disks;
   const comm *comm; /* communicator of the ranks that share the frame; NULL: all bodies are here */
-  /* with comm: number of this rank's free disks, which come first; ghosts follow, then the
-   * prescribed bodies, known to all ranks */
+  /* number of this rank's free disks if comm is set: they come first, then ghosts, then the
+   * prescribed bodies, which all ranks have */
   size_t n_own;
   double (*position)[2], (*velocity)[2]; /* wrapped into the periodic box */
   double *angle, *spin;
-  int32_t *activity;   /* [n_disks] SD_IN_PLAY, SD_WAITING, ... */
+  int32_t *activity;   /* [n_disks] SD_IN_PLAY, SD_WAITING, SD_REMOVED or SD_OUTSIDE */
   int32_t (*image)[2]; /* [n_disks] absolute position = position + image * length of the box */
   bool has_contacts;   /* true if a contact table is present, even with no rows */
   size_t n_contacts;
-  uint32_t *a, *b, *part; /* body numbers in the run; index of the wall segment */
+  uint32_t *a, *b, *part; /* a, b: body numbers in the run; part: index of the wall segment */
   double *overlap, *force, *tau;
   double *roll; /* rolling force; 0 if not stored */
   int32_t *slide;
@@ -60,16 +60,17 @@ sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model 
                              sd_messages *messages);
 
 typedef struct config_contact {
-  /* bodies, numbers of configuration.model, a always a free disk; index of the wall segment */
+  /* a, b: numbers of the two bodies in configuration.model, a is always a free disk; part: index of
+   * the wall segment */
   uint32_t a, b, part;
-  double nx, ny; /* unit vector from a to the surface of b */
+  double nx, ny; /* unit normal from the centre of a towards b */
   /* branch vector of the disks: from the centre of a to the centre of b, or to the surface of a
    * wall or prescribed disk */
   double lx, ly;
   double x, y;   /* point of contact */
   double fx, fy; /* force on b; without its tangential part if tau is NAN */
   double overlap, force, tau, mu;
-  double roll, couple; /* rolling force, and its torque on a (b: opposite sign) */
+  double roll, couple; /* rolling force; torque of it on a (opposite sign on b) */
   double k_t;          /* tangential stiffness if tau = -k_t zeta, else 0 */
   /* normal force without attraction; friction is limited to mu times this force */
   double push;
@@ -94,12 +95,14 @@ typedef struct configuration {
   size_t n_deck;    /* number of disks of the deck */
   size_t n_waiting, n_removed;
   double length[2];                    /* lengths of the periodic box, 0 along open directions */
-  double offset;                       /* x shift of the periodic image above */
+  double offset;                       /* x shift of the periodic image above, in a sheared box */
   double gradient[SD_CELL_COMPONENTS]; /* velocity gradient of a box that deforms: xx, yy, xy */
-  /* as in frame_data: ranks that share the disks, or NULL; number of this rank's free disks */
+  /* comm: ranks that share the disks, or NULL; n_own: number of this rank's free disks (as in
+   * frame_data) */
   const comm *comm;
   size_t n_own;
-  bool recomputed;   /* true if the contacts were not stored but found again */
+  /* true if the contacts were not stored but computed from positions and velocities */
+  bool recomputed;
   bool frictionless; /* true if no pair of materials has k_t > 0 and mu > 0 */
   size_t n_contacts;
   config_contact *contacts;

@@ -15,7 +15,8 @@ static int64_t steps_in(const int64_t *count, int class) {
   return steps;
 }
 
-/* mean and standard deviation of n values from their sums; NAN for n = 0 */
+/* Return mean and standard deviation of n values from their sum and sum of squares; NAN for n =
+ * 0. */
 static double mean_from(double sum, int64_t n) { return n > 0 ? sum / (double)n : NAN; }
 static double deviation_from(double sum, double squares, int64_t n) {
   double mean = mean_from(sum, n);

@@ -15,14 +15,14 @@ typedef struct grid {
   size_t n; /* number of centres in at, x and y */
   double (*at)[2];
   double lower[2], width[2]; /* lower corner and lengths of the window */
-  /* [k] 1/width if direction k wraps, else 0; [k] 1 if the window has edges along k, 0 if it
-   * wraps */
+  /* inverse[k]: 1/width if direction k wraps, else 0; narrows[k]: 1 if the window has edges along
+   * k, 0 if it wraps */
   double inverse[2], narrows[2];
   bool wraps[2];
-  double offset; /* x shift of the periodic image above */
+  double offset; /* x shift of the periodic image above, in a sheared box */
   size_t cells[2];
   size_t *start;
-  /* centres ordered by cell */
+  /* [n] coordinates of the centres, ordered by cell */
   double *x, *y;
 } grid;
 
@@ -42,7 +42,7 @@ static void grid_fill(grid *g, double reach) {
   for (int k = 0; k < 2; k++) {
     const double most = (double)most_cells(g->n);
     g->cells[k] = (size_t)fmax(fmin(floor(g->width[k] / reach), most), 1.0);
-    /* with two cells each would be its neighbour on both sides */
+    /* of two cells, each would be the other's neighbour on both sides */
     if (g->wraps[k] && g->cells[k] < 3) g->cells[k] = 1;
     g->inverse[k] = g->wraps[k] ? 1.0 / g->width[k] : 0.0;
     g->narrows[k] = g->wraps[k] ? 0.0 : 1.0;
@@ -91,8 +91,8 @@ static inline double rounded(double x) {
   return (x + shift) - shift;
 }
 
-/* Counts the pairs of centre i with centres first ... last - 1, in batches: all distances, then
- * those within reach, then their bins. */
+/* Counts the pairs of centre i with the centres first ... last - 1. For each batch it computes all
+ * distances, selects those within reach, and adds these to the bins. */
 static void count_run(const counter *q, double *bin, size_t i, size_t first, size_t last) {
   enum { BATCH = 64 };
   const grid *g = q->g;

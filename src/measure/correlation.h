@@ -16,8 +16,8 @@
 /* Distribution of positive values, in multiples of their mean. */
 typedef struct distribution {
   size_t n;
-  /* mean of the values; standard deviation, skewness and excess kurtosis (0 for a Gaussian) of
-   * value/mean */
+  /* mean: of the values; the others: standard deviation, skewness and excess kurtosis (0 for a
+   * Gaussian) of value/mean */
   double mean, deviation, skewness, kurtosis;
   double least, most;
   size_t beyond;            /* number of values above the last bin */
@@ -29,7 +29,7 @@ typedef struct correlation {
   double reach;         /* largest r of g(r) */
   size_t n_disks;
   double density;      /* disks per area of the window */
-  double peak_r, peak; /* centre and height of the highest bin of g(r) */
+  double peak_r, peak; /* position r and height of the highest bin of g(r) */
   /* |F_n| and |tau| of load-bearing contacts in the region; tangential: only those with mu > 0 */
   distribution normal, tangential;
   distribution mobilised; /* |tau|/(mu F_n), not divided by the mean */

@@ -54,8 +54,8 @@ static void fill_position(sd_disk_mean *d, const sd_model *model, const sd_state
 static void fill_rates(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {
   double looks = (double)state->mean_samples, time = (double)state->measured * model->dt;
   bool running = state->phase < (int64_t)model->n_phases && model->phases[state->phase].measure;
-  /* While a measured phase runs, the sums lack the losses in the state: sums get them when the
-   * phase ends. */
+  /* The losses of the state enter the sums when a measured phase ends: add them here while it
+   * runs. */
   double now = running ? 1 : 0;
   d->coordination = state->sum_contacts[i] / looks;
   d->sliding = state->sum_sliding[i] / state->sum_contacts[i];
@@ -92,7 +92,8 @@ typedef struct sample {
   size_t *slot;          /* [n_bodies] slot of each body */
 } sample;
 
-/* Copies a member of sd_disk_mean, given by its offset, of all disks into x. */
+/* Copies one member of sd_disk_mean, given by its offset in the struct, from all disks into
+ * q->x. */
 static void take(const sample *q, size_t offset) {
   for (size_t k = 0; k < q->n; k++)
     q->x[k] = *(const double *)(const void *)((const char *)q->disk[k] + offset);
@@ -147,7 +148,7 @@ static void fill_significance(sd_disk_totals *t, const sample *q) {
   for (size_t k = 0; k < q->n; k++) {
     const sd_disk_mean *d = q->disk[k];
     reliable += d->converged;
-    if (isnan(d->error)) continue; /* NAN if too little is left after the transient */
+    if (isnan(d->error)) continue; /* the error is NAN if too little is left after the transient */
     known++;
     squares += d->error * d->error;
     significant += fabs(d->significance) > 3;
@@ -165,8 +166,8 @@ static void fill_significance(sd_disk_totals *t, const sample *q) {
   t->persistence_rank = gsl_stats_spearman(q->x, 1, second, 1, q->n, q->ranks);
 }
 
-/* Computes the correlation of omega over pairs of free disks that are in contact now. slot: scratch
- * of one number per body. */
+/* Computes the mean product of omega over pairs of free disks in contact now, over its mean square.
+ * slot: scratch of one number per body. */
 static void fill_neighbours(sd_disk_totals *t, const sd_state *state, const sd_disk_mean *means,
                             size_t *slot) {
   double sum = 0, pairs = 0;

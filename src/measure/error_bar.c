@@ -72,7 +72,8 @@ static bool periodic_variance(const double *x, size_t n, double *square) {
   return *square < largest;
 }
 
-/* Mean of n values over the orders with the weights exp(-AIC/2); criterion: AIC of each order. */
+/* Returns the mean of n values, one per order of the model, with the weights exp(-AIC/2).
+ * criterion: AIC of each order. */
 static double weighted(const double *value, const double *criterion, size_t n) {
   double least = criterion[0], sum = 0, weights = 0;
   for (size_t p = 1; p < n; p++) least = criterion[p] < least ? criterion[p] : least;

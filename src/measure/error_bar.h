@@ -8,7 +8,7 @@
 typedef struct error_bar {
   double error;       /* standard error of the mean; NAN if it is not known */
   double correlation; /* integrated correlation time, in samples */
-  bool reliable;      /* true if the record is long enough for this error */
+  bool reliable;      /* true if the record is long enough for this error to be trusted */
   /* true if the record is too short for its slow components, one of which may be a drift */
   bool slow;
 } error_bar;

@@ -35,8 +35,8 @@ sd_mean sd_mean_of(const double *x, size_t n, bool look) {
   mean.mean = sums_mean(x + start.length, mean.used);
   mean.correlation = error.correlation;
   mean.error = hypot(error.error, hypot(start.tail, systematic(left, error, start.quiet)));
-  /* A relaxation without noise has no error bar to rely on, and needs none once little of it is
-   * left. */
+  /* Converged: either the error is reliable and no significant drift is left, or a relaxation
+   * without noise has mostly decayed. */
   bool over =
       (error.reliable && !(left.sigmas > DRIFT_CERTAIN)) || (start.quiet && left.ratio < 0.5);
   mean.converged = start.inside && isfinite(error.error) && over;
@@ -76,10 +76,10 @@ static double triangle(double u) {
   return u < 1 ? u * u / 2 : u < 2 ? 1 - (2 - u) * (2 - u) / 2 : 1;
 }
 
-/* Computes running means of x[0..n), weighted by a triangle over two widths, `stride` apart, as
- * many as fit, up to the end. The triangle averages increments over one width and their sum over
- * another, so a ripple with this period cancels, wherever the edges of the bins lie. Returns their
- * number; y: room for them. */
+/* Computes running means y[] of x[0..n), weighted by a triangle that spans two widths, `stride`
+ * apart, as many as fit, up to the end of the record. The triangle is a mean over one width of
+ * running sums over one width, so a ripple with this period cancels, wherever the edges of the bins
+ * lie. Returns the number of means. */
 static size_t windows(const double *x, size_t n, double width, double stride, double *y) {
   size_t count = (size_t)(((double)n - 2 * width) / stride) + 1;
   for (size_t k = 0; k < count; k++) {
@@ -107,7 +107,7 @@ static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   }
   if (!enough) {
     sd_mean mean = sd_mean_of(x, n, true);
-    mean.converged = false; /* not enough periods */
+    mean.converged = false; /* the record has too few periods */
     return mean;
   }
   size_t count = windows(x, n, width, stride, y);
@@ -373,7 +373,7 @@ transient transient_of(const double *x, size_t n) {
   size_t m = n / batch, last = m / 2, best = 0, start = n - m * batch;
   if (m < 4) return transient_none(x, n);
 
-  /* The array is small: `last` is about the larger of FEWEST_BATCHES/2 and sqrt(n)/2. */
+  /* This array is small: `last` is about the larger of FEWEST_BATCHES/2 and sqrt(n)/2. */
   double *square = memory_new(last + 1, sizeof *square);
   naive(x + start, batch, m, last, square);
   double whole = square[0], goal = enough * enough * whole;
@@ -393,13 +393,14 @@ transient transient_of(const double *x, size_t n) {
   return found;
 }
 
-/* Goal of a run: test whether its error bar is small enough, at few times (slipdisk/measure.h).
+/* Test whether the error bar that ends a run is small enough (goal of `until`, see
+ * slipdisk/measure.h).
  *
  * An error bar is itself a random number, and a run that ends when it is small ends, on average,
  * when it is too small. Every test adds to that bias, so there are few: one for each 5 % of length
  * (docs/physics.md 9). */
 
-/* tests are 1/LOOKS of the length apart: 14 while the record becomes twice as long */
+/* The length of the record grows by 1/LOOKS between two tests: 14 tests while it doubles. */
 enum { LOOKS = 20 };
 
 sd_goal sd_goal_of(const sd_model *model, const sd_state *state) {

@@ -49,7 +49,7 @@ sd_status measurement_new(measurement *m, const sd_model *constants, const frame
   m->open = wanted ? 0 : configuration_open(&m->c);
   m->width = m->region.upper[0] - m->region.lower[0];
   m->height = m->region.upper[1] - m->region.lower[1];
-  enum { FEW = 1024 }; /* with fewer disks threads do not pay */
+  enum { FEW = 1024 }; /* largest number of disks for which threads cost more than they save */
   pool *all = m->c.model->n_disks > FEW && pool_most() > 1 ? pool_new(2) : NULL;
   pool_run(all, parts_together, &f);
   pool_free(all);

@@ -9,10 +9,10 @@
 
 typedef struct measurement {
   const char *file;
-  int64_t frame; /* number of the stored frame, -1: the state */
+  int64_t frame; /* number of the stored frame; -1: the stored state at the end of the run */
   configuration c;
   region region;
-  bool region_given; /* true if the caller gave the region */
+  bool region_given; /* true if the caller chose the region */
   unsigned open;     /* configuration_open of the frame; 0 if region_given */
   double width, height;
   stress s;
@@ -31,8 +31,8 @@ void measurement_free(measurement *m);
  * summed over the clump; NAN if a cell is open. */
 double measurement_pressure(const measurement *m, size_t disk);
 
-/* Table of the numbers of a measurement: columns of frames.csv, and names of the JSON with their
- * objects. */
+/* Table of all measured numbers, with their columns in frames.csv and their names in the JSON
+ * output (OBJECT.NAME). */
 extern const observable_list measurement_observables;
 
 #endif

@@ -102,7 +102,7 @@ void observable_print(FILE *out, const observable_list *list) {
     fprintf(out, "| `%s` | %s | ", o->name, o->unit);
     if (o->column) fprintf(out, "`%s` | ", o->column);
     if (columns && !o->column) fprintf(out, "| ");
-    for (const char *c = o->meaning; *c; c++) /* escaped, so that it does not end the table cell */
+    for (const char *c = o->meaning; *c; c++) /* a plain | would end the table cell */
       fprintf(out, *c == '|' ? "\\|" : "%c", *c);
     fprintf(out, " |\n");
   }

@@ -111,21 +111,21 @@ const resultant *series_resultants(const observable *o, const moment *now);
 /* Returns true if some phase changes the lengths of the region. */
 bool series_compresses(const sd_model *model);
 
-/* One body at a moment, described by the rows of frames. */
+/* One body at one time of a run; the rows of frames describe it. */
 typedef struct moment_body {
   const sd_state *state;
   uint32_t slot;
 } moment_body;
 extern const observable_list frame_observables; /* rows describe a moment_body */
 
-/* One clump at a moment, described by the rows of clump frames. */
+/* One clump at one time of a run; the rows of clump frames describe it. */
 typedef struct moment_clump {
   const sd_state *state;
   size_t clump;
 } moment_clump;
 extern const observable_list clump_observables; /* rows describe a moment_clump */
 
-/* One closed contact at a moment, described by the rows of contact tables. */
+/* One closed contact at one time of a run; the rows of contact tables describe it. */
 typedef struct moment_contact {
   const sd_model *model;
   const sd_state *state;

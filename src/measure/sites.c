@@ -105,7 +105,8 @@ sd_status sites_sort(sites *s) {
 typedef struct search {
   const sites *s;
   size_t own, found;
-  double at[2], least; /* point, and smallest power distance found (of site `found`) */
+  /* at: the point; least: smallest power distance so far, that of site `found` */
+  double at[2], least;
 } search;
 
 static void look(search *q, const sites_grid *g, size_t x, size_t y) {

@@ -66,7 +66,7 @@ static uint32_t body_of(const configuration *c, uint32_t disk) {
 typedef struct scratch {
   int32_t *left;   /* contacts with bodies that are no rattlers */
   bool *inside;    /* true for disks with their centre in the region */
-  uint32_t *stack; /* rattlers whose partners are not updated yet */
+  uint32_t *stack; /* stack of rattlers whose partners have not lost the contact yet */
   incidence_list list;
 } scratch;
 
@@ -116,7 +116,7 @@ static void find_rattlers(stress *s, const configuration *c, const scratch *room
 typedef struct body {
   double mass, inertia;
   const double *position, *velocity;
-  double resultant; /* absolute value; NAN if unknown */
+  double resultant; /* absolute value of the total force; NAN if unknown */
 } body;
 
 static size_t n_bodies(const configuration *c) { return c->model->n_disks + c->n_clumps; }
@@ -185,7 +185,7 @@ static void count_disks(stress *s, const configuration *c, const region *g, cons
   s->z_backbone = ratio(backbone, s->free - s->rattlers);
 }
 
-/* Velocity relative to the homogeneous flow of a box that deforms. */
+/* Computes the velocity v of a body relative to the homogeneous flow of a box that deforms. */
 static void beside_flow(const configuration *c, const body *b, double v[2]) {
   const double *g = c->gradient, x = b->position[0] - c->model->lower[0],
                y = b->position[1] - c->model->lower[1];
@@ -204,7 +204,7 @@ static void add_up(const configuration *c, exact_sum *sums, size_t n) {
 }
 
 static void kinetic_stress(double out[4], const configuration *c, const region *g, double area) {
-  exact_sum momentum[3] = {0}, sum[4] = {0}; /* sums of momentum x, momentum y, mass */
+  exact_sum momentum[3] = {0}, sum[4] = {0}; /* momentum: sums of m v_x, m v_y and m */
   double v[2];
   body b;
   for (size_t i = 0; i < n_bodies(c); i++) {

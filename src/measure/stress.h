@@ -30,7 +30,8 @@ principal stress_principal(const double tensor[4]);
 
 typedef struct stress {
   /* Arrays with one element per disk of the configuration, owned by the struct (stress_free): */
-  int32_t *contacts, *bearing; /* number of closed and of load-bearing contacts */
+  /* contacts: number of closed ones; bearing: number of load-bearing ones */
+  int32_t *contacts, *bearing;
   bool *rattler;
   double (*resultant)[2]; /* sum of contact forces, gravity and constant body force */
   /* sum of l.f over the contacts of a disk, l from its centre, or from that of its clump, to the
@@ -39,13 +40,14 @@ typedef struct stress {
 
   /* Results of the region: over disks with their centre in it, and over contacts with the middle of
    * their branch in it: */
-  /* area of the region; area of free and prescribed disks inside over this area */
+  /* area: of the region; fraction: area of free and prescribed disks inside over this area */
   double area, fraction;
-  /* disks in play: free and prescribed ones in the region, free ones outside */
+  /* numbers of disks in play: free and prescribed (fixed) ones in the region, free ones outside */
   size_t free, fixed, outside;
   size_t rattlers; /* number of the free disks that rattle, disks of rattling clumps included */
   size_t clumps;   /* number of clumps with their centre in the region */
-  /* closed contacts; of these load-bearing ones, and those with a wall or prescribed disk */
+  /* numbers of closed contacts; of these, load-bearing ones, and those with a wall or prescribed
+   * disk */
   size_t n_contacts, n_bearing, n_wall;
   size_t n_sliding;
   double z, z_bearing; /* closed and load-bearing contacts per free disk */

@@ -13,7 +13,8 @@
 #include "physics/system/bodies.h"
 #include "physics/system/halo.h"
 
-/* Fraction of the missing pressure that one change would add if all disks followed it affinely. */
+/* Fraction of the missing pressure by which one change would raise the pressure if all disks
+ * followed it affinely. */
 static const double GAIN = 0.1;
 /* The lengths stay as they are within this fraction of the tolerance, so that forces can come to
  * balance. */
@@ -49,8 +50,8 @@ double compress_inner(const sd_model *m, const sd_state *s, size_t slot) {
   return -(arm[0] * s->force_x[slot] + arm[1] * s->force_y[slot]);
 }
 
-/* Returns what clumps add to r, n . (arm_a - arm_b): r plus this is the normal component of the
- * vector between the centres of the two clumps. */
+/* Returns n . (arm_a - arm_b), the length that clumps add to the distance of the two disks: the sum
+ * is the normal component of the vector between the centres of the two clumps. */
 static double longer(const engine *e, size_t k) {
   const sd_model *m = e->model;
   double arm[2][2], n[2];
@@ -61,7 +62,7 @@ static double longer(const engine *e, size_t k) {
 }
 
 typedef struct virial {
-  /* stiffness: - dp/d ln(length) for affine displacements of the centres */
+  /* stiffness: -dp/d(ln length) for affine displacements of the centres */
   double pressure, stiffness;
 } virial;
 
@@ -122,7 +123,7 @@ static double factor(const engine *e) {
     shrink = now.stiffness > 0.0 ? GAIN * missing / now.stiffness : most;
   } else {
     shrink = 1.0 - sqrt(compress_fraction(e) / c->fraction);
-    if (fabs(shrink) < 1e-14) return 1.0; /* smaller than rounding errors */
+    if (fabs(shrink) < 1e-14) return 1.0; /* a smaller change is rounding error */
   }
   return 1.0 - fmin(fmax(shrink, -most), most);
 }

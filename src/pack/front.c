@@ -18,7 +18,7 @@ enum { WINDOW = 16, VARIANTS = 8 };
 /* Body that a disk can touch. Numbers below s->n are disks of the space; FIXED | k is edge, wall or
  * corner k. */
 typedef struct body {
-  double x, y;   /* centre, or start point of the line */
+  double x, y;   /* centre of a round body, start point of a straight one */
   double radius; /* radius of a round body, negative for a drum */
   double tx, ty; /* unit tangent of a straight body */
   /* length of a straight body from (x, y) along t; infinite: the line extends both ways */

@@ -210,9 +210,9 @@ static bool beyond(double x, double a, double b, double within) {
   return (a - x >= within && b - x >= within) || (x - a >= within && x - b >= within);
 }
 
-/* Distance of (x, y) from the wall's surface, without periodic images; negative inside a solid
- * circle or outside a ring. Straight segments farther away than `within` may be skipped, so larger
- * distances can come out infinite. */
+/* Returns the distance of (x, y) from the wall's surface, without periodic images; negative inside
+ * a solid circle or outside a drum. Straight segments farther away than `within` may be skipped, so
+ * larger distances can come out infinite. */
 static double from_wall(const sd_wall *wall, double x, double y, double within) {
   if (wall->kind == SD_WALL_CIRCLE) {
     double r = hypot(x - wall->pivot[0], y - wall->pivot[1]);
@@ -293,8 +293,8 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
                        double (*position)[2], size_t *placed) {
   size_t *order = NULL;
   sd_status status = SD_OK;
-  /* With this many tries equal disks reach a packing fraction of 0.53; ten times as many reach
-   * 0.54. */
+  /* Number of tries: equal disks reach a packing fraction of 0.53 with it, 0.54 with ten times as
+   * many. */
   int64_t left = 1000000 + 300 * (int64_t)n;
   *placed = 0;
   if (!memory_resize_row(&order, n, sizeof *order)) return SD_ERROR_IO;

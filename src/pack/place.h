@@ -19,7 +19,7 @@
 typedef struct place_interior {
   sd_container_kind kind;
   double x, y;   /* middle of the outlet (hopper) or centre (drum) */
-  double radius; /* radius of the drum */
+  double radius; /* radius of a drum */
   /* hopper: half widths at height y and from y + rise upwards; height of the slope */
   double bottom, top, rise;
 } place_interior;
@@ -40,7 +40,7 @@ typedef struct place_space {
    * spans the whole period along c: positions and grid cells wrap. */
   bool edge[2];
   double period[2]; /* length of the periodic box, 0 along an open direction */
-  /* number of disks (first the model's, then the added ones), and allocated rows */
+  /* n: number of disks, first the model's, then the added ones; capacity: allocated rows */
   size_t n, capacity;
   double (*disk)[3]; /* [capacity] x, y, radius */
   double corner[2], cell[2];
@@ -49,7 +49,7 @@ typedef struct place_space {
   int64_t *next;    /* [nodes] next node of the same cell, -1: last */
   uint32_t *holder; /* [nodes] index of the disk */
   size_t n_nodes, node_capacity;
-  /* [capacity] last search that found each disk; number of searches so far */
+  /* stamp: [capacity] last search that found each disk; stamps: number of searches so far */
   uint32_t *stamp, stamps;
   uint32_t *near; /* [capacity] disks found by place_near */
 } place_space;

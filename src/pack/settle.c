@@ -50,7 +50,7 @@ static void add_clumps(const engine *e, settle_sums *all) {
   }
 }
 
-/* Sums over the disks and contacts that this rank counts. */
+/* Computes the sums over the disks, clumps and contacts that this rank counts. */
 static void add_up(const engine *e, settle_sums *all) {
   const sd_state *s = e->state;
   const columns *c = engine_columns(e, 0);

@@ -47,7 +47,7 @@ static sd_status fill_slab(const sd_model *m, size_t tile, gsl_rng *rng, const t
   return status;
 }
 
-/* Fills a tile of a rain with waiting disks; the first row is `spacing` above the tile's lower
+/* Generates the waiting disks of one tile of a rain; the first row is `spacing` above the lower
  * edge. */
 static void make_waiting(const sd_tiles *t, size_t tile, gsl_rng *rng, const tiles_fill *how,
                          size_t n, double *radius, double (*position)[2], size_t *placed) {

@@ -19,7 +19,7 @@
 typedef struct tiles_fill {
   sd_packing_kind kind; /* any kind but SD_PACKING_RAIN */
   const sizes *sizes;
-  /* lattices only: distance between sites, displacement as a fraction of the free radius */
+  /* lattices only: distance between sites; largest displacement over (spacing/2 - radius) */
   double spacing, jitter;
 } tiles_fill;
 
