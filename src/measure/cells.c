@@ -1,4 +1,4 @@
-/* cells.c: see cells.h. */
+/* cells.c: cuts radical cells out of the plane, with threads (see cells.h). */
 #include "base/gsl.h"
 #include "measure/cells.h"
 
@@ -11,13 +11,15 @@
 #include "measure/sites.h"
 #include "physics/contact/walls.h"
 
-/* --- sites -------------------------------------------------------------------------------------------- */
+/* --- sites ------------------------------------------------------------------------------------ */
 
-/* Images at most `margin` outside the box. */
+/* Adds periodic images of the disks that lie at most `margin` outside the box. */
 static sd_status add_images(sites *s, const configuration *c, const double margin[2]) {
   const sd_model *m = c->model;
   sd_status status = SD_OK;
-  const int most = c->offset != 0.0 ? 2 : 1; /* rows of images may be shifted by half a length */
+  /* Rows of images of a sheared box can be shifted by up to half a length, so use two images on
+   * each side. */
+  const int most = c->offset != 0.0 ? 2 : 1;
   for (int j = -1; j <= 1; j++)
     for (int i = -most; i <= most; i++) {
       double shift[2] = {i * c->length[0] + j * c->offset, j * c->length[1]};
@@ -57,17 +59,19 @@ static sd_status sites_new(sites *s, const configuration *c, const region *g,
   return status == SD_OK ? sites_sort(s) : status;
 }
 
-/* --- one cell ----------------------------------------------------------------------------------------- */
+/* --- one cell --------------------------------------------------------------------------------- */
 
 enum { MOST_CORNERS = 2048 };
-enum { BY_NEIGHBOUR, BY_WALL, BY_REGION, BY_NOTHING }; /* what made an edge */
+/* kind of an edge: on a radical line, a wall, the region, or the initial rectangle */
+enum { BY_NEIGHBOUR, BY_WALL, BY_REGION, BY_NOTHING };
 
-/* A convex polygon about the centre of a disk; edge k goes from corner k to the next. */
+/* Convex polygon, relative to the centre of a disk. Edge k goes from corner k to the next
+ * corner. */
 typedef struct polygon {
   size_t n;
   double at[MOST_CORNERS][2];
   unsigned char edge[MOST_CORNERS];
-  bool sure[MOST_CORNERS]; /* no site is nearer to this corner */
+  bool sure[MOST_CORNERS]; /* true if no site is nearer to this corner than the disk itself */
 } polygon;
 
 static void polygon_box(polygon *p, double half_x, double half_y) {
@@ -80,8 +84,8 @@ static void polygon_box(polygon *p, double half_x, double half_y) {
   }
 }
 
-/* Keeps the part with n.x <= d, unless what is cut off is no deeper than `slack`. Returns false when the polygon has
- * too many corners. */
+/* Cuts off the part with n.x > d, unless it is at most `slack` deep. by: origin of the new edge.
+ * Returns false if the polygon has too many corners. */
 static bool polygon_cut(polygon *p, double nx, double ny, double d, double slack,
                         unsigned char by) {
   double deepest = 0.0;
@@ -129,11 +133,12 @@ typedef struct cutter {
   const configuration *c;
   const region *whole;
   const sites *s;
-  double margin[2], largest; /* radius */
-  bool short_of_images;      /* some cell may have a neighbour that was not there */
+  /* margin: distance from the box within which images are sites; largest: largest radius */
+  double margin[2], largest;
+  bool short_of_images; /* true if some cell may have a neighbour among images that are not sites */
 } cutter;
 
-/* By the radical line of disk i and site j. */
+/* Cuts the cell of disk i by its radical line with site j. */
 static bool cut_site(const sites *s, size_t i, size_t j, polygon *p) {
   double dx = s->at[j][0] - s->at[i][0], dy = s->at[j][1] - s->at[i][1];
   double d =
@@ -141,9 +146,10 @@ static bool cut_site(const sites *s, size_t i, size_t j, polygon *p) {
   return polygon_cut(p, dx, dy, d, 0.0, BY_NEIGHBOUR);
 }
 
-/* No circle with its centre beyond the block can have a lower power at a point than `power`. */
+/* Returns true if no circle with its centre outside the block can have a power distance below
+ * `power` from `at`. */
 static bool block_decides(const sites_block *b, const double at[2], double power, double largest) {
-  static const double slack = 1e-9; /* of what rounding moves between cells */
+  static const double slack = 1e-9; /* relative error of the positions of grid cells */
   double gap = HUGE_VAL;
   for (int k = 0; k < 2; k++) {
     const double below = at[k] - b->lower[k], above = b->upper[k] - at[k];
@@ -154,8 +160,9 @@ static bool block_decides(const sites_block *b, const double at[2], double power
   return b->complete && gap > 0.0 && gap * gap - largest * largest > power;
 }
 
-/* First by what is near, then by the site that is nearest to a corner, until the disk itself is nearest to all of them. A site
- * that has cut and is found again is nearer by rounding alone. */
+/* Cuts the cell of disk i: first by the sites near it, then by the site nearest to a corner, until
+ * the disk itself is nearest to all corners. A site that has already cut is nearer only by rounding
+ * and does not cut again. Returns false if the polygon has too many corners. */
 static bool cut_neighbours(const sites *s, size_t i, double largest, polygon *p) {
   static const double rounding = 1e-14;
   uint32_t used[MOST_CORNERS];
@@ -189,7 +196,8 @@ static bool cut_neighbours(const sites *s, size_t i, double largest, polygon *p)
   return true;
 }
 
-/* A site that is not there could come nearer to a corner than this disk only from within a circle about the corner. */
+/* Returns true if an image outside the margin could be nearer to a corner than the disk: its centre
+ * would lie within `reach` of the corner. */
 static bool needs_images(const cutter *q, size_t i, const polygon *p) {
   const sd_model *m = q->c->model;
   double r = q->s->radius[i];
@@ -208,14 +216,15 @@ static bool needs_images(const cutter *q, size_t i, const polygon *p) {
   return false;
 }
 
-/* By the tangent at the nearest point of the arc. */
+/* Cuts a cell by the tangent of the arc at its point nearest to `at`. */
 static void cut_arc(const placed_segment *g, const double *at, polygon *p) {
   const nearest_point q = walls_nearest(g, at[0], at[1]);
   const double r = hypot(q.dx, q.dy);
   if (q.active && q.flat && r > 0.0) polygon_cut(p, q.dx / r, q.dy / r, r, 0.0, BY_WALL);
 }
 
-/* Walls stop a cell where the disk stands before them. */
+/* Cuts a cell by each wall segment that the disk faces, i.e. on which the foot of the perpendicular
+ * from its centre lies. */
 static void cut_walls(const cutter *q, size_t i, polygon *p) {
   const sd_model *m = q->c->model;
   const double *at = q->s->at[i];
@@ -237,7 +246,8 @@ static void cut_walls(const cutter *q, size_t i, polygon *p) {
   }
 }
 
-/* A wall that has moved a little beyond the region stops a cell, not the region. */
+/* Cuts a cell by the edges of the region. The slack of half a radius lets a wall that has moved
+ * slightly beyond an edge of the region bound the cell, instead of that edge. */
 static void cut_region(const cutter *q, size_t i, polygon *p) {
   const region *g = q->whole;
   for (int c = 0; c < 2; c++) {
@@ -248,7 +258,7 @@ static void cut_region(const cutter *q, size_t i, polygon *p) {
   }
 }
 
-/* Farther than this from its disk's centre no corner of a cell in the bulk is. */
+/* Largest distance from its disk's centre to a corner of a closed cell. */
 static double bulk_reach(const cutter *q, size_t i) {
   return q->s->radius[i] + CELLS_VOID * q->largest;
 }
@@ -263,8 +273,8 @@ static bool is_closed(const cutter *q, size_t i, const polygon *p) {
   return true;
 }
 
-/* Does the edge from a to b leave the circle of this radius about the origin at a point that is farther than `reach`
- * from `centre`? */
+/* Returns true if the edge from a to b crosses the circle of this radius about the origin at a
+ * point farther than `reach` from `centre`. */
 static bool crosses_far(const double a[2], const double b[2], double radius, const double centre[2],
                         double reach) {
   double dx = b[0] - a[0], dy = b[1] - a[1], dd = dx * dx + dy * dy, ad = a[0] * dx + a[1] * dy;
@@ -278,7 +288,8 @@ static bool crosses_far(const double a[2], const double b[2], double radius, con
   return false;
 }
 
-/* In a drum a cell ends at the wall, and what is beyond does not count. */
+/* Returns the area of a cell inside a drum. The drum's wall closes a cell if no part of the cell
+ * inside the drum is farther from the disk than bulk_reach. */
 static double round_area(const cutter *q, size_t i, polygon *p, bool *closed) {
   const region *g = q->whole;
   const double own[2] = {q->s->at[i][0] - g->centre[0], q->s->at[i][1] - g->centre[1]};
@@ -306,7 +317,8 @@ static double cell_area(const cutter *q, size_t i, bool *closed, bool *short_of_
   *closed = false;
   if (!region_holds(g, q->s->at[i][0], q->s->at[i][1])) return NAN;
   polygon_box(&p, length[0] > 0.0 ? length[0] : size, length[1] > 0.0 ? length[1] : size);
-  if (!cut_neighbours(q->s, i, q->largest, &p) || p.n < 3) return NAN; /* hidden by larger disks */
+  /* larger disks leave no cell to this disk */
+  if (!cut_neighbours(q->s, i, q->largest, &p) || p.n < 3) return NAN;
   cut_walls(q, i, &p);
   if (g->round) {
     area = round_area(q, i, &p, closed);
@@ -325,7 +337,7 @@ typedef struct areas_task {
   const cutter *q;
   cells *t;
   size_t n;
-  atomic_bool more; /* images */
+  atomic_bool more; /* true if more images are needed */
 } areas_task;
 
 static void areas_together(const team *t, void *with) {
@@ -337,7 +349,7 @@ static void areas_together(const team *t, void *with) {
   if (more) f->more = true;
 }
 
-/* --- all cells ---------------------------------------------------------------------------------------- */
+/* --- all cells -------------------------------------------------------------------------------- */
 
 static sd_status cut_cells(cells *t, cutter *q, sd_messages *messages) {
   sites s = {0};
@@ -353,7 +365,7 @@ static sd_status cut_cells(cells *t, cutter *q, sd_messages *messages) {
   return status;
 }
 
-/* local has room for a number per disk. */
+/* Computes the statistics over closed cells. local: scratch of one number per disk. */
 static void statistics(cells *t, const configuration *c, const region *counted, double *local) {
   const sd_model *m = c->model;
   double disks = 0.0, area = 0.0;

@@ -1,4 +1,4 @@
-/* configuration.c: see configuration.h. */
+/* configuration.c: turns a frame into bodies and contacts (see configuration.h). */
 #include "measure/configuration.h"
 
 #include <assert.h>
@@ -15,7 +15,7 @@
 #include "physics/step/engine.h"
 #include "physics/contact/evaluate.h"
 
-/* --- frame -------------------------------------------------------------------------------------------- */
+/* --- frame ------------------------------------------------------------------------------------ */
 
 sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messages *messages) {
   size_t n = n_disks + n_walls;
@@ -49,7 +49,7 @@ void frame_data_free(frame_data *f) {
   *f = (frame_data){0};
 }
 
-/* Of the state as a whole. */
+/* Fills step, time and deformation of the box. */
 static void fill_moment(frame_data *f, const sd_model *m, const sd_state *s) {
   f->step = s->step;
   f->time = (double)s->step * m->dt;
@@ -72,7 +72,8 @@ static void fill_body(frame_data *f, size_t body, const sd_state *s, size_t slot
   f->image[body][1] = s->image_y[slot];
 }
 
-/* Materials come from `materials`, a model of the frame's bodies. */
+/* Fills row k of the contact table from stored contact k. a, b: its bodies in the frame's numbers;
+ * materials: a model of the frame's bodies. */
 static void fill_contact(frame_data *f, size_t k, const sd_model *materials, const sd_state *s,
                          uint32_t a, uint32_t b) {
   f->a[k] = a;
@@ -126,9 +127,10 @@ sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model 
   return SD_OK;
 }
 
-/* --- bodies ------------------------------------------------------------------------------------------- */
+/* --- bodies ----------------------------------------------------------------------------------- */
 
-/* Edges of box and region now: everything is stretched about the lower corner. */
+/* Sets the edges of box and region for this frame: all lengths are scaled about the lower
+ * corner. */
 static void fill_space(sd_model *m, const sd_model *from, const frame_data *f) {
   m->container = from->container;
   m->variant = from->variant;
@@ -148,18 +150,18 @@ static void fill_laws(sd_model *m, const sd_model *from) {
   size_t n = from->n_materials;
   m->materials = memory_new(n, sizeof *m->materials);
   m->laws = memory_new(n * n, sizeof *m->laws);
-  m->phases = memory_new(1, sizeof *m->phases); /* a model has one */
+  m->phases = memory_new(1, sizeof *m->phases); /* a model needs at least one phase */
   memcpy(m->laws, from->laws, n * n * sizeof *m->laws);
   m->n_materials = n;
   m->phases[0].steps = m->n_phases = 1;
 }
 
-/* This is what the model has beside its bodies. */
+/* Fills everything of the model except its bodies. */
 static void fill_constants(configuration *c, const sd_model *from, const frame_data *f) {
   sd_model *m = c->model;
-  m->dt = 1.0; /* nothing moves */
+  m->dt = 1.0; /* any value will do, as no step is taken */
   m->limits.unstable_step = true;
-  m->max_overlap = 1e300; /* whatever is there is measured */
+  m->max_overlap = 1e300; /* accept any overlap */
   fill_space(m, from, f);
   c->offset = f->offset;
   memcpy(c->gradient, f->gradient, sizeof c->gradient);
@@ -169,7 +171,8 @@ static void fill_constants(configuration *c, const sd_model *from, const frame_d
   for (int k = 0; k < 2; k++) c->length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0.0;
 }
 
-/* Rounding can leave a coordinate on the upper edge. */
+/* Wraps a position into the box. Rounding can put a coordinate on the upper edge, which is then set
+ * to the lower. */
 static void into_box(const configuration *c, double at[2]) {
   const sd_model *m = c->model;
   for (int k = 1; k >= 0; k--) {
@@ -238,14 +241,15 @@ static void fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f, size
   wall_point(from, f, body, from->center, w->center);
 }
 
-/* Where a wall stands across direction c; NAN when it is no line along the other one. */
+/* Returns coordinate c of a straight wall that is perpendicular to c; NAN for other walls. */
 static double across(const sd_wall *w, int c) {
   if (w->kind != SD_WALL_LINE || w->n_points < 2) return NAN;
   double rise = w->points[1][c] - w->points[0][c], run = w->points[1][1 - c] - w->points[0][1 - c];
   return fabs(rise) <= 1e-9 * fabs(run) ? w->points[0][c] : NAN;
 }
 
-/* All disks that move are on one side of a line across c at `at`: -1 below, +1 above, 0 on both. Collective. */
+/* Returns on which side of coordinate c = at all free disks lie: -1 below, +1 above, 0 on both
+ * sides. Collective. */
 static int side_of_disks(const sd_model *m, const comm *ranks, int c, double at) {
   enum { BELOW = 1, ABOVE = 2 };
   unsigned sides = 0;
@@ -258,8 +262,9 @@ static int side_of_disks(const sd_model *m, const comm *ranks, int c, double at)
   return (sides & ABOVE ? 1 : 0) - (sides & BELOW ? 1 : 0);
 }
 
-/* An edge of the region that was a straight wall at the start goes where the wall has gone, and a straight wall within
- * the region ends it where no disk is behind: lids and servo walls make a container smaller. Collective. */
+/* Moves edges of the region: an edge that was a straight wall at the start follows this wall, and a
+ * straight wall inside the region becomes an edge if no disk is behind it, as for lids and servo
+ * walls. Collective. */
 static void follow_walls(sd_model *m, const sd_model *from, const comm *ranks) {
   for (size_t w = 0; w < m->n_walls; w++)
     for (int c = 0; c < 2; c++) {
@@ -279,7 +284,7 @@ static void follow_walls(sd_model *m, const sd_model *from, const comm *ranks) {
     }
 }
 
-/* Bodies that are not in play leave their rows empty. */
+/* Allocates rows for all bodies of the frame; rows for disks not in play stay unused. */
 static sd_status new_bodies(configuration *c, const frame_data *f, uint32_t **renumbered) {
   sd_model *m = c->model;
   const memory_column rows[] = {{renumbered, f->n_bodies, sizeof **renumbered},
@@ -301,9 +306,9 @@ static void fill_bodies(configuration *c, const sd_model *from, const frame_data
   follow_walls(m, from, f->comm);
 }
 
-/* --- contacts ----------------------------------------------------------------------------------------- */
+/* --- contacts --------------------------------------------------------------------------------- */
 
-/* The image of a piece that is nearest to `at`. */
+/* Returns wall segment `part`, at its periodic image nearest to `at`. */
 static placed_segment place(const configuration *c, uint32_t part, const double at[2]) {
   const sd_model *m = c->model;
   const sd_segment *s = &m->segments[part];
@@ -319,7 +324,8 @@ static placed_segment place(const configuration *c, uint32_t part, const double 
   return *walls_image(c->length, &g, at[0], at[1], &image);
 }
 
-/* g: the piece of a wall. */
+/* Returns positions and radii of a contact in the form that contact_reaction_at needs. *g receives
+ * the wall segment that the result points to. */
 static contact_place place_of(const configuration *c, const config_contact *k, placed_segment *g) {
   const sd_model *m = c->model;
   const sd_disk *a = &m->disks[k->a];
@@ -345,7 +351,8 @@ static contact_place place_of(const configuration *c, const config_contact *k, p
   return at;
 }
 
-/* Directions, branch and force from poses, F_n, tau and the rolling force. */
+/* Computes directions, branch vector, point and force of a contact from the poses, F_n, tau and the
+ * rolling force. */
 static void complete(const configuration *c, config_contact *k) {
   const sd_model *m = c->model;
   const sd_disk *a = &m->disks[k->a];
@@ -403,7 +410,7 @@ static sd_status take_contacts(configuration *c, const sd_model *from, const fra
   return SD_OK;
 }
 
-/* Disks of one clump do not touch. */
+/* Returns true if both bodies are disks of the same clump, which have no contact. */
 static bool rigid(const configuration *c, uint32_t a, uint32_t b) {
   return b < c->model->n_disks && configuration_in_clump(c, a) && c->clump_of[a] == c->clump_of[b];
 }
@@ -423,13 +430,15 @@ static sd_status copy_contacts(configuration *c, const sd_state *s, sd_messages 
   return SD_OK;
 }
 
-/* A coefficient of restitution damps with the masses of whole clumps. */
+/* Gives disks of a clump the clump's mass, since a coefficient of restitution sets the damping by
+ * the mass of the whole clump. */
 static void use_clump_masses(const configuration *c, sd_state *s) {
   for (size_t i = 0; c->n_clumps > 0 && i < s->n_free; i++)
     if (configuration_in_clump(c, s->id[i])) s->mass[i] = c->clumps[c->clump_of[s->id[i]]].mass;
 }
 
-/* The box is that of the model, but for the shift and motion of its images. */
+/* Sets the shear offset and velocity gradient of a deforming box in the state; its lengths are
+ * those of the model. */
 static void deform(const configuration *c, sd_state *s) {
   const double *g = c->gradient;
   s->cell_start[CELL_OFFSET] = c->offset / c->length[0];
@@ -439,7 +448,8 @@ static void deform(const configuration *c, sd_state *s) {
       (g[SD_CELL_XY] * c->length[1] + g[SD_CELL_XX] * c->offset) / c->length[0];
 }
 
-/* A system that starts from this frame: the engine finds what touches, and how strongly. */
+/* Finds the contacts of a frame without a contact table: starts an engine at this frame, whose
+ * neighbour search and force law give the contacts and normal forces. */
 static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_disks,
                                sd_messages *messages) {
   const sd_model *m = c->model;
@@ -466,7 +476,7 @@ static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_d
   return status;
 }
 
-/* --- all ---------------------------------------------------------------------------------------------- */
+/* --- whole configuration ---------------------------------------------------------------------- */
 
 static void complete_together(const team *t, void *with) {
   configuration *c = with;
@@ -523,7 +533,7 @@ void configuration_free(configuration *c) {
   *c = (configuration){0};
 }
 
-/* --- region ------------------------------------------------------------------------------------------- */
+/* --- region ----------------------------------------------------------------------------------- */
 
 static void about_disks(const configuration *config, int c, double *lower, double *upper) {
   const sd_model *m = config->model;
@@ -556,7 +566,7 @@ region configuration_region(const configuration *c, const double *wanted) {
     }
     double length = c->length[k];
     g.whole[k] = length > 0.0 && g.upper[k] - g.lower[k] >= length * (1.0 - 1e-12);
-    if (g.whole[k]) g.upper[k] = g.lower[k] + length; /* more than a period is the period */
+    if (g.whole[k]) g.upper[k] = g.lower[k] + length; /* the region is at most one period long */
     g.image[k] = length > 0.0 && !g.whole[k] ? length : 0.0;
   }
   if (!wanted && given && m->container == SD_CONTAINER_DRUM) {
@@ -567,7 +577,7 @@ region configuration_region(const configuration *c, const double *wanted) {
   return g;
 }
 
-/* A straight piece of a wall lies on the line at `at` across coordinate c. */
+/* Returns true if a straight wall segment lies on the line where coordinate c is `at`. */
 static bool has_wall(const sd_model *m, int c, double at, double near) {
   for (size_t w = 0; w < m->n_walls; w++) {
     const sd_wall *wall = &m->walls[w];
@@ -587,6 +597,6 @@ unsigned configuration_open(const configuration *c) {
     for (int side = 0; !g.whole[k] && side < 2; side++)
       if (!has_wall(c->model, k, side ? g.upper[k] : g.lower[k], 1e-9 * (g.upper[k] - g.lower[k])))
         open |= 1u << (2 * k + side);
-  /* the floor of a bed are disks */
+  /* The lower edge of a bed counts as closed: its floor consists of disks. */
   return c->model->container == SD_CONTAINER_BED ? open & ~4u : open;
 }

@@ -1,11 +1,12 @@
-/* configurations.c: torque, normal forces and visits in each sliding configuration of a watched pair of contacts. */
+/* configurations.c: torque, normal forces and visits in each sliding configuration of a watched
+ * pair of contacts. */
 #include <math.h>
 
 #include "measure/observable.h"
 #include "model/model.h"
 #include "model/visits.h"
 
-/* Steps in a class, of the counts of 16 states of two contacts. */
+/* Returns the steps in a class, a sum over counts of the 4 x 4 states of two contacts. */
 static int64_t steps_in(const int64_t *count, int class) {
   int64_t steps = 0;
   for (int first = 0; first < 4; first++)
@@ -14,14 +15,16 @@ static int64_t steps_in(const int64_t *count, int class) {
   return steps;
 }
 
-/* Of n values from their sums; NAN without any. */
+/* Return mean and standard deviation of n values from their sum and sum of squares; NAN for n =
+ * 0. */
 static double mean_from(double sum, int64_t n) { return n > 0 ? sum / (double)n : NAN; }
 static double deviation_from(double sum, double squares, int64_t n) {
   double mean = mean_from(sum, n);
   return n > 0 ? sqrt(fmax(0, squares / (double)n - mean * mean)) : NAN;
 }
 
-/* With those of the part under way. */
+/* Fills steps and mean torque by age of the visit. now: the current visit is in configuration k, so
+ * its unfinished part is added. */
 static void add_ages(sd_configuration *c, const sd_state *s, size_t k, bool now) {
   const size_t watch = k / VISIT_CLASSES;
   const int64_t since = s->visit_since[watch], from = s->visit_from[watch];
@@ -45,7 +48,7 @@ sd_configuration sd_configuration_of(const sd_model *model, const sd_state *s, s
     c.visits = s->visit_count[k];
   }
   double sum[VISIT_SUMS] = {0};
-  /* before measuring a pair is in no class */
+  /* A pair is in no configuration until measuring begins. */
   const bool now = known && s->measured > 0 && s->visit_class[watch] == c.configuration;
   for (size_t q = 0; known && q < VISIT_SUMS; q++)
     sum[q] = s->visit_sum[VISIT_SUMS * k + q] + (now ? s->visit_part[VISIT_SUMS * watch + q] : 0);

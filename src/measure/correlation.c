@@ -1,4 +1,4 @@
-/* correlation.c: see correlation.h. */
+/* correlation.c: pair correlation and distributions of forces, with threads (see correlation.h). */
 #include "base/gsl.h"
 #include "measure/correlation.h"
 
@@ -8,20 +8,22 @@
 #include "base/memory.h"
 #include "base/team.h"
 
-/* --- pairs of centres --------------------------------------------------------------------------------- */
+/* --- pairs of centres ------------------------------------------------------------------------- */
 
-/* Centres in the window, by square cells no smaller than the reach. */
+/* Centres in the window, sorted into cells no narrower than the largest r of g(r). */
 typedef struct grid {
-  size_t n; /* of at, x and y */
+  size_t n; /* number of centres in at, x and y */
   double (*at)[2];
-  double lower[2], width[2]; /* of the window */
-  double inverse[2],
-      narrows[2]; /* 1/width where it repeats, else 0; 0 and 1: does the window end there? */
+  double lower[2], width[2]; /* lower corner and lengths of the window */
+  /* inverse[k]: 1/width if direction k wraps, else 0; narrows[k]: 1 if the window has edges along
+   * k, 0 if it wraps */
+  double inverse[2], narrows[2];
   bool wraps[2];
-  double offset; /* of rows of images */
+  double offset; /* x shift of the periodic image above, in a sheared box */
   size_t cells[2];
   size_t *start;
-  double *x, *y; /* cell after cell */
+  /* [n] coordinates of the centres, ordered by cell */
+  double *x, *y;
 } grid;
 
 static size_t grid_cell(const grid *g, const double at[2]) {
@@ -33,14 +35,15 @@ static size_t grid_cell(const grid *g, const double at[2]) {
   return cell[1] * g->cells[0] + cell[0];
 }
 
-/* Along a side, for n disks: a few of them each. */
+/* Largest number of cells along a side for n disks: about four cells per disk. */
 static size_t most_cells(size_t n) { return (size_t)(2.0 * sqrt((double)n)) + 1; }
 
 static void grid_fill(grid *g, double reach) {
   for (int k = 0; k < 2; k++) {
     const double most = (double)most_cells(g->n);
     g->cells[k] = (size_t)fmax(fmin(floor(g->width[k] / reach), most), 1.0);
-    if (g->wraps[k] && g->cells[k] < 3) g->cells[k] = 1; /* else a cell is its neighbour twice */
+    /* of two cells, each would be the other's neighbour on both sides */
+    if (g->wraps[k] && g->cells[k] < 3) g->cells[k] = 1;
     g->inverse[k] = g->wraps[k] ? 1.0 / g->width[k] : 0.0;
     g->narrows[k] = g->wraps[k] ? 0.0 : 1.0;
   }
@@ -63,32 +66,33 @@ static void grid_free(grid *g) {
   *g = (grid){0};
 }
 
-/* Bins have equal widths from 0 on. */
+/* Returns a histogram with bins of equal width from 0 to `upper`. */
 static gsl_histogram *histogram_new(size_t bins, double upper) {
   gsl_histogram *h = gsl_histogram_calloc_uniform(bins, 0.0, upper);
   if (!h) memory_lacks(0);
   return h;
 }
 
-/* All threads count, a chunk of rows of cells at a time; histograms of chunks are added in their order, so that sums do not
- * depend on the number of threads. */
+/* All threads count pairs, one chunk of rows of cells at a time. The histograms of the chunks are
+ * added in order, so that the sums do not depend on the number of threads. */
 enum { CHUNKS = 32 };
 typedef struct counter {
   const grid *g;
   double reach;
   size_t bins;
-  const double *range; /* [bins + 1] */
-  double *bin;         /* [CHUNKS][bins] */
-  atomic_size_t next;  /* chunk */
+  const double *range; /* [bins + 1] limits of the bins */
+  double *bin;         /* [CHUNKS][bins] histogram of each chunk */
+  atomic_size_t next;  /* next chunk to count */
 } counter;
 
-/* nearbyint, in the processor's vectors. */
+/* Rounds to the nearest integer like nearbyint, in a form that compilers vectorise; |x| < 2^51. */
 static inline double rounded(double x) {
   static const double shift = 0x1.8p52;
   return (x + shift) - shift;
 }
 
-/* Pairs of centre i with those of a run: their distances, which of them are near, then their bins. */
+/* Counts the pairs of centre i with the centres first ... last - 1. For each batch it computes all
+ * distances, selects those within reach, and adds these to the bins. */
 static void count_run(const counter *q, double *bin, size_t i, size_t first, size_t last) {
   enum { BATCH = 64 };
   const grid *g = q->g;
@@ -118,19 +122,21 @@ static void count_run(const counter *q, double *bin, size_t i, size_t first, siz
       b = b < q->bins ? b : q->bins - 1;
       b += r >= q->range[b + 1];
       b -= r < q->range[b];
-      bin[b] += 2.0 / area[k]; /* i, j and j, i */
+      bin[b] += 2.0 / area[k]; /* one weight for (i, j), one for (j, i) */
     }
   }
 }
 
-/* Cells that are near each other meet twice. */
+/* Counts the pairs between two cells. The loops visit each pair of cells in both orders; only other
+ * >= c counts. */
 static void count_cells(const counter *q, double *bin, size_t c, size_t other) {
   const size_t *start = q->g->start;
   for (size_t p = start[c]; other >= c && p < start[c + 1]; p++)
     count_run(q, bin, p, c == other ? p + 1 : start[other], start[other + 1]);
 }
 
-/* Neighbouring cell, or false beyond the window. */
+/* Finds the neighbour of a cell in direction k, wrapped if the window wraps; false beyond the
+ * window. */
 static bool step_cell(const grid *g, int k, size_t from, int step, size_t *to) {
   if (g->cells[k] == 1) return *to = 0, step == 0;
   if (step < 0 && from == 0) return *to = g->cells[k] - 1, g->wraps[k];
@@ -139,7 +145,8 @@ static bool step_cell(const grid *g, int k, size_t from, int step, size_t *to) {
   return true;
 }
 
-/* Pairs of a cell with those of a row of images, `side` above or below, that reach it. */
+/* Counts the pairs of cell c, in column x, with the cells of `row` that come near it in the
+ * periodic image above (side 1) or below (side -1), which is shifted by the offset. */
 static void count_shifted(const counter *q, double *bin, size_t c, size_t x, size_t row, int side) {
   const grid *g = q->g;
   const int64_t n = (int64_t)g->cells[0];
@@ -160,7 +167,7 @@ static void count_row(const counter *q, double *bin, size_t y) {
       if (!shifted)
         count_cells(q, bin, c, ny * g->cells[0] + nx);
       else if (k % 3 == 0)
-        count_shifted(q, bin, c, x, ny, k / 3 - 1); /* all columns at once */
+        count_shifted(q, bin, c, x, ny, k / 3 - 1); /* covers all three columns */
     }
   }
 }
@@ -184,7 +191,8 @@ static void count_pairs(const grid *g, gsl_histogram *h, double reach) {
   free(q.bin);
 }
 
-/* The region, and no more than where disks are. */
+/* Sets the window to the region, cut down to the bounding box of the disks along open directions,
+ * and collects the centres in it. */
 static sd_status fill_window(grid *g, const configuration *c, const region *r) {
   const sd_model *m = c->model;
   double upper[2], low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
@@ -242,9 +250,10 @@ static sd_status correlate(correlation *t, const configuration *c, const region 
   return status;
 }
 
-/* --- forces ------------------------------------------------------------------------------------------- */
+/* --- forces ----------------------------------------------------------------------------------- */
 
-/* scaled: values are divided by their mean. */
+/* Computes the distribution of n values, in `bins` bins up to `most`. scaled: the values are
+ * divided by their mean. */
 static void distribute(distribution *d, double *value, size_t n, double most, size_t bins,
                        bool scaled) {
   *d = (distribution){.n = n, .mean = NAN, .deviation = NAN, .skewness = NAN, .kurtosis = NAN};
@@ -255,10 +264,10 @@ static void distribute(distribution *d, double *value, size_t n, double most, si
   double unit = scaled && d->mean > 0.0 ? d->mean : 1.0;
   for (size_t k = 0; k < n; k++) {
     value[k] /= unit;
-    if (!scaled)
-      value[k] = fmin(value[k], nextafter(most, 0.0)); /* the limit belongs to the last bin */
+    if (!scaled) /* put a value at the upper limit into the last bin */
+      value[k] = fmin(value[k], nextafter(most, 0.0));
     d->beyond += value[k] >= most;
-    gsl_histogram_increment(d->histogram, value[k]); /* what is beyond is left out */
+    gsl_histogram_increment(d->histogram, value[k]); /* ignores values outside the bins */
   }
   double mean = d->mean / unit;
   d->deviation = gsl_stats_sd_with_fixed_mean(value, 1, n, mean);
@@ -299,7 +308,7 @@ static sd_status distribute_forces(correlation *t, const configuration *c, const
   return SD_OK;
 }
 
-/* --- all ---------------------------------------------------------------------------------------------- */
+/* --- all distributions ------------------------------------------------------------------------ */
 
 sd_status correlation_new(correlation *t, const configuration *c, const region *g, size_t bins,
                           sd_messages *messages) {

@@ -1,46 +1,49 @@
 /* correlation.h: pair correlation g(r), distributions of contact forces and of mobilised friction.
  *
- * g(r) counts pairs of centres within a window W, each weighted by 1/|W intersected with W + d|, d the vector from one to
- * the other (translation correction; Stoyan, Kendall, Mecke, Stochastic Geometry, 1995, 4.3): along a periodic direction
- * the length of the box, else the width of the window less |d|. So edges do not bias it:
+ * g(r) counts pairs of centres within a window W. Each pair has the weight
+ * 1/|W intersected with W + d|, with d the vector between the centres (translation correction;
+ * Stoyan, Kendall, Mecke, Stochastic Geometry, 1995, 4.3). The intersection is a rectangle: along a
+ * periodic direction it has the length of the box, else the width of the window less |d|. Edges
+ * therefore do not bias g(r):
  *   g(r) = sum of weights / (N (N - 1)/|W|^2 times the area of the ring).
- * W is the region, cut down to the rectangle about the disks along directions that are open.
- */
+ * W is the region, cut down to the bounding box of the disks along open directions. */
 #ifndef MEASURE_CORRELATION_H
 #define MEASURE_CORRELATION_H
 
 #include "base/gsl.h"
 #include "measure/configuration.h"
 
-/* Of positive values, as multiples of their mean. */
+/* Distribution of positive values, in multiples of their mean. */
 typedef struct distribution {
   size_t n;
-  double mean, deviation, skewness,
-      kurtosis; /* mean: of the values; the rest: of value/mean; kurtosis 0: Gaussian */
+  /* mean: of the values; the others: standard deviation, skewness and excess kurtosis (0 for a
+   * Gaussian) of value/mean */
+  double mean, deviation, skewness, kurtosis;
   double least, most;
-  size_t beyond;            /* values above the last bin */
-  gsl_histogram *histogram; /* NULL: there are no values */
+  size_t beyond;            /* number of values above the last bin */
+  gsl_histogram *histogram; /* histogram of value/mean; NULL without values */
 } distribution;
 
 typedef struct correlation {
-  gsl_histogram *pairs; /* g(r); NULL: fewer than two disks */
-  double reach;         /* of g(r) */
+  gsl_histogram *pairs; /* g(r); NULL for fewer than two disks */
+  double reach;         /* largest r of g(r) */
   size_t n_disks;
   double density;      /* disks per area of the window */
-  double peak_r, peak; /* highest bin */
-  distribution normal,
-      tangential;         /* load-bearing contacts of the region; tangential: with mu > 0 */
+  double peak_r, peak; /* position r and height of the highest bin of g(r) */
+  /* |F_n| and |tau| of load-bearing contacts in the region; tangential: only those with mu > 0 */
+  distribution normal, tangential;
   distribution mobilised; /* |tau|/(mu F_n), not divided by the mean */
-  size_t n_limit;         /* contacts that slide */
+  size_t n_limit;         /* number of contacts that slide */
 } correlation;
 
-/* bins of every histogram, at least one; g(r) reaches to 5 mean diameters, less in small systems;
- * forces to CORRELATION_FORCES means. correlation_free also when it fails. */
+/* CORRELATION_FORCES: upper limit of the force histograms, in means. correlation_new uses
+ * `bins` >= 1 bins in every histogram; g(r) extends to 5 mean diameters, in small systems to half
+ * the window. Call correlation_free also when it fails. SD_ERROR_IO: out of memory. */
 enum { CORRELATION_FORCES = 10 };
 sd_status correlation_new(correlation *t, const configuration *c, const region *g, size_t bins,
                           sd_messages *messages);
 void correlation_free(correlation *t);
-/* Value of a bin as a probability density. */
+/* Returns the probability density in a bin. */
 double distribution_density(const distribution *d, size_t bin);
 
 #endif

@@ -1,4 +1,5 @@
-/* disks_mean.c: means of the free disks and of all of them, from what a state has gathered; see slipdisk/measure.h. */
+/* disks_mean.c: means of each free disk and over all disks, from the sums in a state (see
+ * slipdisk/measure.h). */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -10,9 +11,10 @@
 #include "measure/sums.h"
 #include "model/state.h"
 
-/* --- one disk ---------------------------------------------------------------------------------------------- */
+/* --- one disk --------------------------------------------------------------------------------- */
 
-/* Mean over `count` bins from `first` on, per time. */
+/* Mean of `count` bins from `first` on, times per_bin (1/length of a bin, which turns angles into
+ * rates); NAN for none. */
 static double part_of(const double *bin, size_t first, size_t count, double per_bin) {
   return count > 0 ? sums_mean(bin + first, count) * per_bin : NAN;
 }
@@ -21,7 +23,7 @@ static void fill_rotation(sd_disk_mean *d, const sd_model *model, const sd_state
   const double *bin = state->mean_bin + i * SD_MEAN_BINS;
   double length = (double)state->mean_bin_steps * model->dt, period = mean_period(model) / length;
   size_t bins = (size_t)state->mean_bins, half = bins / 2;
-  /* a ripple that repeats within a bin is no more than noise at the bins' edges */
+  /* A ripple whose period is shorter than a bin is no more than noise at the edges of the bins. */
   sd_mean mean = mean_of_record(bin, bins, period >= 1 ? period : 0);
   d->omega = mean.mean / length;
   d->error = mean.error / length;
@@ -32,7 +34,7 @@ static void fill_rotation(sd_disk_mean *d, const sd_model *model, const sd_state
   d->turned = state->mean_last[i] - state->mean_angle[i];
 }
 
-/* Length of the box along a coordinate, 0 where it does not repeat. */
+/* Returns the current length of the box along a coordinate, 0 if it is not periodic. */
 static double period_along(const sd_model *model, const sd_state *state, int c) {
   return model->periodic[c] ? state->box_scale * (model->upper[c] - model->lower[c]) : 0;
 }
@@ -52,7 +54,9 @@ static void fill_position(sd_disk_mean *d, const sd_model *model, const sd_state
 static void fill_rates(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {
   double looks = (double)state->mean_samples, time = (double)state->measured * model->dt;
   bool running = state->phase < (int64_t)model->n_phases && model->phases[state->phase].measure;
-  double now = running ? 1 : 0; /* of a phase that goes on the sums lack what stands in the state */
+  /* The losses of the state enter the sums when a measured phase ends: add them here while it
+   * runs. */
+  double now = running ? 1 : 0;
   d->coordination = state->sum_contacts[i] / looks;
   d->sliding = state->sum_sliding[i] / state->sum_contacts[i];
   d->force = state->sum_force[i] / state->sum_contacts[i];
@@ -78,17 +82,18 @@ sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state, size_
   return d;
 }
 
-/* --- all --------------------------------------------------------------------------------------------------- */
+/* --- all disks -------------------------------------------------------------------------------- */
 
-/* Disks whose Omega is known, and room for what is computed of them. */
+/* Disks with a known mean angular velocity, with scratch arrays. */
 typedef struct sample {
   size_t n;
   const sd_disk_mean **disk;
-  double *x, *y, *ranks; /* [n], ranks [2 n] */
-  size_t *slot;          /* of each body */
+  double *x, *y, *ranks; /* [n] scratch, ranks [2 n] */
+  size_t *slot;          /* [n_bodies] slot of each body */
 } sample;
 
-/* Members of sd_disk_mean into x. */
+/* Copies one member of sd_disk_mean, given by its offset in the struct, from all disks into
+ * q->x. */
 static void take(const sample *q, size_t offset) {
   for (size_t k = 0; k < q->n; k++)
     q->x[k] = *(const double *)(const void *)((const char *)q->disk[k] + offset);
@@ -117,14 +122,16 @@ static void fill_omega(sd_disk_totals *t, const sample *q) {
   t->omega_mean_error = q->n > 1 ? gsl_stats_sd(q->x, 1, q->n) / sqrt(n) : NAN;
   t->skewness = q->n > 2 ? gsl_stats_skew(q->x, 1, q->n) : NAN;
 
-  /* the error of a mean square goes over to its root */
+  /* The error of the root is that of the mean square over twice the root. */
   for (size_t k = 0; k < q->n; k++) q->x[k] *= q->x[k];
   t->omega_rms = sqrt(gsl_stats_mean(q->x, 1, q->n));
   t->omega_rms_error = q->n > 1 && t->omega_rms > 0
                            ? gsl_stats_sd(q->x, 1, q->n) / sqrt(n) / (2 * t->omega_rms)
                            : NAN;
 
-  /* of a median: how many lie below it has a standard deviation of sqrt(n)/2, whatever the distribution */
+  /* Error of the median: for any distribution, the number of values below the median has the
+   * standard deviation sqrt(n)/2. Take half the distance between the quantiles that far from the
+   * median. */
   for (size_t k = 0; k < q->n; k++) q->x[k] = sqrt(q->x[k]);
   gsl_sort(q->x, 1, q->n);
   double off = 0.5 / sqrt(n);
@@ -141,7 +148,7 @@ static void fill_significance(sd_disk_totals *t, const sample *q) {
   for (size_t k = 0; k < q->n; k++) {
     const sd_disk_mean *d = q->disk[k];
     reliable += d->converged;
-    if (isnan(d->error)) continue; /* where a transient was cut off too little may be left */
+    if (isnan(d->error)) continue; /* the error is NAN if too little is left after the transient */
     known++;
     squares += d->error * d->error;
     significant += fabs(d->significance) > 3;
@@ -159,7 +166,8 @@ static void fill_significance(sd_disk_totals *t, const sample *q) {
   t->persistence_rank = gsl_stats_spearman(q->x, 1, second, 1, q->n, q->ranks);
 }
 
-/* Pairs of free disks that touch now. */
+/* Computes the mean product of omega over pairs of free disks in contact now, over its mean square.
+ * slot: scratch of one number per body. */
 static void fill_neighbours(sd_disk_totals *t, const sd_state *state, const sd_disk_mean *means,
                             size_t *slot) {
   double sum = 0, pairs = 0;
@@ -182,7 +190,7 @@ static void fill_contacts(sd_disk_totals *t, const sd_state *state, const sd_dis
     const sd_disk_mean *d = q->disk[k];
     diameter += 2 * state->radius[d - means] / n;
     contacts += d->coordination;
-    /* a disk that was never touched has no fraction and no force */
+    /* The means are NAN for a disk that never had a contact. */
     sliding += d->coordination > 0 ? d->sliding * d->coordination : 0;
     force += d->coordination > 0 ? d->force * d->coordination : 0;
   }
@@ -238,7 +246,7 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state,
   return t;
 }
 
-/* --- rows -------------------------------------------------------------------------------------------------- */
+/* --- tables ----------------------------------------------------------------------------------- */
 
 #define MEAN(name, field, unit, meaning)                                                           \
   { name, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_disk_mean, field), NULL, NULL, NULL, NULL }

@@ -1,26 +1,29 @@
 /* error_bar.c: standard error of the mean of a correlated record.
  *
- * n times its square is the spectral density of the record at frequency zero, S. S is that of autoregressive models of
- * the means of at most 512 blocks (Heidelberger & Welch, Commun. ACM 24, 233 (1981), and after them Plummer et al., R
- * News 6, 7 (2006), who fit such models): S = s/(1 - a_1 - ... - a_p)^2, s the variance of what the model does not
- * foretell. The sum in brackets is the product of 1 - k_i over Burg's reflection coefficients. Orders p are averaged
- * with the weights exp(-AIC/2) (Burnham & Anderson, Model Selection and Multimodel Inference (2002)).
+ * n times the squared error is the spectral density S of the record at frequency zero. It is
+ * estimated by fitting autoregressive models to the means of at most 512 blocks (spectral method:
+ * Heidelberger & Welch, Commun. ACM 24, 233 (1981); autoregressive fit: Plummer et al., R News 6, 7
+ * (2006)): S = s/(1 - a_1 - ... - a_p)^2, with s the variance that the model does not predict. The
+ * sum in brackets is the product of 1 - k_i over Burg's reflection coefficients k_i. Results of all
+ * orders p are averaged with the weights exp(-AIC/2) (Burnham & Anderson, Model Selection and
+ * Multimodel Inference (2002)).
  *
- * Correlations of both signs count. The angle of a disk that sticks and slips has bounded, elastic noise on top of its
- * random walk: its increments anticorrelate, S is a small part of their variance, and errors from blocks of B samples
- * come down to it slowly, as sqrt(S + c/B). Its spectrum rises with the frequency: so that little of it folds back to zero,
- * blocks of long records are smoothed before every other one is taken.
+ * Correlations of both signs count. The angle of a disk that sticks and slips has bounded, elastic
+ * noise on top of its random walk: its increments anticorrelate, S is a small part of their
+ * variance, and errors from blocks of B samples approach it slowly, as sqrt(S + c/B). Their
+ * spectrum rises with the frequency. To reduce aliasing to frequency zero, blocks of long records
+ * are smoothed before every other one is taken.
  *
- * A record that is periodic, or relaxes, has no noise to fit: the model foretells all of it. Periods shorter than blocks
- * fall out of their means, so there the error is the least that blocks give behind the largest, 16 of them or more,
- * with one standard deviation put back, as what is picked for being low is low by chance as well.
+ * A record that is periodic, or relaxes, has no noise to fit: the model predicts all of it. Periods
+ * shorter than the blocks average out in their means. The error is then the smallest one from block
+ * lengths beyond that with the largest error, with 16 blocks or more. One standard deviation is
+ * added to it, since the smallest of several estimates is low by chance as well.
  *
- * The error can be trusted (`reliable`) when the record is at least LONG integrated correlation
- * times long, and its lowest frequencies tell the density at zero (slow_of). A period must repeat
- * there, too. Records of 100 to 200 tau are called long enough partly by chance, when their error
- * comes out small. So a reliable error is enlarged by (CHANCE tau/n)^2 of itself;
- * tests/physics/test_converged.c holds CHANCE to noise of known tau.
- */
+ * An error is `reliable` if the record is at least LONG integrated correlation times long, and its
+ * lowest frequencies determine the density at zero (slow_of). A periodic record must contain enough
+ * periods, too (slow_repeats). Records of 100 to 200 tau pass partly by chance, when their error
+ * comes out small, so a reliable error is increased by the fraction (CHANCE tau/n)^2;
+ * tests/physics/test_converged.c checks CHANCE on noise of known tau. */
 #include "measure/error_bar.h"
 
 #include <float.h>
@@ -30,9 +33,11 @@
 #include "measure/sums.h"
 
 enum { SHORTEST = 16, BLOCKS = 512, ORDERS = 27, FEWEST = 16, LONG = 64, CHANCE = 50 };
-static const double foretold = 1e-3; /* of the variance: what is left then is no noise */
+/* A record has no noise if the model predicts all but this fraction of its variance. */
+static const double foretold = 1e-3;
 
-/* Means of whole blocks of b up to the record's end; their number. */
+/* Writes the means of the n/b whole blocks of b samples that end with the record; returns their
+ * number. */
 static size_t block_means(const double *x, size_t n, size_t b, double *y) {
   size_t blocks = n / b;
   if (b == 1) memcpy(y, x, n * sizeof *y);
@@ -40,7 +45,8 @@ static size_t block_means(const double *x, size_t n, size_t b, double *y) {
   return blocks;
 }
 
-/* Every other value of a record smoothed by 1/4, 1/2, 1/4, up to its end; their number. */
+/* Smooths a record by 1/4, 1/2, 1/4 and keeps every other value, up to its end; returns their
+ * number. */
 static size_t halved(const double *y, size_t n, double *half) {
   size_t count = (n - 1) / 2;
   const double *first = y + (n - 1 - 2 * count);
@@ -49,10 +55,11 @@ static size_t halved(const double *y, size_t n, double *half) {
   return count;
 }
 
-/* 1, 2, 3, 4, 6, 8, 12, ...: half octaves. */
+/* Returns the next block length in 1, 2, 3, 4, 6, 8, 12, ... (half octaves). */
 static size_t larger(size_t b) { return b < 2 ? b + 1 : (b & (b - 1)) ? b / 3 * 4 : b / 2 * 3; }
 
-/* Variance of the mean of a record without noise; is a period seen? */
+/* Computes the squared error of the mean of a record without noise. Returns true if the errors fall
+ * beyond some block length, as for a period. */
 static bool periodic_variance(const double *x, size_t n, double *square) {
   double y[BLOCKS], largest = 0;
   for (size_t b = 1; n / b >= FEWEST; b = larger(b)) {
@@ -65,7 +72,8 @@ static bool periodic_variance(const double *x, size_t n, double *square) {
   return *square < largest;
 }
 
-/* Mean over orders with the weights exp(-AIC/2). */
+/* Returns the mean of n values, one per order of the model, with the weights exp(-AIC/2).
+ * criterion: AIC of each order. */
 static double weighted(const double *value, const double *criterion, size_t n) {
   double least = criterion[0], sum = 0, weights = 0;
   for (size_t p = 1; p < n; p++) least = criterion[p] < least ? criterion[p] : least;
@@ -77,7 +85,8 @@ static double weighted(const double *value, const double *criterion, size_t n) {
   return sum / weights;
 }
 
-/* Two neighbours at once: left to itself the compiler takes vectors across blocks of eight, and transposes them. */
+/* Two neighbouring numbers in one vector. Without this type the compiler vectorises across blocks
+ * of eight and transposes them. */
 typedef double pair __attribute__((vector_size(16)));
 static inline pair pair_at(const double *x) {
   pair p;
@@ -85,7 +94,8 @@ static inline pair pair_at(const double *x) {
   return p;
 }
 
-/* Reflection coefficient of forward errors f[0..n) and the backward errors that meet them; both go on with zeros. */
+/* Returns Burg's reflection coefficient of the forward errors f[0..n) and the backward errors
+ * b[0..n). Both arrays are padded with zeros to a multiple of SUMS. */
 static double reflection(const double *restrict f, const double *restrict b, size_t n) {
   pair both[SUMS / 2] = {0}, squares[SUMS / 2] = {0};
   for (size_t t = 0; t < n; t += SUMS)
@@ -97,7 +107,8 @@ static double reflection(const double *restrict f, const double *restrict b, siz
   return 2 * sums_all((const double *)both) / sums_all((const double *)squares);
 }
 
-/* Errors of the next order, in place. */
+/* Updates the forward and backward errors to the next order, in place. k: reflection
+ * coefficient. */
 static void reflect(double *restrict f, double *restrict b, size_t n, double k) {
   for (size_t t = 0; t < n; t += SUMS)
     for (size_t l = t; l < t + SUMS; l++) {
@@ -107,7 +118,8 @@ static void reflect(double *restrict f, double *restrict b, size_t n, double k) 
     }
 }
 
-/* Spectral density at frequency zero of y[0..n), white noise having its variance everywhere; NAN: there is no noise. */
+/* Returns the spectral density at frequency zero of y[0..n), in units in which that of white noise
+ * is its variance; NAN if there is no noise. */
 static double spectrum_at_zero(const double *y, size_t n) {
   double forward[BLOCKS + SUMS], backward[BLOCKS + SUMS], found[ORDERS + 1], criterion[ORDERS + 1];
   double mean = sums_mean(y, n), all = (double)n;
@@ -120,7 +132,8 @@ static double spectrum_at_zero(const double *y, size_t n) {
     criterion[p] = all * log(left) + 2 * (double)p;
     found[p] = left * all / (all - 1 - (double)p) / (gain * gain);
     if (p == orders) return weighted(found, criterion, p + 1);
-    /* forward error t meets backward error t - 1, which stands p places before it */
+    /* Pair forward error t with backward error t - 1, which has the index t - 1 - p in
+     * `backward`. */
     size_t pairs = n - 1 - p;
     backward[pairs] = 0;
     double k = reflection(forward + p + 1, backward, pairs);
@@ -131,7 +144,7 @@ static double spectrum_at_zero(const double *y, size_t n) {
   return NAN;
 }
 
-/* Variation that rounding alone brings into a record of this size counts as none. */
+/* Returns true if a record varies by no more than rounding errors of its values. */
 static bool is_constant(const double *x, size_t n) {
   double low = x[0], high = x[0];
   for (size_t k = 1; k < n; k++) {
@@ -164,31 +177,33 @@ error_bar error_bar_of(const double *x, size_t n) {
   return found;
 }
 
-/* Can a record tell its own spectral density at frequency zero?
+/* Test whether a record determines its own spectral density at frequency zero.
  *
- * An error bar extrapolates the spectrum to zero. Its correlation time does not say whether that is
- * possible: the rate of a disk that sticks is nearly all elastic noise, whose spectrum has a dip at
- * zero; the integrated correlation time is small, and the smaller the less of the dip is resolved.
- * So the lowest LOWEST frequencies, 1/n to LOWEST/n, are tested themselves. I_k: periodogram,
- * exponentially distributed about the spectral density.
+ * An error bar extrapolates the spectrum to zero. The correlation time does not tell whether that
+ * is possible: the rate of a disk that sticks is nearly all elastic noise, whose spectrum has a dip
+ * at zero; the integrated correlation time is small, and it is smaller the less of the dip is
+ * resolved. Therefore the lowest LOWEST frequencies, 1/n to LOWEST/n, are tested. I_k is the
+ * periodogram, exponentially distributed about the spectral density.
  *
- * - Level: a parabola of k through the logarithms of means of pairs of I_k (Heidelberger & Welch,
- *   Commun. ACM 24, 233 (1981)) changes by less than `level` over that range. Noise of one
- *   correlation time tau, 1/(1 + (2 pi tau k/n)^2), needs some 110 tau; a dip must be as wide.
- * - Periods: frequencies up to SLOWEST/n hold less than half of the variance, so that a slow period
- *   comes SLOWEST times.
- * - Agreement: the mean of the lowest AGREE of I_k is near the density that the error bar has.
- * - Events: a variance made of N rare events is known to 1/sqrt(N); the fourth moment tells N.
+ *   - Level: a parabola in k through the logarithms of means of pairs of I_k (Heidelberger &
+ *     Welch, Commun. ACM 24, 233 (1981)) changes by less than `level` over that range. Noise of
+ *     one correlation time tau, 1/(1 + (2 pi tau k/n)^2), needs some 110 tau; a dip must be as
+ *     wide.
+ *   - Periods: frequencies up to SLOWEST/n hold less than half of the variance, so that a slow
+ *     period repeats SLOWEST times.
+ *   - Agreement: the mean of the lowest AGREE of I_k is near the density used for the error bar.
+ *   - Events: a variance made of N rare events has the relative error 1/sqrt(N); N follows from
+ *     the fourth moment.
  *
- * All of them together refuse two records of white noise in a hundred.
- */
+ * All of them together reject two records of white noise in a hundred. */
 
 enum { SHORTEST_TEST = 32, LOWEST = 32, SLOWEST = 16, AGREE = 4, EVENTS = 16 };
 static const double level = 1.75, most_slow = 0.5;
-static const double least = 0.2, most = 2.6; /* chi^2 of 8 degrees below 1.6, above 20.8 */
+/* limits of chi^2 with 8 degrees of freedom: 1.6 and 20.8, divided by 8 */
+static const double least = 0.2, most = 2.6;
 
-/* Periodogram of y[0..n) less its mean at k/n, k = 1 .. LOWEST
- * (Goertzel, Am. Math. Mon. 65, 34 (1958)). */
+/* Computes the periodogram of y[0..n) minus its mean at k/n, k = 1 .. LOWEST (Goertzel, Am. Math.
+ * Mon. 65, 34 (1958)). */
 static void periodogram(const double *y, size_t n, double found[LOWEST]) {
   double twice[LOWEST], last[LOWEST] = {0}, before[LOWEST] = {0};
   const double mean = sums_mean(y, n);
@@ -204,7 +219,8 @@ static void periodogram(const double *y, size_t n, double found[LOWEST]) {
         (last[k] * last[k] + before[k] * before[k] - twice[k] * last[k] * before[k]) / (double)n;
 }
 
-/* Change of the parabola through the logarithms of pairs, from frequency zero to the last. */
+/* Returns the change, from frequency zero to the last one, of the parabola fitted to the logarithms
+ * of means of pairs. */
 static double change_of(const double *power, size_t frequencies) {
   const size_t count = frequencies / 2;
   const double pairs = (double)count;
@@ -225,7 +241,8 @@ static double mean_of(const double *x, size_t n) {
   return all / (double)n;
 }
 
-/* Number of values that make the variance. */
+/* Returns the effective number of values that make up the variance, from the second and fourth
+ * moments. */
 static double events(const double *y, size_t n) {
   double second = 0, fourth = 0;
   const double mean = sums_mean(y, n);
@@ -237,7 +254,7 @@ static double events(const double *y, size_t n) {
   return (double)n / (fourth * (double)n / (second * second) - 1);
 }
 
-/* Part of the variance below SLOWEST/n. */
+/* Returns the fraction of the variance at frequencies up to SLOWEST/n. */
 static double slow_part(const double *y, size_t n, const double *power) {
   const size_t few = n / 8 < SLOWEST ? n / 8 : SLOWEST;
   return 2 * mean_of(power, few) * (double)few / ((double)(n - 1) * sums_variance(y, n));

@@ -1,4 +1,4 @@
-/* error_bar.h: the parts of sd_mean_of, apart so that each can be tested. */
+/* error_bar.h: the parts of sd_mean_of, exposed so that each can be tested. */
 #ifndef SLIPDISK_MEASURE_ERROR_BAR_H
 #define SLIPDISK_MEASURE_ERROR_BAR_H
 
@@ -6,54 +6,60 @@
 #include <stddef.h>
 
 typedef struct error_bar {
-  double error;       /* of the mean; NAN when it cannot be told */
-  double correlation; /* integrated correlation time, samples */
-  bool reliable;      /* the record is long enough for it */
-  bool slow; /* it is too short for slow parts that are in it: a drift may be one of them */
+  double error;       /* standard error of the mean; NAN if it is not known */
+  double correlation; /* integrated correlation time, in samples */
+  bool reliable;      /* true if the record is long enough for this error to be trusted */
+  /* true if the record is too short for its slow components, one of which may be a drift */
+  bool slow;
 } error_bar;
 
-/* Standard error of the mean of x[0..n) as a stationary record. */
+/* Returns the standard error of the mean of x[0..n), taken as a stationary record. */
 error_bar error_bar_of(const double *x, size_t n);
 
-/* From here on, in sigmas, a drift is cut off or put into the error bar; and it spoils convergence. */
+/* Significance of a drift in sigmas: above DRIFT_SEEN it is cut off or enters the error bar, above
+ * DRIFT_CERTAIN the mean does not count as converged. */
 enum { DRIFT_SEEN = 2, DRIFT_CERTAIN = 3 };
 
-/* Remaining drift of a record. */
+/* Drift that remains in a record. */
 typedef struct drift {
-  double sigmas; /* difference of the first quarter's mean and the rest's, in its errors */
-  double
-      half; /* half the difference of the means of the halves: the bias left by a short relaxation */
-  double ratio; /* difference of the last two quarters over that of the first two, >= 0 */
+  /* difference between the means of the first quarter and of the rest, over its standard error */
+  double sigmas;
+  /* half the difference between the means of the two halves: the bias left by a short relaxation */
+  double half;
+  /* (q3 - q4)/(q1 - q2) with the means q of the four quarters, at least 0 */
+  double ratio;
 } drift;
 
-/* error: that of the mean of x[0..n). */
+/* Returns the drift of x[0..n). error: standard error of its mean. */
 drift drift_of(const double *x, size_t n, double error);
 
 typedef struct transient {
-  size_t length;  /* samples to discard at the start */
-  double tail;    /* bias that it is likely to leave in the mean of the rest */
-  bool inside;    /* it ends before half the record */
-  bool quiet;     /* what follows is steady to a hundredth of the whole, by the naive error */
-  error_bar rest; /* of the mean of what follows */
-  drift left;     /* in it */
+  size_t length; /* number of samples to discard at the start */
+  double tail;   /* bias that the transient is likely to leave in the mean of the rest */
+  bool inside;   /* true if the transient ends within the first half of the record */
+  /* true if the naive error of the rest is at most a hundredth of that of the whole record */
+  bool quiet;
+  error_bar rest; /* standard error of the mean of the rest */
+  drift left;     /* drift of the rest */
 } transient;
 
 transient transient_of(const double *x, size_t n);
-/* Nothing is discarded. */
+/* Returns a transient of length 0, with the error and drift of the whole record. */
 transient transient_none(const double *x, size_t n);
 
-/* --- is a record long against the slowest of what is in it? ----------------------------------- */
+/* --- test whether a record resolves its slowest components ------------------------------------ */
 
 typedef enum slow {
-  SLOW_RESOLVED, /* the record tells its spectral density at frequency zero */
-  SLOW_DIP,      /* it does not: the extrapolated density is rather too large */
-  SLOW_PARTS     /* it does not: the extrapolated density may miss slow parts */
+  SLOW_RESOLVED, /* the record determines its spectral density at frequency zero */
+  SLOW_DIP,      /* not determined: the extrapolated density is more likely too large */
+  SLOW_PARTS     /* not determined: the extrapolated density may miss slow components */
 } slow;
 
-/* y[0..n): means of the blocks of a record. spectrum: the extrapolated density, in units in which
- * white noise has its variance. */
+/* Classifies a record by its block means y[0..n). spectrum: the extrapolated density at frequency
+ * zero, in units in which white noise has its variance. */
 slow slow_of(const double *y, size_t n, double spectrum);
-/* Is most of the variance faster than a sixteenth of the record? */
+/* Returns true if frequencies up to 16 periods per record (SLOWEST) hold less than half of the
+ * variance of y[0..n). */
 bool slow_repeats(const double *y, size_t n);
 
 #endif

@@ -1,5 +1,5 @@
-/* mean.c: means with error bars, of records and of what a state has gathered; the length of the
- * transient; when a goal is met. */
+/* mean.c: means with error bars, of records and of running sums of a state; length of the
+ * transient; test whether the goal of a run is met. */
 #include "measure/mean.h"
 
 #include <float.h>
@@ -15,8 +15,9 @@
 #include "model/state.h"
 #include "slipdisk/measure.h"
 
-/* Systematic error of a drift. Without noise: exp(-t/T) has a mean of half the difference of its halves times
- * (1 + u)/(1 - u), u the ratio of the differences of quarters. */
+/* Returns the systematic error due to a drift. For a record without noise, exp(-t/T) has the mean
+ * h (1 + u)/(1 - u), with h half the difference of its halves' means and u the ratio of the
+ * differences of its quarters. */
 static double systematic(drift left, error_bar error, bool quiet) {
   double u = fmin(left.ratio, 0.75);
   if (quiet && !error.reliable) return left.half * (1 + u) / (1 - u);
@@ -34,14 +35,15 @@ sd_mean sd_mean_of(const double *x, size_t n, bool look) {
   mean.mean = sums_mean(x + start.length, mean.used);
   mean.correlation = error.correlation;
   mean.error = hypot(error.error, hypot(start.tail, systematic(left, error, start.quiet)));
-  /* a relaxation without noise has no noise, and needs none once little of it is left */
+  /* Converged: either the error is reliable and no significant drift is left, or a relaxation
+   * without noise has mostly decayed. */
   bool over =
       (error.reliable && !(left.sigmas > DRIFT_CERTAIN)) || (start.quiet && left.ratio < 0.5);
   mean.converged = start.inside && isfinite(error.error) && over;
   return mean;
 }
 
-/* --- a periodic drive -------------------------------------------------------------------------------------- */
+/* --- periodic drive --------------------------------------------------------------------------- */
 
 double mean_period(const sd_model *model) {
   enum { MOST = 16 };
@@ -74,9 +76,10 @@ static double triangle(double u) {
   return u < 1 ? u * u / 2 : u < 2 ? 1 - (2 - u) * (2 - u) / 2 : 1;
 }
 
-/* Running means of x[0..n) from the triangle over two widths, `stride` apart, all that fit, up to the end. The
- * triangle is the mean over one width of what is turned in one width: a ripple of that period falls out
- * wherever the bins' edges lie. Returns how many; y: room for them. */
+/* Computes running means y[] of x[0..n), weighted by a triangle that spans two widths, `stride`
+ * apart, as many as fit, up to the end of the record. The triangle is a mean over one width of
+ * running sums over one width, so a ripple with this period cancels, wherever the edges of the bins
+ * lie. Returns the number of means. */
 static size_t windows(const double *x, size_t n, double width, double stride, double *y) {
   size_t count = (size_t)(((double)n - 2 * width) / stride) + 1;
   for (size_t k = 0; k < count; k++) {
@@ -90,11 +93,11 @@ static size_t windows(const double *x, size_t n, double width, double stride, do
   return count;
 }
 
-/* sd_mean_of a record with a ripple of the given period, in samples. */
+/* sd_mean_of for a record with a ripple of this period, in samples. */
 static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   enum { NARROWEST = 8, ENOUGH = 64 };
   double width = period * ceil(NARROWEST / period), length = (double)n;
-  /* with few windows they overlap more */
+  /* if there are few windows, let them overlap more */
   double stride = width / ceil(fmax(1, ENOUGH * width / (length - 2 * width)));
   bool enough = length >= 4 * width && stride >= 1;
   double few[SD_BINS + 1] = {0}, *y = few;
@@ -104,7 +107,7 @@ static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   }
   if (!enough) {
     sd_mean mean = sd_mean_of(x, n, true);
-    mean.converged = false; /* too few periods to tell */
+    mean.converged = false; /* the record has too few periods */
     return mean;
   }
   size_t count = windows(x, n, width, stride, y);
@@ -184,7 +187,7 @@ sd_slide sd_slide_of(const sd_model *model, const sd_state *state, size_t k) {
 
   for (int first = 0; first < 4; first++)
     for (int second = 0; second < 4; second++) {
-      /* before anything was measured every fraction is 0/0 */
+      /* before anything is measured every fraction is 0/0 = NAN */
       double part = (double)count[4 * first + second] / total;
       int own[2] = {first, second};
       for (int c = 0; c < 2; c++) {
@@ -240,36 +243,38 @@ const observable_list slide_observables =
 
 /* Length of the transient by the marginal standard error rule, MSER.
  *
- * The rule takes the truncation d that makes the naive error of the mean of the rest least:
- * sum_{i >= d} (y_i - mean_d)^2/(m - d)^2, y_i the m means of a batch of samples (White, Simulation 69, 323
- * (1997); batches of 5: White, Cobb & Spratt, Winter Simulation Conference (2000)). What is left of a transient
- * is of the size of the batches' noise, and adds up over the transient's length, so that batches of 5 leave
- * a bias of several errors in a long record; here a batch grows with the record, up to sqrt(n). Only the first
- * half is searched, as the statistic is erratic near the end; a minimum at the edge means that no stationary
- * part was found.
+ * The rule takes the truncation d that minimises the naive error of the mean of the rest,
+ *   sum_{i >= d} (y_i - mean_d)^2/(m - d)^2,
+ * with y_i the m means of batches of samples (White, Simulation 69, 323 (1997); batches of 5:
+ * White, Cobb & Spratt, Winter Simulation Conference (2000)). The rest of a transient has the size
+ * of the batches' noise and adds up over the transient's length, so batches of 5 leave a bias of
+ * several errors in a long record; here the batch size grows with the record, up to sqrt(n). Only
+ * the first half is searched, as the statistic is erratic near the end; a minimum at the edge means
+ * that no stationary part was found.
  *
- * A stationary record has such a minimum too, wherever chance put it, and a cut there selects: what is left has
- * less scatter than the whole, so that its error bar is too small. So a cut counts only if what it takes away
- * differs from the rest: the mean of the first part, or of its first half, quarter or eighth, by more than
- * `distinct` errors of the difference, from the error bar of the rest.
+ * A stationary record has such a minimum too, at a random position, and a cut there is biased: the
+ * rest scatters less than the whole record, so its error bar is too small. So a cut counts only if
+ * the part that it removes differs from the rest: the mean of this part, or of its first half,
+ * quarter or eighth, by more than `distinct` errors of the difference, from the error bar of the
+ * rest.
  *
- * The rest of a relaxation behind such a cut has the size of the noise of the batches, but adds up.
- * It is told in two ways: from the decay within what is cut off (tail_of), and from the means of the
- * first quarter and the rest of what is kept (drift_of). While the first is more than half the error
- * bar or the second more than two of its own, a sixteenth of the record is cut off as well, up to half
- * of it. What is still left belongs in the error bar.
+ * Behind such a cut, the remainder of a relaxation has the size of the batches' noise, but adds up.
+ * Two estimates reveal it: the decay within the part that is cut off (tail_of), and the difference
+ * between the first quarter and the rest of the kept part (drift_of). While the first exceeds half
+ * the error bar or the second two of its errors, another sixteenth of the record is cut off, up to
+ * half of it. The remainder after that enters the error bar.
  *
- * A record without noise that relaxes for ever (a deterministic drive) has no minimum before the edge,
- * and its rest never looks stationary. It is called quiet when the naive error falls to a hundredth of
- * that of the whole record; the search ends at a thousandth of this.
- */
+ * A record without noise that relaxes for ever (deterministic drive) has no minimum before the
+ * edge, and its rest never looks stationary. It is called quiet if the naive error falls to a
+ * hundredth of that of the whole record; the search ends once it is `enough` times that of the
+ * whole record. */
 
 enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16, BATCHES = 64, ENOUGH = 16 };
 static const double quiet_at = 1e-2, enough = 1e-5, distinct = 3;
 
-/* Square of the naive error for truncations 0 .. last batches, of m. */
+/* Computes the squared naive error for truncations of 0 ... last of the m batches. */
 static void naive(const double *x, size_t batch, size_t m, size_t last, double *square) {
-  /* running moments (Welford): going backwards, one pass serves all truncations */
+  /* Running moments (Welford). They go backwards, so that one pass serves all truncations. */
   double scale = 0, mean = 0, squares = 0;
   for (size_t d = m; d-- > 0;) {
     double y = sums_mean(x + d * batch, batch), kept = (double)(m - d), off = y - mean;
@@ -277,13 +282,14 @@ static void naive(const double *x, size_t batch, size_t m, size_t last, double *
     mean += off / kept;
     squares += off * (y - mean);
     if (d > last) continue;
-    /* below the rounding of the samples all truncations are equally good */
+    /* Variances below the rounding of the samples count as equal. */
     double variance = fmax(squares / (kept - 1), pow(4 * DBL_EPSILON * scale, 2));
     square[d] = variance * (kept - 1) / (kept * kept);
   }
 }
 
-/* Standard deviation of means of `part` of n samples, from those that there are; 0: too few. */
+/* Standard deviation of means of `part` samples, from at most BATCHES parts at the end of x[0..n);
+ * 0: too few parts. */
 static double scatter_of(const double *x, size_t n, size_t part) {
   double y[BATCHES];
   size_t count = n / part < BATCHES ? n / part : BATCHES;
@@ -291,8 +297,9 @@ static double scatter_of(const double *x, size_t n, size_t part) {
   return count < ENOUGH ? 0 : sqrt(sums_variance(y, count));
 }
 
-/* Is x[0..d), or the start of it, unlike x[d..n)? Samples that anticorrelate scatter more over a short part than the
- * error bar of the rest has it. */
+/* Returns true if the mean of x[0..d), or of its first half, quarter or eighth, differs from that
+ * of x[d..n). The scatter of short parts is measured as well, as samples that anticorrelate scatter
+ * more than the error bar of the rest implies. */
 static bool stands_out(const double *x, size_t d, size_t n) {
   double rest = sums_mean(x + d, n - d), error = error_bar_of(x + d, n - d).error;
   size_t part = d;
@@ -300,7 +307,7 @@ static bool stands_out(const double *x, size_t d, size_t n) {
     double short_one =
         fmax(error * sqrt((double)(n - d) / (double)part), scatter_of(x + d, n - d, part));
     double sigma = hypot(error, short_one);
-    /* without an error bar there is nothing against the cut */
+    /* if the error bar is NAN, accept the cut */
     if (!(fabs(sums_mean(x, part) - rest) <= distinct * sigma)) return true;
   }
   return false;
@@ -314,7 +321,8 @@ drift drift_of(const double *x, size_t n, double error) {
   for (size_t k = 0; k < 4; k++) q[k] = sums_mean(x + (n - (4 - k) * quarter), quarter);
   double fall = fabs(q[0] - (q[1] + q[2] + q[3]) / 3);
   bool rounding = fall <= 8 * DBL_EPSILON * fabs(q[3]);
-  /* variance of a mean over a length L: error^2 n/L, and of bounded noise c/L^2, which a sixteenth tells */
+  /* Variance of a mean over a length L: error^2 n/L for the correlated noise, plus c/L^2 for
+   * bounded noise, with c from parts of n/ENOUGH samples. */
   double bounded = fmax(0, pow(scatter_of(x, n, n / ENOUGH), 2) - 16 * error * error);
   double sigma = sqrt((4 + 4. / 3) * error * error + bounded * (1. / 16 + 1. / 144));
   result.sigmas = rounding ? 0 : fall / sigma;
@@ -324,8 +332,8 @@ drift drift_of(const double *x, size_t n, double error) {
   return result;
 }
 
-/* Bias that the rest of a relaxation over x[0..d) leaves in the mean of x[d..n): its mean excess in two halves goes
- * on as a geometric series. */
+/* Returns the bias in the mean of x[d..n) left by a relaxation over x[0..d): the mean excesses of
+ * the two halves of x[0..d) are continued as a geometric series. */
 static double tail_of(const double *x, size_t d, size_t n) {
   size_t half = d / 2;
   if (half == 0) return 0;
@@ -335,7 +343,8 @@ static double tail_of(const double *x, size_t d, size_t n) {
   return ratio > 0 ? fabs(second) * ratio / (1 - ratio) * (double)half / (double)(n - d) : 0;
 }
 
-/* Lengthens a cut while something of the relaxation is seen behind it, and tells what error and drift are left. */
+/* Lengthens a cut while a relaxation is visible behind it, and sets the error and drift of the
+ * rest. */
 static void cut_drift(const double *x, size_t n, transient *found) {
   for (size_t step = n / STEPS;; found->length += step) {
     const double *rest = x + found->length;
@@ -360,11 +369,11 @@ transient transient_none(const double *x, size_t n) {
 transient transient_of(const double *x, size_t n) {
   size_t batch = (size_t)fmin((double)n / FEWEST_BATCHES, sqrt((double)n));
   if (batch < SMALLEST) batch = SMALLEST;
-  size_t m = n / batch, last = m / 2, best = 0,
-         start = n - m * batch; /* whole batches up to the end */
+  /* start of the first whole batch, so that batches end with the record */
+  size_t m = n / batch, last = m / 2, best = 0, start = n - m * batch;
   if (m < 4) return transient_none(x, n);
 
-  /* some for the fewest batches, some for the root of n: small */
+  /* This array is small: `last` is about the larger of FEWEST_BATCHES/2 and sqrt(n)/2. */
   double *square = memory_new(last + 1, sizeof *square);
   naive(x + start, batch, m, last, square);
   double whole = square[0], goal = enough * enough * whole;
@@ -384,13 +393,15 @@ transient transient_of(const double *x, size_t n) {
   return found;
 }
 
-/* Is an error bar small enough, and when is it looked at; see slipdisk/measure.h.
+/* Test whether the error bar that ends a run is small enough (goal of `until`, see
+ * slipdisk/measure.h).
  *
- * An error bar is itself a random number, and a run that ends when it is small ends, on the average, when it is
- * too small. Every look adds to that, so there are few: one for each 5 % of length (docs/physics.md 9).
- */
+ * An error bar is itself a random number, and a run that ends when it is small ends, on average,
+ * when it is too small. Every test adds to that bias, so there are few: one for each 5 % of length
+ * (docs/physics.md 9). */
 
-enum { LOOKS = 20 }; /* while the record becomes twice as long there are 14 */
+/* The length of the record grows by 1/LOOKS between two tests: 14 tests while it doubles. */
+enum { LOOKS = 20 };
 
 sd_goal sd_goal_of(const sd_model *model, const sd_state *state) {
   const sd_until *u = &model->until;
@@ -400,7 +411,7 @@ sd_goal sd_goal_of(const sd_model *model, const sd_state *state) {
                .measured = r.measured,
                .converged = r.converged};
   g.goal = u->relative > 0.0 ? u->relative * fabs(g.value) : u->error;
-  g.reached = g.converged && g.error <= g.goal; /* false for NAN */
+  g.reached = g.converged && g.error <= g.goal; /* false if the error is NAN */
   return g;
 }
 

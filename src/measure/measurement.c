@@ -1,4 +1,4 @@
-/* measurement.c: see measurement.h. */
+/* measurement.c: measures a frame and tabulates the results (see measurement.h). */
 #include "measure/measurement.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 
 #include "base/team.h"
 
-/* Parts of a measurement that go side by side, with threads of their own. */
+/* Three independent parts of a measurement, computed by different threads. */
 enum { STRESS, PAIRS, CELLS, PARTS };
 typedef struct parts_task {
   measurement *m;
@@ -49,7 +49,7 @@ sd_status measurement_new(measurement *m, const sd_model *constants, const frame
   m->open = wanted ? 0 : configuration_open(&m->c);
   m->width = m->region.upper[0] - m->region.lower[0];
   m->height = m->region.upper[1] - m->region.lower[1];
-  enum { FEW = 1024 }; /* disks, not worth a thread */
+  enum { FEW = 1024 }; /* largest number of disks for which threads cost more than they save */
   pool *all = m->c.model->n_disks > FEW && pool_most() > 1 ? pool_new(2) : NULL;
   pool_run(all, parts_together, &f);
   pool_free(all);
@@ -96,7 +96,8 @@ OBSERVABLE_GET(sliding, measurement,
                at->c.recomputed || at->c.frictionless ? NAN : (double)at->s.n_sliding)
 OBSERVABLE_GET(overlap_max, measurement, at->s.n_contacts > 0 ? at->s.overlap_max : NAN)
 
-/* Contacts that were found again have no tangential force. */
+/* Fraction of the contacts with friction that slide; NAN if contacts were found again, as their
+ * tangential force is unknown. */
 static double at_limit(const void *row, size_t k) {
   const measurement *m = row;
   size_t n = m->pairs.mobilised.n;

@@ -1,4 +1,4 @@
-/* measurement.h: all that is measured of one stored frame; docs/measure.md has names and definitions. */
+/* measurement.h: all measurements of one stored frame; docs/measure.md defines the quantities. */
 #ifndef MEASURE_MEASUREMENT_H
 #define MEASURE_MEASUREMENT_H
 
@@ -9,11 +9,11 @@
 
 typedef struct measurement {
   const char *file;
-  int64_t frame; /* number of the stored frame, -1: the state */
+  int64_t frame; /* number of the stored frame; -1: the stored state at the end of the run */
   configuration c;
   region region;
-  bool region_given; /* by the caller */
-  unsigned open;     /* configuration_open; 0 when the region is given */
+  bool region_given; /* true if the caller chose the region */
+  unsigned open;     /* configuration_open of the frame; 0 if region_given */
   double width, height;
   stress s;
   cells cells;
@@ -21,15 +21,18 @@ typedef struct measurement {
   correlation pairs;
 } measurement;
 
-/* wanted (may be NULL): x0, x1, y0, y1. measurement_free also when it fails. A triangulation that fails is a warning:
- * cells are then not known. */
+/* Measures a frame. wanted: x0, x1, y0, y1 of a region, or NULL. Call measurement_free also when it
+ * fails. SD_ERROR_USER: no disk is in play, or a region was given in a sheared box. If the cells
+ * fail with SD_ERROR_NUMERIC this is only a warning, and has_cells is false. */
 sd_status measurement_new(measurement *m, const sd_model *constants, const frame_data *frame,
                           const double *wanted, size_t bins, sd_messages *messages);
 void measurement_free(measurement *m);
-/* On a disk: sum of l.f over twice the area of its cell, of a disk in a clump that of the clump; NAN where a cell is open. */
+/* Returns the pressure on a disk: sum of l.f over twice the area of its cell, for a disk in a clump
+ * summed over the clump; NAN if a cell is open. */
 double measurement_pressure(const measurement *m, size_t disk);
 
-/* The numbers of a measurement: columns of frames.csv, and the JSON, with the object in which they stand. */
+/* Table of all measured numbers, with their columns in frames.csv and their names in the JSON
+ * output (OBJECT.NAME). */
 extern const observable_list measurement_observables;
 
 #endif

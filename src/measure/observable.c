@@ -1,4 +1,4 @@
-/* observable.c: see observable.h. */
+/* observable.c: reads, writes and prints measured quantities (see observable.h). */
 #include "measure/observable.h"
 
 #include <string.h>
@@ -29,7 +29,8 @@ double observable_value(const observable *o, const void *row, size_t k) {
   return ((const bool *)at)[k] ? 1 : 0;
 }
 
-/* A damaged file may hold any number: what an integer cannot hold is 0. The upper limits are no numbers of the types. */
+/* Replaces values by 0 that the integer type cannot hold, as a damaged file may hold any number.
+ * The upper limit itself is excluded: it is the first value beyond the type. */
 static double within(double value, double lower, double upper) {
   return value >= lower && value < upper ? value : 0.0;
 }
@@ -101,8 +102,8 @@ void observable_print(FILE *out, const observable_list *list) {
     fprintf(out, "| `%s` | %s | ", o->name, o->unit);
     if (o->column) fprintf(out, "`%s` | ", o->column);
     if (columns && !o->column) fprintf(out, "| ");
-    for (const char *c = o->meaning; *c; c++)
-      fprintf(out, *c == '|' ? "\\|" : "%c", *c); /* ends no cell */
+    for (const char *c = o->meaning; *c; c++) /* a plain | would end the table cell */
+      fprintf(out, *c == '|' ? "\\|" : "%c", *c);
     fprintf(out, " |\n");
   }
   fputc('\n', out);

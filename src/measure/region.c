@@ -1,4 +1,4 @@
-/* region.c: see region.h. */
+/* region.c: areas and lengths within a rectangle or a drum (see region.h). */
 #include "measure/region.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@ double region_area(const region *g) {
   return (g->upper[0] - g->lower[0]) * (g->upper[1] - g->lower[1]);
 }
 
-/* The image of `at` that comes first at or after the lower edge. */
+/* Returns the smallest periodic image of coordinate c that is not below the lower edge. */
 static double first_image(const region *g, int c, double at) {
   if (g->image[c] == 0.0) return at;
   return at - g->image[c] * floor((at - g->lower[c]) / g->image[c]);
@@ -25,7 +25,7 @@ bool region_holds(const region *g, double x, double y) {
   return true;
 }
 
-/* --- areas -------------------------------------------------------------------------------------------- */
+/* --- areas ------------------------------------------------------------------------------------ */
 
 typedef struct point {
   double x, y;
@@ -37,7 +37,8 @@ static double sector(point p, point q, double radius) {
 
 static point along(point p, point d, double t) { return (point){p.x + t * d.x, p.y + t * d.y}; }
 
-/* Area common to the circle and the triangle of its centre and one edge. */
+/* Returns the signed area that the circle about the origin shares with the triangle of the origin
+ * and edge p to q. */
 static double edge_area(point p, point q, double radius) {
   point d = {q.x - p.x, q.y - p.y};
   double a = d.x * d.x + d.y * d.y, b = p.x * d.x + p.y * d.y;
@@ -61,7 +62,7 @@ double region_circle_polygon(double radius, size_t n, const double (*corner)[2])
   return area;
 }
 
-/* Two circles whose centres are `distance` apart. */
+/* Returns the area common to two circles of radii r and s at this distance. */
 static double lens(double distance, double r, double s) {
   if (distance >= r + s) return 0.0;
   if (distance <= fabs(r - s)) return M_PI * fmin(r, s) * fmin(r, s);
@@ -70,7 +71,7 @@ static double lens(double distance, double r, double s) {
          v * sqrt(fmax(s * s - v * v, 0.0));
 }
 
-/* One image. */
+/* Returns the area of a disk inside the rectangle, without its periodic images. */
 static double rectangle_disk(const region *g, double x, double y, double radius) {
   double low[2], high[2];
   const double at[2] = {x, y};
@@ -97,9 +98,10 @@ double region_disk(const region *g, double x, double y, double radius) {
   return area;
 }
 
-/* --- lines -------------------------------------------------------------------------------------------- */
+/* --- lines ------------------------------------------------------------------------------------ */
 
-/* Liang and Barsky: the range of t in which p + t d is inside. */
+/* Returns the fraction of the line p + t d, 0 <= t <= 1, inside the rectangle (algorithm of Liang
+ * and Barsky). */
 static double rectangle_line(const region *g, const double p[2], const double d[2]) {
   double first = 0.0, last = 1.0;
   for (int c = 0; c < 2; c++) {

@@ -1,4 +1,4 @@
-/* resultant.c: see resultant.h. */
+/* resultant.c: sums forces and counts at one time (see resultant.h). */
 #include "measure/resultant.h"
 
 #include <stdlib.h>
@@ -15,16 +15,18 @@
 
 static const size_t NONE = SIZE_MAX;
 
-/* Sums of the whole; then rows of each wall, group and chosen disk. */
+/* Layout of resultants.sums: WHOLE sums over everything, then ROW sums for each wall, group and
+ * chosen disk. */
 enum { CONTACTS, SLIDING, OUTSIDE, VIRIAL, SQUARES, WHOLE };
 enum { FORCE_X, FORCE_Y, TORQUE, NORMAL, TANGENTIAL, ROW_CONTACTS, ROW_SLIDING, ROW };
 
-/* A state, or the part of one that a rank has. */
+/* A state, or the part of it that a rank has. */
 typedef struct part {
   const sd_model *model;
   const sd_state *state;
   const slot_table *slots;
-  const comm *comm; /* they are a part of those of its ranks; NULL: all */
+  /* ranks that share the state; NULL: the state is complete */
+  const comm *comm;
 } part;
 
 static exact_sum *walls_of(const resultants *r) { return r->sums + WHOLE; }
@@ -69,15 +71,15 @@ void resultants_free(resultants *r) {
 
 static void add_up(const part *p, exact_sum *sum, size_t n) { comm_total_exact(p->comm, sum, n); }
 
-/* Each body in one part. */
+/* Returns true for bodies that this rank counts; each body counts on exactly one rank. */
 static bool counts(const part *p, size_t slot) {
   const sd_state *s = p->state;
   return slot < s->n_free || (comm_rank(p->comm) == 0 && slot >= s->n_free + s->n_ghosts);
 }
 
-/* --- sums over contacts ------------------------------------------------------------------------------- */
+/* --- sums over contacts ----------------------------------------------------------------------- */
 
-/* To which wall, group or chosen disk a body belongs. */
+/* Returns the index of the wall, group or chosen disk to which a body belongs; NONE: none. */
 typedef size_t owner_of(const resultants *r, const part *p, uint32_t body);
 
 static size_t wall_of(const resultants *r, const part *p, uint32_t body) {
@@ -118,7 +120,7 @@ static void add_contacts(const resultants *r, const part *p, exact_sum *rows, ow
   }
 }
 
-/* As the engine has it. */
+/* Adds the force and torque on a body that the engine has stored in the state. */
 static void add_force(const part *p, exact_sum *row, uint32_t body) {
   const sd_state *s = p->state;
   const uint32_t slot = slot_of(p->slots, body);
@@ -128,9 +130,10 @@ static void add_force(const part *p, exact_sum *row, uint32_t body) {
   exact_sum_add(&row[TORQUE], s->torque[slot]);
 }
 
-/* --- of all contacts and disks ------------------------------------------------------------------------- */
+/* --- sums over all contacts and disks --------------------------------------------------------- */
 
-/* F_n r, r the distance of two centres or that from a wall: compress.h. */
+/* Returns F_n r of contact c, with r the distance of the two centres, or of the centre from the
+ * wall (compress.h). */
 static double virial_of(const part *p, size_t c) {
   const sd_state *s = p->state;
   const uint32_t a = s->contact_a[c], b = s->contact_b[c];
@@ -139,7 +142,8 @@ static double virial_of(const part *p, size_t c) {
   return s->contact_force[c] * (r - s->contact_overlap[c]);
 }
 
-/* A pair that attraction alone holds is none. */
+/* Adds the sums over everything. A pair held by attraction alone (no overlap) does not count as a
+ * contact. */
 static void add_whole(const resultants *r, const part *p) {
   const sd_state *s = p->state;
   const bool compresses = series_compresses(p->model);
@@ -159,20 +163,21 @@ static void add_whole(const resultants *r, const part *p) {
   exact_sum_add(&r->sums[OUTSIDE], (double)outside_count(s));
 }
 
-/* --- groups -------------------------------------------------------------------------------------------- */
+/* --- groups ----------------------------------------------------------------------------------- */
 
-/* Position with the images of a periodic box. */
+/* Computes the position of a disk with its periodic images, not wrapped. */
 static void absolute(const configuration *c, const sd_state *s, uint32_t slot, double at[2]) {
   at[0] = s->x[slot] + s->image_x[slot] * c->length[0] + s->image_y[slot] * c->offset;
   at[1] = s->y[slot] + s->image_y[slot] * c->length[1];
 }
 
-/* Slots of the disks of a configuration: in parts their numbers. */
+/* Returns the slot of a disk of the configuration. With ranks, frames number disks by their
+ * slots. */
 static uint32_t slot_in(const part *p, const configuration *c, uint32_t disk) {
   return p->comm ? c->number[disk] : slot_of(p->slots, c->number[disk]);
 }
 
-/* Centres of mass: after `mass`, x and y. */
+/* Sums for the centre of mass of a group: mass, mass times x, mass times y. */
 enum { MASS, MASS_X, MASS_Y, CENTRE };
 
 static void add_masses(exact_sum *sum, const part *p, const configuration *c) {
@@ -226,7 +231,7 @@ static void group_forces(const resultants *r, const part *p, const configuration
   free(centre);
 }
 
-/* --- region and stress --------------------------------------------------------------------------------- */
+/* --- region and stress ------------------------------------------------------------------------ */
 
 static sd_status take_geometry(resultants *r, const part *p, const sd_model *constants,
                                const frame_data *f, sd_messages *messages) {
@@ -256,7 +261,7 @@ static sd_status take_frame(resultants *r, const part *p, sd_messages *messages)
   return status;
 }
 
-/* --- all ----------------------------------------------------------------------------------------------- */
+/* --- all resultants --------------------------------------------------------------------------- */
 
 static void round_rows(resultant *out, const exact_sum *row, size_t n) {
   for (size_t k = 0; k < n; k++, row += ROW)

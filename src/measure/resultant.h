@@ -1,12 +1,15 @@
-/* resultant.h: what the disks and contacts of a moment add up to, as series: counts and pressure, and, where the deck asks for them,
- * forces on walls, on groups and on chosen disks, size of the region, stress.
+/* resultant.h: sums over the disks and contacts at one time, recorded as series: counts, pressure,
+ * and, if the deck asks for them, forces on walls, groups and chosen disks, size of the region,
+ * stress.
  *
- * A wall and a disk count all their contacts, a group those between one of its disks and a body that is not in it. Of each:
- * force and torque that act on it, of a wall about its pivot, of a disk about its centre, of a group about its
- * centre of mass (with images); normal, the sum of F_n; tangential, the sum of tau, which is positive where it turns the disks
- * of the contact counter-clockwise.
+ * Walls and disks sum over all their contacts, groups over contacts between one of their disks and
+ * a body outside the group. The sums are: force and torque on the body (torque of a wall about its
+ * pivot, of a disk about its centre, of a group about its centre of mass, with periodic images);
+ * normal, the sum of F_n; tangential, the sum of tau, which is positive if it turns the disks of
+ * the contact counter-clockwise.
  *
- * All sums are exact (base/exact_sum.h): ranks that add up their parts have the bits of one process. */
+ * All sums are exact (base/exact_sum.h): ranks that add up their parts get the bits of one
+ * process. */
 #ifndef MEASURE_RESULTANT_H
 #define MEASURE_RESULTANT_H
 
@@ -17,27 +20,32 @@
 typedef struct resultant {
   double force_x, force_y, torque;
   double normal, tangential;
-  int64_t contacts, sliding; /* closed contacts, and those that slide */
+  int64_t contacts, sliding; /* closed contacts, and those of them that slide */
 } resultant;
 
 typedef struct resultants {
-  int64_t contacts, sliding,
-      outside; /* contacts that do not hold by attraction alone, and disks beyond the bounds */
-  double pressure, fraction;      /* in the region, of models that compress or deform */
-  resultant *wall, *group, *disk; /* of the model's walls, groups, contact_disks */
-  double width, height;           /* of the region, NAN: there is none */
-  double stress[4], kinetic[4];   /* as in stress.h */
-  struct resultant_disk *chosen;  /* contact_disks, by their numbers */
-  exact_sum *sums;                /* scratch */
+  /* closed contacts, and those that slide, without pairs held by attraction alone; disks beyond the
+   * bounds or taken out */
+  int64_t contacts, sliding, outside;
+  /* pressure and packing fraction of the region, for models that compress or deform */
+  double pressure, fraction;
+  /* one element for each of the model's walls, groups and contact_disks */
+  resultant *wall, *group, *disk;
+  /* width and height of the region; NAN: the model has no region */
+  double width, height;
+  double stress[4], kinetic[4];  /* stress tensors of contacts and motion, as in stress.h */
+  struct resultant_disk *chosen; /* contact_disks, sorted by number */
+  exact_sum *sums;               /* [n_sums] scratch */
   size_t n_sums;
 } resultants;
 
-/* SD_OK always. */
+/* Allocates the resultants for this model and sets them to 0. Ends the process if there is no
+ * memory. */
 void resultants_new(resultants *r, const sd_model *model);
 void resultants_free(resultants *r);
-/* Only what the model asks for is computed. shared: every rank calls, with the part of the state
- * that it has, contacts stored; then all know the sums, and a rank without memory ends the job.
- * */
+/* Computes the sums that the model asks for from the state with its stored contacts. c: NULL, or
+ * the ranks, which all call this with their parts of the state; all then have the sums, and a rank
+ * without memory ends the job. SD_ERROR_IO: out of memory. */
 sd_status resultants_take(resultants *r, const sd_model *model, const sd_state *state,
                           const slot_table *slots, const comm *c, sd_messages *messages);
 

@@ -1,4 +1,4 @@
-/* sample.c: running statistics in the state; see sample.h. */
+/* sample.c: adds measured steps to the running statistics in the state (see sample.h). */
 #include "measure/sample.h"
 
 #include <assert.h>
@@ -16,7 +16,8 @@ static double watched_angle(const engine *e, size_t k) {
   return angle_of(e->state, engine_slot(e, e->model->rotations[k]));
 }
 
-/* Contact k (two per watch) as it is now, and its normal force. */
+/* Returns the state of watched contact k (two per watched pair): open, stuck or sliding with a
+ * sign; *force: its normal force. */
 static int contact_now(const engine *e, size_t k, double *force) {
   int64_t at = engine_watched(e, k);
   *force = at < 0 ? 0.0 : engine_contact_force(e, (size_t)at);
@@ -54,7 +55,7 @@ void sample_end(engine *e) {
     e->state->rotation_stop[k] = watched_angle(e, k);
 }
 
-/* Neighbouring bins become one: the record covers any length with SD_BINS bins at most. */
+/* Merges neighbouring bins, so that a record of any length needs at most SD_BINS bins. */
 static void halve_bins(sd_state *s) {
   for (size_t k = 0; k < s->n_rotations; k++) {
     double *bin = s->rotation_bin + k * SD_BINS;
@@ -77,7 +78,8 @@ static void close_bin(engine *e) {
   if (++s->bins == SD_BINS) halve_bins(s);
 }
 
-/* In the order of sums of lanes_pass.h. */
+/* Adds one step to the sums of the current visit of watched pair k. lanes_pass.h adds in the same
+ * order, for equal bits. */
 static void sum_visits(engine *e, size_t k, const int now[2], const double force[2]) {
   sd_state *s = e->state;
   const int class = visits_class(now[0], now[1]);
@@ -126,7 +128,7 @@ void sample_step(engine *e) {
   sample_bins(e);
 }
 
-/* bin_steps is a power of two */
+/* Closes the bin if it is complete. bin_steps is a power of two. */
 void sample_bins(engine *e) {
   const sd_state *s = e->state;
   if (s->n_rotations && (s->measured & (s->bin_steps - 1)) == 0) close_bin(e);
@@ -137,7 +139,7 @@ int64_t sample_room(const engine *e) {
   return s->n_rotations ? s->bin_steps - (s->measured & (s->bin_steps - 1)) : INT64_MAX;
 }
 
-/* --- every disk ------------------------------------------------------------------------------- */
+/* --- means of every disk ---------------------------------------------------------------------- */
 
 static double absolute_x(const engine *e, size_t i) {
   return e->state->x[i] + e->state->image_x[i] * engine_length(e, SD_X);
@@ -179,9 +181,10 @@ void disks_end(engine *e) {
   }
 }
 
-/* --- angle record ------------------------------------------------------------------------------------------ */
+/* --- record of angles ------------------------------------------------------------------------- */
 
-/* Steps per bin after so many measured steps: the least power of two with which the record is not full. */
+/* Returns the steps per bin after `measured` steps: the smallest power of two for which the record
+ * is not full. */
 static int64_t bin_length(int64_t measured) {
   assert(measured >= 0);
   int64_t steps = 1;
@@ -189,7 +192,7 @@ static int64_t bin_length(int64_t measured) {
   return steps;
 }
 
-/* Closes bin b of the disks; neighbours become one when it was the last. */
+/* Closes bin b of disks begin ... end - 1; merges neighbouring bins if it was the last one. */
 static void close_mean_bin(sd_state *s, size_t begin, size_t end, size_t b) {
   assert(b < SD_MEAN_BINS && end <= s->n_means);
   for (size_t i = begin; i < end; i++) {
@@ -202,18 +205,18 @@ static void close_mean_bin(sd_state *s, size_t begin, size_t end, size_t b) {
   }
 }
 
-/* --- samples ------------------------------------------------------------------------------------------------- */
+/* --- samples ---------------------------------------------------------------------------------- */
 
-/* Sums over the contacts of the disks. Open candidates have no overlap, no force, and do not
- * slide: they add nothing. */
+/* Adds the contacts of each disk to its sums. Open candidates have no overlap and no force and do
+ * not slide, so they add nothing. */
 static void sample_contacts(engine *e, size_t begin, size_t end) {
   sd_state *s = e->state;
   for (size_t i = begin; i < end; i++) {
     double contacts = 0.0, sliding = 0.0, force = 0.0;
     for (size_t at = engine_first(e, i); at < engine_first(e, i + 1); at++) {
       size_t k = engine_candidate(e, at);
-      const bool touches =
-          engine_contact_overlap(e, k) > 0.0; /* what attraction alone holds is none */
+      /* A pair held by attraction alone is no contact. */
+      const bool touches = engine_contact_overlap(e, k) > 0.0;
       contacts += touches ? 1.0 : 0.0;
       sliding += touches && engine_contact_sliding(e, k) != 0 ? 1.0 : 0.0;
       force += engine_contact_force(e, k);
@@ -224,7 +227,8 @@ static void sample_contacts(engine *e, size_t begin, size_t end) {
   }
 }
 
-/* n coordinates less their starts, along a box of the given length (0: it does not repeat). */
+/* Adds n displacements from their starts, and their squares, along one coordinate. length: that of
+ * the periodic box, 0 if open. */
 static void add_displacements(size_t n, const double *restrict x, const int32_t *restrict image,
                               double length, const double *restrict start, double *restrict sum,
                               double *restrict square) {
@@ -253,9 +257,9 @@ static void sample_poses(engine *e, size_t begin, size_t end) {
     s->sum_spin[i] += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
 }
 
-/* --- power of prescribed bodies ---------------------------------------------------------------------------- */
+/* --- power of prescribed bodies --------------------------------------------------------------- */
 
-/* Velocities of a body's prescribed coordinates; of the others 0. */
+/* Velocities of the prescribed coordinates of a body; 0 for its free coordinates. */
 typedef struct drive {
   double vx, vy, omega;
 } drive;
@@ -271,14 +275,15 @@ static drive drive_of(const engine *e, size_t slot) {
   return d;
 }
 
-/* Power of the motion d of a body through one of its contacts: minus the power of what the
- * contact does to it, with the forces that motion_work books. */
+/* Returns the power of a body's prescribed motion d on its partner through one contact: minus the
+ * power of the contact's force on the body, with the forces that motion_work uses. */
 static double power_of(contact_push push, drive d) {
   return -((push.x * d.vx + push.y * d.vy) + push.torque * d.omega);
 }
 
-/* It goes to the disk at the other side; what the prescribed coordinates of a free disk do against a wall or a
- * prescribed disk goes to that disk itself, since there is no other. */
+/* Adds the power of a prescribed body to its partners' sums. Power of the prescribed coordinates of
+ * a free disk on a wall or a prescribed disk is added to the disk itself, as no free disk is on the
+ * other side. */
 static void add_power(engine *e, size_t kept) {
   sd_state *s = e->state;
   size_t slot = engine_kept_slot(e, kept), first = engine_first(e, slot);
@@ -292,16 +297,18 @@ static void add_power(engine *e, size_t kept) {
   }
 }
 
-/* One member goes over the prescribed bodies, which are few, in the order of slots. */
+/* Adds the powers of all prescribed bodies, which are few, in the order of slots. Called by one
+ * thread. */
 static void sample_powers(engine *e) {
   for (size_t k = 0; k < engine_kept(e); k++) add_power(e, k);
 }
 
-/* --- step -------------------------------------------------------------------------------------------------- */
+/* --- step ------------------------------------------------------------------------------------- */
 
 void disks_step(engine *e, const team *t, int64_t measured) {
   sd_state *s = e->state;
-  if (!e->model->measure_disks) return; /* a rank without disks counts, too */
+  /* no early return for ranks without disks: they count samples, too */
+  if (!e->model->measure_disks) return;
   size_t begin, end;
   team_share(t, s->n_means, &begin, &end);
   int64_t length = bin_length(measured - 1);

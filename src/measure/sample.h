@@ -1,35 +1,37 @@
-/* sample.h: running statistics: sliding configurations and angles of the watched disks at every measured
- * step, and means of every disk. */
+/* sample.h: running statistics: sliding configurations and angles of the watched disks at every
+ * measured step, and means of every disk. */
 #ifndef MEASURE_SAMPLE_H
 #define MEASURE_SAMPLE_H
 
 #include "base/team.h"
 #include "physics/system/work.h"
 
-/* A measured phase begins or goes on after one that was not measured. */
+/* Begins a measured phase, the first or one after a pause in measuring. */
 void sample_begin(engine *e);
-/* A measured phase ends. */
+/* Ends a measured phase. */
 void sample_end(engine *e);
-/* One measured step was completed. */
+/* Samples the watched disks after a completed measured step. */
 void sample_step(engine *e);
-/* The parts of it, for a loop that counts configurations and steps by itself: the angles, which must be new, at the
- * end of a bin; measured steps until then. */
+/* Parts of sample_step for loops that count steps and configurations themselves. sample_bins closes
+ * a bin of angles at its end; angles must be current. sample_room returns the measured steps until
+ * then, INT64_MAX without watched angles. */
 void sample_bins(engine *e);
 int64_t sample_room(const engine *e);
 
-/* Means of every free disk, gathered in the state's columns mean_* while a run measures.
+/* Means of every free disk, summed in the state's columns mean_* and sum_* while a run measures.
  *
- * Angles: a record of SD_MEAN_BINS bins per disk, as sample.c has it for watched ones. Contacts, positions and energies:
- * sums over looks, every model->measure_every measured steps. Losses: differences of the state's loss_*, at no cost.
- * Openings: counted by contacts.c. Everything is done by index of the disk, its contacts in the fixed order of
- * the incidence, so that the bits depend on neither threads nor lists.
- */
+ * Angles: a record of SD_MEAN_BINS bins per disk, like that of watched disks. Contacts, positions
+ * and energies: sums over samples, taken every model->measure_every measured steps. Losses:
+ * differences of the state's loss_* columns, at no cost. Openings: counted by contacts.c. Disks are
+ * processed by index and their contacts in the fixed order of the incidence, so that the bits
+ * depend neither on threads nor on lists. */
 
-/* Begin and end a measured phase, like sample_begin; no-ops unless the model asks for means. */
+/* disks_begin and disks_end begin and end a measured phase; they do nothing unless the model asks
+ * for means. */
 void disks_begin(engine *e);
 void disks_end(engine *e);
-/* A measured step was completed, the measured-th; one member's share. The state's own count (state->measured)
- * is not looked at, as another member may be changing it. */
+/* Samples the disks of this thread's range after a completed measured step, the measured-th. The
+ * count is an argument, as another thread may be changing state->measured. */
 void disks_step(engine *e, const team *t, int64_t measured);
 
 #endif

@@ -1,10 +1,11 @@
-/* series.c: what a run records at its cadence: energies, numbers of contacts, watched disks, bodies of frames. */
+/* series.c: tables of what a run records at its cadence: energies, counts, watched disks, bodies
+ * and contacts of frames. */
 #include "measure/configuration.h"
 #include "measure/observable.h"
 #include "measure/stress.h"
 #include "model/cell.h"
 
-/* --- energies ------------------------------------------------------------------------------------------ */
+/* --- energies --------------------------------------------------------------------------------- */
 
 #define ENERGY(field, meaning, column)                                                             \
   {                                                                                                \
@@ -49,7 +50,7 @@ const observable_list energy_observables = OBSERVABLES(
     "the energy budget: a series in /observables, at the end attributes of /summary/energy",
     energies);
 
-/* --- other series -------------------------------------------------------------------------------------- */
+/* --- other series ----------------------------------------------------------------------------- */
 
 OBSERVABLE_GET(contacts, moment, (double)at->sums->contacts)
 OBSERVABLE_GET(sliding_contacts, moment, (double)at->sums->sliding)
@@ -79,14 +80,15 @@ OBSERVABLE_GET(kinetic_xx, moment, at->sums->kinetic[STRESS_XX])
 OBSERVABLE_GET(kinetic_xy, moment, at->sums->kinetic[STRESS_XY])
 OBSERVABLE_GET(kinetic_yy, moment, at->sums->kinetic[STRESS_YY])
 
-/* Hencky strains, and the shear strain. */
+/* Logarithmic (Hencky) strain of the box along x or y. */
 static double strain(const moment *at, int k) { return log(at->state->cell[k]); }
 OBSERVABLE_GET(strain_xx, moment, strain(at, CELL_X))
 OBSERVABLE_GET(strain_yy, moment, strain(at, CELL_Y))
 OBSERVABLE_GET(strain_xy, moment, at->state->cell[CELL_SHEAR])
 OBSERVABLE_GET(offset, moment, cell_offset(at->model, at->state))
 
-/* Of disks in play, about their mean: where the box begins has no meaning. */
+/* Standard deviation over the disks in play. Only differences between disks matter, as the origin
+ * of a periodic box is arbitrary. */
 static double deviation(const sd_state *s, const double *x) {
   double n = 0.0, mean = 0.0, sum = 0.0;
   for (size_t i = 0; i < s->n_cell_disks; i++) {
@@ -146,7 +148,8 @@ bool series_compresses(const sd_model *m) {
     name, unit, meaning, OBSERVABLE_##type, width, offsetof(resultant, field), NULL, NULL, NULL,   \
         when                                                                                       \
   }
-/* Of each wall, group or disk `one`. */
+/* Rows with the resultants of each wall, group or disk. one: text that names such a body; about:
+ * text that names the reference point of its torque. */
 #define RESULTANTS(prefix, one, about, width, when)                                                \
   RESULTANT(prefix "_force_x", "force", "x force of the contacts on each " one, F64, width,        \
             force_x, when),                                                                        \
@@ -218,7 +221,7 @@ static const observable others[] = {
 const observable_list series_observables =
     OBSERVABLES("observables", "series in /observables, beside the energies", others);
 
-/* --- bodies of a frame ---------------------------------------------------------------------------------- */
+/* --- bodies of a frame ------------------------------------------------------------------------ */
 
 OBSERVABLE_GET(position, moment_body, (k == 0 ? at->state->x : at->state->y)[at->slot])
 OBSERVABLE_GET(image, moment_body, (k == 0 ? at->state->image_x : at->state->image_y)[at->slot])
@@ -228,7 +231,7 @@ OBSERVABLE_GET(spin, moment_body, at->state->omega[at->slot])
 OBSERVABLE_GET(activity, moment_body,
                at->slot < at->state->n_free ? at->state->activity[at->slot] : SD_IN_PLAY)
 
-/* Disks can wait, or be taken out. */
+/* Returns true if disks can wait for release or be taken out. */
 static bool activity_changes(const sd_model *m) { return m->n_rains > 0 || m->bounds.given; }
 
 static const observable bodies[] = {
@@ -251,7 +254,7 @@ const observable_list frame_observables =
                 "/particles/walls",
                 bodies);
 
-/* --- clumps of a frame ---------------------------------------------------------------------------------- */
+/* --- clumps of a frame ------------------------------------------------------------------------ */
 
 OBSERVABLE_GET(clump_position, moment_clump,
                (k == 0 ? at->state->clump_x : at->state->clump_y)[at->clump])
@@ -285,7 +288,7 @@ const observable_list clump_observables =
                 "of each disk, 0: none",
                 clump_rows);
 
-/* --- contacts of a moment --------------------------------------------------------------------------------- */
+/* --- contacts of a moment --------------------------------------------------------------------- */
 
 OBSERVABLE_GET(contact_a, moment_contact, at->state->contact_a[at->contact])
 OBSERVABLE_GET(contact_b, moment_contact, at->state->contact_b[at->contact])

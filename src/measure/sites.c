@@ -1,4 +1,4 @@
-/* sites.c: see sites.h. */
+/* sites.c: grids of circles and search by power distance (see sites.h). */
 #include "measure/sites.h"
 
 #include <math.h>
@@ -33,7 +33,7 @@ void sites_free(sites *s) {
   *s = (sites){0};
 }
 
-/* --- grids ------------------------------------------------------------------------------------------- */
+/* --- grids ------------------------------------------------------------------------------------ */
 
 static int octave_of(double radius, double largest) {
   int o = radius > 0.0 ? (int)fmin(floor(log2(largest / radius)), SITES_OCTAVES - 1)
@@ -41,7 +41,7 @@ static int octave_of(double radius, double largest) {
   return o > 0 ? o : 0;
 }
 
-/* The cell of a point, or the nearest one. */
+/* Returns the index along k of the cell that contains `at`, or of the nearest cell. */
 static size_t cell_along(const sites_grid *g, int k, double at) {
   double place = floor((at - g->lower[k]) / g->width);
   return place > 0.0 ? (size_t)fmin(place, (double)(g->cells[k] - 1)) : 0;
@@ -51,7 +51,7 @@ static size_t cell_of(const sites_grid *g, const double at[2]) {
   return cell_along(g, 1, at[1]) * g->cells[0] + cell_along(g, 0, at[0]);
 }
 
-/* Cells of about two sites. */
+/* Chooses square cells with about two sites each, from g->lower to `upper`. */
 static sd_status shape(sites_grid *g, const double upper[2], size_t n) {
   const double x = upper[0] - g->lower[0], y = upper[1] - g->lower[1];
   g->width = fmax(sqrt(2.0 * x * y / (double)n), fmax(x, y) / (double)n);
@@ -100,12 +100,13 @@ sd_status sites_sort(sites *s) {
   return status;
 }
 
-/* --- searches ---------------------------------------------------------------------------------------- */
+/* --- searches --------------------------------------------------------------------------------- */
 
 typedef struct search {
   const sites *s;
   size_t own, found;
-  double at[2], least; /* power distance of `found` */
+  /* at: the point; least: smallest power distance so far, that of site `found` */
+  double at[2], least;
 } search;
 
 static void look(search *q, const sites_grid *g, size_t x, size_t y) {
@@ -121,7 +122,7 @@ static void look(search *q, const sites_grid *g, size_t x, size_t y) {
   }
 }
 
-/* Cells that are `ring` cells away from one, as far as they are there. */
+/* Searches the cells at a distance of `ring` cells from the middle one, within the grid. */
 static void look_around(search *q, const sites_grid *g, const size_t middle[2], size_t ring) {
   const int64_t r = (int64_t)ring, nx = (int64_t)g->cells[0], ny = (int64_t)g->cells[1];
   const int64_t mx = (int64_t)middle[0], my = (int64_t)middle[1];
@@ -137,11 +138,13 @@ static void look_around(search *q, const sites_grid *g, const size_t middle[2], 
   }
 }
 
-/* Rings of cells about the one that is nearest; what is farther than that ring along one coordinate is, for a point beyond the
- * grid, farther by what it is beyond. */
+/* Searches rings of cells around the cell nearest to the point until no site farther out can be
+ * nearer. The lower bound of the distance to a ring adds, for a point outside the grid, its
+ * distance from the grid. */
 static void search_octave(search *q, const sites_grid *g) {
   size_t middle[2], last = 0;
-  double beyond[2], inner = HUGE_VAL; /* of the middle cell: how near its edges are */
+  /* distance from the point to the nearest edge of the middle cell */
+  double beyond[2], inner = HUGE_VAL;
   for (int k = 0; k < 2; k++) {
     const double top = g->lower[k] + (double)g->cells[k] * g->width;
     middle[k] = cell_along(g, k, q->at[k]);

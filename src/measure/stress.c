@@ -1,4 +1,4 @@
-/* stress.c: see stress.h. */
+/* stress.c: stress, coordination, rattlers and fabric of a configuration (see stress.h). */
 #include "measure/stress.h"
 
 #include <stdlib.h>
@@ -15,15 +15,15 @@ principal stress_principal(const double t[4]) {
 
 static double ratio(double a, size_t n) { return n > 0 ? a / (double)n : NAN; }
 
-/* --- per disk ----------------------------------------------------------------------------------------- */
+/* --- disks ------------------------------------------------------------------------------------ */
 
 static void add_contact(stress *s, const configuration *c, const config_contact *k) {
   const sd_model *m = c->model;
   bool bears = k->force > 0.0, disk = k->b < m->n_disks;
   uint32_t body[2] = {k->a, k->b};
   for (int e = 0; e < (disk ? 2 : 1); e++) {
-    double sign = e ? 1.0 : -1.0; /* f is the force on b */
-    /* centre to point of contact, as seen from either side */
+    double sign = e ? 1.0 : -1.0; /* (fx, fy) is the force on b */
+    /* Vector from the centre of this body to the point of contact. */
     double px = k->x - m->disks[k->a].position[0], py = k->y - m->disks[k->a].position[1];
     if (e) {
       double d[2] = {k->x - m->disks[k->b].position[0], k->y - m->disks[k->b].position[1]};
@@ -31,11 +31,11 @@ static void add_contact(stress *s, const configuration *c, const config_contact 
       px = d[0];
       py = d[1];
     }
-    s->contacts[body[e]] += k->overlap > 0.0; /* what attraction alone holds is none */
+    s->contacts[body[e]] += k->overlap > 0.0; /* a pair held by attraction alone is no contact */
     s->bearing[body[e]] += bears;
     s->resultant[body[e]][0] += sign * k->fx;
     s->resultant[body[e]][1] += sign * k->fy;
-    if (c->n_clumps > 0 && body[e] < m->n_disks) { /* as seen from the centre of the clump */
+    if (c->n_clumps > 0 && body[e] < m->n_disks) { /* relative to the centre of the clump */
       px += c->arm[body[e]][0];
       py += c->arm[body[e]][1];
     }
@@ -49,28 +49,28 @@ static void add_body_forces(stress *s, const sd_model *m) {
       s->resultant[i][c] += m->disks[i].mass * m->gravity[c] + m->disks[i].force[c];
 }
 
-/* --- rattlers ----------------------------------------------------------------------------------------- */
+/* --- rattlers --------------------------------------------------------------------------------- */
 
-/* Contacts of each rigid body, as rows of one list. */
+/* Load-bearing contacts of each rigid body, row by row. */
 typedef struct incidence_list {
   size_t *start;
-  uint32_t *partner; /* a body, or UINT32_MAX: something that stays */
+  uint32_t *partner; /* partner of each contact; UINT32_MAX: a prescribed disk or wall */
 } incidence_list;
 
-/* The first disk of a clump stands for all of them. */
+/* Returns the disk that represents a rigid body: the first one of a clump. */
 static uint32_t body_of(const configuration *c, uint32_t disk) {
   return configuration_in_clump(c, disk) ? c->clumps[c->clump_of[disk]].disks[0] : disk;
 }
 
-/* These are needed on the way only. */
+/* Temporary arrays of stress_new. */
 typedef struct scratch {
-  int32_t *left;   /* contacts of those that do not rattle */
-  bool *inside;    /* the region */
-  uint32_t *stack; /* bodies that leave */
+  int32_t *left;   /* contacts with bodies that are no rattlers */
+  bool *inside;    /* true for disks with their centre in the region */
+  uint32_t *stack; /* stack of rattlers whose partners have not lost the contact yet */
   incidence_list list;
 } scratch;
 
-/* bearing: load-bearing contacts of each body. */
+/* Fills the list of load-bearing contacts. bearing: their number for each rigid body. */
 static void list_bearing(incidence_list *l, const configuration *c, const int32_t *bearing) {
   size_t n = c->model->n_disks;
   for (size_t i = 0; i < n; i++) l->start[i + 2] = l->start[i + 1] + (size_t)bearing[i];
@@ -83,8 +83,8 @@ static void list_bearing(incidence_list *l, const configuration *c, const int32_
   }
 }
 
-/* Bodies with too few contacts leave, and take their contacts along, until none is left with too
- * few. room->left: contacts of those that stay. */
+/* Marks rattlers: removes bodies with too few load-bearing contacts, and these contacts with them,
+ * until all others have enough. room->left: contacts that remain. */
 static void find_rattlers(stress *s, const configuration *c, const scratch *room) {
   size_t n = c->model->n_disks, waiting = 0;
   int32_t least = c->frictionless ? 3 : 2, *left = room->left;
@@ -110,18 +110,19 @@ static void find_rattlers(stress *s, const configuration *c, const scratch *room
   for (uint32_t i = 0; i < n; i++) s->rattler[i] = s->rattler[body_of(c, i)];
 }
 
-/* --- of the region ------------------------------------------------------------------------------------ */
+/* --- sums over the region --------------------------------------------------------------------- */
 
-/* A rigid body: a disk, or a clump in place of its disks. */
+/* Rigid body that is not prescribed: a clump, or a disk in no clump. */
 typedef struct body {
   double mass, inertia;
   const double *position, *velocity;
-  double resultant; /* as far as it is known */
+  double resultant; /* absolute value of the total force; NAN if unknown */
 } body;
 
 static size_t n_bodies(const configuration *c) { return c->model->n_disks + c->n_clumps; }
 
-/* Body k, when it is free and its centre in the region. s may be NULL. */
+/* Fills *b with rigid body k (disks, then clumps). Returns false unless it is free and has its
+ * centre in the region. s may be NULL: the resultant is then NAN. */
 static bool body_moves(body *b, const configuration *c, const region *g, const stress *s,
                        size_t k) {
   const sd_model *m = c->model;
@@ -156,7 +157,7 @@ static void sum_bodies(stress *s, const configuration *c, const region *g) {
   }
   s->energy_translation = ratio(s->energy_translation, bodies);
   s->energy_rotation = ratio(s->energy_rotation, bodies);
-  s->unbalanced = ratio(resultant, bodies); /* to be divided by the mean force */
+  s->unbalanced = ratio(resultant, bodies); /* sum_contacts divides this by the mean force */
 }
 
 static void count_disks(stress *s, const configuration *c, const region *g, const bool *inside,
@@ -184,7 +185,7 @@ static void count_disks(stress *s, const configuration *c, const region *g, cons
   s->z_backbone = ratio(backbone, s->free - s->rattlers);
 }
 
-/* Velocity beside that of a box that deforms. */
+/* Computes the velocity v of a body relative to the homogeneous flow of a box that deforms. */
 static void beside_flow(const configuration *c, const body *b, double v[2]) {
   const double *g = c->gradient, x = b->position[0] - c->model->lower[0],
                y = b->position[1] - c->model->lower[1];
@@ -192,18 +193,18 @@ static void beside_flow(const configuration *c, const body *b, double v[2]) {
   v[1] = b->velocity[1] - g[SD_CELL_YY] * y;
 }
 
-/* One that this rank adds to sums: no ranks have clumps. */
+/* Returns true if this rank adds the body to sums. With ranks there are no clumps. */
 static bool body_counts(const configuration *c, size_t k) {
   return k >= c->model->n_disks || configuration_counts(c, (uint32_t)k);
 }
 
-/* Of all ranks, when the configuration is one of theirs. */
+/* Adds up exact sums over the ranks that share the configuration. */
 static void add_up(const configuration *c, exact_sum *sums, size_t n) {
   comm_total_exact(c->comm, sums, n);
 }
 
 static void kinetic_stress(double out[4], const configuration *c, const region *g, double area) {
-  exact_sum momentum[3] = {0}, sum[4] = {0}; /* x, y, and the mass */
+  exact_sum momentum[3] = {0}, sum[4] = {0}; /* momentum: sums of m v_x, m v_y and m */
   double v[2];
   body b;
   for (size_t i = 0; i < n_bodies(c); i++) {

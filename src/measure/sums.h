@@ -1,5 +1,6 @@
-/* measure/sums.h: means and variances of records in the processor's vectors. There are SUMS partial sums whatever the vectors
- * are, and what is summed are differences from the first value, so that a constant has itself as its mean. */
+/* measure/sums.h: means and variances of records, written for vectorisation. There are SUMS partial
+ * sums on every processor, so the bits do not depend on the vector width. The summands are
+ * differences from the first value, so that a constant record has exactly its value as mean. */
 #ifndef SLIPDISK_MEASURE_SUMS_H
 #define SLIPDISK_MEASURE_SUMS_H
 
@@ -11,7 +12,7 @@ static inline double sums_all(const double sum[SUMS]) {
   return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
 }
 
-/* Of x[0..n), n >= 1. */
+/* Returns the mean of x[0..n), n >= 1. */
 static inline double sums_mean(const double *x, size_t n) {
   double sum[SUMS] = {0};
   const double first = x[0];
@@ -22,7 +23,7 @@ static inline double sums_mean(const double *x, size_t n) {
   return first + sums_all(sum) / (double)n;
 }
 
-/* About their mean, over n - 1. */
+/* Returns the variance of x[0..n) about its mean, divided by n - 1. */
 static inline double sums_variance(const double *x, size_t n) {
   double sum[SUMS] = {0};
   const double mean = sums_mean(x, n);

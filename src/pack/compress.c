@@ -1,5 +1,4 @@
-/* compress.c: changes of the lengths of a region; see compress.h.
- */
+/* compress.c: scales the lengths of a region towards a target (see compress.h). */
 #include "pack/compress.h"
 
 #include <math.h>
@@ -14,12 +13,14 @@
 #include "physics/system/bodies.h"
 #include "physics/system/halo.h"
 
-/* Part of the missing pressure that one change would bring if all disks followed it. */
+/* Fraction of the missing pressure by which one change would raise the pressure if all disks
+ * followed it affinely. */
 static const double GAIN = 0.1;
-/* Within this part of the tolerance nothing is changed, so that forces can come to balance. */
+/* The lengths stay as they are within this fraction of the tolerance, so that forces can come to
+ * balance. */
 static const double QUIET = 0.5;
 
-/* --- pressure and packing fraction -------------------------------------------------------------------- */
+/* --- pressure and packing fraction ------------------------------------------------------------ */
 
 double compress_area(const sd_model *m, const sd_state *s) {
   double width = m->region_upper[0] - m->region_lower[0],
@@ -27,8 +28,9 @@ double compress_area(const sd_model *m, const sd_state *s) {
   return width * height * cell_scale(s, SD_X) * cell_scale(s, SD_Y);
 }
 
-/* From the centre of its clump to the disk in slot i, 0 of other bodies. The images tell them apart across the edges of a box, which
- * does not deform. */
+/* Vector from the centre of its clump to the disk in slot i; 0 for other bodies. Image counts
+ * account for a clump that lies across the edge of a periodic box (a box with clumps does not
+ * deform). */
 static void arm_of(const sd_model *m, const sd_state *s, size_t i, double arm[2]) {
   const int clump = i < s->n_free ? m->disks[s->id[i]].clump : 0;
   arm[0] = arm[1] = 0.0;
@@ -48,7 +50,8 @@ double compress_inner(const sd_model *m, const sd_state *s, size_t slot) {
   return -(arm[0] * s->force_x[slot] + arm[1] * s->force_y[slot]);
 }
 
-/* Added by clumps to r along the normal: the part of the branch vector between their centres. */
+/* Returns n . (arm_a - arm_b), the length that clumps add to the distance of the two disks: the sum
+ * is the normal component of the vector between the centres of the two clumps. */
 static double longer(const engine *e, size_t k) {
   const sd_model *m = e->model;
   double arm[2][2], n[2];
@@ -59,10 +62,11 @@ static double longer(const engine *e, size_t k) {
 }
 
 typedef struct virial {
-  double pressure, stiffness; /* stiffness: of an affine change of the centres, - dp/d ln(length) */
+  /* stiffness: -dp/d(ln length) for affine displacements of the centres */
+  double pressure, stiffness;
 } virial;
 
-/* Sums over the contacts of all ranks. */
+/* Computes pressure and stiffness from the contacts of all ranks; collective. */
 static virial virial_of(const engine *e) {
   const sd_state *s = e->state;
   const double twice = 2.0 * compress_area(e->model, s);
@@ -94,7 +98,7 @@ double compress_fraction(const engine *e) {
   return M_PI * exact_sum_value(&squares) / compress_area(e->model, s);
 }
 
-/* --- target ------------------------------------------------------------------------------------------- */
+/* --- target ----------------------------------------------------------------------------------- */
 
 static const sd_compress *target_of(const engine *e) {
   return &e->model->phases[e->state->phase].compress;
@@ -107,7 +111,8 @@ bool compress_done(const engine *e) {
   return fabs(compress_fraction(e) - c->fraction) <= c->tolerance * c->fraction;
 }
 
-/* By what the lengths change now: as the rate allows, less near the target. */
+/* Returns the factor by which the lengths change now: limited by the rate of the deck, and closer
+ * to 1 near the target; 1: no change. */
 static double factor(const engine *e) {
   const sd_compress *c = target_of(e);
   double most = c->rate * e->model->dt * COMPRESS_EVERY, shrink;
@@ -118,14 +123,15 @@ static double factor(const engine *e) {
     shrink = now.stiffness > 0.0 ? GAIN * missing / now.stiffness : most;
   } else {
     shrink = 1.0 - sqrt(compress_fraction(e) / c->fraction);
-    if (fabs(shrink) < 1e-14) return 1.0; /* rounding */
+    if (fabs(shrink) < 1e-14) return 1.0; /* a smaller change is rounding error */
   }
   return 1.0 - fmin(fmax(shrink, -most), most);
 }
 
-/* --- change of the lengths ---------------------------------------------------------------------------- */
+/* --- change of the lengths -------------------------------------------------------------------- */
 
-/* As at the start (cell_least_length): the nearest image must be unique. */
+/* Fails if, after scaling by f, a periodic box were so narrow that the nearest image is not unique;
+ * the same limit holds at the start (cell_least_length). */
 static sd_status check_width(const engine *e, double f, sd_messages *messages) {
   const sd_state *s = e->state;
   const double reach = laws_reach(e->model);

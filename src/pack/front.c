@@ -1,9 +1,9 @@
-/* front.c: see front.h.
+/* front.c: advancing-front packing (see front.h).
  *
- * A disk of radius r that touches a body has its centre on a circle about the body's, of radius R + r (a drum
- * counts as a disk of negative radius, a corner as one of radius 0), or on a line at the distance r from a
- * straight wall. So a pocket is one point where two such curves meet; which of the points, its variant says.
- */
+ * A disk of radius r touches a round body of radius R if its centre lies on the circle of radius
+ * R + r about the body's centre (drum: negative R; corner: R = 0), and a straight wall if its
+ * centre lies on a parallel line at the distance r. A pocket is thus an intersection of two such
+ * curves; its `variant` selects which one. */
 #include "pack/front.h"
 
 #include <math.h>
@@ -11,21 +11,25 @@
 
 #include "base/memory.h"
 
-/* A pocket is offered to so many of the next disks. */
+/* WINDOW: number of next disks that are tried in a pocket. VARIANTS: intersections tried per pair
+ * of bodies. */
 enum { WINDOW = 16, VARIANTS = 8 };
 
-/* Bodies 0 ... s->n - 1 are the disks of the space, the others edges and walls. */
+/* Body that a disk can touch. Numbers below s->n are disks of the space; FIXED | k is edge, wall or
+ * corner k. */
 typedef struct body {
-  double x, y;   /* centre, or a point of the line */
-  double radius; /* round */
-  double tx, ty; /* straight: unit vector */
-  double length; /* straight: from the point along t; infinite: backwards too */
+  double x, y;   /* centre of a round body, start point of a straight one */
+  double radius; /* radius of a round body, negative for a drum */
+  double tx, ty; /* unit tangent of a straight body */
+  /* length of a straight body from (x, y) along t; infinite: the line extends both ways */
+  double length;
   bool straight;
-  double lower[2], upper[2]; /* the box around a fixed body */
+  double lower[2], upper[2]; /* bounding box of a fixed body */
 } body;
 
 typedef struct pocket {
-  double y, x; /* the lowest first, from the left; see `made` for what is equal */
+  /* height and x by which pockets are ordered: lowest first, then leftmost, then oldest (`made`) */
+  double y, x;
   uint64_t made;
   uint32_t a, b;
   int variant;
@@ -34,7 +38,7 @@ typedef struct pocket {
 typedef struct front {
   place_space *s;
   double smallest, middle, largest;
-  size_t n_fixed, fixed_capacity; /* edges and walls */
+  size_t n_fixed, fixed_capacity; /* edges, wall segments, corners and round walls */
   body *fixed;
   pocket *heap;
   size_t n, capacity;
@@ -43,7 +47,7 @@ typedef struct front {
 
 #define FIXED 0x80000000u
 
-/* --- heap ----------------------------------------------------------------------------------------------------- */
+/* --- heap of pockets -------------------------------------------------------------------------- */
 
 static bool before(const pocket *a, const pocket *b) {
   if (a->y != b->y) return a->y < b->y;
@@ -76,7 +80,7 @@ static pocket pop(front *f) {
   return lowest;
 }
 
-/* --- where a disk touches two bodies --------------------------------------------------------------------------- */
+/* --- intersections: a disk that touches two bodies -------------------------------------------- */
 
 static body body_of(const front *f, uint32_t number) {
   if (number & FIXED) return f->fixed[number & ~FIXED];
@@ -84,7 +88,8 @@ static body body_of(const front *f, uint32_t number) {
   return (body){.x = disk[0], .y = disk[1], .radius = disk[2]};
 }
 
-/* Roots that rounding has made complex: the curves touch. */
+/* Square root that returns 0 for an argument made negative by rounding (the curves touch), else NAN
+ * for negative ones. */
 static double root(double square, double scale) {
   return square >= 0 ? sqrt(square) : square > -1e-9 * scale ? 0 : NAN;
 }
@@ -100,7 +105,8 @@ static void two_circles(const place_space *s, const body *a, const body *b, doub
   p[1] = a->y + along * dy + across * dx;
 }
 
-/* variant bit 0: which point; bit 1: which side of the line */
+/* Centre of a disk of radius r that touches circle a and line b. Bit 0 of variant selects the
+ * intersection, bit 1 the side of the line. */
 static void circle_line(const body *a, const body *b, double r, int variant, double p[2]) {
   double side = variant & 2 ? -r : r, from = a->radius + r;
   double x = b->x - side * b->ty, y = b->y + side * b->tx;
@@ -123,14 +129,16 @@ static void two_lines(const body *a, const body *b, double r, int variant, doubl
   p[1] = ay + along * a->ty;
 }
 
-/* The foot of the perpendicular lies on the piece: its ends are bodies of their own. */
+/* Returns true if the foot of the perpendicular from p lies on the segment; always true for round
+ * bodies and infinite lines. The ends of a segment are bodies of their own. */
 static bool beside(const body *line, const double p[2]) {
   if (!line->straight || isinf(line->length)) return true;
   double along = (p[0] - line->x) * line->tx + (p[1] - line->y) * line->ty;
   return along >= 0 && along <= line->length;
 }
 
-/* The place of a disk of radius r in the pocket; false: there is none, or not enough room. */
+/* Computes the centre p of a disk of radius r in the pocket; false if the intersection does not
+ * exist or the disk would overlap something there. */
 static bool place_in(const front *f, const pocket *q, double r, double p[2]) {
   const place_space *s = f->s;
   body a = body_of(f, q->a), b = body_of(f, q->b);
@@ -151,7 +159,8 @@ static bool place_in(const front *f, const pocket *q, double r, double p[2]) {
   return place_fits(s, p[0], p[1], r);
 }
 
-/* Takes note of the pockets of two bodies into which a disk of some size fits now. */
+/* Pushes onto the heap each pocket of bodies a and b into which a disk of the smallest, mean or
+ * largest radius fits now, with the lowest position of these three. */
 static sd_status add_pockets(front *f, uint32_t a, uint32_t b) {
   double radii[3] = {f->smallest, f->middle, f->largest};
   sd_status status = SD_OK;
@@ -172,9 +181,10 @@ static sd_status add_pockets(front *f, uint32_t a, uint32_t b) {
   return status;
 }
 
-/* --- bodies -------------------------------------------------------------------------------------------------- */
+/* --- bodies ----------------------------------------------------------------------------------- */
 
-/* Boxes so far apart that no disk touches both; images are not looked for. */
+/* Returns true if the bounding boxes are so far apart that no disk can touch both. Skips directions
+ * in which the space wraps, as periodic images are not considered. */
 static bool boxes_apart(const front *f, const body *b, const double lower[2],
                         const double upper[2]) {
   for (int c = 0; c < 2; c++) {
@@ -184,7 +194,7 @@ static bool boxes_apart(const front *f, const body *b, const double lower[2],
   return false;
 }
 
-/* A disk could touch both this one and the edge or wall. */
+/* Returns true if a new disk could touch both this disk (x, y, radius) and the edge or wall b. */
 static bool near_fixed(const front *f, const body *b, const double *disk) {
   const double lower[2] = {disk[0] - disk[2], disk[1] - disk[2]},
                upper[2] = {disk[0] + disk[2], disk[1] + disk[2]};
@@ -199,7 +209,8 @@ static bool near_fixed(const front *f, const body *b, const double *disk) {
   return gap <= 2 * f->largest;
 }
 
-/* Takes note of the pockets of a disk with those before it and with all that is fixed. */
+/* Pushes the pockets of a disk with all disks of smaller number near it and with edges and walls
+ * near it. */
 static sd_status add_disk(front *f, uint32_t number) {
   place_space *s = f->s;
   const double disk[3] = {s->disk[number][0], s->disk[number][1], s->disk[number][2]};
@@ -251,7 +262,9 @@ static void add_wall(front *f, const sd_wall *wall) {
   }
 }
 
-/* The lower edge carries disks also where the box is periodic in y; the sides only where they are edges. */
+/* Adds edges and walls as fixed bodies and pushes the pockets between them. The lower edge always
+ * supports disks, even in a box periodic in y; the sides do so only where the space has edges in
+ * x. */
 static sd_status add_edges_and_walls(front *f) {
   const place_space *s = f->s;
   const double *low = s->lower, *high = s->upper, left[2] = {low[0], high[1]},
@@ -268,9 +281,11 @@ static sd_status add_edges_and_walls(front *f) {
   return status;
 }
 
-/* --- filling -------------------------------------------------------------------------------------------------- */
+/* --- filling the region ----------------------------------------------------------------------- */
 
-/* Without corners there may be no pocket to begin with: then the first disk lies on the lower edge. */
+/* Puts the first disk on the lower edge, at the leftmost free of equally spaced positions, for
+ * spaces that have no corners and so may have no pocket to begin with. False if no position is
+ * free. */
 static bool first_place(const front *f, double radius, double p[2]) {
   const place_space *s = f->s;
   double y = s->lower[1] + radius, left = s->lower[0] + (s->edge[0] ? radius : 0);
@@ -285,8 +300,8 @@ static bool first_place(const front *f, double radius, double p[2]) {
   return false;
 }
 
-/* The first of the next disks that fits, put in front of the others. Once one has been too large, only smaller
- * ones are tried. */
+/* Finds the first of the next WINDOW disks that fits into the pocket, and moves its radius to
+ * radius[0]. After a disk that does not fit, only smaller ones are tried. */
 static bool choose(const front *f, const pocket *q, size_t n, double *radius, double p[2]) {
   double too_large = HUGE_VAL;
   for (size_t k = 0; k < n && k < WINDOW; k++) {

@@ -1,4 +1,5 @@
-/* place.c: see place.h. */
+/* place.c: free space for disks: cell grid, overlap tests, random placement, lattices (see
+ * place.h). */
 #include "base/gsl.h"
 #include "pack/place.h"
 
@@ -10,7 +11,7 @@
 #include "model/arc.h"
 #include "model/walls.h"
 
-/* --- the inside of a container ---------------------------------------------------------------------------- */
+/* --- shape of the container ------------------------------------------------------------------- */
 
 double place_half_width(const place_interior *in, double y) {
   if (in->kind == SD_CONTAINER_DRUM) {
@@ -49,9 +50,9 @@ double place_area(const place_interior *in, const double lower[2], const double 
   return area;
 }
 
-/* --- the grid --------------------------------------------------------------------------------------------- */
+/* --- cell grid -------------------------------------------------------------------------------- */
 
-/* Cells as small as to have two for each disk, if there are neither very few nor too many. */
+/* Chooses square cells, about two for each expected disk, at least 16 and at most 5e7 in all. */
 static void choose_cells(place_space *s, size_t expected) {
   double extent[2], area = 1;
   for (int c = 0; c < 2; c++) {
@@ -67,7 +68,9 @@ static void choose_cells(place_space *s, size_t expected) {
   }
 }
 
-/* Cells from x - reach to x + reach along c; false: none. Where the grid goes round they are to be taken modulo. */
+/* Stores in range[] the cells that overlap [x - reach, x + reach] along c; false if there are none.
+ * Along a direction without edges the range may exceed the grid: the caller wraps it with
+ * modulo(). */
 static bool cell_range(const place_space *s, double x, double reach, int c, int64_t range[2]) {
   double low = floor((x - reach - s->corner[c]) / s->cell[c]), n = (double)s->cells[c],
          high = floor((x + reach - s->corner[c]) / s->cell[c]);
@@ -95,7 +98,7 @@ static int64_t cell_number(const place_space *s, int64_t i, int64_t j) {
   return modulo(j, s->cells[1]) * s->cells[0] + modulo(i, s->cells[0]);
 }
 
-/* Makes room for the cells, and for so many disks and nodes. */
+/* Allocates the cells, and rows for this number of disks and list nodes; existing rows are kept. */
 static sd_status make_room(place_space *s, size_t disks, size_t nodes) {
   const size_t n_cells = (size_t)(s->cells[0] * s->cells[1]);
   if (!memory_resize(6, (memory_column[]){{&s->head, n_cells, sizeof *s->head},
@@ -182,7 +185,7 @@ void place_end(place_space *s) {
   *s = (place_space){0};
 }
 
-/* --- is there room? ----------------------------------------------------------------------------------------- */
+/* --- overlap tests ---------------------------------------------------------------------------- */
 
 double place_wrapped(const place_space *s, double x, int c) {
   if (!(s->period[c] > 0)) return x;
@@ -202,12 +205,14 @@ static double from_piece(double x, double y, const double *a, const double *b, b
   return hypot(x - a[0] - along * tx, y - a[1] - along * ty);
 }
 
-/* Is x farther than this from all between a and b? */
+/* Returns true if x lies outside the interval between a and b by at least `within`. */
 static bool beyond(double x, double a, double b, double within) {
   return (a - x >= within && b - x >= within) || (x - a >= within && x - b >= within);
 }
 
-/* Distance from the wall's surface, not looking at its images; < 0: in it. Segments farther than `within` do not count. */
+/* Returns the distance of (x, y) from the wall's surface, without periodic images; negative inside
+ * a solid circle or outside a drum. Straight segments farther away than `within` may be skipped, so
+ * larger distances can come out infinite. */
 static double from_wall(const sd_wall *wall, double x, double y, double within) {
   if (wall->kind == SD_WALL_CIRCLE) {
     double r = hypot(x - wall->pivot[0], y - wall->pivot[1]);
@@ -225,7 +230,7 @@ static double from_wall(const sd_wall *wall, double x, double y, double within) 
   return nearest;
 }
 
-/* Walls have images across the box, as in the forces. */
+/* Returns true if a disk at (x, y) overlaps no wall and no periodic image of a wall. */
 static bool clear_of_walls(const place_space *s, double x, double y, double radius) {
   for (size_t w = 0; w < s->model->n_walls; w++) {
     const sd_wall *wall = &s->model->walls[w];
@@ -282,13 +287,14 @@ size_t place_near(place_space *s, double x, double y, double reach) {
   return n;
 }
 
-/* --- random placement ------------------------------------------------------------------------------------------ */
+/* --- random placement ------------------------------------------------------------------------- */
 
 sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *radius,
                        double (*position)[2], size_t *placed) {
   size_t *order = NULL;
   sd_status status = SD_OK;
-  /* equal disks come to a fraction of 0.53 with it; ten times as many tries would come to 0.54 */
+  /* Number of tries: equal disks reach a packing fraction of 0.53 with it, 0.54 with ten times as
+   * many. */
   int64_t left = 1000000 + 300 * (int64_t)n;
   *placed = 0;
   if (!memory_resize_row(&order, n, sizeof *order)) return SD_ERROR_IO;
@@ -313,7 +319,7 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
   return status;
 }
 
-/* --- waiting -------------------------------------------------------------------------------------------------- */
+/* --- positions of waiting disks, lattices ----------------------------------------------------- */
 
 void place_waiting(double lower, double upper, double y, double spacing, size_t first, size_t n,
                    double (*position)[2]) {
@@ -325,13 +331,14 @@ void place_waiting(double lower, double upper, double y, double spacing, size_t 
   }
 }
 
-/* The margin lets lengths divide evenly in spite of rounding. */
+/* Relative tolerance of counts: a length that is a whole multiple of the spacing up to rounding
+ * still holds that many sites. */
 #define ROUNDING 1e-9
 
-/* Rows of a lattice. */
+/* Layout of a lattice. */
 typedef struct rows {
-  double rows, first, high;   /* how many, y of the first, distance */
-  double columns[2], left[2]; /* of even and odd rows: how many, x of the first */
+  double rows, first, high;   /* number of rows, y of the lowest row, distance between rows */
+  double columns[2], left[2]; /* number of sites in even and in odd rows; x of their first sites */
   double wide;
 } rows;
 
@@ -346,7 +353,7 @@ static rows plan(const place_space *s, sd_packing_kind kind, double spacing) {
     double shift = triangular ? spacing / 2 : 0, room = (width - spacing) / spacing;
     r.columns[0] = room > -ROUNDING ? whole(room) + 1 : 0;
     r.columns[1] = room - shift / spacing > -ROUNDING ? whole(room - shift / spacing) + 1 : 0;
-    /* from the leftmost site to the rightmost one, of even or of odd rows */
+    /* Distance from the leftmost to the rightmost site of all rows. */
     double extent = fmax((r.columns[0] - 1) * spacing, (r.columns[1] - 1) * spacing + shift);
     r.left[0] = s->lower[0] + (width - extent) / 2;
     r.left[1] = r.left[0] + shift;
@@ -376,7 +383,8 @@ size_t lattice_sites(const place_space *s, sd_packing_kind kind, double spacing,
     int odd = fmod(j, 2) > 0;
     for (double i = 0; i < r.columns[odd] && n < most; i++) {
       double x = r.left[odd] + i * r.wide, y = r.first + j * r.high;
-      /* the circle of a site may reach over the edge by what whole() has forgiven */
+      /* Test a slightly smaller circle: whole() may have rounded a count up, so that circles cross
+       * an edge by that rounding. */
       if (!place_fits(s, x, y, spacing / 2 * (1 - 4 * ROUNDING))) continue;
       site[n][0] = x;
       site[n++][1] = y;

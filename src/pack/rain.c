@@ -1,4 +1,4 @@
-/* rain.c: see rain.h. */
+/* rain.c: batches of falling disks: when, which, where (see rain.h). */
 #include "base/gsl.h"
 #include "pack/rain.h"
 
@@ -18,12 +18,14 @@
 #include "physics/system/clumps.h"
 #include "physics/system/fields.h"
 
-/* Part of a row's width that disks take, at most; between two rows this part of the higher one's radius is left. */
+/* ROW_FILL: largest fraction of a row's width that disks take. ROW_GAP: vertical gap above a row,
+ * as a fraction of its largest radius. */
 static const double ROW_FILL = 0.9, ROW_GAP = 0.1;
-/* A disk that touches a wall but for rounding has room. */
+/* Relative tolerance: a disk that overlaps a wall by no more than this fraction of its radius is
+ * accepted. */
 static const double ROUNDING = 1e-9;
 
-/* --- when --------------------------------------------------------------------------------------------- */
+/* --- times of batches ------------------------------------------------------------------------- */
 
 int64_t rain_next(const engine *e, int64_t step) {
   int64_t next = INT64_MAX;
@@ -45,15 +47,16 @@ int64_t rain_waiting(const sd_model *m, const sd_state *s) {
 
 bool rain_waits(const engine *e) { return rain_waiting(e->model, e->state) > 0; }
 
-/* The place of a disk of a batch; leads: the first of its grain. */
+/* Release position of one disk; leads: 1 for the first disk of a grain (a single disk or a
+ * clump). */
 typedef struct rain_drop {
   uint32_t disk, leads;
   double x, y;
 } rain_drop;
 
-/* --- is there room? ----------------------------------------------------------------------------------- */
+/* --- obstacles -------------------------------------------------------------------------------- */
 
-/* Top of the highest disk over the strip, no lower than the rain's floor less its gap. */
+/* Returns the top of the highest disk in the strip of the rain, at least r->floor - r->gap. */
 static double top_of(const engine *e, const sd_rain *r) {
   const sd_state *s = e->state;
   double top = r->floor - r->gap, middle = 0.5 * (r->lower + r->upper),
@@ -66,7 +69,9 @@ static double top_of(const engine *e, const sd_rain *r) {
   return top;
 }
 
-/* An arc may cross the vertical twice; its ends are those of what is between them. */
+/* Returns true if the arc overlaps a disk at (x, y), or crosses the vertical below it at a height
+ * above `low`. A circle crosses a vertical up to twice. q: nearest point of g. For an arc's end
+ * only the overlap counts. */
 static bool arc_blocks(const placed_segment *g, const nearest_point *q, double x, double y,
                        double radius, double low) {
   if (q->active && hypot(q->dx, q->dy) < radius * (1.0 - ROUNDING)) return true;
@@ -79,7 +84,8 @@ static bool arc_blocks(const placed_segment *g, const nearest_point *q, double x
   return false;
 }
 
-/* Does the piece pass through the disk, or below it, above y = low? */
+/* Returns true if the wall segment overlaps a disk at (x, y), or passes below its centre at a
+ * height above `low`. */
 static bool segment_blocks(const placed_segment *g, double x, double y, double radius, double low) {
   nearest_point q = walls_nearest(g, x, y);
   if (g->piece != SD_PIECE_STRAIGHT) return arc_blocks(g, &q, x, y, radius, low);
@@ -97,7 +103,8 @@ static bool circle_blocks(const engine *e, size_t slot, double x, double y, doub
                     : r < (wall + radius) * (1.0 - ROUNDING);
 }
 
-/* What stands in the way of a disk at (x, y), whose fall leads to y = low; NULL: nothing. */
+/* Returns the name of an obstacle to a disk that starts at (x, y) and falls to y = low; NULL: the
+ * way is free. text: buffer for the name. */
 static const char *obstacle(const engine *e, double x, double y, double radius, double low,
                             char *text, size_t size) {
   const sd_model *m = e->model;
@@ -117,7 +124,7 @@ static const char *obstacle(const engine *e, double x, double y, double radius, 
   return engine_beyond(e, SD_Y, y) ? "the edge of the periodic box" : NULL;
 }
 
-/* --- rows --------------------------------------------------------------------------------------------- */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 static clump_grain grain_of(const rain_sizes *b, size_t disk, size_t end) {
   return b->radius ? (clump_grain){1, b->radius[disk - b->first]}
@@ -136,7 +143,7 @@ size_t rain_row(const rain_sizes *b, size_t first, size_t end, double width) {
   return n;
 }
 
-/* Numbers that lie close together shall give sequences that do not (splitmix64). */
+/* Mixes the bits of z (splitmix64), so that neighbouring seeds give unrelated sequences. */
 static uint64_t mixed(uint64_t z) {
   z += 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -155,7 +162,7 @@ static gsl_rng *numbers_of(const engine *e, const sd_rain *r, int64_t batch) {
   return numbers;
 }
 
-/* --- which, and where ----------------------------------------------------------------------------------- */
+/* --- disks of a batch and their positions ----------------------------------------------------- */
 
 static bool is_due(const engine *e, const sd_rain *r) {
   int64_t batch = e->state->step / r->interval;
@@ -163,7 +170,7 @@ static bool is_due(const engine *e, const sd_rain *r) {
          batch < (int64_t)((r->count + r->batch - 1) / r->batch);
 }
 
-/* First disk of the batch that is due. */
+/* Returns the first disk of the batch that is due. */
 static size_t first_due(const engine *e, const sd_rain *r) {
   return r->first + (size_t)(e->state->step / r->interval) * r->batch;
 }
@@ -173,7 +180,8 @@ static size_t count_due(const engine *e, const sd_rain *r) {
   return left < r->batch ? left : r->batch;
 }
 
-/* Largest of the grains in these n disks; *taken: the sum of their diameters; returns how many there are. */
+/* Returns the number of grains among these n disks. *largest: largest radius of a grain; *taken:
+ * sum of the grains' diameters. */
 static size_t measure_row(const rain_sizes *b, size_t first, size_t n, double *largest,
                           double *taken) {
   size_t grains = 0;
@@ -187,7 +195,9 @@ static size_t measure_row(const rain_sizes *b, size_t first, size_t n, double *l
   return grains;
 }
 
-/* A row of n disks upon `low`, whose fall leads to y = end; `gaps` is scratch. drops: of the first. */
+/* Places n disks in a row whose lower edge is y = low, into drops[0 ... n - 1]. Each disk needs a
+ * way down to y = end that no wall crosses; SD_ERROR_NUMERIC if there is none. gaps: scratch of n
+ * numbers. */
 static sd_status place_row(const engine *e, const sd_rain *r, const rain_sizes *b, size_t first,
                            size_t n, double low, double end, gsl_rng *numbers, double *gaps,
                            rain_drop *drops, sd_messages *messages) {
@@ -218,7 +228,8 @@ static sd_status place_row(const engine *e, const sd_rain *r, const rain_sizes *
   return SD_OK;
 }
 
-/* drops: of the batch, above `top`; walls are posed. radius NULL: as the model has them. */
+/* Places all disks of the batch that is due above y = top. drops: one element per disk of the
+ * batch. radius NULL: radii of the model. Walls must be posed for the current step. */
 static sd_status plan(const engine *e, const sd_rain *r, double top, const double *radius,
                       rain_drop *drops, sd_messages *messages) {
   const size_t begin = first_due(e, r), last = begin + count_due(e, r);
@@ -228,11 +239,13 @@ static sd_status plan(const engine *e, const sd_rain *r, double top, const doubl
     return sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
   gsl_rng *numbers = numbers_of(e, r, e->state->step / r->interval);
   sd_status status = SD_OK;
-  for (size_t n, first = begin; status == SD_OK && first < last; first += n) { /* row upon row */
+  /* one row above the other */
+  for (size_t n, first = begin; status == SD_OK && first < last; first += n) {
     double largest, taken;
     n = rain_row(&b, first, last, r->upper - r->lower);
     measure_row(&b, first, n, &largest, &taken);
-    /* a lid that presses on the highest disk is in the way, too */
+    /* Search for obstacles from below the top of the highest disk, so that a lid that presses on
+     * this disk is found. */
     double end = fmax(top - 0.5 * largest, r->floor);
     status =
         place_row(e, r, &b, first, n, low, end, numbers, gaps, drops + (first - begin), messages);
@@ -243,9 +256,9 @@ static sd_status plan(const engine *e, const sd_rain *r, double top, const doubl
   return status;
 }
 
-/* --- release ------------------------------------------------------------------------------------------ */
+/* --- release ---------------------------------------------------------------------------------- */
 
-/* Slot of a disk that waits here; n_free: it does on another rank. */
+/* Returns the slot of a waiting disk; n_free if another rank has it. */
 static size_t slot_here(const engine *e, size_t disk) {
   const size_t slot = engine_slot(e, (uint32_t)disk);
   return slot < e->state->n_free ? slot : e->state->n_free;
@@ -277,7 +290,7 @@ static void set_out(engine *e, const sd_rain *r, const rain_drop *drops) {
   }
 }
 
-/* They fall freely: accelerations without contacts. */
+/* Gives the released disks the accelerations of free fall: gravity and fields, no contacts. */
 static void accelerate(engine *e, const sd_rain *r) {
   const size_t first = first_due(e, r), n = count_due(e, r);
   for (size_t k = first; k < first + n; k++) {
@@ -293,7 +306,9 @@ static void accelerate(engine *e, const sd_rain *r) {
   }
 }
 
-/* Radii of the disks of a batch, wherever they wait: bits of each are there once. */
+/* Gives all ranks the radii of a batch. Each radius is 0 on all ranks but the one that has the
+ * disk, so the integer sum of the bit patterns is the radius, exactly. bits: scratch of n
+ * numbers. */
 static void share_radii(const engine *e, const sd_rain *r, size_t n, double *radius,
                         int64_t *bits) {
   fill_radii(e, r, radius);
@@ -302,7 +317,8 @@ static void share_radii(const engine *e, const sd_rain *r, size_t n, double *rad
   memcpy(radius, bits, n * sizeof *bits);
 }
 
-/* Rank 0 says where the disks of a batch go, and each rank sets out its own. */
+/* Releases one batch: rank 0 computes the positions and broadcasts them; each rank releases the
+ * disks that it has. */
 static sd_status release(engine *e, const sd_rain *r, sd_messages *messages) {
   const comm *c = e->comm;
   const size_t n = count_due(e, r);

@@ -1,16 +1,17 @@
-/* relax.c: FIRE at a fixed time step; see relax.h.
+/* relax.c: FIRE at a fixed time step (see relax.h).
  *
- *   P > 0:   v <- (1 - alpha) v + alpha |v| F/|F|,   after PATIENCE such steps alpha <- max(SHRINK alpha, BRAKE/n)
- *   P <= 0:  v <- 0,  alpha <- ALPHA                 with P = F . v, n the steps since the last stop
+ *   P > 0:   v <- (1 - alpha) v + alpha |v| F/|F|, and after PATIENCE such steps
+ *            alpha <- max(SHRINK alpha, min(ALPHA, BRAKE/n))
+ *   P <= 0:  v <- 0, alpha <- ALPHA
  *
- * over all free coordinates at once. With masses M the norms are |v|^2 = sum M v^2 and |F|^2 = sum F^2/M, and the
- * direction F/|F| of the scaled coordinates is that of the accelerations F/M. BRAKE is not in the paper: without
- * it nothing would brake the slow flows that a compression at constant pressure feeds for thousands of steps. A
- * brake that falls as 1/n is strong enough for these and does not overdamp the slow modes of large packings, whose
- * periods of some 1e4 steps are not known beforehand.
+ * with P = F . v and n the number of steps since the last stop. All free coordinates form one
+ * vector v. With masses M the norms are |v|^2 = sum M v^2 and |F|^2 = sum F^2/M, and the direction
+ * F/|F| of the scaled coordinates is that of the accelerations F/M. BRAKE is not in Bitzek et al.:
+ * a compression at constant pressure feeds slow flows for thousands of steps, and only BRAKE damps
+ * them. As it falls as 1/n, it is strong enough for these flows and does not overdamp the slow
+ * modes of large packings, whose periods of some 1e4 steps are not known beforehand.
  *
- * Sums are exact, so that they depend neither on the threads nor on the ranks.
- */
+ * The sums are exact, so that they depend neither on the threads nor on the ranks. */
 #include "pack/relax.h"
 
 #include <assert.h>
@@ -27,7 +28,8 @@ void relax_begin(engine *e) {
   e->state->relax_steps = 0;
 }
 
-/* Coordinates that are held, and disks that are not in play, have no inverse mass and no equilibrium to find. */
+/* Returns value, or 0 for a coordinate without inverse mass: locked or prescribed, or of a disk
+ * that is not in play. */
 static inline double free_part(const columns *c, size_t i, double value) {
   return c->inverse[i] != 0.0 ? value : 0.0;
 }
@@ -47,7 +49,8 @@ static void measure_clumps(const engine *e, const team *t, exact_sum *sum) {
   }
 }
 
-/* The coordinates of a disk are added up first: exact additions cost more. */
+/* Adds this thread's disks and clumps to the sums. The three coordinates of a disk are added in
+ * floating point first, since an exact addition costs more. */
 static void measure(const engine *e, const team *t, exact_sum *sum) {
   const columns *x = engine_columns(e, SD_X), *y = engine_columns(e, SD_Y),
                 *a = engine_columns(e, SD_THETA);
@@ -66,7 +69,7 @@ static void measure(const engine *e, const team *t, exact_sum *sum) {
   measure_clumps(e, t, sum);
 }
 
-/* v <- keep v + steer F/M */
+/* Sets v <- keep v + steer F/M for clumps. */
 static void change_clumps(engine *e, const team *t, double keep, double steer) {
   size_t begin, end;
   team_share(t, engine_clumps(e), &begin, &end);
@@ -93,7 +96,8 @@ static void change(engine *e, const team *t, double keep, double steer) {
   }
 }
 
-/* The higher derivatives of Gear's predictor belong to the motion that was stopped. */
+/* Sets the higher derivatives of Gear's predictor to 0, as they describe the motion that was
+ * stopped. */
 static void forget_derivatives(engine *e, const team *t) {
   size_t begin, end;
   if (e->model->integrator != SD_GEAR5) return;
@@ -105,7 +109,7 @@ static void forget_derivatives(engine *e, const team *t) {
   }
 }
 
-/* By the first thread: what all threads of all ranks have added up. */
+/* Adds up the sums of all threads and ranks; called by the first thread. */
 static void add_up(const engine *e, const team *t, relax_sums *of_team) {
   for (int n = 1; n < t->size; n++)
     for (int k = 0; k < RELAX_SUMS; k++) exact_sum_merge(&of_team->of[k], &of_team[n].of[k]);
@@ -132,7 +136,7 @@ void relax_step(engine *e, const team *t, relax_sums *of_team) {
   if (t->rank > 0) return;
   clumps_place_all(e);
   assert(!(speed2 < 0.0) && !(push2 < 0.0) && s->relax_alpha >= 0.0 && s->relax_alpha <= ALPHA);
-  /* M v^2/2 before and after, from the sums */
+  /* Kinetic energy removed: sum M v^2/2 before minus after, computed from the sums. */
   s->relaxed +=
       0.5 * (speed2 - (keep * keep * speed2 + 2.0 * keep * steer * power + steer * steer * push2));
   if (!downhill)

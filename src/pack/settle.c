@@ -1,4 +1,5 @@
-/* settle.c: see settle.h. */
+/* settle.c: kinetic energy and unbalanced force of a packing, and criteria for rest (see
+ * settle.h). */
 #include "pack/settle.h"
 
 #include <math.h>
@@ -17,7 +18,7 @@ typedef struct settle_sums {
   int64_t n[COUNTS];
 } settle_sums;
 
-/* 0 for a coordinate that is held. */
+/* Returns the total force along a coordinate, 0 if the coordinate is locked. */
 static double resultant(const columns *c, size_t i) {
   return c->inverse[i] != 0.0 ? c->force[i] + c->constant[i] : 0.0;
 }
@@ -34,7 +35,7 @@ static void add_contacts(const engine *e, settle_sums *all) {
   }
 }
 
-/* A clump counts as one body. */
+/* Adds the clumps to the sums, each as one body. */
 static void add_clumps(const engine *e, settle_sums *all) {
   const columns *c = engine_clump_columns(e, 0);
   for (size_t k = 0; k < engine_clumps(e); k++) {
@@ -49,7 +50,7 @@ static void add_clumps(const engine *e, settle_sums *all) {
   }
 }
 
-/* The disks and contacts that this rank counts. */
+/* Computes the sums over the disks, clumps and contacts that this rank counts. */
 static void add_up(const engine *e, settle_sums *all) {
   const sd_state *s = e->state;
   const columns *c = engine_columns(e, 0);
@@ -72,7 +73,7 @@ settle_measure settle_look(const engine *e) {
   add_up(e, &all);
   comm_total_exact(e->comm, all.of, SETTLE_SUMS);
   comm_add(e->comm, all.n, COUNTS);
-  /* what falls beyond the bounds is not at rest */
+  /* A packing whose disks have all fallen out of the bounds is not at rest. */
   if (all.n[DISKS] == 0)
     return all.n[OUTSIDE] ? (settle_measure){HUGE_VAL, HUGE_VAL} : (settle_measure){0.0, 0.0};
   const double n = (double)all.n[DISKS], kinetic = exact_sum_value(&all.of[SETTLE_KINETIC]) / n,
@@ -83,9 +84,10 @@ settle_measure settle_look(const engine *e) {
   return (settle_measure){kinetic, mean == 0.0 ? 0.0 : contact > 0.0 ? mean / contact : HUGE_VAL};
 }
 
-/* A servo whose disks do not feel its force yet creeps on, however slowly; a lid must not swing. */
-static const double SERVO_NEAR =
-    0.01; /* of the force, as its speed is of the largest; of the stress of a box */
+/* Largest relative distance from the target at rest: for a servo, its speed over its largest speed,
+ * which equals the relative force error; for a box under stress control, its stress error over the
+ * largest target. */
+static const double SERVO_NEAR = 0.01;
 
 static bool walls_rest(const engine *e, double kinetic) {
   const sd_state *s = e->state;

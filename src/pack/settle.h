@@ -1,20 +1,22 @@
-/* settle.h: is a packing at rest? (sd_settle in model.h) */
+/* settle.h: tests whether a packing is at rest (sd_settle in model.h). */
 #ifndef PACK_SETTLE_H
 #define PACK_SETTLE_H
 
 #include "physics/system/work.h"
 
-/* Over the free disks in play and within the bounds: kinetic energy per disk, of translation and
- * rotation; mean resultant force on one (contacts, gravity, body forces; coordinates that are
- * free) over the mean normal force of the closed contacts, 0 when there is neither, infinite
- * without contacts. Both infinite when all are beyond. settle_look is collective. */
+/* Averages over the free disks in play within the bounds; a clump counts as one body. kinetic:
+ * kinetic energy per disk, translation and rotation. unbalanced: mean resultant force on a disk
+ * (contacts, gravity, body forces; free coordinates only) over the mean normal force of the closed
+ * contacts; 0 if the resultants are 0, else infinite without contacts. Without disks both are 0, or
+ * infinite if disks lie beyond the bounds. settle_look is collective. */
 typedef struct settle_measure {
   double kinetic, unbalanced;
 } settle_measure;
 
 settle_measure settle_look(const engine *e);
-/* All criteria of the running phase hold, no disk waits, servo walls are within 1 % of their force, and walls under a
- * load have no more kinetic energy than a disk may have. */
+/* Returns true if all criteria of the running phase hold, no disk waits for a rain, servo walls and
+ * a box under stress control are within 1 % of their targets, and no wall under a load has more
+ * kinetic energy than a disk may have. */
 bool settle_reached(const engine *e, const settle_measure *now);
 
 #endif

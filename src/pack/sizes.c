@@ -1,4 +1,4 @@
-/* sizes.c: see sizes.h. */
+/* sizes.c: quantiles and draws of distributions of radii (see sizes.h). */
 #include "base/gsl.h"
 #include "pack/sizes.h"
 
@@ -8,8 +8,9 @@
 
 #include "base/memory.h"
 
-/* p(R) ~ R^-a. The integral of R^-a from one end is written with expm1 of a number <= 0: exact near a = 1, where
- * it is a logarithm, and finite for any a. */
+/* Quantile of p(R) ~ R^-a on [lower, upper]. The integral of R^-a is written with expm1 of a
+ * non-positive argument: accurate near a = 1, where it becomes a logarithm, and finite for any
+ * a. */
 static double power_quantile(const sizes *s, double u) {
   double q = 1 - s->exponent, l = log(s->upper / s->lower);
   if (fabs(q * l) < 1e-12) return s->lower * exp(u * l);
@@ -17,7 +18,8 @@ static double power_quantile(const sizes *s, double u) {
   return s->upper * exp(log1p((1 - u) * expm1(-q * l)) / q);
 }
 
-/* A standard normal number cut at a < b. Above the mean the upper tail is used, which keeps its digits. */
+/* Quantile of a standard normal variable truncated to [a, b], a < b. For a > 0 the mirrored
+ * interval is used, since probabilities near 0 keep more digits than those near 1. */
 static double normal_quantile(double a, double b, double u) {
   if (a > 0) return -normal_quantile(-b, -a, 1 - u);
   double p = gsl_cdf_ugaussian_P(a);
@@ -79,8 +81,8 @@ double sizes_mean_area(const sizes *s) {
   return mean;
 }
 
-/* How many of n disks each radius of a list gets: the whole parts of n w/W, and one more each for the largest
- * remainders. */
+/* Writes n radii of a list: radius k occurs floor(n w_k/W) times, and those with the largest
+ * remainders once more, until there are n. */
 static void draw_list(const sizes *s, size_t n, double *radius) {
   assert(s->n > 0);
   double *remainder = memory_new(s->n, sizeof *remainder), total = 0;
@@ -121,7 +123,7 @@ gsl_rng *sizes_random(uint64_t seed, size_t packing) {
   gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
   gsl_set_error_handler(handler);
   if (!rng) memory_lacks(0);
-  /* its seed has 32 bits: the two numbers are mixed (the finaliser of splitmix64) */
+  /* GSL's seed has 32 bits: mix seed and packing number with the finaliser of splitmix64. */
   uint64_t z = seed + (packing + 1) * 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;

@@ -1,8 +1,8 @@
-/* sizes.h: distributions of radii (the key `sizes` of a packing).
+/* sizes.h: distributions of radii (the deck key `sizes` of a packing).
  *
- * All but mono and list are drawn by inversion, R = Q(u) with u uniform in [0, 1). Q of a cut distribution with
- * cumulative F is F^-1(F(lower) + u (F(upper) - F(lower))), so nothing is rejected.
- */
+ * All kinds but mono and list are drawn by inversion, R = Q(u) with u uniform in [0, 1). For a
+ * distribution with cumulative function F, truncated to [lower, upper], Q(u) =
+ * F^-1(F(lower) + u (F(upper) - F(lower))), so no draw is rejected. */
 #ifndef PACK_SIZES_H
 #define PACK_SIZES_H
 
@@ -11,27 +11,28 @@
 
 typedef struct sizes {
   sd_size_kind kind;
-  double radius;    /* gaussian: mean; lognormal: median, before the cut */
-  double deviation; /* gaussian: of R; lognormal: of ln R, before the cut */
+  double radius; /* mono: the radius; gaussian: mean, lognormal: median, both before truncation */
+  double deviation; /* gaussian: standard deviation of R; lognormal: of ln R; before truncation */
   double exponent;  /* powerlaw: a in p(R) ~ R^-a */
-  double lower,
-      upper; /* smallest and largest radius that there can be, of every kind; 0 < lower <= upper */
-  size_t n;  /* list */
-  const double *radii, *weights; /* list: weights >= 0, of any positive sum */
+  /* smallest and largest possible radius, for every kind; 0 < lower <= upper */
+  double lower, upper;
+  size_t n;                      /* list: number of radii */
+  const double *radii, *weights; /* list: weights >= 0, with any positive sum */
 } sizes;
 
-/* Q(u) of mono, uniform, gaussian, lognormal, powerlaw; within [lower, upper]. */
+/* Returns Q(u), clamped to [lower, upper], for mono, uniform, gaussian, lognormal and powerlaw. */
 double sizes_quantile(const sizes *s, double u);
-/* Probability of [lower, upper] under the distribution before the cut; 1 for the others. */
+/* Returns the probability of [lower, upper] under a gaussian or lognormal distribution before
+ * truncation; 1 for other kinds. */
 double sizes_kept(const sizes *s);
-/* Mean of pi R^2. */
+/* Returns the mean of pi R^2. */
 double sizes_mean_area(const sizes *s);
-/* Writes n radii. Of a list each radius comes as often as its weight says, to within one disk (largest
- * remainders), in random order. */
+/* Writes n radii. For a list, each radius occurs in proportion to its weight to within one disk
+ * (largest remainders), in random order. */
 void sizes_draw(const sizes *s, gsl_rng *rng, size_t n, double *radius);
 
-/* A generator of random numbers, for packing number `packing` of a deck with this seed. It is never
- * NULL. */
+/* Returns a random number generator (MT19937) for packing number `packing` of a deck with this
+ * seed; never NULL. The caller frees it with gsl_rng_free. */
 gsl_rng *sizes_random(uint64_t seed, size_t packing);
 
 #endif

@@ -1,4 +1,4 @@
-/* tiles.c: see tiles.h. */
+/* tiles.c: generates packings tile by tile (see tiles.h). */
 #include "pack/tiles.h"
 
 #include <stdlib.h>
@@ -22,7 +22,9 @@ sd_status tiles_place(place_space *s, gsl_rng *rng, const tiles_fill *how, size_
   return SD_OK;
 }
 
-/* Behind those of packings and of the angles of their grains. */
+/* Returns the tile's random stream. Tile 0 uses the packing's own; later tiles use numbers above
+ * those of all packings (below LIMIT_ENTRIES) and of the angles of their clumps (below 2
+ * LIMIT_ENTRIES). */
 static size_t stream_of(const sd_tiles *t, size_t tile) {
   return tile == 0 ? t->entry : t->entry + LIMIT_ENTRIES * (1 + tile);
 }
@@ -45,7 +47,8 @@ static sd_status fill_slab(const sd_model *m, size_t tile, gsl_rng *rng, const t
   return status;
 }
 
-/* Of rain: the first row is `spacing` above the lower edge. */
+/* Generates the waiting disks of one tile of a rain; the first row is `spacing` above the lower
+ * edge. */
 static void make_waiting(const sd_tiles *t, size_t tile, gsl_rng *rng, const tiles_fill *how,
                          size_t n, double *radius, double (*position)[2], size_t *placed) {
   place_waiting(t->lower[0], t->upper[0], t->lower[1] + t->spacing, t->spacing,
