@@ -15,7 +15,12 @@
 #ifndef MEASURE_CELLS_H
 #define MEASURE_CELLS_H
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
 #include "measure/configuration.h"
+#include "slipdisk/status.h"
 
 /* Largest distance from the edge of a disk to a corner of its closed cell, in largest radii. A
  * vacancy of a triangular lattice has 1. */

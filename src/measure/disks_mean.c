@@ -6,9 +6,8 @@
 
 #include "base/gsl.h"
 #include "base/memory.h"
-#include "measure/mean.h"
+#include "measure/error_bar.h"
 #include "measure/observable.h"
-#include "measure/sums.h"
 #include "model/state.h"
 
 /* --- one disk --------------------------------------------------------------------------------- */

@@ -30,8 +30,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "measure/sums.h"
-
 enum { SHORTEST = 16, BLOCKS = 512, ORDERS = 27, FEWEST = 16, LONG = 64, CHANCE = 50 };
 /* A record has no noise if the model predicts all but this fraction of its variance. */
 static const double foretold = 1e-3;

@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "slipdisk/measure.h"
+
 typedef struct error_bar {
   double error;       /* standard error of the mean; NAN if it is not known */
   double correlation; /* integrated correlation time, in samples */
@@ -61,5 +63,47 @@ slow slow_of(const double *y, size_t n, double spectrum);
 /* Returns true if frequencies up to 16 periods per record (SLOWEST) hold less than half of the
  * variance of y[0..n). */
 bool slow_repeats(const double *y, size_t n);
+
+/* --- means and variances of records ----------------------------------------------------------- */
+
+/* Means and variances are written for vectorisation. There are SUMS partial
+ * sums on every processor, so the bits do not depend on the vector width. The summands are
+ * differences from the first value, so that a constant record has exactly its value as mean. */
+
+enum { SUMS = 8 };
+
+static inline double sums_all(const double sum[SUMS]) {
+  return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+}
+
+/* Returns the mean of x[0..n), n >= 1. */
+static inline double sums_mean(const double *x, size_t n) {
+  double sum[SUMS] = {0};
+  const double first = x[0];
+  size_t whole = n / SUMS * SUMS;
+  for (size_t t = 0; t < whole; t += SUMS)
+    for (size_t k = 0; k < SUMS; k++) sum[k] += x[t + k] - first;
+  for (size_t t = whole; t < n; t++) sum[t - whole] += x[t] - first;
+  return first + sums_all(sum) / (double)n;
+}
+
+/* Returns the variance of x[0..n) about its mean, divided by n - 1. */
+static inline double sums_variance(const double *x, size_t n) {
+  double sum[SUMS] = {0};
+  const double mean = sums_mean(x, n);
+  size_t whole = n / SUMS * SUMS;
+  for (size_t t = 0; t < whole; t += SUMS)
+    for (size_t k = 0; k < SUMS; k++) sum[k] += (x[t + k] - mean) * (x[t + k] - mean);
+  for (size_t t = whole; t < n; t++) sum[t - whole] += (x[t] - mean) * (x[t] - mean);
+  return sums_all(sum) / ((double)n - 1);
+}
+
+/* --- means of records of a driven system, used by all measurements ---------------------------- */
+
+/* Returns the common period of all motions of the measured phases; 0: there is none. */
+double mean_period(const sd_model *model);
+/* Returns sd_mean_of, transient cut off, for a record with a periodic ripple. period: of the
+ * ripple, in samples; 0: no ripple. */
+sd_mean mean_of_record(const double *x, size_t n, double period);
 
 #endif

@@ -1,10 +1,10 @@
-/* front.c: advancing-front packing (see front.h).
+/* front.c: advancing-front packing (see place.h).
  *
  * A disk of radius r touches a round body of radius R if its centre lies on the circle of radius
  * R + r about the body's centre (drum: negative R; corner: R = 0), and a straight wall if its
  * centre lies on a parallel line at the distance r. A pocket is thus an intersection of two such
  * curves; its `variant` selects which one. */
-#include "pack/front.h"
+#include "pack/place.h"
 
 #include <math.h>
 #include <stdlib.h>

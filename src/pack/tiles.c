@@ -6,7 +6,6 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "model/rows.h"
-#include "pack/front.h"
 #include "pack/place.h"
 
 sd_status tiles_place(place_space *s, gsl_rng *rng, const tiles_fill *how, size_t n, double *radius,

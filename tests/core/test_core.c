@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "base/team.h"
-#include "measure/mean.h"
+#include "measure/error_bar.h"
 #include "model/state.h"
 #include "pack/sizes.h"
 #include "physics/contact/energy.h"

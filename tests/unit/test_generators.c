@@ -17,7 +17,6 @@
 #include <math.h>
 
 #include "model/rows.h"
-#include "pack/front.h"
 #include "pack/place.h"
 #include "pack/sizes.h"
 #include "pack/tiles.h"

@@ -10,7 +10,6 @@
 #include "base/memory.h"
 #include "io/deck/deck_values.h"
 #include "model/rows.h"
-#include "pack/front.h"
 #include "pack/place.h"
 #include "pack/rain.h"
 #include "pack/sizes.h"
