@@ -7,8 +7,8 @@
 #ifndef BASE_COMM_KIND_H
 #define BASE_COMM_KIND_H
 
-/* Undoes the macros of checking builds: calls inside base/comm*.c must not overwrite the location
- * that the caller of comm.h has noted. */
+/* The #undef lines remove the macros of checking builds: calls inside base/comm*.c must not
+ * overwrite the location that the caller of comm.h has noted. */
 #include "base/comm.h"
 #undef comm_max
 #undef comm_share
@@ -50,7 +50,8 @@ struct comm {
   int rank, size;
 };
 
-/* Common first member of the structs that mpi and threads use for persistent messages. */
+/* Common first member of the structs that MPI ranks and thread ranks use for persistent
+ * messages. */
 struct comm_links {
   const comm *comm;
 };

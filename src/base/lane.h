@@ -228,7 +228,8 @@ LANE_INLINE LANE(real) LANE(nearest)(LANE(real) a) { return (a + 0x1.8p52) - 0x1
  *   across4:  from two rows per lane, b - a in columns 0 and 2, b + a in columns 1 and 3
  *   across2:  from two rows of two numbers per lane, b - a in both columns
  *   add4:     adds each lane's row to the row at rows + to[lane]; at rows + from[lane] it subtracts
- * columns 0 and 2 and adds columns 1 and 3. One lane after the other, so lanes may share rows. */
+ *             columns 0 and 2 and adds columns 1 and 3; one lane after the other, so lanes may
+ *             share rows */
 #if LANE_WIDTH >= 4 && (defined(__clang__) || __GNUC__ >= 12)
 typedef double LANE(four) __attribute__((vector_size(32)));
 typedef double LANE(two) __attribute__((vector_size(16)));

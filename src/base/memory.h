@@ -21,10 +21,10 @@ void *memory_new(size_t n, size_t size);
 /* Resizes the block `old` (or NULL) to n elements; new elements are not initialised. Never NULL.
  * Free with free(). */
 void *memory_grow(void *old, size_t n, size_t size);
-/* Returns so many bytes, all zero, at a multiple of 64 (a cache line). Never NULL. Free with
+/* Returns `bytes` bytes, all zero, at a multiple of 64 (a cache line). Never NULL. Free with
  * free(). */
 void *memory_lines(size_t bytes);
-/* Return a copy of so many bytes, and of a text; the copy of NULL is NULL. Free with free(). */
+/* Return a copy of `bytes` bytes, and of a text; the copy of NULL is NULL. Free with free(). */
 void *memory_copy(const void *from, size_t bytes);
 char *memory_text(const char *text);
 /* Calls the out-of-memory handler and does not return: for callers of library functions that return
@@ -37,13 +37,13 @@ typedef struct memory_column {
   size_t n, size;
 } memory_column;
 
-/* Returns the bytes that each of so many concurrent processes can have at most, whatever other
- * programs use: its share of the machine's memory and swap space, or of what control groups allow
- * (versions 1 and 2, all levels), and no more than the limits of its address space and data (ulimit
- * -v, -d). */
+/* Returns the bytes that each of this number of concurrent processes can have at most, whatever
+ * other programs use: its share of the machine's memory and swap space, or of what control groups
+ * allow (versions 1 and 2, all levels), and no more than the limits of its address space and data
+ * (ulimit -v, -d). */
 double memory_limit(size_t processes);
-/* Returns false if these are more bytes than this process alone can have. Sizes below 64 MiB are
- * not checked. */
+/* Returns false if this is more memory, in bytes, than this process alone can have. Sizes below 64
+ * MiB are not checked. */
 bool memory_fits(double bytes);
 
 /* Allocates n_columns arrays, zeroed, and sets their pointers; none is NULL then, not even for n =
@@ -82,7 +82,7 @@ typedef struct arena_plan {
   size_t columns;
 } arena_plan;
 
-/* Adds a column of so many bytes to the plan. Returns its offset in the arena, a multiple of 64; at
+/* Adds a column of this size to the plan. Returns its offset in the arena, a multiple of 64; at
  * least 64 more bytes follow the column. */
 size_t arena_column(arena_plan *plan, size_t bytes);
 /* Allocates a planned arena, zeroed; returns NULL if memory runs out. Free with arena_free. */

@@ -36,7 +36,7 @@ struct pool {
   team_task *task;
   void *with;
   pthread_t *thread; /* [started] threads of ranks 1, 2, ... */
-  member *member;    /* [size] team of each thread */
+  member *member;    /* [size] team and count of short waits of each thread */
   pthread_mutex_t lock;
   pthread_cond_t woken;
   /* state of the barrier */

@@ -27,8 +27,8 @@ typedef struct team {
 
 typedef void team_task(const team *t, void *with);
 
-/* Creates a pool of so many threads, the caller included, or of fewer if the system does not grant
- * them. Never returns NULL. */
+/* Creates a pool of this many threads, the caller included, or of fewer if the system does not
+ * grant them. Never returns NULL. */
 pool *pool_new(int threads);
 /* Ends the threads, waits for them and frees the pool. In a forked child there are no threads to
  * wait for. */

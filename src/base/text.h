@@ -38,8 +38,8 @@ bool text_ends(const char *text, const char *ending);
 
 /* --- the best match of a mistyped word among candidates, by edit distance --------------------- */
 
-/* Search for the candidate nearest to `word`. best: NULL while no candidate is near enough to be
- * meant. */
+/* State of a search for the candidate nearest to `word`. best: NULL while no candidate is near
+ * enough to be meant. */
 typedef struct guess {
   const char *word, *best;
   size_t distance;

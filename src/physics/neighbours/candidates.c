@@ -35,8 +35,7 @@ static inline bool near(const engine *e, uint32_t i, uint32_t j, double skin) {
 }
 
 /* Returns true if disk i is a candidate for the round wall b: its overlap is above -largest_margin.
- * In a drum (negative radius) the distance r of the centres counts as negative: overlap = R_i -
- * |R_b| + r. */
+ * In a drum (R_b < 0) the overlap is R_i - |R_b| plus the distance of the centres. */
 static bool near_round_wall(const engine *e, uint32_t i, uint32_t b) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -75,8 +74,8 @@ static int ascending(const void *one, const void *two) {
   return *p < *q ? -1 : *p > *q;
 }
 
-/* Most lists are short and nearly sorted, so insertion sort is faster; a large disk may have
- * thousands of candidates. */
+/* Lists up to this length are sorted by insertion, since most are short and nearly sorted; a large
+ * disk may have thousands of candidates. */
 enum { FEW = 48 };
 static void sort(numbers *list) {
   if (list->n > FEW) {
@@ -273,7 +272,7 @@ static void add_closed_segments(const engine *e, const closed_before *c, uint32_
 static void add_walls(const wall_lists *l, uint32_t i, numbers *found) {
   for (uint32_t k = l->start ? l->start[i] : 0; l->start && k < l->start[i + 1]; k++)
     if (k == l->start[i] || l->of[k] != l->of[k - 1])
-      numbers_add(found, l->of[k]); /* once only, even if several images were found */
+      numbers_add(found, l->of[k]); /* add a wall once, even if several images were found */
 }
 
 /* --- search by all threads -------------------------------------------------------------------- */

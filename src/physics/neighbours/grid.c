@@ -88,14 +88,14 @@ typedef struct grid_task {
   const engine *e;
   grid *g;
   double margin;
-  uint32_t *cell; /* [n_disks] */
+  uint32_t *cell; /* [n_disks] cell index of each disk on its level */
   sd_status status;
   grid_share share[WORK_MAX_THREADS];
 } grid_task;
 
-/* Extends the bounding box to a point. Disks that were lost far away (SD_OUTSIDE) are left out,
- * since they would make the cells of all others large; points outside the grid count to the nearest
- * cell. */
+/* Extends the bounding box to a point. The caller leaves out disks beyond the bounds of the run
+ * (SD_OUTSIDE), since a disk lost far away would make all cells large; points outside the grid
+ * belong to the nearest cell. */
 static void find_extent(grid_share *mine, const double at[2]) {
   for (int c = 0; c < 2; c++) {
     if (at[c] < mine->low[c]) mine->low[c] = at[c];

@@ -55,12 +55,12 @@ typedef struct grid_line {
  * runs out. */
 sd_status grid_build(const engine *e, double margin, grid *g);
 void grid_free(grid *g);
-/* Finds the disks of a level whose centres are nearer to a point than `reach`, and some others;
- * each disk once. */
+/* Finds all disks of a level whose centres are nearer to a point than `reach`; the result may have
+ * others as well, but each disk once. */
 void grid_around(const grid *g, const grid_level *l, const double at[2], double reach,
                  grid_runs *found);
-/* Finds the disks whose centres are nearer to a line than `reach`, and some others; periodic images
- * of the line are ignored. */
+/* Finds all disks whose centres are nearer to a line than `reach`; the result may have others as
+ * well. Periodic images of the line are ignored. */
 void grid_along(const grid_level *l, const grid_line *line, double reach, grid_runs *found);
 /* Divides radii into levels: writes the largest radius of each level to top[], descending, and
  * returns the number of levels. factor: ratio of the largest to the smallest radius of a level. c:

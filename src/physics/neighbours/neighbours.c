@@ -109,9 +109,9 @@ static double farthest_disk(const engine *e, const double pivot[2], const double
   return hypot(dx, dy) + largest_margin(e);
 }
 
-/* Finds for each wall the distance from the pivot at which its points, or disks near them, move
- * fastest when it turns. Points farther away than all disks do not matter, and a round wall turns
- * into itself. */
+/* Finds for each wall the largest distance from its pivot to a point that may touch a disk: the
+ * angle by which the wall turns times this distance bounds the displacement of its surface. Points
+ * farther away than all disks do not matter, and a round wall turns into itself (distance 0). */
 static void note_reaches(const engine *e, const double low[2], const double high[2]) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -129,7 +129,7 @@ static void note_reaches(const engine *e, const double low[2], const double high
   for (size_t b = s->n_disks; b < s->n_bodies; b++) {
     const double pivot[2] = {s->x[b], s->y[b]};
     double *reach = &w->reach[b - s->n_disks];
-    /* In a periodic box a disk may be near an image of the wall that is far from the pivot. */
+    /* a disk in a periodic box may be near an image of the wall that is far from the pivot. */
     const bool images = w->periodic[0] || w->periodic[1];
     if (!images || !isfinite(*reach)) *reach = fmin(*reach, farthest_disk(e, pivot, low, high));
   }

@@ -11,8 +11,8 @@
 #include "model/model.h"
 #include "model/state.h"
 
-/* With fewer free disks all fit into the cache in any order, and they stay in the order of the
- * deck. */
+/* Least number of free disks that are sorted. Fewer fit into the cache in any order, and stay in
+ * the order of the deck. */
 enum { ORDER_LEAST = 1000 };
 
 /* Sorts the free disks by strips across the longer side of their bounding box, and within a strip
