@@ -1,4 +1,4 @@
-/* clock.c: see clock.h. */
+/* clock.c: implements clock.h. */
 #include "base/clock.h"
 
 #include <time.h>

@@ -1,4 +1,5 @@
-/* comm.c: ranks of whatever kind, or one; see comm.h. */
+/* comm.c: checks its arguments and passes each call of comm.h to the kind of ranks at hand, MPI
+ * processes or threads (comm_kind.h). */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,21 +23,22 @@ void comm_fail(const comm *c, const char *why) {
   comm_abort(c, SD_ERROR_IO);
 }
 
-/* --- the same place --------------------------------------------------------------------------- */
+/* --- check that all ranks make the same call -------------------------------------------------- */
 
 #ifdef SD_CHECK
 static _Thread_local const char *here = "";
 
 void comm_at(const char *place) { here = place; }
 
-/* FNV-1a */
+/* Returns the FNV-1a hash of a text. */
 static uint64_t hash_of(const char *text) {
   uint64_t hash = UINT64_C(0xcbf29ce484222325);
   for (; *text; text++) hash = (hash ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
   return hash;
 }
 
-/* All ranks have come to the same call. */
+/* Checks that all ranks are at the same collective call, by the hash of its source location; a rank
+ * that differs from this one ends the job. */
 static void meet(const comm *c) {
   const uint64_t mine = hash_of(here);
   int *ones = memory_new((size_t)c->size, sizeof *ones);
@@ -52,7 +54,7 @@ static void meet(const comm *c) {
 static void meet(const comm *c) { (void)c; }
 #endif
 
-/* --- sums and bits ---------------------------------------------------------------------------- */
+/* --- reductions and broadcasts ---------------------------------------------------------------- */
 
 int comm_max(const comm *c, int value) {
   if (!c) return value;
@@ -95,7 +97,7 @@ double comm_largest(const comm *c, double value) {
   return c->kind->largest(c, value);
 }
 
-/* In the order of the ranks. */
+/* Every rank adds the values in the order of ranks, so that all get the same bits. */
 double comm_total(const comm *c, double value) {
   if (!c) return value;
   double *all = memory_new((size_t)c->size, sizeof *all), sum = 0.0;
@@ -118,7 +120,7 @@ void comm_add(const comm *c, int64_t *values, size_t n) {
   c->kind->add(c, values, n);
 }
 
-/* --- rows ------------------------------------------------------------------------------------- */
+/* --- exchange of rows ------------------------------------------------------------------------- */
 
 int *comm_starts(const comm *c, const int *counts) {
   int *starts = memory_new((size_t)c->size, sizeof *starts);

@@ -1,15 +1,16 @@
-/* comm.h: ranks that work together on one run, or on the points of one sweep.
+/* comm.h: collective functions for ranks that work together on one run, or on the points of one
+ * sweep.
  *
- * A comm is the ranks of an MPI job (comm_world), or threads of this process (comm_threads.c).
- * NULL is a rank alone: every function takes it, and then there is nothing to agree on, so that a
- * run over ranks and a run of one process are the same text.
+ * A comm is the group of ranks of an MPI job (comm_world), or a group of threads of this process
+ * (comm_threads.c). NULL stands for a single rank: every function accepts it and then does nothing
+ * or returns its own argument, so that a run on one process needs no code of its own.
  *
- * Functions are collective where that is not denied: every rank calls them, in the same order,
- * each from one thread at a time. Builds with SLIPDISK_CHECK compare the places of the calls, and
- * a rank that is elsewhere ends the job with a message instead of a wait for ever.
+ * Functions are collective unless their comment says otherwise: every rank calls them, in the same
+ * order, each from one thread at a time. Builds with SLIPDISK_CHECK compare the source locations of
+ * the calls; a rank that makes another call ends the job with a message instead of a deadlock.
  *
- * A row is `size` bytes. Counts are rows per rank [comm_size()]; rows to and from ranks stand one
- * rank after the other.
+ * A row is `size` bytes. Counts are numbers of rows per rank [comm_size()]; buffers hold the rows
+ * to (or from) rank 0 first, then those of rank 1, and so on.
  */
 #ifndef BASE_COMM_H
 #define BASE_COMM_H
@@ -23,65 +24,69 @@
 
 typedef struct comm comm;
 
-/* Starts MPI, from the thread that then makes all calls for comm_world. A process that forks
- * workers does so before, or does not call it. SD_ERROR_USER: a launcher started several
- * processes that do not know of each other, since this is a build without MPI or for another MPI.
- * SD_ERROR_IO: MPI does not start. */
+/* Starts MPI; the thread that calls it makes all later calls for comm_world. A process that forks
+ * workers forks them before this call, or never makes it. Returns SD_ERROR_USER if a launcher
+ * started several processes that cannot find each other, because this build has no MPI or another
+ * MPI; SD_ERROR_IO if MPI does not start. */
 sd_status comm_begin(sd_messages *messages);
-/* Waits for all ranks. Does nothing when comm_begin was not called or failed. */
+/* Waits for all ranks, then ends MPI. Does nothing if comm_begin was not called or failed. */
 void comm_end(void);
-/* All ranks of the job; NULL: this process is alone. Not collective. */
+/* Returns all ranks of the job; NULL if this process is the only one. Not collective. */
 const comm *comm_world(void);
 
-/* Not collective. */
+/* Return this rank's number, from 0, and the number of ranks. Not collective. */
 int comm_rank(const comm *c);
 int comm_size(const comm *c);
 /* Ends the processes of all ranks of the job at once with this exit status, after an error that
- * leaves the others waiting for ever. With one rank it does nothing: to end the process is the
- * caller's affair. Not collective. */
+ * leaves the others waiting forever. With one rank it does nothing: the caller then ends the
+ * process itself. Not collective. */
 void comm_abort(const comm *c, int status);
-/* The same with SD_ERROR_IO, after what comm_on_fail was given has told why. Not collective. */
+/* comm_fail reports `why` through the function registered with comm_on_fail, then calls comm_abort
+ * with SD_ERROR_IO. Neither is collective. */
 void comm_fail(const comm *c, const char *why);
 void comm_on_fail(void (*tell)(const char *why));
 
-/* The largest value of all ranks, and what rank 0 has at data, on all ranks. Waits sleep, they do
- * not spin. */
+/* comm_max returns the largest value of all ranks. comm_share broadcasts the `bytes` bytes at data
+ * from rank 0 to all ranks. Ranks that wait sleep and do not spin. */
 int comm_max(const comm *c, int value);
 void comm_share(const comm *c, void *data, size_t bytes);
-/* The text that rank 0 has, on all ranks, to be freed; others may give NULL. */
+/* Broadcasts a text from rank 0. Returns a copy, which the caller frees; the other ranks may pass
+ * NULL. */
 char *comm_text(const comm *c, const char *text);
-/* Bits that any rank has set. */
+/* Returns the bitwise OR of the bits of all ranks. */
 unsigned comm_or(const comm *c, unsigned bits);
-/* The status on which all ranks agree: SD_OK when it is that of each. */
+/* Returns the largest status of all ranks, on every rank: SD_OK only if all ranks pass SD_OK. */
 sd_status comm_agree(const comm *c, sd_status status);
-/* The same where one rank has worked for long while the others waited: waits sleep, they do not
- * spin. */
+/* Does the same as comm_agree, but ranks that wait sleep and do not spin: for use where one rank
+ * works for long while the others wait. */
 sd_status comm_wait(const comm *c, sd_status status);
-/* No rank has failed. */
+/* Returns true if every rank passes SD_OK. */
 bool comm_all_well(const comm *c, sd_status status);
-/* Largest value, and the sum, of all ranks. */
+/* Return the largest of the values of all ranks, and their sum (added in the order of ranks). */
 double comm_largest(const comm *c, double value);
 double comm_total(const comm *c, double value);
-/* n sums of all ranks, without rounding. */
+/* Adds n exact sums over all ranks, without rounding; every rank gets the totals in sums[n]. */
 void comm_total_exact(const comm *c, exact_sum *sums, size_t n);
-/* Each of n numbers becomes its sum over all ranks. */
+/* Replaces each of n integers by its sum over all ranks. */
 void comm_add(const comm *c, int64_t *values, size_t n);
-/* How many rows each rank sends here. */
+/* Tells every rank how many rows the others send it: to[q] is what this rank sends to rank q,
+ * from[q] becomes what rank q sends here. */
 void comm_counts(const comm *c, const int *to, int *from);
-/* Rows to each rank, and from each. */
+/* Sends rows to each rank and receives rows from each (all-to-all). send: rows sorted by target
+ * rank, to[q] of them for rank q; receive: from[q] rows of rank q, sorted by rank. */
 void comm_exchange(const comm *c, const void *send, const int *to, void *receive, const int *from,
                    size_t size);
-/* The rows of all ranks on every rank. mine: how many this one has; counts: filled by
- * comm_gather_counts. */
+/* Gather the rows of all ranks on every rank. mine: number of rows of this rank; counts: rows of
+ * each rank, filled by comm_gather_counts and read by comm_gather. */
 void comm_gather_counts(const comm *c, int mine, int *counts);
 void comm_gather(const comm *c, const void *send, void *receive, const int *counts, size_t size);
-/* One row of each rank. receive: [comm_size()] rows. */
+/* Gathers one row of each rank on every rank. receive: [comm_size()] rows. */
 void comm_gather_one(const comm *c, const void *send, void *receive, size_t size);
 
-/* Persistent messages: the same rows from and to the same places again and again.
- * comm_links_start reads `send`, and until comm_links_wait has returned neither may be touched.
- * MPI moves long messages only while it is called: comm_links_progress does that, never waits,
- * and is not collective. */
+/* Persistent messages: they send the same numbers of rows between the same buffers again and again.
+ * comm_links_start reads `send`; neither buffer may be touched until comm_links_wait has returned.
+ * MPI moves long messages only while it is called: comm_links_progress gives it the chance, never
+ * waits, and is not collective. */
 typedef struct comm_links comm_links;
 comm_links *comm_links_new(const comm *c, const void *send, const int *to, void *receive,
                            const int *from, size_t size);
@@ -91,7 +96,7 @@ void comm_links_wait(comm_links *links);
 void comm_links_free(comm_links *links);
 
 #ifdef SD_CHECK
-/* Notes the place from which this thread calls the next collective function. */
+/* Remembers the source location at which this thread calls the next collective function. */
 #define COMM_TEXT(line) #line
 #define COMM_LINE(line) COMM_TEXT(line)
 #define COMM_HERE comm_at(__FILE__ ":" COMM_LINE(__LINE__))
@@ -114,10 +119,10 @@ void comm_at(const char *place);
 #define comm_gather_one(...) (COMM_HERE, comm_gather_one(__VA_ARGS__))
 #endif
 
-/* --- ranks that are threads of one process, so that tests need no launcher -------------------- */
+/* --- threads of one process as ranks, so that tests need no launcher -------------------------- */
 
-/* Runs task(c, with) on n ranks, each a thread, and returns when all have returned. Without memory, or
- * after comm_abort, the process ends as memory_lacks says. */
+/* Runs task(c, with) on n ranks, each a thread of its own, and returns when all have returned. If
+ * memory runs out, or after comm_abort, the process ends as described at memory_lacks. */
 void comm_threads_run(int n, void (*task)(const comm *c, void *with), void *with);
 
 #endif

@@ -1,4 +1,4 @@
-/* comm_cuts.c: see comm_cuts.h. */
+/* comm_cuts.c: implements comm_cuts.h. */
 #include "base/comm_cuts.h"
 
 #include <math.h>
@@ -15,8 +15,9 @@ typedef struct rectangle {
 
 struct comm_cuts {
   const comm *c;
-  struct zoltan_cuts *zoltan; /* of the job; NULL: the rectangles are these */
-  rectangle *of;              /* [ranks] */
+  /* Zoltan's division, for an MPI job; NULL: the rectangles are in `of` */
+  struct zoltan_cuts *zoltan;
+  rectangle *of; /* [comm_size()] rectangle of each rank; not used with Zoltan */
 };
 
 static const rectangle PLANE = {{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};
@@ -62,7 +63,7 @@ static int by_y(const void *one, const void *two) {
   return (a > b) - (a < b);
 }
 
-/* The longer side of the box about the points. */
+/* Returns the axis (0: x, 1: y) along which the bounding box of the points is longer. */
 static int longer_side(const point *p, size_t n) {
   double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
   for (size_t k = 0; k < n; k++)
@@ -73,7 +74,8 @@ static int longer_side(const point *p, size_t n) {
   return high[1] - low[1] > high[0] - low[0];
 }
 
-/* Gives `ranks` rectangles of equal weight to of[]; the plane that they share is of[0]. */
+/* Cuts the rectangle of[0] into `ranks` rectangles of about equal weight, of[0 ... ranks-1]. Sorts
+ * the points p. */
 static void bisect(point *p, size_t n, rectangle *of, int ranks) {
   if (ranks < 2) return;
   const int side = longer_side(p, n), first = ranks / 2;
@@ -93,7 +95,8 @@ static void bisect(point *p, size_t n, rectangle *of, int ranks) {
   bisect(p + k, n - k, of + first, ranks - first);
 }
 
-/* Points of all ranks, on every rank; NULL: no memory. */
+/* Gathers the points of all ranks on every rank. Returns [*n_all] points, which the caller frees,
+ * or NULL on all ranks if any rank lacks memory. */
 static point *gather_points(const comm *c, size_t n, const double *x, const double *y,
                             const float *weight, size_t *n_all) {
   int *counts = memory_new((size_t)comm_size(c), sizeof *counts);
@@ -115,7 +118,7 @@ static point *gather_points(const comm *c, size_t n, const double *x, const doub
   return all;
 }
 
-/* --- all -------------------------------------------------------------------------------------- */
+/* --- public functions ------------------------------------------------------------------------- */
 
 sd_status comm_cuts_make(comm_cuts *cuts, size_t n, const double *x, const double *y,
                          const float *weight) {
@@ -140,7 +143,7 @@ int comm_cuts_owner(const comm_cuts *cuts, double x, double y) {
     const rectangle *r = &cuts->of[q];
     if (x >= r->low[0] && x < r->high[0] && y >= r->low[1] && y < r->high[1]) return q;
   }
-  return 0; /* not finite */
+  return 0; /* a coordinate is NaN or infinite: rank 0 by convention */
 }
 
 int comm_cuts_near(const comm_cuts *cuts, const double low[2], const double high[2], int *ranks) {

@@ -1,8 +1,9 @@
-/* comm_cuts.h: the plane cut into rectangles, one a rank, by recursive bisection. Outer
- * rectangles have no end.
+/* comm_cuts.h: divides the plane into rectangles, one per rank, by recursive bisection. The outer
+ * rectangles extend to infinity.
  *
- * Collective where said; of a rank alone the plane is one rectangle. An MPI job cuts by Zoltan's
- * RCB, which needs no rank to know all points; ranks of threads know them all.
+ * Functions are collective only where their comment says so. For a single rank the whole plane is
+ * one rectangle. An MPI job uses Zoltan's RCB, for which no rank needs to know all points; ranks
+ * that are threads gather all points.
  */
 #ifndef BASE_COMM_CUTS_H
 #define BASE_COMM_CUTS_H
@@ -13,20 +14,23 @@
 
 typedef struct comm_cuts comm_cuts;
 
-/* Collective. It is NULL when Zoltan does not start, never with one rank. */
+/* Creates a division in which every rank has the whole plane. Collective. Returns NULL if Zoltan
+ * does not start; never NULL with one rank. */
 comm_cuts *comm_cuts_new(const comm *c);
 void comm_cuts_free(comm_cuts *cuts);
-/* The ranks that it was made for. */
+/* Returns the comm that the division was made for. */
 const comm *comm_cuts_comm(const comm_cuts *cuts);
-/* Collective: cuts anew, so that the weights of the points, wherever they stand now, are equal.
- * SD_ERROR_IO, on any rank: Zoltan failed, or there is no memory. */
+/* Recomputes the rectangles so that each holds about the same total weight of the points.
+ * Collective; each rank gives its own n points, at any positions. Returns SD_ERROR_IO, possibly on
+ * some ranks only, if Zoltan failed or memory ran out. */
 sd_status comm_cuts_make(comm_cuts *cuts, size_t n, const double *x, const double *y,
                          const float *weight);
-/* Rank of the rectangle that holds the point: the same answer on all ranks. */
+/* Returns the rank whose rectangle holds the point; all ranks get the same answer. */
 int comm_cuts_owner(const comm_cuts *cuts, double x, double y);
-/* Ranks whose rectangles meet the box, each once, into ranks[comm_size()]; how many. */
+/* Writes the ranks whose rectangles meet the box, each once, to ranks[comm_size()]; returns their
+ * number. */
 int comm_cuts_near(const comm_cuts *cuts, const double low[2], const double high[2], int *ranks);
-/* Rectangle of this rank; sides without an end are +-HUGE_VAL. */
+/* Returns the rectangle of this rank; sides at infinity are +-HUGE_VAL. */
 void comm_cuts_mine(const comm_cuts *cuts, double low[2], double high[2]);
 
 #endif

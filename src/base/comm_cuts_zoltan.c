@@ -1,5 +1,5 @@
-/* comm_cuts_zoltan.c: rectangles of the ranks of an MPI job; see comm_cuts.h. Empty in builds
- * without MPI. */
+/* comm_cuts_zoltan.c: the division of the plane among the ranks of an MPI job, by Zoltan; see
+ * comm_cuts.h. Empty in builds without MPI. */
 #ifdef SD_HAVE_MPI
 #include "base/comm_cuts_zoltan.h"
 
@@ -14,20 +14,21 @@
 
 struct zoltan_cuts {
   struct Zoltan_Struct *zoltan;
-  /* of zoltan_cuts_make, while it works */
+  /* arguments of zoltan_cuts_make, which Zoltan's callbacks read while it runs */
   size_t n;
   const double *x, *y;
   const float *weight;
 };
 
-/* --- what Zoltan asks for --------------------------------------------------------------------- */
+/* --- callbacks through which Zoltan reads the points ------------------------------------------ */
 
 static int count_points(void *data, int *error) {
   *error = ZOLTAN_OK;
   return (int)((const zoltan_cuts *)data)->n;
 }
 
-/* Points are known by their place here; nothing is sent by Zoltan itself. */
+/* Zoltan callback that lists the points of this rank: an ID is an index into the arrays. The same
+ * ID may occur on several ranks, since Zoltan migrates no data here. */
 static void list_points(void *data, int n_global, int n_local, ZOLTAN_ID_PTR global,
                         ZOLTAN_ID_PTR local, int n_weights, float *weight, int *error) {
   const zoltan_cuts *c = data;
@@ -125,5 +126,5 @@ void zoltan_cuts_of(const zoltan_cuts *c, int rank, double low[2], double high[2
   }
 }
 #else
-typedef int comm_cuts_zoltan_none; /* ISO C wants a declaration */
+typedef int comm_cuts_zoltan_none; /* ISO C requires at least one declaration in a file */
 #endif

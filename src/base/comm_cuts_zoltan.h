@@ -1,5 +1,5 @@
-/* comm_cuts_zoltan.h: Zoltan's recursive bisection, for comm_cuts.c only. Functions are as those
- * of comm_cuts.h. */
+/* comm_cuts_zoltan.h: Zoltan's recursive coordinate bisection, for comm_cuts.c only. Each function
+ * zoltan_cuts_* does what comm_cuts_* does. */
 #ifndef BASE_COMM_CUTS_ZOLTAN_H
 #define BASE_COMM_CUTS_ZOLTAN_H
 
@@ -16,7 +16,7 @@ sd_status zoltan_cuts_make(zoltan_cuts *cuts, size_t n, const double *x, const d
 int zoltan_cuts_owner(const zoltan_cuts *cuts, double x, double y);
 int zoltan_cuts_near(const zoltan_cuts *cuts, const double low[2], const double high[2],
                      int *ranks);
-/* The rectangle of a rank. */
+/* Returns the rectangle of a rank; sides at infinity are +-HUGE_VAL. */
 void zoltan_cuts_of(const zoltan_cuts *cuts, int rank, double low[2], double high[2]);
 
 #endif

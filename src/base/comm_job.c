@@ -1,4 +1,5 @@
-/* comm_job.c: the ranks of an MPI job, or this process alone; see comm.h. The core needs none of it. */
+/* comm_job.c: the ranks of an MPI job, or this process alone; see comm.h. The core library
+ * (slipdisk_core) does not contain this file. */
 #include <assert.h>
 #include <stdlib.h>
 
@@ -40,7 +41,7 @@ static int max(const comm *c, int value) {
   return most;
 }
 
-/* In pieces, since MPI counts with an int. */
+/* Broadcasts in blocks of 16 MiB, since MPI counts with an int. */
 static void share(const comm *c, void *data, size_t bytes) {
   (void)c;
   const size_t most = (size_t)1 << 24;
@@ -108,7 +109,7 @@ typedef struct mpi_links {
 
 static comm_links *links_new(const comm *c, const void *send, const int *to, void *receive,
                              const int *from, size_t size) {
-  enum { TAG = 1 }; /* 0: comm_queue.c */
+  enum { TAG = 1 }; /* tag of these messages; comm_queue.c uses tag 0 */
   mpi_links *l = memory_new(1, sizeof *l);
   l->base.comm = c;
   l->request = memory_new(2 * (size_t)c->size, sizeof *l->request);
@@ -146,7 +147,7 @@ static void links_free(comm_links *links) {
   free(l);
 }
 
-/* --- ranks of MPI ---------------------------------------------------------------------------------- */
+/* --- table of the MPI functions --------------------------------------------------------------- */
 
 static const comm_kind kind = {.end = end_all,
                                .max = max,
@@ -197,12 +198,13 @@ static void finish_mpi(void) {}
 
 #endif
 
-/* --- the job ---------------------------------------------------------------------------------- */
+/* --- start and end of the job ----------------------------------------------------------------- */
 
 static const comm *world;
 static bool begun;
 
-/* A launcher that started several processes tells each of them how many; else 0 and no name. */
+/* Returns the number of processes that a launcher says it started, and the environment variable
+ * that says so in *name. Returns 0 if no such variable is set; *name is then of no use. */
 static int launched(const char **name) {
   static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"};
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
@@ -240,7 +242,8 @@ sd_status comm_begin(sd_messages *messages) {
 
 void comm_end(void) {
   if (!begun) return;
-  comm_max(world, 0); /* MPI_Finalize would spin */
+  /* barrier in which ranks sleep; MPI_Finalize alone would spin while it waits */
+  comm_max(world, 0);
   finish_mpi();
   begun = false;
   world = NULL;

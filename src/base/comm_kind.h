@@ -1,12 +1,14 @@
-/* comm_kind.h: what ranks of an MPI job and ranks of threads do each in their own way; for
+/* comm_kind.h: the table of functions in which MPI processes and threads as ranks differ; for
  * base/comm*.c only.
  *
- * Functions are as those of comm.h, of two ranks or more.
+ * Each function does what the function of the same name in comm.h does (end: comm_abort, any:
+ * comm_or), for two ranks or more.
  */
 #ifndef BASE_COMM_KIND_H
 #define BASE_COMM_KIND_H
 
-/* The places of callers of comm.h are noted, not those of its own calls. */
+/* The #undef lines remove the macros of checking builds: calls inside base/comm*.c must not
+ * overwrite the location that the caller of comm.h has noted. */
 #include "base/comm.h"
 #undef comm_max
 #undef comm_share
@@ -48,12 +50,14 @@ struct comm {
   int rank, size;
 };
 
-/* The first member of the links of each kind. */
+/* Common first member of the structs that MPI ranks and thread ranks use for persistent
+ * messages. */
 struct comm_links {
   const comm *comm;
 };
 
-/* The first row of each rank, to be freed. */
+/* Returns the index of the first row of each rank in a buffer with counts[comm_size()] rows per
+ * rank; the caller frees the array. */
 int *comm_starts(const comm *c, const int *counts);
 
 #endif

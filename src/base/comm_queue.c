@@ -1,12 +1,13 @@
-/* comm_queue.c: see comm_queue.h.
+/* comm_queue.c: implements comm_queue.h.
  *
- * Ranks talk to rank 0 only, in words of 64 bits, all with one tag, so that they arrive in order:
+ * Ranks exchange messages with rank 0 only: integers of 64 bits, all with one tag, so that they
+ * arrive in order:
  *
  *   to rank 0:    ASK -> a task or NONE   STOP   LEAVE (in comm_queue_end, STOP may follow)   END
  *   from rank 0:  STOP                    END (all have left) -> END
  *
- * Both last words are END, and a barrier follows, so that none of a queue's words meets the next
- * queue.
+ * Both sides send END last, and a barrier follows, so that no message of one queue arrives in the
+ * next one.
  */
 #include "base/comm_queue.h"
 
@@ -24,8 +25,8 @@ static int ranks(void) { return comm_size(comm_world()); }
 
 enum { NONE = -1, STOP = -2, ASK = -3, LEAVE = -4, END = -5 };
 
-/* Words that may be under way from one rank to another at the same time; each needs a place of
- * its own. */
+/* Send buffers for each target rank, one per kind of message, so that messages of all kinds can be
+ * in flight at the same time. */
 enum { ANSWER, SIGNAL, FAREWELL, PLACES };
 
 #ifdef SD_HAVE_MPI
@@ -90,7 +91,7 @@ void comm_queue_begin(comm_queue *q, int64_t n, volatile sig_atomic_t *stop) {
   if (ranks() > 1) begin_letters(q);
 }
 
-/* Stops this rank, and passes the stop on. */
+/* Stops this rank, sets the caller's flag, and tells rank 0 (on rank 0: all other ranks). */
 static void halt(comm_queue *q) {
   if (q->stopped) return;
   q->stopped = true;
@@ -106,7 +107,7 @@ static void look_for_stop(comm_queue *q) {
 
 static int64_t take(comm_queue *q) { return q->stopped || q->next >= q->n ? NONE : q->next++; }
 
-/* Rank 0: what the others say. */
+/* Handles a message from another rank, on rank 0. */
 static void hear(comm_queue *q, int from, int64_t word) {
   switch (word) {
     case ASK: post(q, from, ANSWER, take(q)); break;
@@ -131,7 +132,7 @@ void comm_serve(comm_queue *q) {
   }
 }
 
-/* Others than rank 0: its next word that is no STOP. */
+/* Waits for the next message of rank 0 other than STOP, on the other ranks; a STOP is handled. */
 static int64_t root_word(comm_queue *q) {
   int from;
   int64_t word;
@@ -150,7 +151,7 @@ int64_t comm_next(comm_queue *q) {
   if (rank() == 0) return take(q);
   post(q, 0, ANSWER, ASK);
   int64_t task = root_word(q);
-  /* a task that was under way when the stop came is not begun */
+  /* do not start a task that arrived after a stop */
   return q->stopped ? -1 : task;
 }
 
@@ -170,6 +171,6 @@ void comm_queue_end(comm_queue *q) {
     for (long ns = 0; comm_serve(q), q->away > 0;) comm_rest(&ns);
   }
   end_letters(q);
-  /* no rank begins the next queue while rank 0 waits for the END of others */
+  /* Barrier: no rank starts the next queue while rank 0 still waits for END messages. */
   comm_max(comm_world(), 0);
 }

@@ -1,7 +1,7 @@
 /* comm_threads.c: ranks that are threads of this process; see comm.h.
  *
- * Every collective function is the same three moves: each rank shows where its data is, all wait,
- * each reads from the others, all wait.
+ * Every collective function has the same four steps: each rank publishes a pointer to its data, all
+ * wait, each reads the data of the others, all wait.
  */
 #include "base/comm.h"
 
@@ -18,7 +18,7 @@ typedef struct meeting {
   pthread_cond_t complete;
   int here;
   unsigned round;
-  const void **shown; /* [ranks] */
+  const void **shown; /* [ranks] pointer that each rank has published */
 } meeting;
 
 typedef struct thread_rank {
@@ -43,7 +43,8 @@ static void wait_for_all(const comm *c) {
   pthread_mutex_unlock(&m->lock);
 }
 
-/* Shows data to the others, and returns what each rank shows, until `wait_for_all`. */
+/* Publishes data to the other ranks. Returns the pointers that all ranks have published [ranks],
+ * valid until this rank calls wait_for_all. */
 static const void *const *show(const comm *c, const void *data) {
   meeting *m = meeting_of(c);
   m->shown[c->rank] = data;
@@ -79,7 +80,7 @@ static double largest(const comm *c, double value) {
   return most;
 }
 
-/* An int is exact as a double. */
+/* Goes through double, which holds every int exactly. */
 static int max(const comm *c, int value) { return (int)largest(c, value); }
 
 static void add(const comm *c, int64_t *values, size_t n) {
@@ -92,14 +93,15 @@ static void add(const comm *c, int64_t *values, size_t n) {
   free(mine);
 }
 
-/* --- rows ------------------------------------------------------------------------------------- */
+/* --- exchange of rows ------------------------------------------------------------------------- */
 
 typedef struct parcel {
   const char *rows;
-  const int *counts, *starts; /* to each rank */
+  const int *counts, *starts; /* [ranks] rows for each rank, and the index of the first of them */
 } parcel;
 
-/* Rows from each rank, that this one shows in parcels. */
+/* Copies the rows for this rank from the parcels that all ranks have published; from: rows of
+ * each. */
 static void take(const comm *c, const void *const *all, char *receive, const int *from,
                  size_t size) {
   for (int q = 0; q < c->size; q++) {
@@ -155,7 +157,8 @@ static comm_links *links_new(const comm *c, const void *send, const int *to, voi
   return &l->base;
 }
 
-/* All is done in links_wait: until then rows may not be touched. */
+/* Does nothing: links_wait does all the work, and until then the caller may not touch the
+ * buffers. */
 static void links_start(comm_links *l) { (void)l; }
 
 static void links_wait(comm_links *links) {
@@ -173,7 +176,7 @@ static void links_free(comm_links *links) {
   free(l);
 }
 
-/* --- threads ---------------------------------------------------------------------------------- */
+/* --- start of the threads --------------------------------------------------------------------- */
 
 static const comm_kind kind = {.end = end_all,
                                .max = max,

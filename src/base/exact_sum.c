@@ -1,4 +1,4 @@
-/* exact_sum.c: see exact_sum.h. */
+/* exact_sum.c: implements exact_sum.h. */
 #include "base/exact_sum.h"
 
 #include <math.h>
@@ -36,7 +36,8 @@ void exact_sum_merge(exact_sum *s, const exact_sum *other) {
   s->infinite_up += more.infinite_up;
 }
 
-/* Bits of the number from `place` on, 64 of them. */
+/* Returns 64 bits of the sum, from bit number `place` upwards; the sum is positive, with its
+ * carries propagated. */
 static uint64_t window(const exact_sum *s, int place) {
   const int k = place / 32, shift = place % 32;
   uint64_t found = (uint64_t)s->limb[k] >> shift;
@@ -45,22 +46,23 @@ static uint64_t window(const exact_sum *s, int place) {
   return found;
 }
 
-/* Is any bit below this one set? */
+/* Returns nonzero if any bit below bit number `place` is set. */
 static int any_below(const exact_sum *s, int place) {
   for (int k = 0; k < place / 32; k++)
     if (s->limb[k]) return 1;
   return (s->limb[place / 32] & ((INT64_C(1) << place % 32) - 1)) != 0;
 }
 
-/* Of a positive number with its carries taken, whose highest limb that is not 0 is `top`. */
+/* Returns the bit pattern of the double nearest to a positive sum, infinity on overflow. Carries
+ * are propagated; top: index of the highest limb that is not 0. */
 static uint64_t rounded(const exact_sum *s, int top) {
-  int place = 32 * top; /* of the lowest bit that is kept */
+  int place = 32 * top; /* bit number of the lowest bit that the mantissa holds */
   for (uint64_t left = (uint64_t)s->limb[top]; left > 1; left >>= 1) place++;
   place = place > 52 ? place - 52 : 0;
   uint64_t mantissa = window(s, place);
   const int half = place > 0 && (window(s, place - 1) & 1);
   mantissa += half && ((mantissa & 1) || any_below(s, place - 1));
-  /* the leading 1 of a normal number adds 1 to the exponent */
+  /* adding the mantissa also adds its leading 1, if the number is normal, to the exponent */
   const uint64_t bits = ((uint64_t)place << 52) + mantissa, infinite = UINT64_C(2047) << 52;
   return bits < infinite ? bits : infinite;
 }

@@ -1,8 +1,10 @@
-/* exact_sum.h: sums of doubles without rounding, so that they do not depend on the order, nor on how they are split.
+/* exact_sum.h: sums of doubles without rounding, so that the result depends neither on the order of
+ * the terms nor on how they are split into partial sums.
  *
- * The sum is an integer of limbs of 32 bits in units of the smallest subnormal number (R. Neal, arXiv:1505.05571). A limb
- * is kept in 64 bits: carries are taken only every EXACT_ADDS additions. The members are integers alone: sums of several
- * processes are added up by adding these, after exact_sum_carry. Zeroed memory is an empty sum.
+ * A sum is one long integer of limbs of 32 bits, in units of the smallest subnormal number (R.
+ * Neal, arXiv:1505.05571). A limb is stored in 64 bits, so that carries are propagated only every
+ * EXACT_ADDS additions. All members are integers: sums of several processes are combined by adding
+ * their members, after exact_sum_carry. Zeroed memory is an empty sum.
  */
 #ifndef BASE_EXACT_SUM_H
 #define BASE_EXACT_SUM_H
@@ -15,20 +17,22 @@ enum { EXACT_LIMBS = 67, EXACT_ADDS = 1024 };
 
 typedef struct exact_sum {
   int64_t limb[EXACT_LIMBS];
-  int64_t adds; /* since carries were taken */
-  int64_t nan, infinite,
-      infinite_up; /* how many of the terms are; infinite_up: of these, positive */
+  int64_t adds; /* additions since carries were last propagated */
+  /* numbers of terms that are NaN, infinite of either sign, and +infinity */
+  int64_t nan, infinite, infinite_up;
 } exact_sum;
 
-/* Each limb but the last in [0, 2^32). */
+/* Propagates carries, so that each limb but the last is in [0, 2^32). */
 void exact_sum_carry(exact_sum *s);
 void exact_sum_special(exact_sum *s, double x);
-/* Adds another sum. */
+/* Adds the sum `other` to s. */
 void exact_sum_merge(exact_sum *s, const exact_sum *other);
-/* To the nearest double, ties to even; +0 where it is zero. */
+/* Returns the double nearest to the sum, ties to even; +0 for a zero sum. NaN and infinities
+ * propagate as in ordinary addition. */
 double exact_sum_value(const exact_sum *s);
 
-/* In any mode of rounding and of subnormal numbers. */
+/* Adds x exactly. Uses integer operations only, so the rounding mode and the flushing of subnormal
+ * numbers have no effect. */
 static inline void exact_sum_add(exact_sum *s, double x) {
   uint64_t bits;
   memcpy(&bits, &x, sizeof bits);
@@ -38,7 +42,8 @@ static inline void exact_sum_add(exact_sum *s, double x) {
     exact_sum_special(s, x);
     return;
   }
-  /* x = mantissa 2^place of the units; of the mantissa, with its sign, 32 bits and the rest */
+  /* x = mantissa * 2^place units; the lowest 32 bits of the shifted mantissa go to limb[0], the
+   * rest, with the sign, to limb[1] */
   const unsigned place = exponent ? exponent - 1 : 0, shift = place % 32;
   const uint64_t size = (bits & ((UINT64_C(1) << 52) - 1)) | (uint64_t)(exponent != 0) << 52;
   const int64_t sign = (int64_t)(bits >> 63), mantissa = ((int64_t)size ^ -sign) + sign;

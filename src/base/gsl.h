@@ -1,9 +1,10 @@
-/* gsl.h: the parts of the GNU Scientific Library that the core uses, its only dependency besides the C
- * library: cubic splines (motions by a table), quadrature (random vibration, sizes of packings), random
- * numbers and distributions (packings), sorting, statistics and histograms (measuring).
+/* gsl.h: includes the parts of the GNU Scientific Library that the core uses, its only dependency
+ * besides the C library: cubic splines (motions by a table), quadrature (random vibration, sizes of
+ * packings), random numbers and distributions (packings), sorting, statistics and histograms
+ * (measuring).
  *
- * The library's handler of errors ends the process: gsl_quiet takes it off around calls that may fail,
- * which then return a status or NAN.
+ * GSL's default error handler ends the process: callers switch it off (gsl_set_error_handler_off)
+ * around calls that may fail, which then return a status or NAN.
  */
 #ifndef SLIPDISK_BASE_GSL_H
 #define SLIPDISK_BASE_GSL_H

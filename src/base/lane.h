@@ -1,9 +1,10 @@
-/* lane.h: LANE_WIDTH doubles that are worked on together; included once per width.
+/* lane.h: vectors of LANE_WIDTH doubles, one per lane; the file is included once per width.
  *
- * The same text (law, random draws) is compiled for width 1 and for the machine's vectors. Every operation
- * here is an IEEE basic operation or a selection, so a lane's result does not depend on the width.
- * Names carry the width: LANE(real) is real_w1 or real_w8. A mask says yes or no for each lane: masks are combined
- * with &, | and ^, and what they are made of is the machine's affair; bits_of and mask_of lead to bit k for lane k.
+ * The same code (contact law, random draws) is compiled for width 1 and for the machine's vectors.
+ * Every operation here is an IEEE basic operation or a selection, so a lane's result does not
+ * depend on the width. Names carry the width: LANE(real) is real_w1 or real_w8. A mask holds true
+ * or false for each lane. Masks are combined with &, | and ^; their representation depends on the
+ * machine. bits_of and mask_of convert to and from an integer whose bit k is lane k.
  */
 #ifndef LANE_WIDTH
 #error "define LANE_WIDTH before including base/lane.h"
@@ -78,7 +79,8 @@ LANE_INLINE void LANE(store)(double *p, LANE(real) a) { memcpy(p, &a, sizeof a);
 LANE_INLINE LANE(bits) LANE(as_bits)(LANE(real) a) { return (LANE(bits))a; }
 LANE_INLINE LANE(real) LANE(as_real)(LANE(bits) a) { return (LANE(real))a; }
 LANE_INLINE LANE(real) LANE(gather)(const double *p, const int32_t *index) {
-  /* single loads: on processors that take a gather instruction apart these are faster, on others as fast */
+  /* scalar loads: faster than the gather instruction on processors that split it, as fast on
+   * others */
   LANE(real) a = {0};
   for (int k = 0; k < LANE_WIDTH; k++) a[k] = p[index[k]];
   return a;
@@ -86,7 +88,7 @@ LANE_INLINE LANE(real) LANE(gather)(const double *p, const int32_t *index) {
 
 #if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
 
-/* masks are bits in mask registers */
+/* masks are the bits of a mask register */
 typedef __mmask8 LANE(mask);
 LANE_INLINE LANE(mask) LANE(all_lanes)(int yes) {
   return (LANE(mask))(yes ? (1u << LANE_WIDTH) - 1u : 0u);
@@ -128,7 +130,7 @@ LANE_INLINE LANE(real) LANE(select)(LANE(mask) m, LANE(real) a, LANE(real) b) {
 
 #else
 
-/* masks are vectors of integers, all bits of a lane set or none */
+/* masks are vectors of integers: all bits of a lane are set (true) or none (false) */
 typedef int64_t LANE(mask) __attribute__((vector_size(8 * LANE_WIDTH)));
 LANE_INLINE LANE(mask) LANE(all_lanes)(int yes) { return (LANE(mask)){0} - (int64_t)yes; }
 LANE_INLINE LANE(mask) LANE(not )(LANE(mask) m) { return ~m; }
@@ -192,7 +194,7 @@ LANE_INLINE LANE(bits) LANE(multiply32)(LANE(bits) a, LANE(bits) b) {
 #undef LANE_VECTOR
 #undef LANE_INTEGERS
 #undef LANE_OPERATION
-#else /* any other machine: the compiler's own vectors */
+#else /* other machines: the compiler's generic vectors */
 LANE_INLINE LANE(real) LANE(min)(LANE(real) a, LANE(real) b) {
   return LANE(select)(LANE(greater)(b, a), a, b);
 }
@@ -209,29 +211,34 @@ LANE_INLINE LANE(bits) LANE(multiply32)(LANE(bits) a, LANE(bits) b) {
 #endif
 #endif
 
-/* a where the mask says so, else 0. */
+/* Returns a where the mask is true, else 0. */
 LANE_INLINE LANE(real) LANE(mask_zero)(LANE(mask) m, LANE(real) a) {
   return LANE(select)(m, a, LANE(splat)(0.0));
 }
 
-/* Nearest integer, ties to even, for |a| < 2^51. */
+/* Returns the nearest integer, ties to even, for |a| < 2^51. */
 LANE_INLINE LANE(real) LANE(nearest)(LANE(real) a) { return (a + 0x1.8p52) - 0x1.8p52; }
 
-/* --- rows ------------------------------------------------------------------------------------------------- */
+/* --- rows of two or four numbers, one row per lane -------------------------------------------- */
 
-/* Rows of numbers, one per lane, against vectors: pick4, number c of each lane's row in vector c; lay4 and lift4, the rows
- * of consecutive lanes out and in. Of two rows, a and b, across4 picks the differences b - a of the even numbers and
- * the sums of the odd ones, across2 the differences of two numbers. add4 adds each lane's row to that at rows + to[lane];
- * from that at rows + from[lane] it subtracts the even numbers, and adds the odd ones to it; one lane after the other. */
+/* Functions below read or write a row of four numbers per lane; c[k] is the vector of the numbers
+ * in column k. Row offsets (at, a, b, to, from, stride) count doubles.
+ *   gather4:  reads each lane's row at rows + at[lane]
+ *   load4:    reads the rows of consecutive lanes, at distance `stride`; scatter4 writes them
+ *   across4:  from two rows per lane, b - a in columns 0 and 2, b + a in columns 1 and 3
+ *   across2:  from two rows of two numbers per lane, b - a in both columns
+ *   add4:     adds each lane's row to the row at rows + to[lane]; at rows + from[lane] it subtracts
+ *             columns 0 and 2 and adds columns 1 and 3; one lane after the other, so lanes may
+ *             share rows */
 #if LANE_WIDTH >= 4 && (defined(__clang__) || __GNUC__ >= 12)
 typedef double LANE(four) __attribute__((vector_size(32)));
 typedef double LANE(two) __attribute__((vector_size(16)));
-/* the same in memory, at any double */
+/* the same vectors in memory, aligned as a double only */
 typedef double LANE(loose_four) __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double LANE(loose_two) __attribute__((vector_size(16), aligned(8), may_alias));
 typedef int64_t LANE(four_bits) __attribute__((vector_size(32)));
 
-/* Four rows of four numbers. */
+/* Four rows of four numbers, a 4 x 4 matrix. */
 typedef struct LANE(block) {
   LANE(four) r0, r1, r2, r3;
 } LANE(block);
@@ -250,7 +257,7 @@ LANE_INLINE LANE(four) LANE(load_four)(const double *p) { return *(const LANE(lo
 LANE_INLINE void LANE(store_four)(double *p, LANE(four) a) { *(LANE(loose_four) *)p = a; }
 LANE_INLINE LANE(two) LANE(load_two)(const double *p) { return *(const LANE(loose_two) *)p; }
 
-/* Differences of the even, sums of the odd numbers. */
+/* Returns b - a in elements 0 and 2, b + a in elements 1 and 3. */
 LANE_INLINE LANE(four) LANE(across)(LANE(four) b, LANE(four) a) {
 #if defined(__AVX__)
   return (LANE(four))_mm256_addsub_pd((__m256d)b, (__m256d)a);
@@ -280,7 +287,7 @@ LANE_INLINE LANE(two) LANE(across_two)(const double *rows, int32_t a, int32_t b)
   return LANE(load_two)(rows + b) - LANE(load_two)(rows + a);
 }
 
-/* Rows of two. */
+/* Does across2 for four lanes: c[k] is column k of the differences of their rows. */
 LANE_INLINE void LANE(across_half)(const double *rows, const int32_t *a, const int32_t *b,
                                    LANE(four) c[2]) {
   LANE(four)

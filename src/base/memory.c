@@ -1,4 +1,4 @@
-/* memory.c: see memory.h. */
+/* memory.c: implements memory.h. */
 #include "base/memory.h"
 
 #include <assert.h>
@@ -16,7 +16,7 @@
 
 #include "slipdisk/status.h"
 
-/* Smaller arrays are not compared with the memory that there is. */
+/* Bytes; smaller arrays are not compared with the available memory. */
 static const double LARGE = 1 << 26;
 
 static _Atomic(sd_memory_handler *) handler;
@@ -24,19 +24,20 @@ static atomic_flag called = ATOMIC_FLAG_INIT;
 
 void sd_on_no_memory(sd_memory_handler *call) { atomic_store(&handler, call); }
 
-/* Threads that lack memory while another one is in the handler wait for the end of the process. */
+/* Calls the handler, or prints a message, and ends the process. Other threads that lack memory
+ * meanwhile wait for its end. */
 _Noreturn void memory_lacks(size_t bytes) {
   while (atomic_flag_test_and_set(&called)) pause();
   sd_memory_handler *call = atomic_load(&handler);
   if (call) call(bytes);
   static const char text[] = "slipdisk: no memory\n";
   ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
-  (void)told; /* there is no other way to tell it */
+  (void)told; /* an error of write() cannot be reported either */
   abort();
 }
 
-/* Room for n elements, at least one byte; NULL: there is none, or more bytes than an address can
- * count. */
+/* Reallocates `old` to n elements, at least one byte. Returns NULL if memory runs out or the size
+ * exceeds PTRDIFF_MAX. */
 static void *resized(void *old, size_t n, size_t size) {
   if (n > PTRDIFF_MAX / (size > 0 ? size : 1)) return NULL;
   return realloc(old, n * size > 0 ? n * size : 1);
@@ -70,9 +71,10 @@ void *memory_copy(const void *from, size_t bytes) {
 
 char *memory_text(const char *text) { return memory_copy(text, text ? strlen(text) + 1 : 0); }
 
-/* --- what there is ---------------------------------------------------------------------------- */
+/* --- limits of the machine and of control groups ---------------------------------------------- */
 
-/* The number in a file of a control group; HUGE_VAL: no such file, or "max". */
+/* Returns the number in a file of a control group; HUGE_VAL if there is no such file or it holds
+ * "max". */
 static double group_number(const char *root, const char *folder, const char *name) {
   char path[PATH_MAX + 80];
   double number = HUGE_VAL;
@@ -84,7 +86,8 @@ static double group_number(const char *root, const char *folder, const char *nam
   return number;
 }
 
-/* Bytes of one group, memory and swap space. The first version limits their sum as well. */
+/* Returns the bytes of memory and swap space that one group may use. Version 1 of control groups
+ * also limits the sum of both. */
 static double group_limit(bool first_version, const char *folder, double swap) {
   static const char root[] = "/sys/fs/cgroup", old_root[] = "/sys/fs/cgroup/memory";
   if (!first_version)
@@ -94,8 +97,8 @@ static double group_limit(bool first_version, const char *folder, double swap) {
               group_number(old_root, folder, "memory.memsw.limit_in_bytes"));
 }
 
-/* The least limit of a group and of all above it. In a container paths may lead nowhere: then
- * only the limit at the root counts, which is its own. */
+/* Returns the smallest limit of a group and of all groups above it. In a container the paths may
+ * not exist; then only the limit at the root counts, which is the container's own. */
 static double groups_limit(bool first_version, char *folder, double swap) {
   double least = HUGE_VAL;
   for (;;) {
@@ -106,8 +109,8 @@ static double groups_limit(bool first_version, char *folder, double swap) {
   }
 }
 
-/* The least of all control groups of this process. Lines are "number:controllers:path", in version 2
- * "0::path". */
+/* Returns the smallest limit of all control groups of this process. Lines of the file are
+ * "number:controllers:path", in version 2 "0::path". */
 static double control_groups_limit(double swap) {
   char line[PATH_MAX];
   double least = HUGE_VAL;
@@ -144,10 +147,11 @@ double memory_limit(size_t processes) {
               fmin(resource_limit(RLIMIT_AS), resource_limit(RLIMIT_DATA)));
 }
 
-/* Linux gives memory that it does not have, and kills the process that writes into it. */
+/* This check is needed since Linux overcommits: it grants memory that it does not have, and kills
+ * the process that writes to it. */
 bool memory_fits(double bytes) { return bytes < LARGE || bytes <= memory_limit(1); }
 
-/* --- rows ------------------------------------------------------------------------------------- */
+/* --- arrays with a row per element ------------------------------------------------------------ */
 
 static double bytes_of(size_t n_columns, const memory_column *columns) {
   double bytes = 0;
@@ -173,7 +177,7 @@ bool memory_rows(size_t n_columns, const memory_column *columns) {
 }
 
 bool memory_resize(size_t n_columns, const memory_column *columns) {
-  /* arrays that grow by doubling may need half of it */
+  /* a caller that doubles the size of an array may need only half of the new size */
   if (!memory_fits(bytes_of(n_columns, columns) / 2)) return false;
   for (size_t k = 0; k < n_columns; k++) {
     void *old;
@@ -206,15 +210,15 @@ enum {
   LARGE_ARENA = 2 * LARGE_PAGE
 };
 
-/* Stands before the room, whose start is on a line. */
+/* Header in the cache line before an arena; the arena itself begins at a multiple of 64 bytes. */
 typedef struct header {
   void *memory;
-  size_t bytes; /* 0: not mapped */
+  size_t bytes; /* size of the mapping for munmap; 0: allocated with aligned_alloc */
 } header;
 
 size_t arena_column(arena_plan *plan, size_t bytes) {
   size_t at = (plan->end + LINE - 1) / LINE * LINE, apart = plan->columns++ * APART % PAGE;
-  /* small ones fit into the cache together */
+  /* columns smaller than a page fit into the cache together */
   if (bytes >= PAGE) at += (apart + PAGE - at % PAGE) % PAGE;
   assert(at % LINE == 0 && at >= plan->end);
   plan->end = at + bytes + LINE;
@@ -226,7 +230,8 @@ static void *new_large(size_t bytes) {
   char *memory = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) return NULL;
   char *room = memory + LINE + (LARGE_PAGE - ((uintptr_t)memory + LINE) % LARGE_PAGE) % LARGE_PAGE;
-  madvise(room, bytes - (size_t)(room - memory), MADV_HUGEPAGE); /* if there are any */
+  /* a hint; without huge pages it has no effect */
+  madvise(room, bytes - (size_t)(room - memory), MADV_HUGEPAGE);
   assert(room - memory >= LINE && (uintptr_t)room % LINE == 0);
   ((header *)(void *)(room - LINE))[0] = (header){memory, bytes};
   return room;

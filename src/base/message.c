@@ -1,4 +1,4 @@
-/* message.c: a growing list of lines; see slipdisk/status.h. */
+/* message.c: implements the list of messages of slipdisk/status.h. */
 #include <assert.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -9,13 +9,13 @@
 #include "slipdisk/status.h"
 
 typedef struct line {
-  sd_status kind; /* SD_OK: a warning */
+  sd_status kind; /* error status; SD_OK: a warning */
   char *text;
 } line;
 
 struct sd_messages {
   size_t count, capacity, errors, warnings;
-  size_t more; /* lines beyond those that are kept */
+  size_t more; /* number of messages that were counted but not kept */
   line *lines;
 };
 
@@ -33,7 +33,8 @@ void sd_messages_free(sd_messages *m) {
   free(m);
 }
 
-/* Control characters are shown as \xHH, so that no text from a file reaches the terminal as a command. */
+/* Formats a message. Control characters become \xHH, so that no text from a file can send commands
+ * to the terminal. */
 static char *words(const char *format, va_list args) {
   char text[LIMIT_LINE + 2];
   return vsnprintf(text, sizeof text, format, args) < 0 ? memory_text("")

@@ -1,4 +1,4 @@
-/* runs.c: see runs.h. */
+/* runs.c: implements runs.h. */
 #include "base/runs.h"
 
 #include <assert.h>
@@ -26,7 +26,7 @@ void runs_add(runs *r, size_t run, int64_t key) {
   r->heap[k] = head;
 }
 
-/* From the top to where it belongs. */
+/* Puts `head` at the root of the heap and moves it down to its position. */
 static void sink(runs *r, runs_head head) {
   size_t k = 0, next;
   while ((next = 2 * k + 1) < r->n) {

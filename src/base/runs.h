@@ -1,7 +1,10 @@
-/* runs.h: several ascending runs of keys, read as one: a binary heap of their heads.
+/* runs.h: merges several ascending sequences (runs) of keys, by a binary heap of their current
+ * keys.
  *
  *   runs_new(&r, n); for each run: runs_add(&r, run, its first key);
  *   while (r.n > 0) { run = runs_least(&r); ...; runs_step(&r, its next key) or runs_end(&r); }
+ *
+ * runs_free releases the heap.
  */
 #ifndef SLIPDISK_BASE_RUNS_H
 #define SLIPDISK_BASE_RUNS_H
@@ -16,16 +19,17 @@ typedef struct runs_head {
 
 typedef struct runs {
   runs_head *heap;
-  size_t n; /* runs that have not ended */
+  size_t n; /* number of runs that have not ended */
 } runs;
 
-/* Makes room for n runs. */
+/* Creates an empty heap for up to n runs. */
 void runs_new(runs *r, size_t n);
 void runs_free(runs *r);
 void runs_add(runs *r, size_t run, int64_t key);
-/* The run with the least key; of equal ones the lowest run. */
+/* Returns the run with the smallest current key; among equal keys the run with the lowest
+ * number. */
 static inline size_t runs_least(const runs *r) { return r->heap[0].run; }
-/* That run goes on with this key, or is over. */
+/* Replace the current key of that run by its next one, or remove the run from the heap. */
 void runs_step(runs *r, int64_t key);
 void runs_end(runs *r);
 

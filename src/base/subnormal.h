@@ -1,7 +1,8 @@
 /* subnormal.h: numbers below 1e-308 count as zero while a system is advanced.
  *
- * The derivatives of a disk at rest decay until they are subnormal, and arithmetic on those is many times
- * slower. Part of the rule of bits: every thread that advances a system does so in this mode.
+ * The derivatives of a disk at rest decay until they are subnormal, and arithmetic on subnormal
+ * numbers is many times slower. Results must have the same bits everywhere, so every thread that
+ * advances a system works in this mode.
  */
 #ifndef BASE_SUBNORMAL_H
 #define BASE_SUBNORMAL_H
@@ -10,11 +11,13 @@
 #include <immintrin.h>
 #endif
 
-/* Switches the mode on; returns what subnormal_restore wants. */
+/* Makes the processor treat subnormal numbers as zero. Returns the previous mode, for
+ * subnormal_restore. */
 static inline unsigned subnormal_off(void) {
 #if defined(__SSE2__)
   unsigned before = _mm_getcsr();
-  _mm_setcsr(before | 0x8040u); /* flush to zero, denormals are zero */
+  /* bits of MXCSR: flush results to zero, denormal operands are zero */
+  _mm_setcsr(before | 0x8040u);
   return before;
 #else
   return 0;

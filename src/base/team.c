@@ -1,4 +1,4 @@
-/* team.c: see team.h. */
+/* team.c: implements team.h. */
 #include "base/team.h"
 
 #include <assert.h>
@@ -13,40 +13,42 @@
 #include "base/clock.h"
 #include "base/memory.h"
 
-/* A thread that waits looks for some microseconds whether all are there, then it sleeps. On free
- * cores the threads of a step are nearer to each other than LONG_SPIN. Where waits last longer,
- * the one that is late has no core, and who spins may be in its place: until CALM waits in a row
- * were short again, threads hardly spin. More threads than cores never spin for long. They do not
- * yield: that would give others who have work of their own a whole slice of time. */
+/* Times of the barrier, s. A thread that waits spins, then sleeps. On free cores the threads of a
+ * step arrive within LONG_SPIN of each other. If a wait takes longer than SHORT_WAIT, the late
+ * thread probably has no core, and a spinning thread may occupy it: waiting threads then spin for
+ * SHORT_SPIN only, until `calm` has reached CALM again. With more threads than cores they always
+ * spin for SHORT_SPIN. They never yield: that would give other processes with work of their own a
+ * whole time slice. */
 static const double LONG_SPIN = 200e-6, SHORT_SPIN = 2e-6, SHORT_WAIT = 300e-6;
 enum { SPINS_PER_LOOK = 16, CALM = 2, LINE = 64 };
 
 typedef struct member {
   alignas(LINE) team team;
-  int calm; /* short waits, one after the other */
+  int calm; /* number of short waits in a row, at most CALM */
 } member;
 
 struct pool {
   int size, started;
-  unsigned forks; /* of the process that has its threads */
-  bool helping;   /* the others wait for tasks; of the leader */
+  unsigned forks; /* value of the counter `forks` below when the threads were started */
+  bool helping;   /* true while the other threads wait for tasks; only the leader uses it */
   bool crowded;   /* more threads than cores */
-  int depth;      /* of tasks within each other */
+  int depth;      /* nesting depth of the tasks under way */
   team_task *task;
   void *with;
-  pthread_t *thread; /* [started] ranks 1, 2, ... */
-  member *member;    /* [size] */
+  pthread_t *thread; /* [started] threads of ranks 1, 2, ... */
+  member *member;    /* [size] team and count of short waits of each thread */
   pthread_mutex_t lock;
   pthread_cond_t woken;
-  /* of the barrier */
+  /* state of the barrier */
   alignas(LINE) atomic_int arrived;
   alignas(LINE) atomic_uint round;
   atomic_int sleepers;
 };
 
-/* --- fork ------------------------------------------------------------------------------------------------ */
+/* --- detection of fork ------------------------------------------------------------------------ */
 
-/* Counted in each child: a number that differs from a pool's says that its threads stayed in the parent. */
+/* Number of forks that led to this process: a number other than the pool's means that the pool's
+ * threads stayed in the parent. */
 static atomic_uint forks;
 static pthread_once_t counting = PTHREAD_ONCE_INIT;
 static void count_fork(void) { atomic_fetch_add(&forks, 1); }
@@ -56,7 +58,7 @@ bool pool_forked(const pool *c) {
   return c && c->size > 1 && c->forks != atomic_load_explicit(&forks, memory_order_relaxed);
 }
 
-/* --- waiting -------------------------------------------------------------------------------------------- */
+/* --- barrier ---------------------------------------------------------------------------------- */
 
 static inline void pause_core(void) {
 #if defined __x86_64__ || defined __i386__
@@ -74,7 +76,8 @@ static bool spin(const pool *c, unsigned round, double began, double most) {
   return false;
 }
 
-/* Either this thread sees the next round, or the last one of this round sees the sleeper. */
+/* Sleeps until the barrier has left this round. Either this thread sees the new round, or the last
+ * thread to arrive sees the sleeper and wakes it. */
 static void sleep_until(pool *c, unsigned round) {
   pthread_mutex_lock(&c->lock);
   atomic_fetch_add(&c->sleepers, 1);
@@ -94,7 +97,7 @@ void team_wait_all(const team *t) {
   const unsigned round = atomic_load_explicit(&c->round, memory_order_relaxed);
   assert(t->size == c->size);
   if (pool_forked(c))
-    return; /* within a task: there are no others to wait for, and its result is not used */
+    return; /* forked within a task: the other threads are missing and the result is not used */
   if (atomic_fetch_add_explicit(&c->arrived, 1, memory_order_acq_rel) + 1 == c->size) {
     atomic_store_explicit(&c->arrived, 0, memory_order_relaxed);
     atomic_store(&c->round, round + 1);
@@ -110,7 +113,7 @@ void team_wait_all(const team *t) {
   if (*calm < CALM) ++*calm;
 }
 
-/* --- tasks ---------------------------------------------------------------------------------------------- */
+/* --- tasks ------------------------------------------------------------------------------------ */
 
 void team_help(const team *t) {
   const pool *c = t->pool;
@@ -154,9 +157,9 @@ void pool_run(pool *c, team_task *task, void *with) {
   c->helping = true;
 }
 
-/* --- threads -------------------------------------------------------------------------------------------- */
+/* --- threads ---------------------------------------------------------------------------------- */
 
-/* That this process may use */
+/* Returns the number of cores that this process may use. */
 static int cores(void) {
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -168,13 +171,13 @@ static int cores(void) {
 static void *help(void *with) {
   const team *t = with;
   pool *c = t->pool;
-  pthread_mutex_lock(&c->lock); /* until all have been started */
+  pthread_mutex_lock(&c->lock); /* wait until all threads have been started */
   pthread_mutex_unlock(&c->lock);
   team_help(t);
   return NULL;
 }
 
-/* As many as the system gives. */
+/* Starts threads up to this number, the caller included, or as many as the system grants. */
 static void start_threads(pool *c, int threads) {
   pthread_once(&counting, count_forks);
   c->forks = atomic_load(&forks);
@@ -229,7 +232,7 @@ int pool_most(void) {
 }
 
 void pool_run_once(size_t items, team_task *task, void *with) {
-  enum { FEW = 1024 }; /* not worth a thread */
+  enum { FEW = 1024 }; /* items that are not worth starting threads */
   pool *c = items > FEW ? pool_new(pool_most()) : NULL;
   pool_run(c, task, with);
   pool_free(c);

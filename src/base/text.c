@@ -1,4 +1,4 @@
-/* text.c: see text.h. */
+/* text.c: implements text.h. */
 #include "base/text.h"
 
 #include <ctype.h>
@@ -67,13 +67,15 @@ char *text_escaped(const char *text, size_t most) {
   return out;
 }
 
-/* The text behind the first `length` bytes of `text`, which may be NULL then. */
+/* Writes formatted text behind the first `length` bytes of `text`, which it reallocates; text may
+ * be NULL if length is 0. Returns the new block. */
 static char *format_behind(char *text, size_t length, const char *format, va_list args) {
   va_list again;
   va_copy(again, args);
   int n = vsnprintf(NULL, 0, format, args);
   text = memory_grow(text, length + (size_t)(n > 0 ? n : 0) + 1, 1);
-  text[length] = 0; /* the format may be one that C cannot convert */
+  /* vsnprintf fails on a character that it cannot convert; the text then ends here */
+  text[length] = 0;
   if (n > 0) vsnprintf(text + length, (size_t)n + 1, format, again);
   va_end(again);
   return text;
@@ -126,7 +128,9 @@ enum { LONGEST_WORD = 63 };
 
 static size_t min(size_t a, size_t b) { return a < b ? a : b; }
 
-/* Insertions, deletions, replacements and swaps of neighbours. */
+/* Returns the number of insertions, deletions, replacements and swaps of adjacent characters that
+ * turn a into b; SIZE_MAX for words longer than LONGEST_WORD. Upper and lower case count as equal,
+ * except in swaps. */
 static size_t edit_distance(const char *a, const char *b) {
   size_t m = strlen(a), n = strlen(b), row[3][LONGEST_WORD + 1];
   if (m > LONGEST_WORD || n > LONGEST_WORD) return SIZE_MAX;
@@ -149,7 +153,7 @@ guess guess_start(const char *word) { return (guess){word, NULL, SIZE_MAX}; }
 void guess_add(guess *g, const char *candidate) {
   if (!candidate) return;
   size_t distance = edit_distance(g->word, candidate), n = strlen(g->word);
-  /* "centre" for "center", "kn" for "k_n"; but not any word for any other */
+  /* accept "centre" for "center" or "kn" for "k_n", but not any word for any other */
   size_t allowed = n <= 2 ? 1 : n <= 5 ? 2 : 3;
   if (distance >= strlen(candidate) || distance > allowed || distance >= g->distance) return;
   g->distance = distance;

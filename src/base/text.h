@@ -1,4 +1,4 @@
-/* text.h: text from files and from the command line, made fit for a terminal and for JSON. */
+/* text.h: text from files and from the command line, made safe for a terminal and for JSON. */
 #ifndef SLIPDISK_BASE_TEXT_H
 #define SLIPDISK_BASE_TEXT_H
 
@@ -8,37 +8,44 @@
 
 #include "slipdisk/status.h"
 
-/* Bytes of the character at p; 0: a control character, or no UTF-8. */
+/* Returns the number of bytes of the UTF-8 character at p; 0 for a control character or invalid
+ * UTF-8. */
 size_t text_step(const char *p);
-/* UTF-8 without control characters; line ends and tabs are none here. */
+/* Returns true if the text is valid UTF-8 without control characters; line feeds and tabs are
+ * allowed. */
 bool text_printable(const char *text);
-/* Puts ? for every byte that is not so, in place. */
+/* Replaces, in place, every byte that text_printable does not allow by '?'. Returns the text. */
 char *text_clean(char *text);
-/* How many of the first n bytes are quoted in a message: at most LIMIT_QUOTE, whole characters. */
+/* Returns how many of the first n bytes a message quotes: at most LIMIT_QUOTE, and no part of a
+ * character. */
 size_t text_quoted(const char *text, size_t n);
-/* A copy with \xHH for such bytes, to be freed. A longer text than `most` bytes ends in "...". */
+/* Returns a copy, which the caller frees, with \xHH for control characters and invalid bytes. A
+ * text longer than `most` bytes is cut and ends in "...". */
 char *text_escaped(const char *text, size_t most);
 
-/* Text made with printf, to be freed. */
+/* Returns a text formatted as by printf; the caller frees it. */
 char *format_text(const char *format, ...) SD_PRINTF(1, 2);
-/* The same behind `text`, which is freed; NULL if that is NULL. */
+/* Appends formatted text to `text`, which is freed or reused, and returns the result; NULL if text
+ * is NULL. */
 char *append_text(char *text, const char *format, ...) SD_PRINTF(2, 3);
-/* The lines of a text, which is cut up: they point into it. The list is to be freed. */
+/* Splits a text, in place, into its *n lines, without empty ones. Returns pointers into the text;
+ * the caller frees the list. */
 const char **text_lines(char *text, size_t *n);
-/* A cell of CSV (RFC 4180): quoted where a comma, a quote or a line break makes it necessary. */
+/* Writes a cell of a CSV file (RFC 4180), in quotes if it has a comma, a quote or a line break. */
 void text_cell(FILE *out, const char *text);
-/* Does the text end so, and begin before? */
+/* Returns true if the text ends with `ending` and is longer than it. */
 bool text_ends(const char *text, const char *ending);
 
-/* --- the nearest of some words to one that was mistyped, by edit distance --------------------- */
+/* --- the best match of a mistyped word among candidates, by edit distance --------------------- */
 
-/* best: NULL when no candidate is near enough to be meant. */
+/* State of a search for the candidate nearest to `word`. best: NULL while no candidate is near
+ * enough to be meant. */
 typedef struct guess {
   const char *word, *best;
   size_t distance;
 } guess;
 
 guess guess_start(const char *word);
-void guess_add(guess *g, const char *candidate); /* NULL: none */
+void guess_add(guess *g, const char *candidate); /* NULL is ignored */
 
 #endif

@@ -1,10 +1,11 @@
-/* vexp.h: the exponential over lanes; included once per LANE_WIDTH after base/lane.h.
+/* vexp.h: the exponential function over lanes; included once per LANE_WIDTH after base/lane.h.
  *
- * Basic operations only, in a fixed order, as in vmath.h. exp(x) = 2^n exp(r), |r| <= ln 2/2, with ln 2 in two parts (Cody &
- * Waite) and Taylor's polynomial, whose remainder is below 5e-18; error about one unit in the last place.
+ * Basic operations only, in a fixed order, as in vmath.h. exp(x) = 2^n exp(r), |r| <= ln 2/2, with
+ * ln 2 in two parts (Cody & Waite) and Taylor's polynomial for exp(r), whose remainder is below
+ * 5e-18. The error is about one unit in the last place.
  */
 
-/* exp(x) for x <= 0; below -700 that of -700. */
+/* Returns exp(x) for x <= 0; for x < -700 it returns exp(-700). */
 LANE_INLINE LANE(real) LANE(exponential)(LANE(real) x) {
   x = LANE(max)(x, LANE(splat)(-700.0));
   LANE(real) n = LANE(nearest)(x * 1.44269504088896340736);
@@ -22,6 +23,7 @@ LANE_INLINE LANE(real) LANE(exponential)(LANE(real) x) {
   p = p * r + 0.5;
   p = 1.0 + (r + r * r * p);
   LANE(bits)
-  power = (LANE(as_bits)(n + 0x1.8p52) + 1023u) << 52; /* n stands in the low bits of the sum */
+  /* the low bits of the sum hold n, to which the bias 1023 is added */
+  power = (LANE(as_bits)(n + 0x1.8p52) + 1023u) << 52;
   return p * LANE(as_real)(power);
 }

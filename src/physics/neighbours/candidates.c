@@ -1,4 +1,4 @@
-/* candidates.c: see neighbours.h. */
+/* candidates.c: the search for candidate pairs, candidates_find of neighbours.h. */
 #include "physics/neighbours/neighbours.h"
 
 #include <assert.h>
@@ -13,14 +13,16 @@
 #include "physics/system/halo.h"
 #include "physics/system/list.h"
 
-/* --- near enough ------------------------------------------------------------------------------------- */
+/* --- criteria for a candidate ----------------------------------------------------------------- */
 
-/* Does the body in this slot touch anything? */
+/* Returns true if the body in this slot can have contacts: all bodies but free disks that are not
+ * in the simulation (waiting or taken out). */
 static bool in_play(const sd_state *s, size_t slot) {
   return slot >= s->n_free || body_in_play(s, slot);
 }
 
-/* By how much any pair may be apart and is a candidate. */
+/* Returns the largest gap between the surfaces of a candidate pair: Verlet margin plus the largest
+ * gap at which a contact begins or ends. */
 static double largest_margin(const engine *e) { return e->work.skin + e->work.margin; }
 
 static inline bool near(const engine *e, uint32_t i, uint32_t j, double skin) {
@@ -32,7 +34,8 @@ static inline bool near(const engine *e, uint32_t i, uint32_t j, double skin) {
   return dx * dx + dy * dy < reach * reach;
 }
 
-/* Round walls: a disk is near when its overlap is above -skin; inside a drum the signed distance counts. */
+/* Returns true if disk i is a candidate for the round wall b: its overlap is above -largest_margin.
+ * In a drum (R_b < 0) the overlap is R_i - |R_b| plus the distance of the centres. */
 static bool near_round_wall(const engine *e, uint32_t i, uint32_t b) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -48,7 +51,8 @@ static bool near_image(const engine *e, uint32_t i, const placed_segment *g) {
   return hypot(q.dx, q.dy) < e->state->radius[i] + largest_margin(e);
 }
 
-/* Any image: while the list stands the disk may come to touch another one than the nearest by now. */
+/* Returns true if disk i is near any periodic image of a wall segment: while the list is in use,
+ * another image than the one nearest now may come to be touched. */
 static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
   if (!(g->image[0] || g->image[1])) return near_image(e, i, g);
   bool near = false;
@@ -63,14 +67,15 @@ static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
   return near;
 }
 
-/* --- order of numbers ------------------------------------------------------------------------- */
+/* --- sorting of slots ------------------------------------------------------------------------- */
 
 static int ascending(const void *one, const void *two) {
   const uint32_t *p = one, *q = two;
   return *p < *q ? -1 : *p > *q;
 }
 
-/* Most are few and nearly in order; a large disk has thousands. */
+/* Lists up to this length are sorted by insertion, since most are short and nearly sorted; a large
+ * disk may have thousands of candidates. */
 enum { FEW = 48 };
 static void sort(numbers *list) {
   if (list->n > FEW) {
@@ -85,12 +90,13 @@ static void sort(numbers *list) {
   }
 }
 
-/* --- walls ------------------------------------------------------------------------------------------- */
+/* --- candidates of walls ---------------------------------------------------------------------- */
 
-/* Each wall, or segment of one, searches the cells for its disks. `of` lists those of disk i at [start[i], start[i + 1]),
- * ascending; NULL where there are none at all. */
+/* Candidates of walls: each round wall, or wall segment, searches the cells for disks near it. `of`
+ * lists the walls (or segments) of disk i at [start[i], start[i + 1]), ascending; both are NULL if
+ * nothing was found. */
 typedef struct wall_lists {
-  numbers disk, wall; /* found: in the order of walls */
+  numbers disk, wall; /* pairs found, in the order of walls */
   uint32_t *start, *of;
 } wall_lists;
 
@@ -106,10 +112,10 @@ static void add_wall(wall_lists *l, uint32_t disk, uint32_t wall) {
   numbers_add(&l->wall, wall);
 }
 
-/* There was no memory for some of them. */
+/* Returns true if memory ran out, so that some pairs are missing. */
 static bool is_short(const wall_lists *l) { return l->disk.failed || l->wall.failed; }
 
-/* Sorts by disks, and keeps the order of walls. */
+/* Sorts the pairs by disk (counting sort); the walls of a disk stay in order. */
 static sd_status by_disks(wall_lists *l, size_t n_free) {
   if (is_short(l)) return SD_ERROR_IO;
   if (l->disk.n == 0) return SD_OK;
@@ -148,7 +154,8 @@ static sd_status find_round_walls(const engine *e, const grid *g, wall_lists *l)
   return by_disks(l, s->n_free);
 }
 
-/* A line along which, and as far beside it, the piece lies: of an arc along the box around it. */
+/* Returns a line along the segment, and in *beside how far the segment extends to either side of
+ * it. For an arc it is the horizontal middle line of the arc's bounding box. */
 static grid_line line_along(const placed_segment *p, double *beside) {
   double lower[2], upper[2];
   *beside = 0.0;
@@ -159,7 +166,7 @@ static grid_line line_along(const placed_segment *p, double *beside) {
   return (grid_line){lower[0], 0.5 * (lower[1] + upper[1]), 1.0, 0.0, 0.0, upper[0] - lower[0]};
 }
 
-/* Disks near one image of piece m; with several images a disk may be found again. */
+/* Adds the disks near one image of segment m; a disk may be added again for another image. */
 static void find_image(const engine *e, const grid *g, uint32_t m, const placed_segment *image,
                        grid_runs *runs, wall_lists *l) {
   double beside;
@@ -175,7 +182,8 @@ static void find_image(const engine *e, const grid *g, uint32_t m, const placed_
   }
 }
 
-/* The images of a piece that may be near a disk: first to last along direction c. */
+/* Finds which periodic images of a segment can be near a disk: images *first to *last along
+ * direction c, in box lengths. */
 static void find_range(const engine *e, const grid *g, const placed_segment *p, int c,
                        double *first, double *last) {
   const work *w = &e->work;
@@ -184,7 +192,7 @@ static void find_range(const engine *e, const grid *g, const placed_segment *p, 
   if (!p->image[c] || g->count == 0) return;
   walls_bounds(p, lower, upper);
   if (!isfinite(lower[c]))
-    lower[c] = upper[c] = c == 0 ? p->x : p->y; /* a line across the direction */
+    lower[c] = upper[c] = c == 0 ? p->x : p->y; /* an infinite line perpendicular to direction c */
   const double reach = g->level[0].largest + largest_margin(e) + g->overhang;
   *first = ceil((w->lower[c] - reach - upper[c]) / w->length[c]);
   *last = floor((w->upper[c] + reach - lower[c]) / w->length[c]);
@@ -207,9 +215,9 @@ static sd_status find_segments(const engine *e, const grid *g, wall_lists *l) {
   return by_disks(l, e->state->n_free);
 }
 
-/* --- candidates -------------------------------------------------------------------------------------- */
+/* --- candidates of disks ---------------------------------------------------------------------- */
 
-/* Adds the partners of free disk i among the disks in higher slots, unordered. */
+/* Appends, unsorted, the candidate partners of free disk i among the disks in higher slots. */
 static void find_partners(const engine *e, const grid *g, uint32_t i, grid_runs *runs,
                           numbers *found) {
   const sd_state *s = e->state;
@@ -227,11 +235,12 @@ static void find_partners(const engine *e, const grid *g, uint32_t i, grid_runs 
   }
 }
 
-/* Closed contacts stay candidates until a commit opens them, however far one step took their bodies: what
- * they drop is booked there, whatever the skin. The old list is ordered by the first disk, so that its pairs
- * of disk i follow those of i - 1. */
+/* Pairs of the old list whose first disk is the present one. Closed contacts stay candidates until
+ * the step opens them, however far one step moved their bodies, since the energy that they drop is
+ * booked then. The old list is sorted by the first disk, so the pairs of disk i follow those of
+ * disk i - 1. */
 typedef struct closed_before {
-  size_t from, to; /* pairs of the present disk */
+  size_t from, to; /* range of the present disk's pairs in the old list */
 } closed_before;
 
 static void next_disk(const pairs *old, size_t end, uint32_t i, closed_before *c) {
@@ -263,24 +272,26 @@ static void add_closed_segments(const engine *e, const closed_before *c, uint32_
 static void add_walls(const wall_lists *l, uint32_t i, numbers *found) {
   for (uint32_t k = l->start ? l->start[i] : 0; l->start && k < l->start[i + 1]; k++)
     if (k == l->start[i] || l->of[k] != l->of[k - 1])
-      numbers_add(found, l->of[k]); /* found once or several times */
+      numbers_add(found, l->of[k]); /* add a wall once, even if several images were found */
 }
 
-/* --- search by all threads ------------------------------------------------------------------------------ */
+/* --- search by all threads -------------------------------------------------------------------- */
 
-/* Disks of one thread: pairs (a, b), or with pieces (a, piece); those with ghosts apart. */
+/* Candidate pairs found by one thread: (slot a, slot b), or (slot a, segment). pairs[0]: without
+ * ghosts; pairs[1]: with a ghost. */
 typedef struct share {
   _Alignas(64) struct {
     numbers a, b;
-    size_t at; /* where they stand in the list */
+    size_t at; /* index in the list of all threads at which these pairs go */
   } pairs[2];
-  bool failed; /* no memory for some of these */
+  bool failed; /* memory ran out; some pairs are missing */
 } share;
 
 typedef struct search {
   const engine *e;
   const grid *g;
-  bool pieces; /* of straight walls; else round bodies */
+  /* true: search for pairs of disks with wall segments; false: with disks and round walls */
+  bool pieces;
   wall_lists walls;
   pairs *to;
   sd_status status;
@@ -330,7 +341,8 @@ static void find_share(const search *q, size_t begin, size_t end, share *mine) {
   free(runs.run);
 }
 
-/* Where each share's pairs come to stand, in the order of disks. */
+/* Finds where the pairs of each of n threads go in the list: one thread after the other, hence in
+ * the order of slots. */
 static void place_list(search *q, int n, int ghosts) {
   size_t count = q->to->count;
   for (int k = 0; k < n; k++) {

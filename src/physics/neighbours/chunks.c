@@ -1,4 +1,4 @@
-/* chunks.c: see chunks.h. */
+/* chunks.c: implements chunks.h. */
 #include "physics/system/halo.h"
 #include "physics/neighbours/chunks.h"
 #include "physics/contact/pairs.h"
@@ -9,16 +9,18 @@
 
 #include "base/memory.h"
 
-/* Disks per chunk: few enough for the cache, and several chunks for every thread, so that few of them have to wait for
- * other threads. */
+/* Numbers of disks per chunk, and of chunks per thread: chunks fit into the cache, and each thread
+ * has several, so that few of them must wait for other threads. */
 enum { CHUNK_MOST = 2048, CHUNK_LEAST = 256, CHUNKS_PER_THREAD = 8 };
 
-/* A piece of a straight wall costs as much as this many round pairs; a disk without any, too. */
+/* Costs in units of one round pair: of a pair with a wall segment, and of a disk without
+ * contacts. */
 enum { SEGMENT_COST = 4, DISK_COST = 1 };
 
 static size_t rounded(size_t n) { return (n + CHUNK_STEP - 1) / CHUNK_STEP * CHUNK_STEP; }
 
-/* Of a share of n disks, the last chunk may be smaller; all shares have room for as many. */
+/* Returns the number of disks per chunk for n disks per thread, a multiple of CHUNK_STEP. The last
+ * chunk of a thread may have fewer disks. */
 static size_t chunk_size(size_t n) {
   size_t size = (n + CHUNKS_PER_THREAD - 1) / CHUNKS_PER_THREAD;
   if (size > CHUNK_MOST) size = CHUNK_MOST;
@@ -62,7 +64,8 @@ static sd_status reserve(chunks *c, size_t count, size_t n_free) {
   return SD_OK;
 }
 
-/* Where the pairs of each chunk begin; round ones to whole blocks, those with ghosts belong to none. */
+/* Finds the first pair of each chunk: among the round pairs, rounded up to a whole block, and among
+ * those with wall segments. Pairs with ghosts belong to no chunk. */
 static void find_pairs(chunks *c, const pairs *p) {
   for (size_t n = 0; n <= c->count; n++) {
     const size_t k = n < c->count ? pairs_from(p, 0, p->n_round, c->begin[n]) : p->n_round;
@@ -75,7 +78,8 @@ static void find_pairs(chunks *c, const pairs *p) {
   }
 }
 
-/* Chunks that the pairs of each one read; itself always. */
+/* Chunks whose disks the pairs of each chunk read, itself always included; found by one thread for
+ * its chunks. */
 typedef struct needs_share {
   uint32_t *need;
   size_t n, capacity;
@@ -96,7 +100,8 @@ static void add_need(needs_share *l, size_t chunk) {
   l->need[l->n++] = (uint32_t)chunk;
 }
 
-/* found_for: the last chunk that was found to read each. */
+/* Adds to `mine` the chunks that the pairs of chunk k read. found_for[j]: the last chunk whose list
+ * got chunk j, so that no list gets it twice. */
 static void find_needs_of(const needs_task *f, size_t k, size_t *found_for, needs_share *mine) {
   const chunks *c = f->c;
   const pairs *p = f->p;
@@ -113,7 +118,8 @@ static void find_needs_of(const needs_task *f, size_t k, size_t *found_for, need
     }
 }
 
-/* need_start is counted from the beginning of the share here. */
+/* Finds the needs of this thread's chunks. need_start[k] is an index into the list of the thread
+ * here; join_needs adds the thread's offset. */
 static void needs_together(const team *t, void *with) {
   needs_task *f = with;
   const chunks *c = f->c;
@@ -129,7 +135,8 @@ static void needs_together(const team *t, void *with) {
   free(found_for);
 }
 
-/* The shares one after the other; the chunks of each begin with themselves. */
+/* Joins the lists of all threads. The list of each chunk k begins with k itself, which shows the
+ * thread it came from. */
 static void join_needs(needs_task *f) {
   chunks *c = f->c;
   size_t n = 0, k = 0;
@@ -175,14 +182,15 @@ static void find_boundary_first(chunks *c, int threads) {
           c->any_boundary_first = c->boundary_first[c->need[n]] = true;
 }
 
-/* Cost of the disks before this one. */
+/* Returns the cost of all disks in slots before this one, with their pairs. */
 static size_t cost_before(const pairs *p, size_t disk) {
   const size_t k = pairs_from(p, 0, p->n_round, disk),
                piece = pairs_from(p, p->first_segment, p->count, disk);
   return k + SEGMENT_COST * (piece - p->first_segment) + DISK_COST * disk;
 }
 
-/* Where the share of each thread begins, so that all cost the same. */
+/* Finds the first slot of each thread, disk[0 ... threads], so that all threads have equal
+ * costs. */
 static void share_disks(const pairs *p, size_t n_free, size_t threads, size_t *disk) {
   const size_t all = p->n_round + SEGMENT_COST * (p->count - p->first_segment) + DISK_COST * n_free;
   disk[0] = 0;
@@ -218,7 +226,8 @@ static void cut_shares(chunks *c, const size_t *disk) {
   assert(k == c->count && c->begin[0] == 0);
 }
 
-/* Ranks for which these disks are ghosts wait for them. */
+/* Marks chunks with disks that are ghosts on other ranks as boundary_first: those ranks wait for
+ * their predicted coordinates. */
 static void find_sent(const halo *h, chunks *c) {
   for (size_t k = 0; k < h->n_send; k++)
     c->boundary_first[chunks_of_disk(c, h->send_slot[k])] = true;
@@ -266,16 +275,17 @@ int chunks_thread_of_pair(const engine *e, size_t pair) {
   return t;
 }
 
-/* --- rows -------------------------------------------------------------------------------------------- */
+/* --- rows of chunks --------------------------------------------------------------------------- */
 
-/* Rows for as many disks as a chunk has. */
+/* Pages: a page is a set of rows for the disks of one chunk. */
 typedef struct page_list {
-  size_t *until; /* of each: after which chunk it is free */
+  size_t *until; /* [n] last chunk that reads each page; SIZE_MAX: never free */
   size_t n;
 } page_list;
 
-/* A page that is free from chunk k on; they are few. What is kept gets a new one: it may be seated before the share
- * begins, when earlier chunks still want all others. */
+/* Returns a page that is free from chunk k on; there are few pages to search. Rows that are kept
+ * (until = SIZE_MAX) get a new page: they may be written before the thread's first chunk, when
+ * earlier chunks still read all other pages. */
 static size_t take_page(page_list *l, size_t first, size_t k, size_t until) {
   size_t page = until == SIZE_MAX ? l->n : first;
   while (page < l->n && l->until[page] >= k) page++;
@@ -284,7 +294,8 @@ static size_t take_page(page_list *l, size_t first, size_t k, size_t until) {
   return page;
 }
 
-/* Last chunk of its share that reads the rows of each; SIZE_MAX where they are kept. */
+/* Finds the last chunk of the same thread that reads the rows of each chunk; SIZE_MAX if the chunk
+ * keeps its rows. */
 static void find_ends(chunks *c, size_t *until) {
   for (size_t k = 0; k < c->count; k++)
     until[k] = c->boundary_first[k] || c->boundary_last[k] ? SIZE_MAX : k;
@@ -296,7 +307,7 @@ static void find_ends(chunks *c, size_t *until) {
 static void give_rows(chunks *c, const size_t *until, page_list *pages) {
   for (size_t k = 0; k < c->count; k++) c->row[k] = SIZE_MAX;
   for (int t = 0; t < c->n_threads; t++) {
-    const size_t first = pages->n; /* those of other shares are in use at any time */
+    const size_t first = pages->n; /* pages of other threads are in use at any time */
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++)
       for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) {
         const size_t seen = c->need[n];
@@ -314,7 +325,7 @@ void chunks_plan_rows(chunks *c, size_t n_free) {
   give_rows(c, until, &pages);
   assert(pages.n <= c->count);
   for (size_t k = 0; k < c->count; k++)
-    assert(c->row[k] != SIZE_MAX); /* each is read by its own pairs */
+    assert(c->row[k] != SIZE_MAX); /* every chunk has a row, since its own pairs read it */
   c->rows = pages.n * c->size;
   c->shares = pages.n < c->count;
   if (!c->shares) {

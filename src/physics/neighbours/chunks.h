@@ -1,33 +1,39 @@
-/* chunks.h: free disks in chunks of neighbouring slots, which the step goes through one after the other, so that what
- * predictor, pairs and corrector want of a disk is still in the cache; and which thread goes through which.
+/* chunks.h: divides the free disks into chunks of consecutive slots, and the chunks among the
+ * threads. The step treats one chunk after the other, so that the data of a disk are still in the
+ * cache when predictor, pair forces and corrector need them.
  *
- * The pairs of a chunk are those whose first disk stands in it, to whole blocks. A disk is complete, and can be
- * corrected, when the pairs of its chunk are through: all its others stand before.
+ * The pairs of a chunk are those whose first disk (a) belongs to it, rounded to whole blocks. A
+ * disk is complete, and can be corrected, once the pairs of its chunk have been evaluated: all its
+ * other partners have smaller slots.
  */
 #ifndef PHYSICS_CHUNKS_H
 #define PHYSICS_CHUNKS_H
 
 #include "physics/system/work.h"
 
-/* Chunks begin at multiples of so many disks. */
+/* Chunks begin at slots that are multiples of this number. */
 enum { CHUNK_STEP = 8 };
 
-/* From the present pairs. SD_ERROR_IO without memory. */
+/* Divides disks and pairs into chunks, from the present lists. Returns SD_ERROR_IO if memory runs
+ * out. */
 sd_status chunks_plan(engine *e);
 void chunks_free(chunks *c);
-/* In which chunk is this free disk? */
+/* Returns the chunk of the free disk in this slot. */
 static inline size_t chunks_of_disk(const chunks *c, size_t slot) {
   return c->of_disks[slot / CHUNK_STEP];
 }
-/* Which thread takes this pair, and which this free disk. */
+/* Return the thread that evaluates this pair, and the thread that integrates this free disk. */
 int chunks_thread_of_pair(const engine *e, size_t pair);
 int chunks_thread_of_disk(const engine *e, size_t slot);
-/* The disk has contacts in the share of another thread: its chunk is corrected when all are through. */
+/* Marks the chunk of this disk as boundary_last: another thread evaluates some contacts of the
+ * disk, so the chunk is corrected after all threads have evaluated theirs. */
 static inline void chunks_put_off(chunks *c, size_t slot) {
   c->boundary_last[chunks_of_disk(c, slot)] = true;
 }
-/* When nothing more is put off: rows of packed bodies and sums. Those of a chunk are taken over by a later one of the same thread once no pair wants
- * them, so that they need not leave the cache; what other threads read or push keeps its own. */
+/* Assigns rows of packed bodies and force sums to the chunks; call it after the last
+ * chunks_put_off. A later chunk of the same thread takes over the rows of a chunk that no further
+ * pair reads, so that they stay in the cache. Chunks whose rows other threads read or write keep
+ * rows of their own. */
 void chunks_plan_rows(chunks *c, size_t n_free);
 
 #endif

@@ -1,4 +1,4 @@
-/* grid.c: see grid.h. */
+/* grid.c: implements grid.h. */
 #include "physics/neighbours/grid.h"
 
 #include <assert.h>
@@ -9,12 +9,13 @@
 #include "base/memory.h"
 #include "physics/system/bodies.h"
 
-/* Chosen by measurement (docs/performance.md): a larger factor tests more disks of the same level, a smaller one
- * searches more levels. Cells have CELL_SIZE times the reach of a pair of largest disks; where disks are sparse, larger
- * ones: at most CELLS_PER_DISK of them. */
+/* Found by measurement (docs/performance.md): a larger LEVEL_FACTOR tests more disks of the same
+ * level, a smaller one searches more levels. The side of a cell is CELL_SIZE times the largest
+ * distance of a pair of the level's largest disks; where disks are sparse it is larger, so that
+ * there are at most CELLS_PER_DISK cells per disk. */
 static const double LEVEL_FACTOR = 2.5, CELL_SIZE = 1.0, CELLS_PER_DISK = 4.0;
 
-/* --- levels ---------------------------------------------------------------------------------------------- */
+/* --- levels ----------------------------------------------------------------------------------- */
 
 size_t grid_levels_of(const double *radius, size_t n, double factor, const comm *c,
                       double top[GRID_LEVELS]) {
@@ -42,10 +43,10 @@ static size_t level_of(const grid *g, double radius) {
   return k;
 }
 
-/* --- cells ----------------------------------------------------------------------------------------------- */
+/* --- cells ------------------------------------------------------------------------------------ */
 
-/* Of an open direction the first and the last cell have no end, in a periodic one the disks stand in the box but for
- * the overhang. */
+/* Returns the cell index of a coordinate along direction c. In an open direction the first and the
+ * last cell extend to infinity; in a periodic one disks lie inside the box, up to the overhang. */
 static int64_t cell_of(const grid_level *l, int c, double at) {
   double k = fmin((at - l->lower[c]) * l->per_cell[c], (double)(l->cells[c] - 1));
   return k > 0.0 ? (int64_t)k : 0;
@@ -55,7 +56,8 @@ static size_t cell_index(const grid_level *l, double x, double y) {
   return (size_t)(cell_of(l, 1, y) * l->cells[0] + cell_of(l, 0, x));
 }
 
-/* Does the disk in this slot touch anything? */
+/* Returns true if the body in this slot can have contacts: all bodies but free disks that are not
+ * in the simulation (waiting or taken out). */
 static bool in_play(const sd_state *s, size_t slot) {
   return slot >= s->n_free || body_in_play(s, slot);
 }
@@ -73,9 +75,10 @@ static void choose_cells(grid_level *l, const double low[2], const double high[2
   }
 }
 
-/* Results of each thread, for its disks. */
+/* Results of one thread, for its range of disks. */
 typedef struct grid_share {
-  _Alignas(64) double low[2], high[2]; /* where disks are; infinite where there are none */
+  /* bounding box of disk centres; low > high if there are none */
+  _Alignas(64) double low[2], high[2];
   double overhang;
   size_t count[GRID_LEVELS];
   uint32_t last[GRID_LEVELS];
@@ -85,13 +88,14 @@ typedef struct grid_task {
   const engine *e;
   grid *g;
   double margin;
-  uint32_t *cell; /* [n_disks] */
+  uint32_t *cell; /* [n_disks] cell index of each disk on its level */
   sd_status status;
   grid_share share[WORK_MAX_THREADS];
 } grid_task;
 
-/* Disks that got lost far away, and are not in play, would make the cells of all others large. Beyond the grid the nearest
- * cell counts. */
+/* Extends the bounding box to a point. The caller leaves out disks beyond the bounds of the run
+ * (SD_OUTSIDE), since a disk lost far away would make all cells large; points outside the grid
+ * belong to the nearest cell. */
 static void find_extent(grid_share *mine, const double at[2]) {
   for (int c = 0; c < 2; c++) {
     if (at[c] < mine->low[c]) mine->low[c] = at[c];
@@ -99,7 +103,8 @@ static void find_extent(grid_share *mine, const double at[2]) {
   }
 }
 
-/* Counts the disks of each level, and finds how far they stand beyond the box. */
+/* Counts the disks of each level in [begin, end), and finds their bounding box and how far they lie
+ * outside a periodic box. */
 static void count_disks(const grid_task *f, size_t begin, size_t end, grid_share *mine) {
   const sd_state *s = f->e->state;
   const work *w = &f->e->work;
@@ -173,7 +178,7 @@ static sd_status make_cells(grid_task *f, int threads) {
   return SD_OK;
 }
 
-/* Cells may have disks of several threads. */
+/* Returns *count and increments it, atomically if several threads fill the cells. */
 static uint32_t next_of(uint32_t *count, bool alone) {
   return alone ? (*count)++ : __atomic_fetch_add(count, 1, __ATOMIC_RELAXED);
 }
@@ -211,7 +216,7 @@ static int ascending(const void *one, const void *two) {
   return *p < *q ? -1 : *p > *q;
 }
 
-/* In the order of slots; threads have filled cells as they came. */
+/* Sorts the disks of each cell by slot, since threads fill cells in any order. */
 static void sort_cells(const grid *g, const team *t) {
   for (size_t k = 0; k < g->count; k++) {
     const grid_level *l = &g->level[k];
@@ -226,7 +231,7 @@ static void sort_cells(const grid *g, const team *t) {
   }
 }
 
-/* Sorts the disks by level and cell, in the order of slots. */
+/* Sorts the disks by level, cell and slot; runs on all threads. */
 static void grid_together(const team *t, void *with) {
   grid_task *f = with;
   const bool alone = t->size == 1;
@@ -263,9 +268,10 @@ void grid_free(grid *g) {
   *g = (grid){0};
 }
 
-/* --- search ---------------------------------------------------------------------------------------------- */
+/* --- search ----------------------------------------------------------------------------------- */
 
-/* Cells first to last along one direction; of a periodic one they may lie beyond the box, each once. */
+/* Cells first ... last along one direction. In a periodic direction they may lie outside [0, number
+ * of cells), but each cell occurs once. */
 typedef struct range {
   int64_t first, last;
 } range;
@@ -307,7 +313,8 @@ static int64_t wrapped(int64_t k, int64_t n) {
   return k < n ? k : k % n;
 }
 
-/* Cells of a row in the grid; across a periodic edge up to two runs. */
+/* Adds the cells u of a row inside the grid; a range across a periodic edge gives up to two
+ * runs. */
 static void add_columns(const grid_level *l, int64_t row, range u, grid_runs *found) {
   const int64_t n = l->cells[0];
   assert(row >= 0 && row < l->cells[1] && u.first <= u.last);
@@ -325,8 +332,9 @@ static void add_columns(const grid_level *l, int64_t row, range u, grid_runs *fo
   add_run(l, row, 0, last, found);
 }
 
-/* The cells of row v from x = low to high. Rows beyond a periodic box are images of those in it, shifted along x: the one
- * place that knows by how much. */
+/* Adds the cells of row v between x = low and high. A row above or below a periodic box is an image
+ * of a row in it, shifted along x by `offset` per box height; only this function applies the
+ * shift. */
 static void add_row(const grid_level *l, int64_t v, double low, double high, grid_runs *found) {
   assert(l->cells[1] > 0);
   const int64_t row = l->periodic[1] ? wrapped(v, l->cells[1]) : v, image = (v - row) / l->cells[1];
@@ -334,7 +342,7 @@ static void add_row(const grid_level *l, int64_t v, double low, double high, gri
   add_columns(l, row, range_of(l, 0, low - shift, high - shift), found);
 }
 
-/* y of a row's edges; outer rows of an open grid have no end. */
+/* Finds the lower and upper y of a row; the outer rows of an open grid extend to infinity. */
 static void row_edges(const grid_level *l, int64_t v, double *low, double *high) {
   const double height = l->per_cell[1] > 0.0 ? 1.0 / l->per_cell[1] : 0.0;
   const bool open = !l->periodic[1];
@@ -342,10 +350,10 @@ static void row_edges(const grid_level *l, int64_t v, double *low, double *high)
   *high = open && v >= l->cells[1] - 1 ? HUGE_VAL : l->lower[1] + height * (double)(v + 1);
 }
 
-/* Rounding may move an edge by some digits of the coordinates. */
+/* Enlarges a search radius by the rounding errors of cell edges near coordinate `at`. */
 static double slack(double reach, double at) { return reach * (1.0 + 1e-9) + 1e-14 * at; }
 
-/* The cells of rows v that a circle of radius r reaches. */
+/* Adds the cells of rows v that a circle of radius r around a point overlaps. */
 static void add_circle(const grid_level *l, range v, const double at[2], double r,
                        grid_runs *found) {
   for (int64_t k = v.first; k <= v.last; k++) {
@@ -357,7 +365,9 @@ static void add_circle(const grid_level *l, range v, const double at[2], double 
   }
 }
 
-/* Few rows are taken as wide as the circle. All rows of a periodic box stand for several images each. */
+/* Up to this many rows are searched over the full width of the circle. If all rows of a periodic
+ * box are searched, a row stands for several of its images, so its whole width around the point (in
+ * a sheared box, all cells) is searched. */
 enum { FEW_ROWS = 4 };
 void grid_around(const grid *g, const grid_level *l, const double at[2], double reach,
                  grid_runs *found) {
@@ -369,7 +379,7 @@ void grid_around(const grid *g, const grid_level *l, const double at[2], double 
     add_circle(l, v, at, r, found);
     return;
   }
-  if (v.first < 0 || v.last >= l->cells[1]) { /* rows beyond the box */
+  if (v.first < 0 || v.last >= l->cells[1]) { /* some rows are periodic images */
     for (int64_t k = v.first; k <= v.last; k++) add_row(l, k, at[0] - r, at[0] + r, found);
     return;
   }
@@ -378,7 +388,8 @@ void grid_around(const grid *g, const grid_level *l, const double at[2], double 
   for (int64_t k = v.first; k <= v.last; k++) add_columns(l, k, u, found);
 }
 
-/* The line's piece between two heights, with `reach` around it. False: none. */
+/* Finds the x range [*left, *right] of the part of the line between two heights, widened by `reach`
+ * on all sides. Returns false if there is none. */
 static bool chord(const grid_line *line, double reach, double low, double high, double *left,
                   double *right) {
   double from = -line->back, to = line->length;
@@ -404,7 +415,7 @@ void grid_along(const grid_level *l, const grid_line *line, double reach, grid_r
   const double end = line->ty != 0.0 ? line->length * line->ty : 0.0;
   const double low = line->y + fmin(back, end) - r, high = line->y + fmax(back, end) + r;
   found->count = 0;
-  /* cells without images: positions beyond the box stand in the outer cells */
+  /* treat the grid as open: disks outside the box are in the outer cells */
   grid_level open = *l;
   open.periodic[0] = open.periodic[1] = false;
   const range v = range_of(&open, 1, low, high);

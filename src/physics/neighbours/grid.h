@@ -1,9 +1,11 @@
-/* grid.h: disks in cells, by levels of size (hierarchical grid: Ogarko & Luding, Comput. Phys. Commun. 183, 931).
+/* grid.h: cell grid of the disks, with a level for each range of sizes (hierarchical grid: Ogarko &
+ * Luding, Comput. Phys. Commun. 183, 931).
  *
- * A level holds the disks of radii within a factor (LEVEL_FACTOR), in cells of its own size. The top level begins with the
- * largest disk, each next one with the largest disk that is left: sizes within one factor are one level, whatever they
- * are, and a few disks of another size are a level of their own. So the cost of a search follows the disks near it, not
- * the largest of all.
+ * A level holds disks whose radii differ by less than LEVEL_FACTOR, in cells of a size of its own.
+ * The top level begins with the largest disk, each further level with the largest disk that is
+ * left: if all sizes are within one factor there is one level, and a few disks of another size get
+ * a level of their own. The cost of a search thus depends on the disks nearby, not on the largest
+ * disk of all.
  */
 #ifndef PHYSICS_GRID_H
 #define PHYSICS_GRID_H
@@ -14,25 +16,27 @@
 enum { GRID_LEVELS = 16 };
 
 typedef struct grid_level {
-  double largest; /* radius */
-  uint32_t last;  /* highest slot */
+  double largest; /* largest radius on this level */
+  uint32_t last;  /* highest slot on this level */
   size_t count;
   bool periodic[2];
-  double lower[2], per_cell[2],
-      offset; /* offset: of a row of periodic images against the one below */
+  /* lower: corner of the grid; per_cell: inverse size of a cell; offset: shift along x of a row of
+   * periodic images against the row below (sheared box) */
+  double lower[2], per_cell[2], offset;
   int64_t cells[2];
-  uint32_t *start; /* cell c holds disks[start[c] .. start[c + 1]) */
-  uint32_t *disks; /* of the level, by cell and slot */
+  uint32_t *start; /* disks[start[c] ... start[c + 1] - 1] are in cell c */
+  uint32_t *disks; /* slots of the disks on this level, sorted by cell, then slot */
 } grid_level;
 
 typedef struct grid {
   size_t count;
-  grid_level level[GRID_LEVELS]; /* the largest disks first */
-  uint32_t *start, *disks;       /* of all levels */
-  double overhang;               /* how far disks stand beyond a periodic box, for a step */
+  grid_level level[GRID_LEVELS]; /* in order of decreasing size */
+  uint32_t *start, *disks;       /* memory of all levels */
+  /* largest distance by which a disk lies outside a periodic box, until it is wrapped */
+  double overhang;
 } grid;
 
-/* Runs of a level's disks: disks[from .. to). */
+/* Result of a search: ranges of a level's array of disks, disks[from ... to - 1]. */
 typedef struct grid_runs {
   struct grid_run {
     uint32_t from, to;
@@ -40,22 +44,27 @@ typedef struct grid_runs {
   size_t count, capacity;
 } grid_runs;
 
-/* A straight line from (x, y) along (tx, ty); either length may be infinite. */
+/* Straight line from (x, y) along the unit vector (tx, ty); back and length may be infinite. */
 typedef struct grid_line {
-  double x, y, tx, ty, back, length; /* it goes from -back to length */
+  /* part of the line, from -back to length along the unit vector */
+  double x, y, tx, ty, back, length;
 } grid_line;
 
-/* margin: by how much pairs that are looked for are farther apart than the sum of their radii, at most. SD_ERROR_IO
- * without memory. */
+/* Builds the grid of all disks that are in the simulation. margin: largest gap between surfaces of
+ * the pairs that will be searched for; it sets the size of cells. Returns SD_ERROR_IO if memory
+ * runs out. */
 sd_status grid_build(const engine *e, double margin, grid *g);
 void grid_free(grid *g);
-/* Disks whose centres are nearer to a point than `reach`, and others; each once. */
+/* Finds all disks of a level whose centres are nearer to a point than `reach`; the result may have
+ * others as well, but each disk once. */
 void grid_around(const grid *g, const grid_level *l, const double at[2], double reach,
                  grid_runs *found);
-/* The same for a line, not for its periodic images. */
+/* Finds all disks whose centres are nearer to a line than `reach`; the result may have others as
+ * well. Periodic images of the line are ignored. */
 void grid_along(const grid_level *l, const grid_line *line, double reach, grid_runs *found);
-/* Radii of the levels: writes the largest of each, descending, and returns how many there are. most: the largest of a value on all
- * ranks, which then call together; NULL: of this one. */
+/* Divides radii into levels: writes the largest radius of each level to top[], descending, and
+ * returns the number of levels. factor: ratio of the largest to the smallest radius of a level. c:
+ * ranks whose disks are divided together, in a collective call; NULL: only these n. */
 size_t grid_levels_of(const double *radius, size_t n, double factor, const comm *c,
                       double top[GRID_LEVELS]);
 

@@ -1,4 +1,4 @@
-/* neighbours.c: candidate pairs; see neighbours.h. */
+/* neighbours.c: builds and maintains the lists of candidate pairs; see neighbours.h. */
 #include "model/advice.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/system/bodies.h"
@@ -21,15 +21,18 @@ void neighbours_free(engine *e) {
   pairs_list_free(e);
 }
 
-/* Does the body in this slot touch anything? */
+/* Returns true if the body in this slot can have contacts: all bodies but free disks that are not
+ * in the simulation (waiting or taken out). */
 static bool in_play(const sd_state *s, size_t slot) {
   return slot >= s->n_free || body_in_play(s, slot);
 }
 
-/* By how much any pair may be apart and is a candidate. */
+/* Returns the largest gap between the surfaces of a candidate pair: Verlet margin plus the largest
+ * gap at which a contact begins or ends. */
 static double largest_margin(const engine *e) { return e->work.skin + e->work.margin; }
 
-/* Pieces of walls that pairs are with. */
+/* Lists the wall segments that occur in candidate pairs, ascending; only these are updated in every
+ * step. */
 static void find_pieces(engine *e) {
   work *w = &e->work;
   const pairs *p = &w->pairs;
@@ -51,7 +54,8 @@ static void find_watched(engine *e) {
     for (size_t at = n->start[d]; at < n->start[d + 1]; at++) {
       size_t pair = n->entry[at] / 2;
       if (p->a[pair] + p->b[pair] == d + q && (p->a[pair] == d || p->b[pair] == d)) {
-        /* of several pieces of one wall the first: they follow one another, and which is closed changes */
+        /* take the first of several segments of one wall: they are consecutive, and which one is
+         * closed changes */
         if (e->work.watched[k] < 0 || (int64_t)pair < e->work.watched[k])
           e->work.watched[k] = (int64_t)pair;
       }
@@ -59,7 +63,7 @@ static void find_watched(engine *e) {
   }
 }
 
-/* --- build ------------------------------------------------------------------------------------------- */
+/* --- building the lists ----------------------------------------------------------------------- */
 
 static sd_status tell_not_finite(const engine *e, int64_t step, size_t slot,
                                  const double pose[SD_COORDINATES], sd_messages *messages) {
@@ -96,7 +100,8 @@ sd_status neighbours_check_next(const engine *e, sd_messages *messages) {
   return SD_OK;
 }
 
-/* How far the free disks reach, from a wall's pivot at most. */
+/* Returns an upper bound for the distance between a wall's pivot and the points of disks, from
+ * their bounding box. */
 static double farthest_disk(const engine *e, const double pivot[2], const double low[2],
                             const double high[2]) {
   const double dx = fmax(high[0] - pivot[0], pivot[0] - low[0]),
@@ -104,8 +109,9 @@ static double farthest_disk(const engine *e, const double pivot[2], const double
   return hypot(dx, dy) + largest_margin(e);
 }
 
-/* A wall that turns moves its points by their distance from the pivot; those beyond all disks do not matter, and a round
- * wall turns into itself. */
+/* Finds for each wall the largest distance from its pivot to a point that may touch a disk: the
+ * angle by which the wall turns times this distance bounds the displacement of its surface. Points
+ * farther away than all disks do not matter, and a round wall turns into itself (distance 0). */
 static void note_reaches(const engine *e, const double low[2], const double high[2]) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -123,13 +129,13 @@ static void note_reaches(const engine *e, const double low[2], const double high
   for (size_t b = s->n_disks; b < s->n_bodies; b++) {
     const double pivot[2] = {s->x[b], s->y[b]};
     double *reach = &w->reach[b - s->n_disks];
-    /* a disk may be beside an image that is far from it */
+    /* a disk in a periodic box may be near an image of the wall that is far from the pivot. */
     const bool images = w->periodic[0] || w->periodic[1];
     if (!images || !isfinite(*reach)) *reach = fmin(*reach, farthest_disk(e, pivot, low, high));
   }
 }
 
-/* Where the free disks are, by share. */
+/* Bounding box of the free disks, for the range of each thread. */
 typedef struct note_task {
   const engine *e;
   struct {
@@ -182,7 +188,8 @@ static double largest_radius(const sd_state *s) {
   return largest;
 }
 
-/* Of lengths, by a deforming box: the smaller singular value of its map. */
+/* Returns the smallest factor by which the deforming box stretches any length since the lists were
+ * built: the smaller singular value of its linear map. */
 static double least_stretch(const work_cell *c) {
   const double x = 1.0 + c->map[0], y = 1.0 + c->map[1],
                sum = x * x + y * y + c->map[2] * c->map[2],
@@ -190,8 +197,9 @@ static double least_stretch(const work_cell *c) {
   return sqrt(fmax(0.5 * (sum - root), 0.0));
 }
 
-/* How far a body may move until the lists are stale. Two bodies may each take 0.45 of the skin; the rest is for
- * the way from trial to corrected positions. Lengths that shrink bring together what moves not at all. */
+/* Returns how far a body may move until the lists are stale. Each of two bodies may use 0.45 of the
+ * Verlet margin; the rest covers the difference between trial and corrected positions. If all
+ * lengths shrink, surfaces approach even at rest, so the limit is reduced by that. */
 static double limit_of(const engine *e) {
   const work *w = &e->work;
   double shrunk = fmax(1.0 - e->state->box_scale / w->list_scale, 0.0);
@@ -229,7 +237,9 @@ void neighbours_follow(engine *e) {
   c->list_step = c->step = e->state->step;
 }
 
-/* The lists begin with the shape of the box as it is. Disks move together as fast as they do in the mean beside it. */
+/* Makes the present shape of the box the reference of new lists. The mean velocity of the disks
+ * relative to the box flow is stored, since a displacement that all disks share does not make the
+ * lists stale. */
 static void note_cell(engine *e) {
   const sd_state *s = e->state;
   work *w = &e->work;
@@ -269,9 +279,11 @@ bool neighbours_rescale(engine *e, double f) {
   return !stale;
 }
 
-/* A wider skin costs candidates in every step, a narrower one lists: making one costs per disk as much as TUNE_BALANCE
- * steps' share of the candidates that a skin of one radius adds. Disks move by k per step, so that lists last skin/k steps
- * and the sum of both is least where skin times steps is that, in mean radii. */
+/* A wide Verlet margin adds candidates to every step, a narrow one adds rebuilds. A rebuild costs,
+ * per disk, as much as the candidates that a margin of one mean radius adds in TUNE_BALANCE steps.
+ * If disks move by k per step, lists last skin/k steps, and the total cost is least where skin (in
+ * mean radii) times steps is TUNE_BALANCE. TUNE_LEAST, TUNE_MOST: bounds of the margin, in mean
+ * radii; TUNE_STEP: largest factor of one change. */
 static const double TUNE_BALANCE = 27.0, TUNE_LEAST = 0.03, TUNE_MOST = 0.4, TUNE_STEP = 1.4;
 
 void neighbours_tune(engine *e) {

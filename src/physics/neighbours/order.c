@@ -1,4 +1,4 @@
-/* order.c: see order.h. */
+/* order.c: implements order.h. */
 #include "physics/neighbours/order.h"
 
 #include <assert.h>
@@ -11,7 +11,7 @@
 #include "model/slot_table.h"
 #include "physics/neighbours/grid.h"
 
-/* --- order of the disks ------------------------------------------------------------------------------ */
+/* --- order of the disks ----------------------------------------------------------------------- */
 
 int order_by_place(const void *one, const void *two) {
   const order_place *p = one, *q = two;
@@ -41,9 +41,12 @@ static range range_of(const sd_state *s, const double *at, const comm *c) {
   return x;
 }
 
-/* Strips of `width`; of a periodic side the first, the last, the second, the last but one ... */
+/* Returns the number of the strip, of this width, in which a coordinate lies. If the side is folded
+ * (periodic), strips are numbered first, last, second, last but one, ... so that neighbours across
+ * the edge have close numbers. */
 static uint64_t strip_of(double at, range x, double width, bool folded) {
-  width = fmax(width, (x.high - x.low) * 1e-9); /* a disk may be lost far away */
+  /* limits the number of strips if a disk is lost far away */
+  width = fmax(width, (x.high - x.low) * 1e-9);
   double count = floor((x.high - x.low) / width) + 1.0, k = floor((at - x.low) / width);
   k = fmin(fmax(k, 0.0), count - 1.0);
   assert(count >= 1.0 && k >= 0.0);
@@ -51,8 +54,9 @@ static uint64_t strip_of(double at, range x, double width, bool folded) {
   return (uint64_t)(k < 0.5 * count ? 2.0 * k : 2.0 * (count - 1.0 - k) + 1.0);
 }
 
-/* Disks within a factor LEVEL_FACTOR in size are ordered together, in strips as wide as the largest of them; smaller ones
- * first. So the partners of a disk stand near it, but for larger ones, which are few and last. */
+/* Largest ratio of radii on one level of size. The disks of a level are sorted together, in strips
+ * as wide as the largest disk; levels of small disks come first. So the partners of a disk are near
+ * it in memory, except larger ones, which are few and last. */
 static const double LEVEL_FACTOR = 4.0;
 
 static void fill_places(const sd_model *m, const sd_state *s, const comm *c, order_place *list) {
@@ -72,11 +76,12 @@ static void fill_places(const sd_model *m, const sd_state *s, const comm *c, ord
   }
 }
 
-/* --- columns ----------------------------------------------------------------------------------------- */
+/* --- columns of the state --------------------------------------------------------------------- */
 
-/* Rows of a column in a new order: row k becomes that which was from[k]. */
+/* Reorders the rows of a column: the new row k is the old row from[k]. */
 static void permute(char *column, size_t row, size_t n, const uint32_t *from, char *scratch) {
-  /* zeros, of which a state has many at its start, take no memory until they are written */
+  /* skip columns of zeros, of which a new state has many: they take no memory until they are
+   * written */
   if (n == 0 || (column[0] == 0 && memcmp(column, column + 1, n * row - 1) == 0)) return;
   for (size_t k = 0; k < n; k++) memcpy(scratch + k * row, column + from[k] * row, row);
   memcpy(column, scratch, n * row);
@@ -99,10 +104,10 @@ static void permute_all(sd_state *s, bool contacts, const uint32_t *from, void *
   }
 }
 
-/* --- contacts ---------------------------------------------------------------------------------------- */
+/* --- order of the contacts -------------------------------------------------------------------- */
 
 typedef struct contact_place {
-  int list; /* as the pairs: round ones, those with ghosts, pieces of straight walls */
+  int list; /* 0: round pairs, 1: pairs with ghosts, 2: wall segments, as in the lists of pairs */
   uint32_t a, b, part, from;
 } contact_place;
 
@@ -114,8 +119,8 @@ static int by_slots(const void *one, const void *two) {
   return p->part < q->part ? -1 : p->part > q->part;
 }
 
-/* The disk in the lower slot comes first; seen from the other one the contact's direction is
- * reversed. */
+/* Swaps the bodies of contact k so that the disk in the lower slot is a; seen from the other disk
+ * the contact's direction is reversed. */
 static void turn_contact(const sd_model *m, sd_state *s, size_t k, const slot_table *slots) {
   uint32_t a = s->contact_a[k], b = s->contact_b[k];
   assert(a < m->n_disks && b < sd_model_bodies(m) && a != b);
@@ -130,8 +135,9 @@ static void turn_contact(const sd_model *m, sd_state *s, size_t k, const slot_ta
   s->contact_roll[k] = -s->contact_roll[k];
 }
 
-/* Contacts that a packing brings along may be with disks that are out of reach here: these stand last, and are not listed. Returns how
- * many are. */
+/* Lists the contacts for sorting and returns their number. A contact from a packing may be with a
+ * disk that this rank does not have, not even as a ghost: such contacts are not listed, and their
+ * indices go to the end of from[]. */
 static size_t list_contacts(const sd_model *m, sd_state *s, const slot_table *slots,
                             contact_place *list, uint32_t *from) {
   size_t n = 0, last = s->n_contacts;

@@ -1,4 +1,4 @@
-/* rows.c: see rows.h. */
+/* rows.c: implements rows.h. */
 #include "physics/neighbours/rows.h"
 
 #include <assert.h>
@@ -11,13 +11,14 @@
 #include "physics/system/halo.h"
 #include "physics/system/list.h"
 
-/* --- contacts of each body --------------------------------------------------------------------------- */
+/* --- contacts of each body -------------------------------------------------------------------- */
 
 static size_t partner_of(const pairs *p, uint32_t entry) {
   return (size_t)(entry & 1 ? p->a[entry / 2] : p->b[entry / 2]);
 }
 
-/* Those of an own disk with round bodies: by the partners' slots in the whole, as in a run on one rank. */
+/* Sorts the round contacts of a disk of this rank by the slots that the partners have in the whole
+ * system, the order of a run on one rank. */
 static void order_partners(const engine *e, size_t slot) {
   const incidence *n = &e->work.incidence;
   const pairs *p = &e->work.pairs;
@@ -33,14 +34,15 @@ static void order_partners(const engine *e, size_t slot) {
   }
 }
 
-/* Each thread lists the bodies of its share of free disks, rank 0 all others as well. The first disks of its own pairs
- * stand there; the second may belong to a later thread, which finds them in `away`. */
+/* Part of the incidence lists that one thread builds: those of the free disks [begin, end); rank 0
+ * also builds those of all other bodies. The first body of each of the thread's pairs is in this
+ * range; the second may be in another thread's range, and such pairs are passed on in `away`. */
 typedef struct incidence_share {
-  size_t begin, end;       /* disks */
-  size_t pair, pair_end;   /* round */
-  size_t ghost, ghost_end; /* with ghosts */
-  size_t piece, piece_end; /* of straight walls */
-  numbers away;            /* pairs whose second body is not here, ascending */
+  size_t begin, end;       /* slots of free disks */
+  size_t pair, pair_end;   /* range of round pairs */
+  size_t ghost, ghost_end; /* range of pairs with ghosts */
+  size_t piece, piece_end; /* range of pairs with wall segments */
+  numbers away;            /* pairs whose second body is another thread's, ascending */
   size_t entries;
 } incidence_share;
 
@@ -54,7 +56,8 @@ static bool stands_here(const incidence_task *f, const incidence_share *mine, in
   return (b >= mine->begin && b < mine->end) || (mine == &f->share[0] && b >= f->e->state->n_free);
 }
 
-/* Counts or fills in those that other threads have found: of the round pairs or of the pieces. */
+/* Adds the contacts that other threads found for bodies of this one, either of round pairs or of
+ * wall segments (pieces); with `fill` it stores them, else it only counts them. */
 static void take_away(const incidence_task *f, const team *t, bool pieces, bool fill) {
   incidence *n = &f->e->work.incidence;
   const pairs *p = &f->e->work.pairs;
@@ -114,7 +117,7 @@ static void clear_counts(const incidence_task *f, const incidence_share *mine) {
   memset(start + n_free + 2, 0, others * sizeof *start);
 }
 
-/* Counts to sums. */
+/* Turns the numbers of contacts per body into start indices (prefix sum). */
 static void add_up(const incidence_task *f, const team *t) {
   size_t *start = f->e->work.incidence.start, before = 0;
   const size_t n_free = f->e->state->n_free;
@@ -156,7 +159,7 @@ static void incidence_together(const team *t, void *with) {
   for (size_t i = mine->begin; e->halo && i < mine->end; i++) order_partners(e, i);
 }
 
-/* Tables by body and by entry. */
+/* Enlarges the tables that have a row per body or per contact of a body, if they are too small. */
 static sd_status reserve_tables(engine *e) {
   work *w = &e->work;
   incidence *n = &w->incidence;
@@ -188,9 +191,10 @@ static sd_status list_incidence(engine *e) {
   return SD_OK;
 }
 
-/* --- packed and sums ---------------------------------------------------------------------------------- */
+/* --- rows of packed bodies and force sums ----------------------------------------------------- */
 
-/* How many bodies have, with that of nobody. */
+/* Returns the number of rows of packed bodies: of free disks, of other bodies, and one for
+ * padding. */
 static size_t count_rows(const engine *e) {
   return e->work.chunks.rows + e->state->n_bodies - e->state->n_free + 1;
 }
@@ -205,7 +209,7 @@ static sd_status reserve_rows(engine *e) {
   return w->packed ? SD_OK : SD_ERROR_IO;
 }
 
-/* Rows of free disks, and where pairs find those of their bodies. */
+/* Assigns rows to the free disks, and stores in each pair the offsets of its bodies' rows. */
 static void rows_together(const team *t, void *with) {
   engine *e = with;
   const size_t n_bodies = e->state->n_bodies, size = (size_t)t->size, rank = (size_t)t->rank;
@@ -229,7 +233,8 @@ static void rows_together(const team *t, void *with) {
   }
 }
 
-/* Rows of free disks, of the other bodies, and of padding: at (0, 0) without a radius, where it touches nothing. */
+/* Assigns rows to all bodies and to padding, which stands at (0, 0) with radius 0, where it touches
+ * nothing. */
 static sd_status list_rows(engine *e) {
   const size_t n_bodies = e->state->n_bodies, n_free = e->state->n_free;
   work *w = &e->work;
@@ -238,13 +243,15 @@ static sd_status list_rows(engine *e) {
   assert(count_rows(e) <= INT32_MAX / PACKED_ROW && count_rows(e) <= w->packed_capacity);
   for (size_t slot = n_free; slot <= n_bodies; slot++)
     w->row[slot] = (int32_t)(c->rows + slot - n_free);
-  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* that of padding is the last */
+  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* padding has the last row */
   memset(w->packed + PACKED_ROW * (size_t)w->row[n_bodies], 0, PACKED_ROW * sizeof *w->packed);
   pool_run(work_pool(e), rows_together, e);
   return SD_OK;
 }
 
-/* Are the contacts of this body wanted one by one, or in the share of another thread, or is one with a ghost? */
+/* Returns true if each contact of this body needs a row of forces of its own: prescribed bodies,
+ * disks with a held coordinate, disks with a contact that another thread evaluates or that is with
+ * a ghost. */
 static bool is_listed(const engine *e, size_t slot) {
   const work *w = &e->work;
   const incidence *n = &w->incidence;
@@ -273,7 +280,7 @@ static void listed_together(const team *t, void *with) {
     if (is_listed(f->e, slot)) numbers_add(&f->found[t->rank], slot);
 }
 
-/* Makes room for their first rows, too. */
+/* Joins the lists of all threads, and allocates the column of first rows as well. */
 static sd_status join_listed(const listed_task *f, sums *m) {
   size_t n = 0;
   for (size_t t = 0; t < WORK_MAX_THREADS; t++) {
@@ -293,7 +300,8 @@ static sd_status join_listed(const listed_task *f, sums *m) {
   return SD_OK;
 }
 
-/* Bodies whose contacts stand one by one. */
+/* Lists the bodies whose contacts have rows of forces of their own, and marks the chunks of such
+ * disks as boundary_last. */
 static sd_status list_listed(engine *e) {
   work *w = &e->work;
   sums *m = &w->sums;
@@ -338,7 +346,7 @@ static sd_status list_sums(engine *e) {
   }
   m->single[m->n_listed] = m->end;
   assert(m->end <= m->capacity && m->end <= INT32_MAX / SUM_ROW);
-  pairs_clear_single(e); /* the rows of another list stood here */
+  pairs_clear_single(e); /* rows of earlier lists held other data here */
   return SD_OK;
 }
 

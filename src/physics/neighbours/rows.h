@@ -1,20 +1,21 @@
-/* rows.h: what follows from a list of pairs: contacts of each body, where pairs see bodies and add their forces, shares of
- * threads.
+/* rows.h: tables that follow from a list of pairs: the contacts of each body, the rows in which
+ * pairs read bodies and add forces, and the division among threads.
  */
 #ifndef PHYSICS_ROWS_H
 #define PHYSICS_ROWS_H
 
 #include "physics/system/work.h"
 
-/* Incidence, rows and shares of the present pairs. */
+/* Builds incidence lists, chunks, and rows of packed bodies and force sums for the present pairs.
+ * Returns SD_ERROR_IO if memory runs out. */
 sd_status pairs_list(engine *e);
 void pairs_list_free(engine *e);
-/* Before forces are added: nothing acts on any body. */
+/* Sets the force sums of all bodies to zero, before forces are added. */
 void pairs_clear_sums(engine *e);
-/* The same but for the rows of free disks, which are cleared when they are seated. */
+/* Does the same except for the rows of free disks, which are cleared when the disks are packed. */
 void pairs_clear_single(engine *e);
-/* Of the listed bodies in slots [begin, end): adds up what stands one by one, in the order of the pairs; of prescribed ones of
- * all ranks. */
+/* Adds up the forces of single contacts on each listed body in slots [begin, end), in the order of
+ * pairs; for prescribed bodies those of the contacts on all ranks. */
 void sums_add_listed(const engine *e, size_t begin, size_t end);
 
 #endif

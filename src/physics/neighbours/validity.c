@@ -1,4 +1,4 @@
-/* validity.c: see validity.h. */
+/* validity.c: implements validity.h. */
 #include "physics/neighbours/validity.h"
 
 #include <assert.h>
@@ -15,20 +15,21 @@
 #include "physics/system/clumps.h"
 #include "physics/system/halo.h"
 
-/* --- lists that were just built --------------------------------------------------------------- */
+/* --- checks of lists that were just built ----------------------------------------------------- */
 
 static bool in_play(const sd_state *s, size_t slot) {
   return slot >= s->n_free || body_in_play(s, slot);
 }
 
-/* Rows of packed bodies, with that of padding. */
+/* Returns the number of rows of packed bodies, including that of padding. */
 static size_t count_rows(const engine *e) {
   return e->work.chunks.rows + e->state->n_bodies - e->state->n_free + 1;
 }
 
-/* --- slots ----------------------------------------------------------------------------------------------- */
+/* --- slots ------------------------------------------------------------------------------------ */
 
-/* Slots are a permutation of body numbers: free disks (of a rank: its own and ghosts), driven disks, walls. */
+/* Checks that slots are a permutation of body numbers: free disks (on a rank: its own and ghosts),
+ * then driven disks, then walls. */
 static void check_slots(const engine *e) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
@@ -47,7 +48,7 @@ static void check_slots(const engine *e) {
   }
 }
 
-/* --- pairs ----------------------------------------------------------------------------------------------- */
+/* --- pairs ------------------------------------------------------------------------------------ */
 
 static bool ascends(const pairs *p, size_t k) {
   if (p->a[k - 1] != p->a[k]) return p->a[k - 1] < p->a[k];
@@ -98,7 +99,8 @@ static bool is_zero(const sd_contact_record *r) {
 #undef ZERO
 }
 
-/* The record that lists carry over. Before the first step it may come from a file. */
+/* Checks the records that lists carry over: a unit direction for closed contacts, zeros for open
+ * ones. Before the first step the direction may come from a file and is not checked. */
 static void check_memory(const engine *e) {
   const pairs *p = &e->work.pairs;
   for (size_t k = 0; k < p->count; k++) {
@@ -110,7 +112,7 @@ static void check_memory(const engine *e) {
   }
 }
 
-/* --- candidates ------------------------------------------------------------------------------------------ */
+/* --- missing candidates ----------------------------------------------------------------------- */
 
 static bool is_listed_pair(const engine *e, size_t i, size_t j) {
   const incidence *n = &e->work.incidence;
@@ -121,7 +123,7 @@ static bool is_listed_pair(const engine *e, size_t i, size_t j) {
   return false;
 }
 
-/* All other disks within the skin of this one are its candidates. */
+/* Checks that all other disks within the Verlet margin of this one are its candidates. */
 static void check_near(const engine *e, size_t i) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -135,7 +137,8 @@ static void check_near(const engine *e, size_t i) {
   }
 }
 
-/* Few disks: all. Of many some, and others in the next list. */
+/* Numbers of disks: fewer than NEAR_ALL are all checked, of more only NEAR_SOME, different ones for
+ * each list. */
 enum { NEAR_ALL = 64, NEAR_SOME = 8 };
 static void check_candidates(const engine *e) {
   const size_t n = e->state->n_free, some = n < NEAR_ALL ? n : NEAR_SOME;
@@ -143,9 +146,11 @@ static void check_candidates(const engine *e) {
     check_near(e, n < NEAR_ALL ? k : ((size_t)e->work.builds * NEAR_SOME + k) * 7919 % n);
 }
 
-/* --- incidence ------------------------------------------------------------------------------------------- */
+/* --- contacts of each body -------------------------------------------------------------------- */
 
-/* Do the pairs of a body stand in the order of the whole: those with round bodies by the partners, others by themselves? */
+/* Returns true if two consecutive contacts of a body are in order: on a rank, round contacts of a
+ * free disk in the order that the partners have in the whole system, all others in the order of
+ * pairs. */
 static bool follows(const engine *e, size_t slot, uint32_t first, uint32_t second) {
   const pairs *p = &e->work.pairs;
   const size_t one = (size_t)(first & 1 ? p->a[first / 2] : p->b[first / 2]);
@@ -155,7 +160,8 @@ static bool follows(const engine *e, size_t slot, uint32_t first, uint32_t secon
   return halo_order(e, one) < halo_order(e, two);
 }
 
-/* Each body's pairs in their order, each pair once at both of its bodies. */
+/* Checks that the contacts of each body are in order, and that each pair occurs once for each of
+ * its bodies. */
 static void check_incidence(const engine *e) {
   const incidence *n = &e->work.incidence;
   const pairs *p = &e->work.pairs;
@@ -183,9 +189,9 @@ static void check_watched(const engine *e) {
   }
 }
 
-/* --- chunks ---------------------------------------------------------------------------------------------- */
+/* --- chunks ----------------------------------------------------------------------------------- */
 
-/* They cover the free disks, and all pairs to whole blocks. */
+/* Checks that the chunks cover the free disks and all pairs, in whole blocks. */
 static void check_cover(const engine *e) {
   const chunks *c = &e->work.chunks;
   const pairs *p = &e->work.pairs;
@@ -211,8 +217,9 @@ static bool needs(const chunks *c, size_t k, size_t other) {
   return false;
 }
 
-/* Chunk k, of a share up to chunk `end`, evaluates this pair. Its disks are complete when their chunks are corrected: those of
- * other shares at the end of the step, those of this one not before k. */
+/* Checks a pair that chunk k evaluates; the chunks of the same thread end before `end`. Both disks
+ * must be complete when their chunks are corrected: those of another thread's chunks at the end of
+ * the step, those of this thread not before chunk k. */
 static void check_reader(const engine *e, size_t k, size_t end, size_t pair) {
   const chunks *c = &e->work.chunks;
   const pairs *p = &e->work.pairs;
@@ -226,7 +233,7 @@ static void check_reader(const engine *e, size_t k, size_t end, size_t pair) {
     assert(of >= k && needs(c, k, of));
     if (of < end) continue;
     assert(c->boundary_last[of] && c->boundary_first[of] && c->any_boundary_first);
-    assert((size_t)sum / SUM_ROW >= count_rows(e)); /* a row of its own */
+    assert((size_t)sum / SUM_ROW >= count_rows(e)); /* the force goes to a row of its own */
   }
 }
 
@@ -244,9 +251,10 @@ static void check_readers(const engine *e) {
     }
 }
 
-/* --- rows ------------------------------------------------------------------------------------------------ */
+/* --- rows ------------------------------------------------------------------------------------- */
 
-/* A chunk takes over rows only from one of its share that none of the pairs from then on reads. */
+/* Checks that chunks which use the same rows never need them at the same time. Chunk k needs its
+ * rows while the chunks from[k] ... to[k] are evaluated. */
 static void check_lifetimes(const chunks *c, size_t *from, size_t *to) {
   for (size_t k = 0; k < c->count; k++) {
     const bool kept = c->boundary_first[k] || c->boundary_last[k];
@@ -276,7 +284,7 @@ static void check_chunk_rows(const engine *e) {
   free(life);
 }
 
-/* Packed bodies and sums: every body's row lies in the table, and every pair knows those of its bodies. */
+/* Checks that every body's row is in the table, and that every pair has the rows of its bodies. */
 static void check_rows(const engine *e) {
   const work *w = &e->work;
   const chunks *c = &w->chunks;
@@ -289,7 +297,7 @@ static void check_rows(const engine *e) {
       assert((size_t)w->row[slot] == c->row[k] + slot - c->begin[k]);
   for (size_t slot = n_free; slot <= n_bodies; slot++)
     assert((size_t)w->row[slot] == c->rows + slot - n_free);
-  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* that of padding is the last */
+  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* padding has the last row */
   for (size_t k = 0; k < p->count; k++) {
     const bool padding = p->a[k] == PAIR_PADDING;
     const int32_t a = w->row[padding ? n_bodies : (size_t)p->a[k]];
@@ -301,7 +309,8 @@ static void check_rows(const engine *e) {
     assert(w->packed[PACKED_ROW * (size_t)w->row[n_bodies] + (size_t)r] == 0.0);
 }
 
-/* Forces on the body in this slot go to its row, or one by one from row `single` on. */
+/* Checks that forces on the body in this slot go to its row or, if it is listed, to one row per
+ * contact from row `single` on. */
 static void check_sum_rows(const engine *e, size_t slot, bool listed, size_t single) {
   const incidence *n = &e->work.incidence;
   for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++) {
@@ -320,8 +329,8 @@ static void check_sums(const engine *e) {
   size_t k = 0;
   for (size_t slot = 0; slot < e->state->n_bodies; slot++) {
     const bool listed = k < m->n_listed && m->listed[k] == slot;
-    assert(listed ||
-           slot < e->state->n_free); /* contacts of prescribed bodies are wanted one by one */
+    /* prescribed bodies have a row of forces per contact */
+    assert(listed || slot < e->state->n_free);
     check_sum_rows(e, slot, listed, listed ? m->single[k] : 0);
     if (!listed) continue;
     assert(slot >= e->state->n_free || c->boundary_last[chunks_of_disk(c, slot)]);
@@ -345,14 +354,14 @@ void validity_check_lists(const engine *e) {
   check_sums(e);
 }
 
-/* --- state and contacts after a step ---------------------------------------------------------- */
+/* --- checks after a step ---------------------------------------------------------------------- */
 
 static const double ROUNDING = 1e-9;
 
-/* --- state ----------------------------------------------------------------------------------------------- */
+/* --- state ------------------------------------------------------------------------------------ */
 
-/* A pose or velocity that is not a number, or beyond all bounds, means that the run has blown up: the next look at
- * the poses says so (neighbours_check_finite). */
+/* Returns true if a pose or velocity is not a number or beyond 1e100: the run has blown up, and the
+ * next neighbours_check_finite reports it. */
 static bool has_blown_up(const sd_state *s) {
   for (size_t i = 0; i < s->n_bodies; i++) {
     const double at[] = {s->x[i], s->y[i], s->theta[i], s->vx[i], s->vy[i], s->omega[i]};
@@ -362,8 +371,9 @@ static bool has_blown_up(const sd_state *s) {
   return false;
 }
 
-/* Then all other columns are numbers, too: those of the run, bodies, disks and motions. (What was measured may be infinite
- * where there was nothing to measure; columns of contacts are filled when the state is asked for.) */
+/* Checks that the columns of the run, of bodies, disks and motions are finite; the assertion states
+ * the order of extents that this relies on. Measured columns may be infinite if nothing was
+ * measured, and columns of contacts are only filled when the state is asked for. */
 _Static_assert(SD_PER_FREE<SD_PER_MOTION && SD_PER_PHASE> SD_PER_MOTION, "extents");
 static void check_numbers(const sd_state *s) {
   for (size_t k = 0; k < sd_field_count; k++) {
@@ -392,7 +402,8 @@ static void check_run(const engine *e) {
     assert(s->motion_start[k] >= -1 && s->motion_start[k] <= s->step);
 }
 
-/* Angles within half a turn of 8 rad, positions within the box; disks that are out of play stand still. */
+/* Checks that angles are in [-4, 4] rad, positions in the periodic box, and that disks which are
+ * not in the simulation are at rest. */
 static void check_poses(const engine *e) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -407,7 +418,7 @@ static void check_poses(const engine *e) {
       continue;
     }
     assert(fabs(s->theta[i]) <= 4.0);
-    /* a whole box length added to a position just below the lower edge may round to the upper one */
+    /* a position just below the lower edge plus the box length may round to the upper edge */
     if (w->periodic[0]) assert(s->x[i] >= w->lower[0] && s->x[i] <= w->upper[0]);
     if (w->periodic[1]) assert(s->y[i] >= w->lower[1] && s->y[i] <= w->upper[1]);
   }
@@ -420,10 +431,11 @@ static void check_energies(const engine *e) {
   assert(isfinite(sum.external) && isfinite(sum.residual) && isfinite(sum.scale));
 }
 
-/* --- contacts -------------------------------------------------------------------------------------------- */
+/* --- contacts --------------------------------------------------------------------------------- */
 
-/* Closed: a direction, a force that does not pull, an overlap within the limit, zeta within Amonton's cap, which it has
- * reached where the contact slides. */
+/* Checks a closed contact: a unit direction, a force that does not pull, an overlap within the
+ * limit, and a tangential displacement zeta within Coulomb's limit, which it equals if the contact
+ * slides. */
 static void check_closed(const engine *e, size_t k) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -447,7 +459,7 @@ static void check_closed(const engine *e, size_t k) {
   } else {
     assert(r.force >= 0.0 && r.overlap > 0.0 && r.pull == 0.0 && r.roll == 0.0);
     assert(fabs(r.zeta) <= cap * (1.0 + ROUNDING));
-    assert(sign == 0 || fabs(r.zeta + sign * cap) <= cap * ROUNDING); /* torque is -k_t zeta */
+    assert(sign == 0 || fabs(r.zeta + sign * cap) <= cap * ROUNDING); /* the torque is -k_t zeta */
   }
   assert(fabs(r.turned) < 0.1 && (!w->conservative || r.turned == 0.0));
   assert(!w->conservative || r.nonconservative_work == 0.0);
@@ -456,7 +468,7 @@ static void check_closed(const engine *e, size_t k) {
   assert(pairs_is_segment(p, k) ? fabs(p->side[k]) == 1.0 : p->side[k] == 0.0);
 }
 
-/* An open contact remembers nothing, and the padding never touches. */
+/* Checks that an open pair, or padding, has a record of zeros. */
 static void check_open(const pairs *p, size_t k) {
   for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) assert(PAIR(p, k, record[c]) == 0.0);
   for (size_t c = 0; p->more && c < SD_CONTACT_EXTRA; c++) assert(MORE(p, k, record[c]) == 0.0);
@@ -496,8 +508,9 @@ static bool is_candidate(const engine *e, size_t i, size_t j) {
   return false;
 }
 
-/* Pairs that are no candidates do not touch: the lists are renewed in time. With Gear only forces see the predicted
- * positions, about which the lists promise something. Ghosts' positions in the state are older. */
+/* Checks, for a few disks, that pairs which are no candidates do not touch. Not with Gear: its
+ * lists are valid for the predicted positions, where forces are evaluated, not for the corrected
+ * ones. Ghosts are left out, since their positions in the state are older. */
 static void check_gaps(const engine *e) {
   const sd_state *s = e->state;
   if (e->model->integrator != SD_VERLET || s->n_free == 0) return;
@@ -509,10 +522,11 @@ static void check_gaps(const engine *e) {
   }
 }
 
-/* --- sums ------------------------------------------------------------------------------------------------ */
+/* --- force sums ------------------------------------------------------------------------------- */
 
-/* The row of a listed body is the sum of its contacts' rows, in their order; that of a prescribed body is in the state (or has
- * contacts on other ranks). */
+/* Checks that the row of a listed body is the sum of its contacts' rows, in their order, and that
+ * the state has the same force on a prescribed body (not with several ranks, where it has contacts
+ * elsewhere, too). */
 static void check_loss_sums(const engine *e) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -532,7 +546,8 @@ static void check_loss_sums(const engine *e) {
   }
 }
 
-/* All disks were predicted for the same step, and rare events are treated. */
+/* Checks that all disks were predicted for the same step, and that all rare events have been
+ * handled. */
 static void check_work(const work *w) {
   for (size_t k = 0; k < w->chunks.count; k++)
     assert(w->chunks.predicted[k] == w->chunks.predicted[0]);

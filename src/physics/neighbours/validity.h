@@ -1,7 +1,9 @@
-/* validity.h: examines what lists and completed steps promise: over all pairs, disks, contacts, chunks and rows.
+/* validity.h: checks the invariants of lists and of completed steps: of all pairs, disks, contacts,
+ * chunks and rows.
  *
- * Builds with SLIPDISK_CHECK (preset dev) call it; a violated promise is a bug of the engine and ends the process. It
- * only reads, so that no bit depends on it. Systems that have blown up, which is for the user to mend, pass.
+ * Builds with SLIPDISK_CHECK (preset dev) call these functions; a violated invariant is a bug of
+ * the engine and ends the process. They only read, so results do not depend on them. Systems that
+ * have blown up, which is an error of the user's input, pass.
  */
 #ifndef PHYSICS_VALIDITY_H
 #define PHYSICS_VALIDITY_H
@@ -14,13 +16,16 @@ enum { VALIDITY_CHECKED = 1 };
 enum { VALIDITY_CHECKED = 0 };
 #endif
 
-/* The lists, just built: slots, pairs, incidence, chunks, rows, and whether near pairs are missing. */
+/* Checks lists that were just built: slots, pairs, incidence, chunks, rows, and that no near pair
+ * is missing. */
 void validity_check_lists(const engine *e);
-/* The state, and the contacts among the pairs, after a step that went well, or a change of all lengths. */
+/* Checks the state and the closed contacts after a step without error, or after a change of all
+ * lengths. */
 void validity_check_step(const engine *e);
 
-/* Lists are examined whenever they are built. A step costs several times as much when it is examined, so these are: all
- * at the beginning, then every power of two and every 97th, which meets all residues of the usual intervals. */
+/* Lists are checked whenever they are built. Checking a step costs several times the step itself,
+ * so only some are checked: the first VALIDITY_ALL, then every power of two and every multiple of
+ * 97, which meets all residues of the usual intervals. */
 enum { VALIDITY_ALL = 256, VALIDITY_EVERY = 97 };
 static inline bool validity_due(int64_t step) {
   return VALIDITY_CHECKED &&

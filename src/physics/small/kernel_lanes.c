@@ -1,7 +1,9 @@
-/* kernel_lanes.c: steps of small systems in lanes (lanes.h); compiled once per instruction set.
+/* kernel_lanes.c: steps of small systems in SIMD lanes (lanes.h); compiled once per instruction
+ * set.
  *
- * One system by itself fills both lanes of the narrowest vector: scalar code would have branches where vectors have
- * masks. With sanitizers only the text for any system is compiled: the other one takes them minutes.
+ * A system that runs alone fills both lanes of a vector of two: scalar code would branch where
+ * vectors use masks. Builds with address sanitizer compile only the general variant (KNOWN_SHAPES
+ * 0), since the others would take minutes to compile.
  */
 #include <assert.h>
 

@@ -1,4 +1,5 @@
-/* lanes.c: small systems between their states and the rows of lanes.h; rare events. */
+/* lanes.c: copies small systems between their states and the rows of lanes.h, and handles rare
+ * events. */
 #include "physics/small/lanes.h"
 
 #include <assert.h>
@@ -19,16 +20,17 @@
 #include "physics/neighbours/rows.h"
 #include "physics/neighbours/validity.h"
 
-/* --- tables ------------------------------------------------------------------------------------------- */
+/* --- tables ----------------------------------------------------------------------------------- */
 
 static size_t find_pair(const lanes *l, uint32_t one, uint32_t two) {
   for (size_t k = 0; k < l->n_pairs; k++)
     if ((l->a[k] == one && l->b[k] == two) || (l->a[k] == two && l->b[k] == one)) return k;
-  assert(!"a pair of these systems"); /* suits_watch */
+  assert(!"a pair of these systems"); /* suits_watch guarantees that the pair exists */
   return 0;
 }
 
-/* Every pair as the lists have them, by slots; each body's in the same order. */
+/* Lists all pairs in the order of slots, as the lists of pairs do, and the pairs of each body in
+ * the same order. */
 static void list_pairs(lanes *l) {
   for (uint32_t i = 0; i < l->n_free; i++)
     for (uint32_t j = i + 1; j < l->n_bodies; j++) {
@@ -108,9 +110,10 @@ void lanes_free(lanes *l) {
   free(l);
 }
 
-/* --- poses --------------------------------------------------------------------------------------------- */
+/* --- poses ------------------------------------------------------------------------------------ */
 
-/* Where prescribed poses stand: in the batch; alone: as in the state, or in the batch where a motion runs. */
+/* Finds the poses of prescribed bodies: in the batch of poses; for a single system in the batch of
+ * its motions, or as in the state where no motion runs. */
 static void find_poses(lanes *l) {
   engine *e = l->system[0];
   const sd_state *s = e->state;
@@ -149,7 +152,7 @@ static double *cell(const lanes *l, double *rows, size_t row, size_t lane) {
   return rows + row * l->width + lane;
 }
 
-/* Poses of the last completed step into the rows: they stay there when the next batch is computed. */
+/* Copies the poses of the last completed step to the rows, since the next batch overwrites them. */
 static void keep_poses(lanes *l) {
   double *p = l->place;
   for (size_t i = l->n_free; i < l->n_bodies; i++)
@@ -181,7 +184,7 @@ int64_t lanes_ready(lanes *l) {
   return MOTION_BATCH - motion_index(e);
 }
 
-/* --- load and store ------------------------------------------------------------------------------------ */
+/* --- load and store --------------------------------------------------------------------------- */
 
 static size_t index_in(const engine *e, const lanes *l, size_t k) {
   const pairs *p = &e->work.pairs;
@@ -211,7 +214,8 @@ static void load_memory(lanes *l, size_t lane) {
   }
 }
 
-/* The line or segment of pair k, which does not turn; constants rounded as in the pass over segments. */
+/* Loads the constants of a straight wall that does not turn, for pair k; they are rounded as in the
+ * pass over segments. */
 static void load_straight(lanes *l, size_t k, size_t lane) {
   const engine *e = l->system[lane];
   const sd_state *s = e->state;
@@ -331,7 +335,7 @@ void lanes_load(lanes *l) {
   for (size_t lane = 0; lane < l->width; lane++) load_lane(l, lane);
 }
 
-/* Poses, and the lists where they are stale. */
+/* Stores poses in the state of one lane, and rebuilds its lists if they are stale. */
 static sd_status store_poses(const lanes *l, size_t lane) {
   engine *e = l->system[lane];
   sd_state *s = e->state;
@@ -369,7 +373,7 @@ static void store_memory(const lanes *l, size_t lane) {
     const double slip = *cell(l, l->pair[k], PAIR_SLIP, lane);
     const bool closed = *cell(l, l->pair[k], PAIR_CLOSED, lane) > 0.0;
     assert(n != SIZE_MAX || !closed);
-    if (n == SIZE_MAX) continue; /* farther apart than any contact */
+    if (n == SIZE_MAX) continue; /* the bodies are too far apart to touch */
     for (size_t r = 0; r < SD_CONTACT_COLUMNS; r++)
       PAIR(p, n, record[r]) = *cell(l, l->pair[k], r, lane);
     for (size_t r = 0; p->more && r < SD_CONTACT_EXTRA; r++)
@@ -475,7 +479,7 @@ int64_t lanes_take(lanes *l, int64_t n, bool measure) {
   return l->done;
 }
 
-/* --- rare events --------------------------------------------------------------------------------------- */
+/* --- rare events ------------------------------------------------------------------------------ */
 
 static void count_openings(const lanes *l, size_t lane) {
   sd_state *s = l->system[lane]->state;
@@ -496,7 +500,7 @@ static void list_events(const lanes *l, size_t lane) {
     double *p = l->pair[k];
     if (n == SIZE_MAX) continue;
     event *v = event_add(&mine->events, (uint32_t)n);
-    if (!v) return; /* the list knows */
+    if (!v) return; /* the list remembers that memory ran out */
     v->was_closed = *cell(l, p, PAIR_WAS_CLOSED, lane) > 0.0;
     v->dropped = *cell(l, p, PAIR_DROPPED, lane);
   }
@@ -512,7 +516,7 @@ static void treat_lane(lanes *l, size_t lane) {
   sd_status status = store_lane(l, lane);
   if (status == SD_OK) {
     list_events(l, lane);
-    s->step--; /* messages count from the step that is being taken */
+    s->step--; /* messages of contacts_events name step + 1 */
     status = contacts_events(e, e->work.messages);
     s->step++;
   }
@@ -539,7 +543,7 @@ void lanes_events(lanes *l) {
   l->fast = 0;
 }
 
-/* Lanes beyond repeat the first system, whose state is one. */
+/* Lanes beyond `count` repeat system 0, whose state must be updated only once. */
 void lanes_visits(lanes *l, size_t w, unsigned bits) {
   double *rows = visit_rows(l, w);
   for (; bits; bits &= bits - 1) {

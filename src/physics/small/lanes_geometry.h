@@ -1,5 +1,5 @@
-/* lanes_geometry.h: geometry of the pairs of small systems; included by lanes_pass.h. Positions are the predicted ones of free
- * disks, those of motions at the step of others. */
+/* lanes_geometry.h: geometry of the pairs of small systems; included by lanes_pass.h. Free disks
+ * are at their predicted positions, prescribed bodies at those of their motions. */
 
 LANE_INLINE LANE(real)
     PASS(prescribed)(const lanes *l, const PASS(shape) * s, size_t slot, int which, int64_t at) {
@@ -8,7 +8,7 @@ LANE_INLINE LANE(real)
   return PASS(row)(l->poses + stretch * POSE_STEPS * LANE_WIDTH, (size_t)at);
 }
 
-/* Predicted poses of free disks, and those of prescribed ones at step `at`. */
+/* Returns a pose component: of a free disk as predicted, of a prescribed body at step `at`. */
 LANE_INLINE LANE(real)
     PASS(pose)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, size_t slot,
                int which, int64_t at) {
@@ -17,7 +17,8 @@ LANE_INLINE LANE(real)
   return which < SD_COORDINATES ? c->q : c->v;
 }
 
-/* As in pair_pass.h: dlambda/dt, and with general laws how the surfaces roll. */
+/* Computes, as pair_pass.h does, the tangential velocity dlambda/dt of pair k and, if laws need it,
+ * its rolling velocity. */
 LANE_INLINE void PASS(turning)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                                int64_t at, size_t k, const LANE(pair_input) * in) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
@@ -36,7 +37,8 @@ LANE_INLINE void PASS(turning)(const lanes *l, const PASS(shape) * s, PASS(step_
    g);
 }
 
-/* The nearest point of a line or a segment that does not turn: walls_nearest, bit by bit. flat: between the ends. */
+/* Finds the nearest point of a line or segment that does not turn, with the same bits as
+ * walls_nearest. *flat: lanes in which it is between the ends. */
 LANE_INLINE LANE(pair_input)
     PASS(straight)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
                    size_t k, size_t a, size_t b, LANE(mask) * flat) {
@@ -90,7 +92,7 @@ LANE_INLINE LANE(pair_input)
   return in;
 }
 
-/* With one free disk pair k is that of slots 0 and k + 1. */
+/* Computes the geometry of pair k. With one free disk, pair k is that of slots 0 and k + 1. */
 LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                                 int64_t at, size_t k) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
@@ -106,7 +108,8 @@ LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step
   if (s->features & (LAW_DASHPOT | LAW_ROLLING)) PASS(turning)(l, s, f, at, k, &in);
 }
 
-/* dlambda/dt where contacts begin: slide_on of segment_pass.h, or as above. */
+/* Computes dlambda/dt for contacts that begin: as slide_on of segment_pass.h for straight walls,
+ * else as PASS(turning). */
 LANE_INLINE void PASS(slide)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                              int64_t at, size_t k) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];

@@ -1,9 +1,11 @@
-/* lanes_pass.h: the step of small systems in lanes (lanes.h); included after contact_step.h and integrate_pass.h, once per width
- * and LANES_TEXT: `three` with LANES_KNOWN = 2 pairs for a disk on two supports, `wall` with 1 for a disk on a straight wall, `any` for
- * whatever goes in lanes. LANES_STRAIGHT: pairs with straight walls, none, some, or all.
+/* lanes_pass.h: the step of small systems in lanes (lanes.h); included after contact_step.h and
+ * integrate_pass.h, once per width and variant (LANES_TEXT): `three` with LANES_KNOWN = 2 pairs for
+ * a disk on two supports, `wall` with 1 for a disk on a straight wall, `any` for all systems that
+ * suit lanes. LANES_STRAIGHT tells whether none, some or all pairs have straight walls.
  *
- * Numbers that go from step to step stand in struct step_registers. For a disk on two supports the macros EACH_... write the turns out,
- * so that it is held in registers; the other text has loops.
+ * Numbers that are carried from step to step are in struct step_registers. In the variants with
+ * known pairs the macros EACH_... unroll the loops, so that this struct is kept in registers; the
+ * general variant has loops.
  */
 #ifndef LANES_PASS_COMMON
 #define LANES_PASS_COMMON
@@ -31,7 +33,7 @@ enum { WALLS_NONE, WALLS_SOME, WALLS_ALL };
 #undef EACH_PAIR
 #undef EACH_DISK
 #if LANES_KNOWN
-/* one disk, one or two pairs */
+/* one free disk, with one or two pairs */
 #define EACH_DISK(i, n, statement)                                                                 \
   do {                                                                                             \
     (void)(n);                                                                                     \
@@ -61,7 +63,7 @@ typedef struct PASS(shape) {
   size_t n_free, n_pairs;
   bool gear, conservative;
   unsigned features;
-  bool single; /* one system in all lanes: poses stand one by one */
+  bool single; /* one system in all lanes: its poses are not interleaved */
 } PASS(shape);
 
 typedef struct PASS(step_registers) {
@@ -70,12 +72,13 @@ typedef struct PASS(step_registers) {
   LANE(mask) closed[LANES_PAIRS];
   LANE(pair_geometry) geometry[LANES_PAIRS];
   LANE(contact_output) out[LANES_PAIRS];
-  LANE(mask) rare[LANES_PAIRS]; /* contacts in which a rare event happened */
-  /* of pairs with straight walls: side (remembered, 0 when open), lever of the tangential force; from the wall's pivot to the disk;
-   * contacts that were left on the other side */
+  LANE(mask) rare[LANES_PAIRS]; /* lanes in which a rare event happened, for each contact */
+  /* Pairs with straight walls: remembered side of the disk (0 when open), lever of the tangential
+   * force, vector from the wall's pivot to the disk; lanes in which the disk has crossed to the
+   * other side. */
   LANE(real) side[LANES_PAIRS], lever[LANES_PAIRS], arm_x[LANES_PAIRS], arm_y[LANES_PAIRS];
   LANE(mask) crossed[LANES_PAIRS];
-  LANE(mask) returns; /* an angle must return into its range, or a disk is too fast */
+  LANE(mask) returns; /* lanes in which an angle must be wrapped or a disk is too fast */
 } PASS(step_registers);
 
 LANE_INLINE double *PASS(rows_at)(const lanes *l, size_t row) {
@@ -91,12 +94,12 @@ LANE_INLINE void PASS(set_row)(double *rows, size_t k, LANE(real) a) {
   LANE(store)(rows + k * LANE_WIDTH, a);
 }
 
-/* Is the partner of pair k a straight wall? */
+/* Returns true if the partner of pair k is a straight wall. */
 LANE_INLINE bool PASS(is_straight)(const lanes *l, size_t k) {
   return LANES_STRAIGHT == WALLS_ALL || (LANES_STRAIGHT == WALLS_SOME && l->straight[k]);
 }
 
-/* --- rows -------------------------------------------------------------------------------------------- */
+/* --- loads and stores of rows ----------------------------------------------------------------- */
 
 LANE_INLINE void PASS(load_disk)(const lanes *l, PASS(step_registers) * f, size_t i, int c) {
   const double *rows = PASS(rows_at)(l, ROWS_DISK + i * DISK_ROWS) + c * DISK_COLUMNS * LANE_WIDTH;
@@ -181,7 +184,8 @@ LANE_INLINE LANE(contact_constants) PASS(constants)(const double *p) {
                                    .tsuji = PASS(row)(p, PAIR_TSUJI)};
 }
 
-/* Rows of law_row from `pulls` on. */
+/* Loads the constants of a pair; those of general laws are the members of law_row from `pulls`
+ * on. */
 LANE_INLINE LANE(contact_constants) PASS(constants_for)(const double *p, const unsigned features) {
   LANE(contact_constants) k = PASS(constants)(p);
   const LANE(real) zero = LANE(splat)(0.0);
@@ -207,7 +211,7 @@ LANE_INLINE LANE(contact_constants) PASS(constants_for)(const double *p, const u
 
 #include "physics/small/lanes_geometry.h"
 
-/* --- contacts ---------------------------------------------------------------------------------------- */
+/* --- contacts --------------------------------------------------------------------------------- */
 
 LANE_INLINE void PASS(add_loss)(double *p, size_t row, LANE(real) loss) {
   PASS(set_row)(p, row, PASS(row)(p, row) + loss);
@@ -222,7 +226,8 @@ LANE_INLINE LANE(mask)
   return (touching ^ was_closed) | deep;
 }
 
-/* Straight walls have the force that derives from the tangential energy in both variants. */
+/* Evaluates the contact law of pair k. On straight walls the force is the one that derives from the
+ * tangential energy, in both variants of the model. */
 LANE_INLINE void PASS(contact)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                                size_t k, const LANE(contact_constants) * c, LANE(mask) touching,
                                LANE(mask) closed) {
@@ -235,7 +240,7 @@ LANE_INLINE void PASS(contact)(const lanes *l, const PASS(shape) * s, PASS(step_
    s->features, &f->m[k], &f->out[k]);
 }
 
-/* The step of pair k once more, where contacts begin, end, turn far or overlap deeply. */
+/* Evaluates pair k again, in vectors in which contacts begin, end, turn far or overlap deeply. */
 LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s,
                                      PASS(step_registers) * f, int64_t at, size_t k,
                                      LANE(mask) was_closed, const LANE(contact_memory) * before) {
@@ -291,7 +296,7 @@ LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step
   if (!s->conservative) PASS(add_loss)(p, PAIR_nonconservative_work, out->work);
 }
 
-/* --- forces ------------------------------------------------------------------------------------------ */
+/* --- forces ----------------------------------------------------------------------------------- */
 
 LANE_INLINE LANE(real) PASS(component)(const LANE(contact_output) * out, int c) {
   return c == SD_X ? out->fx : c == SD_Y ? out->fy : out->tau;
@@ -303,7 +308,8 @@ LANE_INLINE LANE(real)
   return c == SD_THETA || on_b ? sum + part : sum - part;
 }
 
-/* The couple of rolling on a disk; on a round wall it is part of what turns (pair_pass.h). */
+/* Adds the couple of rolling resistance on the body in this slot; for a round wall it is part of
+ * the torque that turns the wall (pair_pass.h). */
 LANE_INLINE LANE(real) PASS(add_couple)(const lanes *l, LANE(real) sum,
                                         const LANE(contact_output) * out, size_t slot, bool on_b) {
   if (slot < l->n_disks) return on_b ? sum - out->couple : sum + out->couple;
@@ -311,7 +317,8 @@ LANE_INLINE LANE(real) PASS(add_couple)(const lanes *l, LANE(real) sum,
   return sum + (out->tau - out->couple / radius);
 }
 
-/* Torque by couples: added to that of a disk, or the whole that turns a wall. */
+/* Returns the torque by couples on a body: for a disk it is added to the torque of tangential
+ * forces, for a wall it includes it. */
 LANE_INLINE LANE(real) PASS(couples_on)(const lanes *l, const PASS(shape) * s,
                                         const PASS(step_registers) * f, size_t slot) {
   LANE(real) sum = LANE(splat)(0.0);
@@ -324,7 +331,7 @@ LANE_INLINE LANE(real) PASS(couples_on)(const lanes *l, const PASS(shape) * s,
   return sum;
 }
 
-/* Of the contacts of a body along a coordinate. */
+/* Returns the sum of the contact forces on a body along coordinate c, or their torque. */
 LANE_INLINE LANE(real) PASS(force_on)(const lanes *l, const PASS(shape) * s,
                                       const PASS(step_registers) * f, size_t slot, int c) {
   LANE(real) sum = LANE(splat)(0.0);
@@ -375,7 +382,9 @@ LANE_INLINE LANE(mask) PASS(too_fast)(const lanes *l, const PASS(step_registers)
   return LANE(is_fast)(f->c[i][SD_X].v, f->c[i][SD_Y].v, PASS(row)(PASS(rows_at)(l, ROWS_FAST), i));
 }
 
-/* Work of a prescribed coordinate: trapezoid of the contact forces over the step to `at`. */
+/* Adds (F_before + F_now) (x_now - x_before) to *done, for the contact force F along a prescribed
+ * coordinate x in the step to `at`: minus twice the work of the motion. Returns the rows of the
+ * next coordinate. */
 LANE_INLINE double *PASS(work_of)(const lanes *l, const PASS(shape) * s,
                                   const PASS(step_registers) * f, int64_t at, size_t slot, int c,
                                   double *p, LANE(real) * done) {
@@ -397,9 +406,10 @@ LANE_INLINE void PASS(book_work)(const lanes *l, const PASS(shape) * s,
   (PASS(rows_at)(l, ROWS_WORK), 0, PASS(row)(PASS(rows_at)(l, ROWS_WORK), 0) - 0.5 * done);
 }
 
-/* --- sampling ---------------------------------------------------------------------------------------- */
+/* --- sampling --------------------------------------------------------------------------------- */
 
-/* A contact's state as a number: positive 0, negative 1, stuck 2, open 3, as in sd_state. */
+/* Returns the state of a contact as a number: sliding with positive torque 0, with negative torque
+ * 1, stuck 2, open 3, as in sd_state. */
 LANE_INLINE LANE(real) PASS(configuration)(const PASS(step_registers) * f, size_t k) {
   const LANE(real) zero = LANE(splat)(0.0), slip = f->out[k].slip;
   return LANE(mask_zero)(LANE(greater)(slip, zero) | LANE(not )(f->closed[k]), LANE(splat)(1.0)) +
@@ -421,7 +431,8 @@ LANE_INLINE void PASS(add_to_row)(double *rows, size_t k, LANE(real) a) {
   PASS(set_row)(rows, k, PASS(row)(rows, k) + a);
 }
 
-/* Sums of visits (model/visits.h). */
+/* Adds the present step to the sums of the visit of watched pair w (model/visits.h), and ends the
+ * visit's part if its class changes or its age is reached. */
 LANE_INLINE void PASS(sum_visits)(lanes *l, size_t w, const PASS(contact_sample) two[2]) {
   double *v = PASS(rows_at)(l, ROWS_VISIT + VISIT_ROWS * w);
   LANE(real)
@@ -451,15 +462,16 @@ LANE_INLINE void PASS(sum_visits)(lanes *l, size_t w, const PASS(contact_sample)
   }
 }
 
-/* Counts the configuration of two watched contacts. */
+/* Counts the configuration of the two watched contacts of disk w. */
 LANE_INLINE void PASS(count)(lanes *l, const PASS(shape) * s, const PASS(step_registers) * f,
                              size_t w) {
   PASS(contact_sample) two[2] = {0};
   for (size_t side = 0; side < 2; side++)
+    /* comparing with k makes the index of the contact a constant */
     EACH_PAIR(k, s->n_pairs,
-              if (l->watched[2 * w + side] == k) PASS(sample_contact)(
-                  l, f, 2 * w + side, k, &two[side])); /* k: no index that varies */
-  /* small integers, in the low bits of the sum */
+              if (l->watched[2 * w + side] == k)
+                  PASS(sample_contact)(l, f, 2 * w + side, k, &two[side]));
+  /* adding 2^52 puts these small integers into the low bits */
   uint64_t index[LANE_WIDTH];
   LANE(bits) bits = LANE(as_bits)((4.0 * two[0].configuration + two[1].configuration) + 0x1p52);
   memcpy(index, &bits, sizeof index);
@@ -471,7 +483,7 @@ LANE_INLINE void PASS(sample)(lanes *l, const PASS(shape) * s, const PASS(step_r
   for (size_t w = 0; w < l->n_slides; w++) PASS(count)(l, s, f, w);
 }
 
-/* --- the step ---------------------------------------------------------------------------------------- */
+/* --- the step --------------------------------------------------------------------------------- */
 
 LANE_INLINE void PASS(store)(lanes *l, const PASS(shape) * s, const PASS(step_registers) * f,
                              int64_t at) {
@@ -480,7 +492,8 @@ LANE_INLINE void PASS(store)(lanes *l, const PASS(shape) * s, const PASS(step_re
   l->at = at;
 }
 
-/* Rare events of the step: to the rows, through the systems, and back. */
+/* Handles the rare events of the step: stores the rows, lets the systems handle them, and loads
+ * what they changed. */
 LANE_INLINE void PASS(events)(lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                               int64_t at) {
   EACH_PAIR(k, s->n_pairs, l->rare[k] = LANE(bits_of)(f->rare[k]));
@@ -508,7 +521,7 @@ LANE_INLINE void PASS(step)(lanes *l, const PASS(shape) * s, PASS(step_registers
   if (l->measure) PASS(sample)(l, s, f);
 }
 
-/* n steps, or fewer when something goes wrong in a lane. */
+/* Takes n steps, or fewer if an error occurs in a lane. */
 LANE_INLINE void PASS(steps)(lanes *l, int64_t n, const PASS(shape) s) {
   PASS(step_registers) f = {0};
   int64_t at = l->at;

@@ -1,4 +1,5 @@
-/* lanes_suit.c: which systems go in lanes, and which of them side by side; see lanes.h. */
+/* lanes_suit.c: tells which systems can run in SIMD lanes, and which of them side by side; see
+ * lanes.h. */
 #include "physics/small/lanes.h"
 
 #include <string.h>
@@ -7,14 +8,15 @@
 #include "model/motions.h"
 #include "model/walls.h"
 
-/* --- which systems ------------------------------------------------------------------------------------ */
+/* --- which systems suit lanes ----------------------------------------------------------------- */
 
 static size_t count_pairs(const sd_model *m) {
   size_t bodies = m->n_disks + m->n_walls;
   return m->n_free * (bodies - m->n_free) + m->n_free * (m->n_free - 1) / 2;
 }
 
-/* Round walls stand before straight ones, as contacts do. */
+/* Returns true if all walls are round or straight; round ones must come first, as contacts do in
+ * the lists of pairs. */
 static bool suits_walls(const sd_model *m) {
   bool suits = true;
   for (size_t w = 0; w < m->n_walls; w++) {
@@ -25,7 +27,7 @@ static bool suits_walls(const sd_model *m) {
   return suits;
 }
 
-/* A joint of two walls is looked at in the pass over pieces. */
+/* Returns true if two walls meet at a joint: only the pass over segments handles joints. */
 static bool walls_meet(const sd_model *m) {
   for (size_t k = 0; k < m->n_segments; k++)
     if (m->segments[k].meets[0] || m->segments[k].meets[1]) return true;
@@ -44,7 +46,7 @@ static bool suits_motion(const sd_model *m, const sd_motion *motion) {
   return true;
 }
 
-/* Both contacts are pairs of the free disk. */
+/* Returns true if the watched disk is free and both of its contacts are with other bodies. */
 static bool suits_watch(const sd_model *m, const sd_slide_watch *w) {
   return !m->disks[w->disk].driven && w->partner[0] != w->disk && w->partner[1] != w->disk;
 }
@@ -65,7 +67,7 @@ bool lanes_suit(const sd_model *m) {
   return suits;
 }
 
-/* Nothing is the same as nothing, wherever it stands. */
+/* Empty arrays compare equal, whatever their pointers are. */
 static bool same_bytes(const void *a, const void *b, size_t n) {
   return n == 0 || memcmp(a, b, n) == 0;
 }

@@ -1,7 +1,9 @@
-/* access.h: what measuring, packing and running see of a system. `work` is the engine's own: outside physics/ nothing
- * reaches into it (tests/docs/test_floors.py). Inline: some of this is read in every step.
+/* access.h: read access to a system for measuring, packing and running. Only physics/ may use
+ * `work` directly (tests/docs/test_floors.py). Functions are inline, since some are called in every
+ * step.
  *
- * Candidates are pairs near enough to touch, in a fixed order; open ones have no overlap and no force.
+ * Candidates are pairs near enough to touch soon, in a fixed order; for an open one overlap and
+ * force are zero.
  */
 #ifndef PHYSICS_ACCESS_H
 #define PHYSICS_ACCESS_H
@@ -14,26 +16,29 @@
 #include "physics/system/kernels.h"
 #include "physics/system/work.h"
 
-/* --- bodies and box ------------------------------------------------------------------------------------ */
+/* --- bodies and box --------------------------------------------------------------------------- */
 
-/* SLOT_NONE: the body is on another rank. */
+/* Returns the slot of a body by its number; SLOT_NONE if the body is on another rank. */
 static inline uint32_t engine_slot(const engine *e, uint32_t body) {
   return slot_of(&e->work.slots, body);
 }
 static inline const slot_table *engine_slots(const engine *e) { return &e->work.slots; }
-/* Of the periodic box as it is now; 0 where it is open. */
+/* Length and lower bound of the present box along direction c; length 0 and bound -infinity if c is
+ * not periodic. */
 static inline double engine_length(const engine *e, int c) { return e->work.length[c]; }
 static inline double engine_lower(const engine *e, int c) { return e->work.lower[c]; }
 static inline bool engine_beyond(const engine *e, int c, double x) {
   return x < e->work.lower[c] || x >= e->work.upper[c];
 }
-/* Difference of two coordinates to the nearest image. */
+/* Returns a difference d of two coordinates, reduced to the nearest periodic image along c. */
 static inline double engine_nearest(const engine *e, int c, double d) {
   return e->work.periodic[c] ? d - e->work.length[c] * nearbyint(d * e->work.inverse_length[c]) : d;
 }
-/* Coordinate c of the free disks, and what pushes it. */
+/* Returns the columns of coordinate c of the free disks: value, derivatives, force, constant force,
+ * inverse mass. */
 static inline const columns *engine_columns(const engine *e, int c) { return &e->work.columns[c]; }
-/* The same of the clumps. Disks of a clump are free disks that nothing pushes: no inverse masses. */
+/* Return the number of clumps, rigid bodies of several disks, and the columns of their coordinate
+ * c. The disks of a clump are free disks with inverse masses 0, which no force moves. */
 static inline size_t engine_clumps(const engine *e) { return e->work.clumps.count; }
 static inline const columns *engine_clump_columns(const engine *e, int c) {
   return &e->work.clumps.columns[c];
@@ -41,20 +46,22 @@ static inline const columns *engine_clump_columns(const engine *e, int c) {
 static inline bool engine_in_clump(const engine *e, size_t slot) {
   return e->work.clumps.count && e->work.clumps.of[slot] >= 0;
 }
-/* q2 of a free disk from the forces on it. */
+/* Sets q2 = dt^2/2 times the acceleration of a free disk along coordinate c, for this contact
+ * force. */
 static inline void engine_accelerate(const engine *e, int c, size_t slot, double force) {
   const columns *q = &e->work.columns[c];
   q->q2[slot] = e->work.half_dt2 * ((force + q->constant[slot]) * q->inverse[slot]);
 }
-/* Brings all pieces of the walls to where they are now; a step does so for those in the list of pairs. */
+/* Updates the positions of all wall segments; a step updates only segments that occur in candidate
+ * pairs. */
 void engine_pose_walls(engine *e);
-/* Piece k of the walls, where it is after engine_pose_walls. */
+/* Returns wall segment k in its present position; call engine_pose_walls before. */
 static inline const placed_segment *engine_segment(const engine *e, size_t k) {
   return &e->work.segments[k];
 }
 static inline const double *engine_periods(const engine *e) { return e->work.length; }
 
-/* --- contacts ------------------------------------------------------------------------------------------- */
+/* --- contacts --------------------------------------------------------------------------------- */
 
 static inline size_t engine_candidates(const engine *e) { return e->work.pairs.count; }
 static inline size_t engine_contact_a(const engine *e, size_t k) {
@@ -72,16 +79,18 @@ static inline double engine_contact_force(const engine *e, size_t k) {
 static inline double engine_contact_overlap(const engine *e, size_t k) {
   return PAIR(&e->work.pairs, k, overlap);
 }
-/* Reference direction of a closed contact: its normal from a on, within 1/64. */
+/* Writes the reference direction of a closed contact: a unit vector from a towards b, within about
+ * 1/64 rad of the present normal. */
 static inline void engine_contact_direction(const engine *e, size_t k, double n[2]) {
   n[0] = PAIR(&e->work.pairs, k, ex);
   n[1] = PAIR(&e->work.pairs, k, ey);
 }
-/* +1, -1: sliding with that sign of torque; 0: stuck or open. */
+/* Returns +1 or -1 if the contact slides, with the sign of its torque on both disks; 0 if it is
+ * stuck or open. */
 static inline int engine_contact_sliding(const engine *e, size_t k) {
   return pairs_slide_sign(&e->work.pairs, k);
 }
-/* tau, which turns both disks. */
+/* Returns tau, the tangential force, whose torque has the same sign on both disks. */
 static inline double engine_contact_tau(const engine *e, size_t k) {
   if (e->work.pairs.more) return MORE(&e->work.pairs, k, tau);
   return -(e->model->laws[PAIR(&e->work.pairs, k, law)].k_t * PAIR(&e->work.pairs, k, zeta));
@@ -90,7 +99,8 @@ static inline double engine_contact_stiffness(const engine *e, size_t k) {
   return law_stiffness(&e->model->laws[PAIR(&e->work.pairs, k, law)],
                        fmax(engine_contact_overlap(e, k), 0.0));
 }
-/* The candidates of a body are engine_candidate(e, at) for at in [first, first of the next slot). */
+/* Candidates of the body in this slot are engine_candidate(e, at) for at from engine_first(e, slot)
+ * to engine_first(e, slot + 1) - 1. */
 static inline size_t engine_first(const engine *e, size_t slot) {
   return e->work.incidence.start[slot];
 }
@@ -101,12 +111,14 @@ static inline size_t engine_partner(const engine *e, size_t at) {
   size_t k = engine_candidate(e, at);
   return e->work.incidence.entry[at] & 1 ? engine_contact_a(e, k) : engine_contact_b(e, k);
 }
-/* The watched contact k (two per watch): the candidate that it is now, of several pieces of one wall the one that
- * presses most; -1: open. */
+/* Returns the candidate pair of the watched contact k (two contacts per watched disk), or -1 if it
+ * is open. If the partner is a wall of several segments, the one with the largest normal force
+ * counts. */
 int64_t engine_watched(const engine *e, size_t k);
 
-/* Bodies of which the force of each contact is kept apart: the prescribed ones. Their slots, and what the i-th candidate does
- * to the k-th of them. */
+/* Force and torque of one contact on a body. Bodies for which single contact forces are stored (all
+ * prescribed ones, and some free disks): engine_kept returns their number, engine_kept_slot the
+ * slot of the k-th, engine_push the force of its i-th candidate on it. */
 typedef struct contact_push {
   double x, y, torque;
 } contact_push;
@@ -121,25 +133,26 @@ static inline contact_push engine_push(const engine *e, size_t k, size_t i) {
   return (contact_push){row[SUM_X], row[SUM_Y], torque};
 }
 
-/* --- the step ------------------------------------------------------------------------------------------- */
+/* --- the step --------------------------------------------------------------------------------- */
 
 static inline sd_status engine_status(const engine *e) { return e->work.status; }
-/* Before steps: messages go there, and nothing has gone wrong. */
+/* Prepares for steps: sets the destination of messages, and clears the status. */
 static inline void engine_ready(engine *e, sd_messages *messages) {
   e->work.messages = messages;
   e->work.status = SD_OK;
 }
 static inline void engine_tell(engine *e, sd_messages *messages) { e->work.messages = messages; }
 static inline void engine_end(engine *e, sd_status status) { e->work.status = status; }
-/* By how much lists reach further than contacts. */
+/* Returns the Verlet margin: the largest gap, beyond the range of contacts, at which pairs are
+ * candidates. */
 static inline double engine_skin(const engine *e) { return e->work.skin; }
-/* Would a free disk or a wall leave the lists in one step? */
+/* Returns true if a free disk or a wall would make the lists stale within one step. */
 bool engine_outruns(engine *e);
-/* The skin that no free disk outruns in one step. */
+/* Returns the Verlet margin with which no free disk makes the lists stale within one step. */
 double engine_outrun_skin(const engine *e);
 static inline int engine_threads(const engine *e) { return e->work.n_threads; }
 static inline const kernels *engine_kernels(const engine *e) { return e->work.kernels; }
-/* Rows of a small system; NULL: it takes the general step. */
+/* Returns the data of a small system that runs in SIMD lanes; NULL if it uses the general step. */
 static inline lanes *engine_lanes(const engine *e) { return e->work.lanes; }
 static inline lanes **engine_lanes_place(engine *e) { return &e->work.lanes; }
 

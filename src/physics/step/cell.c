@@ -1,13 +1,17 @@
-/* cell.c: see cell.h.
+/* cell.c: implements cell.h.
  *
- * Work of the box: with f on the disk b of a contact, whose image n cells away moves with h' n,
+ * Work of the box: with f the force on disk b of a contact, whose image n cells away moves with h'
+ * n, the power is
  *   P = sum f . h' n = T : h',   T = sum f (x) n,
- * by the trapezoid over the step; a disk that is taken back by n cells changes its kinetic energy, and T by the forces on it.
- * The virial of all contacts, S V = sum f (x) (r_b - r_a - h n) = sum_i F_i (x) r_i - T h^T, needs sums over disks alone.
+ * integrated by the trapezoidal rule over the step. A disk that is wrapped by n cells changes its
+ * kinetic energy, and T by the forces on it. The virial of all contacts, S V = sum f (x) (r_b - r_a
+ * - h n) = sum_i F_i (x) r_i - T h^T, needs sums over disks only.
  *
- * Control of a component: rate' = (stress - wanted)/(p t^2) - 2 (rate - mean)/t, p the largest of the stresses wanted: the box has
- * an inertia p t^2, and is damped critically where the disks have the stiffness p. The running mean of the rate over MEAN_TIMES t
- * leaves steady flows undamped, so that the stress is that wanted in the mean over time.
+ * Stress control of a component: rate' = (stress - wanted)/(p t^2) - 2 (rate - mean)/t, with p the
+ * largest of the wanted stresses and t the response time: the box has an inertia p t^2, and is
+ * critically damped if the stiffness of the packing is p. The running mean of the rate over
+ * MEAN_TIMES t keeps steady flows undamped, so that the time average of the stress is the wanted
+ * one.
  */
 #include "physics/step/cell.h"
 
@@ -26,7 +30,7 @@
 
 enum { T_XX, T_XY, T_YX, T_YY };
 
-/* --- shape ---------------------------------------------------------------------------------------------- */
+/* --- shape ------------------------------------------------------------------------------------ */
 
 static double value_at(const sd_state *s, double dt, int k, int64_t step) {
   return s->cell_start[k] + (double)(step - s->cell_from[k]) * dt * s->cell_speed[k];
@@ -40,14 +44,15 @@ void cell_pose(engine *e, int64_t step) {
   neighbours_deform(e, step);
 }
 
-/* Lengths without deformation: the offset is kept over that of x. */
+/* Returns the unit of shape column k: the undeformed box length along y for CELL_Y, along x for
+ * CELL_X and CELL_OFFSET (an offset is stored as a fraction of the x length). */
 static double unit_of(const engine *e, int k) {
   const sd_model *m = e->model;
   const int c = k == CELL_Y ? SD_Y : SD_X;
   return e->state->box_scale * (m->upper[c] - m->lower[c]);
 }
 
-/* --- rates ---------------------------------------------------------------------------------------------- */
+/* --- rates ------------------------------------------------------------------------------------ */
 
 void cell_gradient(const engine *e, double g[SD_CELL_COMPONENTS]) {
   const work *w = &e->work;
@@ -56,7 +61,9 @@ void cell_gradient(const engine *e, double g[SD_CELL_COMPONENTS]) {
   g[SD_CELL_XY] = (w->cell.speed[CELL_OFFSET] - g[SD_CELL_XX] * w->offset) / w->length[1];
 }
 
-/* Another velocity, all at once: kinetic energy gained. The forces of fields begin the coming step with it. */
+/* Changes the velocity of disk i by (x, y) at once; returns the kinetic energy that it gains.
+ * Powers of force fields change with it, since the next step's trapezoid begins with the new
+ * velocity. */
 static double jump(engine *e, size_t i, double x, double y) {
   sd_state *s = e->state;
   const double gained = s->mass[i] * (s->vx[i] * x + s->vy[i] * y + 0.5 * (x * x + y * y));
@@ -67,7 +74,9 @@ static double jump(engine *e, size_t i, double x, double y) {
   return gained;
 }
 
-/* Velocities by the change of the gradient, about the lower corner; of shear about the middle, so that no momentum is given. */
+/* Adds the change of the velocity gradient times position to the velocity of each disk: positions
+ * from the lower corner for xx and yy, from mid-height for shear, so that a uniform packing gets no
+ * momentum. */
 static void take_up(engine *e, const double change[SD_CELL_COMPONENTS]) {
   sd_state *s = e->state;
   const work *w = &e->work;
@@ -80,10 +89,11 @@ static void take_up(engine *e, const double change[SD_CELL_COMPONENTS]) {
                  y = change[SD_CELL_YY] * (s->y[i] - w->lower[1]);
     done += jump(e, i, x, y);
   }
-  if (s->step > 0) s->work_driven += done; /* before that it belongs to the start */
+  if (s->step > 0) s->work_driven += done; /* before step 0 it is part of the initial energy */
 }
 
-/* From the present step on; what does not change goes on as it was. */
+/* Sets the rate of change of shape column k from the present step on. An unchanged rate keeps its
+ * old starting point, so that rounding does not change either. */
 static void set_speed(engine *e, int k, double speed) {
   sd_state *s = e->state;
   if (speed == s->cell_speed[k]) return;
@@ -93,7 +103,9 @@ static void set_speed(engine *e, int k, double speed) {
   if (k != CELL_SHEAR) e->work.cell.speed[k] = speed * unit_of(e, k);
 }
 
-/* rate: of the present step. over: time for which it stands; lengths are exact there. */
+/* Sets the velocity gradient of the box from the present step on. over: time for which it will
+ * stand; box lengths then change by exactly exp(rate * over). boundary: disks keep their
+ * velocities. */
 static void set_gradient(engine *e, const double rate[SD_CELL_COMPONENTS], double over,
                          bool boundary) {
   sd_state *s = e->state;
@@ -113,9 +125,10 @@ static void set_gradient(engine *e, const double rate[SD_CELL_COMPONENTS], doubl
   cell_pose(e, s->step);
 }
 
-/* --- stress --------------------------------------------------------------------------------------------- */
+/* --- stress ----------------------------------------------------------------------------------- */
 
-/* Of contacts and of velocities beside the flow, compression positive: xx, yy, xy. */
+/* Measures the stress in the box from contacts and velocity fluctuations about the flow,
+ * compression positive: xx, yy, xy components, force/length. */
 static void measure_stress(const engine *e, double stress[SD_CELL_COMPONENTS]) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -147,7 +160,9 @@ static void measure_stress(const engine *e, double stress[SD_CELL_COMPONENTS]) {
   stress[SD_CELL_XY] = of[XY] / area;
 }
 
-/* Some times that a disk takes to go its own length under this stress. */
+/* Response time of the stress control in units of sqrt(mean mass/stress), the time in which a disk
+ * crosses about its own size under this stress; and averaging time of the mean rate in response
+ * times. */
 static const double RESPONSE = 4.0, MEAN_TIMES = 4.0;
 static double response_of(const engine *e, const sd_cell *c, double stress) {
   double mass = 0.0;
@@ -168,7 +183,8 @@ bool cell_near(const engine *e, double part) {
   return off <= part * scale;
 }
 
-/* Rates for the coming steps. */
+/* Chooses the rates for the time `over` until the next change: given rates as they are, controlled
+ * ones from the measured stress (equation at the top of this file). */
 static void choose_rates(const engine *e, const sd_cell *c, double over,
                          double rate[SD_CELL_COMPONENTS]) {
   double stress[SD_CELL_COMPONENTS], now[SD_CELL_COMPONENTS], scale = 0.0;
@@ -192,7 +208,7 @@ static void choose_rates(const engine *e, const sd_cell *c, double over,
   }
 }
 
-/* --- displacements beside the flow ------------------------------------------------------------------------ */
+/* --- nonaffine displacements ------------------------------------------------------------------ */
 
 void cell_enter(engine *e, uint32_t i) {
   sd_state *s = e->state;
@@ -206,7 +222,9 @@ static void note_places(engine *e) {
   for (uint32_t i = 0; i < e->state->n_free; i++) cell_enter(e, i);
 }
 
-/* h du, with h in the middle of the steps since the last look: a disk that goes with the box keeps its u. */
+/* Adds each disk's displacement relative to the box since the last call, `since` steps ago: h du,
+ * with u the position in units of the box vectors and h their matrix in the middle of these
+ * steps. */
 static void add_displacements(engine *e, int64_t since) {
   sd_state *s = e->state;
   const work *w = &e->work;
@@ -224,7 +242,9 @@ static void add_displacements(engine *e, int64_t since) {
   }
 }
 
-/* The same lattice with an offset of at most half a length: cells are counted anew. */
+/* Reduces the offset to at most half a box length by a whole number of lengths. The lattice of
+ * images stays the same, but the cell numbers of images change, and with them all that is counted
+ * by cells. */
 static void flip_offset(engine *e) {
   sd_state *s = e->state;
   work *w = &e->work;
@@ -244,14 +264,14 @@ static void flip_offset(engine *e) {
   cell_pose(e, s->step);
 }
 
-/* --- forces across the edges -------------------------------------------------------------------------------- */
+/* --- contact forces across the edges ---------------------------------------------------------- */
 
 static double power_of(const engine *e) {
   const double *t = e->state->cell_force, *speed = e->work.cell.speed;
   return t[T_XX] * speed[CELL_X] + t[T_XY] * speed[CELL_OFFSET] + t[T_YY] * speed[CELL_Y];
 }
 
-/* From the present contacts. */
+/* Recomputes the tensor T (top of this file) from the present contacts. */
 static void sum_forces(engine *e) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
@@ -274,7 +294,7 @@ void cell_renew(engine *e) {
   if (e->state->n_cell) sum_forces(e);
 }
 
-/* In the order of the pairs: threads have ascending shares. */
+/* Sums the forces in the order of pairs, since threads have ascending ranges of pairs. */
 sd_status cell_work(engine *e, bool start) {
   work *w = &e->work;
   if (!w->cell.on) return SD_OK;
@@ -309,7 +329,8 @@ void cell_wrap(engine *e, uint32_t i, double nx, double ny) {
     const size_t k = n->entry[at] / 2;
     if (!pairs_closed(p, k)) continue;
     const contact_reaction f = contact_reaction_of(e, k);
-    const double sign = n->entry[at] & 1 ? 1.0 : -1.0; /* the force on this disk */
+    /* f is the force on b; the sign gives the force on this disk */
+    const double sign = n->entry[at] & 1 ? 1.0 : -1.0;
     s->cell_force[T_XX] -= sign * f.fx * nx;
     s->cell_force[T_XY] -= sign * f.fx * ny;
     s->cell_force[T_YX] -= sign * f.fy * nx;
@@ -320,9 +341,9 @@ void cell_wrap(engine *e, uint32_t i, double nx, double ny) {
   s->work_driven += jump(e, i, -x, -y);
 }
 
-/* --- phases --------------------------------------------------------------------------------------------------- */
+/* --- phases ----------------------------------------------------------------------------------- */
 
-/* Have images a velocity, a shift, or will they? */
+/* Returns true if images are shifted or move, or will do so in this phase. */
 static bool matters(const engine *e) {
   const sd_state *s = e->state;
   bool on = s->phase < (int64_t)e->model->n_phases && e->model->phases[s->phase].cell.asked;
@@ -350,22 +371,23 @@ void cell_begin(engine *e) {
   double rate[SD_CELL_COMPONENTS];
   sum_forces(e);
   cell_gradient(e, rate);
-  for (int k = 0; k < SD_CELL_COMPONENTS; k++)
-    if (!c->controlled[k]) rate[k] = c->rate[k]; /* controlled ones go on as they are */
+  for (int k = 0; k < SD_CELL_COMPONENTS; k++) /* controlled components keep their present rates */
+    if (!c->controlled[k]) rate[k] = c->rate[k];
   memcpy(s->cell_mean, rate, sizeof rate);
   const bool was_on = e->work.cell.on;
   if (!was_on) neighbours_follow(e);
   e->work.cell.on |= c->asked;
   set_gradient(e, rate, over, c->boundary);
   e->work.cell.on = matters(e);
-  if (was_on && !e->work.cell.on)
-    e->work.moved_limit2 = -1.0; /* the lists have followed until here */
+  /* force a rebuild: until now the lists have followed the deformation */
+  if (was_on && !e->work.cell.on) e->work.moved_limit2 = -1.0;
   if (c == &still) return;
   for (size_t i = 0; i < s->n_free; i++) s->nonaffine_x[i] = s->nonaffine_y[i] = 0.0;
   note_places(e);
 }
 
-/* As at the start: the nearest image must be unique. */
+/* Checks that the box is still so wide that the nearest image is unique; the start of a run has the
+ * same check. */
 static sd_status check_width(const engine *e, sd_messages *messages) {
   const double least = cell_least_length(e->model, NULL);
   for (int c = 0; c < 2; c++)

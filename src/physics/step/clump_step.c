@@ -1,4 +1,4 @@
-/* clump_step.c: see clump_step.h. */
+/* clump_step.c: implements clump_step.h. */
 #include "physics/step/clump_step.h"
 
 #include "model/field_kinds.h"
@@ -46,14 +46,16 @@ static bool out_of(const work *w, double x, double y, double theta) {
          y >= w->upper[1];
 }
 
-/* --- fields ------------------------------------------------------------------------------------------ */
+/* --- force fields ----------------------------------------------------------------------------- */
 
-/* What the corrected velocity u of a clump obeys: u + gain * sum of what fields take from its disks = r. */
+/* Linear system a u = r for the corrected velocity u = (V_x, V_y, Omega) of a clump: u + gain *
+ * (minus the velocity-dependent part of the field forces at u, summed over its disks) = r. */
 typedef struct field_system {
   double a[SD_COORDINATES][SD_COORDINATES], r[SD_COORDINATES];
 } field_system;
 
-/* Drag f and f_r, Coriolis force b of the disk at arm (x, y), which moves with V + Omega x arm. */
+/* Adds the terms of one disk to the matrix: drag coefficients f and f_r, Coriolis coefficient b, at
+ * arm (x, y) from the clump's centre, where the velocity is V + Omega x arm. */
 static void add_disk(field_system *m, const double gain[SD_COORDINATES], const field_sum_w1 *s,
                      double x, double y) {
   const double f = s->drag[0], b = s->turn;
@@ -65,7 +67,8 @@ static void add_disk(field_system *m, const double gain[SD_COORDINATES], const f
     for (int c = 0; c < SD_COORDINATES; c++) m->a[q][c] += gain[q] * taken[q][c];
 }
 
-/* Elimination without exchange of rows: the diagonal is at least 1, and what is added to 1 is dissipative or turns. */
+/* Solves the system by elimination without pivoting: the diagonal elements are at least 1, since
+ * the terms added to the unit matrix are dissipative or only rotate. */
 static void solve(field_system *m) {
   for (int q = 0; q < SD_COORDINATES; q++)
     for (int below = q + 1; below < SD_COORDINATES; below++) {
@@ -79,7 +82,8 @@ static void solve(field_system *m) {
   }
 }
 
-/* Velocity of clump k to which the corrector will take it, without damping, as field_forces has it for single disks. */
+/* Computes the velocity u that the corrector will give to clump k, without non-viscous damping, as
+ * field_forces does for single disks. */
 static void field_speed(const engine *e, const view *v, size_t k, double u[SD_COORDINATES]) {
   const work *w = &e->work;
   const clumps *c = &w->clumps;
@@ -109,7 +113,8 @@ static void field_speed(const engine *e, const view *v, size_t k, double u[SD_CO
   for (int q = 0; q < SD_COORDINATES; q++) u[q] = m.r[q];
 }
 
-/* The corrector of the disks took the fields at the predicted velocities: forces and powers anew, at those of the clump. */
+/* Recomputes the forces and powers of fields on the disks of clump k at the clump's corrected
+ * velocity, since the corrector of the disks evaluated them at the predicted one. */
 static void correct_fields(engine *e, size_t k) {
   const work *w = &e->work;
   const clumps *c = &w->clumps;
@@ -136,9 +141,10 @@ static void correct_fields(engine *e, size_t k) {
   }
 }
 
-/* --- corrector --------------------------------------------------------------------------------------- */
+/* --- corrector -------------------------------------------------------------------------------- */
 
-/* Returns the damping that acted. */
+/* Corrects the coordinates of clump k, and returns the non-viscous damping forces that acted on
+ * it. */
 static clump_load correct(const engine *e, size_t k) {
   const work *w = &e->work;
   clump_load constant = clump_constant(e, k), all = constant;
@@ -184,7 +190,7 @@ void clumps_correct(engine *e, const team *t) {
     for (size_t n = w->clumps.start[k]; n < w->clumps.start[k + 1]; n++) {
       const uint32_t i = w->clumps.member[n];
       if (out_of(w, s->x[i], s->y[i], s->theta[i]))
-        event_add(returns, i); /* the corrector may have noted it, too */
+        event_add(returns, i); /* the corrector of the disks may have added it already */
     }
   }
 }

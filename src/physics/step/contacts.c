@@ -1,4 +1,4 @@
-/* contacts.c: rare events, store and load; see contacts.h. */
+/* contacts.c: implements contacts.h. */
 #include "physics/step/cell.h"
 #include "physics/step/clump_step.h"
 #include "physics/step/contacts.h"
@@ -22,9 +22,10 @@
 #include "physics/system/box.h"
 #include "physics/system/halo.h"
 
-/* --- rare events ------------------------------------------------------------------------------------- */
+/* --- rare events ------------------------------------------------------------------------------ */
 
-/* Of the disk's pair k with a piece of a wall, on its nearest image. */
+/* Returns the point of a wall segment, or of its nearest image, that is nearest to the disk of pair
+ * k. */
 static nearest_point nearest_on_piece(const engine *e, size_t k) {
   const work *w = &e->work;
   const double x = e->state->x[w->pairs.a[k]], y = e->state->y[w->pairs.a[k]];
@@ -32,7 +33,7 @@ static nearest_point nearest_on_piece(const engine *e, size_t k) {
   return walls_nearest(walls_image(w->length, &w->segments[w->pairs.part[k]], x, y, &image), x, y);
 }
 
-/* Unit vector from a to b's surface, as the law has it. */
+/* Computes the unit normal of pair k, from disk a to the surface of b, as the contact law does. */
 static void normal(const engine *e, size_t k, double *nx, double *ny) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -53,7 +54,9 @@ static void normal(const engine *e, size_t k, double *nx, double *ny) {
   *ny = dy / r;
 }
 
-/* Measures lambda from the present contact line on; on a straight wall also from the present side. */
+/* Makes the present normal of closed pair k its reference direction, and changes lambda_ref so that
+ * the tangential displacement stays the same; on a straight wall the present side becomes the
+ * reference as well. */
 static void rebase(engine *e, size_t k) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
@@ -119,7 +122,8 @@ static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
   return check_overlap(e, k, messages);
 }
 
-/* The way of the wall's surface back into its range; by how much it was shortened. */
+/* Wraps the surface displacement of a moving wall surface into its range; returns the length that
+ * was subtracted. */
 static double wrap_surface(engine *e, uint32_t i) {
   sd_state *s = e->state;
   if (i < s->n_disks || s->n_surfaces == 0) return 0.0;
@@ -130,7 +134,8 @@ static double wrap_surface(engine *e, uint32_t i) {
   return back;
 }
 
-/* The reference of rolling follows the angle of body i, and the surface of a round wall. */
+/* Adjusts the reference rolling displacement of pair k after the angle of body i was reduced by
+ * `turn`, and the surface of a round wall by the length `slid`. */
 static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double slid) {
   if (!(e->work.features & LAW_ROLLING)) return;
   pairs *p = &e->work.pairs;
@@ -141,7 +146,8 @@ static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double sl
     MORE(p, k, rho_ref) += (rb > 0.0 ? 1.0 : -1.0) * slid * (ra / (ra + rb));
 }
 
-/* theta back into [-4, 4] and the position into the box; lambda* of the disk's contacts follows. */
+/* Wraps theta of body i into [-4, 4] and its position into the box, and adjusts lambda_ref of its
+ * contacts. */
 static void wrap(engine *e, uint32_t i) {
   sd_state *s = e->state;
   work *w = &e->work;
@@ -153,7 +159,7 @@ static void wrap(engine *e, uint32_t i) {
   assert(remainder(s->turn[i], 8.0) == 0.0);
   double turn = s->theta[i] > 4.0 ? 8.0 : s->theta[i] < -4.0 ? -8.0 : 0.0;
   const double ny = s->y[i] < w->lower[1] ? -1.0 : s->y[i] >= w->upper[1] ? 1.0 : 0.0;
-  const double across = s->x[i] - ny * w->offset; /* cells above are shifted */
+  const double across = s->x[i] - ny * w->offset; /* rows of cells above are shifted along x */
   const double nx = across < w->lower[0] ? -1.0 : across >= w->upper[0] ? 1.0 : 0.0;
   const double shift[2] = {-nx * w->length[0] - ny * w->offset, -ny * w->length[1]};
   if ((nx != 0.0 || ny != 0.0) && e->halo && i < s->n_free && e->halo->sent[i] &&
@@ -186,7 +192,8 @@ static void wrap(engine *e, uint32_t i) {
     if (slid != 0.0) PAIR(p, k, lambda_ref) -= (s->radius[i] > 0.0 ? 1.0 : -1.0) * slid;
     if (p->more) wrap_rolling(e, k, i, turn, slid);
     if (pairs_is_segment(p, k)) {
-      /* the arc length of the nearest point changes, with the disk or with the wall; that on an image does not */
+      /* The arc length of the nearest point on a segment changes when disk or wall is wrapped,
+       * except along directions in which the segment has images. */
       const placed_segment *g = &w->segments[p->part[k]];
       double way = (g->image[0] ? 0.0 : shift[0] * g->tx) + (g->image[1] ? 0.0 : shift[1] * g->ty);
       PAIR(p, k, lambda_ref) += i < s->n_disks ? p->side[k] * way : -(p->side[k] * way);
@@ -199,7 +206,8 @@ static int by_place(const void *one, const void *two) {
   return p->at < q->at ? -1 : p->at > q->at;
 }
 
-/* In the order of pairs; with ghosts, of pairs in the whole: lower disk, other body, and pieces of walls last. */
+/* Sets the sort keys of pair events: the order of pairs, or on a rank the order that pairs have in
+ * the whole system: lower disk, other body, with wall segments last. */
 static void place_events(const engine *e, event_list *list) {
   const pairs *p = &e->work.pairs;
   for (size_t n = 0; n < list->count; n++) {
@@ -221,7 +229,8 @@ static void place_wraps(event_list *list) {
   for (size_t n = 0; n < list->count; n++) list->item[n].at = list->item[n].index;
 }
 
-/* All into the first list, in the order of pairs or slots, whoever noted them when. */
+/* Appends the events of another thread to the first list. Returns SD_ERROR_IO if any event was
+ * lost. */
 static sd_status merge(event_list *first, const event_list *more) {
   for (size_t n = 0; n < more->count; n++) {
     event *v = event_add(first, 0);
@@ -279,7 +288,7 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
   return status;
 }
 
-/* --- contacts with ghosts -------------------------------------------------------------------------------- */
+/* --- contacts with ghosts --------------------------------------------------------------------- */
 
 static void follow_wrap(engine *e, size_t i, double turn) {
   const sd_state *s = e->state;
@@ -288,7 +297,7 @@ static void follow_wrap(engine *e, size_t i, double turn) {
   for (size_t at = n->start[i]; at < n->start[i + 1]; at++) {
     const size_t k = n->entry[at] / 2;
     if (!pairs_closed(p, k) || !halo_is_ghost(e, (size_t)p->b[k]))
-      continue; /* the others have followed */
+      continue; /* contacts with other bodies have followed in wrap() */
     PAIR(p, k, lambda_ref) -= s->radius[i] * turn;
     if (p->more) wrap_rolling(e, k, (uint32_t)i, turn, 0.0);
   }
@@ -299,7 +308,7 @@ static int by_order(const void *one, const void *two) {
   return p < q ? -1 : p > q;
 }
 
-/* Exchanges the places of disks with those that they had before they went round the box. */
+/* Swaps the position of a disk with the one that it had before it was wrapped around the box. */
 static void exchange_place(const sd_state *s, halo_wait *w) {
   const double x = s->x[w->index], y = s->y[w->index];
   s->x[w->index] = w->x;
@@ -314,14 +323,16 @@ static void exchange_places(const engine *e, halo_wait *ghosts) {
   for (size_t g = 0; g < e->state->n_ghosts; g++) exchange_place(e->state, &ghosts[g]);
 }
 
-/* As one rank alone does it: references first, from the places before wraps, then wraps by their slots in the whole. */
+/* Follows the order of a run on one rank: first references are renewed, at the positions before
+ * wraps; then wraps are applied, in the order of slots in the whole system. */
 sd_status contacts_follow(engine *e) {
   halo *h = e->halo;
   halo_waits *wrapped = &h->wrapped;
   const sd_state *s = e->state;
   halo_wait *ghosts;
   if (!memory_row(&ghosts, s->n_ghosts, sizeof *ghosts)) {
-    comm_fail(e->halo->comm, "no memory"); /* after the ranks have agreed on how they go on */
+    /* too late for a status: the ranks have already agreed on how to go on */
+    comm_fail(e->halo->comm, "no memory");
     return SD_ERROR_IO;
   }
   halo_refresh(e, ghosts);
@@ -342,7 +353,7 @@ sd_status contacts_follow(engine *e) {
   return status;
 }
 
-/* --- store and load ---------------------------------------------------------------------------------- */
+/* --- conversion from and to the state --------------------------------------------------------- */
 
 size_t contacts_count(const engine *e) {
   const pairs *p = &e->work.pairs;
@@ -351,7 +362,7 @@ size_t contacts_count(const engine *e) {
   return n;
 }
 
-/* The disk with the smaller radius first. */
+/* Describes the overlap of two disks; the disk with the smaller radius is the first. */
 static first_overlap overlap_of(const engine *e, size_t a, size_t b, double depth) {
   const sd_state *s = e->state;
   const double *g = e->model->gravity;
@@ -396,7 +407,8 @@ sd_status contacts_check_start(const engine *e, first_overlap *deepest, sd_messa
   return SD_OK;
 }
 
-/* A contact of a disk that goes, by its place among those of the whole. */
+/* A contact that ends because a disk is taken out, with its sort key: first and second body in the
+ * order of the whole system. */
 typedef struct ending {
   uint64_t first, second;
   uint32_t part, k;
@@ -446,7 +458,7 @@ sd_status contacts_store_rows(engine *e) {
   sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const size_t n = contacts_count(e);
-  s->n_contacts = 0; /* nothing worth copying */
+  s->n_contacts = 0; /* old contacts need not be copied when the arrays grow */
   if (sd_state_reserve_contacts(s, n) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < p->count; k++) {
     if (!pairs_closed(p, k) || !halo_counts(e, k)) continue;
@@ -464,7 +476,8 @@ sd_status contacts_store_rows(engine *e) {
   return SD_OK;
 }
 
-/* Does stored contact c stand before pair k in the order of both: round pairs, those with ghosts, pieces of walls? */
+/* Returns true if stored contact c comes before pair k; both are sorted: round pairs, pairs with
+ * ghosts, wall segments, each by slots. */
 static bool stands_before(const engine *e, size_t c, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
@@ -479,14 +492,14 @@ static bool stands_before(const engine *e, size_t c, size_t k) {
   return s->contact_part[c] < (uint32_t)p->part[k];
 }
 
-/* Advances to the next pair k, from *k on, that is stored contact c; false at the end. Start at 0,
- * 0; then add 1 to both. */
+/* Finds the next pair, from *k on, that has a stored contact, from *c on; returns false if there is
+ * none. Start with 0, 0; add 1 to both before the next call. */
 static bool next_stored(const engine *e, size_t *k, size_t *c) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   for (; *k < p->count; (*k)++) {
     if (p->a[*k] < 0) continue;
-    /* a contact of a packing may be too far apart here to be a candidate */
+    /* skip a contact of a packing whose bodies are too far apart here to be a candidate */
     while (*c < s->n_contacts && stands_before(e, *c, *k)) (*c)++;
     if (*c == s->n_contacts) return false;
     if (s->contact_a[*c] == s->id[p->a[*k]] && s->contact_b[*c] == s->id[p->b[*k]] &&
@@ -496,8 +509,8 @@ static bool next_stored(const engine *e, size_t *k, size_t *c) {
   return false;
 }
 
-/* Sign of the torque with which stored contact c slid, 0: stuck. Sets *carried from
- * SD_FORCE_CARRIED. */
+/* Returns the sign of the torque with which stored contact c slid, 0 if it was stuck. *carried: its
+ * force is to be taken from the file (SD_FORCE_CARRIED). */
 static int slide_of_stored(const sd_state *s, size_t c, bool *carried) {
   *carried = s->contact_slide[c] > 1;
   const int slide = s->contact_slide[c] - (*carried ? SD_FORCE_CARRIED : 0);
@@ -519,8 +532,8 @@ void contacts_load(engine *e) {
   for (size_t k = 0, c = 0; next_stored(e, &k, &c); k++, c++) load_one(e, k, c);
 }
 
-/* The file says that contact k slid in its last step. It did so against mu_kinetic if its force fits that limit, else it was
- * the first step in which it slid. */
+/* Tells for a contact that slid in its last step, according to the file, whether it slid already in
+ * the step before: true if its force is within the limit of mu_kinetic. */
 static bool slid_before(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const law_row *l = &e->work.laws[PAIR(p, k, law)];
@@ -532,14 +545,15 @@ void contacts_recall(engine *e) {
   pairs *p = &e->work.pairs;
   for (size_t k = 0, c = 0; p->more && next_stored(e, &k, &c); k++, c++) {
     if (pairs_slide_sign(p, k) != 0 && !slid_before(e, k)) pairs_set_flags(p, k, true, 0);
-    /* the evaluation sets these; they stay 0 without a law of this deck for them */
+    /* the evaluation sets these; they must be 0 if the deck has no law that does */
     MORE(p, k, tau) = MORE(p, k, pull) = 0.0;
     if (isnan(MORE(p, k, rho_ref))) MORE(p, k, rho_ref) = contact_rho_of(e, k);
   }
 }
 
-/* The overlap is that of the file: not in another box. Gear evaluated it at predicted places, hence
- * 1e-5 R. */
+/* Returns true if pair k has the overlap that the file has for stored contact c; false, for
+ * instance, in a box of another size. The tolerance of 1e-5 R allows for Gear, which evaluates
+ * contacts at predicted positions. */
 static bool is_in_place(const engine *e, size_t k, size_t c) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;

@@ -1,4 +1,4 @@
-/* engine.c: see engine.h. */
+/* engine.c: implements engine.h. */
 #include "physics/step/engine.h"
 #include "physics/system/bodies.h"
 #include "physics/system/clumps.h"
@@ -28,9 +28,10 @@
 #include "physics/system/halo.h"
 #include "physics/system/kernels.h"
 
-/* --- state of step 0 --------------------------------------------------------------------------------- */
+/* --- state of step 0 -------------------------------------------------------------------------- */
 
-/* Of a new state, whose memory costs nothing where it stays zero. */
+/* Sets an element of a new, zeroed column. Zeros are not written, so that pages of zeros take no
+ * memory. */
 static void set(double *at, double value) {
   if (value != 0.0 || signbit(value)) *at = value;
 }
@@ -117,7 +118,7 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
   return status == SD_OK && s->n_contacts > 0 ? order_contacts(m, s) : status;
 }
 
-/* --- work -------------------------------------------------------------------------------------------- */
+/* --- creation of the work --------------------------------------------------------------------- */
 
 static double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
 
@@ -148,7 +149,7 @@ static law_row row_of(const sd_contact_law *l) {
   return row;
 }
 
-/* All members are numbers. */
+/* Compares two rows of the law table, all of whose members are doubles. */
 static bool same_row(const law_row *a, const law_row *b) {
   double p[sizeof *a / sizeof(double)], q[sizeof *b / sizeof(double)];
   memcpy(p, a, sizeof p);
@@ -262,7 +263,7 @@ static sd_status allocate(engine *e, int threads) {
   return slot_table_new(&w->slots, s, sd_model_bodies(m)) ? columns_new(e) : SD_ERROR_IO;
 }
 
-/* Columns with a row for each free disk. */
+/* Number of columns of work with an element for each free disk. */
 enum { FREE_COLUMNS = 8 };
 static void free_columns(const work *w, double *column[FREE_COLUMNS]) {
   double *all[FREE_COLUMNS] = {w->inverse_mass_x,
@@ -276,7 +277,8 @@ static void free_columns(const work *w, double *column[FREE_COLUMNS]) {
   memcpy(column, all, sizeof all);
 }
 
-/* Pages stand near the thread that writes them first: each writes zeros to its part of what has just been mapped. */
+/* Writes zeros to this thread's range of new columns: a memory page is placed near the thread that
+ * writes it first. */
 static void touch_first(const team *t, void *with) {
   const engine *e = with;
   const work *w = &e->work;
@@ -290,7 +292,7 @@ static void touch_first(const team *t, void *with) {
 
 void engine_find_slots(engine *e) { slot_table_fill(&e->work.slots, e->state); }
 
-/* All but lists, contacts and constants of bodies. */
+/* Builds all work except lists, contacts and constants of bodies. */
 static sd_status build_bodies(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
   assert(threads >= 1 && threads <= WORK_MAX_THREADS && !w->slots.slot && e->model->dt > 0.0);
@@ -316,7 +318,8 @@ static sd_status build_bodies(engine *e, int threads, sd_messages *messages) {
   return status;
 }
 
-/* Places of rows are numbers of 32 bits; of sums there are a few for every body. */
+/* Most bodies in one process: offsets of rows are 32-bit integers, and each body has a few rows of
+ * force sums. */
 enum { MOST_BODIES = 50000000 };
 
 static sd_status build_lists(engine *e, sd_messages *messages) {
@@ -365,9 +368,10 @@ void engine_free(engine *e) {
   e->work = (work){0};
 }
 
-/* --- step 0 ------------------------------------------------------------------------------------------ */
+/* --- step 0 ----------------------------------------------------------------------------------- */
 
-/* After the first pass: contacts of the packing that are none here. They did not open, so nothing is booked. Returns how many. */
+/* Marks contacts of the packing that do not touch, after the first evaluation: they did not open,
+ * so no energy is booked. Returns how many there are. */
 static size_t drop_apart(engine *e) {
   work *w = &e->work;
   size_t dropped = 0;
@@ -390,7 +394,8 @@ static void warn_of_dropped(const sd_model *model, size_t kept, sd_messages *mes
             n - kept, n);
 }
 
-/* kept: contacts of the packing that go on. */
+/* Starts the part of the system that this rank has. *kept: number of contacts of the packing that
+ * continue. */
 static sd_status start_part(engine *e, size_t *kept, sd_messages *messages) {
   sd_state *s = e->state;
   work *w = &e->work;
@@ -403,7 +408,7 @@ static sd_status start_part(engine *e, size_t *kept, sd_messages *messages) {
   contacts_remember(e);
   if (e->model->forces_carried) sweep_forces(e, SWEEP_SUM);
   if (cell_work(e, true) != SD_OK) return SD_ERROR_IO;
-  /* nothing was lost on the way here */
+  /* evaluations before step 0 must not book losses */
   for (size_t k = 0; k < w->pairs.count; k++) losses_forget(&w->pairs, k);
   *kept -= drop_apart(e);
   sd_status status = contacts_events(e, messages);
@@ -420,7 +425,7 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   size_t kept;
   sd_status status = comm_agree(e->comm, start_part(e, &kept, messages));
   if (e->halo && status == SD_OK) {
-    step_agree(e, false); /* contacts with ghosts follow */
+    step_agree(e, false); /* contacts with ghosts are updated here */
     status = comm_agree(e->comm, engine_status(e));
   }
   if (status != SD_OK) return status;

@@ -1,13 +1,14 @@
-/* integrate_pass.h: predictor and corrector of LANE_WIDTH disks, one coordinate at a time; included once per
- * width after base/lane.h.
+/* integrate_pass.h: predictor and corrector for LANE_WIDTH disks, one coordinate at a time;
+ * included once per width after base/lane.h.
  *
- * Gear, fifth order, Nordsieck form for second-order equations (physics.md 5): column k holds dt^k/k! times
- * the k-th derivative; velocities are kept as such. Velocity Verlet uses column 2 only; its forces see the
- * velocity predicted with the old acceleration.
+ * Gear's fifth-order method in Nordsieck form for second-order equations (physics.md 5): column k
+ * holds dt^k/k! times the k-th derivative; velocities are stored without such a factor. Velocity
+ * Verlet uses column 2 only; its forces see the velocity predicted with the old acceleration.
  */
 #ifndef INTEGRATE_COMMON
 #define INTEGRATE_COMMON
-/* 3/16 because the forces depend on velocity (Allen & Tildesley, Computer Simulation of Liquids, app. E). */
+/* Gear's corrector coefficients. The first is 3/16 since forces depend on velocity (Allen &
+ * Tildesley, Computer Simulation of Liquids, app. E). */
 #define GEAR0 (3.0 / 16.0)
 #define GEAR1 (251.0 / 360.0)
 #define GEAR3 (11.0 / 18.0)
@@ -19,20 +20,21 @@ typedef struct LANE(nordsieck) {
   LANE(real) q, v, q2, q3, q4, q5;
 } LANE(nordsieck);
 
-/* Binomial sums by repeated addition. */
+/* Predicts all derivatives by Taylor's formula; binomial coefficients arise from repeated
+ * addition. */
 LANE_INLINE void LANE(gear_predict)(LANE(nordsieck) * c, LANE(real) dt, LANE(real) per_dt) {
   LANE(real) q1 = c->v * dt, q5 = c->q5;
   LANE(real) a4 = c->q4 + q5, a3 = c->q3 + a4, a2 = c->q2 + a3, a1 = q1 + a2;
   LANE(real) b4 = a4 + q5, b3 = a3 + b4, b2 = a2 + b3, b1 = a1 + b2;
   LANE(real) c4 = b4 + q5, c3 = b3 + c4, d4 = c4 + q5;
-  c->q = c->q + a1; /* rounded once, or small corrections would be lost one by one */
+  c->q = c->q + a1; /* one rounding: small terms added one by one would be lost */
   c->v = b1 * per_dt;
   c->q2 = b2 + c3;
   c->q3 = c3 + d4;
   c->q4 = d4 + q5;
 }
 
-/* acceleration: dt^2/2 of it */
+/* Corrects with the new acceleration, given as dt^2/2 times it. */
 LANE_INLINE void LANE(gear_correct)(LANE(nordsieck) * c, LANE(real) acceleration,
                                     LANE(real) per_dt) {
   LANE(real) error = acceleration - c->q2;
@@ -55,7 +57,8 @@ LANE_INLINE void LANE(verlet_correct)(LANE(nordsieck) * c, LANE(real) accelerati
   c->q2 = acceleration;
 }
 
-/* dt^2/2 times the acceleration; inverse: of the mass, 0 where nothing moves. */
+/* Returns dt^2/2 times the acceleration. inverse: inverse mass, 0 for coordinates that do not
+ * move. */
 LANE_INLINE LANE(real) LANE(accelerate)(LANE(real) force, LANE(real) constant, LANE(real) inverse,
                                         LANE(real) half_dt2) {
   return force * (half_dt2 * inverse) + constant * (half_dt2 * inverse);
@@ -67,18 +70,19 @@ LANE_INLINE LANE(real) LANE(accelerate)(LANE(real) force, LANE(real) constant, L
 #define INTEGRATE_VIEW
 #include "model/law_features.h"
 
-/* What the loops want of an engine, where they do not look for it again after every store. For slots from `begin` on
- * whose rows follow one another. */
+/* Pointers and constants of an engine that the loops need, copied so that the compiler need not
+ * reload them after every store. Valid for slots from `begin` on whose rows are consecutive. */
 typedef struct view {
   columns k[SD_COORDINATES];
-  const double *radius, *mass, *omega, *x0, *y0; /* mass, omega: NULL unless contacts want them */
+  /* mass, omega: NULL if no contact law needs them */
+  const double *radius, *mass, *omega, *x0, *y0;
   double *packed, *sums;
-  size_t shift; /* from slots to rows of these */
+  size_t shift; /* row = slot + shift, in packed and sums */
   double dt, per_dt, half_dt2, moved_limit2, speed_limit2, lower[2], upper[2];
   bool periodic[2];
   const work_cell *cell; /* NULL: the box does not deform */
-  bool show;             /* forces to the state */
-  size_t couples;        /* slots below this feel couples of rolling */
+  bool show;             /* true: store contact forces in the state */
+  size_t couples;        /* slots below this get torques from rolling resistance */
 } view;
 
 static inline view view_of(const engine *e, size_t begin) {
@@ -125,7 +129,7 @@ LANE_INLINE void LANE(gear_predict_at)(const columns *k, size_t i, LANE(real) dt
   LANE(store)(k->q4 + i, c->q4);
 }
 
-/* Rows of PACKED_ROW numbers. */
+/* Writes the packed bodies (rows of PACKED_ROW numbers) of disks i, i + 1, ... */
 LANE_INLINE void LANE(store_packed)(const view *v, size_t i, LANE(real) x, LANE(real) y,
                                     LANE(real) theta, LANE(real) vx, LANE(real) vy) {
   LANE(real) radius = LANE(load)(v->radius + i), zero = LANE(splat)(0.0);
@@ -146,10 +150,11 @@ LANE_INLINE void LANE(pack_at)(const view *v, size_t i) {
    LANE(load)(x->v + i), LANE(load)(y->v + i));
 }
 
-/* Beyond the limit since the lists were built; a coordinate that is not a number is, too. */
+/* Returns nonzero if a disk has moved beyond the limit since the lists were built, or a coordinate
+ * is NaN. */
 LANE_INLINE int LANE(is_stale)(const view *v, size_t i, LANE(real) x, LANE(real) y) {
   LANE(real) x0 = LANE(load)(v->x0 + i), y0 = LANE(load)(v->y0 + i), dx = x - x0, dy = y - y0;
-  if (v->cell) { /* the box took them along */
+  if (v->cell) { /* subtract the displacement by the deforming box */
     x0 = x0 - v->lower[0];
     y0 = y0 - v->lower[1];
     dx = dx - (v->cell->shift[0] + (v->cell->map[0] * x0 + v->cell->map[2] * y0));
@@ -158,14 +163,15 @@ LANE_INLINE int LANE(is_stale)(const view *v, size_t i, LANE(real) x, LANE(real)
   return LANE(any)(LANE(not )(LANE(within)(dx * dx + dy * dy, LANE(splat)(v->moved_limit2))));
 }
 
-/* Writing the rows brings them into the cache. */
+/* Clears the force sums of disks i, i + 1, ...; this also brings their rows into the cache. */
 LANE_INLINE void LANE(clear_sum)(const view *v, size_t i) {
   const LANE(real) zero = LANE(splat)(0.0);
   double *sum = v->sums + SUM_ROW * (i + v->shift);
   for (size_t k = 0; k < SUM_ROW; k++) LANE(store)(sum + LANE_WIDTH * k, zero);
 }
 
-/* Predicted coordinates, also to the packed bodies. */
+/* Predicts the coordinates, stores them in the state and the packed bodies, and clears the force
+ * sums. */
 LANE_INLINE void LANE(predict_at)(const view *v, size_t i, const int gear) {
   LANE(nordsieck) c[SD_COORDINATES];
   LANE(real) dt = LANE(splat)(v->dt), per_dt = LANE(splat)(v->per_dt);
@@ -197,7 +203,7 @@ LANE_INLINE LANE(mask)
   return out;
 }
 
-/* v^2 > limit^2 R^2; see speed.h. */
+/* Returns lanes with v^2 > limit^2 R^2, the displacement limit of speed.h. */
 LANE_INLINE LANE(mask) LANE(is_fast)(LANE(real) vx, LANE(real) vy, LANE(real) limit2) {
   return LANE(greater)(vx * vx + vy * vy, limit2);
 }
@@ -206,7 +212,7 @@ LANE_INLINE LANE(mask) LANE(is_fast_at)(const view *v, size_t i, LANE(real) vx, 
   return LANE(is_fast)(vx, vy, radius * radius * LANE(splat)(v->speed_limit2));
 }
 
-/* What contacts do to the bodies: to sum, and where it is wanted to the state. */
+/* Reads the contact forces on disks from their sums: to sum[] and, if v->show, to the state. */
 LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORDINATES]) {
   LANE(real) row[SUM_ROW];
   LANE(load4)(v->sums + SUM_ROW * (i + v->shift), SUM_ROW, row);
@@ -217,7 +223,8 @@ LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORD
   for (int n = 0; v->show && n < SD_COORDINATES; n++) LANE(store)(v->k[n].force + i, sum[n]);
 }
 
-/* Are disks beyond the limit, or after the next step? */
+/* Returns nonzero if disks have moved beyond the limit of the lists, or (ahead) will have after the
+ * next step. */
 LANE_INLINE int LANE(stale_at)(const view *v, size_t i, const int ahead) {
   const columns *x = &v->k[SD_X], *y = &v->k[SD_Y];
   LANE(real) qx = LANE(load)(x->q + i), qy = LANE(load)(y->q + i), dt = LANE(splat)(v->dt);

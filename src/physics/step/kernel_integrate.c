@@ -1,5 +1,5 @@
-/* kernel_integrate.c: predictor and corrector of both integrators; compiled once per instruction set.
- */
+/* kernel_integrate.c: predictor and corrector of both integrators; compiled once per instruction
+ * set. */
 #include "model/field_kinds.h"
 #include "physics/system/bodies.h"
 #include "physics/system/fields.h"
@@ -18,7 +18,7 @@
 #include "physics/step/integrate_pass.h"
 #include "physics/step/field_pass.h"
 
-/* The whole vectors of [begin, end), then single lanes. */
+/* Runs `vector` for all full vectors of [begin, end), then `single` for the remaining elements. */
 #define FOR_LANES(vector, single)                                                                  \
   do {                                                                                             \
     size_t i = begin;                                                                              \
@@ -33,7 +33,8 @@ static void pack_alike(engine *e, size_t begin, size_t end, bool prescribed) {
             (pack_at_w1(&v, i), clear_sum_w1(&v, i)));
 }
 
-/* Poses to the packed bodies. The mass of prescribed ones is infinite, that of ghosts is not. */
+/* Writes the packed bodies in slots [begin, end). Prescribed bodies get an infinite mass (inverse
+ * 0), ghosts their own. */
 static void pack(engine *e, size_t begin, size_t end) {
   const sd_state *s = e->state;
   const size_t first = s->n_free + s->n_ghosts, middle = begin > first ? begin
@@ -61,7 +62,8 @@ LANE_INLINE void predict(const engine *e, size_t begin, size_t end, const int ge
   FOR_LANES(LANE(predict_at)(&v, i, gear), predict_at_w1(&v, i, gear));
 }
 
-/* Notes disks whose angle or position must return into its range, and that one is too fast. */
+/* Corrects free disks; notes disks whose angle or position must be wrapped, and whether one is too
+ * fast. */
 LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, const int gear,
                          const body_forces *acting) {
   const view v = view_of(e, begin);
@@ -92,14 +94,15 @@ static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t en
     correct(e, mine, begin, end, 0, NULL);
 }
 
-/* Fields on free disks whose forces of contacts are in the state. */
+/* Recomputes field forces on free disks from the contact forces in the state. */
 static void renew_fields(engine *e, size_t begin, size_t end) {
   const view v = view_of(e, begin);
   FOR_LANES(LANE(field_renew)(e->work.body_forces, &v, i),
             field_renew_w1(e->work.body_forces, &v, i));
 }
 
-/* Of any bodies; prescribed ones are few. */
+/* Adds up contact forces on any bodies, and stores them in the state. Works on one body at a time,
+ * since prescribed bodies are few. */
 static void gather(engine *e, size_t begin, size_t end) {
   view v = view_of(e, begin);
   v.show = true;

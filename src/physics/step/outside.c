@@ -1,4 +1,4 @@
-/* outside.c: see outside.h. */
+/* outside.c: implements outside.h. */
 #include "physics/system/bodies.h"
 #include "physics/step/outside.h"
 
@@ -13,13 +13,15 @@
 #include "physics/system/halo.h"
 #include "physics/system/list.h"
 
-/* A disk that has left; order: its slot among those of all ranks. */
+/* A disk that has left the bounds: its slot in the whole system (order), body number, slot on its
+ * own rank, and position. */
 typedef struct outside_left {
   uint32_t order, disk, slot;
   double x, y;
 } outside_left;
 
-/* Infinite limits stay infinite. Of a clump its centre counts, for all of its disks. */
+/* Returns true if free disk i is outside the bounds; all disks of a clump go by the clump's centre.
+ * Infinite bounds stay infinite when scaled. */
 static bool beyond(const engine *e, size_t i) {
   const sd_bounds *b = &e->model->bounds;
   const sd_state *s = e->state;
@@ -51,8 +53,8 @@ static void take_out(engine *e, size_t i) {
   }
 }
 
-/* Disks that are back are in play; *list, to be freed, has those that have left since the last
- * look. */
+/* Sets disks that have come back to SD_IN_PLAY, and lists those that have left since the last check
+ * in *list, which the caller frees. Returns SD_ERROR_IO if memory runs out. */
 static sd_status find_left(engine *e, outside_left **list, size_t *n) {
   sd_state *s = e->state;
   size_t capacity = 0;
@@ -74,12 +76,14 @@ static sd_status find_left(engine *e, outside_left **list, size_t *n) {
   return SD_OK;
 }
 
-/* Counts disks of all ranks, in their order, and warns of them. */
+/* Counts the disks of all ranks that have left, in the order of the whole system, and warns of
+ * them. Returns SD_ERROR_NUMERIC if the run is to stop. */
 static sd_status tell_left(engine *e, const outside_left *list, size_t n, sd_messages *messages) {
   sd_state *s = e->state;
   const sd_outside how = e->model->bounds.outside;
   const long long step = (long long)s->step;
-  /* what is meant to leave is told of once; the end of the run says how many, and which */
+  /* disks that are meant to be removed give one warning; the end of the run reports how many left,
+   * and which */
   const int64_t told = how == SD_OUTSIDE_REMOVE ? 1 : OUTSIDE_TOLD;
   assert(e->model->bounds.given);
   for (const outside_left *d = list; d < list + n; d++) {
@@ -100,7 +104,7 @@ static sd_status tell_left(engine *e, const outside_left *list, size_t n, sd_mes
   return SD_OK;
 }
 
-/* Those of this rank are outside, or taken out. */
+/* Marks this rank's disks that have left as SD_OUTSIDE, or takes them out. */
 static void mark_left(engine *e, const outside_left *list, size_t n) {
   for (size_t k = 0; k < n; k++) {
     e->state->activity[list[k].slot] = SD_OUTSIDE;
@@ -113,7 +117,8 @@ static int by_order(const void *one, const void *two) {
   return p->order < q->order ? -1 : p->order > q->order;
 }
 
-/* Those of all ranks on every rank, in their order; to be freed. */
+/* Gathers the disks of all ranks on every rank, sorted by their order in the whole system; the
+ * caller frees *list. */
 static sd_status gather_left(const comm *c, const outside_left *mine, size_t n, outside_left **list,
                              size_t *all) {
   int *counts = memory_new((size_t)comm_size(c), sizeof *counts);
@@ -128,7 +133,7 @@ static sd_status gather_left(const comm *c, const outside_left *mine, size_t n, 
   return status;
 }
 
-/* Contacts of disks that are taken out, here and as ghosts. */
+/* Ends the contacts of disks that are taken out, also where they are ghosts on this rank. */
 static sd_status end_contacts(engine *e, const outside_left *list, size_t n) {
   const size_t slots = e->state->n_free + e->state->n_ghosts;
   bool *gone;
@@ -142,7 +147,7 @@ static sd_status end_contacts(engine *e, const outside_left *list, size_t n) {
   return status;
 }
 
-/* The energy that they take along is booked. */
+/* Takes the disks out, rebuilds the lists, and books the energy that the disks take along. */
 static sd_status remove_left(engine *e, const outside_left *mine, size_t n, const outside_left *all,
                              size_t n_all, sd_messages *messages) {
   const sd_energy before = energy_of(e);

@@ -1,23 +1,23 @@
-/* outside.h: disks that leave their bounds (sd_bounds in model.h): counted, reported, taken out or a reason to
- * stop. */
+/* outside.h: disks that leave the bounds of the run (sd_bounds in model.h): they are counted and
+ * reported, and may be taken out or stop the run. */
 #ifndef PHYSICS_OUTSIDE_H
 #define PHYSICS_OUTSIDE_H
 
 #include "physics/system/work.h"
 
-/* Steps between two looks. */
+/* Number of steps between two checks. */
 enum { OUTSIDE_EVERY = 256 };
-/* So many are told of one by one, in a run and at its end; the rest is counted. */
+/* Disks that are reported one by one, during a run and at its end; any more are only counted. */
 enum { OUTSIDE_TOLD = 8 };
 
-/* Looks at the disks of all ranks, between steps, on one thread of each; collective. Those newly
- * beyond the bounds become SD_OUTSIDE or SD_REMOVED, with a warning each (the first few, then
- * counted); one that comes back is in play as before. Bounds change with the lengths of the
- * region. The energy that removed disks take along is booked in state->energy_start.
- * SD_ERROR_NUMERIC when the run shall stop. */
+/* Checks the disks of all ranks, between steps, on one thread of each rank; collective. Disks newly
+ * outside the bounds become SD_OUTSIDE or SD_REMOVED, each with a warning (the first few; the rest
+ * is counted); a disk that comes back is in play as before. Bounds scale with the lengths of the
+ * region. The energy of removed disks is subtracted from state->energy_start. Returns
+ * SD_ERROR_NUMERIC if the run is to stop, SD_ERROR_IO if memory runs out. */
 sd_status outside_look(engine *e, sd_messages *messages);
 
-/* Disks that are beyond the bounds now, or were taken out. */
+/* Returns the number of disks that are outside the bounds now, or were taken out. */
 int64_t outside_count(const sd_state *state);
 
 #endif

@@ -1,9 +1,9 @@
-/* rescale.c: see rescale.h.
+/* rescale.c: implements rescale.h.
  *
- * A change maps the state: positions by the factor, velocities and angles not at all. Round pairs keep their
- * direction, hence lambda; along a line the arc length of the nearest point changes and lambda* follows. So every
- * tangential displacement stays as it was, and only overlaps change. Contacts, forces and accelerations are then those of the
- * mapped state, as they are at step 0.
+ * A change multiplies positions by the factor; velocities and angles stay. Round pairs keep their
+ * direction, hence lambda; along a wall the arc length of the nearest point changes, and lambda_ref
+ * changes by the same amount. So every tangential displacement stays as it was, and only overlaps
+ * change. Contacts, forces and accelerations are then evaluated in the new state, as at step 0.
  */
 #include "physics/step/rescale.h"
 
@@ -32,7 +32,8 @@ static void scale_column(double *x, size_t n, double corner, double f) {
   for (size_t i = 0; i < n; i++) x[i] = corner + f * (x[i] - corner);
 }
 
-/* Where the nearest point of a line stands along it is a length, too. */
+/* Changes lambda_ref of contacts with wall segments: the arc length of the nearest point is
+ * multiplied by f, too. */
 static void scale_arcs(engine *e, double f) {
   pairs *p = &e->work.pairs;
   for (size_t k = p->first_segment; k < p->count; k++) {
@@ -43,19 +44,20 @@ static void scale_arcs(engine *e, double f) {
   }
 }
 
-/* What closed contacts remember of their overlap is that of the new lengths, so that the change itself is not
- * taken for a motion. */
+/* Sets the stored overlaps of closed contacts to those of the new lengths, so that the change is
+ * not taken for a motion. */
 static void renew_overlaps(engine *e) {
   pairs *p = &e->work.pairs;
   for (size_t k = 0; k < p->count; k++) {
     if (!pairs_closed(p, k)) continue;
-    /* it is closed until the next evaluation */
+    /* a contact stays closed until the next evaluation */
     const double overlap = contact_geometry_of(e, k).overlap;
     PAIR(p, k, overlap) = PAIR(p, k, overlap) > 0.0 ? fmax(overlap, 0.0) : overlap;
   }
 }
 
-/* Contacts open, close and slide as the new overlaps say; accelerations follow. Only sliding loses energy. */
+/* Evaluates all contacts with the new overlaps: they open, close and slide; accelerations follow.
+ * Viscous loss and nonconservative work are restored, so that only sliding loses energy. */
 static sd_status renew_contacts(engine *e, sd_messages *messages) {
   work *w = &e->work;
   const sd_state *s = e->state;
@@ -107,7 +109,7 @@ sd_status rescale(engine *e, double f, sd_messages *messages) {
   scale_column(s->clump_base_y, s->n_clumps, corner[SD_Y], f);
   s->box_scale *= f;
   box_update(e);
-  clumps_place_all(e); /* they keep their size */
+  clumps_place_all(e); /* clumps move but keep their size */
   walls_pose(e);
   const bool stale = comm_or(e->comm, !neighbours_rescale(e, f)) != 0;
   sd_status status = stale ? engine_renew(e, messages) : SD_OK;

@@ -1,11 +1,12 @@
-/* rescale.h: a change of the lengths of the region. */
+/* rescale.h: multiplies the lengths of the region by a factor. */
 #ifndef PHYSICS_RESCALE_H
 #define PHYSICS_RESCALE_H
 
 #include "physics/system/work.h"
 
-/* All lengths times f about the region's corner, with contacts, forces and accelerations of the new ones. SD_ERROR_IO: no
- * memory; SD_ERROR_NUMERIC: an overlap is beyond the limit. Collective. */
+/* Multiplies all lengths by f about the region's corner, then evaluates contacts, forces and
+ * accelerations of the new state. Collective. Returns SD_ERROR_IO if memory runs out,
+ * SD_ERROR_NUMERIC if an overlap is beyond the limit. */
 sd_status rescale(engine *e, double f, sd_messages *messages);
 
 #endif

@@ -1,4 +1,4 @@
-/* speed.c: see speed.h. */
+/* speed.c: implements speed.h. */
 #include "physics/step/speed.h"
 
 #include <assert.h>
@@ -15,14 +15,15 @@ void speed_begin(engine *e) {
   w->compare_motions = compare && strides_are_long(e->model);
 }
 
-/* The fastest free disk beyond the limit: its displacement per step over its radius; 0: none is. */
+/* Finds the fastest free disk beyond the limit. Returns its displacement per step over its radius;
+ * 0 if there is none. */
 static double fastest_disk(const engine *e, size_t *disk) {
   const sd_state *s = e->state;
   double fastest = 0.0;
   for (size_t i = 0; i < s->n_free; i++) {
     double v2 = s->vx[i] * s->vx[i] + s->vy[i] * s->vy[i], r2 = s->radius[i] * s->radius[i];
     if (!(v2 > r2 * e->work.speed_limit2)) continue;
-    if (!(v2 / r2 > fastest)) continue; /* of equal ones the first slot */
+    if (!(v2 / r2 > fastest)) continue; /* among equals the lowest slot counts */
     fastest = v2 / r2;
     *disk = i;
   }

@@ -1,11 +1,13 @@
-/* step.c: the step, one page.
+/* step.c: one time step.
  *
- * place prescribed bodies and the box at t + dt -> force fields of the program -> (stale? rebuild neighbours, carrying contacts) -> chunk by chunk: predict the free
- * disks of its pairs, evaluate each contact once (force, lambda*, losses), correct -> contacts with ghosts, while messages had time
- * -> chunks that wait for these or for other threads
- * -> rare events.
+ * Set prescribed bodies and the box at t + dt -> force fields of the program -> rebuild the lists
+ * if they are stale, carrying contacts over -> chunk by chunk: predict the free disks of its pairs,
+ * evaluate each contact once (force, lambda_ref, losses), correct the disks -> contacts with
+ * ghosts, whose messages travel meanwhile -> chunks that wait for these or for other threads ->
+ * rare events.
  *
- * Every loop writes only its own indices; each wait makes what was written visible to the whole team.
+ * Every loop writes only its own indices; each wait makes previous writes visible to the whole
+ * team.
  */
 #include "physics/step/step.h"
 
@@ -30,9 +32,10 @@ static bool any_stale(const work *w) {
   return stale;
 }
 
-/* --- step -------------------------------------------------------------------------------------------- */
+/* --- step ------------------------------------------------------------------------------------- */
 
-/* Shares are those of n_threads; a team may be smaller. */
+/* Loop over ranges: the chunks are divided into n_threads ranges; a team with fewer threads takes
+ * several each. */
 #define FOR_SHARES(t, share, w)                                                                    \
   for (int share = (t)->rank; share < (w)->n_threads; share += (t)->size)
 #define FOR_CHUNKS(k, w, share)                                                                    \
@@ -42,7 +45,8 @@ static void predict_all(engine *e, const team *t) {
   FOR_SHARES(t, share, &e->work) FOR_CHUNKS(k, &e->work, share) sweep_predict(e, k);
 }
 
-/* Marks every chunk as predicted, or none. New lists forget it. */
+/* Marks every chunk as predicted for the coming step, or none. A rebuild of the lists clears these
+ * marks. */
 static void note_predicted(engine *e, bool all) {
   chunks *c = &e->work.chunks;
   for (size_t k = 0; k < c->count; k++) {
@@ -51,7 +55,8 @@ static void note_predicted(engine *e, bool all) {
   }
 }
 
-/* Lists for the coming step. If a disk outruns the list within one step, rebuild at the predicted positions. */
+/* Rebuilds the lists for the coming step. If a disk outruns the new lists within one step, they are
+ * rebuilt at the predicted positions. */
 static sd_status renew_lists(engine *e) {
   work *w = &e->work;
   const team alone = {.size = 1};
@@ -68,7 +73,7 @@ static sd_status renew_lists(engine *e) {
   return status;
 }
 
-/* One thread leads, the others help where lists are long. */
+/* Rebuilds the lists: the first thread leads, the others help with long lists. */
 static void renew_together(engine *e, const team *t) {
   if (t->rank > 0) {
     team_help(t);
@@ -93,8 +98,8 @@ void step_begin(engine *e, int64_t n) {
   note_predicted(e, false);
 }
 
-/* Where velocities change between steps, or predictions of single coordinates are overwritten: predicts all disks first,
- * and checks the lists. */
+/* Predicts all disks first, then checks whether the lists are stale: needed if velocities change
+ * between steps, or single predicted coordinates are overwritten. */
 static void predict_and_check(engine *e, const team *t) {
   work *w = &e->work;
   predict_all(e, t);
@@ -114,7 +119,7 @@ static void predict_and_check(engine *e, const team *t) {
 unsigned step_agree(engine *e, bool stop) {
   work *w = &e->work;
   halo *h = e->halo;
-  /* where velocities have changed since the correction looked, it is looked again */
+  /* velocities may have changed since the corrector checked this, so check again */
   if (w->status == SD_OK && (any_stale(w) || motion_outruns(e) ||
                              (w->predict_all && w->kernels->stale(e, 0, e->state->n_free, true))))
     h->bits |= HALO_STALE;
@@ -127,7 +132,8 @@ unsigned step_agree(engine *e, bool stop) {
   return all;
 }
 
-/* Forces on prescribed bodies; of all ranks where something follows from them. */
+/* Stores the contact forces on prescribed bodies, of all ranks. Ranks skip this in steps in which
+ * nothing depends on it. */
 static void gather_prescribed(engine *e) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -148,13 +154,13 @@ void step_once(engine *e, const team *t) {
     motion_pose(e, &w->threads[0]);
     fields_apply(e);
     if (motion_moves_walls(e)) walls_pose_listed(e);
-    w->stale = !e->halo && any_stale(w); /* else step_agree has asked all ranks */
+    w->stale = !e->halo && any_stale(w); /* with a halo, step_agree has asked all ranks */
     if (w->predict_all || !w->stale)
-      cell_pose(e, e->state->step + 1); /* else when lists are built */
+      cell_pose(e, e->state->step + 1); /* otherwise renew_lists does this */
     pairs_clear_single(e);
   }
   team_wait(t);
-  if (w->status != SD_OK) return; /* of a force field */
+  if (w->status != SD_OK) return; /* a force field of the program reported an error */
   if (w->stale) {
     renew_together(e, t);
     if (w->status != SD_OK) return;
@@ -190,7 +196,8 @@ void step_once(engine *e, const team *t) {
     fields_work(e);
     w->status = cell_work(e, false);
     if (w->status == SD_OK && contacts_any_event(w)) w->status = contacts_events(e, w->messages);
-    /* no other step will show the forces; where chunks share rows they are gone */
+    /* Store forces now, since no further step will; impossible if chunks share rows, which are
+     * overwritten then. */
     if (w->status != SD_OK && !w->chunks.shares) w->kernels->gather(e, 0, e->state->n_free);
     e->state->step++;
     if (validity_due(e->state->step) && w->status == SD_OK) validity_check_step(e);

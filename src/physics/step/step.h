@@ -4,15 +4,18 @@
 
 #include "physics/system/work.h"
 
-/* Advances by one step; every member of the team calls it, and waits once more before it reads the state
- * or work.status, or takes the next step. */
+/* Advances the system by one step. Every thread of the team calls it, and must wait once more
+ * (team_wait) before it reads the state or work.status, or takes the next step. */
 void step_once(engine *e, const team *t);
-/* Before n steps, on one thread, after whatever was done to bodies between steps. The forces on free disks are in the state
- * after the last of them, and where velocities are steered after each; not after a step that failed in a large system. */
+/* Prepares for n steps, after bodies may have been changed; call it on one thread. Contact forces
+ * on free disks are stored in the state after the last of these steps (after every step while
+ * velocities are changed between steps), but not if a step fails in a large system. */
 void step_begin(engine *e, int64_t n);
 
-/* Collective, of an engine with a halo, by one thread before each step and after the last: bits HALO_STALE ... of all ranks. With
- * HALO_STALE no step may follow before new lists. stop: this rank wants all to stop. */
+/* Exchanges flags between ranks: returns the bits HALO_STALE ... that any rank has set. Collective;
+ * one thread of an engine with a halo calls it before each step and after the last. After
+ * HALO_STALE lists must be rebuilt before the next step. stop: this rank wants all ranks to
+ * stop. */
 unsigned step_agree(engine *e, bool stop);
 
 #endif

@@ -1,23 +1,24 @@
-/* sweep.h: chunk by chunk: prediction, forces and history, correction, while a chunk is in the cache. The step, step 0 and
- * compression are made of it.
+/* sweep.h: prediction, evaluation of contacts and correction, chunk by chunk, while the data of a
+ * chunk are in the cache. Used by the step, by step 0 and by compression.
  */
 #ifndef PHYSICS_SWEEP_H
 #define PHYSICS_SWEEP_H
 
 #include "physics/system/work.h"
 
-/* Predicts chunk k at t + dt, once a step. */
+/* Predicts the disks of chunk k at t + dt, once per step. */
 void sweep_predict(engine *e, size_t k);
-/* The same, and packs its bodies, with no force on them yet. */
+/* Predicts chunk k unless that has been done, packs its bodies, and clears their force sums. */
 void sweep_pack(engine *e, size_t k);
 void sweep_correct(engine *e, thread_work *mine, size_t k);
-/* The chunks of share t, but for corrections that wait for other threads. */
+/* Treats the chunks of thread range t, except corrections that must wait for other threads. */
 void sweep_share(engine *e, int t);
-/* After halo_finish: share t of the contacts with ghosts, whose disks wait for their corrections. */
+/* Evaluates range t of the contacts with ghosts, after halo_finish; the disks are corrected
+ * later. */
 void sweep_ghosts(engine *e, int t);
-/* Forces on all bodies at the present coordinates, to the state; on one thread, between steps.
- * SWEEP_EVALUATE evaluates each contact and commits its history; SWEEP_SUM adds up the forces that
- * contacts remember. */
+/* Computes the contact forces on all bodies at the present coordinates, and stores them in the
+ * state; call it on one thread, between steps. SWEEP_EVALUATE evaluates each contact and updates
+ * its record; SWEEP_SUM adds up the forces in the records. */
 typedef enum sweep_kind { SWEEP_EVALUATE, SWEEP_SUM } sweep_kind;
 void sweep_forces(engine *e, sweep_kind kind);
 
