@@ -13,7 +13,7 @@
 #include "model/overlaps.h"
 #include "model/rows.h"
 
-/* --- time step ------------------------------------------------------------------------------------------- */
+/* --- time step ------------------------------------------------------------------------------ */
 
 /* Steps per shortest contact period, and per limit of stability that viscosity sets, below which a run is warned of. */
 static const int FEWEST_STEPS = 20;
@@ -101,7 +101,7 @@ static double check_time_step(const sd_model *m, sd_messages *messages) {
   return m->dt / fmin(longest, limit.dt);
 }
 
-/* --- contact laws ---------------------------------------------------------------------------------------- */
+/* --- contact laws --------------------------------------------------------------------------- */
 
 /* By numbers where a model that was built gives no names. */
 static char *law_name(const sd_model *m, size_t a, size_t b) {
@@ -173,7 +173,7 @@ static double loses_energy(const sd_model *m, size_t a, size_t b, sd_messages *m
   return law->gamma_n > 0 || law_tsuji(law) > 0 || (law->mu > 0 && law->k_t > 0);
 }
 
-/* --- phases ---------------------------------------------------------------------------------------------- */
+/* --- phases --------------------------------------------------------------------------------- */
 
 static char *phase_name(const sd_model *m, size_t k) {
   const char *name = m->phases[k].name;
@@ -306,7 +306,7 @@ static double check_compress(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- boxes that deform ---------------------------------------------------------------------------------- */
+/* --- boxes that deform ---------------------------------------------------------------------- */
 
 static bool attracts(const sd_model *m) {
   bool any = false;
@@ -353,7 +353,7 @@ static double check_cells(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- positions ------------------------------------------------------------------------------------------- */
+/* --- positions ------------------------------------------------------------------------------ */
 
 /* Deeper than this, over the radius, disks are thrown apart. */
 static const double DEEP_OVERLAP = 0.01;
@@ -506,7 +506,7 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- all -------------------------------------------------------------------------------------------------- */
+/* --- all ------------------------------------------------------------------------------------ */
 
 advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,
                                        check_settle,    check_compress, check_overlap,

@@ -43,7 +43,7 @@ static bool any_disk(const sd_model *m, disk_place *is, const void *user) {
   return rows_any(m, any);
 }
 
-/* --- ends that meet, of walls that move apart ------------------------------------------------------------- */
+/* --- ends that meet, of walls that move apart ----------------------------------------------- */
 
 /* Between the walls of a corner both are touched in their own points; elsewhere in the point of the corner. */
 static bool is_beyond_corner(const double at[2], const void *user) {
@@ -62,7 +62,7 @@ static void look_at_ends(const sd_model *m, const wall_end *ends, size_t n, twic
     }
 }
 
-/* --- a wall that ends on another --------------------------------------------------------------------------- */
+/* --- a wall that ends on another ------------------------------------------------------------ */
 
 /* The surface of a wall at a point of it: a line, or a circle. */
 typedef struct surface {
@@ -155,7 +155,7 @@ static void look_at_surfaces(const sd_model *m, const wall_end *ends, size_t n, 
   }
 }
 
-/* --- warnings ----------------------------------------------------------------------------------------------- */
+/* --- warnings ------------------------------------------------------------------------------- */
 
 static double tell(const sd_model *m, const twice *t, const char *where, const char *advice,
                    sd_messages *messages) {

@@ -106,7 +106,7 @@ static double check_off(const sd_model *m, size_t k, sd_messages *messages) {
                        format_text("it is on in no phase: no list `fields` of a phase names it"));
 }
 
-/* --- falling for ever ------------------------------------------------------------------------------------- */
+/* --- falling for ever ----------------------------------------------------------------------- */
 
 /* Can it keep disks from gaining speed along this axis: drag that acts on some, or a force by place? */
 static bool field_holds(const sd_body_force *f) {

@@ -40,7 +40,7 @@ static sd_status list_disks(sd_model *m) {
   return SD_OK;
 }
 
-/* --- shape ----------------------------------------------------------------------------------------------- */
+/* --- shape ---------------------------------------------------------------------------------- */
 
 /* A disk of a clump that is being put together in a periodic box. */
 typedef struct member {
@@ -226,7 +226,7 @@ static void derive(sd_model *m, sd_clump *c, member *of) {
   }
 }
 
-/* --- checks ------------------------------------------------------------------------------------------ */
+/* --- checks --------------------------------------------------------------------------------- */
 
 static void check_disk(const sd_model *m, const char *clump, uint32_t i, bool waiting,
                        sd_messages *msg) {

@@ -64,7 +64,7 @@ TABLE(deck_fields, "fields", false,
       "one acts on all disks.",
       field_keys);
 
-/* --- which, and how strongly ------------------------------------------------------------------------------ */
+/* --- which, and how strongly ---------------------------------------------------------------- */
 
 bool body_force_is_on(const sd_model *m, size_t k, int64_t phase) {
   const bool *on = phase < (int64_t)m->n_phases ? m->phases[phase].fields : NULL;
@@ -150,7 +150,7 @@ void body_forces_limit(const sd_model *m, sd_step_limit *limit) {
   free(rates);
 }
 
-/* --- checks --------------------------------------------------------------------------------------------------- */
+/* --- checks --------------------------------------------------------------------------------- */
 
 static void check_one(const sd_model *m, const sd_body_force *f, const char *name,
                       sd_messages *msg) {

@@ -22,7 +22,7 @@
 #include "model/rows.h"
 #include "model/walls.h"
 
-/* --- checks ------------------------------------------------------------------------------------------ */
+/* --- checks --------------------------------------------------------------------------------- */
 
 static void check_run(const sd_model *m, sd_messages *msg) {
   deck_key_check(&deck_top, m, "", msg);
@@ -450,7 +450,7 @@ static void check_step(const sd_model *m, sd_messages *msg) {
   free(text);
 }
 
-/* --- derived tables ---------------------------------------------------------------------------------- */
+/* --- derived tables ------------------------------------------------------------------------- */
 
 static void complete_disks(sd_model *m) {
   const size_t held = model_held(m);

@@ -9,7 +9,7 @@
 #include "model/arc.h"
 #include "model/motions.h"
 
-/* --- ends ----------------------------------------------------------------------------------------------- */
+/* --- ends ----------------------------------------------------------------------------------- */
 
 static bool has_ends(const sd_wall *w) {
   if (w->kind == SD_WALL_ARC) return !arc_is_ring(w);
@@ -83,7 +83,7 @@ size_t joints_near(const wall_end *ends, size_t n, size_t k) {
   return last;
 }
 
-/* --- motions -------------------------------------------------------------------------------------------- */
+/* --- motions -------------------------------------------------------------------------------- */
 
 static bool moves(const sd_motion *q, uint32_t body) {
   for (size_t k = 0; k < q->n_bodies; k++)
@@ -109,7 +109,7 @@ bool joints_rigid(const sd_model *m, const wall_end *one, const wall_end *two) {
   return true;
 }
 
-/* --- vertices ------------------------------------------------------------------------------------------- */
+/* --- vertices ------------------------------------------------------------------------------- */
 
 /* Vertices that turned out to be one: each names another of its set, the first of a set itself. */
 static uint32_t first_of(uint32_t *same, uint32_t v) {

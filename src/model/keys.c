@@ -272,7 +272,7 @@ const deck_key *deck_key_find(const deck_table *table, const char *name) {
   return NULL;
 }
 
-/* --- ranges ----------------------------------------------------------------------------------------------- */
+/* --- ranges --------------------------------------------------------------------------------- */
 
 const char *deck_range_text(deck_range range) {
   static const char *const text[] = {"", "> 0", ">= 0", ">= 1", "> 0 and <= 1"};
@@ -301,7 +301,7 @@ const char *deck_expected(deck_range range, double x) {
   return wrong_size ? sized[range] : deck_range_text(range);
 }
 
-/* --- members ---------------------------------------------------------------------------------------------- */
+/* --- members -------------------------------------------------------------------------------- */
 
 static int word_value(const deck_shape *word, const char *quoted) {
   for (; word->name; word++)

@@ -62,7 +62,7 @@ static const deck_key law_keys[] = {
 };
 TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
 
-/* --- mistakes ------------------------------------------------------------------------------------------- */
+/* --- mistakes ------------------------------------------------------------------------------- */
 
 char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
   const bool bridge = law->cohesion == SD_COHESION_BRIDGE;
@@ -107,7 +107,7 @@ double law_pull(const sd_contact_law *law, double delta) {
   return 0.0;
 }
 
-/* --- features ------------------------------------------------------------------------------------------- */
+/* --- features ------------------------------------------------------------------------------- */
 
 unsigned law_features(const sd_contact_law *law) {
   unsigned f = 0;
@@ -167,7 +167,7 @@ bool law_is_same(const sd_contact_law *a, const sd_contact_law *b) {
   return true;
 }
 
-/* --- which there are -------------------------------------------------------------------------------------- */
+/* --- which there are ------------------------------------------------------------------------ */
 
 /* Materials that are none are left out; they are reported elsewhere. */
 void laws_count_uses(const sd_model *m, law_use *use) {

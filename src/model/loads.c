@@ -75,7 +75,7 @@ bool sd_model_clash(const sd_model *m, size_t phase, size_t motion[2]) {
   return false;
 }
 
-/* --- checks ------------------------------------------------------------------------------------------ */
+/* --- checks --------------------------------------------------------------------------------- */
 
 /* Walls that the disks move (physics.md 6). */
 static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
@@ -129,7 +129,7 @@ void loads_check(const sd_model *m, sd_messages *msg) {
   check_clashes(m, msg);
 }
 
-/* --- the time step ------------------------------------------------------------------------------------- */
+/* --- the time step -------------------------------------------------------------------------- */
 
 enum { STEPS_PER_PERIOD = 20 };
 

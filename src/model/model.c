@@ -189,7 +189,7 @@ static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *
   return to || !n;
 }
 
-/* --- keys ------------------------------------------------------------------------------------------- */
+/* --- keys ----------------------------------------------------------------------------------- */
 
 /* Row of a key and the struct whose member it sets; NULL: a mistake, which is kept. */
 static const deck_key *key_of(sd_model *m, const char *path, void **members) {
@@ -319,7 +319,7 @@ void sd_model_set_bounds(sd_model *m, const double lower[2], const double upper[
   }
 }
 
-/* --- materials -------------------------------------------------------------------------------------- */
+/* --- materials ------------------------------------------------------------------------------ */
 
 int sd_model_add_material(sd_model *m, const char *name, const sd_contact_law *law) {
   const size_t n = m->n_materials;
@@ -359,7 +359,7 @@ void sd_model_set_law(sd_model *m, int a, int b, const sd_contact_law *law) {
   m->laws[a * n + b] = m->laws[b * n + a] = *law;
 }
 
-/* --- bodies ----------------------------------------------------------------------------------------- */
+/* --- bodies --------------------------------------------------------------------------------- */
 
 /* Takes over all of a disk but its name and group. */
 static void put_disk(sd_disk *to, const sd_disk *from) {
@@ -449,7 +449,7 @@ uint32_t sd_model_add_clump(sd_model *m, const sd_clump *clump) {
   return number;
 }
 
-/* --- motions and phases ----------------------------------------------------------------------------- */
+/* --- motions and phases --------------------------------------------------------------------- */
 
 /* Switches the n motions or fields of a phase on, or off, from number `from` on. */
 static void activate(sd_model *m, bool **list, size_t from, size_t n, bool on) {
@@ -534,7 +534,7 @@ void sd_model_set_until(sd_model *m, const sd_until *until) {
   m->until.asked = true;
 }
 
-/* --- finishing -------------------------------------------------------------------------------------- */
+/* --- finishing ------------------------------------------------------------------------------ */
 
 /* SD_WALL(w) and SD_CLUMP(k) become body numbers; any other number stays, for the checks. */
 static uint32_t body_number(const sd_model *m, uint32_t body) {

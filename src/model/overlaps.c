@@ -135,7 +135,7 @@ static int level_of(double radius) {
   return exponent - LEAST_EXPONENT;
 }
 
-/* --- lists ------------------------------------------------------------------------------------------------ */
+/* --- lists ---------------------------------------------------------------------------------- */
 
 static bool make_levels(grid *g) {
   size_t n_cells = 0;
@@ -244,7 +244,7 @@ sd_status overlaps_of_disks(const sd_model *m, overlap_visitor *visit, void *use
   return made ? SD_OK : SD_ERROR_IO;
 }
 
-/* --- walls ----------------------------------------------------------------------------------------------- */
+/* --- walls ---------------------------------------------------------------------------------- */
 
 static double distance_to_segment(const double *p, const double *a, const double *b, bool endless) {
   double tx = b[0] - a[0], ty = b[1] - a[1], l2 = tx * tx + ty * ty;
@@ -338,7 +338,7 @@ void overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) 
   }
 }
 
-/* --- two bodies ------------------------------------------------------------------------------------------ */
+/* --- two bodies ----------------------------------------------------------------------------- */
 
 static double gap_to_wall(const sd_wall *w, const double *p, double radius) {
   double nearest = HUGE_VAL;

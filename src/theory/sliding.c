@@ -120,7 +120,7 @@ static bool follow(const sliding_system *y, double start, sliding_path *path) {
   return false;
 }
 
-/* --- roots -------------------------------------------------------------------------------------------- */
+/* --- roots ---------------------------------------------------------------------------------- */
 
 typedef struct task {
   const sliding_system *system;
@@ -145,7 +145,7 @@ static bool solve(task *t, double *root) {
   return sliding_root(net, t, -most, most, 1e-15 * t->system->peak, 0, root) && !t->failed;
 }
 
-/* --- public ------------------------------------------------------------------------------------------- */
+/* --- public --------------------------------------------------------------------------------- */
 
 static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}; /* by SD_PP ... */
 
@@ -301,7 +301,7 @@ static double next_at(double v, double phase, double u) {
   return first + 2 * M_PI * ceil((from - first) / (2 * M_PI));
 }
 
-/* --- meetings while sliding ---------------------------------------------------------------------------- */
+/* --- meetings while sliding ----------------------------------------------------------------- */
 
 typedef struct gap {
   const sliding_system *y;
@@ -379,7 +379,7 @@ double sliding_meeting(const sliding_system *y, int i, double u, double omega, d
   return HUGE_VAL;
 }
 
-/* --- the end of sticking -------------------------------------------------------------------------------- */
+/* --- the end of sticking -------------------------------------------------------------------- */
 
 /* First phase after u at which w_i and w_j are equal again. */
 static double supports_meet(const sliding_system *y, int i, int j, double u) {
