@@ -1,4 +1,5 @@
-/* advice.c: see advice.h. */
+/* advice.c: the table of checks, and warnings about time step, laws, phases and positions; see
+ * advice.h. */
 #include "model/advice.h"
 
 #include <float.h>

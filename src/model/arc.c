@@ -1,4 +1,4 @@
-/* arc.c: see arc.h. */
+/* arc.c: segments and points of walls that are circular arcs; see arc.h. */
 #include "model/arc.h"
 
 #include <math.h>

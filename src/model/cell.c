@@ -1,4 +1,4 @@
-/* cell.c: see cell.h. */
+/* cell.c: checks of phases that deform the periodic box; see cell.h. */
 #include "model/cell.h"
 #include "model/laws.h"
 #include "model/rows.h"

@@ -1,4 +1,4 @@
-/* clumps.c: see clumps.h. */
+/* clumps.c: shape, mass and checks of clumps of disks; see clumps.h. */
 #include "model/clumps.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* field_kinds.c: see field_kinds.h. */
+/* field_kinds.c: deck keys, stability limits and checks of fields; see field_kinds.h. */
 #include "model/field_kinds.h"
 #include "model/rows.h"
 

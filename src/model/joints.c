@@ -1,4 +1,4 @@
-/* joints.c: see joints.h. */
+/* joints.c: finds ends of walls that meet and numbers their vertices; see joints.h. */
 #include "model/joints.h"
 
 #include <float.h>

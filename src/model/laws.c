@@ -1,4 +1,4 @@
-/* laws.c: see laws.h. */
+/* laws.c: deck keys, checks and features of contact laws; see laws.h. */
 #include "model/laws.h"
 
 #include <math.h>
