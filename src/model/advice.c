@@ -273,9 +273,9 @@ static double first_fraction(const sd_model *m) {
 double sd_model_compress_time(const sd_model *m, size_t phase) {
   if (phase >= m->n_phases) return NAN;
   double from = first_fraction(m);
+  /* 0 (unknown) if that phase compresses to a pressure */
   for (size_t k = 0; k < phase; k++)
-    if (m->phases[k].compress.asked)
-      from = m->phases[k].compress.fraction; /* 0, unknown, after a compression to a pressure */
+    if (m->phases[k].compress.asked) from = m->phases[k].compress.fraction;
   const sd_compress *c = &m->phases[phase].compress;
   return c->asked && c->fraction > 0 && from > 0 ? fabs(log(c->fraction / from)) / 2 / c->rate
                                                  : NAN;
@@ -313,7 +313,7 @@ static double check_compress(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- boxes that deform ---------------------------------------------------------------------- */
+/* --- deforming boxes ------------------------------------------------------------------------ */
 
 static bool attracts(const sd_model *m) {
   bool any = false;
@@ -519,7 +519,7 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- all ------------------------------------------------------------------------------------ */
+/* --- table of checks ------------------------------------------------------------------------ */
 
 advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,
                                        check_settle,    check_compress, check_overlap,

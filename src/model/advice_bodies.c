@@ -12,7 +12,7 @@
 #include "model/overlaps.h"
 #include "model/rows.h"
 
-/* --- walls of which a disk may touch two in one point ----------------------------------------- */
+/* --- points at which a disk touches two walls ----------------------------------------------- */
 
 static double cross(const double a[2], const double b[2]) { return a[0] * b[1] - a[1] * b[0]; }
 static double dot(const double a[2], const double b[2]) { return a[0] * b[0] + a[1] * b[1]; }
@@ -32,7 +32,7 @@ static void note(twice *t, uint32_t a, uint32_t b, const double at[2]) {
   for (int c = 0; c < 2; c++) t->at[c] = at[c];
 }
 
-/* Predicate of a position. */
+/* Predicate of a disk's position; user: its own data. */
 typedef bool disk_place(const double at[2], const void *user);
 
 /* Collective. True if the predicate holds for any free disk; disks that wait for rain have no
@@ -46,7 +46,7 @@ static bool any_disk(const sd_model *m, disk_place *is, const void *user) {
   return rows_any(m, any);
 }
 
-/* --- ends that meet, of walls that move apart ----------------------------------------------- */
+/* --- joined ends of walls that move apart --------------------------------------------------- */
 
 /* True if a disk at this position touches both walls in their common end, so that it feels both:
  * anywhere but in the angle between the walls, where it touches each at its own point. */
@@ -67,7 +67,7 @@ static void look_at_ends(const sd_model *m, const wall_end *ends, size_t n, twic
     }
 }
 
-/* --- a wall that ends on another ------------------------------------------------------------ */
+/* --- walls that end on another wall --------------------------------------------------------- */
 
 /* The surface of a wall near the end of another wall that lies on it: a straight line or a
  * circle. */
@@ -202,7 +202,7 @@ double advice_joints(const sd_model *m, sd_messages *messages) {
            messages));
 }
 
-/* --- prescribed bodies that run into one another, between which no force acts ----------------- */
+/* --- overlaps of prescribed bodies, between which no force acts ----------------------------- */
 
 /* Overlap over the radius beyond which a warning is given; times of the run that are examined;
  * most pairs over all these times. */
@@ -324,7 +324,7 @@ double advice_prescribed(const sd_model *m, sd_messages *messages) {
   return worst.depth / LEAST_OVERLAP;
 }
 
-/* --- motions that strike what they move, or pass through it ----------------------------------- */
+/* --- motions that jump, or move too far in a step ------------------------------------------- */
 
 /* Jump over the radius of the smallest disk beyond which, and steps per cycle below which, a
  * motion gets a warning. */

@@ -112,7 +112,7 @@ static double check_off(const sd_model *m, size_t k, sd_messages *messages) {
                        format_text("it is on in no phase: no list `fields` of a phase names it"));
 }
 
-/* --- falling for ever ----------------------------------------------------------------------- */
+/* --- disks that fall without end ------------------------------------------------------------ */
 
 /* True if the field can keep disks from gaining speed without limit: drag, or a central force. */
 static bool field_holds(const sd_body_force *f) {

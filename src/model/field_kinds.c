@@ -64,7 +64,7 @@ TABLE(deck_fields, "fields", false,
       "one acts on all disks.",
       field_keys);
 
-/* --- which, and how strongly ---------------------------------------------------------------- */
+/* --- active fields and their strength ------------------------------------------------------- */
 
 bool body_force_is_on(const sd_model *m, size_t k, int64_t phase) {
   const bool *on = phase < (int64_t)m->n_phases ? m->phases[phase].fields : NULL;

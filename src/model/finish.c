@@ -37,8 +37,8 @@ static void check_run(const sd_model *m, sd_messages *msg) {
       sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
 }
 
-/* Reports a body's number that is below `least` (or equal to it, if open), not finite, or beyond
- * LIMIT_NUMBER. */
+/* Reports the value of a key of a body if it is below `least` (or equal to it, if open), not
+ * finite, or beyond LIMIT_NUMBER. */
 static void check_number(const sd_model *m, uint32_t body, const char *key, double value,
                          double least, bool open, sd_messages *msg) {
   char name[96];
@@ -437,7 +437,8 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
       sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected a gap >= 0, and a speed and a floor", k);
     for (size_t row = r->first < held ? r->first : held; row < n; row++) {
       const uint32_t i = rows_number(m, row);
-      if (i >= end && row < held) row = held - 1; /* skip to the rows of this rank only */
+      /* continue with the rows that only this rank has */
+      if (i >= end && row < held) row = held - 1;
       if (i < r->first || i >= end) continue;
       counts[1] += row >= rows_first(m);
       check_raining(m, k, row, msg);

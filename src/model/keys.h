@@ -19,7 +19,7 @@ typedef enum deck_kind {
   DECK_KEY_BOOL,
   DECK_KEY_INTEGER,
   DECK_KEY_NUMBER,
-  DECK_KEY_ANGLE, /* a number of radians, or "0.04 pi", "7.2 deg" */
+  DECK_KEY_ANGLE, /* angle in radians, or "0.04 pi", "7.2 deg" */
   DECK_KEY_TEXT,
   DECK_KEY_CHOICE,
   DECK_KEY_NUMBERS,     /* list of numbers */
@@ -93,7 +93,7 @@ typedef struct deck_table {
 extern const deck_table deck_top, deck_gravity, deck_box, deck_bounds, deck_limits, deck_phases,
     deck_settle, deck_compress, deck_cell, deck_output, deck_measure, deck_sliding, deck_until;
 
-/* --- how rows are written: {name, type, default, words, meaning, member} -------------------- */
+/* --- macros for rows: {name, type, default, words, meaning, member} ------------------------- */
 
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define KEY_TYPE(type, r, u) .kind = type, .range = r, .unit = u
@@ -136,7 +136,7 @@ extern const deck_table deck_top, deck_gravity, deck_box, deck_bounds, deck_limi
 
 #define SETS_OFF(type, member) offsetof(type, member), DECK_SETS_OFF
 
-/* --- what follows from a row ---------------------------------------------------------------- */
+/* --- functions of rows ---------------------------------------------------------------------- */
 
 /* Returns key number k of the table and the tables appended to it; NULL beyond the last. */
 const deck_key *deck_key_at(const deck_table *table, size_t k);

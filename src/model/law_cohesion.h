@@ -32,7 +32,7 @@ typedef struct LANE(cohesion) {
   LANE(mask) bridge; /* true: bridge; false: constant, or none with pull_off 0 */
   LANE(real) pull_off;
   LANE(real) range, per_range; /* per_range: 1/range, 0 if range is 0 */
-  LANE(real) broken;           /* exp(-rupture/range) */
+  LANE(real) broken;           /* A/pull_off at gap `rupture`: exp(-rupture/range) */
   LANE(real) begins, ends;     /* gaps at which the attraction begins and ends */
 } LANE(cohesion);
 

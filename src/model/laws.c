@@ -62,7 +62,7 @@ static const deck_key law_keys[] = {
 };
 TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
 
-/* --- mistakes ------------------------------------------------------------------------------- */
+/* --- errors of laws ------------------------------------------------------------------------- */
 
 char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
   const bool bridge = law->cohesion == SD_COHESION_BRIDGE;
@@ -72,7 +72,7 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
     double value;
     const char *text;
   } rules[] = {
-      /* the message of the first rule includes mu */
+      /* law_mistake adds the value of mu to this text */
       {law->mu_kinetic > law->mu, "mu_kinetic", law->mu_kinetic, "expected at most mu"},
       {law->gamma_t > 0 && !(law->k_t > 0 && law->mu > 0), "gamma_t", law->gamma_t,
        "without k_t and mu there is no tangential force; give both"},
@@ -166,7 +166,7 @@ bool law_is_same(const sd_contact_law *a, const sd_contact_law *b) {
   return true;
 }
 
-/* --- which there are ------------------------------------------------------------------------ */
+/* --- pairs of materials in use -------------------------------------------------------------- */
 
 /* Invalid material numbers are skipped; they are reported elsewhere. */
 void laws_count_uses(const sd_model *m, law_use *use) {

@@ -60,6 +60,7 @@ typedef struct sd_tile_wall {
   size_t pieces; /* number of segments; 0: a circle */
   /* Index of the wall's first segment among all wall segments: of the file, and of the model. */
   size_t first, own_first;
+  /* radius, angle and surface displacement of the wall in the file */
   double radius, theta, surface;
   double arc; /* radius if the wall is an arc, else 0 */
   bool ring;  /* True for an arc that is a full circle and has no ends. */
@@ -152,7 +153,7 @@ typedef struct sd_segment {
   sd_piece piece;
   /* First end; for an infinite line any point of it; for an arc the centre of its circle. */
   double start[2];
-  double tangent[2]; /* unit vector from the first end to the second */
+  double tangent[2]; /* straight segments: unit vector from the first end to the second */
   double length;     /* HUGE_VAL for an infinite line, which extends to both sides of `start`. */
   /* Tangent of the previous segment, -tangent at a free end: limits the region in which the
    * first end is the nearest point. */
@@ -224,7 +225,7 @@ struct sd_model {
   sd_tiles tiles;
   size_t n_rains;
   sd_rain *rains;
-  size_t n_memories; /* History of contacts that are closed when the run starts, in any order. */
+  size_t n_memories; /* number of contacts that are closed when the run starts, in any order */
   sd_contact_memory *memories;
   /* Number of these contacts on all ranks, including those in `mine`; derived. */
   size_t all_memories;

@@ -34,12 +34,12 @@
 
 /* Method by which the values of a motion are computed. */
 typedef enum signal_source {
-  /* From the contact forces at each step: values are not computed ahead, and lanes do not
-   * support it. */
   SIGNAL_STEADY,
   SIGNAL_WAVE,
   SIGNAL_RANDOM,
   SIGNAL_TABLE,
+  /* Computed from the contact forces at each step: values are not computed ahead, and lanes do not
+   * support it. */
   SIGNAL_FEEDBACK
 } signal_source;
 
@@ -93,7 +93,7 @@ sd_status model_find_driven(sd_model *model);
  * coordinate. The caller frees them. NULL: out of memory. */
 unsigned char *model_moved(const sd_model *model);
 
-/* --- how far motions move bodies in one step, known before the run ---------------------------- */
+/* --- displacements of bodies in one step, estimated before the run -------------------------- */
 
 /* A prescribed body jumps if in one step it moves farther than its velocity accounts for, by
  * more than this fraction of limits.displacement. */

@@ -23,7 +23,7 @@ static double restitution_of(double b) {
 }
 
 double law_damping_ratio(double e, bool pulls) {
-  if (pulls) /* from e = exp(-pi b/sqrt(1 - b^2)) */
+  if (pulls) /* inverse of e = exp(-pi b/sqrt(1 - b^2)) */
     return -log(e) / hypot(M_PI, log(e));
   double low = 0.0, high = 1.0;
   while (restitution_of(high) > e && high < 1e6) high *= 2.0;

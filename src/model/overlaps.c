@@ -80,8 +80,8 @@ static size_t hash(const level *l, double i, double j) {
 /* Index of the cell of coordinate x; + 0.0 turns -0.0 into 0.0. */
 static double cell_of(const level *l, double x) { return floor(x / l->cell) + 0.0; }
 
-/* Visits the pair (i, j) if disk j is the larger (or has the higher number) and overlaps an
- * image of disk i at the distance (dx, dy). True: end the search for disk i. */
+/* Visits the pair (i, j) if disk j is the larger (or, if equal, has the higher number) and
+ * overlaps an image of disk i at the distance (dx, dy). True: end the search for disk i. */
 static bool check_pair(grid *g, size_t i, size_t j, double dx, double dy) {
   const sd_disk *a = &g->m->disks[i], *b = &g->m->disks[j];
   if (b->radius < a->radius || (b->radius == a->radius && j <= i)) return false;
@@ -150,7 +150,7 @@ static int level_of(double radius) {
   return exponent - LEAST_EXPONENT;
 }
 
-/* --- lists ---------------------------------------------------------------------------------- */
+/* --- lists of cells ------------------------------------------------------------------------- */
 
 /* Computes the cells of each level and allocates the lists. False: out of memory. */
 static bool make_levels(grid *g) {
@@ -278,8 +278,8 @@ static double distance_to_segment(const double *p, const double *a, const double
 typedef struct wall_tree {
   const sd_wall *wall;
   wall_bounds bounds;
-  /* n segments; leaves: a power of two; node k has the children 2k and 2k + 1, leaf i is node
-   * leaves + i */
+  /* n: number of segments; leaves: a power of two >= n. Node k has the children 2k and 2k + 1,
+   * leaf i is node leaves + i. */
   size_t n, leaves;
   /* [2 * leaves] bounding boxes of the nodes */
   double (*low)[2], (*high)[2];
@@ -362,7 +362,7 @@ void overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) 
   }
 }
 
-/* --- two bodies ----------------------------------------------------------------------------- */
+/* --- gap between two bodies ----------------------------------------------------------------- */
 
 /* Gap between a disk at p and a wall at its initial position. */
 static double gap_to_wall(const sd_wall *w, const double *p, double radius) {

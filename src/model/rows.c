@@ -9,7 +9,7 @@
 
 #include "base/memory.h"
 
-/* --- all ranks together ----------------------------------------------------------------------- */
+/* --- reductions over all ranks -------------------------------------------------------------- */
 
 double rows_largest(const sd_model *m, double value) { return comm_largest(m->comm, value); }
 double rows_least(const sd_model *m, double value) { return -comm_largest(m->comm, -value); }
@@ -73,7 +73,7 @@ sd_disk model_tile_disk(const sd_tiles *t, double radius, const double position[
                    .waiting = t->kind == SD_PACKING_RAIN};
 }
 
-/* --- a rank's part ---------------------------------------------------------------------------- */
+/* --- distribution over ranks ---------------------------------------------------------------- */
 
 bool rows_special(const sd_disk *d) {
   bool special = d->driven || d->clump > 0 || d->name;

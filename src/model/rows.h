@@ -14,7 +14,7 @@
 #include "base/comm.h"
 #include "model/model.h"
 
-/* --- while a model is made -------------------------------------------------------------------- */
+/* --- rows while a model is built ------------------------------------------------------------ */
 
 /* Number of disks whose rows all ranks store: disks [0, model_held) are in model->disks. */
 static inline size_t model_held(const sd_model *m) {
@@ -69,7 +69,7 @@ size_t rows_of_tiles(const sd_model *m);
 /* Returns a disk of a packing, with the mass, material and group that `tiles` gives. */
 sd_disk model_tile_disk(const sd_tiles *tiles, double radius, const double position[2]);
 
-/* --- while it runs ---------------------------------------------------------------------------- */
+/* --- rows during a run ---------------------------------------------------------------------- */
 
 /* True if all ranks must know the disk, because it has more than a number, position, velocity,
  * angle, size, mass, material and group: it is driven, named, locked, in a clump, or has a

@@ -16,8 +16,8 @@ typedef struct slot_table {
   uint32_t *slot; /* slot of each body; of each entry if it is a hash table */
   /* Body number of each entry, SLOT_NONE: empty. NULL: the table is the array slot[body]. */
   uint32_t *body;
-  uint32_t mask;   /* number of entries, a power of two, minus 1 */
-  int shift;       /* 32 minus the number of bits of a block's index in the table */
+  uint32_t mask;   /* hash table: number of entries, a power of two, minus 1 */
+  int shift;       /* hash table: 32 minus the number of bits of a block's index */
   size_t n_bodies; /* number of bodies in the model; clumps have the numbers that follow */
 } slot_table;
 

@@ -24,7 +24,7 @@
 #include "model/normal_laws.h"
 #include "model/rows.h"
 
-/* Coefficients a and b of this limit. */
+/* Coefficients a (STIFF) and b (VISCOUS) of the stability condition a (w dt)^2 + b c dt <= 1. */
 static const double STIFF[] = {[SD_GEAR5] = 47.0 / 30, [SD_VERLET] = 0.25};
 static const double VISCOUS[] = {[SD_GEAR5] = 551.0 / 90, [SD_VERLET] = 1};
 
@@ -88,7 +88,7 @@ static double longest(const sd_model *m, double w2, double c) {
 
 /* Limit of the time step from the oscillations of one disk. */
 static sd_step_limit limit_of(const sd_model *m, const oscillator *o, uint32_t disk) {
-  /* viscous part of the left side at the limit */
+  /* value of the term b c dt at the stability limit, out of 1 */
   const double normal = longest(m, o->normal2, o->damping),
                tangential = longest(m, o->tangential2, o->friction),
                viscous = VISCOUS[m->integrator] * o->damping * normal;

@@ -11,7 +11,7 @@
 enum { SD_FORCE_CARRIED = 4 };
 
 struct sd_state {
-  /* One value per run. */
+  /* The following members have one value per run. */
   int64_t step;       /* steps completed since the start */
   int64_t phase;      /* index of the current phase; n_phases: the run is over */
   int64_t phase_step; /* steps completed in the current phase */
@@ -52,7 +52,7 @@ struct sd_state {
   size_t n_surfaces;  /* number of walls if a motion moves the surface of any, else 0 */
   size_t law_columns; /* 1: the state has the columns of SD_CONTACT_MORE; 0: these are empty */
 
-  /* One row per body, by slot. */
+  /* The following columns have one row per body, by slot. */
   uint32_t *id; /* body number in the model */
   /* Position in the box, and angle: the angle is turn + theta, theta within [-4, 4] rad, turn a
    * multiple of 8 rad. */
@@ -78,13 +78,14 @@ struct sd_state {
    * have ended. */
   double *past_viscous, *past_friction, *past_nonconservative_work;
 
-  /* One row per wall, if a motion moves the surface of any. The displacement of the surface
-   * along the wall is surface + surface_turn; then its velocity, the force of the contacts on
-   * it, and its prescribed displacement without the running motions. */
+  /* The following columns have one row per wall if a motion moves the surface of any wall, else
+   * none. The displacement of the surface along the wall is surface + surface_turn; then its
+   * velocity, the force of the contacts on it, and its prescribed displacement without the
+   * running motions. */
   double *surface, *surface_turn, *surface_speed, *surface_force, *base_surface;
 
-  /* One row per free disk. Column k of the Nordsieck vector is dt^k/k! times the k-th
-   * derivative. */
+  /* The following columns have one row per free disk. Column k of the Nordsieck vector (x2 ...)
+   * is dt^k/k! times the k-th derivative. */
   int32_t *activity; /* SD_IN_PLAY, SD_WAITING, SD_REMOVED or SD_OUTSIDE */
   /* Energy lost to rolling in contacts that have ended, shared as loss_viscous; only with
    * law_columns. */
@@ -93,14 +94,14 @@ struct sd_state {
   double *x2, *y2, *theta2;
   double *x3, *y3, *theta3, *x4, *y4, *theta4, *x5, *y5, *theta5;
 
-  /* One row per free disk of a model with fields (physics.md 15): forces and torque of the
-   * fields at the last step, the powers of their work, drag and damping, and the time integrals
-   * of these powers since step 0. */
+  /* The following columns have one row per free disk if the model has fields (physics.md 15):
+   * forces and torque of the fields at the last step, the powers of their work, drag and
+   * damping, and the time integrals of these powers since step 0. */
   double *field_x, *field_y, *field_torque;
   double *power_work, *power_drag, *power_damping;
   double *field_work, *loss_drag, *loss_damping;
 
-  /* One row per closed contact, ordered by (lower slot, partner). */
+  /* The following columns have one row per closed contact, ordered by (lower slot, partner). */
   uint32_t *contact_a;    /* body number of the disk */
   uint32_t *contact_b;    /* body number of the partner disk or wall */
   uint32_t *contact_part; /* index of the wall segment; 0 for round bodies */
@@ -113,7 +114,7 @@ struct sd_state {
   SD_CONTACT_MORE(SD_CONTACT_POINTER)
 #undef SD_CONTACT_POINTER
 
-  /* One row per motion. */
+  /* The following columns have one row per motion. */
   int64_t *motion_start; /* step at which the motion was switched on; -1: off */
   /* Random motion: displacement and velocity of the oscillator at the last draw (0) and at the
    * next one (1). Load, servo: u0 and v0 are displacement and velocity; servo: u1 is the
@@ -130,18 +131,18 @@ struct sd_state {
   double *cell_mean; /* running means of the stress-controlled rates: xx, yy, xy */
   /* Position in the box relative to its edges, when the nonaffine displacement was last updated. */
   double *cell_u, *cell_v;
-  double *nonaffine_x,
-      *nonaffine_y; /* Displacement since the phase began, minus that of the deforming box. */
+  /* Displacement since the phase began, minus that of the deforming box. */
+  double *nonaffine_x, *nonaffine_y;
 
-  /* One row per phase, filled in when the phase ends. */
+  /* The following columns have one row per phase, filled in when the phase ends. */
   int64_t *phase_steps;   /* steps that the phase took; 0: not over */
   int32_t *phase_reached; /* 1 if the goals of settle and compress were met */
   /* settle: kinetic energy per disk, unbalanced force */
   double *phase_kinetic, *phase_unbalanced;
   double *phase_target; /* compress: pressure or packing fraction that was reached */
 
-  /* Statistics of the measured phases: rotation_* by disk in rotations, slide_* by entry of
-   * slides. */
+  /* The following columns hold statistics of the measured phases: rotation_* by disk in
+   * rotations, slide_* by entry of slides. */
   /* Angle when measuring began, plus what the disk has since turned while not measured. */
   double *rotation_start;
   double *rotation_bin;  /* angle turned in each completed bin */
@@ -154,14 +155,16 @@ struct sd_state {
   int64_t *slide_openings; /* number of times the contact opened */
   int32_t *slide_was_open; /* 1 if the contact was open at the last step */
 
-  /* Visits of watched pairs of contacts to their sliding configurations: see visits.h. */
+  /* The following columns describe the visits of watched pairs of contacts to their sliding
+   * configurations (visits.h). */
   int32_t *visit_class; /* class of the current visit; -1: none */
-  int64_t *visit_since; /* measured steps when it began; -1: it began before measuring did */
-  int64_t *visit_from;  /* measured steps when its current part began */
+  /* number of measured steps when the visit began; -1: it began before measuring did */
+  int64_t *visit_since;
+  int64_t *visit_from; /* number of measured steps when the visit's current part began */
   /* reference normal forces, subtracted from the force sums to keep them small */
   double *visit_reference;
-  double *visit_part;   /* sums over the current part: VISIT_TORQUE ... */
-  double *visit_sum;    /* sums per class over completed parts */
+  double *visit_part;   /* sums over the current part of the visit: VISIT_TORQUE ... */
+  double *visit_sum;    /* sums per class over completed parts of visits */
   int64_t *visit_count; /* number of visits that began and ended while measured */
   int64_t *visit_steps; /* number of steps of these visits */
   double *visit_steps2; /* sum of the squared numbers of steps of these visits */
@@ -170,24 +173,26 @@ struct sd_state {
   double *visit_age_torque;
   int64_t *visit_age_steps;
 
-  /* Time averages of the free disks, by slot. Members sum_* are sums over samples unless stated
-   * otherwise. */
+  /* The following columns hold sums for time averages of the free disks, by slot. sum_* are sums
+   * over samples unless stated otherwise. */
   /* angles defined as rotation_start, rotation_last, rotation_stop */
   double *mean_angle, *mean_last, *mean_stop;
   double *mean_bin; /* angle turned in each completed bin */
   /* absolute position when measuring began; NAN: the disk was not in play */
   double *mean_x0, *mean_y0;
-  /* displacement from (mean_x0, mean_y0), and its square */
+  /* sums of the displacement from (mean_x0, mean_y0), and of its square */
   double *sum_x, *sum_y, *sum_xx, *sum_yy;
-  double *sum_contacts, *sum_sliding; /* number of closed contacts, and of sliding ones */
-  double *sum_force;                  /* normal forces of the disk's contacts */
-  double *sum_injected;               /* power of prescribed bodies on this disk */
-  double *sum_kinetic, *sum_spin;     /* kinetic energies of translation and of rotation */
+  double *sum_contacts, *sum_sliding; /* sums of the numbers of closed and of sliding contacts */
+  double *sum_force;                  /* sum of the normal forces of the disk's contacts */
+  double *sum_injected;               /* sum of the power of prescribed bodies on this disk */
+  /* sums of the kinetic energies of translation and of rotation */
+  double *sum_kinetic, *sum_spin;
   /* Losses in measured phases; during a measured phase minus the value of loss_* at its begin. */
   double *sum_viscous, *sum_friction, *sum_opening;
   int64_t *sum_openings; /* number of contacts that opened in measured steps */
 
-  /* One row per clump: motion of its centre of mass, with the same columns as a body. */
+  /* The following columns have one row per clump: motion of its centre of mass, with the same
+   * columns as a body. */
   double *clump_x, *clump_y, *clump_theta, *clump_turn;
   double *clump_vx, *clump_vy, *clump_omega;
   int32_t *clump_image_x, *clump_image_y;
@@ -217,10 +222,10 @@ sd_state *sd_state_new(const sd_model *model);
 sd_state state_sizes(const sd_model *model);
 /* Bytes of the columns of a state of the model with this many contacts. */
 double state_bytes(const sd_model *model, size_t contacts);
-/* Lower bound, in bytes, of the memory of a simulation in one process: the model's disks and the
- * state's columns without contacts. The bound is not strict: columns that stay 0 (derivatives,
- * losses) may need no memory, but neighbour lists and forces, which are not counted, need more
- * than these. */
+/* Returns a lower estimate, in bytes, of the memory of a simulation in one process: the model's
+ * disks and the state's columns without contacts. Columns that stay 0 (derivatives, losses) may
+ * take no memory, but neighbour lists and forces, which are not counted, take more than these
+ * save. */
 double state_least_bytes(const sd_model *model);
 /* Bytes that each disk adds to state_least_bytes, at least, whatever the model; free: for a free
  * disk. */

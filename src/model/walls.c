@@ -384,7 +384,7 @@ void wall_images_check(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* --- where a wall is near ------------------------------------------------------------------- */
+/* --- periodic images near a wall ------------------------------------------------------------ */
 
 wall_bounds wall_bounds_of(const sd_wall *w) {
   const bool round = w->kind == SD_WALL_CIRCLE || w->kind == SD_WALL_ARC;

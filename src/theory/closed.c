@@ -43,13 +43,13 @@ double sd_sync_limit_sine(const sd_three_disk *disk, double amplitude, double om
  * = q, their mean is -cos(u_c) cos(h). */
 double sd_sync_mean_sine(const sd_three_disk *disk, double amplitude, double omega) {
   double plus = sd_tep_torque(disk, 1, 1), minus = sd_tep_torque(disk, -1, -1);
-  /* rate of Omega/(Theta_b w_b) per unit torque and phase */
+  /* change of Omega/(Theta_b w_b) per unit torque and unit phase */
   double rate = 1 / (disk->inertia * amplitude * omega * omega);
   double h = M_PI * plus / (plus - minus), q = rate * minus * h / sin(h);
   if (!(fabs(q) < 1)) return NAN;
 
-  /* At both phases the support's velocity must change faster than Omega, else the contact
-   * sticks. */
+  /* At both phases where Omega equals the support's velocity, the latter must change faster than
+   * Omega, else the contact sticks. */
   double centre = asin(q), first = sin(centre - h), second = sin(centre + h);
   if (!(first < rate * minus && second > rate * plus)) return NAN;
   return -amplitude * omega * cos(centre) * cos(h);

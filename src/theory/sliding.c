@@ -156,7 +156,7 @@ static bool solve(task *t, double *root) {
   return sliding_root(net, t, -most, most, 1e-15 * t->system->peak, 0, root) && !t->failed;
 }
 
-/* --- public --------------------------------------------------------------------------------- */
+/* --- public functions ----------------------------------------------------------------------- */
 
 /* signs of sliding by configuration, SD_PP ... */
 static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
