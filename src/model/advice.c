@@ -31,8 +31,8 @@ static const char *bound_text(sd_bound bound) {
   return texts[bound];
 }
 
-/* Returns the advice "take 8e-6 or less"; for Gear also Verlet, if dt is well below its limit.
- * The caller frees it. */
+/* Returns advice on dt, such as "take 8e-06 or less"; with Gear it also suggests Verlet if dt is
+ * well below Verlet's limit. The caller frees it. */
 static char *better_step(const sd_model *m, const sd_step_limit *limit) {
   double best = fmin(sd_model_shortest_period(m, NULL) / 100, limit->dt / FEWEST_VISCOUS);
   sd_model other = *m;

@@ -21,7 +21,7 @@ static double dot(const double a[2], const double b[2]) { return a[0] * b[0] + a
 typedef struct twice {
   size_t count;
   uint32_t a, b; /* walls of the first point */
-  double at[2];  /* its position */
+  double at[2];  /* position of the first point */
 } twice;
 
 /* Counts a point; the first one is kept. */

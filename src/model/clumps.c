@@ -49,7 +49,7 @@ typedef struct member {
   /* Placed member whose surface is nearest to this disk's; for a disk not yet placed, the
    * nearest so far. */
   size_t beside;
-  double gap; /* gap to that member */
+  double gap; /* gap between this disk and the member `beside` */
   /* Number of periods by which the disk is moved to lie beside the first disk. */
   double cells[2];
 } member;

@@ -1,4 +1,4 @@
-/* image.c: see image.h.
+/* image.c: serializes and restores a model; see image.h.
  *
  * One walk over everything that a model owns, in a fixed order, serves writing and reading: the
  * struct, then each array, then what the elements of the array point to. Pointers are stored as

@@ -70,7 +70,7 @@ wall_end *joints_ends(const sd_model *m, size_t *n) {
   return ends;
 }
 
-/* The tolerance covers the rounding of lengths and of coordinates. */
+/* The two terms are the rounding errors of lengths and of coordinates. */
 double joints_tolerance(const wall_end *e) {
   return 1e-9 * e->along + 16.0 * DBL_EPSILON * (fabs(e->at[0]) + fabs(e->at[1]));
 }

@@ -16,7 +16,7 @@ static const deck_shape variants[] = {WORD("paper", SD_PAPER),
 static const deck_shape outside_words[] = {WORD("report", SD_OUTSIDE_REPORT),
                                            WORD("stop", SD_OUTSIDE_STOP),
                                            WORD("remove", SD_OUTSIDE_REMOVE), LAST_WORD};
-/* Values: bit c is set if the box is periodic along coordinate c. */
+/* Periodic directions; bit c of a value is set if the box is periodic along coordinate c. */
 static const deck_shape periodic_directions[] = {WORD("none", 0), WORD("x", 1), WORD("y", 2),
                                                  WORD("xy", 3), LAST_WORD};
 

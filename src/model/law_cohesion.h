@@ -36,7 +36,8 @@ typedef struct LANE(cohesion) {
   LANE(real) begins, ends;     /* gaps at which the attraction begins and ends */
 } LANE(cohesion);
 
-/* A/pull_off at overlap delta; any = 0: no lane has a bridge. */
+/* Attraction over pull_off, A/pull_off, at overlap delta (< 0: gap); any = 0: no lane has a
+ * bridge. */
 LANE_INLINE LANE(real)
     LANE(cohesion_part)(const LANE(cohesion) * c, LANE(real) delta, const int any) {
   const LANE(real) zero = LANE(splat)(0.0), gap = LANE(max)(-delta, zero) * c->per_range;

@@ -169,9 +169,9 @@ typedef struct sd_segment {
    * there; 0: none. `meets`: true if ends of other walls lie there. */
   uint32_t vertex[2];
   bool meets[2];
-  /* In a periodic box: `image[c]` is true if the segment has images along c; `center` is its
-   * midpoint relative to `start`; `cells` is the number of periods to the start of the next
-   * segment, if the wall continues in its own image. */
+  /* Periodic box: `image[c]` is true if the segment has images along c; `center` is its midpoint
+   * relative to `start`; `cells` is the number of periods to the start of the next segment, if
+   * the wall continues in its own image. */
   bool image[2];
   double center[2];
   int cells[2];

@@ -103,8 +103,8 @@ unsigned char *model_moved(const sd_model *model);
  * and for disks. */
 double strides_arm(const sd_model *model, uint32_t body);
 
-/* A body, the length that it moves in a step over the radius of the smallest free disk, and the
- * motion that contributes most. */
+/* The body that moves farthest in a step, the motion that contributes most, and the length moved
+ * over the radius of the smallest free disk. */
 typedef struct body_stride {
   uint32_t body;
   size_t motion;
@@ -123,8 +123,8 @@ double strides_first_jump(const sd_model *model, size_t motion);
 
 /* --- random streams --------------------------------------------------------------------------- */
 
-/* Bodies of a random stream: index is the number of the disk, the wall, the group, or the first
- * body of a list. */
+/* Kind of body that a random stream drives. The stream's index is the number of the disk, the
+ * wall, the group, or the first body of a list. */
 enum { STREAM_DISK, STREAM_WALL, STREAM_GROUP, STREAM_LIST, STREAM_THINGS };
 enum { STREAM_INDICES = 1 << 24, STREAM_ORDINALS = 16 };
 

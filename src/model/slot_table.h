@@ -13,7 +13,7 @@
 #define SLOT_NONE UINT32_MAX
 
 typedef struct slot_table {
-  uint32_t *slot; /* slot of each body; of each entry if it is a hash table */
+  uint32_t *slot; /* array: slot of each body; hash table: slot of each entry */
   /* Body number of each entry, SLOT_NONE: empty. NULL: the table is the array slot[body]. */
   uint32_t *body;
   uint32_t mask;   /* hash table: number of entries, a power of two, minus 1 */

@@ -34,8 +34,10 @@ struct sd_state {
   int64_t mean_bin_steps, mean_bins;
   /* First step after which a free disk or a moved body exceeded limits.displacement; -1: none. */
   int64_t fast_step;
-  int64_t fast_disk; /* body number of that disk or wall; -1: none */
-  /* Its displacement in that step over its radius; of a prescribed body over smallest_radius. */
+  /* body number of the disk or wall that was too fast at fast_step; -1: none */
+  int64_t fast_disk;
+  /* Displacement of fast_disk in that step over its radius; for a prescribed body over the
+   * smallest radius of a free disk. */
   double fast_displacement;
 
   void *columns; /* Memory block that holds all columns except those of contacts; owned. */

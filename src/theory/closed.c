@@ -61,7 +61,7 @@ double sd_async_first_order(const sd_three_disk *disk, double amplitude, double 
          ((mu2 + 1) * cos(2 * disk->half_aperture) + mu2 - 1);
 }
 
-/* In this limit Omega is constant. For a fraction x of the period it exceeds both supports'
+/* Omega is constant in this limit. For a fraction x of the period it exceeds both supports'
  * velocities or is below both, in S++ if it is negative and S-- if positive; S+- and S-+ share
  * the rest equally: T x + (T+- + T-+) (1 - x)/2 = 0. */
 double sd_async_limit(const sd_three_disk *disk, sd_waveform waveform, double amplitude,
@@ -151,10 +151,10 @@ double sd_slight_tilt_torque_sync(const sd_three_disk *disk) {
 
 /* --- closed forms of single collisions, for tests --------------------------------------------- */
 
-/* With b = gamma_n/(2 m) and w^2 = k_n/m - b^2 the force of (2) vanishes when tan(w t) = -2 b
- * w/(w^2 - b^2). 2 b w/(w^2 - b^2) = tan(2 atan(b/w)), so t_c = (pi - 2 atan(b/w))/w = (2/w)
- * atan(w/b) on every branch; the speed is then exp(-b t_c) times the initial one. Above critical
- * damping w = i v, and atan becomes atanh. */
+/* The force of (2) vanishes when tan(w t) = -2 b w/(w^2 - b^2), b = gamma_n/(2 m), w^2 = k_n/m -
+ * b^2. As 2 b w/(w^2 - b^2) = tan(2 atan(b/w)), t_c = (pi - 2 atan(b/w))/w = (2/w) atan(w/b) on
+ * every branch; the speed is then exp(-b t_c) times the initial one. Above critical damping w =
+ * i v, and atan becomes atanh. */
 sd_collision sd_restitution(double k_n, double gamma_n, double m_eff) {
   double b = gamma_n / (2 * m_eff), w0 = sqrt(k_n / m_eff), t;
   if (b < w0) {

@@ -95,7 +95,7 @@ static bool follow(const sliding_system *y, double start, sliding_path *path) {
     double next = stuck < 0 ? slide_until(y, u, omega, s, &which)
                             : sliding_stuck_until(y, stuck, u, s, &release, &which);
 
-    /* Add this piece to the path. The net change is summed from the torques themselves, so that
+    /* Adds this piece to the path. The net change is summed from the torques themselves, so that
      * nothing cancels near the root. */
     double length = next - u, after = omega + rate * length;
     double area = (omega + rate * length / 2) * length;
@@ -113,7 +113,7 @@ static bool follow(const sliding_system *y, double start, sliding_path *path) {
     omega = after;
     if (u >= y->end) return true;
 
-    /* Find the next signs: those of a released contact are known; contacts at equal velocities
+    /* Finds the next signs: those of a released contact are known; contacts at equal velocities
      * need `choose`. */
     if (release) {
       s[stuck] = release;

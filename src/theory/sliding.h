@@ -11,7 +11,7 @@
 typedef struct sliding_system {
   sd_waveform waveform;
   int n;               /* number of contacts; 1 if both supports move alike */
-  double amplitude[2]; /* amplitude of support i times R_i/R: Theta_b R_i/R */
+  double amplitude[2]; /* angle amplitude of support i, scaled to the upper disk: Theta_b R_i/R */
   double phase[2];     /* phase of support i, rad, within [-pi, pi] */
   double rate[2][2];   /* torque/(I w_b^2), by signs of sliding [s_1 < 0][s_2 < 0] */
   double peak;         /* largest |w_i| of both supports */
