@@ -68,7 +68,7 @@ typedef struct sd_tile_wall {
 
 /* The last disks of a model, if they can be generated or read in independent parts: the last
  * packing, in tiles, which are slabs side by side along x (pack/tiles.h), or the rows of a large
- * file (io/deck/deck_parts.h). */
+ * file (io/deck/deck_parts.c). */
 typedef struct sd_tiles {
   size_t n;            /* number of parts; 0: no disks come in parts */
   size_t first, count; /* first of these disks, and their number */
