@@ -1,4 +1,5 @@
-/* advice.c: see advice.h. */
+/* advice.c: the table of checks, and warnings about time step, laws, phases and positions; see
+ * advice.h. */
 #include "model/advice.h"
 
 #include <float.h>
@@ -13,9 +14,10 @@
 #include "model/overlaps.h"
 #include "model/rows.h"
 
-/* --- time step ------------------------------------------------------------------------------------------- */
+/* --- time step ------------------------------------------------------------------------------ */
 
-/* Steps per shortest contact period, and per limit of stability that viscosity sets, below which a run is warned of. */
+/* Fewest time steps per shortest contact period, and the least ratio of a viscous stability
+ * limit to dt; a run with fewer gets a warning. */
 static const int FEWEST_STEPS = 20;
 static const double FEWEST_VISCOUS = 2.5;
 
@@ -29,7 +31,8 @@ static const char *bound_text(sd_bound bound) {
   return texts[bound];
 }
 
-/* "8e-6 or less"; with Gear also whether Verlet would do. To be freed. */
+/* Returns advice on dt, such as "take 8e-06 or less"; with Gear it also suggests Verlet if dt is
+ * well below Verlet's limit. The caller frees it. */
 static char *better_step(const sd_model *m, const sd_step_limit *limit) {
   double best = fmin(sd_model_shortest_period(m, NULL) / 100, limit->dt / FEWEST_VISCOUS);
   sd_model other = *m;
@@ -57,7 +60,8 @@ char *advice_unstable(const sd_model *m) {
   return text;
 }
 
-/* Of the limit: a disk in a packing may blow up at a third of it. */
+/* Fraction of the stability limit from which on a failure is blamed on dt: a disk with many
+ * contacts in a packing can be unstable at a third of the limit. */
 static const double NEAR_LIMIT = 0.25;
 
 const char *advice_of_failure(const sd_model *m, const char *otherwise, char *text, size_t size) {
@@ -74,7 +78,8 @@ const char *advice_of_failure(const sd_model *m, const char *otherwise, char *te
   return text;
 }
 
-/* No mistake, since a disk may never touch anything, and limits are those of a disk between two others. */
+/* Warns of a long time step. It is no error, since a disk may never touch anything, and the
+ * limit holds for a disk between two others. */
 static double check_time_step(const sd_model *m, sd_messages *messages) {
   double period = sd_model_shortest_period(m, NULL);
   const sd_step_limit limit = sd_model_step_limit(m);
@@ -101,9 +106,9 @@ static double check_time_step(const sd_model *m, sd_messages *messages) {
   return m->dt / fmin(longest, limit.dt);
 }
 
-/* --- contact laws ---------------------------------------------------------------------------------------- */
+/* --- contact laws --------------------------------------------------------------------------- */
 
-/* By numbers where a model that was built gives no names. */
+/* Name of a law for messages, to be freed; by numbers if the materials have no names. */
 static char *law_name(const sd_model *m, size_t a, size_t b) {
   const char *one = m->materials[a].name, *other = m->materials[b].name;
   if (!one || !other)
@@ -113,7 +118,7 @@ static char *law_name(const sd_model *m, size_t a, size_t b) {
                 : format_text("material_pairs (\"%s\", \"%s\")", one, other);
 }
 
-/* Pairs of materials that have a law and bodies. */
+/* True if the pair of materials has a law, and bodies that can touch. */
 static bool is_used(const sd_model *m, const law_use *use, size_t a, size_t b) {
   bool enough = a == b ? use[a].count > 1 : use[a].count > 0 && use[b].count > 0;
   return enough && (use[a].free_disk || use[b].free_disk) &&
@@ -122,7 +127,7 @@ static bool is_used(const sd_model *m, const law_use *use, size_t a, size_t b) {
 
 typedef double law_visitor(const sd_model *m, size_t a, size_t b, sd_messages *messages);
 
-/* The largest of what it returns for laws that are used. */
+/* Returns the largest value of `visit` over all laws in use; 0: none is. */
 static double each_law(const sd_model *m, law_visitor *visit, sd_messages *messages) {
   law_use *use = memory_new(m->n_materials, sizeof *use);
   double worst = 0;
@@ -173,14 +178,14 @@ static double loses_energy(const sd_model *m, size_t a, size_t b, sd_messages *m
   return law->gamma_n > 0 || law_tsuji(law) > 0 || (law->mu > 0 && law->k_t > 0);
 }
 
-/* --- phases ---------------------------------------------------------------------------------------------- */
+/* --- phases --------------------------------------------------------------------------------- */
 
 static char *phase_name(const sd_model *m, size_t k) {
   const char *name = m->phases[k].name;
   return name && *name ? format_text("phases.%s", name) : format_text("phases[%zu]", k);
 }
 
-/* One line about a phase. */
+/* Warns of phase k with a given text, and returns the severity 1. */
 static double warn_of_phase(const sd_model *m, size_t k, sd_messages *messages, const char *text) {
   char *name = phase_name(m, k);
   sd_warn(messages, "%s: %s", name, text);
@@ -198,7 +203,7 @@ static double check_relax(const sd_model *m, sd_messages *messages) {
   return 0;
 }
 
-/* Goals of the phase that dynamics cannot come to; NULL: none is known. */
+/* Returns why the settle criteria of a phase cannot be met; NULL: no reason is known. */
 static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
   for (size_t j = 0; j < m->n_motions; j++) {
     int kind = (int)m->motions[j].kind;
@@ -217,7 +222,8 @@ static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
   return NULL;
 }
 
-/* Resultant forces cannot balance better than positions are rounded: eps x k_n against the weight that a contact carries. */
+/* Collective. Lower bound of settle.unbalanced from the rounding of positions: the force error
+ * eps/2 * |x| * k_n over the weight of the lightest disk. */
 static double rounding(const sd_model *m) {
   double g = hypot(m->gravity[0], m->gravity[1]), least = HUGE_VAL, farthest = 0, stiffest = 0;
   for (size_t row = 0; row < rows_count(m); row++) {
@@ -251,7 +257,7 @@ static double check_settle(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* Packing fraction at the start, as compress.c has it; 0: no region. */
+/* Collective. Packing fraction at the start, defined as in compress.c; 0: there is no region. */
 static double first_fraction(const sd_model *m) {
   double area =
              (m->region_upper[0] - m->region_lower[0]) * (m->region_upper[1] - m->region_lower[1]),
@@ -267,15 +273,16 @@ static double first_fraction(const sd_model *m) {
 double sd_model_compress_time(const sd_model *m, size_t phase) {
   if (phase >= m->n_phases) return NAN;
   double from = first_fraction(m);
+  /* 0 (unknown) if that phase compresses to a pressure */
   for (size_t k = 0; k < phase; k++)
-    if (m->phases[k].compress.asked)
-      from = m->phases[k].compress.fraction; /* 0: after a pressure it is not known */
+    if (m->phases[k].compress.asked) from = m->phases[k].compress.fraction;
   const sd_compress *c = &m->phases[phase].compress;
   return c->asked && c->fraction > 0 && from > 0 ? fabs(log(c->fraction / from)) / 2 / c->rate
                                                  : NAN;
 }
 
-/* A phase may hold what it has reached for a while; it is seldom meant to for most of its length. */
+/* Longest duration of a compression phase without a warning: HELD times the time to its packing
+ * fraction, or LOG_SHRUNK/rate for a pressure. */
 static const double HELD = 5, LOG_SHRUNK = 5;
 
 static double check_compress(const sd_model *m, sd_messages *messages) {
@@ -306,7 +313,7 @@ static double check_compress(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- boxes that deform ---------------------------------------------------------------------------------- */
+/* --- deforming boxes ------------------------------------------------------------------------ */
 
 static bool attracts(const sd_model *m) {
   bool any = false;
@@ -315,7 +322,7 @@ static bool attracts(const sd_model *m) {
   return any;
 }
 
-/* Keys of the phase without effect; NULL: all have one. */
+/* Returns a text about keys of a cell that have no effect; NULL: all have. */
 static const char *without_effect(const sd_cell *c) {
   bool controlled = false, rate = false;
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
@@ -353,19 +360,22 @@ static double check_cells(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- positions ------------------------------------------------------------------------------------------- */
+/* --- positions ------------------------------------------------------------------------------ */
 
-/* Deeper than this, over the radius, disks are thrown apart. */
+/* Overlap over the radius beyond which a warning is given, because the disks are thrown apart. */
 static const double DEEP_OVERLAP = 0.01;
-/* Watched contacts farther apart than this, over the radius, are not about to close. */
+/* Gap over the radius beyond which a watched contact is unlikely to close and a warning is
+ * given. */
 static const double WIDE_GAP = 0.1;
 
+/* Search for the deepest overlap at the start. */
 typedef struct search {
   const sd_model *m;
-  uint64_t *pairs; /* [n_memories] */
+  uint64_t *pairs; /* [n_memories] sorted pair_key of the restored contacts */
   first_overlap worst;
 } search;
 
+/* Key of an unordered pair of bodies: smaller number in the upper 32 bits. */
 static uint64_t pair_key(uint32_t a, uint32_t b) {
   return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
@@ -375,7 +385,7 @@ static int by_key(const void *one, const void *two) {
   return *p < *q ? -1 : *p > *q;
 }
 
-/* Pairs that a run begins with, in order. */
+/* Lists the pairs of the restored contacts, sorted. SD_ERROR_IO: out of memory. */
 static sd_status list_pairs(search *s) {
   const sd_model *m = s->m;
   if (!memory_resize_row(&s->pairs, m->n_memories, sizeof *s->pairs)) return SD_ERROR_IO;
@@ -385,12 +395,14 @@ static sd_status list_pairs(search *s) {
   return SD_OK;
 }
 
+/* True if the contact of a and b is restored. */
 static bool begins_with(const search *s, uint32_t a, uint32_t b) {
   const uint64_t key = pair_key(a, b);
   return bsearch(&key, s->pairs, s->m->n_memories, sizeof key, by_key);
 }
 
-/* Disks of a file that is away have their contacts there; walls that it has, too. */
+/* True if the contact of a and b may be restored from a distributed file: a is one of its disks,
+ * b another one or a wall that the file has. */
 static bool begins_away(const sd_model *m, uint32_t a, uint32_t b) {
   const sd_tiles *t = &m->tiles;
   if (!t->away || t->n_contacts == 0 || a < t->first) return false;
@@ -407,7 +419,7 @@ static bool waits(const sd_model *m, uint32_t body) {
   return body < m->n_disks && m->disks[body].waiting;
 }
 
-/* Fills in the force on the smaller disk of a pair, and the weight of the lighter free one. */
+/* Fills in the elastic force of the overlap, and the weight of the lighter free disk; d: disk a. */
 static void note_force(const sd_model *m, const sd_disk *d, first_overlap *o) {
   const int other =
       o->b < m->n_disks ? m->disks[o->b].material : m->walls[o->b - m->n_disks].material;
@@ -418,7 +430,8 @@ static void note_force(const sd_model *m, const sd_disk *d, first_overlap *o) {
   o->weight = mass * g;
 }
 
-/* Radius of the smaller disk: a. */
+/* Keeps the overlap if it is the deepest relative to the radius of a, which is the smaller disk,
+ * and neither body waits nor is the contact restored. */
 static bool note_overlap(void *user, const overlap *o) {
   search *s = user;
   const sd_model *m = s->m;
@@ -426,8 +439,8 @@ static bool note_overlap(void *user, const overlap *o) {
   double relative = o->depth / d->radius;
   if (relative <= s->worst.relative || d->waiting || waits(m, o->b)) return false;
   if (d->driven && !is_free(m, o->b)) return false;
-  const bool too_deep =
-      m->max_overlap > 0 && relative > m->max_overlap; /* a mistake, though remembered */
+  /* an error even if the contact is restored */
+  const bool too_deep = m->max_overlap > 0 && relative > m->max_overlap;
   if ((begins_away(m, o->a, o->b) && !too_deep) || begins_with(s, o->a, o->b)) return false;
   s->worst = (first_overlap){.a = o->a, .b = o->b, .depth = o->depth, .relative = relative};
   note_force(m, d, &s->worst);
@@ -471,7 +484,7 @@ double advice_tell_overlap(const sd_model *m, const first_overlap *worst, sd_mes
   return worst->relative / DEEP_OVERLAP;
 }
 
-/* The relaxer lets overlaps go quietly. */
+/* Warns of the deepest overlap, unless the first phase relaxes, which removes overlaps slowly. */
 static double check_overlap(const sd_model *m, sd_messages *messages) {
   first_overlap worst;
   if (m->n_phases > 0 && m->phases[0].relax) return 0;
@@ -506,7 +519,7 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- all -------------------------------------------------------------------------------------------------- */
+/* --- table of checks ------------------------------------------------------------------------ */
 
 advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,
                                        check_settle,    check_compress, check_overlap,

@@ -1,5 +1,5 @@
-/* advice_bodies.c: walls that meet, prescribed bodies that run into one another, motions that strike
- * what they move: set-ups that are seldom meant. See advice.h. */
+/* advice_bodies.c: warnings about set-ups of bodies that are seldom intended: walls that meet,
+ * prescribed bodies that overlap each other, motions that start with a jump. See advice.h. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,18 +12,19 @@
 #include "model/overlaps.h"
 #include "model/rows.h"
 
-/* --- walls of which a disk may touch two in one point ----------------------------------------- */
+/* --- points at which a disk touches two walls ----------------------------------------------- */
 
 static double cross(const double a[2], const double b[2]) { return a[0] * b[1] - a[1] * b[0]; }
 static double dot(const double a[2], const double b[2]) { return a[0] * b[0] + a[1] * b[1]; }
 
-/* A place where walls are twice. */
+/* Points at which a disk may touch two walls at once: their number, and the first of them. */
 typedef struct twice {
   size_t count;
-  uint32_t a, b; /* the first pair of walls, ... */
-  double at[2];  /* and where */
+  uint32_t a, b; /* walls of the first point */
+  double at[2];  /* position of the first point */
 } twice;
 
+/* Counts a point; the first one is kept. */
 static void note(twice *t, uint32_t a, uint32_t b, const double at[2]) {
   if (t->count++ > 0) return;
   t->a = a;
@@ -31,9 +32,11 @@ static void note(twice *t, uint32_t a, uint32_t b, const double at[2]) {
   for (int c = 0; c < 2; c++) t->at[c] = at[c];
 }
 
+/* Predicate of a disk's position; user: its own data. */
 typedef bool disk_place(const double at[2], const void *user);
 
-/* Is any disk that moves at such a place? Those that wait for rain have none yet. */
+/* Collective. True if the predicate holds for any free disk; disks that wait for rain have no
+ * position yet and are skipped. */
 static bool any_disk(const sd_model *m, disk_place *is, const void *user) {
   bool any = false;
   for (size_t row = 0; row < rows_count(m) && !any; row++) {
@@ -43,15 +46,17 @@ static bool any_disk(const sd_model *m, disk_place *is, const void *user) {
   return rows_any(m, any);
 }
 
-/* --- ends that meet, of walls that move apart ------------------------------------------------------------- */
+/* --- joined ends of walls that move apart --------------------------------------------------- */
 
-/* Between the walls of a corner both are touched in their own points; elsewhere in the point of the corner. */
+/* True if a disk at this position touches both walls in their common end, so that it feels both:
+ * anywhere but in the angle between the walls, where it touches each at its own point. */
 static bool is_beyond_corner(const double at[2], const void *user) {
   const wall_end *const *e = user, *a = e[0], *b = e[1];
   const double p[2] = {at[0] - a->at[0], at[1] - a->at[1]}, opens = cross(a->way, b->way);
   return !(fabs(opens) > 1e-9) || cross(a->way, p) * opens < 0.0 || cross(p, b->way) * opens < 0.0;
 }
 
+/* Finds ends of walls that meet but move apart, with a disk where it would touch both. */
 static void look_at_ends(const sd_model *m, const wall_end *ends, size_t n, twice *found) {
   for (size_t k = 0; k < n; k++)
     for (size_t j = k + 1, last = joints_near(ends, n, k); j < last; j++) {
@@ -62,16 +67,19 @@ static void look_at_ends(const sd_model *m, const wall_end *ends, size_t n, twic
     }
 }
 
-/* --- a wall that ends on another --------------------------------------------------------------------------- */
+/* --- walls that end on another wall --------------------------------------------------------- */
 
-/* The surface of a wall at a point of it: a line, or a circle. */
+/* The surface of a wall near the end of another wall that lies on it: a straight line or a
+ * circle. */
 typedef struct surface {
-  const double *at, *center; /* NULL: straight */
+  const double *at, *center; /* A point of the surface; the centre of the circle, NULL: a line. */
   double normal[2], radius;
-  double side; /* of the wall that ends there */
+  /* Side on which the other wall lies, > 0: that of the normal; 0: along the surface. */
+  double side;
 } surface;
 
-/* The surface of side k of a wall, if the end lies on it, but for its own ends. */
+/* Fills in the surface of side k of wall w. True if the end e lies on it, but not on an end of w
+ * itself. */
 static bool lies_on(const sd_wall *w, size_t k, const wall_end *e, double near, surface *s) {
   *s = (surface){.at = e->at};
   if (w->kind == SD_WALL_CIRCLE || w->kind == SD_WALL_ARC) {
@@ -95,6 +103,7 @@ static bool lies_on(const sd_wall *w, size_t k, const wall_end *e, double near, 
           (on > (first ? near : -near) && on < length - (last ? near : -near)));
 }
 
+/* True if the position is not on the side of the surface on which the other wall lies. */
 static bool is_on_other_side(const double at[2], const void *user) {
   const surface *s = user;
   double side;
@@ -107,12 +116,13 @@ static bool is_on_other_side(const double at[2], const void *user) {
   return !(side * s->side > 0.0);
 }
 
+/* Number of sides of a wall. */
 static size_t sides_of(const sd_wall *w) {
   if (w->kind != SD_WALL_POLYLINE) return 1;
   return w->n_points - (w->closed ? 0 : 1);
 }
 
-/* The range of a wall along x. */
+/* Range of a wall along x. */
 static void bounds_of(const sd_wall *w, double *lower, double *upper) {
   *lower = w->kind == SD_WALL_CIRCLE ? w->pivot[0] - w->radius : HUGE_VAL;
   *upper = w->kind == SD_WALL_CIRCLE ? w->pivot[0] + w->radius : -HUGE_VAL;
@@ -124,6 +134,7 @@ static void bounds_of(const sd_wall *w, double *lower, double *upper) {
   if (w->kind == SD_WALL_LINE) *lower = -HUGE_VAL, *upper = HUGE_VAL;
 }
 
+/* Index of the first of the sorted ends with x not below the given x. */
 static size_t first_from(const wall_end *ends, size_t n, double x) {
   size_t from = 0;
   while (from < n) {
@@ -136,6 +147,7 @@ static size_t first_from(const wall_end *ends, size_t n, double x) {
   return from;
 }
 
+/* Finds walls that end on another wall's surface, with a disk on the other side of it. */
 static void look_at_surfaces(const sd_model *m, const wall_end *ends, size_t n, twice *found) {
   double lower, upper;
   for (uint32_t w = 0; w < m->n_walls; w++) {
@@ -149,14 +161,15 @@ static void look_at_surfaces(const sd_model *m, const wall_end *ends, size_t n, 
         on = lies_on(&m->walls[w], k, &ends[e], near, &s);
       if (!on) continue;
       s.side = dot(s.normal, ends[e].way);
-      if (fabs(s.side) < 1e-9) s.side = 0.0; /* one lies on the other */
+      if (fabs(s.side) < 1e-9) s.side = 0.0; /* the walls lie on each other */
       if (any_disk(m, is_on_other_side, &s)) note(found, ends[e].wall, w, ends[e].at);
     }
   }
 }
 
-/* --- warnings ----------------------------------------------------------------------------------------------- */
+/* --- warnings ------------------------------------------------------------------------------- */
 
+/* Warns of the first point and the number of further ones; returns the number of points. */
 static double tell(const sd_model *m, const twice *t, const char *where, const char *advice,
                    sd_messages *messages) {
   char one[96], two[96], more[48] = "";
@@ -189,29 +202,33 @@ double advice_joints(const sd_model *m, sd_messages *messages) {
            messages));
 }
 
-/* --- prescribed bodies that run into one another, between which no force acts ----------------- */
+/* --- overlaps of prescribed bodies, between which no force acts ----------------------------- */
 
-/* Overlap over the radius beyond which it is told; moments of the run that are looked at; and pairs, at all moments. */
+/* Overlap over the radius beyond which a warning is given; times of the run that are examined;
+ * most pairs over all these times. */
 static const double LEAST_OVERLAP = 0.01;
 enum { MOMENTS = 101, MOST_LOOKS = 2000000 };
 
+/* Displacement of a body by its motions: x, y, angle. */
 typedef struct displaced {
   double by[3];
 } displaced;
 
-/* Prescribed bodies, ascending, and how far the motions that are ever on have brought each body. */
+/* Prescribed bodies, ascending, and the displacement of each body if all motions are on. */
 typedef struct bodies {
   size_t n;
   uint32_t *list;
-  displaced *all; /* [disks and walls] */
+  displaced *all; /* [disks and walls] displacements by body number */
 } bodies;
 
+/* Duration of the run. */
 static double total_time(const sd_model *m) {
   double steps = 0;
   for (size_t k = 0; k < m->n_phases; k++) steps += (double)m->phases[k].steps;
   return steps * m->dt;
 }
 
+/* Lists the prescribed disks and all walls. False: out of memory. */
 static bool list_bodies(const sd_model *m, bodies *p) {
   const size_t n_bodies = m->n_disks + m->n_walls;
   if (!memory_rows(2, (memory_column[]){{&p->list, n_bodies - m->n_free, sizeof *p->list},
@@ -225,6 +242,7 @@ static bool list_bodies(const sd_model *m, bodies *p) {
   return true;
 }
 
+/* Computes the displacements of the listed bodies at time t. */
 static void displace(const sd_model *m, double t, const bodies *p) {
   displaced *all = p->all;
   for (size_t k = 0; k < p->n; k++) all[p->list[k]] = (displaced){{0}};
@@ -237,7 +255,7 @@ static void displace(const sd_model *m, double t, const bodies *p) {
   }
 }
 
-/* Distance between a disk and another body that are displaced. */
+/* Gap between a displaced disk and another displaced body. */
 static double gap_of(const sd_model *m, uint32_t disk, uint32_t body, const displaced *all) {
   const sd_disk *d = &m->disks[disk];
   const bool wall = body >= m->n_disks;
@@ -248,24 +266,26 @@ static double gap_of(const sd_model *m, uint32_t disk, uint32_t body, const disp
   return overlaps_gap(m, disk, x, body, pose);
 }
 
+/* The deepest overlap of two prescribed bodies. */
 typedef struct meeting {
   uint32_t disk, body;
-  double depth; /* over the radius of the smaller */
+  double depth; /* overlap over the radius of the smaller disk */
 } meeting;
 
+/* Radius of the smaller of the two bodies; of a disk and a wall, that of the disk. */
 static double smaller(const sd_model *m, uint32_t disk, uint32_t body) {
   const double radius = m->disks[disk].radius;
   return body < m->n_disks ? fmin(radius, m->disks[body].radius) : radius;
 }
 
-/* Bodies that moved with respect to one another. */
+/* True if the two bodies have moved relative to each other. */
 static bool parted(const sd_model *m, uint32_t disk, uint32_t body, const displaced *all) {
   const double *one = all[disk].by, *other = all[body].by;
   const bool turns = body >= m->n_disks && other[SD_THETA] != 0;
   return one[SD_X] != other[SD_X] || one[SD_Y] != other[SD_Y] || turns;
 }
 
-/* Pairs that overlap more deeply than at the start. */
+/* Finds the pair whose overlap has grown most since the start. */
 static void look(const sd_model *m, const bodies *p, meeting *worst) {
   for (size_t k = 0; k < p->n && p->list[k] < m->n_disks; k++)
     for (size_t l = k + 1; l < p->n; l++) {
@@ -287,7 +307,8 @@ double advice_prescribed(const sd_model *m, sd_messages *messages) {
   bodies p = {0};
   if (m->n_motions == 0 || !(driven > 0) || looks > MOST_LOOKS) return 0;
   const bool listed = list_bodies(m, &p);
-  for (int k = 0; k < MOMENTS && listed; k++) { /* the golden ratio falls in step with no wave */
+  /* times spaced by the golden ratio are in step with no wave */
+  for (int k = 0; k < MOMENTS && listed; k++) {
     displace(m, k == 0 ? time : time * fmod(k * 0.6180339887498949, 1.0), &p);
     look(m, &p, &worst);
   }
@@ -303,11 +324,13 @@ double advice_prescribed(const sd_model *m, sd_messages *messages) {
   return worst.depth / LEAST_OVERLAP;
 }
 
-/* --- motions that strike what they move, or pass through it ----------------------------------- */
+/* --- motions that jump, or move too far in a step ------------------------------------------- */
 
-/* Jumps over the radius of the smallest disk, and cycles in steps, beyond which a motion is warned of. */
+/* Jump over the radius of the smallest disk beyond which, and steps per cycle below which, a
+ * motion gets a warning. */
 static const double LEAST_JUMP = 1e-3, FEWEST_STEPS = 20;
 
+/* Warns of a body that moves farther in one step than limits.displacement allows. */
 static double check_stride(const sd_model *m, sd_messages *messages) {
   char motion[96], body[96];
   const double limit = m->limits.displacement;
@@ -330,6 +353,7 @@ static double check_stride(const sd_model *m, sd_messages *messages) {
   return s.length / limit;
 }
 
+/* Remedy for a motion that begins with a jump. */
 static const char *instead(const sd_motion *q) {
   if (motion_is_wave(q)) return "take a phase at which it begins at 0 (0 or pi), or give it a ramp";
   if (motion_source(q) == SIGNAL_TABLE) return "let its values begin at 0, or give it a ramp";
@@ -359,6 +383,7 @@ static double check_jump(const sd_model *m, sd_messages *messages) {
   return 1;
 }
 
+/* Warns of a wave with fewer than FEWEST_STEPS steps per cycle. */
 static double check_cycles(const sd_model *m, sd_messages *messages) {
   char name[96];
   for (size_t k = 0; k < m->n_motions; k++) {

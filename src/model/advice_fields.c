@@ -1,4 +1,4 @@
-/* advice_fields.c: set-ups with fields that are seldom meant. See advice.h. */
+/* advice_fields.c: warnings about set-ups with fields that are seldom intended. See advice.h. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,9 +8,11 @@
 #include "model/laws.h"
 #include "model/rows.h"
 
-/* Beyond these a step is coarse: f dt/m of drag, and the angle by which a frame turns in it. */
+/* Limits beyond which a step is coarse: f dt/m of drag, and the angle in rad by which a rotating
+ * frame turns. */
 static const double COARSE_DRAG = 0.2, COARSE_TURN = 0.05;
 
+/* Warns of field k, frees the text, and returns the severity `how`. */
 static double warn_of_field(const sd_model *m, size_t k, sd_messages *messages, double how,
                             char *text) {
   const char *name = m->fields[k].name;
@@ -37,7 +39,7 @@ static double check_drag(const sd_model *m, sd_messages *messages) {
   return coarse;
 }
 
-/* A cell that is sheared along: images move with the fluid. */
+/* True if a phase shears the periodic box, so that images move with the fluid. */
 static bool shears(const sd_model *m) {
   bool any = false;
   for (size_t k = 0; k < m->n_phases; k++)
@@ -46,7 +48,8 @@ static bool shears(const sd_model *m) {
   return any;
 }
 
-/* Positions jump where the box repeats, and such a force with them. */
+/* Warns of a force that depends on position along a periodic direction: it jumps when a disk
+ * crosses the edge of the box. */
 static double check_periodic(const sd_model *m, size_t k, sd_messages *messages) {
   const sd_body_force *f = &m->fields[k];
   const bool x = m->periodic[SD_X], y = m->periodic[SD_Y];
@@ -62,7 +65,8 @@ static double check_periodic(const sd_model *m, size_t k, sd_messages *messages)
                                                       : "y"));
 }
 
-/* Velocities of the laboratory are not those beside the flow. */
+/* Warns of damping and unsheared drag in a sheared box: they act on velocities in the
+ * laboratory, not relative to the flow. */
 static double check_sheared(const sd_model *m, size_t k, sd_messages *messages) {
   const sd_body_force *f = &m->fields[k];
   for (size_t p = 0; p < m->n_phases; p++) {
@@ -83,6 +87,7 @@ static double check_sheared(const sd_model *m, size_t k, sd_messages *messages) 
   return 0;
 }
 
+/* Warns of a rotating frame that turns far in one step, or that is combined with gravity. */
 static double check_frame(const sd_model *m, size_t k, sd_messages *messages) {
   const sd_body_force *f = &m->fields[k];
   if (f->kind != SD_FIELD_ROTATION || f->omega == 0) return 0;
@@ -99,6 +104,7 @@ static double check_frame(const sd_model *m, size_t k, sd_messages *messages) {
   return fmax(worst, 1);
 }
 
+/* Warns of a field that is on in no phase. */
 static double check_off(const sd_model *m, size_t k, sd_messages *messages) {
   for (int64_t p = 0; p < (int64_t)m->n_phases; p++)
     if (body_force_is_on(m, k, p)) return 0;
@@ -106,15 +112,16 @@ static double check_off(const sd_model *m, size_t k, sd_messages *messages) {
                        format_text("it is on in no phase: no list `fields` of a phase names it"));
 }
 
-/* --- falling for ever ------------------------------------------------------------------------------------- */
+/* --- disks that fall without end ------------------------------------------------------------ */
 
-/* Can it keep disks from gaining speed along this axis: drag that acts on some, or a force by place? */
+/* True if the field can keep disks from gaining speed without limit: drag, or a central force. */
 static bool field_holds(const sd_body_force *f) {
   return (f->kind == SD_FIELD_DRAG && f->gamma > 0) ||
          (f->kind == SD_FIELD_CENTRAL && f->strength != 0);
 }
 
-/* A wall along the axis holds by friction only; one that is bent or slopes stands in the way. */
+/* True if a wall can keep disks from falling along the axis: it is not straight along the axis,
+ * or its contacts have friction. */
 static bool wall_holds(const sd_model *m, const sd_wall *w, int axis) {
   bool along = w->kind != SD_WALL_CIRCLE && w->kind != SD_WALL_ARC, rubs = false;
   const double *first = along ? w->points[0] : NULL;
@@ -128,6 +135,8 @@ static bool wall_holds(const sd_model *m, const sd_wall *w, int axis) {
   return !along || rubs;
 }
 
+/* True if a prescribed or locked body, a wall, a field or a motion can keep the disks from
+ * falling along the axis. */
 static bool is_held(const sd_model *m, int axis) {
   bool holds = m->n_free < m->n_disks;
   for (size_t i = 0; i < model_held(m) && !holds; i++) holds = m->disks[i].locked[axis];
@@ -139,7 +148,8 @@ static bool is_held(const sd_model *m, int axis) {
   return holds;
 }
 
-/* The force along the axis on all free disks together, over the sum of its parts. */
+/* Collective. Sum of the external forces along the axis on all free disks, over the sum of their
+ * absolute values, so within [0, 1]. */
 static double pull_of(const sd_model *m, int axis) {
   double sum = 0, parts = 0;
   for (size_t row = rows_first(m); row < rows_count(m); row++) {
@@ -153,6 +163,7 @@ static double pull_of(const sd_model *m, int axis) {
   return parts > 0 ? fabs(sum) / parts : 0;
 }
 
+/* Warns of disks that fall without end along a periodic direction. */
 static double check_falls(const sd_model *m, sd_messages *messages) {
   const double g = hypot(m->gravity[SD_X], m->gravity[SD_Y]);
   double found = 0;

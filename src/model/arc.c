@@ -1,11 +1,12 @@
-/* arc.c: see arc.h. */
+/* arc.c: segments and points of walls that are circular arcs; see arc.h. */
 #include "model/arc.h"
 
 #include <math.h>
 
 bool arc_is_ring(const sd_wall *w) { return w->to - w->from >= ARC_RING - 1e-9; }
 
-/* Without the rounding of cos and sin at multiples of a quarter turn, where most arcs end. */
+/* Unit vector at an angle; exact at multiples of a quarter turn, where most arcs end and cos and
+ * sin would be rounded. */
 static void direction(double angle, double d[2]) {
   d[0] = cos(angle);
   d[1] = sin(angle);
@@ -25,7 +26,8 @@ void arc_trace(sd_wall *w) {
   }
 }
 
-/* First end, curve, last end; of a ring three curves, joined to one another. The length counts from the middle. */
+/* The segments are first end, curve, last end; of a full circle three curves, joined to one
+ * another. Arc length counts from the middle. */
 void arc_pieces(const sd_wall *w, uint32_t body, sd_segment piece[3], int64_t number) {
   const bool ring = arc_is_ring(w);
   const double opening = ring ? 2.0 * M_PI : w->to - w->from, part = ring ? opening / 3.0 : opening;
@@ -51,7 +53,8 @@ void arc_pieces(const sd_wall *w, uint32_t body, sd_segment piece[3], int64_t nu
     direction(from + part, s->last);
     direction(from + 0.5 * part, s->middle);
   }
-  /* neighbours share the direction of their joint, so that no point lies in both or in neither */
+  /* neighbouring segments share the direction of their joint, so that no point lies in both or
+   * in neither */
   for (int k = 0; ring && k < 3; k++)
     for (int c = 0; c < 2; c++) piece[k].last[c] = piece[(k + 1) % 3].first[c];
 }

@@ -1,4 +1,4 @@
-/* cell.c: see cell.h. */
+/* cell.c: checks of phases that deform the periodic box; see cell.h. */
 #include "model/cell.h"
 #include "model/laws.h"
 #include "model/rows.h"
@@ -7,7 +7,8 @@
 
 #define FAIL(...) sd_fail(msg, SD_ERROR_USER, __VA_ARGS__)
 
-/* Lists of neighbours look 1.2 times as far as disks touch, and at all pairs as far as any law attracts. */
+/* Neighbour lists may reach 1.2 times the distance at which disks touch, plus, for all pairs,
+ * the longest range of attraction of any law. */
 double cell_least_length(const sd_model *m, double *reach) {
   const double farthest = laws_reach(m);
   double largest = 0.0;
@@ -17,8 +18,8 @@ double cell_least_length(const sd_model *m, double *reach) {
   return 4.0 * rows_largest(m, largest) * 1.2 + 2.0 * farthest;
 }
 
-/* Whatever has a place or a weight of its own would stand still in the flow. Subjects come first: the reader of a deck finds
- * their line by them. */
+/* Reports the first disk with a fixed position or a force of its own: it would stand still in
+ * the flow. Messages begin with the body, by which the deck reader finds the line. */
 static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
   char name[96];
   for (size_t row = 0; row < rows_count(m); row++) {
@@ -35,6 +36,8 @@ static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
   }
 }
 
+/* Reports walls, clumps, gravity and motions of positions, which a deforming box cannot have,
+ * and a box that is not periodic in x and y. */
 static void check_bodies(const sd_model *m, size_t phase, sd_messages *msg) {
   char name[96];
   if (!m->periodic[0] || !m->periodic[1])
@@ -61,6 +64,7 @@ static void check_bodies(const sd_model *m, size_t phase, sd_messages *msg) {
            model_motion_name(m, q, name, sizeof name), phase);
 }
 
+/* Reports errors in the rates and stresses of a phase that deforms the box. */
 static void check_rates(const sd_model *m, size_t phase, sd_messages *msg) {
   static const char *const component[] = {"xx", "yy", "xy"};
   const sd_cell *c = &m->phases[phase].cell;
@@ -86,7 +90,9 @@ static void check_rates(const sd_model *m, size_t phase, sd_messages *msg) {
          c->response, c->max_rate);
 }
 
-/* Lengths at the end of the phases whose rates are given: control and rest may end at any. */
+/* Reports a phase that makes the box too short along c. Lengths are followed only through phases
+ * of given rates and durations: after stress control or a phase that may end early they are
+ * unknown. */
 static void check_lengths(const sd_model *m, int c, sd_messages *msg) {
   static const char *const keys[] = {"rate_xx", "rate_yy"};
   double reach;

@@ -1,35 +1,38 @@
-/* cell.h: the shape of the periodic box in a state.
+/* cell.h: the shape of a deforming periodic box in a state.
  *
- * Images of a position are h n away, with h = ((Lx, offset), (0, Ly)) and whole numbers n. All are kept over the lengths that the
- * box has without deformation: those of the model times state->box_scale; the offset over that of x.
+ * The images of a position are displaced by h n with h = ((Lx, offset), (0, Ly)) and integers n.
+ * The state stores Lx and Ly relative to the lengths of the box without deformation, which are
+ * the model's times state->box_scale, and the offset relative to this length in x.
  */
 #ifndef MODEL_CELL_H
 #define MODEL_CELL_H
 
 #include "model/state.h"
 
+/* Components of the shape: Lx, Ly, offset, shear strain. */
 enum { CELL_X, CELL_Y, CELL_OFFSET, CELL_SHEAR, CELL_COLUMNS };
 
-/* Does any phase deform the box? */
+/* True if any phase deforms the box. */
 static inline bool cell_deforms(const sd_model *m) {
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].cell.asked) return true;
   return false;
 }
 
-/* A periodic box is longer than this: no pair of disks that may touch or attract each other has two images within reach. reach:
- * the gap over which disks attract each other, or NULL. */
+/* Collective. Returns the length that a periodic box must exceed so that no two disks that can
+ * touch or attract each other have two images within range. *reach (may be NULL): the gap over
+ * which disks attract each other. */
 double cell_least_length(const sd_model *m, double *reach);
 
-/* Errors of phases that do. */
+/* Reports errors of phases that deform the box. */
 void cell_check(const sd_model *m, sd_messages *messages);
 
-/* Length of region and box along c over that of the model. */
+/* Length of the region and the box along c over that of the model. */
 static inline double cell_scale(const sd_state *s, int c) {
   return s->n_cell ? s->box_scale * s->cell[c] : s->box_scale;
 }
 
-/* How far a row of cells is shifted against the one below. */
+/* Displacement in x between a row of periodic images and the row below it, length. */
 static inline double cell_offset(const sd_model *m, const sd_state *s) {
   return s->n_cell ? s->box_scale * s->cell[CELL_OFFSET] * (m->upper[0] - m->lower[0]) : 0.0;
 }

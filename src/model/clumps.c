@@ -1,4 +1,4 @@
-/* clumps.c: see clumps.h. */
+/* clumps.c: shape, mass and checks of clumps of disks; see clumps.h. */
 #include "model/clumps.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@ static const char *name_of(const sd_model *m, size_t k, char text[96]) {
   return sd_model_body_name(m, (uint32_t)(sd_model_bodies(m) + k), text, 96);
 }
 
-/* Disks by clump, in the order of their numbers. */
+/* Lists the disks of each clump in the order of their numbers, and allocates their offsets. */
 static sd_status list_disks(sd_model *m) {
   size_t *end, n = 0;
   free(m->clump_disks);
@@ -40,29 +40,33 @@ static sd_status list_disks(sd_model *m) {
   return SD_OK;
 }
 
-/* --- shape ----------------------------------------------------------------------------------------------- */
+/* --- shape ---------------------------------------------------------------------------------- */
 
-/* A disk of a clump that is being put together in a periodic box. */
+/* A disk of a clump while the clump is assembled in a periodic box. */
 typedef struct member {
   uint32_t disk;
   bool placed;
-  size_t
-      beside; /* the member placed before whose surface is nearest to its own; until then: so far */
-  double gap; /* from there */
-  double cells[2]; /* by how many periods it is moved to stand beside the first */
+  /* Placed member whose surface is nearest to this disk's; for a disk not yet placed, the
+   * nearest so far. */
+  size_t beside;
+  double gap; /* gap between this disk and the member `beside` */
+  /* Number of periods by which the disk is moved to lie beside the first disk. */
+  double cells[2];
 } member;
 
+/* Length of the box along a coordinate; 0: not periodic. */
 static double period(const sd_model *m, int coordinate) {
   return m->periodic[coordinate] ? m->upper[coordinate] - m->lower[coordinate] : 0.0;
 }
 
-/* How many periods nearer disk b is to disk a in its nearest image. */
+/* Number of periods to subtract from the position of disk b to get its image nearest to disk a. */
 static double periods(const sd_model *m, uint32_t a, uint32_t b, int coordinate) {
   const double length = period(m, coordinate);
   const double d = m->disks[b].position[coordinate] - m->disks[a].position[coordinate];
   return length > 0.0 ? nearbyint(d / length) : 0.0;
 }
 
+/* Gap between the surfaces of two disks, nearest image. */
 static double gap_of(const sd_model *m, uint32_t a, uint32_t b) {
   const sd_disk *p = &m->disks[a], *q = &m->disks[b];
   double d[2];
@@ -71,6 +75,8 @@ static double gap_of(const sd_model *m, uint32_t a, uint32_t b) {
   return hypot(d[0], d[1]) - (p->radius + q->radius);
 }
 
+/* Places member k beside its nearest placed member, and updates the gaps of those not yet
+ * placed. */
 static void place(const sd_model *m, member *of, size_t n, size_t k) {
   of[k].placed = true;
   for (int c = 0; c < 2; c++)
@@ -84,8 +90,9 @@ static void place(const sd_model *m, member *of, size_t n, size_t k) {
   }
 }
 
-/* A clump may lie across the edges of the box. From its first disk on, always the disk that is nearest to any of those that have their
- * places gets its own, so that the shape does not depend on the order in which they are listed. */
+/* Assembles a clump that may lie across the edges of the box. Starting from the first disk, the
+ * disk nearest to any placed one is placed next, so that the shape does not depend on the order
+ * in which the disks are listed. */
 static void place_all(const sd_model *m, member *of, size_t n) {
   for (size_t k = 0; k < n; k++) {
     of[k].placed = false;
@@ -103,13 +110,13 @@ static void place_all(const sd_model *m, member *of, size_t n) {
   }
 }
 
-/* From member a to the next one, b. */
+/* Component c of the vector from member a to member b of the assembled clump. */
 static double between(const sd_model *m, const member *a, const member *b, int c) {
   const double d = m->disks[b->disk].position[c] - m->disks[a->disk].position[c];
   return d - period(m, c) * (a->cells[c] - b->cells[c]);
 }
 
-/* The circle about the centre in which the disks lie. */
+/* Radius of the circle about the centre of mass that encloses the disks. */
 static double radius_of(const sd_model *m, const member *of, size_t n) {
   double mass = 0.0, centre[2] = {0.0, 0.0}, radius = m->disks[of->disk].radius;
   for (int pass = 0; pass < 2; pass++) {
@@ -141,7 +148,8 @@ clump_grain clumps_grain(const sd_model *m, size_t first, size_t end) {
   return grain;
 }
 
-/* Offsets of the disks from the centre of mass; centre: from the first. Returns the mass. */
+/* Computes the offsets of the disks from the centre of mass; centre: position of the centre
+ * relative to the first disk. Returns the mass. */
 static double measure(const sd_model *m, const sd_clump *c, const member *of, double (*offset)[2],
                       double centre[2]) {
   double mass = 0.0, at[2] = {0.0, 0.0};
@@ -161,7 +169,8 @@ static double measure(const sd_model *m, const sd_clump *c, const member *of, do
   return mass;
 }
 
-/* The largest gap on the way from one member to another: from each to the one beside which it was placed. */
+/* Largest gap along the path from one member to another, where each step goes to the member
+ * beside which a disk was placed. */
 static double widest(const member *of, size_t a, size_t b) {
   double most = -HUGE_VAL;
   size_t up_a = 0, up_b = 0;
@@ -176,7 +185,9 @@ static double widest(const member *of, size_t a, size_t b) {
   return most;
 }
 
-/* Two disks are nearest across an edge, and as near as others between them: the clump might as well be open there. Bit 0: x. */
+/* Returns the directions (bit 0: x, bit 1: y) in which the clump closes around the box: two
+ * disks are nearest across an edge, with a gap no larger than those on the path between them, so
+ * that the clump could as well be open there. */
 static unsigned closes_around(const sd_model *m, const member *of, size_t n) {
   unsigned around = 0;
   for (size_t a = 0; (m->periodic[0] || m->periodic[1]) && a < n; a++)
@@ -204,6 +215,8 @@ sd_disk clumps_felt(const sd_model *m, size_t disk) {
   return d;
 }
 
+/* Computes centre, mass and inertia of a clump; if its mass is given, scales the masses of its
+ * disks. */
 static void derive(sd_model *m, sd_clump *c, member *of) {
   double(*offset)[2] = m->clump_offsets + (c->disks - m->clump_disks), inertia = 0.0, centre[2];
   for (size_t n = 0; n < c->n_disks; n++) of[n].disk = c->disks[n];
@@ -226,8 +239,9 @@ static void derive(sd_model *m, sd_clump *c, member *of) {
   }
 }
 
-/* --- checks ------------------------------------------------------------------------------------------ */
+/* --- checks --------------------------------------------------------------------------------- */
 
+/* Reports a disk of a clump that is locked, moves, or waits for rain while others do not. */
 static void check_disk(const sd_model *m, const char *clump, uint32_t i, bool waiting,
                        sd_messages *msg) {
   const sd_disk *d = &m->disks[i];
@@ -244,7 +258,8 @@ static void check_disk(const sd_model *m, const char *clump, uint32_t i, bool wa
             name, d->waiting ? "waits" : "does not wait");
 }
 
-/* A clump that spans a periodic box would turn into its own image. */
+/* Reports a clump that could turn into its own periodic image: it is longer than the box or
+ * closes around it, and its rotation is not locked. */
 static void check_length(const sd_model *m, const sd_clump *c, const member *of, const char *name,
                          sd_messages *msg) {
   const double(*offset)[2] = (const double(*)[2])m->clump_offsets + (c->disks - m->clump_disks);
@@ -281,6 +296,7 @@ static void check_clump(const sd_model *m, size_t k, const member *of, sd_messag
   check_length(m, c, of, name, msg);
 }
 
+/* Reports motions that name a disk of a clump. */
 static void check_motions(const sd_model *m, sd_messages *msg) {
   char text[96], motion[96];
   for (size_t k = 0; k < m->n_motions; k++)

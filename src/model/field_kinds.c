@@ -1,4 +1,4 @@
-/* field_kinds.c: see field_kinds.h. */
+/* field_kinds.c: deck keys, stability limits and checks of fields; see field_kinds.h. */
 #include "model/field_kinds.h"
 #include "model/rows.h"
 
@@ -64,7 +64,7 @@ TABLE(deck_fields, "fields", false,
       "one acts on all disks.",
       field_keys);
 
-/* --- which, and how strongly ------------------------------------------------------------------------------ */
+/* --- active fields and their strength ------------------------------------------------------- */
 
 bool body_force_is_on(const sd_model *m, size_t k, int64_t phase) {
   const bool *on = phase < (int64_t)m->n_phases ? m->phases[phase].fields : NULL;
@@ -81,11 +81,12 @@ bool body_forces_lose(const sd_model *m, int64_t phase) {
   return false;
 }
 
-/* Of a disk: f/m, f_r/I of drag, and squared frequency of springs. */
+/* Rates f/m and f_r/I of drag on one disk, and the squared frequency of springs that hold it. */
 typedef struct field_rates {
   double drag, turn_drag, spring2;
 } field_rates;
 
+/* Adds what a field contributes to the rates of a free disk. */
 static void add_rates(const sd_body_force *f, const sd_disk *d, field_rates *r) {
   if (d->driven || !(d->mass > 0)) return;
   const double inertia = d->inertia > 0 ? d->inertia : 0.5 * d->mass * d->radius * d->radius;
@@ -98,7 +99,8 @@ static void add_rates(const sd_body_force *f, const sd_disk *d, field_rates *r) 
     r->spring2 += f->strength * w.force / d->mass;
 }
 
-/* A list by rows, to be freed. It is NULL without fields, and without memory (memory.h). */
+/* Returns the rates of all rows of this rank, to be freed; NULL: no fields, or out of memory
+ * (shortage_note in memory.h). */
 static field_rates *rates_of(const sd_model *m) {
   field_rates *rates;
   const size_t rows = rows_count(m);
@@ -133,8 +135,8 @@ double body_forces_drag_rate(const sd_model *m, uint32_t *disk) {
   return worst;
 }
 
-/* Drag is implicit: Verlet bears any, Gear blows up beyond f dt/m = 90/49 (an eigenvalue of its step passes -1). Springs as in
- * stability.c. */
+/* Stability limits. Drag is integrated implicitly: Verlet is stable at any rate, Gear up to f
+ * dt/m = 90/49, where an eigenvalue of its step passes -1. Springs as in stability.c. */
 static const double GEAR_DRAG = 90.0 / 49, SPRING[] = {[SD_GEAR5] = 47.0 / 30, [SD_VERLET] = 0.25};
 
 void body_forces_limit(const sd_model *m, sd_step_limit *limit) {
@@ -150,8 +152,9 @@ void body_forces_limit(const sd_model *m, sd_step_limit *limit) {
   free(rates);
 }
 
-/* --- checks --------------------------------------------------------------------------------------------------- */
+/* --- checks --------------------------------------------------------------------------------- */
 
+/* Reports errors of one field. */
 static void check_one(const sd_model *m, const sd_body_force *f, const char *name,
                       sd_messages *msg) {
   const double numbers[] = {f->centre[0], f->centre[1],      f->gamma,      f->gamma_rotation,
@@ -172,7 +175,7 @@ static void check_one(const sd_model *m, const sd_body_force *f, const char *nam
       sd_fail(msg, SD_ERROR_USER, "%s: disk %u does not exist", name, f->disks[k]);
 }
 
-/* Together they must leave some of the force. */
+/* Reports damping fields that together remove all of the force on a disk. */
 static void check_damping(const sd_model *m, sd_messages *msg) {
   double *sum, worst = 0;
   size_t at = 0;

@@ -1,7 +1,9 @@
-/* field_kinds.h: the kinds of fields: one row each, from which deck, checks, the step and documentation follow.
+/* field_kinds.h: the kinds of fields. Deck keys, checks, the step and the documentation follow from
+ * one row per kind.
  *
- * ROW(number, name in the deck, keys in the deck, meaning): name_field in physics/step/field_pass.h is the force. Keys as in
- * deck_keys.h; meaning of the numbers: sd_body_force in slipdisk/model.h.
+ * ROW(number, name in the deck, keys in the deck, meaning): name_field in
+ * physics/step/field_pass.h computes the force. Keys as in deck_shape (keys.h); sd_body_force in
+ * slipdisk/model.h defines the parameters.
  */
 #ifndef MODEL_FIELD_KINDS_H
 #define MODEL_FIELD_KINDS_H
@@ -21,16 +23,18 @@
   ROW(SD_FIELD_ROTATION, rotation, "omega* centre",                                                \
       "a frame that turns about a point: centrifugal and Coriolis force")
 
+/* Largest absolute value of the exponent `power` of a central field. */
 enum { FIELD_MOST_POWER = 8 };
 
 extern const deck_table deck_fields;
 
-/* As in the deck. */
+/* Name of the kind in the deck. */
 const char *field_kind_name(sd_field_kind kind);
 
-/* Mistakes that sd_model_finish refuses. */
+/* Collective. Reports errors in the fields, for sd_model_finish. */
 void body_forces_check(const sd_model *model, sd_messages *messages);
-/* How strongly it acts on such a disk: forces, and torques. */
+/* Factors of a field's force and torque for one disk: 1 and 1, R and R^3, or m and I
+ * (sd_field_per). */
 typedef struct field_weight {
   double force, torque;
 } field_weight;
@@ -44,13 +48,15 @@ static inline field_weight field_weight_of(const sd_body_force *f, double radius
   return (field_weight){1, 1};
 }
 
-/* Shortens the limit of stability where drag or springs of fields do. */
+/* Lowers the limit of the time step if drag or springs of fields on this rank's disks require
+ * it. */
 void body_forces_limit(const sd_model *model, sd_step_limit *limit);
-/* Largest f/m and f_r/I of drag on a free disk, and which it is (may be NULL). */
+/* Collective. Largest rate f/m or f_r/I of drag on a free disk, 1/time, 0: no drag; *disk (may
+ * be NULL): its number. */
 double body_forces_drag_rate(const sd_model *model, uint32_t *disk);
-/* Does a field that is on in this phase take energy out? */
+/* True if a drag or damping field that acts on all disks is on in this phase. */
 bool body_forces_lose(const sd_model *model, int64_t phase);
-/* Is it on in this phase? After the last one: no matter. */
+/* True if the field is on in this phase; after the last phase always. */
 bool body_force_is_on(const sd_model *model, size_t field, int64_t phase);
 
 #endif

@@ -22,8 +22,9 @@
 #include "model/rows.h"
 #include "model/walls.h"
 
-/* --- checks ------------------------------------------------------------------------------------------ */
+/* --- checks --------------------------------------------------------------------------------- */
 
+/* Reports errors of the run's parameters, and empty lists of disks, phases or materials. */
 static void check_run(const sd_model *m, sd_messages *msg) {
   deck_key_check(&deck_top, m, "", msg);
   deck_key_check(&deck_limits, &m->limits, "limits", msg);
@@ -36,7 +37,8 @@ static void check_run(const sd_model *m, sd_messages *msg) {
       sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
 }
 
-/* Numbers beyond LIMIT_NUMBER, the limit of decks, are as bad as those that are not finite. */
+/* Reports the value of a key of a body if it is below `least` (or equal to it, if open), not
+ * finite, or beyond LIMIT_NUMBER. */
 static void check_number(const sd_model *m, uint32_t body, const char *key, double value,
                          double least, bool open, sd_messages *msg) {
   char name[96];
@@ -76,6 +78,7 @@ static void check_disks(const sd_model *m, sd_messages *msg) {
   }
 }
 
+/* True if x is finite and not beyond LIMIT_NUMBER. */
 static bool has_size(double x) { return fabs(x) <= LIMIT_NUMBER; }
 
 static bool wall_is_finite(const sd_wall *w) {
@@ -122,7 +125,8 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* Rolling resistance of a round wall knows its angle, not the way of its surface. */
+/* True for a round wall with rolling resistance, which follows the wall's angle and not the
+ * displacement of its surface. */
 static bool rolls_on_surface(const sd_model *m, size_t body) {
   const sd_wall *wall = &m->walls[body - m->n_disks];
   bool rolls = false;
@@ -165,6 +169,7 @@ static const char *material_name(const sd_model *m, size_t k) {
   return m->materials[k].name ? m->materials[k].name : "?";
 }
 
+/* Reports errors of the law of materials a and b, if it is given. */
 static void check_law(const sd_model *m, size_t a, size_t b, sd_messages *msg) {
   const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
   const char *key = NULL;
@@ -176,7 +181,7 @@ static void check_law(const sd_model *m, size_t a, size_t b, sd_messages *msg) {
   free(text);
 }
 
-/* Laws must exist for every pair of materials that can meet. */
+/* Collective. Reports pairs of materials that can touch and have no law, and laws with errors. */
 static sd_status check_laws(const sd_model *m, sd_messages *msg) {
   law_use *use = memory_new(m->n_materials, sizeof *use);
   size_t before = sd_messages_errors(msg);
@@ -191,6 +196,7 @@ static sd_status check_laws(const sd_model *m, sd_messages *msg) {
   return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
 }
 
+/* Reports restored contacts with body numbers that do not exist. */
 static void check_memories(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_memories; k++) {
     const sd_contact_memory *c = &m->memories[k];
@@ -199,6 +205,7 @@ static void check_memories(const sd_model *m, sd_messages *msg) {
   }
 }
 
+/* Reports watched disks and contacts that do not exist. */
 static void check_watches(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_rotations; k++)
     if (m->rotations[k] >= m->n_disks)
@@ -217,6 +224,7 @@ static void check_watches(const sd_model *m, sd_messages *msg) {
   }
 }
 
+/* Reports errors of the goal at which the last phase ends. */
 static void check_until(const sd_model *m, sd_messages *msg) {
   const sd_until *u = &m->until;
   if (!u->asked || m->n_phases == 0) return;
@@ -234,6 +242,7 @@ static void check_until(const sd_model *m, sd_messages *msg) {
             (long long)last->steps);
 }
 
+/* Collective. Reports a periodic box that is too short, and disks outside it. */
 static void check_box(const sd_model *m, sd_messages *msg) {
   double reach;
   const double least = cell_least_length(m, &reach);
@@ -263,6 +272,7 @@ static void check_box(const sd_model *m, sd_messages *msg) {
   }
 }
 
+/* Reports walls other than lines in a phase that compresses: their size would not change. */
 static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages *msg) {
   char name[96];
   for (uint32_t w = 0; w < m->n_walls; w++)
@@ -273,7 +283,8 @@ static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages 
               phase, sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
 }
 
-/* The area would be that of the container as it was, not of what a lid has left of it. */
+/* Reports walls that a load or servo may have moved before a compression: the area would be that
+ * of the original container. */
 static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg) {
   char name[96];
   for (size_t q = 0; q < m->n_motions; q++) {
@@ -334,7 +345,8 @@ static void check_bounds(const sd_model *m, sd_messages *msg) {
               c == SD_X ? 'x' : 'y');
 }
 
-/* Round walls, too, must be met in one image only. */
+/* Reports round walls that do not fit into the periodic box, where a disk could touch two
+ * images, and disks that do not fit into a drum. */
 static void check_round_walls(const sd_model *m, sd_messages *msg) {
   char name[96], disk[96];
   for (uint32_t w = 0; w < m->n_walls; w++) {
@@ -357,9 +369,11 @@ static void check_round_walls(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* Coordinates that are rounded by more than this part of the smallest radius have no contacts. */
+/* Largest rounding error of coordinates over the smallest radius; with more, contacts are
+ * meaningless. */
 static const double COARSE = 0.01;
 
+/* Largest absolute coordinate of a wall. */
 static double farthest_of(const sd_wall *w) {
   double far = fmax(fabs(w->pivot[0]), fabs(w->pivot[1]));
   if (w->kind == SD_WALL_ARC) far = fmax(far, fmax(fabs(w->center[0]), fabs(w->center[1])));
@@ -368,7 +382,7 @@ static double farthest_of(const sd_wall *w) {
   return far;
 }
 
-/* True: it is told. */
+/* Reports a coordinate `far` whose rounding error is too large; true if it did. */
 static bool tell_rounding(const sd_model *m, uint32_t body, double far, sd_messages *msg) {
   char name[96];
   const double rounding = DBL_EPSILON * far;
@@ -391,7 +405,7 @@ static void check_rounding(const sd_model *m, sd_messages *msg) {
     if (tell_rounding(m, (uint32_t)m->n_disks + w, farthest_of(&m->walls[w]), msg)) return;
 }
 
-/* A disk of rain k is free, waits, and fits. */
+/* Reports a disk of rain k that is not free, does not wait, or is too wide for the rain. */
 static void check_raining(const sd_model *m, size_t k, size_t row, sd_messages *msg) {
   const sd_rain *r = &m->rains[k];
   const sd_disk *d = rows_disk(m, row);
@@ -407,10 +421,11 @@ static void check_raining(const sd_model *m, size_t k, size_t row, sd_messages *
             d->radius, r->upper - r->lower);
 }
 
+/* Collective. Reports errors of rains and their disks. */
 static void check_rains(const sd_model *m, sd_messages *msg) {
   char name[96], motion[96];
   const size_t held = model_held(m), n = rows_count(m);
-  int64_t counts[2] = {0}; /* that wait, that belong to rain */
+  int64_t counts[2] = {0}; /* numbers of disks: waiting, belonging to a rain */
   for (size_t row = rows_first(m); row < n; row++) counts[0] += rows_disk(m, row)->waiting;
   for (size_t k = 0; k < m->n_rains; k++) {
     const sd_rain *r = &m->rains[k];
@@ -422,7 +437,8 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
       sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected a gap >= 0, and a speed and a floor", k);
     for (size_t row = r->first < held ? r->first : held; row < n; row++) {
       const uint32_t i = rows_number(m, row);
-      if (i >= end && row < held) row = held - 1; /* the others are not held */
+      /* continue with the rows that only this rank has */
+      if (i >= end && row < held) row = held - 1;
       if (i < r->first || i >= end) continue;
       counts[1] += row >= rows_first(m);
       check_raining(m, k, row, msg);
@@ -443,15 +459,16 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
     }
 }
 
-/* The reader of a deck says it with the line (deck.c). */
+/* Reports a time step beyond the stability limit; for decks deck.c reports it, with the line. */
 static void check_step(const sd_model *m, sd_messages *msg) {
   char *text = advice_unstable(m);
   if (text) sd_fail(msg, SD_ERROR_USER, "dt = %g: %s", m->dt, text);
   free(text);
 }
 
-/* --- derived tables ---------------------------------------------------------------------------------- */
+/* --- derived tables ------------------------------------------------------------------------- */
 
+/* Sets inertias that are 0 to m R^2/2. */
 static void complete_disks(sd_model *m) {
   const size_t held = model_held(m);
   for (size_t row = 0; row < rows_count(m); row++) {
@@ -460,6 +477,8 @@ static void complete_disks(sd_model *m) {
   }
 }
 
+/* Collective. Computes the radii of the model, the number of restored contacts, and default
+ * intervals. */
 static void derive_numbers(sd_model *m) {
   double inverse = 0.0, largest = 0.0, smallest = HUGE_VAL;
   for (size_t k = 0; k < m->n_motions; k++)
@@ -480,13 +499,14 @@ static void derive_numbers(sd_model *m) {
   m->all_memories = m->n_memories + (size_t)contacts[0];
 }
 
+/* Computes shortest_period if there are servos. */
 static void derive_period(sd_model *m) {
   bool servo = false;
   for (size_t k = 0; k < m->n_motions; k++) servo |= m->motions[k].kind == SD_MOTION_SERVO;
   m->shortest_period = servo ? sd_model_shortest_period(m, NULL) : 0.0;
 }
 
-/* Checks everything that the derived tables are made of. */
+/* Checks all input from which tables are derived. */
 static void check_all(const sd_model *m, sd_messages *msg) {
   check_run(m, msg);
   check_disks(m, msg);
@@ -505,13 +525,14 @@ static void check_all(const sd_model *m, sd_messages *msg) {
   check_until(m, msg);
 }
 
-/* Together: ranks see mistakes in their own rows. */
+/* Collective. Returns the status on which all ranks agree: SD_ERROR_USER if any rank has
+ * reported errors since `before`, as ranks check their own rows. */
 static sd_status found(const sd_model *m, sd_status status, const sd_messages *msg, size_t before) {
   if (status == SD_OK && sd_messages_errors(msg) > before) status = SD_ERROR_USER;
   return comm_agree(m->comm, status);
 }
 
-/* Fills in what follows, and checks it. */
+/* Computes the derived tables and checks them. */
 static sd_status derive(sd_model *m, sd_messages *msg) {
   const size_t before = sd_messages_errors(msg);
   sd_status status = comm_agree(m->comm, model_find_driven(m));

@@ -1,7 +1,8 @@
-/* image.c: see image.h.
+/* image.c: serializes and restores a model; see image.h.
  *
- * One walk over all that a model owns, in a fixed order, serves writing and reading: first the struct, then each array, then
- * what its elements point to. Pointers are stored as zeros.
+ * One walk over everything that a model owns, in a fixed order, serves writing and reading: the
+ * struct, then each array, then what the elements of the array point to. Pointers are stored as
+ * zeros.
  */
 #include "model/image.h"
 
@@ -13,15 +14,17 @@
 #include "model/finish.h"
 #include "slipdisk/model.h"
 
+/* State of a walk that writes or reads a serialized model. */
 typedef struct image {
-  unsigned char *bytes; /* written: grows; read: const */
-  size_t n, capacity;   /* written or read so far; of the bytes */
+  unsigned char *bytes; /* the serialized model: grows when writing, const when reading */
+  size_t n, capacity;   /* bytes written or read so far; size of `bytes` */
+  /* direction; errors: invalid bytes, out of memory */
   bool writes, damaged, starved;
-  const char *source; /* written last: where it stands in memory and in the bytes */
+  const char *source; /* address of the data written last, and its offset in `bytes` */
   size_t offset;
 } image;
 
-/* Sizes that must be those of the program. */
+/* Version and struct sizes that the reading program must share. */
 static const uint32_t layout[] = {
     SD_VERSION_NUMBER,         sizeof(sd_model),    sizeof(sd_contact_law), sizeof(sd_disk),
     sizeof(sd_wall),           sizeof(sd_motion),   sizeof(sd_phase),       sizeof(sd_rain),
@@ -30,7 +33,7 @@ static const uint32_t layout[] = {
 
 static bool failed(const image *im) { return im->damaged || im->starved; }
 
-/* `size` bytes between the image and `data`. */
+/* Copies `size` bytes from data to the image or back. */
 static void transfer(image *im, void *data, size_t size) {
   if (failed(im) || size == 0) return;
   if (im->writes && size > im->capacity - im->n) {
@@ -51,7 +54,8 @@ static void transfer(image *im, void *data, size_t size) {
   im->n += size;
 }
 
-/* The pointer at `place`, which stands in what was written last: zero in the image. */
+/* Sets the pointer at `place` to zero: in the image when writing, where it lies in the data
+ * written last; in memory when reading. */
 static void forget(image *im, void *place) {
   if (im->writes && !failed(im))
     memset(im->bytes + im->offset + ((const char *)place - im->source), 0, sizeof(void *));
@@ -59,12 +63,13 @@ static void forget(image *im, void *place) {
     memset(place, 0, sizeof(void *));
 }
 
-/* The pointer at `place` gets n zeroed elements; it is NULL without memory. */
+/* Allocates n zeroed elements and stores their address at `place`; NULL: out of memory. */
 static void make_room(image *im, void *place, size_t n, size_t size) {
   im->starved = !memory_row(place, n, size);
 }
 
-/* The array of n elements to which the pointer at `place` points. */
+/* Writes or reads the array of n elements whose address is at `place`; allocates it when
+ * reading. */
 static void array(image *im, void *place, size_t n, size_t size) {
   void *data = NULL;
   if (!im->writes && !failed(im)) {
@@ -76,7 +81,8 @@ static void array(image *im, void *place, size_t n, size_t size) {
   transfer(im, data, n * size);
 }
 
-/* Of several places in one array, zeros first: what is written next is another array. */
+/* Writes or reads the string whose address is at `place`. If an array has several such pointers,
+ * call forget for all of them first, since writing a string changes the data written last. */
 static void text(image *im, void *place) {
   const char *data = NULL;
   if (im->writes) memcpy(&data, place, sizeof data);
@@ -114,7 +120,7 @@ static void walk_bodies(image *im, sd_model *m) {
   array(im, &m->clumps, m->n_clumps, sizeof *m->clumps);
   if (failed(im)) return;
   FORGET_ALL(im, m->clumps, m->n_clumps, name);
-  FORGET_ALL(im, m->clumps, m->n_clumps, disks); /* disks say to which they belong */
+  FORGET_ALL(im, m->clumps, m->n_clumps, disks); /* each disk stores its clump */
   for (size_t k = 0; k < m->n_clumps; k++) text(im, &m->clumps[k].name);
 }
 
@@ -134,7 +140,7 @@ static void walk_motions(image *im, sd_model *m) {
   }
 }
 
-/* A flag for each motion or field; NULL: all are on. */
+/* Writes or reads a flag per motion or field; NULL: all are on. */
 static void switches(image *im, bool **list, size_t n) {
   uint8_t has = *list != NULL;
   transfer(im, &has, 1);
@@ -176,7 +182,7 @@ static void walk_materials(image *im, sd_model *m) {
   for (size_t k = 0; k < m->n_groups; k++) text(im, &m->groups[k]);
 }
 
-/* After the struct itself. */
+/* Writes or reads all arrays, after the struct itself. */
 static void walk(image *im, sd_model *m) {
   void *places[] = {&m->title,         &m->materials,   &m->laws,        &m->groups,
                     &m->disks,         &m->walls,       &m->motions,     &m->fields,
@@ -201,7 +207,7 @@ static void walk(image *im, sd_model *m) {
 
 void *image_of_model(const sd_model *model, size_t *size) {
   image im = {.writes = true};
-  /* walked, not changed: places are only written when an image is read */
+  /* the walk does not change the model: it writes to `place` only when reading */
   sd_model whole = *model, *m = &whole;
   assert(!model->parted && !model->tiles.away);
   uint32_t head[sizeof layout / sizeof *layout];
@@ -216,7 +222,7 @@ void *image_of_model(const sd_model *model, size_t *size) {
   return NULL;
 }
 
-/* Counts of what could not be read are 0, so that the rest can be freed. */
+/* Frees a model that was read in part; counts of missing arrays become 0 first. */
 static void drop(sd_model *m) {
   if (!m->materials) m->n_materials = 0;
   if (!m->groups) m->n_groups = 0;
@@ -229,7 +235,7 @@ static void drop(sd_model *m) {
   sd_model_free(m);
 }
 
-/* Numbers that tables are indexed with before sd_model_finish looks at them. */
+/* True if all kinds are valid that index tables before sd_model_finish checks them. */
 static bool kinds_exist(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
     if ((unsigned)m->motions[k].kind >= SD_MOTION_KINDS ||
@@ -253,7 +259,7 @@ sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages
   sd_model *m = memory_new(1, sizeof *m);
   image im = {.bytes = (unsigned char *)(uintptr_t)bytes, .n = sizeof layout, .capacity = size};
   transfer(&im, m, sizeof *m);
-  m->parted = m->tiles.away = false; /* in an image that is damaged */
+  m->parted = m->tiles.away = false; /* may be set in a damaged image */
   walk(&im, m);
   sd_status status = SD_OK;
   if (im.starved) status = sd_fail(messages, SD_ERROR_IO, "out of memory for the model");

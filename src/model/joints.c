@@ -1,4 +1,4 @@
-/* joints.c: see joints.h. */
+/* joints.c: finds ends of walls that meet and numbers their vertices; see joints.h. */
 #include "model/joints.h"
 
 #include <float.h>
@@ -9,14 +9,16 @@
 #include "model/arc.h"
 #include "model/motions.h"
 
-/* --- ends ----------------------------------------------------------------------------------------------- */
+/* --- ends ----------------------------------------------------------------------------------- */
 
+/* True if the wall has two free ends. */
 static bool has_ends(const sd_wall *w) {
   if (w->kind == SD_WALL_ARC) return !arc_is_ring(w);
   return w->n_points >= 2 &&
          (w->kind == SD_WALL_SEGMENT || (w->kind == SD_WALL_POLYLINE && !w->closed));
 }
 
+/* Returns the first (0) or last (1) end of a wall. */
 static wall_end end_of(const sd_wall *w, uint32_t number, int end) {
   wall_end e = {.wall = number, .end = end};
   if (w->kind == SD_WALL_ARC) {
@@ -37,7 +39,8 @@ static wall_end end_of(const sd_wall *w, uint32_t number, int end) {
   return e;
 }
 
-/* Ends that meet across an edge of the box stand at one place there, but for rounding: at an edge all are at the lower one. */
+/* Moves an end into the periodic box, so that ends that meet across an edge get the same
+ * position; ends within rounding of an edge go to the lower one. */
 static void into_box(const sd_model *m, wall_end *e) {
   for (int c = 0; c < 2; c++) {
     const double length = m->upper[c] - m->lower[c];
@@ -67,7 +70,7 @@ wall_end *joints_ends(const sd_model *m, size_t *n) {
   return ends;
 }
 
-/* Rounding of lengths and of coordinates. */
+/* The two terms are the rounding errors of lengths and of coordinates. */
 double joints_tolerance(const wall_end *e) {
   return 1e-9 * e->along + 16.0 * DBL_EPSILON * (fabs(e->at[0]) + fabs(e->at[1]));
 }
@@ -83,7 +86,7 @@ size_t joints_near(const wall_end *ends, size_t n, size_t k) {
   return last;
 }
 
-/* --- motions -------------------------------------------------------------------------------------------- */
+/* --- motions -------------------------------------------------------------------------------- */
 
 static bool moves(const sd_motion *q, uint32_t body) {
   for (size_t k = 0; k < q->n_bodies; k++)
@@ -100,7 +103,7 @@ bool joints_rigid(const sd_model *m, const wall_end *one, const wall_end *two) {
     const bool first = moves(motion, (uint32_t)m->n_disks + a),
                second = moves(motion, (uint32_t)m->n_disks + b);
     if (motion->coordinate == SD_SURFACE || !(first || second))
-      continue; /* a surface runs, its wall stays */
+      continue; /* a moving surface leaves the wall in place */
     if (first != second || motion_is_feedback(motion)) return false;
     if (motion->coordinate == SD_THETA &&
         (image || p->pivot[0] != q->pivot[0] || p->pivot[1] != q->pivot[1]))
@@ -109,15 +112,16 @@ bool joints_rigid(const sd_model *m, const wall_end *one, const wall_end *two) {
   return true;
 }
 
-/* --- vertices ------------------------------------------------------------------------------------------- */
+/* --- vertices ------------------------------------------------------------------------------- */
 
-/* Vertices that turned out to be one: each names another of its set, the first of a set itself. */
+/* Root of vertex v in a union-find forest of coinciding vertices: same[v] is its parent,
+ * same[root] = root. */
 static uint32_t first_of(uint32_t *same, uint32_t v) {
   while (same[v] != v) v = same[v] = same[same[v]];
   return v;
 }
 
-/* Pieces of each wall: from first[w] to first[w + 1]. */
+/* Lists the index of each wall's first segment: wall w has first[w] ... first[w + 1] - 1. */
 static void list_pieces(const sd_model *m, size_t *first) {
   size_t at = 0;
   for (size_t w = 0; w <= m->n_walls; w++) {
@@ -126,7 +130,7 @@ static void list_pieces(const sd_model *m, size_t *first) {
   }
 }
 
-/* Of each wall by itself, from 1 on; 0: a line has none. */
+/* Numbers the vertices of each wall by itself, from 1 on; a line has none, 0. */
 static void number_own(sd_model *m, const size_t *first) {
   uint32_t last = 0;
   for (size_t w = 0; w < m->n_walls; w++) {
@@ -144,12 +148,13 @@ static void number_own(sd_model *m, const size_t *first) {
   }
 }
 
-/* The vertex at an end of a wall. */
+/* Number of the vertex at an end of a wall. */
 static uint32_t vertex_at(const sd_model *m, const size_t *first, const wall_end *e) {
   return m->segments[e->end ? first[e->wall + 1] - 1 : first[e->wall]].vertex[e->end];
 }
 
-/* Ends that meet, and stay together, are one vertex. */
+/* Merges the vertices of ends that meet and stay together in all motions, and marks them in
+ * `meets`. */
 static void join(const sd_model *m, const size_t *first, const wall_end *ends, size_t n,
                  uint32_t *same, bool *meets) {
   for (size_t k = 0; k < n; k++)
@@ -163,7 +168,7 @@ static void join(const sd_model *m, const size_t *first, const wall_end *ends, s
 }
 
 void joints_number(sd_model *m) {
-  const size_t n_vertices = 2 * m->n_segments + 1; /* they are numbered from 1 on */
+  const size_t n_vertices = 2 * m->n_segments + 1; /* vertex numbers begin at 1 */
   size_t n;
   wall_end *ends = joints_ends(m, &n);
   size_t *first = memory_new(m->n_walls + 1, sizeof *first);

@@ -1,4 +1,5 @@
-/* keys.c: keys of a deck that set members of the model, the laws' apart (laws.h). See keys.h. */
+/* keys.c: the deck keys that set members of the model, except those of laws (laws.c). See
+ * keys.h. */
 #include "model/keys.h"
 
 #include <math.h>
@@ -15,7 +16,7 @@ static const deck_shape variants[] = {WORD("paper", SD_PAPER),
 static const deck_shape outside_words[] = {WORD("report", SD_OUTSIDE_REPORT),
                                            WORD("stop", SD_OUTSIDE_STOP),
                                            WORD("remove", SD_OUTSIDE_REMOVE), LAST_WORD};
-/* Bit c: the box repeats along coordinate c. */
+/* Periodic directions; bit c of a value is set if the box is periodic along coordinate c. */
 static const deck_shape periodic_directions[] = {WORD("none", 0), WORD("x", 1), WORD("y", 2),
                                                  WORD("xy", 3), LAST_WORD};
 
@@ -272,14 +273,15 @@ const deck_key *deck_key_find(const deck_table *table, const char *name) {
   return NULL;
 }
 
-/* --- ranges ----------------------------------------------------------------------------------------------- */
+/* --- ranges --------------------------------------------------------------------------------- */
 
 const char *deck_range_text(deck_range range) {
   static const char *const text[] = {"", "> 0", ">= 0", ">= 1", "> 0 and <= 1"};
   return text[range];
 }
 
-/* 1/x and products of three stay finite, and above the subnormal numbers. */
+/* True if x lies within LIMIT_NUMBER and its inverse, so that 1/x and products of three such
+ * numbers are finite and not subnormal. */
 static bool has_size(double x) { return fabs(x) >= 1 / LIMIT_NUMBER && fabs(x) <= LIMIT_NUMBER; }
 
 bool deck_in_range(deck_range range, double x) {
@@ -301,8 +303,9 @@ const char *deck_expected(deck_range range, double x) {
   return wrong_size ? sized[range] : deck_range_text(range);
 }
 
-/* --- members ---------------------------------------------------------------------------------------------- */
+/* --- members -------------------------------------------------------------------------------- */
 
+/* Value of the word in a quoted default; 0 if it is none of the words. */
 static int word_value(const deck_shape *word, const char *quoted) {
   for (; word->name; word++)
     if (strncmp(quoted + 1, word->name, strlen(word->name)) == 0 &&
@@ -326,7 +329,8 @@ void deck_key_defaults(const deck_table *table, void *members) {
   }
 }
 
-/* A program may set numbers of any size: a value far beyond a limit switches it off. */
+/* True if x has the sign that the range requires. Its size is free, since a program may set a
+ * value far beyond a limit to switch it off. */
 static bool has_sign(deck_range range, double x) {
   switch (range) {
     case DECK_ANY: return true;

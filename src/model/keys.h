@@ -1,9 +1,10 @@
-/* keys.h: rows that describe the keys of a deck, each in one place: name, type, range, unit, default, words, meaning,
- * and the member of the model that it sets.
+/* keys.h: tables of deck keys. A row describes one key: name, type, range, unit, default, allowed
+ * words, meaning, and the member of the model that it sets.
  *
- * Defaults of a new model, checks of a finished one, the reader of decks, its echo and docs/deck.md follow these
- * rows. Rows that set members of the model stand in this floor (keys.c, laws.h), those of the deck only in
- * io/deck/deck_keys.c. tools/deck_docs.py brings docs/deck.md up to date.
+ * The defaults of a new model, the checks of a finished one, the deck reader, its echo and
+ * docs/deck.md all follow from these rows. Rows that set members of the model are in src/model
+ * (keys.c, laws.h), rows that only decks have in io/deck/deck_keys.c. tools/deck_docs.py updates
+ * docs/deck.md.
  */
 #ifndef SLIPDISK_MODEL_KEYS_H
 #define SLIPDISK_MODEL_KEYS_H
@@ -18,7 +19,7 @@ typedef enum deck_kind {
   DECK_KEY_BOOL,
   DECK_KEY_INTEGER,
   DECK_KEY_NUMBER,
-  DECK_KEY_ANGLE, /* a number of radians, or "0.04 pi", "7.2 deg" */
+  DECK_KEY_ANGLE, /* angle in radians, or "0.04 pi", "7.2 deg" */
   DECK_KEY_TEXT,
   DECK_KEY_CHOICE,
   DECK_KEY_NUMBERS,     /* list of numbers */
@@ -28,8 +29,8 @@ typedef enum deck_kind {
   DECK_KEY_COORDINATES, /* "x", "y", "theta" or a list of them */
   DECK_KEY_ROWS,        /* list of lists of values */
   DECK_KEY_VALUES,      /* list of values of any kind */
-  DECK_KEY_GROUP,
-  DECK_KEY_GROUPS /* list of groups */
+  DECK_KEY_GROUP,       /* one group of keys: { ... } */
+  DECK_KEY_GROUPS       /* list of groups */
 } deck_kind;
 
 typedef enum deck_range {
@@ -40,9 +41,10 @@ typedef enum deck_range {
   DECK_UP_TO_1
 } deck_range;
 
-/* A word of a choice. Where the choice is a kind (of wall, packing, motion, law), `keys` are those that this kind
- * reads besides the keys that all kinds have: a key marked * must be given; of keys joined by / one
- * is given (exactly one where marked *). A list of words ends with a name NULL. */
+/* A word that a choice key accepts. If the choice is a kind (of wall, packing, motion, law),
+ * `keys` lists the keys that this kind reads besides those that all kinds have: a key marked *
+ * must be given; of keys joined by / one may be given, exactly one if marked *. A list of words
+ * ends with the name NULL. */
 typedef struct deck_shape {
   const char *name;
   int kind; /* value of the enum */
@@ -50,48 +52,48 @@ typedef struct deck_shape {
   const char *meaning;
 } deck_shape;
 
-/* Type of the member that a key sets. */
+/* Type of the struct member that a key sets. */
 typedef enum deck_target {
-  DECK_SETS_NOTHING, /* read by code of its own */
+  DECK_SETS_NOTHING, /* no member: special code reads the key */
   DECK_SETS_NUMBER,
-  DECK_SETS_PAIR,
+  DECK_SETS_PAIR, /* double [2] */
   DECK_SETS_INTEGER,
-  DECK_SETS_UNSIGNED, /* of 64 bits */
+  DECK_SETS_UNSIGNED, /* uint64_t */
   DECK_SETS_BOOL,
-  DECK_SETS_OFF, /* a bool, false where the key is true */
+  DECK_SETS_OFF, /* bool that stores the opposite of the key */
   DECK_SETS_TEXT,
   DECK_SETS_ENUM
 } deck_target;
 
-/* initial: the default as it would stand in a deck; "required"; "-": absent unless given; or "(words)" where
- * it depends on other keys. */
+/* A key. `initial` is its default as written in a deck; "required"; "-": absent unless given; or
+ * "(words)" if the default depends on other keys. */
 typedef struct deck_key {
   const char *name;
   deck_kind kind;
   deck_range range;
   const char *unit;
   const char *initial;
-  const deck_shape *words; /* of a choice */
+  const deck_shape *words; /* accepted words of a choice; else NULL */
   const char *meaning;
-  size_t offset;
+  size_t offset; /* offset of the member in its struct, and its type (SETS) */
   deck_target target;
 } deck_key;
 
 typedef struct deck_table {
-  const char *name; /* as in the deck: "motions", "measure.sliding" */
+  const char *name; /* name in the deck: "motions", "measure.sliding" */
   const char *meaning;
-  bool one; /* { } and not a list of them */
+  bool one; /* true: one group { }; false: a list of groups */
   size_t n;
   const deck_key *key;
-  const char *either;            /* keys of which one may be given: "mass/density"; NULL: none */
-  const struct deck_table *more; /* whose keys follow; NULL: none */
+  const char *either;            /* mutually exclusive keys: "mass/density"; NULL: none */
+  const struct deck_table *more; /* table whose keys are appended; NULL: none */
 } deck_table;
 
-/* Groups whose keys set members of the model. */
+/* Tables whose keys set members of the model. */
 extern const deck_table deck_top, deck_gravity, deck_box, deck_bounds, deck_limits, deck_phases,
     deck_settle, deck_compress, deck_cell, deck_output, deck_measure, deck_sliding, deck_until;
 
-/* --- how rows are written: {name, type, default, words, meaning, member} ------------------------------------- */
+/* --- macros for rows: {name, type, default, words, meaning, member} ------------------------- */
 
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define KEY_TYPE(type, r, u) .kind = type, .range = r, .unit = u
@@ -134,19 +136,25 @@ extern const deck_table deck_top, deck_gravity, deck_box, deck_bounds, deck_limi
 
 #define SETS_OFF(type, member) offsetof(type, member), DECK_SETS_OFF
 
-/* --- what follows from a row ---------------------------------------------------------------------------------- */
+/* --- functions of rows ---------------------------------------------------------------------- */
 
-/* Key number k; NULL behind the last. */
+/* Returns key number k of the table and the tables appended to it; NULL beyond the last. */
 const deck_key *deck_key_at(const deck_table *table, size_t k);
-const deck_key *deck_key_find(const deck_table *table, const char *name); /* NULL: none */
+/* returns NULL if there is no such key */
+const deck_key *deck_key_find(const deck_table *table, const char *name);
+/* Returns the range as text: "> 0" and the like; "" for any number. */
 const char *deck_range_text(deck_range range);
+/* True if x lies in the range and its size within [1/LIMIT_NUMBER, LIMIT_NUMBER], or is 0 if the
+ * range has it. */
 bool deck_in_range(deck_range range, double x);
-/* Words for the range in which x, which is out of it, is expected. */
+/* Returns a text for the range that was expected when x lies outside it: with the limits of size
+ * if x is too large or too small. */
 const char *deck_expected(deck_range range, double x);
 
-/* Sets the members of a new struct to their defaults, where these are plain values. */
+/* Sets the members of a new struct to the defaults of its keys, if these are plain values. */
 void deck_key_defaults(const deck_table *table, void *members);
-/* Reports numbers of the wrong sign as "place.key = value"; 0 stands for what is not given and has no default. */
+/* Reports numbers of the wrong sign as "place.key = value". A 0 is accepted for keys that may be
+ * absent and have no default. */
 void deck_key_check(const deck_table *table, const void *members, const char *place,
                     sd_messages *messages);
 

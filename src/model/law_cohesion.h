@@ -1,12 +1,16 @@
-/* law_cohesion.h: attraction A(delta) of closed contacts, besides the normal law; at a gap, delta is negative.
+/* law_cohesion.h: attraction A(delta) of closed contacts, which adds to the normal law; delta is
+ * negative where there is a gap.
  *
- *   constant  A = pull_off while disks overlap, falling to 0 at gap `range`: the contact begins and ends there
- *   bridge    A = pull_off exp(-gap/range) from touch until gap `rupture`: of the kind measured and computed for capillary bridges
- *             (Soulie, Cherblanc, El Youssoufi, Saix, Int. J. Numer. Anal. Meth. Geomech. 30, 213); forming it costs
- *             bridge_energy, which is lost, and is 0 where it breaks
+ *   constant  A = pull_off while disks overlap, falling linearly to 0 at gap `range`, where the
+ *             contact begins and ends
+ *   bridge    A = pull_off exp(-gap/range) from first touch until gap `rupture`: the form measured
+ *             and computed for capillary bridges (Soulie, Cherblanc, El Youssoufi, Saix, Int. J.
+ *             Numer. Anal. Meth. Geomech. 30, 213); forming a bridge dissipates bridge_energy,
+ *             and the energy is 0 where it breaks
  *
- * Both derive from an energy <= 0, 0 beyond the end. The number of a law stands in sd_cohesion_law; rows as in
- * normal_laws.h. The text over lanes comes once per LANE_WIDTH, after base/lane.h, and constants as in law_row.
+ * Both derive from an energy <= 0, which is 0 beyond the end. sd_cohesion_law has the number of
+ * each law; rows are as in normal_laws.h. The lane functions are compiled once per LANE_WIDTH,
+ * after base/lane.h, with constants as in law_row.
  */
 #ifndef MODEL_LAW_COHESION_H
 #define MODEL_LAW_COHESION_H
@@ -23,15 +27,17 @@
 #ifdef LANE_WIDTH
 #include "base/vexp.h"
 
+/* Constants of the attraction, one contact per lane. */
 typedef struct LANE(cohesion) {
-  LANE(mask) bridge; /* else constant, or none with pull_off 0 */
+  LANE(mask) bridge; /* true: bridge; false: constant, or none with pull_off 0 */
   LANE(real) pull_off;
-  LANE(real) range, per_range; /* per_range: its inverse, 0 where it is 0 */
-  LANE(real) broken;           /* exp(-rupture/range) */
-  LANE(real) begins, ends;     /* gaps at which a contact begins and ends */
+  LANE(real) range, per_range; /* per_range: 1/range, 0 if range is 0 */
+  LANE(real) broken;           /* A/pull_off at gap `rupture`: exp(-rupture/range) */
+  LANE(real) begins, ends;     /* gaps at which the attraction begins and ends */
 } LANE(cohesion);
 
-/* Part of pull_off that A has at a gap. any: there may be bridges. */
+/* Attraction over pull_off, A/pull_off, at overlap delta (< 0: gap); any = 0: no lane has a
+ * bridge. */
 LANE_INLINE LANE(real)
     LANE(cohesion_part)(const LANE(cohesion) * c, LANE(real) delta, const int any) {
   const LANE(real) zero = LANE(splat)(0.0), gap = LANE(max)(-delta, zero) * c->per_range;
@@ -39,6 +45,7 @@ LANE_INLINE LANE(real)
   return any ? LANE(select)(c->bridge, LANE(exponential)(-gap), part) : part;
 }
 
+/* Potential energy of the attraction at overlap delta, <= 0. */
 LANE_INLINE LANE(real) LANE(cohesion_energy)(const LANE(cohesion) * c, LANE(real) delta) {
   const LANE(real) part = LANE(cohesion_part)(c, delta, 1);
   LANE(real) depth = LANE(max)(delta, LANE(splat)(0.0));
@@ -46,7 +53,7 @@ LANE_INLINE LANE(real) LANE(cohesion_energy)(const LANE(cohesion) * c, LANE(real
   return -(c->pull_off * (depth + c->range * beyond));
 }
 
-/* Lost where a bridge forms. */
+/* Energy dissipated when a bridge forms; 0 for other laws. */
 LANE_INLINE LANE(real) LANE(bridge_energy)(const LANE(cohesion) * c) {
   return LANE(mask_zero)(c->bridge, c->pull_off * (c->range * (1.0 - c->broken)));
 }

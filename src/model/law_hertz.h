@@ -1,9 +1,10 @@
-/* law_hertz.h: F_el = k_n delta^(3/2). Included by normal_laws.h.
+/* law_hertz.h: Hertz's law, F_el = k_n delta^(3/2). Included by normal_laws.h.
  *
- * Damping: gamma_n, or from a coefficient of restitution e that does not depend on the speed, gamma = alpha
- * sqrt(m_eff k_n) delta^(1/4) (Tsuji, Tanaka, Ishida, Powder Technology 71, 239). With y = (2/sqrt 5) delta^(5/4) the
- * collision is that of the linear law with w_0 = 1 and b = alpha/sqrt 5, also where the force is cut off at 0: so e(b) is
- * the linear one, and alpha = sqrt 5 b.
+ * Damping is gamma_n, or follows from a coefficient of restitution e that does not depend on the
+ * speed: gamma = alpha sqrt(m_eff k_n) delta^(1/4) (Tsuji, Tanaka, Ishida, Powder Technology 71,
+ * 239). In y = (2/sqrt 5) delta^(5/4) a collision is that of the linear law with w_0 = 1 and b =
+ * alpha/sqrt 5, also if the force is cut off at 0: so e(b) is the linear one, and alpha = sqrt 5
+ * b.
  */
 #ifndef MODEL_LAW_HERTZ_H
 #define MODEL_LAW_HERTZ_H

@@ -1,6 +1,8 @@
-/* law_linear.h: F_el = k_n delta (eq. 2). Included by normal_laws.h.
+/* law_linear.h: linear law, F_el = k_n delta (eq. 2). Included by normal_laws.h.
  *
- * Damping: gamma_n, and from a coefficient of restitution gamma = 2 b sqrt(m_eff k_n), with b as in normal_laws.c. */
+ * Damping is gamma_n plus, for a coefficient of restitution, gamma = 2 b sqrt(m_eff k_n), b the
+ * damping ratio of law_damping_ratio.
+ */
 #ifndef MODEL_LAW_LINEAR_H
 #define MODEL_LAW_LINEAR_H
 

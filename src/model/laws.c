@@ -1,4 +1,4 @@
-/* laws.c: see laws.h. */
+/* laws.c: deck keys, checks and features of contact laws; see laws.h. */
 #include "model/laws.h"
 
 #include <math.h>
@@ -62,7 +62,7 @@ static const deck_key law_keys[] = {
 };
 TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
 
-/* --- mistakes ------------------------------------------------------------------------------------------- */
+/* --- errors of laws ------------------------------------------------------------------------- */
 
 char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
   const bool bridge = law->cohesion == SD_COHESION_BRIDGE;
@@ -72,7 +72,7 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
     double value;
     const char *text;
   } rules[] = {
-      /* the first with the value of mu */
+      /* law_mistake adds the value of mu to this text */
       {law->mu_kinetic > law->mu, "mu_kinetic", law->mu_kinetic, "expected at most mu"},
       {law->gamma_t > 0 && !(law->k_t > 0 && law->mu > 0), "gamma_t", law->gamma_t,
        "without k_t and mu there is no tangential force; give both"},
@@ -86,8 +86,7 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
       {bridge && !(law->rupture > 0), "rupture", law->rupture, "expected a gap > 0"},
   };
   for (size_t k = 0; k < sizeof rules / sizeof *rules; k++) {
-    if (!rules[k].wrong || isnan(rules[k].value))
-      continue; /* what is no number was told of before */
+    if (!rules[k].wrong || isnan(rules[k].value)) continue; /* NAN has been reported before */
     *key = rules[k].key;
     *value = rules[k].value;
     return k == 0 ? format_text("%s = %g", rules[k].text, law->mu)
@@ -107,7 +106,7 @@ double law_pull(const sd_contact_law *law, double delta) {
   return 0.0;
 }
 
-/* --- features ------------------------------------------------------------------------------------------- */
+/* --- features ------------------------------------------------------------------------------- */
 
 unsigned law_features(const sd_contact_law *law) {
   unsigned f = 0;
@@ -124,7 +123,7 @@ unsigned law_features(const sd_contact_law *law) {
   return f;
 }
 
-/* Gap over which a law attracts. */
+/* Largest gap over which a law attracts. */
 static double reach_of(const sd_contact_law *law) {
   return law->cohesion == SD_COHESION_BRIDGE     ? law->rupture
          : law->cohesion == SD_COHESION_CONSTANT ? law->range
@@ -167,11 +166,12 @@ bool law_is_same(const sd_contact_law *a, const sd_contact_law *b) {
   return true;
 }
 
-/* --- which there are -------------------------------------------------------------------------------------- */
+/* --- pairs of materials in use -------------------------------------------------------------- */
 
-/* Materials that are none are left out; they are reported elsewhere. */
+/* Invalid material numbers are skipped; they are reported elsewhere. */
 void laws_count_uses(const sd_model *m, law_use *use) {
-  int64_t *counts = memory_new(2 * m->n_materials, sizeof *counts); /* of disks, of free ones */
+  /* per material: disks, free disks */
+  int64_t *counts = memory_new(2 * m->n_materials, sizeof *counts);
   for (size_t row = rows_first(m); row < rows_count(m); row++) {
     const sd_disk *d = rows_disk(m, row);
     if (d->material < 0) continue;
@@ -188,6 +188,7 @@ void laws_count_uses(const sd_model *m, law_use *use) {
     if (m->walls[w].material >= 0) use[m->walls[w].material].count++;
 }
 
+/* True if bodies of the two materials exist that can touch, one of them a free disk. */
 static bool can_touch(const law_use *use, size_t a, size_t b) {
   if (!use[a].count || !use[b].count || !(use[a].free_disk || use[b].free_disk)) return false;
   return a != b || use[a].count > 1;

@@ -1,5 +1,5 @@
-/* laws.h: what describes the contact of two materials: the keys of a law, which laws there are, and which are
- * missing. A parameter of a law is one row in laws.c and one member of sd_contact_law. */
+/* laws.h: contact laws of pairs of materials: the deck keys of a law, checks, and pairs without
+ * a law. A parameter of a law is one row in laws.c and one member of sd_contact_law. */
 #ifndef SLIPDISK_MODEL_LAWS_H
 #define SLIPDISK_MODEL_LAWS_H
 
@@ -9,31 +9,33 @@
 
 extern const deck_table law_table;
 
-/* The pair of materials has a law, be it one with mistakes. */
+/* True if the pair of materials has a law, even an invalid one. */
 static inline bool law_is_given(const sd_contact_law *law) { return law->k_n != 0.0; }
 
-/* First mistake of a law: its key and value, and the text to be freed. NULL: there is none. */
+/* Returns the text of the first error in a law, to be freed, and its key and value; NULL: no
+ * error. */
 char *law_mistake(const sd_contact_law *law, const char **key, double *value);
 
-/* All members are equal. */
+/* True if all members are equal. */
 bool law_is_same(const sd_contact_law *a, const sd_contact_law *b);
 
-/* Attraction of a closed contact (model/law_cohesion.h), for what is measured. */
+/* Attraction of a closed contact at overlap delta, force, for measurements
+ * (model/law_cohesion.h). */
 double law_pull(const sd_contact_law *law, double delta);
 
-/* Bodies made of a material. */
+/* Use of a material: number of bodies made of it. */
 typedef struct law_use {
-  size_t count; /* disks and walls */
-  bool free_disk;
+  size_t count;   /* number of disks and walls */
+  bool free_disk; /* true if a free disk is among them */
 } law_use;
 
-/* use: [n_materials], zeroed. */
+/* Collective. Counts the bodies of each material; use: [n_materials], zeroed by the caller. */
 void laws_count_uses(const sd_model *model, law_use *use);
-/* From the pair a <= b on, the next two materials that can touch and have no law: at least one has a disk that is free
- * to move. False: no more. */
+/* Finds the next pair of materials, from (*a, *b) on, *a <= *b, that can touch and has no law;
+ * one of them has a free disk. False: there are no more. */
 bool laws_find_missing(const sd_model *model, const law_use *use, size_t *a, size_t *b);
 
-/* The gap over which disks of any two materials attract each other, at most. */
+/* Largest gap over which any law attracts; 0: no law does. */
 double laws_reach(const sd_model *model);
 
 #endif

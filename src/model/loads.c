@@ -1,4 +1,5 @@
-/* loads.c: walls that the disks move: on which side they have them, and what can be said before a run; see finish.h. */
+/* loads.c: walls that move under the forces of the disks (loads and servos): the side on which
+ * the disks are, and checks before a run; see finish.h. */
 #include "model/arc.h"
 #include "model/finish.h"
 
@@ -8,7 +9,8 @@
 #include "model/normal_laws.h"
 #include "model/rows.h"
 
-/* Mean of the free disks in play; of the region when there are none. */
+/* Collective. Mean position of the free disks in play; the centre of the region if there are
+ * none. */
 static void middle(const sd_model *m, double at[2]) {
   double sum[2] = {0.0, 0.0}, n = 0.0;
   for (size_t row = rows_first(m); row < rows_count(m); row++) {
@@ -31,7 +33,7 @@ static bool is_wall(const sd_model *m, uint32_t body) {
 
 int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
   if (!is_wall(m, body) || (coordinate != SD_X && coordinate != SD_Y)) return 0;
-  if (m->periodic[coordinate]) return 0; /* the wall's images are on the other side of them */
+  if (m->periodic[coordinate]) return 0; /* disks lie between the wall and its image */
   const sd_wall *w = &m->walls[body - m->n_disks];
   double disks[2], at = w->pivot[coordinate];
   middle(m, disks);
@@ -52,7 +54,7 @@ int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
   return sign_of(disks[coordinate] - at);
 }
 
-/* Does motion k leave a coordinate to the disks that motion j moves too? */
+/* True if motion j moves the same coordinate of the wall as the load or servo k. */
 static bool clash(const sd_model *m, size_t k, size_t j) {
   const sd_motion *a = &m->motions[k], *b = &m->motions[j];
   if (a->n_bodies == 0 || a->coordinate != b->coordinate) return false;
@@ -75,9 +77,10 @@ bool sd_model_clash(const sd_model *m, size_t phase, size_t motion[2]) {
   return false;
 }
 
-/* --- checks ------------------------------------------------------------------------------------------ */
+/* --- checks --------------------------------------------------------------------------------- */
 
-/* Walls that the disks move (physics.md 6). */
+/* Reports errors of a load or servo (physics.md 6), and warns if it pushes its wall away from
+ * the disks. */
 static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
   const char *name = q->name ? q->name : "?", *kind = motion_kinds[q->kind].name;
   size_t before = sd_messages_errors(msg);
@@ -113,6 +116,7 @@ static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
             sd_model_body_name(m, q->bodies[0], wall, sizeof wall));
 }
 
+/* Reports phases in which another motion moves the wall of a load or servo. */
 static void check_clashes(const sd_model *m, sd_messages *msg) {
   size_t q[2];
   for (size_t k = 0; k < m->n_phases; k++)
@@ -129,11 +133,13 @@ void loads_check(const sd_model *m, sd_messages *msg) {
   check_clashes(m, msg);
 }
 
-/* --- the time step ------------------------------------------------------------------------------------- */
+/* --- the time step -------------------------------------------------------------------------- */
 
+/* Fewest time steps per period of a loaded wall without a warning. */
 enum { STEPS_PER_PERIOD = 20 };
 
-/* How many free disks can lie side by side along a wall. */
+/* Collective. Number of free disks that fit side by side along a wall; across: coordinate along
+ * the wall. */
 static double disks_along(const sd_model *m, const sd_wall *wall, int across) {
   double low = HUGE_VAL, high = -HUGE_VAL, radius = HUGE_VAL;
   for (size_t row = 0; row < rows_count(m); row++) {
@@ -159,7 +165,7 @@ void loads_check_steps(const sd_model *m, sd_messages *msg) {
     const sd_motion *q = &m->motions[k];
     if (q->kind != SD_MOTION_LOAD || m->n_free == 0) continue;
     const sd_wall *wall = &m->walls[q->bodies[0] - m->n_disks];
-    double largest = 0.0; /* radius */
+    double largest = 0.0; /* largest radius */
     for (size_t row = 0; row < rows_count(m); row++)
       largest = fmax(largest, rows_disk(m, row)->radius);
     largest = rows_largest(m, largest);

@@ -1,5 +1,5 @@
-/* model.c: a model is built call by call, and asked; mistakes wait for sd_model_finish. See
- * slipdisk/model.h. */
+/* model.c: functions that build a model and read it. Errors of the building functions are kept
+ * until sd_model_finish reports them. See slipdisk/model.h. */
 #include "model/model.h"
 
 #include <math.h>
@@ -152,25 +152,26 @@ int64_t sd_model_steps(const sd_model *m) {
   return steps;
 }
 
-/* A model is built call by call; mistakes wait for sd_model_finish. See slipdisk/model.h. */
-
-/* Steps of a phase that has no end. */
+/* Number of steps of a phase without an end. */
 static const int64_t ENDLESS = INT64_MAX / 4;
-/* The stream of a random motion that asks for one of its own, until the model is finished. */
+/* Stream number of a random motion that gets a stream of its own when the model is finished. */
 static const uint32_t OWN_STREAM = UINT32_MAX;
 
+/* List of the errors of the building functions. */
 static sd_messages *mistakes(sd_model *m) {
   if (!m->mistakes) m->mistakes = sd_messages_new();
   return m->mistakes;
 }
 
-/* Grows a short list of the model to n elements. */
+/* Grows a short list of the model to n elements and returns its new address; the process ends if
+ * memory is short. */
 static void *grow(sd_model *m, void *list, size_t n, size_t size) {
   m->finished = false;
   return memory_grow(list, n, size);
 }
 
-/* The pointer at `list` gets room for n rows. Without memory it is false, and keeps a mistake. */
+/* Resizes the array whose address is at `list` to n rows. False: out of memory, which is kept as
+ * an error. */
 static bool grow_rows(sd_model *m, void *list, size_t n, size_t size, const char *what) {
   m->finished = false;
   const bool enough = memory_resize_row(list, n, size);
@@ -178,7 +179,8 @@ static bool grow_rows(sd_model *m, void *list, size_t n, size_t size, const char
   return enough;
 }
 
-/* *copy gets n elements; false: no memory, or NULL instead of elements. Nothing to copy is NULL. */
+/* Stores the address of a copy of n elements in *copy, NULL if there are none. False: `from` is
+ * NULL although n > 0, or out of memory; both are kept as errors. */
 static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *copy,
                     const char *what) {
   void *to = NULL;
@@ -189,9 +191,10 @@ static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *
   return to || !n;
 }
 
-/* --- keys ------------------------------------------------------------------------------------------- */
+/* --- keys ----------------------------------------------------------------------------------- */
 
-/* Row of a key and the struct whose member it sets; NULL: a mistake, which is kept. */
+/* Returns the row of a key and, in *members, the struct whose member it sets. NULL: no such key,
+ * which is kept as an error. */
 static const deck_key *key_of(sd_model *m, const char *path, void **members) {
   m->finished = false;
   const struct {
@@ -281,7 +284,7 @@ void sd_model_set_gravity(sd_model *m, double x, double y) {
   m->gravity[SD_Y] = y;
 }
 
-/* False: a mistake, which is kept. */
+/* True if both edges are finite and lower < upper; else an error is kept. */
 static bool has_extent(sd_model *m, const char *what, double lower, double upper) {
   if (upper > lower && fabs(upper) <= LIMIT_NUMBER && fabs(lower) <= LIMIT_NUMBER) return true;
   sd_fail(mistakes(m), SD_ERROR_USER,
@@ -319,7 +322,7 @@ void sd_model_set_bounds(sd_model *m, const double lower[2], const double upper[
   }
 }
 
-/* --- materials -------------------------------------------------------------------------------------- */
+/* --- materials ------------------------------------------------------------------------------ */
 
 int sd_model_add_material(sd_model *m, const char *name, const sd_contact_law *law) {
   const size_t n = m->n_materials;
@@ -359,9 +362,9 @@ void sd_model_set_law(sd_model *m, int a, int b, const sd_contact_law *law) {
   m->laws[a * n + b] = m->laws[b * n + a] = *law;
 }
 
-/* --- bodies ----------------------------------------------------------------------------------------- */
+/* --- bodies --------------------------------------------------------------------------------- */
 
-/* Takes over all of a disk but its name and group. */
+/* Copies a disk and its name; group and clump are set to none. */
 static void put_disk(sd_disk *to, const sd_disk *from) {
   const char *name = memory_text(from->name);
   *to = *from;
@@ -449,9 +452,9 @@ uint32_t sd_model_add_clump(sd_model *m, const sd_clump *clump) {
   return number;
 }
 
-/* --- motions and phases ----------------------------------------------------------------------------- */
+/* --- motions and phases --------------------------------------------------------------------- */
 
-/* Switches the n motions or fields of a phase on, or off, from number `from` on. */
+/* Switches the motions or fields of a phase with numbers from ... n - 1 on or off. */
 static void activate(sd_model *m, bool **list, size_t from, size_t n, bool on) {
   *list = grow(m, *list, n, sizeof **list);
   for (size_t k = from; k < n; k++) (*list)[k] = on;
@@ -478,7 +481,7 @@ int sd_model_add_motion(sd_model *m, const sd_motion *motion) {
                "a motion"))
     to->n_table = 0;
   if (motion->kind == SD_MOTION_RANDOM && motion->stream == 0) to->stream = OWN_STREAM;
-  /* phases that name their motions were added without this one */
+  /* the new motion is off in phases that list their motions */
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].active)
       activate(m, &m->phases[k].active, m->n_motions - 1, m->n_motions, false);
@@ -534,9 +537,10 @@ void sd_model_set_until(sd_model *m, const sd_until *until) {
   m->until.asked = true;
 }
 
-/* --- finishing -------------------------------------------------------------------------------------- */
+/* --- finishing ------------------------------------------------------------------------------ */
 
-/* SD_WALL(w) and SD_CLUMP(k) become body numbers; any other number stays, for the checks. */
+/* Converts SD_WALL(w) and SD_CLUMP(k) to body numbers; other numbers are returned unchanged, for
+ * the checks to report. */
 static uint32_t body_number(const sd_model *m, uint32_t body) {
   const uint32_t wall = body & ~SD_WALL(0), clump = body & ~SD_CLUMP(0);
   if (!(body & SD_WALL(0)) && body & SD_CLUMP(0))
@@ -545,7 +549,8 @@ static uint32_t body_number(const sd_model *m, uint32_t body) {
   return wall < m->n_walls ? (uint32_t)m->n_disks + wall : body;
 }
 
-/* Numbers of random streams like those of a deck: by what is driven, and how many drive it. */
+/* Gives random motion k a stream number like that of a deck: from the body that it drives, the
+ * coordinate, and the number of earlier random motions of the same. */
 static void give_stream(sd_model *m, size_t k) {
   sd_motion *q = &m->motions[k];
   if (q->kind != SD_MOTION_RANDOM || q->stream != OWN_STREAM || q->n_bodies == 0) return;

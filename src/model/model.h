@@ -1,4 +1,6 @@
-/* model.h: the struct behind slipdisk/model.h, const after sd_model_finish. Programs that use the library build it by functions. */
+/* model.h: the struct behind slipdisk/model.h. A model is const once sd_model_finish has
+ * succeeded. The deck reader fills the members directly; programs that use the library call the
+ * sd_model_... functions. */
 #ifndef MODEL_MODEL_H
 #define MODEL_MODEL_H
 
@@ -36,89 +38,108 @@ typedef enum sd_size_kind {
   SD_SIZES_POWERLAW
 } sd_size_kind;
 
-/* Disks first ... first + count - 1 wait, and fall in batches, lowest numbers first. Batch k is released
- * k * interval steps after the start: rows of disks, from `lower` to `upper` in x, the lowest row `gap` above
- * the highest disk that is in play there. */
+/* A rain drops the disks first ... first + count - 1 in batches, lowest numbers first; until its
+ * release a disk waits out of play. Batch k is released k * interval steps after the start: its
+ * disks are placed in rows between x = `lower` and `upper`, the lowest row `gap` above the
+ * highest disk in play in that range. */
 typedef struct sd_rain {
-  size_t first, count, batch; /* disks, disks in a batch */
-  int64_t interval;           /* steps */
-  double lower, upper;        /* x */
-  double floor;               /* y below which no batch begins */
-  double gap, speed;
+  size_t first, count, batch; /* first disk, number of disks, disks per batch */
+  int64_t interval;           /* steps between batches */
+  double lower, upper;        /* range in x in which disks are placed */
+  double floor;               /* least y of the lowest row */
+  double gap, speed;          /* clearance of the lowest row, downward speed at release */
 } sd_rain;
 
 enum { SD_TILE_RADII = 16 };
 
-/* A wall of a file whose contacts come along, and what it is here. */
+/* A wall of the result file from which contacts are restored, and the wall of the model that
+ * corresponds to it. */
 typedef struct sd_tile_wall {
-  bool known;              /* the model has it */
-  uint32_t wall;           /* of the model */
-  size_t pieces;           /* straight ones; 0: it is round */
-  size_t first, own_first; /* of all pieces of walls, there and here */
+  bool known;    /* true if the model has this wall */
+  uint32_t wall; /* number of the wall in the model */
+  size_t pieces; /* number of segments; 0: a circle */
+  /* Index of the wall's first segment among all wall segments: of the file, and of the model. */
+  size_t first, own_first;
+  /* radius, angle and surface displacement of the wall in the file */
   double radius, theta, surface;
-  double arc; /* radius of an arc, 0: it is none; a ring has no ends */
-  bool ring;
+  double arc; /* radius if the wall is an arc, else 0 */
+  bool ring;  /* True for an arc that is a full circle and has no ends. */
 } sd_tile_wall;
 
-/* The last disks of a model, where each part of them can be had by itself: the last packing, in slabs side by side along x, tile after
- * tile (pack/tiles.h), or a large file, in rows (io/deck/deck_parts.c). */
+/* The last disks of a model, if they can be generated or read in independent parts: the last
+ * packing, in tiles, which are slabs side by side along x (pack/tiles.h), or the rows of a large
+ * file (io/deck/deck_parts.c). */
 typedef struct sd_tiles {
-  size_t n;            /* 0: there are none */
-  size_t first, count; /* disks */
-  bool away;           /* each rank has some of them (rows.h) */
-  bool of_file;
-  size_t entry; /* of the deck's list of packings, or of files */
-  int64_t inputs,
-      contact_inputs;  /* of a file: sums of what it says of disks and contacts, in any order */
-  size_t n_contacts;   /* of a file: that come along */
-  size_t n_walls;      /* where it is away, and contacts come along */
-  bool forces_carried; /* forces of those contacts hold at step 0 */
-  sd_tile_wall *walls;
+  size_t n;            /* number of parts; 0: no disks come in parts */
+  size_t first, count; /* first of these disks, and their number */
+  /* True if these disks are distributed: each row is stored on one rank only (rows.h). */
+  bool away;
+  bool of_file; /* True: the parts are rows of a file; false: tiles of a packing. */
+  size_t entry; /* index in the deck's list `packings`, or `disk_files` */
+  /* File: order-independent checksums of its disks and of its contacts. */
+  int64_t inputs, contact_inputs;
+  size_t n_contacts; /* file: number of its contacts */
+  /* File whose disks are distributed and whose contacts are restored: number of its walls, else
+   * 0. */
+  size_t n_walls;
+  bool forces_carried; /* The forces stored with these contacts are still valid at step 0. */
+  sd_tile_wall *walls; /* [n_walls] walls of the file */
   sd_packing_kind kind;
-  double lower[2], upper[2], spacing,
-      jitter;           /* rain: where its disks wait, `spacing` inside of the edges in y */
-  double mass, density; /* one is 0 */
-  int material, group;
-  sd_size_kind sizes; /* the rest as in sizes.h */
+  /* Region of the packing; of a rain: where its disks wait, in y at least `spacing` from its
+   * edges. Lattices: lattice constant, and random displacement of the sites. */
+  double lower[2], upper[2], spacing, jitter;
+  double mass, density; /* mass of a disk, or its mass per area; the other one is 0 */
+  int material, group;  /* Indices into materials and groups; group -1: none. */
+  /* Distribution of the radii; its parameters are those of `sizes` in sizes.h, `least` and
+   * `most` its `lower` and `upper`. */
+  sd_size_kind sizes;
   double radius, deviation, exponent, least, most;
   size_t n_radii;
   double radii[SD_TILE_RADII], weights[SD_TILE_RADII];
 } sd_tiles;
 
-/* A rectangle in which the centres of the free disks belong; infinite where there is no limit. */
+/* Rectangle in which the centres of the free disks must stay; infinite where there is no limit. */
 typedef struct sd_bounds {
-  bool given; /* by the deck or its container; else nothing is looked at */
+  /* True if the deck, its container or the program has set bounds; false: positions are not
+   * checked. */
+  bool given;
   double lower[2], upper[2];
-  sd_outside outside;
+  sd_outside outside; /* action on a disk that leaves */
 } sd_bounds;
 
+/* Higher derivatives per disk that Gear's integrator needs: the 3rd to 5th of x, of y and of
+ * theta. */
 enum { SD_DERIVATIVES = 9 };
 
-/* Memory of a contact with which a run begins (columns contact_* of state.h). */
+/* History of a contact that is closed when the run starts (columns contact_* of state.h). */
 typedef struct sd_contact_memory {
-  uint32_t a, b, part; /* body numbers of this model */
-  int16_t slide;
-  int16_t force_carried; /* 1: same law as in the run before, whose force holds at step 0 */
-  double side;
+  /* Body numbers of this model, and the segment of a wall (0: round body). */
+  uint32_t a, b, part;
+  int16_t slide; /* 0: stuck; +1, -1: sliding with that sign of the torque. */
+  /* 1 if the law is that of the previous run, so that the stored force is still valid at step 0. */
+  int16_t force_carried;
+  double side; /* +1, -1: side of a straight wall on which the disk is; 0: round body. */
   sd_contact_record record;
 } sd_contact_memory;
 
-/* Disks that one rank has (rows.h). */
+/* Disks and contacts that are stored on this rank only (rows.h). */
 typedef struct sd_rows {
   size_t n;
-  sd_disk *disk;
-  uint32_t *number; /* disks of the model */
-  double *shift;    /* of a file whose contacts come along (deck_result_shift); else NULL */
-  double (*derivatives)[SD_DERIVATIVES]; /* NULL: none */
+  sd_disk *disk;    /* [n] disks */
+  uint32_t *number; /* [n] numbers of these disks in the model */
+  /* [n] correction of the angle for restored contacts (deck_result_shift); NULL: no contacts. */
+  double *shift;
+  double (*derivatives)[SD_DERIVATIVES]; /* [n] higher derivatives, for Gear; NULL: none */
   size_t n_memories;
-  sd_contact_memory *memories; /* contacts of the model that this rank begins with */
+  sd_contact_memory *memories; /* [n_memories] contacts that are closed when the run starts */
   size_t n_contacts;
-  sd_contact_memory *contacts; /* of the file that is away, as it has them */
+  /* [n_contacts] contacts of the distributed file, with the file's own body numbers. */
+  sd_contact_memory *contacts;
 } sd_rows;
 
-/* --- derived by sd_model_finish ------------------------------------------------------------------- */
+/* --- derived by sd_model_finish ------------------------------------------------------------- */
 
-/* Pieces of walls: straight ones, parts of a circle, and the ends of an arc. */
+/* Shape of a wall segment: straight line, circular arc, or one of the end points of an arc. */
 typedef enum sd_piece {
   SD_PIECE_STRAIGHT,
   SD_PIECE_CURVE,
@@ -126,37 +147,42 @@ typedef enum sd_piece {
   SD_PIECE_LAST_END
 } sd_piece;
 
-/* A piece of a wall in the wall's own frame (origin at the pivot, angle 0 at the start). */
+/* A segment of a wall in the wall's own frame (origin at the pivot, angle 0 at the start). */
 typedef struct sd_segment {
-  uint32_t body;
+  uint32_t body; /* body number of the wall */
   sd_piece piece;
-  double start[2];   /* one end; for a line any point; of an arc: the centre of the circle */
-  double tangent[2]; /* unit vector from the start to the other end */
-  double length;     /* HUGE_VAL for a line (then it also extends backwards) */
-  double previous
-      [2]; /* tangent of the piece before; -tangent at a free end: bounds the start's own region */
-  bool end_cap;  /* the far end is free and pushes as a point */
-  double arc;    /* arc length of the start along a polyline */
-  int64_t next;  /* feature number of the piece that follows, -1: none */
-  double radius; /* of an arc; its directions from the centre: of the ends, and between them */
+  /* First end; for an infinite line any point of it; for an arc the centre of its circle. */
+  double start[2];
+  double tangent[2]; /* straight segments: unit vector from the first end to the second */
+  double length;     /* HUGE_VAL for an infinite line, which extends to both sides of `start`. */
+  /* Tangent of the previous segment, -tangent at a free end: limits the region in which the
+   * first end is the nearest point. */
+  double previous[2];
+  bool end_cap; /* True if the second end is free and acts as a point contact. */
+  double arc;   /* arc length along the wall from its start to `start` */
+  int64_t next; /* index of the next segment of the wall; -1: none */
+  /* Arc: radius, and unit vectors from the centre to its two ends and to the point midway. */
+  double radius;
   double first[2], last[2], middle[2];
-  bool wide; /* an arc of more than half a turn */
-  /* of its start and end: number of the vertex, which pieces that meet there share, 0: none; ends of other walls are there */
+  bool wide; /* true for an arc of more than half a turn */
+  /* Number of the vertex at the first and at the second end, shared by all segments that meet
+   * there; 0: none. `meets`: true if ends of other walls lie there. */
   uint32_t vertex[2];
   bool meets[2];
-  /* In a periodic box: directions in which it has images; its middle, from the start; how many periods away the piece that follows
-   * starts, where the wall goes on in its own image. */
+  /* Periodic box: `image[c]` is true if the segment has images along c; `center` is its midpoint
+   * relative to `start`; `cells` is the number of periods to the start of the next segment, if
+   * the wall continues in its own image. */
   bool image[2];
   double center[2];
   int cells[2];
 } sd_segment;
 
-/* Beyond these a finished run is in doubt (exit status 5); 0: not looked at. */
+/* Limits beyond which the result of a run is marked doubtful (exit status 5); 0: not checked. */
 typedef struct sd_limits {
-  double residual;     /* of the energy budget, over its scale */
-  double open;         /* fraction of the measured time in which a watched contact is open */
-  double displacement; /* of a free disk in one step, over its radius */
-  bool unstable_step;  /* dt may be beyond the limit of stability (sd_model_step_limit) */
+  double residual;     /* residual of the energy budget, relative to its scale */
+  double open;         /* largest fraction of the measured time that a watched contact is open */
+  double displacement; /* largest displacement of a body in one step, over the radius */
+  bool unstable_step;  /* True: allows dt above the stability limit (sd_model_step_limit). */
 } sd_limits;
 
 struct sd_model {
@@ -165,20 +191,22 @@ struct sd_model {
   sd_integrator integrator;
   sd_variant variant;
   double dt;
-  double skin;        /* Verlet-list skin, length; 0: chosen as the run goes */
-  double max_overlap; /* a run stops when an overlap exceeds this fraction of the smaller radius */
+  double skin;        /* margin of the Verlet lists, length; 0: chosen at run time */
+  double max_overlap; /* largest overlap over the smaller radius; beyond it the run stops */
   sd_limits limits;
-  double gravity[2];         /* acceleration vector: -g (sin tilt, cos tilt) */
-  double lower[2], upper[2]; /* box; only read along periodic directions */
+  double gravity[2];         /* acceleration, -g (sin tilt, cos tilt) */
+  double lower[2], upper[2]; /* edges of the box; valid along periodic directions only */
   bool periodic[2];
   sd_container_kind container;
-  double region_lower[2],
-      region_upper[2]; /* of the container or box: what is called full; equal: none */
+  /* Region of the container or box, whose area the packing fraction refers to; equal edges:
+   * none. */
+  double region_lower[2], region_upper[2];
   sd_bounds bounds;
 
   size_t n_materials;
   sd_material *materials;
-  sd_contact_law *laws; /* [n_materials * n_materials], symmetric; k_n = 0: pair not given */
+  /* [n_materials * n_materials], symmetric; k_n = 0: no law given for the pair. */
+  sd_contact_law *laws;
   size_t n_groups;
   char **groups;
   size_t n_disks;
@@ -197,67 +225,86 @@ struct sd_model {
   sd_tiles tiles;
   size_t n_rains;
   sd_rain *rains;
-  size_t n_memories; /* contacts of the packing that the run begins with, in any order */
+  size_t n_memories; /* number of contacts that are closed when the run starts, in any order */
   sd_contact_memory *memories;
-  size_t all_memories;  /* with those that are away; derived */
-  bool forces_carried;  /* the forces of some contacts hold at step 0 */
-  size_t n_derivatives; /* disks; 0: the file has none, or not for Gear */
-  /* Gear's columns 3 to 5 of x, of y, of theta (state.h), from the file of each disk */
+  /* Number of these contacts on all ranks, including those in `mine`; derived. */
+  size_t all_memories;
+  bool forces_carried; /* true if the stored forces of some contacts are valid at step 0 */
+  /* Number of rows of `derivatives`: n_disks, or 0 if no file gives them or the integrator is
+   * not Gear. */
+  size_t n_derivatives;
+  /* Higher derivatives of x, y, theta in Gear's form (columns x3 ... theta5 of state.h), read
+   * from the file that gives the disk. */
   double (*derivatives)[SD_DERIVATIVES];
 
-  size_t n_rotations; /* disks whose mean angular velocity is measured */
+  size_t n_rotations; /* number of disks whose mean angular velocity is measured */
   uint32_t *rotations;
   size_t n_slides;
   sd_slide_watch *slides;
   sd_until until;
-  size_t n_contact_disks; /* disks whose contacts are a series */
+  size_t n_contact_disks; /* number of disks whose contact forces are a time series */
   uint32_t *contact_disks;
-  bool measure_walls, measure_groups; /* series of the forces on each of them */
-  bool measure_box, measure_stress;   /* series of width and height of the region, of its stress */
-  bool measure_disks;                 /* means of every free disk */
-  bool measure_configurations; /* torque, forces and duration of the configurations in slides */
-  int64_t measure_every;       /* steps between looks at its contacts, >= 1 */
+  bool measure_walls, measure_groups; /* time series of the forces on each wall, on each group */
+  /* time series of the region's width and height, and of its stress */
+  bool measure_box, measure_stress;
+  bool measure_disks; /* time averages for every free disk */
+  /* Torque, normal forces and duration of each sliding configuration of the pairs in `slides`. */
+  bool measure_configurations;
+  int64_t measure_every; /* steps between samples of the contacts for measure_disks, >= 1 */
 
-  struct sd_deck *
-      deck; /* that it was read from (sd_model_deck in deck.h), freed with it; NULL: built by hand */
+  /* Deck that the model was read from (sd_model_deck in deck.h); owned by the model; NULL: built
+   * by functions. */
+  struct sd_deck *deck;
 
-  sd_messages *mistakes; /* of the calls that built it, for sd_model_finish; NULL: none */
+  /* Errors of the functions that built the model, reported by sd_model_finish; owned; NULL:
+   * none. */
+  sd_messages *mistakes;
 
-  /* A run over ranks uses these (rows.h). */
-  const struct comm *comm; /* of the ranks that read the deck now; NULL: one alone */
-  sd_rows *mine;           /* that this rank alone has, until its run begins; NULL: none */
-  bool parted;             /* by rows_part; then: */
-  size_t n_known;          /* disks whose rows are here, ascending */
-  uint32_t *known;
-  sd_step_limit limit;  /* of the time step, */
-  sd_messages *advised; /* warnings, */
-  int64_t inputs;       /* and the sum over what files say (provenance_inputs), of all disks */
+  /* The following members belong to runs on several ranks (rows.h). */
+  /* Communicator of the ranks that read the deck together, not owned; NULL: one process. */
+  const struct comm *comm;
+  sd_rows *mine; /* Rows stored on this rank only, until its run begins; owned; NULL: none. */
+  /* True after rows_part: `disks` then holds the rows in `known` only, and `limit`, `advised`
+   * and `inputs` hold values for all disks. */
+  bool parted;
+  size_t n_known;       /* number of disks whose rows are in `disks` */
+  uint32_t *known;      /* [n_known] numbers of these disks, ascending; owned */
+  sd_step_limit limit;  /* limit of the time step over all disks */
+  sd_messages *advised; /* warnings of sd_model_advise; owned; NULL: not collected yet */
+  int64_t inputs;       /* checksum of the input files (provenance_inputs) */
 
-  /* derived */
+  /* The following members are derived by sd_model_finish. */
   bool finished;
   size_t n_segments;
   sd_segment *segments;
-  size_t n_free;          /* disks that are not driven */
-  double mean_radius;     /* harmonic mean of all disks */
-  double largest_radius;  /* of a free disk */
-  double smallest_radius; /* of a free disk; infinite without any */
-  double shortest_period; /* as sd_model_shortest_period; where there are servos */
-  uint32_t *
-      clump_disks; /* of all clumps, one after the other, by number: what sd_clump.disks points to */
-  double (*clump_offsets)[2]; /* of each of these from its clump's centre, at the start */
+  size_t n_free;          /* number of disks that are not driven */
+  double mean_radius;     /* harmonic mean radius of all disks */
+  double largest_radius;  /* largest radius of a free disk */
+  double smallest_radius; /* smallest radius of a free disk; infinite without free disks */
+  double shortest_period; /* sd_model_shortest_period if there are servos, else 0 */
+  /* Disk numbers of all clumps, one clump after the other; sd_clump.disks points into this
+   * array. */
+  uint32_t *clump_disks;
+  /* Offset of each of these disks from its clump's centre of mass, at the start. */
+  double (*clump_offsets)[2];
 };
 
-/* Bodies that a motion can name: disks, walls, clumps. */
+/* Number of bodies that a motion can name: disks, walls and clumps. */
 static inline size_t model_movables(const sd_model *m) {
   return m->n_disks + m->n_walls + m->n_clumps;
 }
 
-/* "motion "shake"", or "motion 3" of one without a name; in text[size]. */
+/* Writes the name of a motion for messages to text[size]: `motion "shake"`, or `motion 3` if it
+ * has no name. Returns text. */
 const char *model_motion_name(const sd_model *model, size_t number, char *text, size_t size);
 
-/* Completes a model that was built by functions: default phase, numbers of walls, random streams. */
+/* Completes a model that was built by functions: adds a phase if there is none, turns SD_WALL(w)
+ * and SD_CLUMP(k) into body numbers, numbers the random streams. */
 void model_complete(sd_model *model);
+/* Reports the errors that the building functions have collected, and returns their status;
+ * SD_OK: none. */
 sd_status model_tell_mistakes(sd_model *model, sd_messages *messages);
+/* Adds the collected errors of one model to those of another. */
 void model_copy_mistakes(sd_model *to, const sd_model *from);
 
 #endif

@@ -1,4 +1,5 @@
-/* motions.c: see motions.h. */
+/* motions.c: checks of motions, estimates of their displacements, and driven disks; see
+ * motions.h. */
 #include "model/motions.h"
 
 #include <assert.h>
@@ -53,7 +54,8 @@ double motion_period(const sd_motion *q) {
              : 0;
 }
 
-/* Steps per cycle of a wave below which its values at the steps are those of another wave. */
+/* Fewest steps per cycle of a wave; with fewer, its samples are those of a slower wave
+ * (aliasing). */
 static const double FEWEST_STEPS = 4;
 
 void motion_check(const sd_motion *q, double dt, const char *name, sd_messages *messages) {
@@ -81,7 +83,7 @@ void motion_shape(const sd_motion *q, double shape[WAVE_SHAPE]) {
 #undef SHAPE_CASE
 }
 
-/* Straight between its rows. */
+/* Value of a table at time t, linear between its rows, times the amplitude. */
 static double table_at(const sd_motion *q, double t) {
   const size_t last = q->n_table - 1;
   const double from = q->table_time[0], to = q->table_time[last];
@@ -114,7 +116,7 @@ double motion_first(const sd_motion *q) {
   return motion_source(q) == SIGNAL_RANDOM ? 3 * q->amplitude : motion_at(q, 0);
 }
 
-/* Beside each row, to either side. */
+/* Largest displacement of a table within dt before or after one of its rows. */
 static double table_stride(const sd_motion *q, double dt) {
   double most = 0;
   for (size_t r = 0; r < q->n_table; r++) {
@@ -136,14 +138,15 @@ double motion_stride(const sd_motion *q, double dt) {
     case SIGNAL_FEEDBACK: return q->kind == SD_MOTION_SERVO ? q->velocity * dt : 0;
     case SIGNAL_WAVE: break;
   }
-  motion_shape(q, shape); /* the second number is the largest velocity */
+  motion_shape(q, shape); /* shape[1] is the largest velocity */
   return fmin(fabs(shape[1]) * dt, 2 * fabs(q->amplitude));
 }
 
 /* --- prescribed disks ------------------------------------------------------------------------- */
 
-/* Contacts are evaluated where one of both is free. Without any free disk those that motions lead are counted as free, with
- * all coordinates held or led, so that they feel what they touch; where only walls move, all disks are. */
+/* Makes a driven disk free, with all coordinates locked. Contacts need one free body; without
+ * any free disk, the disks that motions move become free in this way so that their contacts are
+ * evaluated, and if motions move walls, all disks do. */
 static void free_one(sd_model *m, size_t disk) {
   sd_disk *d = &m->disks[disk];
   if (!d->driven || !(d->mass > 0) || d->clump > 0) return;
@@ -152,6 +155,7 @@ static void free_one(sd_model *m, size_t disk) {
   m->n_free++;
 }
 
+/* Makes disks free, with locked coordinates, in a model without free disks. */
 static void free_the_led(sd_model *m) {
   bool walls = false;
   for (size_t k = 0; k < m->n_motions; k++)
@@ -203,13 +207,15 @@ double strides_arm(const sd_model *m, uint32_t body) {
   return ends;
 }
 
-/* Per unit of the motion, over the radius of the smallest free disk. */
+/* Displacement of a body's farthest point per unit of the motion, over the radius of the
+ * smallest free disk; 0: surface motion or no free disk. */
 static double lever(const sd_model *m, const sd_motion *q, uint32_t body) {
   if (!(m->smallest_radius > 0) || !isfinite(m->smallest_radius) || q->coordinate == SD_SURFACE)
     return 0;
   return (q->coordinate == SD_THETA ? strides_arm(m, body) : 1) / m->smallest_radius;
 }
 
+/* True if the motion is on in any phase. */
 static bool runs(const sd_model *m, size_t motion) {
   bool any = m->n_phases == 0;
   for (size_t k = 0; k < m->n_phases; k++)
@@ -243,7 +249,8 @@ bool strides_longest(const sd_model *m, body_stride *longest) {
   return longest->length > 0;
 }
 
-/* Chance, or the spline through a table, goes farther than motion_stride says, by less than that. */
+/* Safety factor: a random motion, or the spline through a table, can move farther than
+ * motion_stride says, but not by this factor. */
 static const double FARTHER = 3;
 
 bool strides_are_long(const sd_model *m) {

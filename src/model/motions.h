@@ -1,5 +1,5 @@
-/* motions.h: the kinds of motion, the disks that motions prescribe, how far motions move bodies in
- * one step, and random streams. */
+/* motions.h: the kinds of motion, the disks that motions prescribe, displacements of bodies in
+ * one step, and numbers of random streams. */
 #ifndef SLIPDISK_MODEL_MOTIONS_H
 #define SLIPDISK_MODEL_MOTIONS_H
 
@@ -12,10 +12,11 @@
 
 /* --- kinds of motion -------------------------------------------------------------------------- */
 
-/* One row each, from which deck, checks, signals and documentation follow.
+/* One row per kind of motion; deck keys, checks, signals and documentation follow from it.
  *
- * ROW(number, name in the deck, source, amplitude, check, keys in the deck, meaning): the source says how values come
- * about; keys as in deck_keys.h. Rows of periodic waves stand in waveforms.h.
+ * ROW(number, name in the deck, source, amplitude, check, keys in the deck, meaning): the source
+ * tells how values are computed; keys are as in deck_shape (keys.h). waveforms.h has the rows of
+ * periodic waves.
  */
 
 #define MOTION_KINDS(ROW)                                                                          \
@@ -31,20 +32,24 @@
   ROW(SD_MOTION_SERVO, servo, SIGNAL_FEEDBACK, NULL, NULL, "force/pressure* speed* length",        \
       "wall, x or y: moves so that it exerts a given force on the disks")
 
+/* Method by which the values of a motion are computed. */
 typedef enum signal_source {
   SIGNAL_STEADY,
   SIGNAL_WAVE,
   SIGNAL_RANDOM,
   SIGNAL_TABLE,
-  SIGNAL_FEEDBACK /* from the forces of the disks, step by step: never ahead, and not in lanes */
+  /* Computed from the contact forces at each step: values are not computed ahead, and lanes do not
+   * support it. */
+  SIGNAL_FEEDBACK
 } signal_source;
 
 typedef struct motion_kind {
   const char *name;
   signal_source source;
-  /* A for the largest acceleration a omega^2; NULL: it has none */
+  /* Amplitude A of which the largest acceleration is a omega^2; NULL: the kind has none. */
   double (*amplitude)(const sd_motion *motion, double a);
-  /* what sd_model_finish refuses; NULL: nothing of its own. Feedback: finish.h */
+  /* Reports errors for sd_model_finish; NULL: none of its own. loads_check (finish.h) checks
+   * feedback. */
   void (*check)(const sd_motion *motion, double dt, const char *name, sd_messages *messages);
 } motion_kind;
 
@@ -58,62 +63,73 @@ static inline bool motion_is_feedback(const sd_motion *q) {
   return motion_source(q) == SIGNAL_FEEDBACK;
 }
 
-/* Tells what is refused: too few steps in a cycle, and what its kind refuses. name: as in model_motion_name. */
+/* Reports errors of a motion: fewer than 4 steps per cycle of a wave, and those of its kind.
+ * name: for the message, as from model_motion_name. */
 void motion_check(const sd_motion *motion, double dt, const char *name, sd_messages *messages);
 
-/* Time after which it repeats, 0: never. */
+/* Period of a motion, time; 0: not periodic. */
 double motion_period(const sd_motion *motion);
-/* Amplitude of a wave, rms displacement of a random motion; infinite where neither is known. */
+/* Amplitude of a wave, rms displacement of a random motion; infinite for other motions. */
 double motion_reach(const sd_motion *motion);
+/* Computes the constants of a wave that its lane functions read (waveforms.h). */
 void motion_shape(const sd_motion *wave, double shape[WAVE_SHAPE]);
-/* Its value a time after it was switched on, for estimates: a table straight between its rows, a ramp straight; 0 where the
- * disks or chance decide. */
+/* Estimates the displacement at a time after the motion is switched on: tables and ramps are
+ * linear in between; 0 for random motions and feedback. */
 double motion_at(const sd_motion *motion, double time);
-/* Value with which it begins, without a ramp: three standard deviations where chance decides, 0 where the disks do. */
+/* Displacement at the start, 0 with a ramp; random motion: three standard deviations; feedback:
+ * 0. */
 double motion_first(const sd_motion *motion);
-/* The farthest that it goes in one step once it runs: 0 where the disks decide; three standard deviations where chance does. */
+/* Largest displacement in one step while the motion runs; random motion: three standard
+ * deviations; load: 0. */
 double motion_stride(const sd_motion *motion, double dt);
 
 /* --- prescribed disks ------------------------------------------------------------------------- */
 
 /* Marks the disks whose coordinates are all prescribed or locked as driven, and counts the free
- * ones. SD_ERROR_IO: there is no memory. */
+ * ones. If none is free, some become free with all coordinates locked, so that contacts are
+ * evaluated. SD_ERROR_IO: out of memory. */
 sd_status model_find_driven(sd_model *model);
-/* Coordinates that motions prescribe, of each disk that is held (rows.h): bits 1 << coordinate; to
- * be freed. NULL: there is no memory. */
+/* Returns the coordinates that motions prescribe, for each of the model_held disks: bits 1 <<
+ * coordinate. The caller frees them. NULL: out of memory. */
 unsigned char *model_moved(const sd_model *model);
 
-/* --- how far motions move bodies in one step, known before the run ---------------------------- */
+/* --- displacements of bodies in one step, estimated before the run -------------------------- */
 
-/* Part of limits.displacement from which on a body jumps: it goes farther than its velocities take it. */
+/* A prescribed body jumps if in one step it moves farther than its velocity accounts for, by
+ * more than this fraction of limits.displacement. */
 #define STRIDES_JUMP 0.1
 
-/* The distance of a wall's farthest given point from its pivot; 0 of round ones, which turn into themselves, and of disks. */
+/* Distance from a wall's pivot to its farthest point; 0 for circles, which turn into themselves,
+ * and for disks. */
 double strides_arm(const sd_model *model, uint32_t body);
 
-/* A body, how far it goes in a step over the radius of the smallest free disk, and the motion that takes it
- * farthest. */
+/* The body that moves farthest in a step, the motion that contributes most, and the length moved
+ * over the radius of the smallest free disk. */
 typedef struct body_stride {
   uint32_t body;
   size_t motion;
   double length;
 } body_stride;
 
-/* The body that goes farthest while its motions run together. False: none moves, or no memory (memory.h). */
+/* Finds the body that moves farthest in a step, with all its motions running. False: no body
+ * moves, or out of memory (shortage_note in memory.h). */
 bool strides_longest(const sd_model *model, body_stride *longest);
-/* May a step take some prescribed body to the limit of displacement, or may it jump? Only then a run looks at them. */
+/* True if a prescribed body may jump or exceed limits.displacement in a step, or has a motion of
+ * kind load or servo; only then a run checks prescribed bodies. */
 bool strides_are_long(const sd_model *model);
-/* The jump with which a motion begins, at the farthest point of the bodies it moves, over that radius; 0 of a surface and of
- * disks that turn. */
+/* Displacement with which a motion begins, at the farthest point of its bodies, over the radius
+ * of the smallest free disk; 0 for moving surfaces and for disks that turn. */
 double strides_first_jump(const sd_model *model, size_t motion);
 
 /* --- random streams --------------------------------------------------------------------------- */
 
-/* index: of the disk, the wall, the group, or the first body of a list. */
+/* Kind of body that a random stream drives. The stream's index is the number of the disk, the
+ * wall, the group, or the first body of a list. */
 enum { STREAM_DISK, STREAM_WALL, STREAM_GROUP, STREAM_LIST, STREAM_THINGS };
 enum { STREAM_INDICES = 1 << 24, STREAM_ORDINALS = 16 };
 
-/* ordinal: of the random motions on this coordinate of this thing, as they were given. */
+/* Number of a random stream; ordinal counts the random motions of the same coordinate and
+ * bodies, in the order in which they were given. */
 static inline uint32_t stream_number(int thing, uint32_t index, unsigned ordinal, int coordinate) {
   return index << 8 | ordinal << 4 | (unsigned)coordinate << 2 | (unsigned)thing;
 }

@@ -1,4 +1,5 @@
-/* normal_laws.c: see normal_laws.h. */
+/* normal_laws.c: the table of normal laws, and damping from a coefficient of restitution; see
+ * normal_laws.h. */
 #include "model/normal_laws.h"
 
 #define ROW_OF(number, word, keys, meaning)                                                        \
@@ -7,7 +8,8 @@
 const normal_law normal_laws[SD_NORMAL_LAWS] = {NORMAL_LAWS(ROW_OF)};
 #undef ROW_OF
 
-/* e(b) of a damped oscillator with w_0 = 1 whose force never pulls (physics.md 2). It falls from 1 towards 0. */
+/* Coefficient of restitution e(b) of a damped oscillator with w_0 = 1 whose force never pulls
+ * (physics.md 2); it falls from 1 towards 0 as b grows. */
 static double restitution_of(double b) {
   double t;
   if (b < 1.0) {
@@ -21,7 +23,7 @@ static double restitution_of(double b) {
 }
 
 double law_damping_ratio(double e, bool pulls) {
-  if (pulls) /* e = exp(-pi b/sqrt(1 - b^2)) */
+  if (pulls) /* inverse of e = exp(-pi b/sqrt(1 - b^2)) */
     return -log(e) / hypot(M_PI, log(e));
   double low = 0.0, high = 1.0;
   while (restitution_of(high) > e && high < 1e6) high *= 2.0;

@@ -1,21 +1,26 @@
-/* normal_laws.h: what depends on the normal law of a contact: elastic force, damping, stored energy, tangent stiffness.
+/* normal_laws.h: the normal laws: elastic force, damping, stored energy and tangent stiffness.
  *
- * A law is one row and one header law_NAME.h; its number stands in sd_normal_law (slipdisk/model.h), its keys and their
- * documentation follow from the row. The functions of a law, of stiffness k and overlap delta > 0:
- *   NAME_force(k, delta)      without damping
- *   NAME_energy(k, delta)     stored, energy
- *   NAME_stiffness(k, delta)  dF/ddelta: time steps, loads, compression
- *   NAME_viscosity(tsuji, delta)  coefficient of the damping by restitution, tsuji: alpha sqrt(m_eff k)
- *   NAME_factor(b)            alpha of the damping alpha sqrt(m_eff k) ... that has the restitution of a linear oscillator of
- *                             frequency 1 damped by b
+ * A law is one row and one header law_NAME.h; its number is in sd_normal_law (slipdisk/model.h),
+ * its deck keys and documentation follow from the row. A law defines these functions of the
+ * stiffness k and the overlap delta > 0:
+ *   NAME_force(k, delta)      elastic force, without damping
+ *   NAME_energy(k, delta)     stored energy
+ *   NAME_stiffness(k, delta)  dF/ddelta, for time steps, loads, compression
+ *   NAME_viscosity(tsuji, delta)  coefficient of the damping by restitution;
+ *                             tsuji = alpha sqrt(m_eff k)
+ *   NAME_factor(b)            alpha of this damping, if its restitution is that of a linear
+ *                             oscillator of frequency 1 damped by b
  * and over lanes
- *   NAME_elastic(k, delta)    force without damping
- *   NAME_damping(gamma_n, tsuji, delta)  coefficient of the damping force -gamma u_n; tsuji: alpha sqrt(m_eff k)
- *   NAME_stored(k, delta)     energy
- * Normal forces act along the line of centres and turn nothing. The tangential tau turns both bodies in the same sense, times
- * their radii (SUM_TURN of physics/system/work.h); the couple of rolling turns them in opposite ones (SUM_COUPLE).
+ *   NAME_elastic(k, delta)    elastic force, without damping
+ *   NAME_damping(gamma_n, tsuji, delta)  coefficient gamma of the damping force -gamma u_n;
+ *                             tsuji = alpha sqrt(m_eff k)
+ *   NAME_stored(k, delta)     stored energy
+ * Normal forces act along the line of centres and exert no torque. The tangential tau turns both
+ * bodies in the same sense, times their radii (SUM_TURN of physics/system/work.h); the couple of
+ * rolling turns them in opposite senses (SUM_COUPLE).
  *
- * The rows are read once; the text over lanes once per LANE_WIDTH, after base/lane.h.
+ * The rows are read once; the lane functions are compiled once per LANE_WIDTH, after
+ * base/lane.h.
  */
 #ifndef MODEL_NORMAL_LAWS_H
 #define MODEL_NORMAL_LAWS_H
@@ -24,7 +29,7 @@
 
 #include "model/model.h"
 
-/* ROW(number, name in the deck, keys as in deck_keys.h, meaning) */
+/* ROW(number, name in the deck, keys as in deck_shape (keys.h), meaning) */
 #define NORMAL_LAWS(ROW)                                                                           \
   ROW(SD_NORMAL_LINEAR, linear, "", "F = k_n delta (eq. 2)")                                       \
   ROW(SD_NORMAL_HERTZ, hertz, "", "F = k_n delta^(3/2)")
@@ -40,24 +45,27 @@ typedef struct normal_law {
 
 extern const normal_law normal_laws[SD_NORMAL_LAWS];
 
-/* Elastic force. */
+/* Elastic normal force at overlap delta. */
 static inline double law_force(const sd_contact_law *law, double delta) {
   return normal_laws[law->normal].force(law->k_n, delta);
 }
-/* Energy stored in a contact's normal force. */
+/* Energy stored in the normal force at overlap delta. */
 static inline double law_energy(const sd_contact_law *law, double delta) {
   return normal_laws[law->normal].energy(law->k_n, delta);
 }
+/* Tangent stiffness dF/ddelta at overlap delta. */
 static inline double law_stiffness(const sd_contact_law *law, double delta) {
   return normal_laws[law->normal].stiffness(law->k_n, delta);
 }
-/* At an overlap of 0.01 R, for estimates of periods; a linear law has one stiffness only. */
+/* Stiffness at an overlap of 0.01 R, for estimates of periods; a linear law has the same at any
+ * overlap. */
 static inline double law_typical_stiffness(const sd_contact_law *law, double radius) {
   return law_stiffness(law, 0.01 * radius);
 }
-/* b of a linear oscillator of frequency 1 whose collisions have this restitution; the force is cut off at 0, or may pull. */
+/* Damping b of a linear oscillator of frequency 1 whose collisions have this restitution; pulls:
+ * the force may become attractive, else it is cut off at 0. */
 double law_damping_ratio(double restitution, bool pulls);
-/* alpha of the damping by a coefficient of restitution; 0 without one. */
+/* Coefficient alpha of the damping by restitution; 0 if the law has none. */
 double law_tsuji(const sd_contact_law *law);
 
 #endif

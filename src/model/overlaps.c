@@ -1,8 +1,10 @@
-/* overlaps.c: see overlaps.h.
+/* overlaps.c: finds overlapping bodies; see overlaps.h.
  *
- * Each pair of disks is found from its smaller one. Disks are sorted into levels by size, a factor of two in radius each; a
- * level has cells of its largest diameter, as a hash table of lists. So a disk looks at nine cells of every level above
- * its own, whatever the sizes are. Blocks of 8 by 8 cells stand together in the table: neighbours are near in memory.
+ * Each pair of disks is found from its smaller disk. Disks are sorted by size into levels, each
+ * a factor of two in radius; a level has a grid of cells, as wide as its largest diameter, in a
+ * hash table of lists. So a disk searches nine cells in its own level and in each level of
+ * larger disks, whatever the sizes are. Blocks of 8 by 8 cells are contiguous in the table, so
+ * that neighbouring cells are near in memory.
  */
 #include "model/overlaps.h"
 
@@ -17,37 +19,44 @@
 
 #define NONE UINT32_MAX
 
-/* Disks of radii within a factor of two. Cells have numbers of type double: far away they are still apart. */
+/* A level: disks whose radii lie within a factor of two. Cell indices have type double, so that
+ * far cells do not overflow. */
 typedef struct level {
-  double largest; /* radius */
+  double largest; /* largest radius of the level */
+  /* width of a cell, length */
   double cell;
-  size_t n_disks, n_cells; /* of the hash table, a power of two */
+  size_t n_disks, n_cells; /* cells: size of the hash table, a power of two */
+  /* [n_cells] first disk of each list; NONE: empty */
   uint32_t *head;
 } level;
 
-/* Exponents of radii: those of all doubles. */
+/* Number of levels, and the least exponent of a radius: all exponents of type double are
+ * covered. */
 enum { EXPONENTS = 2200, LEAST_EXPONENT = -1100 };
 
 typedef struct grid {
   const sd_model *m;
   overlap_visitor *visit;
   void *user;
-  level *levels;         /* by exponent of the radius; without disks: none */
-  int smallest, largest; /* levels that there are lie between them */
-  uint32_t *next;        /* of each disk: the next in its list */
-  uint32_t *heads;       /* the heads of all levels, one after the other */
-  double length[2];      /* of the box, 0: open */
+  level *levels;         /* levels by exponent of the radius; n_disks 0: unused */
+  int smallest, largest; /* first and last level in use */
+  uint32_t *next;        /* [disks] next disk in the same list; NONE: last */
+  uint32_t *heads;       /* heads of all levels, one after the other */
+  double length[2];      /* period of the box; 0: open */
 } grid;
 
+/* True if the position is finite and the radius > 0. */
 static bool sound(const sd_disk *disk) {
   return isfinite(disk->position[0]) && isfinite(disk->position[1]) && disk->radius > 0;
 }
 
+/* Wraps coordinate x into the periodic box. */
 static double wrapped(const grid *g, double x, int c) {
   if (g->length[c] <= 0) return x;
   return x - floor((x - g->m->lower[c]) / g->length[c]) * g->length[c];
 }
 
+/* Mixes two cell indices into one hash value. */
 static uint64_t mixed(double i, double j) {
   uint64_t a, b;
   memcpy(&a, &i, sizeof a);
@@ -57,7 +66,9 @@ static uint64_t mixed(double i, double j) {
   return h * 0xBF58476D1CE4E5B9u >> 20;
 }
 
-/* The places of a block's cells are its own: where only one cell of each has disks, these still spread over the table. */
+/* Hash of cell (i, j). The 64 cells of a block of 8 by 8 get distinct neighbouring slots: XOR
+ * with the block's hash spreads the blocks even if each has disks in the same one of its cells
+ * only. */
 static size_t hash(const level *l, double i, double j) {
   enum { SIDE = 8 };
   const double p = floor(i / SIDE) + 0.0, q = floor(j / SIDE) + 0.0;
@@ -66,10 +77,11 @@ static size_t hash(const level *l, double i, double j) {
   return (size_t)((block ^ within) & (l->n_cells - 1));
 }
 
-/* + 0.0: there is one zero only. */
+/* Index of the cell of coordinate x; + 0.0 turns -0.0 into 0.0. */
 static double cell_of(const level *l, double x) { return floor(x / l->cell) + 0.0; }
 
-/* Disk j, as large or larger, dx and dy from an image of disk i. True: enough of disk i. */
+/* Visits the pair (i, j) if disk j is the larger (or, if equal, has the higher number) and
+ * overlaps an image of disk i at the distance (dx, dy). True: end the search for disk i. */
 static bool check_pair(grid *g, size_t i, size_t j, double dx, double dy) {
   const sd_disk *a = &g->m->disks[i], *b = &g->m->disks[j];
   if (b->radius < a->radius || (b->radius == a->radius && j <= i)) return false;
@@ -78,7 +90,7 @@ static bool check_pair(grid *g, size_t i, size_t j, double dx, double dy) {
   return found.depth > 0 && g->visit(g->user, &found);
 }
 
-/* Overlaps of one cell. True: enough of the disk. */
+/* Searches the disks of cell (p, q). True: end the search for disk i. */
 static bool check_cell(grid *g, const level *l, size_t i, const double at[2], double p, double q) {
   for (uint32_t j = l->head[hash(l, p, q)]; j != NONE; j = g->next[j]) {
     const sd_disk *d = &g->m->disks[j];
@@ -86,14 +98,15 @@ static bool check_cell(grid *g, const level *l, size_t i, const double at[2], do
     const double dx = x - at[0], dy = y - at[1],
                  touch = (d->radius + g->m->disks[i].radius) * (1 + 1e-9);
     if (j == i || fabs(dx) > touch || fabs(dy) > touch) continue;
-    /* another cell may share the slot of the table */
+    /* another cell may have the same hash */
     bool here = cell_of(l, x) == p && cell_of(l, y) == q;
     if (here && !clumps_join(g->m, i, j) && check_pair(g, i, j, dx, dy)) return true;
   }
   return false;
 }
 
-/* The disk reaches no farther than one cell: its radius and that of the other make one at most. */
+/* Searches the cells around an image of disk i at `at`: the sum of its radius and that of any
+ * disk in the level is at most one cell width. True: end the search for disk i. */
 static bool check_around(grid *g, const level *l, size_t i, const double at[2]) {
   const double reach = (g->m->disks[i].radius + l->largest) * (1 + 1e-9);
   const double x = cell_of(l, at[0]), left = cell_of(l, at[0] - reach),
@@ -103,14 +116,15 @@ static bool check_around(grid *g, const level *l, size_t i, const double at[2]) 
   for (int p = -1; p <= 1; p++)
     for (int q = -1; q <= 1; q++) {
       if ((p && x + p == x) || (q && y + q == y))
-        continue; /* so far away that there are no next cells */
+        continue; /* at this distance adjacent cell indices round to the same double */
       if (x + p < left || x + p > right || y + q < below || y + q > above) continue;
       if (check_cell(g, l, i, at, x + p, y + q)) return true;
     }
   return false;
 }
 
-/* All images of a disk that may touch a disk of the level. */
+/* Searches a level around all periodic images of disk i that may touch its disks. True: end the
+ * search. */
 static bool check_level(grid *g, const level *l, size_t i) {
   double x[2] = {wrapped(g, g->m->disks[i].position[0], 0),
                  wrapped(g, g->m->disks[i].position[1], 1)};
@@ -129,14 +143,16 @@ static bool check_level(grid *g, const level *l, size_t i) {
   return false;
 }
 
+/* Level of a radius. */
 static int level_of(double radius) {
   int exponent;
   frexp(radius, &exponent);
   return exponent - LEAST_EXPONENT;
 }
 
-/* --- lists ------------------------------------------------------------------------------------------------ */
+/* --- lists of cells ------------------------------------------------------------------------- */
 
+/* Computes the cells of each level and allocates the lists. False: out of memory. */
 static bool make_levels(grid *g) {
   size_t n_cells = 0;
   g->levels = memory_new(EXPONENTS, sizeof *g->levels);
@@ -170,12 +186,14 @@ static bool make_levels(grid *g) {
   return true;
 }
 
-/* Lists merged in pairs, in pairs of pairs, ...: the larger disk first, of equal ones the one with the higher number. */
+/* Order within a list, for a merge sort: the larger disk first, of equal ones the one with the
+ * higher number. */
 static bool comes_first(const grid *g, uint32_t a, uint32_t b) {
   const double p = g->m->disks[a].radius, q = g->m->disks[b].radius;
   return p != q ? p > q : a > b;
 }
 
+/* Merges two sorted lists and returns the first disk. */
 static uint32_t merge(grid *g, uint32_t a, uint32_t b) {
   uint32_t first = NONE, *end = &first;
   while (a != NONE && b != NONE) {
@@ -188,9 +206,10 @@ static uint32_t merge(grid *g, uint32_t a, uint32_t b) {
   return first;
 }
 
+/* Sorts a list and returns its first disk. */
 static uint32_t sorted(grid *g, uint32_t list) {
   enum { RUNS = 33 };
-  uint32_t run[RUNS], all = NONE; /* run[k]: none, or 2^k disks */
+  uint32_t run[RUNS], all = NONE; /* run[k]: NONE, or a sorted list of 2^k disks */
   memset(run, 0xff, sizeof run);
   while (list != NONE) {
     uint32_t one = list;
@@ -207,7 +226,8 @@ static uint32_t sorted(grid *g, uint32_t list) {
   return all;
 }
 
-/* Each list begins with the largest, so that of disks upon each other all but that one find a larger one at once. */
+/* Fills the grid. Each list begins with its largest disk, so that if many disks lie on each
+ * other, all but that one find a larger one at once. False: out of memory. */
 static bool make_grid(grid *g) {
   if (!make_levels(g)) return false;
   for (size_t i = 0; i < model_held(g->m); i++) {
@@ -244,7 +264,7 @@ sd_status overlaps_of_disks(const sd_model *m, overlap_visitor *visit, void *use
   return made ? SD_OK : SD_ERROR_IO;
 }
 
-/* --- walls ----------------------------------------------------------------------------------------------- */
+/* --- walls ---------------------------------------------------------------------------------- */
 
 static double distance_to_segment(const double *p, const double *a, const double *b, bool endless) {
   double tx = b[0] - a[0], ty = b[1] - a[1], l2 = tx * tx + ty * ty;
@@ -253,15 +273,19 @@ static double distance_to_segment(const double *p, const double *a, const double
   return hypot(p[0] - a[0] - s * tx, p[1] - a[1] - s * ty);
 }
 
-/* The segments of a wall, in a binary tree of boxes around runs of them: of a long wall a disk looks at few. */
+/* The segments of a wall in a binary tree of bounding boxes, so that a disk examines few
+ * segments of a long wall. */
 typedef struct wall_tree {
   const sd_wall *wall;
   wall_bounds bounds;
-  size_t n,
-      leaves; /* a power of two; node k has the children 2k and 2k + 1, leaf i is node leaves + i */
+  /* n: number of segments; leaves: a power of two >= n. Node k has the children 2k and 2k + 1,
+   * leaf i is node leaves + i. */
+  size_t n, leaves;
+  /* [2 * leaves] bounding boxes of the nodes */
   double (*low)[2], (*high)[2];
 } wall_tree;
 
+/* Builds the tree of a wall; it is empty for circles and arcs. */
 static wall_tree make_tree(const sd_wall *wall) {
   wall_tree t = {.wall = wall, .bounds = wall_bounds_of(wall), .leaves = 1};
   bool endless = wall->kind == SD_WALL_LINE;
@@ -272,7 +296,7 @@ static wall_tree make_tree(const sd_wall *wall) {
   t.low = memory_new(2 * t.leaves, sizeof *t.low);
   t.high = memory_new(2 * t.leaves, sizeof *t.high);
   for (int c = 0; c < 2; c++) {
-    for (size_t i = 0; i < t.leaves; i++) { /* leaves without a segment are empty boxes */
+    for (size_t i = 0; i < t.leaves; i++) { /* unused leaves are empty boxes */
       double one = i < t.n ? wall->points[i][c] : HUGE_VAL;
       double two = i < t.n ? wall->points[(i + 1) % wall->n_points][c] : -HUGE_VAL;
       t.low[t.leaves + i][c] = endless ? -HUGE_VAL : i < t.n ? fmin(one, two) : one;
@@ -286,7 +310,7 @@ static wall_tree make_tree(const sd_wall *wall) {
   return t;
 }
 
-/* The distance to the nearest segment below the node, if it is less than `nearest`. */
+/* Distance from p to the nearest segment below a node, or `nearest` if none is nearer. */
 static double nearest_segment(const wall_tree *t, size_t node, const double *p, double nearest) {
   double dx = fmax(t->low[node][0] - p[0], p[0] - t->high[node][0]);
   double dy = fmax(t->low[node][1] - p[1], p[1] - t->high[node][1]);
@@ -299,8 +323,8 @@ static double nearest_segment(const wall_tree *t, size_t node, const double *p, 
                                            w->kind == SD_WALL_LINE));
 }
 
-/* How deep a disk at p sits in a wall, without images; of a wall with segments no less than minus its radius. 0 or less: it does
- * not. */
+/* Overlap of a disk at p with a wall, without periodic images; <= 0: none. Walls other than
+ * circles: 0 if they are farther than the radius. */
 static double depth_in_one(const wall_tree *t, const double *p, double radius) {
   const sd_wall *wall = t->wall;
   if (wall->kind == SD_WALL_CIRCLE) {
@@ -311,7 +335,7 @@ static double depth_in_one(const wall_tree *t, const double *p, double radius) {
   return t->n ? radius - nearest_segment(t, 1, p, radius) : 0;
 }
 
-/* In the nearest image. */
+/* Overlap of a disk at p with the nearest periodic image of a wall. */
 static double depth_in_wall(const sd_model *m, const wall_tree *t, const double *p, double radius) {
   const wall_range r = wall_range_of(m, t->wall, &t->bounds, p, radius);
   double deepest = -HUGE_VAL;
@@ -338,8 +362,9 @@ void overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) 
   }
 }
 
-/* --- two bodies ------------------------------------------------------------------------------------------ */
+/* --- gap between two bodies ----------------------------------------------------------------- */
 
+/* Gap between a disk at p and a wall at its initial position. */
 static double gap_to_wall(const sd_wall *w, const double *p, double radius) {
   double nearest = HUGE_VAL;
   if (w->kind == SD_WALL_CIRCLE) {
@@ -353,8 +378,8 @@ static double gap_to_wall(const sd_wall *w, const double *p, double radius) {
   return nearest - radius;
 }
 
-/* How many periods along a direction an image may be away from that whose pivot is nearest; 0 of lines along it, and of round
- * walls. */
+/* Largest number of periods between the image of a wall that is nearest to a disk and the image
+ * whose pivot is nearest; 0 for circles and along open directions, 1 for lines. */
 static int images_of(const sd_wall *w, double length) {
   double farthest = 0;
   if (!(length > 0) || w->kind == SD_WALL_CIRCLE) return 0;
@@ -363,7 +388,7 @@ static int images_of(const sd_wall *w, double length) {
   return 1 + (int)fmin(farthest / length, 1e3);
 }
 
-/* The wall is left where it was: the disk is turned and moved into its frame. */
+/* The disk is transformed into the frame of the wall, which stays at its initial position. */
 double overlaps_gap(const sd_model *m, uint32_t disk, const double x[2], uint32_t body,
                     const double pose[3]) {
   double d[2], length[2], c = cos(pose[2]), s = sin(pose[2]), radius = m->disks[disk].radius;

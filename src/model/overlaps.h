@@ -1,31 +1,31 @@
-/* overlaps.h: which bodies overlap at the start, and how far apart two of them are. */
+/* overlaps.h: finds the bodies that overlap at the start, and the distance between two bodies. */
 #ifndef SLIPDISK_MODEL_OVERLAPS_H
 #define SLIPDISK_MODEL_OVERLAPS_H
 
 #include "model/rows.h"
 
-/* Disk a overlaps b, a disk that is as large or larger, or a wall. */
+/* An overlap of disk a with b, which is a disk of at least its radius, or a wall. */
 typedef struct overlap {
   uint32_t a, b;   /* body numbers */
-  size_t row;      /* of disk a (rows.h) */
-  double depth;    /* > 0 */
-  bool coincident; /* two disks with the same centre */
+  size_t row;      /* row of disk a (rows.h) */
+  double depth;    /* overlap, > 0 */
+  bool coincident; /* true for two disks with the same centre */
 } overlap;
 
-/* True: other disks that overlap disk a are not looked for. */
+/* Called for each overlap. Returning true ends the search for further overlaps of disk a. */
 typedef bool overlap_visitor(void *user, const overlap *found);
 
-/* Pairs of disks that are held (rows.h), periodic images included: each once, whatever holds them.
- * SD_ERROR_IO: no memory. */
+/* Visits each overlapping pair of the model_held disks once, driven or not, periodic images
+ * included; disks of one clump are no pair. SD_ERROR_IO: out of memory. */
 sd_status overlaps_of_disks(const sd_model *model, overlap_visitor *visit, void *user);
-/* Free disks in play, of this rank, and walls. */
+/* Visits the overlaps of this rank's free disks in play with walls. */
 void overlaps_with_walls(const sd_model *model, overlap_visitor *visit, void *user);
 
-/* Distance between the surfaces of a disk, moved to x, and another disk or wall, moved by `pose` (x, y, angle: where its
- * centre or pivot is, and how far it has turned); < 0: they overlap. Nearest image of a periodic box. */
+/* Gap between a disk whose centre is x and another disk or wall at `pose` (x, y of its centre or
+ * pivot, angle turned since the start); < 0: overlap. Uses the nearest periodic image. */
 double overlaps_gap(const sd_model *model, uint32_t disk, const double x[2], uint32_t body,
                     const double pose[3]);
-/* The same at the start. */
+/* The same gap at the start. */
 double overlaps_first_gap(const sd_model *model, uint32_t disk, uint32_t body);
 
 #endif

@@ -1,4 +1,5 @@
-/* rows.c: see rows.h. */
+/* rows.c: disks of a model that ranks share: reductions over ranks, and a rank's own rows; see
+ * rows.h. */
 #include "model/rows.h"
 
 #include <assert.h>
@@ -8,7 +9,7 @@
 
 #include "base/memory.h"
 
-/* --- all ranks together ----------------------------------------------------------------------- */
+/* --- reductions over all ranks -------------------------------------------------------------- */
 
 double rows_largest(const sd_model *m, double value) { return comm_largest(m->comm, value); }
 double rows_least(const sd_model *m, double value) { return -comm_largest(m->comm, -value); }
@@ -72,7 +73,7 @@ sd_disk model_tile_disk(const sd_tiles *t, double radius, const double position[
                    .waiting = t->kind == SD_PACKING_RAIN};
 }
 
-/* --- a rank's part ---------------------------------------------------------------------------- */
+/* --- distribution over ranks ---------------------------------------------------------------- */
 
 bool rows_special(const sd_disk *d) {
   bool special = d->driven || d->clump > 0 || d->name;
@@ -94,17 +95,19 @@ bool model_knows(const sd_model *m, uint32_t disk) {
   return from < m->n_known && m->known[from] == disk;
 }
 
-/* The run of n things that is this rank's. */
+/* A contiguous range of indices [begin, end). */
 typedef struct run_of {
   size_t begin, end;
 } run_of;
 
+/* This rank's range of n items; few: rank 0 has all. */
 static run_of share(const comm *c, size_t n, bool few) {
   const size_t rank = (size_t)comm_rank(c), size = (size_t)comm_size(c);
   if (few) return (run_of){rank > 0 ? n : 0, n};
   return (run_of){n * rank / size, n * (rank + 1) / size};
 }
 
+/* Appends a disk of model->disks to this rank's own rows. */
 static void add_own(sd_model *m, uint32_t disk) {
   sd_rows *r = m->mine;
   if (disk < m->n_derivatives)
@@ -112,7 +115,8 @@ static void add_own(sd_model *m, uint32_t disk) {
   rows_add(m, &m->disks[disk], disk);
 }
 
-/* Adds those of the disks that are held to the rank's own. */
+/* Appends this rank's range of the free disks in model->disks to its own rows. False: out of
+ * memory. */
 static bool take_own(sd_model *m, bool few) {
   size_t n = 0, k = 0;
   for (size_t i = 0; i < model_held(m); i++) n += !m->disks[i].driven;
@@ -132,6 +136,7 @@ static bool take_own(sd_model *m, bool few) {
   return true;
 }
 
+/* Copies this rank's range of the restored contacts to its own. False: out of memory. */
 static bool take_memories(sd_model *m, bool few) {
   const run_of own = share(m->comm, m->n_memories, few);
   sd_rows *r = m->mine;
@@ -142,7 +147,8 @@ static bool take_memories(sd_model *m, bool few) {
   return true;
 }
 
-/* Rows that are not special become zeros, in pages that nothing is written to. */
+/* Replaces the rows that not all ranks must know by zeros, in pages that are never written and
+ * so take no memory. False: out of memory. */
 static bool drop_ordinary(sd_model *m) {
   const size_t held = model_held(m);
   sd_disk *disks;

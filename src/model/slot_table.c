@@ -1,4 +1,4 @@
-/* slot_table.c: see slot_table.h. */
+/* slot_table.c: table of the slots of bodies, an array or a hash table; see slot_table.h. */
 #include "model/slot_table.h"
 
 #include <assert.h>

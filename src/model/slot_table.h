@@ -1,9 +1,9 @@
-/* slot_table.h: the slot of each body that a state has, by the body's number.
+/* slot_table.h: finds the slot of a body in a state from the body's number.
  *
- * It is an array if all bodies are here. A rank with some of them has a hash table (open addressing),
- * so that nothing on a rank is as large as the whole. Numbers on a rank are runs, such as rows of a
- * packing: blocks of 8 stay together, and are spread by the product with an odd number (Knuth's
- * multiplicative hashing).
+ * The table is an array if the state has all bodies. A rank with some of them uses a hash table
+ * (open addressing), so that its memory does not grow with the whole system. The numbers on a
+ * rank form runs, such as rows of a packing: blocks of 8 numbers stay together in the table, and
+ * blocks are spread by multiplication with an odd number (Knuth's multiplicative hashing).
  */
 #ifndef MODEL_SLOT_TABLE_H
 #define MODEL_SLOT_TABLE_H
@@ -13,25 +13,27 @@
 #define SLOT_NONE UINT32_MAX
 
 typedef struct slot_table {
-  uint32_t *slot; /* of a body, or of an entry */
-  uint32_t *body; /* of an entry, SLOT_NONE: it is empty; NULL: slot[body] */
-  uint32_t mask;  /* entries are a power of two, less 1 */
-  int shift;      /* 32 less the bits of a block's number in the table */
-  size_t n_bodies;
+  uint32_t *slot; /* array: slot of each body; hash table: slot of each entry */
+  /* Body number of each entry, SLOT_NONE: empty. NULL: the table is the array slot[body]. */
+  uint32_t *body;
+  uint32_t mask;   /* hash table: number of entries, a power of two, minus 1 */
+  int shift;       /* hash table: 32 minus the number of bits of a block's index */
+  size_t n_bodies; /* number of bodies in the model; clumps have the numbers that follow */
 } slot_table;
 
-/* n_bodies: of the model. Clumps stand behind them. False: no memory. */
+/* Makes the table for the bodies and clumps of `state`; n_bodies: number of bodies in the model,
+ * which clump numbers follow. False: out of memory. */
 bool slot_table_new(slot_table *t, const sd_state *state, size_t n_bodies);
 void slot_table_free(slot_table *t);
-/* Anew, when the same bodies stand in other slots. */
+/* Updates the table after the same bodies have changed their slots. */
 void slot_table_fill(slot_table *t, const sd_state *state);
 
-/* The entry where a body stands if no other one does. */
+/* Entry at which the search for a body begins. */
 static inline uint32_t slot_table_home(const slot_table *t, uint32_t body) {
   return (body / 8 * UINT32_C(2654435769) >> t->shift) * 8 + body % 8;
 }
 
-/* SLOT_NONE: the body is not here. */
+/* Returns the slot of a body; SLOT_NONE: the state does not have it. */
 static inline uint32_t slot_of(const slot_table *t, uint32_t body) {
   if (!t->body) return t->slot[body];
   uint32_t k = slot_table_home(t, body);

@@ -1,15 +1,18 @@
-/* stability.c: how long a time step may be.
+/* stability.c: stability limit of the time step.
  *
- * A disk between two supports is an oscillator x'' = -w^2 x - c x' with w^2 = 2 k/m and c = 2 gamma_n/m along the normal, and
- * w^2 = 2 k_t (1/m + R^2/I), c = 2 gamma_t (1/m + R^2/I) along the tangent; rolling between walls adds 2 k_r R^2/I, 2 gamma_r R^2/I
- * to the rotation. Stiffness that depends on the overlap is that at 0.01 R. Both integrators see the velocity predicted from the old acceleration.
- * An eigenvalue of their step passes -1, and the motion blows up within a few steps, beyond
+ * A disk between two supports is an oscillator x'' = -w^2 x - c x' with w^2 = 2 k/m and c = 2
+ * gamma_n/m along the normal, and w^2 = 2 k_t (1/m + R^2/I), c = 2 gamma_t (1/m + R^2/I) along the
+ * tangent; rolling between walls adds 2 k_r R^2/I and 2 gamma_r R^2/I to the rotation. A stiffness
+ * that depends on the overlap is taken at 0.01 R. Both integrators use the velocity predicted from
+ * the old acceleration. An eigenvalue of their step passes -1, and the motion blows up within a few
+ * steps, beyond
  *
  *   a (w dt)^2 + b c dt = 1        Verlet: a = 1/4,   b = 1
  *                                  Gear:   a = 47/30, b = 551/90
  *
  * (tests/physics/test_stability.c). In a packing, where a disk has up to six contacts, the limit
- * is up to three times shorter. */
+ * is up to three times shorter.
+ */
 #include <math.h>
 #include <stdlib.h>
 
@@ -21,16 +24,18 @@
 #include "model/normal_laws.h"
 #include "model/rows.h"
 
+/* Coefficients a (STIFF) and b (VISCOUS) of the stability condition a (w dt)^2 + b c dt <= 1. */
 static const double STIFF[] = {[SD_GEAR5] = 47.0 / 30, [SD_VERLET] = 0.25};
 static const double VISCOUS[] = {[SD_GEAR5] = 551.0 / 90, [SD_VERLET] = 1};
 
-/* Of a disk between two bodies of one material. */
+/* Oscillations of a disk between two bodies of one material. */
 typedef struct oscillator {
-  double normal2, tangential2; /* w^2 */
-  double damping, friction;    /* c of these */
+  double normal2, tangential2; /* squared angular frequencies w^2, 1/time^2 */
+  double damping, friction;    /* damping rates c of the two oscillations, 1/time */
 } oscillator;
 
-/* tsuji: law_tsuji of the law; moved: bits 1 << coordinate that motions prescribe. Tangential spring and rotation: physics.md 5. */
+/* Returns the oscillations of a disk (physics.md 5). tsuji: law_tsuji of the law; moved: bits 1
+ * << coordinate of the coordinates that motions prescribe. */
 static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, double tsuji,
                                 unsigned moved) {
   bool still = (d->locked[SD_X] || moved & 1u << SD_X) && (d->locked[SD_Y] || moved & 1u << SD_Y);
@@ -48,7 +53,8 @@ static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, dou
                       .friction = law->gamma_t * rubs + 2.0 * law->gamma_r * inverse_inertia};
 }
 
-/* A row as contacts feel it at most. */
+/* Returns the disk of a row with the smallest mass and inertia that a contact can feel
+ * (clumps_felt). */
 static sd_disk felt_at(const sd_model *m, size_t row) {
   return row < model_held(m) ? clumps_felt(m, row) : *rows_disk(m, row);
 }
@@ -73,17 +79,19 @@ double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
   return fastest > 0.0 ? 2.0 * M_PI / sqrt(fastest) : HUGE_VAL;
 }
 
-/* The positive root of a w2 t^2 + b c t = 1. */
+/* Returns the positive root t of a w2 t^2 + b c t = 1. */
 static double longest(const sd_model *m, double w2, double c) {
   double a = STIFF[m->integrator] * w2, b = VISCOUS[m->integrator] * c,
          s = b + sqrt(b * b + 4.0 * a);
   return s > 0.0 ? 2.0 / s : HUGE_VAL;
 }
 
+/* Limit of the time step from the oscillations of one disk. */
 static sd_step_limit limit_of(const sd_model *m, const oscillator *o, uint32_t disk) {
+  /* value of the term b c dt at the stability limit, out of 1 */
   const double normal = longest(m, o->normal2, o->damping),
                tangential = longest(m, o->tangential2, o->friction),
-               viscous = VISCOUS[m->integrator] * o->damping * normal; /* its part of the 1 */
+               viscous = VISCOUS[m->integrator] * o->damping * normal;
   return (sd_step_limit){.dt = fmin(normal, tangential),
                          .disk = disk,
                          .bound = tangential < normal ? SD_BOUND_TANGENTIAL
@@ -91,11 +99,12 @@ static sd_step_limit limit_of(const sd_model *m, const oscillator *o, uint32_t d
                                                       : SD_BOUND_NORMAL};
 }
 
+/* True if limit a is shorter, or equal and of a disk with a lower number. */
 static bool is_shorter(const sd_step_limit *a, const sd_step_limit *b) {
   return a->dt < b->dt || (a->dt == b->dt && isfinite(a->dt) && a->disk < b->disk);
 }
 
-/* The limit that contacts set for the disks of this rank. */
+/* Collective. Limit that contacts set for the disks of this rank. */
 static sd_step_limit limit_here(const sd_model *m) {
   sd_step_limit limit = {.dt = HUGE_VAL};
   size_t laws = m->n_materials * m->n_materials;

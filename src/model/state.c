@@ -1,4 +1,5 @@
-/* state.c: the table of state columns, and what follows from it: allocation, hash, comparison. */
+/* state.c: the table of state columns, and the allocation, hash and comparison of states that
+ * follow it. */
 #include "model/state.h"
 
 #include <assert.h>
@@ -313,11 +314,13 @@ void *sd_field_data(const sd_state *s, const sd_field *f) {
   return f->extent == SD_PER_RUN ? (void *)at : *(void **)(void *)at;
 }
 
+/* Address of the member that points to a column. */
 static void **field_pointer(sd_state *s, const sd_field *f) {
   return (void **)(void *)((char *)s + f->offset);
 }
 
-/* Of contacts: padded to whole 64-byte vectors, and zero. */
+/* Allocates a contact column of n zeroed elements, padded to whole 64-byte vectors. NULL: out of
+ * memory. */
 static void *column_new(size_t n, sd_type type) {
   size_t bytes = (n * sd_type_size(type) + 127) / 64 * 64;
   void *p = memory_fits((double)bytes) ? aligned_alloc(64, bytes) : NULL;
@@ -325,10 +328,12 @@ static void *column_new(size_t n, sd_type type) {
   return p;
 }
 
+/* True if the column lies in the common memory block s->columns. */
 static bool in_room(const sd_field *f) {
   return f->extent != SD_PER_RUN && !state_of_contacts(f->extent);
 }
 
+/* Allocates the common memory block and sets the pointers of its columns. */
 static sd_status columns_new(sd_state *s) {
   arena_plan plan = {0};
   for (size_t k = 0; k < sd_field_count; k++)
@@ -345,11 +350,13 @@ static sd_status columns_new(sd_state *s) {
   return SD_OK;
 }
 
+/* Task that copies the columns to the new memory block of s. */
 typedef struct spread_task {
   const sd_state *s;
-  void **from; /* [sd_field_count] */
+  void **from; /* [sd_field_count] old addresses of the columns */
 } spread_task;
 
+/* Copies one thread's range of each column. */
 static void copy_share(const team *t, void *with) {
   const spread_task *f = with;
   for (size_t k = 0; k < sd_field_count; k++) {
@@ -370,13 +377,14 @@ void state_spread(sd_state *s, pool *c) {
     pool_run(c, copy_share, &(spread_task){s, from});
     arena_free(room);
   } else {
-    s->columns = room; /* they stay where they are */
+    s->columns = room; /* the columns stay in the old memory block */
   }
   free(from);
 }
 
 sd_state *sd_state_new(const sd_model *m) { return state_new_part(m, m->n_free, 0); }
 
+/* Sets the row counts of a state with n_free free disks and n_ghosts ghosts. */
 static void set_extents(sd_state *s, const sd_model *m, size_t n_free, size_t n_ghosts) {
   s->n_free = n_free;
   s->n_ghosts = n_ghosts;
@@ -403,6 +411,7 @@ sd_state state_sizes(const sd_model *m) {
   return s;
 }
 
+/* Bytes of all columns. */
 static double bytes_of(const sd_state *s) {
   double bytes = 0;
   for (size_t k = 0; k < sd_field_count; k++)
@@ -430,7 +439,7 @@ double state_least_bytes(const sd_model *m) {
   sd_state s = state_sizes(m);
   bool measured = false;
   for (size_t k = 0; k < m->n_phases; k++) measured |= m->phases[k].measure;
-  if (!measured) s.n_means = 0; /* nothing is written there */
+  if (!measured) s.n_means = 0; /* columns of means are not written without measured phases */
   return (double)(m->n_disks * sizeof(sd_disk)) + bytes_of(&s);
 }
 

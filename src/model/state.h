@@ -1,4 +1,4 @@
-/* state.h: the struct behind slipdisk/state.h: a member for each row of sd_fields. */
+/* state.h: the struct behind slipdisk/state.h. Each row of sd_fields describes one member. */
 #ifndef MODEL_STATE_H
 #define MODEL_STATE_H
 
@@ -6,201 +6,252 @@
 #include "model/model.h"
 #include "slipdisk/state.h"
 
-/* contact_slide is larger by this, until step 0, if the contact is force_carried
- * (sd_contact_memory) */
+/* Offset added to contact_slide, until step 0, if the contact's stored force is valid
+ * (force_carried of sd_contact_memory). */
 enum { SD_FORCE_CARRIED = 4 };
 
 struct sd_state {
-  /* per run */
-  int64_t step;         /* completed since the start */
-  int64_t phase;        /* index of the running phase; n_phases when finished */
-  int64_t phase_step;   /* completed in this phase */
-  double work_driven;   /* by prescribed bodies and coordinates on the rest, since step 0 */
-  double energy_start;  /* kinetic + elastic + external at step 0 */
-  int64_t measured;     /* steps measured so far */
-  int64_t bin_steps;    /* steps per bin of the angle record */
-  int64_t bins;         /* full bins in the angle record */
-  double box_scale;     /* lengths of the region over those of the model; 1 unless compressed */
-  double field_power;   /* of force fields at the end of the last step */
-  double relaxed;       /* energy taken out by the relaxer since step 0 */
-  double relax_alpha;   /* how far velocities are steered; set when a phase begins */
-  int64_t relax_steps;  /* steps downhill since they were last stopped */
-  int64_t released;     /* disks that rain has let go */
-  int64_t outside;      /* times that a disk left the bounds */
-  int64_t mean_samples; /* looks at the contacts for the means */
-  int64_t mean_bin_steps, mean_bins; /* like bin_steps and bins */
-  int64_t fast_step; /* first step after which a free disk was beyond limits.displacement; -1 */
-  int64_t fast_disk; /* its body number */
-  double fast_displacement; /* its speed times dt, in radii */
+  /* The following members have one value per run. */
+  int64_t step;       /* steps completed since the start */
+  int64_t phase;      /* index of the current phase; n_phases: the run is over */
+  int64_t phase_step; /* steps completed in the current phase */
+  /* Work done by prescribed bodies and coordinates, and by the program's force fields, since
+   * step 0. */
+  double work_driven;
+  double energy_start;  /* kinetic + elastic + external energy at step 0 */
+  int64_t measured;     /* number of measured steps */
+  int64_t bin_steps;    /* steps per bin of the angle record, a power of two */
+  int64_t bins;         /* completed bins of the angle record */
+  double box_scale;     /* lengths of the region over those of the model; 1: not compressed */
+  double field_power;   /* power of the program's force fields at the end of the last step */
+  double relaxed;       /* energy removed by the relaxer (FIRE) since step 0 */
+  double relax_alpha;   /* FIRE's mixing parameter alpha; set when a phase begins */
+  int64_t relax_steps;  /* FIRE: steps with positive power since velocities were last set to 0 */
+  int64_t released;     /* number of disks released by rain */
+  int64_t outside;      /* number of times that a disk has left the bounds */
+  int64_t mean_samples; /* samples of the contacts taken for the means of disks */
+  /* bin_steps and bins of the angle records of all disks (mean_bin) */
+  int64_t mean_bin_steps, mean_bins;
+  /* First step after which a free disk or a moved body exceeded limits.displacement; -1: none. */
+  int64_t fast_step;
+  /* body number of the disk or wall that was too fast at fast_step; -1: none */
+  int64_t fast_disk;
+  /* Displacement of fast_disk in that step over its radius; for a prescribed body over the
+   * smallest radius of a free disk. */
+  double fast_displacement;
 
-  void *columns; /* what the columns but those of contacts stand in */
+  void *columns; /* Memory block that holds all columns except those of contacts; owned. */
 
-  /* extents */
+  /* Numbers of rows of the columns. */
   size_t n_free, n_disks, n_bodies;
-  size_t n_ghosts; /* disks of other processes, in the slots from n_free on; they count as disks */
+  /* Ghosts: copies of disks that other ranks own, in the slots from n_free on; counted in
+   * n_disks. */
+  size_t n_ghosts;
   size_t n_contacts, contact_capacity;
   size_t n_motions, n_phases, n_rotations, n_slides, n_means, n_visits, n_fielded, n_clumps;
+  /* Rows of the cell_* columns, and of cell_u ... nonaffine_y; 0 unless a phase deforms the box. */
   size_t n_cell, n_cell_disks;
-  size_t n_surfaces;  /* walls, where motions move the surface of any; else 0 */
-  size_t law_columns; /* 1: there are those of SD_CONTACT_MORE, 0: none */
+  size_t n_surfaces;  /* number of walls if a motion moves the surface of any, else 0 */
+  size_t law_columns; /* 1: the state has the columns of SD_CONTACT_MORE; 0: these are empty */
 
-  /* per body */
-  uint32_t *id; /* body number of model.h */
+  /* The following columns have one row per body, by slot. */
+  uint32_t *id; /* body number in the model */
+  /* Position in the box, and angle: the angle is turn + theta, theta within [-4, 4] rad, turn a
+   * multiple of 8 rad. */
   double *x, *y, *theta, *turn;
   double *vx, *vy, *omega;
+  /* periods crossed along x and y: absolute position = x + image_x * box length */
   int32_t *image_x, *image_y;
   double *radius, *mass, *inertia;
   int32_t *material, *group;
-  double *base_x, *base_y,
-      *base_theta;                    /* prescribed coordinates: pose without the running motions */
-  double *force_x, *force_y, *torque; /* from contacts at the last step */
-  double
-      *loss_viscous; /* energy lost in this body's contacts since step 0: half of each contact's, */
-  double *loss_friction; /* the whole where the other side is a wall or prescribed */
-  double *loss_opening;  /* left in contacts when they opened */
-  double *
-      nonconservative_work; /* put in by the paper's tangential force, which is not that of a potential */
-  double *past_viscous, *past_friction,
-      *past_nonconservative_work; /* of loss_viscous, loss_friction, nonconservative_work: in contacts that
-                                                       have ended */
+  /* Prescribed coordinates: position and angle without the displacement of the running motions. */
+  double *base_x, *base_y, *base_theta;
+  double *force_x, *force_y, *torque; /* contact forces and torque at the last step */
+  /* Energy dissipated by viscosity in this body's contacts since step 0: half of each contact's
+   * loss, all of it if the partner is a wall or a driven disk. */
+  double *loss_viscous;
+  double *loss_friction; /* energy dissipated by sliding, shared as loss_viscous */
+  /* energy still stored in contacts when they opened, shared as loss_viscous */
+  double *loss_opening;
+  /* Work of the paper's tangential force beyond what derives from the tangential energy
+   * (SD_PAPER), shared as loss_viscous. */
+  double *nonconservative_work;
+  /* Parts of loss_viscous, loss_friction and nonconservative_work that belong to contacts that
+   * have ended. */
+  double *past_viscous, *past_friction, *past_nonconservative_work;
 
-  /* per wall whose surface may move: how far its surface is along it, beyond `surface_turn`; speed, force of the
-   * contacts on it, and as base_x */
+  /* The following columns have one row per wall if a motion moves the surface of any wall, else
+   * none. The displacement of the surface along the wall is surface + surface_turn; then its
+   * velocity, the force of the contacts on it, and its prescribed displacement without the
+   * running motions. */
   double *surface, *surface_turn, *surface_speed, *surface_force, *base_surface;
 
-  /* per free disk: Nordsieck column k is dt^k/k! times the k-th derivative */
-  int32_t *activity; /* SD_IN_PLAY ... */
-  double *
-      past_rolling; /* energy lost to rolling in contacts that have ended, by disk as loss_viscous; law_columns */
-  double *loss_bridge; /* of capillary bridges when they formed; law_columns */
+  /* The following columns have one row per free disk. Column k of the Nordsieck vector (x2 ...)
+   * is dt^k/k! times the k-th derivative. */
+  int32_t *activity; /* SD_IN_PLAY, SD_WAITING, SD_REMOVED or SD_OUTSIDE */
+  /* Energy lost to rolling in contacts that have ended, shared as loss_viscous; only with
+   * law_columns. */
+  double *past_rolling;
+  double *loss_bridge; /* energy lost when capillary bridges formed; only with law_columns */
   double *x2, *y2, *theta2;
   double *x3, *y3, *theta3, *x4, *y4, *theta4, *x5, *y5, *theta5;
 
-  /* per free disk of a model with fields (physics.md 15): forces of the last step, their powers, and what these add up to */
+  /* The following columns have one row per free disk if the model has fields (physics.md 15):
+   * forces and torque of the fields at the last step, the powers of their work, drag and
+   * damping, and the time integrals of these powers since step 0. */
   double *field_x, *field_y, *field_torque;
   double *power_work, *power_drag, *power_damping;
   double *field_work, *loss_drag, *loss_damping;
 
-  /* per closed contact, ordered by (lower slot, partner) */
+  /* The following columns have one row per closed contact, ordered by (lower slot, partner). */
   uint32_t *contact_a;    /* body number of the disk */
   uint32_t *contact_b;    /* body number of the partner disk or wall */
-  uint32_t *contact_part; /* straight piece of the wall (feature number), 0 for round bodies */
-  double *contact_side;   /* +1, -1: side of a straight wall; 0: round */
-  int32_t *contact_slide; /* 0 stuck, +1/-1 sliding with that sign of torque; SD_FORCE_CARRIED */
+  uint32_t *contact_part; /* index of the wall segment; 0 for round bodies */
+  double *contact_side;   /* +1, -1: side of a straight wall on which the disk is; 0: round body */
+  /* 0: stuck; +1, -1: sliding with that sign of the torque; plus SD_FORCE_CARRIED before step 0 */
+  int32_t *contact_slide;
 #define SD_CONTACT_POINTER(name, unit, meaning) double *contact_##name;
-  SD_CONTACT_RECORD(SD_CONTACT_POINTER) /* contact.h */
-  SD_CONTACT_MORE(SD_CONTACT_POINTER)   /* law_columns */
+  SD_CONTACT_RECORD(SD_CONTACT_POINTER) /* columns of contact.h */
+  /* columns of contact.h that only some laws need; empty unless law_columns is 1 */
+  SD_CONTACT_MORE(SD_CONTACT_POINTER)
 #undef SD_CONTACT_POINTER
 
-  /* per motion */
-  int64_t *motion_start; /* step at which it was switched on, -1: off */
-  double *motion_u0, *motion_v0, *motion_u1,
-      *motion_v1; /* random: oscillator at the last and next draw;
-                                                            load: displacement, velocity; servo: these and
-                                                            the smoothed force */
+  /* The following columns have one row per motion. */
+  int64_t *motion_start; /* step at which the motion was switched on; -1: off */
+  /* Random motion: displacement and velocity of the oscillator at the last draw (0) and at the
+   * next one (1). Load, servo: u0 and v0 are displacement and velocity; servo: u1 is the
+   * smoothed force on the disks. */
+  double *motion_u0, *motion_v0, *motion_u1, *motion_v1;
 
-  /* the periodic box, over its lengths before it deformed: CELL_X ... of cell.h */
+  /* Shape of the periodic box, CELL_X ... of cell.h, relative to its lengths before it deformed. */
   double *cell;
-  double *cell_start; /* at step cell_from; from there on they change at cell_speed */
+  double *cell_start; /* shape at step cell_from; since then it changes at the rate cell_speed */
   int64_t *cell_from;
   double *cell_speed;
-  double *cell_force; /* sum of f (x) n over contacts with images n cells away: xx, xy, yx, yy */
-  double *cell_mean;  /* running means of the rates that follow stresses: xx, yy, xy */
-  double *cell_u, *cell_v; /* where disks are in the box, over its edges, when last looked at */
-  double *nonaffine_x,
-      *nonaffine_y; /* displacement since the phase began, without that of the box */
+  /* Sum of f_i n_j over contacts with an image n cells away, f the force: xx, xy, yx, yy. */
+  double *cell_force;
+  double *cell_mean; /* running means of the stress-controlled rates: xx, yy, xy */
+  /* Position in the box relative to its edges, when the nonaffine displacement was last updated. */
+  double *cell_u, *cell_v;
+  /* Displacement since the phase began, minus that of the deforming box. */
+  double *nonaffine_x, *nonaffine_y;
 
-  /* per phase, when it ended */
-  int64_t *phase_steps;                     /* that it took; 0: not over */
-  int32_t *phase_reached;                   /* 1: what settle and compress asked for was there */
-  double *phase_kinetic, *phase_unbalanced; /* settle: as then measured */
-  double *phase_target;                     /* compress: pressure or packing fraction */
+  /* The following columns have one row per phase, filled in when the phase ends. */
+  int64_t *phase_steps;   /* steps that the phase took; 0: not over */
+  int32_t *phase_reached; /* 1 if the goals of settle and compress were met */
+  /* settle: kinetic energy per disk, unbalanced force */
+  double *phase_kinetic, *phase_unbalanced;
+  double *phase_target; /* compress: pressure or packing fraction that was reached */
 
-  /* statistics of the measured phases */
-  double *rotation_start; /* angle when measuring began */
-  double *rotation_bin;   /* angle turned in each full bin */
-  double *rotation_last;  /* angle at the last bin's end */
-  double *
-      rotation_stop; /* angle when a measured phase ended: what is turned until the next is left out */
-  int64_t *slide_count;    /* steps in configuration 4 * (first contact) + (second contact) */
-  double *slide_force_min; /* smallest normal force, 0 when the contact opened */
-  int64_t *slide_openings; /* times the contact opened */
-  int32_t *slide_was_open; /* at the last step */
+  /* The following columns hold statistics of the measured phases: rotation_* by disk in
+   * rotations, slide_* by entry of slides. */
+  /* Angle when measuring began, plus what the disk has since turned while not measured. */
+  double *rotation_start;
+  double *rotation_bin;  /* angle turned in each completed bin */
+  double *rotation_last; /* angle at the end of the last completed bin */
+  /* Angle when measuring last paused; the angle turned until it resumes is left out. */
+  double *rotation_stop;
+  /* number of steps in configuration 4 * (first contact) + (second contact) */
+  int64_t *slide_count;
+  double *slide_force_min; /* smallest normal force of a contact; 0 if it was open */
+  int64_t *slide_openings; /* number of times the contact opened */
+  int32_t *slide_was_open; /* 1 if the contact was open at the last step */
 
-  /* visits of watched pairs to their sliding configurations: visits.h */
-  int32_t *visit_class;     /* of the visit under way, -1: none */
-  int64_t *visit_since;     /* measured steps when it began, -1: before */
-  int64_t *visit_from;      /* measured steps when the part of it under way began */
-  double *visit_reference;  /* normal forces that are subtracted in the sums */
-  double *visit_part;       /* sums of the part under way: VISIT_TORQUE ... */
-  double *visit_sum;        /* sums of each class, by ended parts */
-  int64_t *visit_count;     /* visits that began and ended while measured, ... */
-  int64_t *visit_steps;     /* ... their steps, */
-  double *visit_steps2;     /* and the squares of them */
-  double *visit_age_torque; /* sum of the torque by class and octave of the age, by ended parts */
-  int64_t *visit_age_steps; /* steps of it */
+  /* The following columns describe the visits of watched pairs of contacts to their sliding
+   * configurations (visits.h). */
+  int32_t *visit_class; /* class of the current visit; -1: none */
+  /* number of measured steps when the visit began; -1: it began before measuring did */
+  int64_t *visit_since;
+  int64_t *visit_from; /* number of measured steps when the visit's current part began */
+  /* reference normal forces, subtracted from the force sums to keep them small */
+  double *visit_reference;
+  double *visit_part;   /* sums over the current part of the visit: VISIT_TORQUE ... */
+  double *visit_sum;    /* sums per class over completed parts of visits */
+  int64_t *visit_count; /* number of visits that began and ended while measured */
+  int64_t *visit_steps; /* number of steps of these visits */
+  double *visit_steps2; /* sum of the squared numbers of steps of these visits */
+  /* Sum of the torque, and number of steps, per class and octave of the visit's age, over
+   * completed parts. */
+  double *visit_age_torque;
+  int64_t *visit_age_steps;
 
-  /* means of the free disks, by slot; sums over looks unless said otherwise */
-  double *mean_angle, *mean_last, *mean_stop; /* angles as rotation_start, _last, _stop */
-  double *mean_bin;                           /* angle turned in each full bin */
-  double *mean_x0, *mean_y0; /* absolute position at the start; NAN: was not in play */
-  double *sum_x, *sum_y, *sum_xx, *sum_yy; /* displacement from there, and its squares */
-  double *sum_contacts, *sum_sliding;      /* closed contacts, and those that slide */
-  double *sum_force;                       /* normal forces */
-  double *sum_injected;                    /* power of prescribed bodies on this disk */
-  double *sum_kinetic, *sum_spin;          /* kinetic energies of translation and rotation */
-  double *sum_viscous, *sum_friction,
-      *sum_opening;      /* losses in measured phases; while one goes on, less
-                                                          what had been lost (loss_*) when it began */
-  int64_t *sum_openings; /* contacts that opened in measured steps */
+  /* The following columns hold sums for time averages of the free disks, by slot. sum_* are sums
+   * over samples unless stated otherwise. */
+  /* angles defined as rotation_start, rotation_last, rotation_stop */
+  double *mean_angle, *mean_last, *mean_stop;
+  double *mean_bin; /* angle turned in each completed bin */
+  /* absolute position when measuring began; NAN: the disk was not in play */
+  double *mean_x0, *mean_y0;
+  /* sums of the displacement from (mean_x0, mean_y0), and of its square */
+  double *sum_x, *sum_y, *sum_xx, *sum_yy;
+  double *sum_contacts, *sum_sliding; /* sums of the numbers of closed and of sliding contacts */
+  double *sum_force;                  /* sum of the normal forces of the disk's contacts */
+  double *sum_injected;               /* sum of the power of prescribed bodies on this disk */
+  /* sums of the kinetic energies of translation and of rotation */
+  double *sum_kinetic, *sum_spin;
+  /* Losses in measured phases; during a measured phase minus the value of loss_* at its begin. */
+  double *sum_viscous, *sum_friction, *sum_opening;
+  int64_t *sum_openings; /* number of contacts that opened in measured steps */
 
-  /* per clump: its centre of mass as a free body */
+  /* The following columns have one row per clump: motion of its centre of mass, with the same
+   * columns as a body. */
   double *clump_x, *clump_y, *clump_theta, *clump_turn;
   double *clump_vx, *clump_vy, *clump_omega;
   int32_t *clump_image_x, *clump_image_y;
   double *clump_base_x, *clump_base_y, *clump_base_theta;
-  double *clump_force_x, *clump_force_y,
-      *clump_torque; /* of the contacts of its disks at the last step */
+  /* Contact forces on the clump's disks at the last step: their sum, and their torque about the
+   * centre. */
+  double *clump_force_x, *clump_force_y, *clump_torque;
   double *clump_x2, *clump_y2, *clump_theta2, *clump_x3, *clump_y3, *clump_theta3;
   double *clump_x4, *clump_y4, *clump_theta4, *clump_x5, *clump_y5, *clump_theta5;
 };
 
-/* Has the column rows of free disks, and of nothing else? */
+/* True if the column has one row (or a block) per free disk and no other rows. */
 static inline bool state_of_free(sd_extent extent) {
   return extent == SD_PER_FREE || extent == SD_PER_MEAN || extent == SD_PER_MEAN_BIN ||
          extent == SD_PER_FIELDED || extent == SD_PER_LAW_FREE || extent == SD_PER_CELL_DISK;
 }
-/* ... of closed contacts? */
+/* True if the column has one row per closed contact. */
 static inline bool state_of_contacts(sd_extent extent) {
   return extent == SD_PER_CONTACT || extent == SD_PER_LAW_CONTACT;
 }
 
-/* A state with every column zero and sized for the model, no contacts. NULL: no memory. */
+/* Returns a state without contacts, sized for the model: columns are 0, except bin_steps,
+ * mean_bin_steps, box_scale and the box lengths of `cell`, which are 1, and fast_step and
+ * fast_disk, which are -1. The caller frees it with sd_state_free. NULL: out of memory. */
 sd_state *sd_state_new(const sd_model *model);
-/* Its extents alone, of all disks of the model. */
+/* Returns a state that has only the row counts for all disks of the model; it has no columns. */
 sd_state state_sizes(const sd_model *model);
-/* Bytes of its columns with so many contacts. */
+/* Bytes of the columns of a state of the model with this many contacts. */
 double state_bytes(const sd_model *model, size_t contacts);
-/* No simulation in one process takes fewer bytes: the model's disks, and columns without
- * contacts. Columns that stay 0, of derivatives or losses, need no memory, but lists and forces,
- * which are not counted, need more than these. */
+/* Returns a lower estimate, in bytes, of the memory of a simulation in one process: the model's
+ * disks and the state's columns without contacts. Columns that stay 0 (derivatives, losses) may
+ * take no memory, but neighbour lists and forces, which are not counted, take more than these
+ * save. */
 double state_least_bytes(const sd_model *model);
-/* So much of it is a single disk's, whatever the model. */
+/* Bytes that each disk adds to state_least_bytes, at least, whatever the model; free: for a free
+ * disk. */
 size_t state_disk_bytes(bool free);
-/* SD_ERROR_IO, with a message: these do not fit (memory_fits). */
+/* Reports an error and returns SD_ERROR_IO if state_least_bytes exceed the available memory
+ * (memory_fits). */
 sd_status state_refuse(const sd_model *model, sd_messages *messages);
-/* As sd_state_new for a part of the free disks, with places for ghosts; prescribed bodies are those of the model. */
+/* Does what sd_state_new does for a state with n_free of the free disks, slots for n_ghosts
+ * ghosts, and all prescribed bodies of the model. */
 sd_state *state_new_part(const sd_model *model, size_t n_free, size_t n_ghosts);
-/* Columns of bodies move to pages that the threads have touched first, each its share, so that they stand near it. Without
- * memory they stay. */
+/* Moves the columns, except those of contacts, to new memory that each thread touches first for
+ * its range, so that the pages are local to it (NUMA). They stay in place without threads (c
+ * NULL) or without memory. */
 void state_spread(sd_state *state, pool *c);
-/* sd_state_hash is that of the columns one after the other, from this start. */
+/* Initial value of FNV-1a, and the hash of further bytes: sd_state_hash applies it to the
+ * columns one after the other. */
 #define STATE_HASH UINT64_C(14695981039346656037)
 uint64_t state_hash_bytes(uint64_t hash, const void *data, size_t bytes);
-/* Room for n contacts; their old contents are kept as far as they fit. */
+/* Makes the contact columns hold at least n rows and keeps the existing ones. SD_ERROR_IO: out
+ * of memory. */
 sd_status sd_state_reserve_contacts(sd_state *state, size_t n);
-/* Record of stored contact c. */
+/* Returns the history of stored contact c; columns that the state does not have are 0. */
 sd_contact_record sd_state_record(const sd_state *state, size_t c);
+/* Sets the history of stored contact c. */
 void sd_state_set_record(sd_state *state, size_t c, const sd_contact_record *record);
 
 #endif

@@ -1,4 +1,4 @@
-/* visits.c: see visits.h. */
+/* visits.c: sums of the visits to sliding configurations; see visits.h. */
 #include "model/visits.h"
 
 #include <assert.h>
@@ -11,6 +11,7 @@ double visits_left(const sd_state *s, size_t k, int64_t now) {
   return b < VISIT_AGES - 1 ? (double)(since + ((int64_t)VISIT_YOUNG << b) - now) : HUGE_VAL;
 }
 
+/* Adds the sums of the current part of pair k to those of its class, and begins a new part. */
 static void end_part(sd_state *s, size_t k, const double *part, size_t stride, int64_t now) {
   size_t class = VISIT_CLASSES * k + (size_t)s->visit_class[k];
   double *sum = s->visit_sum + VISIT_SUMS * class;

@@ -1,4 +1,4 @@
-/* walls.c: see walls.h. */
+/* walls.c: makes the segments of walls, and checks walls in periodic boxes; see walls.h. */
 #include "model/walls.h"
 
 #include <assert.h>
@@ -16,8 +16,8 @@ bool model_moves_surfaces(const sd_model *m) {
   return false;
 }
 
-/* Makes the pieces into which side k of a wall is cut; *arc: the length of the wall so far. Returns
- * how many there are. */
+/* Makes the segments into which side k of a wall is cut; *arc: length of the wall so far.
+ * Returns their number. */
 static size_t derive_side(const sd_model *m, const sd_wall *w, size_t k, uint32_t body,
                           sd_segment *first, double *arc) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
@@ -38,6 +38,8 @@ static size_t derive_side(const sd_model *m, const sd_wall *w, size_t k, uint32_
   return n;
 }
 
+/* Makes the segments of a wall that is no arc and links each to the next; number: index of the
+ * first. */
 static void derive_wall(const sd_model *m, size_t wall, uint32_t body, sd_segment *first,
                         size_t number) {
   const sd_wall *w = &m->walls[wall];
@@ -84,18 +86,23 @@ void model_find_pieces(sd_model *m) {
 
 /* --- periodic boxes --------------------------------------------------------------------------- */
 
-/* A joint of an image, directions along an axis: relative. */
+/* Relative tolerance of positions and directions in a periodic box. */
 static const double NEARLY = 1e-9;
-/* Pieces up to half a period stay whole: disks are smaller than what is left between a piece and its image (check_width). Others are
- * cut into thirds of a period. So are walls that meet their images: of three pieces it is known which one follows which. */
+/* Sides up to WHOLE periods are not cut: disks are smaller than the gap between a segment and
+ * its image (check_width). Longer ones are cut into CUTS_PER_PERIOD segments per period. So are
+ * walls that meet their images, because with three segments it is unique which one follows
+ * which. */
 static const double WHOLE = 0.5, CUTS_PER_PERIOD = 3.0;
+/* Largest number of segments of all walls. */
 static const double MOST_PIECES = 1e7;
 
+/* Length of the box along c; 0: not periodic. */
 static double period_of(const sd_model *m, int c) {
   const double length = m->upper[c] - m->lower[c];
   return m->periodic[c] && length > 0.0 ? length : 0.0;
 }
 
+/* Shortest length of the box along a periodic direction; 0: none is periodic. */
 static double shortest_period(const sd_model *m) {
   const double x = period_of(m, 0), y = period_of(m, 1);
   return x > 0.0 && y > 0.0 ? fmin(x, y) : fmax(x, y);
@@ -103,6 +110,7 @@ static double shortest_period(const sd_model *m) {
 
 /* --- pieces in a periodic box ----------------------------------------------------------------- */
 
+/* True if the last point of an open wall is a periodic image of the first, cells periods away. */
 static bool ends_on_image(const sd_model *m, const sd_wall *w, int cells[2]) {
   if ((w->kind != SD_WALL_SEGMENT && w->kind != SD_WALL_POLYLINE) || w->closed || w->n_points < 2)
     return false;
@@ -117,11 +125,14 @@ static bool ends_on_image(const sd_model *m, const sd_wall *w, int cells[2]) {
   return cells[0] != 0 || cells[1] != 0;
 }
 
+/* Length of side k of a wall. */
 static double side_of(const sd_wall *w, size_t k) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
   return hypot(q[0] - p[0], q[1] - p[1]);
 }
 
+/* Number of segments into which side k of a wall is cut; a double, since it may be too large for
+ * an integer. */
 static double cuts_of(const sd_model *m, const sd_wall *w, size_t k) {
   int cells[2];
   const double shortest = shortest_period(m);
@@ -133,6 +144,7 @@ static double cuts_of(const sd_model *m, const sd_wall *w, size_t k) {
 
 size_t wall_cuts(const sd_model *m, const sd_wall *w, size_t k) { return (size_t)cuts_of(m, w, k); }
 
+/* Number of segments of a wall, as a double. */
 static double count_pieces(const sd_model *m, const sd_wall *w) {
   double n = 0.0;
   for (size_t k = 0; k < wall_segments(w); k++) n += cuts_of(m, w, k);
@@ -141,7 +153,7 @@ static double count_pieces(const sd_model *m, const sd_wall *w) {
 
 size_t wall_pieces(const sd_model *m, const sd_wall *w) { return (size_t)count_pieces(m, w); }
 
-/* The motion that turns a wall; n_motions: none. */
+/* Index of a motion that turns the wall; n_motions: none. */
 static size_t turned_by(const sd_model *m, size_t w) {
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; m->motions[k].coordinate == SD_THETA && b < m->motions[k].n_bodies; b++)
@@ -155,7 +167,7 @@ bool wall_meets_image(const sd_model *m, size_t w, int cells[2]) {
 
 void wall_piece_images(const sd_model *m, bool endless, sd_segment *s) {
   for (int c = 0; c < 2; c++) {
-    /* a line along c is its own image */
+    /* a line along c has no images along c */
     s->image[c] = period_of(m, c) > 0.0 && (!endless || fabs(s->tangent[c]) <= NEARLY);
     switch (s->piece) {
       case SD_PIECE_STRAIGHT: s->center[c] = endless ? 0.0 : 0.5 * s->length * s->tangent[c]; break;
@@ -170,7 +182,7 @@ void wall_piece_images(const sd_model *m, bool endless, sd_segment *s) {
 
 /* --- checks ----------------------------------------------------------------------------------- */
 
-/* Of the circle around the longest piece. */
+/* Diameter of the circle around the longest segment of a wall. */
 static double width_of(const sd_model *m, const sd_wall *w) {
   const double part = arc_is_ring(w) ? 2.0 * M_PI / 3.0 : w->to - w->from;
   if (w->kind == SD_WALL_ARC) return 2.0 * w->radius * (part > M_PI ? 1.0 : sin(0.5 * part));
@@ -180,6 +192,7 @@ static double width_of(const sd_model *m, const sd_wall *w) {
   return longest;
 }
 
+/* Extent of a wall's points along c. */
 static double span_of(const sd_wall *w, int c) {
   double lower = HUGE_VAL, upper = -HUGE_VAL;
   for (size_t k = 0; k < w->n_points; k++) {
@@ -193,6 +206,8 @@ static const char *periodic_in(const sd_model *m) {
   return m->periodic[0] && m->periodic[1] ? "x and y" : m->periodic[0] ? "x" : "y";
 }
 
+/* Reports a line that is neither along x nor along y, or that a motion turns: it does not fit
+ * its images. */
 static void check_line(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
   const sd_wall *wall = &m->walls[w];
   const double dx = wall->points[1][0] - wall->points[0][0],
@@ -214,7 +229,8 @@ static void check_line(const sd_model *m, size_t w, const char *name, sd_message
             name, model_motion_name(m, turned, motion, sizeof motion), periodic_in(m));
 }
 
-/* A disk touches one image of a piece at a time, and it is that whose middle is nearest. */
+/* Reports a wall whose images are so near that a disk could touch two of them; contacts use only
+ * the image whose midpoint is nearest. */
 static void check_width(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
   const sd_wall *wall = &m->walls[w];
   double gap;
@@ -241,7 +257,8 @@ static void check_width(const sd_model *m, size_t w, const char *name, sd_messag
   }
 }
 
-/* Do side k and another, shifted by V, lie on each other for a while, not farther apart than `near`? */
+/* True if side k and another side, displaced by v, overlap along side k for a finite length and
+ * are nowhere farther apart than `near`. */
 static bool lie_together(const sd_wall *w, size_t k, size_t other, const double v[2], double near) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points], length = side_of(w, k);
   const double t[2] = {(q[0] - p[0]) / length, (q[1] - p[1]) / length};
@@ -257,7 +274,8 @@ static bool lie_together(const sd_wall *w, size_t k, size_t other, const double 
   return fmax(across[0], across[1]) < near && to - from > NEARLY * length;
 }
 
-/* Does the wall, as it stands, cover an image of itself? near: of one side. */
+/* True if the wall covers a periodic image of itself. near: distance below which a side covers
+ * its own image. */
 static bool covers_image(const sd_model *m, const sd_wall *w, double near) {
   const double x = period_of(m, 0), y = period_of(m, 1);
   const double wide[2] = {span_of(w, 0), span_of(w, 1)}, slight = NEARLY * shortest_period(m);
@@ -274,7 +292,8 @@ static bool covers_image(const sd_model *m, const sd_wall *w, double near) {
   return false;
 }
 
-/* A wall that is longer than the box may lie on its own image, and push twice. */
+/* Reports a wall longer than the box that lies on its own image, or may turn onto it: disks
+ * would feel it twice. */
 static void check_length(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
   enum { MOST_SIDES = 2000 };
   const sd_wall *wall = &m->walls[w];
@@ -304,7 +323,7 @@ static void check_length(const sd_model *m, size_t w, const char *name, sd_messa
             name);
 }
 
-/* Is wall b a periodic image of a, put there by hand? */
+/* True if wall b is a periodic image of wall a that was added as a wall of its own. */
 static bool is_copy(const sd_model *m, const sd_wall *a, const sd_wall *b) {
   const bool line = a->kind == SD_WALL_LINE, arc = a->kind == SD_WALL_ARC;
   const double near = NEARLY * shortest_period(m);
@@ -327,8 +346,9 @@ static bool is_copy(const sd_model *m, const sd_wall *a, const sd_wall *b) {
   return shifted;
 }
 
+/* Reports wall w if an earlier wall's image lies at its place. */
 static void check_copies(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
-  enum { MOST_WALLS = 1000 }; /* each is compared with all before it */
+  enum { MOST_WALLS = 1000 }; /* most walls compared, each with all before it */
   char other[96];
   for (size_t k = 0; k < w && w < MOST_WALLS; k++) {
     if (!is_copy(m, &m->walls[k], &m->walls[w])) continue;
@@ -364,7 +384,7 @@ void wall_images_check(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* --- where a wall is near ------------------------------------------------------------------------------ */
+/* --- periodic images near a wall ------------------------------------------------------------ */
 
 wall_bounds wall_bounds_of(const sd_wall *w) {
   const bool round = w->kind == SD_WALL_CIRCLE || w->kind == SD_WALL_ARC;
@@ -386,8 +406,9 @@ wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds 
   wall_range r = {0};
   for (int c = 0; c < 2; c++) {
     const double lower = b->lower[c], upper = b->upper[c], period = period_of(m, c);
-    if (!(period > 0.0) || !(lower <= upper)) continue; /* a wall without points has no place */
-    /* along a line there are none; in a drum there is a disk once only */
+    /* a wall without points has no position */
+    if (!(period > 0.0) || !(lower <= upper)) continue;
+    /* a line has no images along itself; a disk in a drum has one image */
     if (w->kind == SD_WALL_LINE && upper - lower > NEARLY * side_of(w, 0)) continue;
     r.length[c] = period;
     if (w->kind == SD_WALL_CIRCLE && w->inside) {

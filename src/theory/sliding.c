@@ -2,14 +2,15 @@
  *
  *   I dOmega/dt = T(s_1, s_2),  s_i = sign(w_i(t) - Omega),  w_i = -theta_i' R_i/R,
  *
- * with the constant TEP torques (15)-(18): piecewise linear Omega(t), whose corners are the transition
- * times of (23)-(24) and (32)-(33). Time is measured in phase u = w_b t and Omega in w_b. The map
- * Omega(0) -> Omega(2 pi) is followed from corner to corner, each found to rounding, and its fixed point is
- * the root of the net change, which falls monotonically in Omega(0), by Brent's method.
+ * with the constant TEP torques (15)-(18): Omega(t) is piecewise linear, and its corners are the
+ * transition times of (23)-(24) and (32)-(33). Time is measured as the phase u = w_b t and Omega in
+ * units of w_b. The map Omega(0) -> Omega(2 pi) is followed from corner to corner, each found to
+ * rounding; its fixed point is the root of the net change of Omega, which decreases monotonically
+ * with Omega(0), found by Brent's method.
  *
- * Where w_i changes more slowly than the torques on either side would change Omega, no sign is consistent:
- * the contact sticks and Omega follows w_i (the solution in the sense of Filippov). Two supports that move
- * alike are one contact with the torques T++ and T--.
+ * If w_i changes more slowly than the torques on either side would change Omega, no sign is
+ * consistent: the contact sticks and Omega follows w_i (the solution in the sense of Filippov).
+ * Two supports that move alike act as one contact with the torques T++ and T--.
  */
 #include "theory/sliding.h"
 
@@ -20,13 +21,15 @@
 #include "base/memory.h"
 #include "slipdisk/theory.h"
 
+/* Rate dOmega/du for the signs of sliding s. */
 static double rate_of(const sliding_system *y, const int s[2]) {
   return y->n == 1 ? y->rate[s[0] < 0][s[0] < 0] : y->rate[s[0] < 0][s[1] < 0];
 }
 
-/* Sets the mode of sliding from the signs of w_i - Omega just after u; contacts in `active` have w_i = Omega
- * now, and their sign must be the one that the motion itself brings about. Torques fall with Omega, so that
- * there is exactly one consistent choice but for ties. */
+/* Sets the signs of sliding s from the signs of w_i - Omega just after u. Contacts in `active`
+ * have w_i = Omega now, and their sign must be consistent with the motion that it causes; 0: the
+ * contact sticks. Torques decrease with Omega, so exactly one choice is consistent, except for
+ * ties. */
 static void choose(const sliding_system *y, double u, const bool active[2], int s[2]) {
   double d[2] = {sliding_slope(y, 0, u), y->n == 2 ? sliding_slope(y, 1, u) : 0};
   for (int k = 0; k < 4; k++) {
@@ -53,10 +56,11 @@ static void choose(const sliding_system *y, double u, const bool active[2], int 
       return;
     }
   }
-  s[active[0] ? 0 : 1] = 0; /* a tie: the supports move alike for a moment */
+  s[active[0] ? 0 : 1] = 0; /* a tie: both supports have the same slope at this moment */
 }
 
-/* Next corner of a sliding piece that starts at (u, omega); which: the contact that reverses, -1: none. */
+/* End of a sliding piece that starts at (u, omega); *which: the contact that reverses, -1: none
+ * before the end of the period. */
 static double slide_until(const sliding_system *y, double u, double omega, const int s[2],
                           int *which) {
   double rate = rate_of(y, s), next = y->end;
@@ -71,7 +75,7 @@ static double slide_until(const sliding_system *y, double u, double omega, const
   return next;
 }
 
-/* Follows Omega from u = 0 to 2 pi. */
+/* Follows Omega from u = 0 to 2 pi and stores the path. False: it has too many pieces. */
 static bool follow(const sliding_system *y, double start, sliding_path *path) {
   double u = 0, omega = start, tiny = 1e-13 * y->peak;
   int s[2] = {1, 1};
@@ -91,7 +95,8 @@ static bool follow(const sliding_system *y, double start, sliding_path *path) {
     double next = stuck < 0 ? slide_until(y, u, omega, s, &which)
                             : sliding_stuck_until(y, stuck, u, s, &release, &which);
 
-    /* book this piece: net change by the torques themselves, so that nothing cancels near the root */
+    /* Adds this piece to the path. The net change is summed from the torques themselves, so that
+     * nothing cancels near the root. */
     double length = next - u, after = omega + rate * length;
     double area = (omega + rate * length / 2) * length;
     if (stuck >= 0 || which >= 0) after = sliding_wave(y, stuck >= 0 ? stuck : which, next);
@@ -108,7 +113,8 @@ static bool follow(const sliding_system *y, double start, sliding_path *path) {
     omega = after;
     if (u >= y->end) return true;
 
-    /* what comes next: a released contact knows its sign; contacts that meet must find theirs */
+    /* Finds the next signs: those of a released contact are known; contacts at equal velocities
+     * need `choose`. */
     if (release) {
       s[stuck] = release;
       continue;
@@ -120,15 +126,19 @@ static bool follow(const sliding_system *y, double start, sliding_path *path) {
   return false;
 }
 
-/* --- roots -------------------------------------------------------------------------------------------- */
+/* --- roots ---------------------------------------------------------------------------------- */
 
+/* Arguments of the function whose root is sought. */
 typedef struct task {
   const sliding_system *system;
-  const double *weight; /* NULL: the map; else the torques of the limit of constant Omega */
+  /* NULL: net change of Omega; else [4] torques by configuration, for the limit of constant
+   * Omega */
+  const double *weight;
   bool failed;
 } task;
 
-/* Net change of Omega over a period, or net torque at constant Omega. */
+/* Net change of Omega over a period that begins with omega, or net torque if Omega stays
+ * constant. */
 static double net(double omega, void *argument) {
   task *t = argument;
   sliding_path path;
@@ -139,15 +149,17 @@ static double net(double omega, void *argument) {
   return sum;
 }
 
-/* Near zero tilt the root itself is near zero, and rounding scales with the support's velocity. */
+/* Finds the root of net. The tolerance scales with the support's velocity, as rounding does,
+ * since near zero tilt the root itself is near zero. */
 static bool solve(task *t, double *root) {
   const double most = 1.001 * t->system->peak;
   return sliding_root(net, t, -most, most, 1e-15 * t->system->peak, 0, root) && !t->failed;
 }
 
-/* --- public ------------------------------------------------------------------------------------------- */
+/* --- public functions ----------------------------------------------------------------------- */
 
-static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}; /* by SD_PP ... */
+/* signs of sliding by configuration, SD_PP ... */
+static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
 
 static sd_status check(const sd_three_disk *disk, const sd_drive *drive, sd_messages *messages) {
   if (!(disk->half_aperture > 0 && disk->half_aperture < M_PI / 2))
@@ -168,7 +180,7 @@ static sd_status check(const sd_three_disk *disk, const sd_drive *drive, sd_mess
   return SD_OK;
 }
 
-/* The system in units of the phase; also the torques by configuration. */
+/* Fills in the system in units of the phase, and the torques by configuration. */
 static sd_status prepare(const sd_three_disk *disk, const sd_drive *drive, sliding_system *y,
                          double torque[4], sd_messages *messages) {
   sd_status status = check(disk, drive, messages);
@@ -252,7 +264,7 @@ double sd_sliding_angle(const sd_drive *drive, int i, double t) {
   sliding_system y = {.waveform = drive->waveform, .n = 2};
   y.amplitude[i] = drive->amplitude[i];
   y.phase[i] = drive->phase[i];
-  return -sliding_turned(&y, i, -drive->phase[i], drive->omega * t); /* theta = 0 at phase 0 */
+  return -sliding_turned(&y, i, -drive->phase[i], drive->omega * t); /* theta is 0 at phase 0 */
 }
 
 double sd_sliding_omega(const sd_sliding *solution, double t) {
@@ -265,10 +277,11 @@ double sd_sliding_omega(const sd_sliding *solution, double t) {
   return p->omega + p->acceleration * (in - p->start);
 }
 
-/* The supports' velocities for (20) and (21), and where Omega meets them.
+/* The supports' velocities for the waveforms (20) and (21), and where Omega equals them.
  *
  * w = -amplitude cos(u + phase), or the triangle wave (22), -amplitude (4/pi)(1 - 2 |v|/pi) with
- * v = u + phase taken into [-pi, pi]. Both are odd about their zeros and turn at multiples of pi.
+ * v = u + phase reduced to [-pi, pi]. Both are odd about their zeros and have their extrema at
+ * multiples of pi.
  */
 
 double sliding_wave(const sliding_system *y, int i, double u) {
@@ -280,12 +293,12 @@ double sliding_wave(const sliding_system *y, int i, double u) {
 double sliding_slope(const sliding_system *y, int i, double u) {
   double v = u + y->phase[i];
   if (y->waveform == SD_SINE) return y->amplitude[i] * sin(v);
-  /* at a corner the slope that follows counts, also when u has been rounded to just before it */
+  /* at a corner the slope after it is returned, also if u was rounded to just before it */
   double slope = y->amplitude[i] * 8 / (M_PI * M_PI), w = remainder(v + 1e-12, 2 * M_PI);
   return w >= 0 ? slope : -slope;
 }
 
-/* Integral of w: minus the angle itself. */
+/* The integral of w from u to v is minus the angle that the support turns, times R_i/R. */
 double sliding_turned(const sliding_system *y, int i, double u, double v) {
   double angle[2], at[2] = {u + y->phase[i], v + y->phase[i]};
   for (int k = 0; k < 2; k++) {
@@ -295,14 +308,16 @@ double sliding_turned(const sliding_system *y, int i, double u, double v) {
   return -y->amplitude[i] * (angle[1] - angle[0]);
 }
 
-/* First u' > u with u' + phase = v modulo 2 pi. */
+/* Returns the first u' > u with u' + phase = v modulo 2 pi. */
 static double next_at(double v, double phase, double u) {
   double from = u + 1e-12, first = v - phase;
   return first + 2 * M_PI * ceil((from - first) / (2 * M_PI));
 }
 
-/* --- meetings while sliding ---------------------------------------------------------------------------- */
+/* --- meetings while sliding ----------------------------------------------------------------- */
 
+/* Difference between the velocity of support i and an Omega that changes linearly from (u,
+ * omega). */
 typedef struct gap {
   const sliding_system *y;
   int i;
@@ -335,21 +350,22 @@ bool sliding_root(double (*of)(double, void *), void *with, double lower, double
   return found;
 }
 
-/* Root of the gap in [p, q], where it is monotone and changes sign. */
+/* Root of the gap in [p, q], where the gap is monotonic and changes sign. */
 static double root_between(gap *g, double p, double q) {
   const double fp = gap_at(p, g), fq = gap_at(q, g), rounding = 4e-16;
   double root;
   if (g->y->waveform == SD_PARABOLA || fp == 0 || fq == 0)
-    return fp == fq ? p : p + (q - p) * (fp / (fp - fq)); /* exact: the gap is straight */
+    return fp == fq ? p : p + (q - p) * (fp / (fp - fq)); /* exact for a linear gap */
   sliding_root(gap_at, g, p, q, rounding, rounding, &root);
   return root;
 }
 
-/* Phases in (u, end) between which the gap is monotone, in order. */
+/* Finds the phases in (u, end) between which the gap is monotonic, in ascending order; returns
+ * their number. */
 static int corners_of(const gap *g, double end, double corner[8]) {
   double amplitude = g->y->amplitude[g->i], turn[2] = {0, M_PI};
   int n = 0;
-  if (g->y->waveform == SD_SINE) { /* amplitude sin(v) = rate */
+  if (g->y->waveform == SD_SINE) { /* corners where amplitude sin(v) = rate */
     if (!(fabs(g->rate) < amplitude)) return 0;
     turn[0] = asin(g->rate / amplitude);
     turn[1] = M_PI - turn[0];
@@ -370,7 +386,8 @@ double sliding_meeting(const sliding_system *y, int i, double u, double omega, d
   for (int k = 0; k <= n; k++) {
     double to = k < n ? corner[k] : y->end;
     if (s * gap_at(to, &g) < 0) {
-      /* a piece that starts at a meeting starts with a gap of rounding size and maybe of the wrong sign */
+      /* a piece that starts where the velocities are equal has a gap of rounding size, maybe of
+       * the wrong sign */
       if (s * gap_at(from, &g) <= 0) return from;
       return root_between(&g, from, to);
     }
@@ -379,9 +396,9 @@ double sliding_meeting(const sliding_system *y, int i, double u, double omega, d
   return HUGE_VAL;
 }
 
-/* --- the end of sticking -------------------------------------------------------------------------------- */
+/* --- the end of sticking -------------------------------------------------------------------- */
 
-/* First phase after u at which w_i and w_j are equal again. */
+/* First phase after u at which w_i and w_j are equal again; HUGE_VAL: none within a period. */
 static double supports_meet(const sliding_system *y, int i, int j, double u) {
   if (y->waveform == SD_SINE) {
     /* w_j - w_i = |c| cos(u + arg c), c = a_i exp(i phase_i) - a_j exp(i phase_j) */
@@ -390,7 +407,7 @@ static double supports_meet(const sliding_system *y, int i, int j, double u) {
     double phase = atan2(im, re);
     return fmin(next_at(M_PI / 2, phase, u), next_at(-M_PI / 2, phase, u));
   }
-  /* straight between the corners of either */
+  /* both velocities are linear between the corners of either */
   double from = u + 1e-12, limit = u + 2 * M_PI;
   double before = sliding_wave(y, j, from) - sliding_wave(y, i, from);
   while (from < limit) {
@@ -405,7 +422,8 @@ static double supports_meet(const sliding_system *y, int i, int j, double u) {
   return HUGE_VAL;
 }
 
-/* When the slope of w_i leaves [low, high]. */
+/* First phase after u at which the slope of w_i leaves [low, high]; *release: sign with which
+ * the contact then slides. */
 static double outruns(const sliding_system *y, int i, double u, double low, double high,
                       int *release) {
   double a = y->amplitude[i], plus = HUGE_VAL, minus = HUGE_VAL;
