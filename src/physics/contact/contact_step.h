@@ -295,10 +295,10 @@ LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g,
   out->couple = m->roll * g->arm;
 }
 
-/* Advances the history of contacts by one step: updates the record *m and sets all of *out but fx,
- * fy and tau. touching: contacts closed after the step, including those that contact_begin has
- * initialised; closed: those of them that were closed before, too. paper: not 0 for the paper's
- * tangential force, tau instead of tau (R_a + R_b)/r. */
+/* Advances the history of contacts by one step: updates the record *m and sets all of *out except
+ * fx, fy, tau and dropped. touching: contacts closed after the step, including those that
+ * contact_begin has initialised; closed: those of them that were closed before, too. paper: not 0
+ * for the paper's tangential force, tau instead of tau (R_a + R_b)/r. */
 LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g,
                                        const LANE(contact_constants) * k, LANE(mask) touching,
                                        LANE(mask) closed, const int paper, const unsigned features,
