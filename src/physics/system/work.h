@@ -126,8 +126,8 @@ enum { WORK_MAX_THREADS = 64 };
 typedef struct chunks {
   size_t size, count, capacity; /* size: largest number of disks in a chunk */
   int n_threads;
-  size_t *begin;          /* [count + 1] slot of the first disk of each chunk */
-  uint32_t *of_disks;     /* chunk of each group of CHUNK_STEP disks */
+  size_t *begin;      /* [count + 1] slot of the first disk of each chunk */
+  uint32_t *of_disks; /* chunk of each group of CHUNK_STEP disks */
   /* [count + 1] first round pair and first wall segment pair of each chunk */
   size_t *pair, *segment;
   /* need_start: [count + 1] first entry of each chunk in `need` */
@@ -178,7 +178,7 @@ typedef struct placed_segment {
   bool end_cap, joined, wide;
   bool shared, meets; /* another segment shares one of its ends; one of another wall does */
   bool image[2];      /* true along directions in which it has periodic images */
-  int cells[2]; /* number of periods from (end_x, end_y) to the start of the next segment */
+  int cells[2];       /* number of periods from (end_x, end_y) to the start of the next segment */
   double middle_x, middle_y; /* vector from (x, y) to the middle of the segment */
   double shift_x, shift_y;   /* displacement of an image from the original; 0 for the original */
   sd_piece piece;            /* straight, arc, or first or last end point of an arc */
@@ -225,9 +225,9 @@ typedef struct clumps {
   double *offset_x, *offset_y, *offset_theta;
   /* offset_x, offset_y turned to space, as of when the disks were last placed */
   double *arm_x, *arm_y;
-  int32_t *of;           /* [n_free] clump of the disk in each slot; -1: none */
-  double *clumped;       /* [n_free] 1 for disks in clumps, 0 for others */
-  double *contact_mass;  /* [n_free] mass of the disk, or of its clump; enters m_eff of contacts */
+  int32_t *of;          /* [n_free] clump of the disk in each slot; -1: none */
+  double *clumped;      /* [n_free] 1 for disks in clumps, 0 for others */
+  double *contact_mass; /* [n_free] mass of the disk, or of its clump; enters m_eff of contacts */
   /* [count] coefficients of non-viscous damping of the whole clump */
   double *alpha, *alpha_rotation;
   /* columns of the clumps' coordinates, like those of free disks */
@@ -314,20 +314,20 @@ typedef struct work {
   sums sums;
   chunks chunks;
   int32_t *row; /* [n_bodies + 1] row of each body in `packed` and sums; last: the row of padding */
-  double *packed;         /* [rows][PACKED_ROW] packed bodies */
-  size_t packed_capacity; /* number of rows that `packed` has room for */
-  double least_limit;     /* largest overlap that is allowed for the smallest body */
-  double margin;          /* largest gap at which a contact begins or ends (cohesion) */
+  double *packed;            /* [rows][PACKED_ROW] packed bodies */
+  size_t packed_capacity;    /* number of rows that `packed` has room for */
+  double least_limit;        /* largest overlap that is allowed for the smallest body */
+  double margin;             /* largest gap at which a contact begins or ends (cohesion) */
   double skin, moved_limit2; /* Verlet margin; squared displacement at which the list is stale */
   double list_scale;         /* state->box_scale when the list was built */
   /* [n_bodies] poses when the list was built, rescaled with the box since */
   double *x0, *y0, *theta0;
   double *reach; /* [n_walls] largest distance from the pivot at which disks can touch the wall */
-  int64_t builds, built_at;  /* number of list builds; step of the last one */
-  double mean_radius;        /* harmonic mean radius of the disks: most pairs are of small disks */
-  double surface_unit;       /* smallest power of two that is at least mean_radius */
-  placed_segment *segments;  /* [n_segments] wall segments in space; walls_pose */
-  uint32_t *pieces;          /* indices of the segments in the list of pairs, ascending */
+  int64_t builds, built_at; /* number of list builds; step of the last one */
+  double mean_radius;       /* harmonic mean radius of the disks: most pairs are of small disks */
+  double surface_unit;      /* smallest power of two that is at least mean_radius */
+  placed_segment *segments; /* [n_segments] wall segments in space; walls_pose */
+  uint32_t *pieces;         /* indices of the segments in the list of pairs, ascending */
   size_t n_pieces;
   int64_t *watched; /* [2 n_slides] pair of each watched contact; -1: not in the list */
 
