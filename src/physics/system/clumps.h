@@ -47,8 +47,8 @@ void clump_sum(engine *e, size_t k);
 clump_load clump_constant(const engine *e, size_t k);
 clump_load clump_total(const engine *e, size_t k);
 /* clump_field_booked returns the power of the model's fields that the corrector of disks books for
- * the disks of clump k, with their present velocities. clump_book_field books the rest: the power on
- * the corrected clump minus `booked`, the value returned before. dt: time step, 0 at step 0. */
+ * the disks of clump k, with their present velocities. clump_book_field books the rest: the power
+ * on the corrected clump minus `booked`, the value returned before. dt: time step, 0 at step 0. */
 double clump_field_booked(const engine *e, size_t k);
 void clump_book_field(engine *e, size_t k, double booked, double dt);
 /* clump_damping returns Cundall's non-viscous damping of clump k: in each coordinate a fraction of
