@@ -61,7 +61,7 @@ typedef struct LANE(pair_geometry) {
   LANE(real) arc;           /* R_a theta_a + R_b theta_b */
   LANE(real) lambda;        /* tangential coordinate, measured from the reference direction e */
   LANE(real) turned, sine2; /* angle from e to n in rad, and its squared sine */
-  LANE(real) lever;         /* (R_a + R_b)/r */
+  LANE(real) lever;         /* lever of the tangential force, (R_a + R_b)/r */
   LANE(real) slide; /* dlambda/dt; only set for tangential dashpots and when a contact begins */
   /* Rolling displacement R_eff (theta_a - theta_b), its time derivative, and R_eff (arm); only set
    * for laws with rolling resistance. */

@@ -1,4 +1,4 @@
-/* evaluate.c: see evaluate.h. */
+/* evaluate.c: geometry, force and energy of single contacts; see evaluate.h. */
 #include "physics/system/halo.h"
 #include "physics/contact/evaluate.h"
 

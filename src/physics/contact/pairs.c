@@ -1,4 +1,4 @@
-/* pairs.c: see pairs.h. */
+/* pairs.c: memory and records of the list of candidate pairs; see pairs.h. */
 #include "physics/contact/pairs.h"
 
 #include <string.h>

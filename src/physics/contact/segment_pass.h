@@ -10,7 +10,7 @@ typedef struct LANE(nearest_points) {
    * straight one); 0 at an end. */
   double flat[LANE_WIDTH];
   double side[LANE_WIDTH];  /* nearest_point.side */
-  double slide[LANE_WIDTH]; /* dlambda/dt; 0 without tangential dashpots */
+  double slide[LANE_WIDTH]; /* dlambda/dt; 0 if no law has a tangential dashpot */
   /* Displacement from the wall to its periodic image nearest to the disk; 0 without images. */
   double shift_x[LANE_WIDTH], shift_y[LANE_WIDTH];
   bool crossed; /* true if `crossed` is true for the nearest point of some lane */

@@ -22,7 +22,7 @@ typedef struct addend {
 
 struct motions {
   signals signals;
-  int64_t first; /* step of the batch's first value */
+  int64_t first; /* step of the first value in the batch; < 0: nothing is computed */
   size_t n_addends;
   /* running motions, also those about to start; by place, then in the deck's order */
   addend *addends;

@@ -99,7 +99,8 @@ bool motion_corrects(const engine *e);
 typedef struct pose_batch pose_batch;
 
 enum { POSE_X, POSE_Y, POSE_THETA, POSE_VX, POSE_VY, POSE_OMEGA, POSES };
-enum { POSE_STEPS = MOTION_BATCH + 1 }; /* the step before the batch, and the batch */
+/* steps in a pose_batch: the batch, and the step before it */
+enum { POSE_STEPS = MOTION_BATCH + 1 };
 
 /* Returns a new batch for n <= width systems, which the caller keeps owning; lanes from n on repeat
  * system 0. */

@@ -23,13 +23,15 @@ enum { OSCILLATORS = 8, OSCILLATOR_ROWS = 72 /* a batch of 64, four rows before 
 typedef struct oscillators {
   _Alignas(64) double u[OSCILLATOR_ROWS][OSCILLATORS];
   double v[OSCILLATOR_ROWS][OSCILLATORS];
-  double uu[OSCILLATORS], uv[OSCILLATORS], vu[OSCILLATORS], vv[OSCILLATORS]; /* propagator */
-  double noise_u[OSCILLATORS], noise_vu[OSCILLATORS], noise_vv[OSCILLATORS]; /* Cholesky factor */
+  /* propagator of (u, v) over one draw */
+  double uu[OSCILLATORS], uv[OSCILLATORS], vu[OSCILLATORS], vv[OSCILLATORS];
+  /* Cholesky factor of the noise */
+  double noise_u[OSCILLATORS], noise_vu[OSCILLATORS], noise_vv[OSCILLATORS];
   uint64_t seed[OSCILLATORS], stream[OSCILLATORS],
       block[OSCILLATORS];     /* block: random block that the next new row uses */
   int64_t start[OSCILLATORS]; /* step at which the motion was switched on, -1: it does not run */
   int64_t base[OSCILLATORS], known[OSCILLATORS]; /* draw numbers of the first and the last row */
-  int64_t interval;                              /* steps between draws */
+  int64_t interval;                              /* number of steps between draws */
   size_t count;
 } oscillators;
 
@@ -73,13 +75,13 @@ typedef struct signal_values {
 /* Sum of the signals of a prescribed coordinate over n steps. */
 typedef struct pose_sum {
   const signal_values *const *signals;
-  size_t n_signals; /* > 0 */
+  size_t n_signals; /* at least 1 */
   double off, base; /* value = ((sum of u - off) + base) + sum of low */
   double *value, *velocity;
   double low, high; /* smallest and largest value */
 } pose_sum;
 
-typedef struct lanes_signal lanes_signal; /* pose_batch.h */
+typedef struct lanes_signal lanes_signal; /* defined in pose_batch.h, as is lanes_pose */
 typedef struct lanes_pose lanes_pose;
 
 typedef struct motion_kernels {

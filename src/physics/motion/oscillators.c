@@ -1,4 +1,4 @@
-/* oscillators.c: see oscillators.h. */
+/* oscillators.c: exact discrete steps of randomly forced oscillators; see oscillators.h. */
 #include "base/gsl.h"
 #include "physics/motion/oscillators.h"
 

@@ -14,17 +14,17 @@ enum { BATCH = MOTION_BATCH };
 
 struct pose_batch {
   size_t width, n, first_slot, n_slots; /* lanes; systems; slots of the prescribed bodies */
-  engine **systems;                     /* [width] */
+  engine **systems;                     /* [width] system of each lane */
   const motion_kernels *kernels;
-  double *poses;         /* [n_slots][POSES][POSE_STEPS][width] */
-  lanes_signal *signals; /* [n_motions] */
-  oscillators *draws;    /* [n_motions] */
-  double *rows;          /* [n_motions][3][BATCH][width] */
+  double *poses;         /* [n_slots][POSES][POSE_STEPS][width] poses of the prescribed bodies */
+  lanes_signal *signals; /* [n_motions] signal of each motion */
+  oscillators *draws;    /* [n_motions] oscillators of each random motion */
+  double *rows;          /* [n_motions][3][BATCH][width] memory of lanes_signal.rows */
   size_t n_coordinates, capacity;
   lanes_pose *coordinates;
   const lanes_signal **terms;
   lanes_pose **alone; /* memory for lanes_signal.alone, one entry per motion and body */
-  int64_t first;      /* step of system 0 before the batch */
+  int64_t first;      /* last step of system 0 before the batch */
   bool filled;        /* true if the batch has been computed */
   int64_t known;      /* index of the last step at which all angles are in their range */
 };

@@ -1,4 +1,4 @@
-/* signals.c: see signals.h. */
+/* signals.c: computes the signals of the motions of one system; see signals.h. */
 #include "base/gsl.h"
 #include "physics/motion/signals.h"
 

@@ -21,7 +21,7 @@ typedef struct signal {
 } signal;
 
 typedef struct signals {
-  signal *item; /* [n_motions] */
+  signal *item; /* [n_motions] signal of each motion of the model */
   size_t n_groups;
   oscillators *groups; /* [n_groups] random motions with the same interval, side by side */
   /* [n_groups] u and v of each oscillator by row */

@@ -1,4 +1,4 @@
-/* bodies.c: see bodies.h. */
+/* bodies.c: constants of the bodies, and edges of the periodic box; see bodies.h. */
 #include "physics/system/bodies.h"
 
 #include "model/cell.h"

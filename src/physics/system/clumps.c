@@ -1,4 +1,4 @@
-/* clumps.c: see clumps.h. */
+/* clumps.c: poses, force sums and energies of clumps; see clumps.h. */
 #include "physics/system/clumps.h"
 
 #include <assert.h>

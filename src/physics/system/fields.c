@@ -1,4 +1,4 @@
-/* fields.c: see fields.h. */
+/* fields.c: force fields of the calling program and of the model; see fields.h. */
 #include "physics/system/fields.h"
 
 #include <assert.h>

@@ -1,4 +1,4 @@
-/* halo.c: see halo.h. */
+/* halo.c: messages between ranks in a step; see halo.h. */
 #include "physics/system/halo.h"
 
 #include <assert.h>

@@ -7,7 +7,7 @@
 
 #include "physics/system/work.h"
 
-typedef struct motion_kernels motion_kernels; /* physics/motion */
+typedef struct motion_kernels motion_kernels; /* defined in physics/motion/motion_kernels.h */
 
 typedef struct kernels {
   const char *name;

@@ -24,7 +24,7 @@ typedef struct law_row {
   double normal, tsuji;          /* number of the normal law; factor law_tsuji of its damping */
   /* The members below are only read if laws are general (LAW_GENERAL in model/law_features.h). */
   double pulls; /* 1: damping may make the normal force attractive; 0: it may not */
-  double cap_kinetic, mindlin, lag; /* mu_kinetic/k_t; 1: Mindlin's stiffness; gamma_t/k_t */
+  double cap_kinetic, mindlin, lag; /* mu_kinetic/k_t; 1 for Mindlin's law, else 0; gamma_t/k_t */
   double k_r, cap_r, lag_r;         /* k_r; mu_r/k_r; gamma_r/k_r; the ratios are 0 without k_r */
   /* bridge: 1 for capillary bridges, 0 for constant or no attraction; per_range: 1/range. */
   double bridge, pull_off, range, per_range;
@@ -112,7 +112,8 @@ enum { SUM_X, SUM_TURN, SUM_Y, SUM_COUPLE, SUM_ROW, SUM_SURFACE = SUM_COUPLE };
 /* add4 in base/lane.h adds numbers at odd indices with the same sign to both bodies */
 _Static_assert(SUM_X % 2 == 0 && SUM_Y % 2 == 0 && SUM_TURN % 2 == 1, "add4");
 typedef struct sums {
-  double *row;      /* [rows of bodies + entries of listed bodies][SUM_ROW] */
+  /* [rows][SUM_ROW] rows of bodies, then one row per contact of each listed body */
+  double *row;
   size_t end;       /* number of rows */
   uint32_t *listed; /* slots of the bodies with one row per contact, ascending */
   size_t n_listed;
@@ -202,7 +203,7 @@ typedef struct event {
 typedef struct event_list {
   event *item;
   size_t count, capacity;
-  bool failed; /* no memory */
+  bool failed; /* true: memory ran out, and items are missing */
 } event_list;
 
 /* Columns of one coordinate (x, y or theta) of all free disks, by slot. q: coordinate; v: its
@@ -242,7 +243,7 @@ typedef struct crossing {
 typedef struct crossing_list {
   crossing *item;
   size_t count, capacity;
-  bool failed; /* no memory */
+  bool failed; /* true: memory ran out, and items are missing */
 } crossing_list;
 
 /* Deforming periodic box; cell.h. */
@@ -271,13 +272,13 @@ typedef struct thread_work {
   event_list returns;
 } thread_work;
 
-typedef struct body_forces body_forces; /* fields.h */
-typedef struct fields fields;           /* fields.h */
-typedef struct motions motions;         /* motion.h */
-typedef struct lanes lanes;             /* lanes.h */
+typedef struct body_forces body_forces; /* defined in fields.h */
+typedef struct fields fields;           /* defined in fields.h */
+typedef struct motions motions;         /* defined in motion.c */
+typedef struct lanes lanes;             /* defined in lanes.h */
 typedef struct engine engine;
-typedef struct halo halo;       /* halo.h */
-typedef struct kernels kernels; /* kernels.h */
+typedef struct halo halo;       /* defined in halo.h */
+typedef struct kernels kernels; /* defined in kernels.h */
 
 typedef struct work {
   /* Constants of the model in the form that the loops use; engine_new. */
@@ -299,7 +300,7 @@ typedef struct work {
   bool predict_all;  /* true: a step predicts all disks before it evaluates forces; step_begin */
   /* [n_free] inverse masses and moments of inertia; 0 for locked or prescribed coordinates. */
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia;
-  double *constant_x, *constant_y, *constant_torque; /* [n_free] gravity and body force */
+  double *constant_x, *constant_y, *constant_torque; /* [n_free] gravity plus constant force */
   bool nothing_constant[SD_COORDINATES]; /* true if columns[].constant is 0 for all disks */
   columns columns[SD_COORDINATES];
   clumps clumps;
@@ -335,7 +336,7 @@ typedef struct work {
   body_forces *body_forces; /* NULL: the model has no force fields */
   /* stepper for small systems, holding this system only; NULL: only the general step is used */
   lanes *lanes;
-  thread_work *threads; /* [n_threads] */
+  thread_work *threads; /* [n_threads] data of each thread */
   /* status of the present step; set by one thread, read by all after a wait */
   sd_status status;
   sd_messages *messages;
