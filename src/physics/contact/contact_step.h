@@ -44,13 +44,13 @@ typedef struct LANE(pair_input) {
 /* First part of a pair's geometry. It is a struct of its own so that other instructions can run
  * while its square root and division are under way. */
 typedef struct LANE(pair_distance) {
-  LANE(real) dx, dy, sum, arc; /* as in pair_input */
+  LANE(real) dx, dy, sum, arc; /* copies of the members of pair_input */
   LANE(real) dot;              /* scalar product of (dx, dy) and the relative velocity */
   LANE(real) cross;            /* cross product of the reference direction and (dx, dy) */
   LANE(real) r;                /* distance, with the sign of sum */
   LANE(real) inverse_r;        /* 1/r */
   LANE(real) away;  /* nx^2 + ny^2 for image (nx, ny) of b; only set in a box that deforms */
-  LANE(real) swing; /* cross product of (dx, dy) and the relative velocity; general passes only */
+  LANE(real) swing; /* cross product of (dx, dy) and the relative velocity; only for PASS_GENERAL */
 } LANE(pair_distance);
 
 /* Geometry and relative motion of a pair of bodies a and b. */
@@ -69,8 +69,8 @@ typedef struct LANE(pair_geometry) {
   LANE(real) arm;
 } LANE(pair_geometry);
 
-/* Computes the part of the geometry up to 1/r. Members are copied one by one, since compilers split
- * the copy of a whole struct inefficiently. */
+/* Computes the part of the geometry up to 1/r. Members are copied one by one, since compilers do
+ * poorly with a copy of the whole struct. */
 LANE_INLINE void LANE(pair_distance_of)(const LANE(pair_input) * in, LANE(pair_distance) * d) {
   d->dx = in->dx;
   d->dy = in->dy;
@@ -118,10 +118,10 @@ typedef struct LANE(contact_constants) {
    * its damping. */
   LANE(real) normal, tsuji;
   LANE(mask) pulls; /* true: damping may make the normal force attractive (LAW_PULLS) */
-  /* Members of law_row with the same names, for LAW_KINETIC, LAW_MINDLIN and LAW_DASHPOT. */
+  /* mu_kinetic/k_t (LAW_KINETIC); 1 for Mindlin's law (LAW_MINDLIN); gamma_t/k_t (LAW_DASHPOT). */
   LANE(real) cap_kinetic, mindlin, lag;
-  LANE(real) k_r, cap_r, lag_r; /* members of law_row with the same names, for LAW_ROLLING */
-  LANE(cohesion) cohesion;      /* constants of the attraction, for LAW_COHESION */
+  LANE(real) k_r, cap_r, lag_r; /* k_r, mu_r/k_r, gamma_r/k_r; only set with LAW_ROLLING */
+  LANE(cohesion) cohesion;      /* constants of the attraction; LAW_COHESION */
 } LANE(contact_constants);
 
 /* Returns the elastic normal force at overlap delta >= 0. Without LAW_NORMAL in `features` all
@@ -181,7 +181,7 @@ typedef struct LANE(contact_closed) {
 
 /* Results of one step of a contact. */
 typedef struct LANE(contact_output) {
-  LANE(real) fx, fy, tau; /* force on b (a gets the opposite); tangential force */
+  LANE(real) fx, fy, tau; /* force on b (a gets the opposite); tangential force tau */
   /* Energies of the step: losses by viscosity and by sliding, and the nonconservative work that the
    * paper's tangential force puts in. */
   LANE(real) viscous, friction, work;

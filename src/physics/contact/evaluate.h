@@ -24,9 +24,9 @@ typedef struct contact_reaction {
 } contact_reaction;
 /* Geometry on which the force of a contact depends, besides F_n, tau and the rolling force. */
 typedef struct contact_place {
-  double dx, dy;       /* from a's centre to b's centre or to the nearest point of a wall segment */
+  double dx, dy;       /* vector from a's centre to b's, or to the nearest point of a segment */
   double ra, rb;       /* radii; rb: negative inside a round wall, 0 for a wall segment */
-  double arm_x, arm_y; /* from the wall's pivot to a's centre; used for wall segments only */
+  double arm_x, arm_y; /* vector from the wall's pivot to a's centre; wall segments only */
   const placed_segment *piece; /* wall segment that a touches; NULL: b is round */
   nearest_point nearest;       /* nearest point of that segment */
   /* true: conservative variant of the tangential force. Wall segments always use the force that

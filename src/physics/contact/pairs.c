@@ -207,7 +207,7 @@ static void finish_together(const team *t, void *with) {
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
   assert(from != to && to->first_segment % PAIR_BLOCK == 0);
   assert(to->n_round <= to->first_ghost && to->end_ghost <= to->first_segment);
-  /* with several ranks each engine builds only one list */
+  /* an engine of one of several ranks builds only one list */
   assert(!e->halo || from->count == 0);
   if (pairs_reserve(to, to->count + 1) != SD_OK) return SD_ERROR_IO;
   pool_run(work_pool(e), finish_together, &(finish_task){e, from, to});

@@ -9,7 +9,7 @@ typedef struct LANE(nearest_points) {
   /* Lever of the tangential force if the nearest point lies between the ends of its segment (1 on a
    * straight one); 0 at an end. */
   double flat[LANE_WIDTH];
-  double side[LANE_WIDTH];  /* nearest_point.side */
+  double side[LANE_WIDTH];  /* side of the wall, +1 or -1 (nearest_point.side) */
   double slide[LANE_WIDTH]; /* dlambda/dt; 0 if no law has a tangential dashpot */
   /* Displacement from the wall to its periodic image nearest to the disk; 0 without images. */
   double shift_x[LANE_WIDTH], shift_y[LANE_WIDTH];

@@ -165,7 +165,7 @@ static void pairs_beside(const pairs *p, size_t k, size_t *begin, size_t *end) {
 /* Joint of two segments, whose ends lie at one vertex. */
 typedef struct joint {
   const placed_segment *from, *to;
-  int from_end, to_end; /* which end of each: 0 start, 1 far end */
+  int from_end, to_end; /* end of each that lies at the joint: 0 start, 1 far end */
 } joint;
 
 /* Sets `at` to the position of an end of segment g. */

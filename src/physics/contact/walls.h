@@ -53,7 +53,7 @@ static inline nearest_point walls_nearest_straight(const placed_segment *g, doub
 static inline nearest_point walls_nearest_arc(const placed_segment *g, double x, double y) {
   const double rx = x - g->x, ry = y - g->y, r = sqrt(rx * rx + ry * ry);
   const double after = g->fx * ry - g->fy * rx,
-               before = g->lx * ry - g->ly * rx; /* in the wedge: after >= 0 and before < 0 */
+               before = g->lx * ry - g->ly * rx; /* the wedge is where after >= 0 and before < 0 */
   const bool within = g->wide ? after >= 0.0 || before < 0.0 : after >= 0.0 && before < 0.0;
   nearest_point q = {.side = r < g->radius ? 1.0 : -1.0, .arc = g->arc};
   if (g->piece == SD_PIECE_CURVE) {

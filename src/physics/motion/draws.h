@@ -20,7 +20,7 @@ enum { DRAW_BLOCKS = 4, DRAW_ROUNDS = 10 };
 #define EACH_PAIR for (int k = 0; k < 2 * blocks; k++)
 #endif
 
-/* Keys of all rounds, which follow from the seed. */
+/* Philox keys of all rounds, which follow from the seed. */
 typedef struct LANE(draw_keys) {
   LANE(bits) round[DRAW_ROUNDS][2];
 } LANE(draw_keys);

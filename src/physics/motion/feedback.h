@@ -13,11 +13,12 @@
 
 /* One running load or servo, which moves one wall along one coordinate. */
 typedef struct feedback {
-  size_t motion;              /* index in the model */
-  uint32_t slot;              /* slot of the wall */
-  int coordinate;             /* SD_X or SD_Y */
-  double *at, *speed;         /* position and velocity of the wall, in the state */
-  const double *force, *base; /* in the state: force by contacts; pose without running motions */
+  size_t motion;      /* index of the motion in the model */
+  uint32_t slot;      /* slot of the wall */
+  int coordinate;     /* SD_X or SD_Y */
+  double *at, *speed; /* position and velocity of the wall, in the state */
+  /* force by contacts, and pose without running motions, in the state */
+  const double *force, *base;
   const int32_t *image;       /* image count of the wall along the coordinate, in the state */
   double moved, force_before; /* displacement in the last step, and the force before it */
 } feedback;
@@ -41,8 +42,8 @@ void feedback_begin(engine *e, size_t k);
 /* Ends motion k, which was switched off: its wall stays at its present position. */
 void feedback_end(engine *e, size_t k);
 
-/* Moves the walls to their poses at step state->step + 1, with predicted velocities. mine: gets
- * `stale` and events for walls that must be wrapped. */
+/* Moves the walls to their poses at step state->step + 1, with predicted velocities. mine: its
+ * `stale` may be set, and it gets events for walls that must be wrapped. */
 void feedback_pose(engine *e, feedbacks *all, thread_work *mine);
 /* True if the next step of the walls would make the neighbour list stale. The state is not
  * changed. */

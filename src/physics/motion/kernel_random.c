@@ -60,7 +60,7 @@ void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, in
 typedef struct swing {
   LANE(draw_keys) keys;
   LANE(bits) block, high, stream; /* high: high word of the block number, constant in one call */
-  LANE(real) u, v, uu, uv, vu, vv, noise_u, noise_vu, noise_vv; /* as in oscillators */
+  LANE(real) u, v, uu, uv, vu, vv, noise_u, noise_vu, noise_vv; /* copies of oscillators' members */
   LANE(real) a[2 * DRAW_BLOCKS], b[2 * DRAW_BLOCKS]; /* normal numbers that are not used yet */
 } swing;
 

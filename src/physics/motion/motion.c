@@ -397,7 +397,7 @@ void motion_pose(engine *e, thread_work *mine) {
   feedback_pose(e, &q->feedbacks, mine);
   for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
     if (p->slot < s->n_bodies && neighbours_moved(e, p->slot)) mine->stale = true;
-    /* for free disks with a prescribed coordinate the corrector checks the range */
+    /* the corrector checks the range of free disks with a prescribed coordinate */
     if (p->slot >= s->n_free && !motion_in_range(e, p->coordinate, *p->at))
       event_add(&mine->returns, p->slot);
   }

@@ -55,7 +55,7 @@ typedef struct wave_anchor {
 /* Periodic signal of one motion. */
 typedef struct wave {
   sd_motion_kind form;
-  /* Turns per step, and the same as a sum of two parts; phase at step 0 in turns. */
+  /* Turns per step, and the same as a sum of two parts; initial phase in turns. */
   double rate, rate_high, rate_low, offset;
   double shape[WAVE_SHAPE]; /* constants of the waveform; see waveforms.h */
   /* Sine and cosine of the phase of 0, 1, ... 7 steps, then of 0, 8, ... 56 steps. */

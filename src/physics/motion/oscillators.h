@@ -29,7 +29,8 @@ typedef struct random_step {
  * positive terms, so no digits are lost when w h is small (docs/physics.md, section 7). */
 random_step random_step_new(double omega, double damping, double rms, double h);
 
-/* Returns n zeroed groups, aligned for vectors; the caller releases them with free. */
+/* Returns n zeroed groups of oscillators, aligned for vectors; the caller releases them with
+ * free. */
 oscillators *oscillators_new(size_t n);
 /* Sets the constants and the random stream of a lane; it does not run yet. */
 void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint64_t seed,

@@ -26,7 +26,7 @@ struct lanes_signal {
   int64_t anchor; /* steps from the motion's start to the anchor; -1: not computed */
   signal_source source;
   sd_motion_kind form;
-  size_t motion;       /* index in the model */
+  size_t motion;       /* index of the motion in the model */
   int64_t interval;    /* random motion: number of steps between draws */
   double per_interval; /* 1/interval */
   bool ramped, runs;   /* fades in in some system; is running */
@@ -38,7 +38,7 @@ struct lanes_signal {
   oscillators *draws; /* oscillators of a random motion, one per system */
   /* Values over the batch: rows of `stride` numbers, one row per step. */
   bool posed;                /* true if the poses of `alone` have been written */
-  const double *u, *v, *low; /* as in signal_values; low is NULL if u is exact */
+  const double *u, *v, *low; /* see signal_values; low is NULL if u is exact */
   size_t stride;
   double *rows[3]; /* memory for u, v and low, with the width of the machine's vectors as stride */
 };

@@ -29,8 +29,8 @@ static inline box_image box_nearest(const work *w, double *dx, double *dy) {
   return n;
 }
 
-/* Return the unwrapped position of the disk in a slot: its path is continued across the edges of
- * the box. */
+/* box_absolute_x and box_absolute_y return the unwrapped position of the disk in a slot: its path
+ * is continued across the edges of the box. */
 static inline double box_absolute_x(const engine *e, size_t slot) {
   const work *w = &e->work;
   return e->state->x[slot] + e->state->image_x[slot] * w->length[0] +

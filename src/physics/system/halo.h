@@ -26,8 +26,8 @@ enum { HALO_ROW = PACKED_ROW + 2 };
 
 /* Postponed change of lambda_ref in contacts with ghosts, one of three kinds: pair `index` gets a
  * new reference direction; theta of body `index` was wrapped by `turn`; body `index` was wrapped
- * around the box from position (x, y), which its contacts' new reference directions still refer to.
- * order: slot in the global order. */
+ * around the box from position (x, y), at which postponed reference directions are still to be
+ * computed. order: slot in the global order. */
 typedef struct halo_wait {
   uint32_t index, order;
   double turn, x, y;

@@ -28,7 +28,8 @@ typedef struct law_row {
   double k_r, cap_r, lag_r;         /* k_r; mu_r/k_r; gamma_r/k_r; the ratios are 0 without k_r */
   /* bridge: 1 for capillary bridges, 0 for constant or no attraction; per_range: 1/range. */
   double bridge, pull_off, range, per_range;
-  double broken, begins, ends; /* exp(-rupture/range); gaps at which a contact begins and ends */
+  /* e^(-rupture/range) of a bridge; gaps at which a contact begins, ends */
+  double broken, begins, ends;
 } law_row;
 /* Number of members of law_row from `pulls` on; LAW_PLACE: index of a member among these. */
 enum { LAW_MORE = (sizeof(law_row) - offsetof(law_row, pulls)) / sizeof(double) };
@@ -133,7 +134,7 @@ typedef struct chunks {
   size_t *pair, *segment;
   /* need_start: [count + 1] first entry of each chunk in `need` */
   size_t *need_start, need_capacity;
-  uint32_t *need; /* for each chunk, the chunks whose disks its pairs read, itself included */
+  uint32_t *need; /* chunks whose disks the pairs of each chunk read, itself included */
   size_t share[WORK_MAX_THREADS + 1]; /* first chunk of each thread */
   /* boundary_first: pairs of other threads or ranks read its disks; boundary_last: pairs of other
    * threads add forces to its disks. */
@@ -235,9 +236,9 @@ typedef struct clumps {
   columns columns[SD_COORDINATES];
 } clumps;
 
-/* Contact of a with a periodic image of b. */
+/* Contact of a disk a with a periodic image of body b. */
 typedef struct crossing {
-  double fx, fy, nx, ny; /* force on b; number of cells from b to its image, along x and y */
+  double fx, fy, nx, ny; /* force on b; number of cells from the image to b, along x and y */
 } crossing;
 
 typedef struct crossing_list {
@@ -287,14 +288,15 @@ typedef struct work {
    * checked; speed_begin. */
   double speed_limit2;
   bool compare_motions; /* true: prescribed bodies are checked for the displacement limit, too */
-  bool conservative, periodic[2]; /* conservative: variant of the tangential force */
+  bool conservative, periodic[2]; /* conservative: false for the paper's tangential force */
   /* Periodic box; along open directions lengths are 0 and bounds infinite. */
   double lower[2], upper[2], length[2], inverse_length[2];
   double offset; /* shift of each row of periodic cells against the row below, along x */
   work_cell cell;
-  law_row *laws;     /* [n_materials^2] law of materials i, j in row i n_materials + j */
-  bool one_law;      /* true if all rows of `laws` are the same */
-  unsigned features; /* features of all laws (model/law_features.h); 0: all laws are plain */
+  law_row *laws; /* [n_materials^2] law of materials i, j in row i n_materials + j */
+  bool one_law;  /* true if all rows of `laws` are the same */
+  /* LAW_ bits of all laws (law_features.h); 0: k_n, gamma_n, k_t and mu suffice */
+  unsigned features;
   bool stale;        /* true: the neighbour list must be rebuilt for the coming step; step_once */
   int64_t show_from; /* first step whose forces on free disks are stored in the state; step_begin */
   bool predict_all;  /* true: a step predicts all disks before it evaluates forces; step_begin */
@@ -323,7 +325,8 @@ typedef struct work {
   double list_scale;         /* state->box_scale when the list was built */
   /* [n_bodies] poses when the list was built, rescaled with the box since */
   double *x0, *y0, *theta0;
-  double *reach; /* [n_walls] largest distance from the pivot at which disks can touch the wall */
+  /* [n_walls] distance from the pivot to the farthest wall point in reach of disks */
+  double *reach;
   int64_t builds, built_at; /* number of list builds; step of the last one */
   double mean_radius;       /* harmonic mean radius of the disks: most pairs are of small disks */
   double surface_unit;      /* smallest power of two that is at least mean_radius */
