@@ -1,21 +1,24 @@
 /* contact_step.h: one contact in one step (eqs. 2, 4, tau, 36), branch-free over lanes.
  *
- * Included once per LANE_WIDTH after base/lane.h. Round pairs, wall segments and small systems call the same text; a
- * lane's bits do not depend on the width.
+ * Included once per LANE_WIDTH after base/lane.h. Round pairs, wall segments and small systems all
+ * use this code; the bits of a lane's result do not depend on LANE_WIDTH.
  *
  *   F_n  = max(F_el(delta) - gamma_n u_n, 0) while delta > 0
- *   zeta = lambda - lambda*, |zeta| <= mu F_n / k_t by shifting lambda*
+ *   zeta = lambda - lambda*; lambda* is shifted so that |zeta| <= mu F_n / k_t
  *   tau  = -k_t zeta
  *
- * The rest of other laws is written where `features` (model/laws.h) ask for it: law_tangential.h, law_rolling.h,
- * model/law_cohesion.h. In plain passes they are a constant 0, in general ones the same number for all pairs.
+ * Further parts of a law (law_tangential.h, law_rolling.h, model/law_cohesion.h) are evaluated if
+ * their bit is set in `features` (model/law_features.h). In passes over plain laws features is the
+ * constant 0; in passes over general laws it is the same number for all pairs.
  *
- * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, arc = R_a th_a +
- * R_b th_b, turned = angle from e to n. The contact is re-based after a step in which |sin(turned)| exceeds
- * CONTACT_REBASE, so that three terms of the series of asin(e x n) are exact to rounding.
+ * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, with
+ * arc = R_a th_a + R_b th_b and turned = angle from e to n. After a step with |sin(turned)| >
+ * CONTACT_REBASE the contact gets a new e, so the terms of the series of asin(e x n) that are used
+ * below are exact to rounding.
  *
- * History is committed in the one evaluation whose forces act: with velocity Verlet at the new positions, with Gear at the
- * predicted ones (PEC). The losses of a step are the trapezoid between the evaluation before and this one (physics.md 8).
+ * History is committed in the one evaluation whose forces act: with velocity Verlet at the new
+ * positions, with Gear at the predicted ones (PEC). The losses of a step are the trapezoidal work
+ * between the previous evaluation and this one (docs/physics.md, section 8).
  */
 #include "model/law_cohesion.h"
 #include "model/normal_laws.h"
@@ -27,43 +30,47 @@
 #define CONTACT_SIGN 0x8000000000000000u
 #endif
 
-/* --- geometry -------------------------------------------------------------------------------------------- */
+/* --- geometry --------------------------------------------------------------------------------- */
 
-/* Of two bodies, a and b. */
+/* Positions, velocities and angles of a pair of bodies a and b, from which its geometry follows. */
 typedef struct LANE(pair_input) {
-  LANE(real) dx, dy;   /* from a to b */
-  LANE(real) dvx, dvy; /* velocity of b's surface point relative to a's centre */
+  LANE(real) dx, dy;   /* vector from a's centre to b's centre or nearest surface point */
+  LANE(real) dvx, dvy; /* velocity of that point of b relative to a's centre */
   LANE(real) sum;      /* R_a + R_b; negative inside a round container */
-  LANE(real) arc;      /* R_a th_a + R_b th_b */
-  LANE(real) ex, ey;   /* reference direction, (0, 0) when open */
+  LANE(real) arc;      /* R_a theta_a + R_b theta_b */
+  LANE(real) ex, ey;   /* reference direction of the contact, a unit vector; (0, 0): open */
 } LANE(pair_input);
 
-/* The root and the division are under way while something else is worked out. */
+/* First part of a pair's geometry. It is a struct of its own so that other instructions can run
+ * while its square root and division are under way. */
 typedef struct LANE(pair_distance) {
-  LANE(real) dx, dy, sum, arc;
-  LANE(real) dot;   /* of distance and relative velocity */
-  LANE(real) cross; /* of reference direction and distance */
-  LANE(real) r;     /* distance, with the sign of sum */
-  LANE(real) inverse_r;
-  LANE(real) away;  /* cells between, squared; of a box that deforms */
-  LANE(real) swing; /* distance x relative velocity; of general passes */
+  LANE(real) dx, dy, sum, arc; /* copies of the members of pair_input */
+  LANE(real) dot;              /* scalar product of (dx, dy) and the relative velocity */
+  LANE(real) cross;            /* cross product of the reference direction and (dx, dy) */
+  LANE(real) r;                /* distance, with the sign of sum */
+  LANE(real) inverse_r;        /* 1/r */
+  LANE(real) away;  /* nx^2 + ny^2 for image (nx, ny) of b; only set in a box that deforms */
+  LANE(real) swing; /* cross product of (dx, dy) and the relative velocity; only for PASS_GENERAL */
 } LANE(pair_distance);
 
+/* Geometry and relative motion of a pair of bodies a and b. */
 typedef struct LANE(pair_geometry) {
-  LANE(real) nx, ny;        /* from a to b's surface */
-  LANE(real) reach;         /* overlap, negative where there is a gap */
-  LANE(real) approach;      /* u_n, separation positive */
-  LANE(real) arc;           /* R_a th_a + R_b th_b */
-  LANE(real) lambda;        /* from the reference direction */
-  LANE(real) turned, sine2; /* angle from e to n, its squared sine */
-  LANE(real) lever;         /* (R_a + R_b)/r */
-  LANE(real) slide;         /* dlambda/dt; where dashpots want it, or a contact begins */
-  LANE(real)
-  rho, rolls; /* R_eff (theta_a - theta_b), its derivative, R_eff: where rolling wants it */
+  LANE(real) nx, ny;        /* unit normal, from a towards b's surface */
+  LANE(real) reach;         /* overlap, negative for a gap */
+  LANE(real) approach;      /* normal relative velocity u_n, positive when the bodies separate */
+  LANE(real) arc;           /* R_a theta_a + R_b theta_b */
+  LANE(real) lambda;        /* tangential coordinate, measured from the reference direction e */
+  LANE(real) turned, sine2; /* angle from e to n in rad, and its squared sine */
+  LANE(real) lever;         /* lever of the tangential force, (R_a + R_b)/r */
+  LANE(real) slide; /* dlambda/dt; only set for tangential dashpots and when a contact begins */
+  /* Rolling displacement R_eff (theta_a - theta_b), its time derivative, and R_eff (arm); only set
+   * for laws with rolling resistance. */
+  LANE(real) rho, rolls;
   LANE(real) arm;
 } LANE(pair_geometry);
 
-/* Field by field: compilers take copies of the whole apart. */
+/* Computes the part of the geometry up to 1/r. Members are copied one by one, since compilers do
+ * poorly with a copy of the whole struct. */
 LANE_INLINE void LANE(pair_distance_of)(const LANE(pair_input) * in, LANE(pair_distance) * d) {
   d->dx = in->dx;
   d->dy = in->dy;
@@ -71,13 +78,14 @@ LANE_INLINE void LANE(pair_distance_of)(const LANE(pair_input) * in, LANE(pair_d
   d->arc = in->arc;
   d->dot = in->dvx * in->dx + in->dvy * in->dy;
   d->cross = in->ex * in->dy - in->ey * in->dx;
-  /* The floor under r^2 keeps coincident centres finite; it also turns a pose that is not a number into a contact, so
-   * that the step in which it appears is examined. */
+  /* The lower bound of r^2 keeps results finite for coincident centres. It also turns a pose that
+   * is NaN into a contact, so the step in which it appears is examined. */
   LANE(real) r = LANE(sqrt)(LANE(max)(in->dx * in->dx + in->dy * in->dy, LANE(splat)(1e-280)));
   d->r = LANE(as_real)(LANE(as_bits)(r) | (LANE(as_bits)(in->sum) & CONTACT_SIGN));
   d->inverse_r = 1.0 / d->r;
 }
 
+/* Completes the geometry from the distance; slide, rho, rolls and arm are left to the caller. */
 LANE_INLINE void LANE(pair_geometry_at)(const LANE(pair_distance) * d, LANE(pair_geometry) * g) {
   LANE(real) inverse_r = d->inverse_r;
   g->nx = d->dx * inverse_r;
@@ -85,7 +93,7 @@ LANE_INLINE void LANE(pair_geometry_at)(const LANE(pair_distance) * d, LANE(pair
   g->reach = d->sum - d->r;
   g->approach = d->dot * inverse_r;
   g->lever = d->sum * inverse_r;
-  /* angle since the reference direction: asin series */
+  /* angle from the reference direction to n: series of asin(s) */
   LANE(real) s = d->cross * inverse_r, z = s * s;
   LANE(real) turned = s + (s * z) * (((15.0 / 336.0) * z + 3.0 / 40.0) * z + 1.0 / 6.0);
   g->sine2 = z;
@@ -102,19 +110,22 @@ LANE_INLINE LANE(pair_geometry) LANE(pair_geometry_of)(const LANE(pair_input) * 
   return g;
 }
 
-/* --- step of a contact ----------------------------------------------------------------------------------- */
+/* --- step of a contact ------------------------------------------------------------------------ */
 
 typedef struct LANE(contact_constants) {
-  LANE(real) k_n, k_t, half_k_t, gamma_n, cap; /* cap: mu/k_t, 0 where k_t is: frictionless */
-  LANE(real) normal, tsuji;             /* law's number, law_tsuji sqrt(m_eff k_n): LAW_NORMAL */
-  LANE(mask) pulls;                     /* LAW_PULLS */
-  LANE(real) cap_kinetic, mindlin, lag; /* LAW_TANGENTIAL; as in law_row */
-  LANE(real) k_r, cap_r, lag_r;         /* LAW_ROLLING */
-  LANE(cohesion) cohesion;              /* LAW_COHESION */
+  LANE(real) k_n, k_t, half_k_t, gamma_n, cap; /* cap: mu/k_t; 0 if k_t is 0 (frictionless) */
+  /* Only set with LAW_NORMAL: number of the normal law, and law_tsuji sqrt(m_eff k_n), which scales
+   * its damping. */
+  LANE(real) normal, tsuji;
+  LANE(mask) pulls; /* true: damping may make the normal force attractive (LAW_PULLS) */
+  /* mu_kinetic/k_t (LAW_KINETIC); 1 for Mindlin's law (LAW_MINDLIN); gamma_t/k_t (LAW_DASHPOT). */
+  LANE(real) cap_kinetic, mindlin, lag;
+  LANE(real) k_r, cap_r, lag_r; /* k_r, mu_r/k_r, gamma_r/k_r; only set with LAW_ROLLING */
+  LANE(cohesion) cohesion;      /* constants of the attraction; LAW_COHESION */
 } LANE(contact_constants);
 
-/* Elastic force, the coefficient of damping, and stored energy, at overlap delta. Without LAW_NORMAL all contacts have the
- * linear law. */
+/* Returns the elastic normal force at overlap delta >= 0. Without LAW_NORMAL in `features` all
+ * contacts have the linear law, here and in the two functions below. */
 LANE_INLINE LANE(real) LANE(law_elastic)(const LANE(contact_constants) * k, LANE(real) delta,
                                          const unsigned features) {
   const int mixed = (features & LAW_NORMAL) != 0;
@@ -128,6 +139,7 @@ LANE_INLINE LANE(real) LANE(law_elastic)(const LANE(contact_constants) * k, LANE
   return force;
 }
 
+/* Returns the coefficient of normal damping, force over velocity, at overlap delta >= 0. */
 LANE_INLINE LANE(real) LANE(law_damping)(const LANE(contact_constants) * k, LANE(real) delta,
                                          const unsigned features) {
   const int mixed = (features & LAW_NORMAL) != 0;
@@ -141,6 +153,7 @@ LANE_INLINE LANE(real) LANE(law_damping)(const LANE(contact_constants) * k, LANE
   return gamma;
 }
 
+/* Returns the elastic energy stored at overlap delta >= 0. */
 LANE_INLINE LANE(real)
     LANE(law_stored)(const LANE(contact_constants) * k, LANE(real) delta, const unsigned features) {
   LANE(real) energy = LANE(linear_stored)(k->k_n, delta);
@@ -153,41 +166,45 @@ LANE_INLINE LANE(real)
   return energy;
 }
 
-/* Record of a contact (sd_contact_record) without its sums; general: slid, in the step before. */
+/* Record of a contact (sd_contact_record) without the accumulated losses. slid: the contact slid in
+ * the previous step; the second and third line are only used with general laws. */
 typedef struct LANE(contact_memory) {
   LANE(real) lambda_ref, ex, ey, force, overlap, zeta, turned;
   LANE(real) tau, pull, rho_ref, rho, roll;
   LANE(mask) slid;
 } LANE(contact_memory);
 
-/* Masks before the step, and after it. */
+/* Lanes whose contact is closed before the step, and after it. */
 typedef struct LANE(contact_closed) {
   LANE(mask) before, now;
 } LANE(contact_closed);
 
-/* The step of a contact: force on b (on a the opposite) and tau, which turns both; losses; rare events. */
+/* Results of one step of a contact. */
 typedef struct LANE(contact_output) {
-  LANE(real) fx, fy, tau;
-  LANE(real)
-  viscous, friction,
-      work;           /* losses of the step; work of the paper's force beyond that of a potential */
-  LANE(real) dropped; /* energy left in contacts that opened */
+  LANE(real) fx, fy, tau; /* force on b (a gets the opposite); tangential force tau */
+  /* Energies of the step: losses by viscosity and by sliding, and the nonconservative work that the
+   * paper's tangential force puts in. */
+  LANE(real) viscous, friction, work;
+  LANE(real) dropped; /* energy left in the springs of a contact that opened */
   LANE(real) slip;    /* length by which lambda* was shifted; its sign is opposite to tau's */
-  LANE(real) couple;  /* on a, the opposite on b */
-  LANE(real) rolling, bridge; /* losses of the step */
+  LANE(real) couple;  /* torque of rolling resistance on a (b gets the opposite) */
+  LANE(real) rolling, bridge; /* energies lost in the step by rolling and by forming a bridge */
 } LANE(contact_output);
 
 #include "physics/contact/law_rolling.h"
 #include "physics/contact/law_tangential.h"
 
-/* Contacts in which more happens than sliding: they begin or end, have turned far, or overlap beyond limit. A limit of the
- * smallest body flags more of them than there are. */
+/* True for contacts that the slow path must handle: the normal has turned by more than
+ * CONTACT_REBASE from the reference direction, or the overlap exceeds `limit`. With the limit of
+ * the smallest body the test is conservative: it flags a superset of the contacts that exceed their
+ * own limit. */
 LANE_INLINE LANE(mask) LANE(contact_is_deep)(const LANE(pair_geometry) * g, LANE(real) limit) {
   return LANE(greater)(g->sine2, LANE(splat)(CONTACT_REBASE * CONTACT_REBASE)) |
          LANE(greater)(g->reach, limit);
 }
 
-/* Contacts that are closed after the step: attraction begins and ends them beyond touch. */
+/* True for contacts that are closed after the step. With cohesion a contact begins and ends at a
+ * gap between the surfaces, cohesion.begins and cohesion.ends; else at zero overlap. */
 LANE_INLINE LANE(mask)
     LANE(contact_touches)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                           LANE(mask) was_closed, const unsigned features) {
@@ -196,21 +213,25 @@ LANE_INLINE LANE(mask)
   return LANE(greater)(g->reach, -gap);
 }
 
-/* Coincident centres have no direction, and do not touch. */
+/* False for coincident centres: they define no normal, so the pair is treated as open. */
 LANE_INLINE LANE(mask) LANE(has_direction)(const LANE(pair_geometry) * g) {
   const LANE(real) zero = LANE(splat)(0.0);
   return LANE(not )(LANE(equal)(g->nx, zero) & LANE(equal)(g->ny, zero));
 }
 
-/* Energy of what acts along the normal. */
+/* Returns the potential energy of the normal force: elastic energy and energy of the attraction.
+ * reach: overlap, negative for a gap. */
 LANE_INLINE LANE(real) LANE(normal_energy)(const LANE(contact_constants) * k, LANE(real) reach,
                                            const unsigned features) {
   return LANE(law_stored)(k, LANE(max)(reach, LANE(splat)(0.0)), features) +
          LANE(cohesion_energy)(&k->cohesion, reach);
 }
 
-/* Normal force of contacts of which some may be apart; limit: without attraction, if it pushes. Where a step takes surfaces
- * together or apart the trapezoid is no work of a smooth force: what it gives beyond the stored energy is booked as lost. */
+/* Computes the normal force of contacts, some of which may be held at a gap by cohesion: updates
+ * m->force, m->pull and m->overlap, and sets out->viscous. *limit: the force that friction is
+ * limited by, that is the normal force without attraction, at least 0. If the overlap of a closed
+ * contact changes sign within the step, the trapezoidal work is inexact; its difference from the
+ * change of stored energy is booked as a loss. */
 LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g,
                                       const LANE(contact_constants) * k, LANE(mask) touching,
                                       LANE(mask) closed, const unsigned features,
@@ -251,7 +272,8 @@ LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g,
   m->overlap = now;
 }
 
-/* History of a step with any features. */
+/* Advances the history of contacts by one step, with any features of the law. Arguments as in
+ * contact_history. */
 LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g,
                                        const LANE(contact_constants) * k, LANE(mask) touching,
                                        LANE(mask) closed, const int paper, const unsigned features,
@@ -266,15 +288,17 @@ LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g,
   m->overlap = now;
   out->work = paper ? half * (torn + m->tau * m->overlap) * (g->turned - m->turned) : zero;
   m->turned = paper ? g->turned : zero;
-  /* at a gap nothing slides: what has slid is for surfaces that touch (mu_kinetic) */
+  /* surfaces at a gap do not slide: mu, not mu_kinetic, holds in the next step */
   if (features & LAW_COHESION) out->slip = LANE(mask_zero)(LANE(greater)(now, zero), out->slip);
   if (!(features & LAW_ROLLING)) return;
   LANE(rolling_history)(g, k, touching, limit, m, out);
   out->couple = m->roll * g->arm;
 }
 
-/* History of a step. touching: contacts with a memory, also those that contact_begin has given one; closed: these without
- * those. paper: the paper's tangential force, tau instead of tau (R_a + R_b)/r. */
+/* Advances the history of contacts by one step: updates the record *m and sets all of *out except
+ * fx, fy, tau and dropped. touching: contacts closed after the step, including those that
+ * contact_begin has initialised; closed: those of them that were closed before, too. paper: not 0
+ * for the paper's tangential force, tau instead of tau (R_a + R_b)/r. */
 LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g,
                                        const LANE(contact_constants) * k, LANE(mask) touching,
                                        LANE(mask) closed, const int paper, const unsigned features,
@@ -287,18 +311,17 @@ LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g,
   }
   const LANE(real) before_damping = m->force - LANE(law_elastic)(k, m->overlap, features);
 
-  /* normal force: never pulls */
+  /* normal force, at least 0 */
   LANE(real)
   delta = LANE(mask_zero)(touching, g->reach), elastic = LANE(law_elastic)(k, delta, features);
   LANE(real)
   force = LANE(mask_zero)(
       touching, LANE(max)(elastic - LANE(law_damping)(k, delta, features) * g->approach, zero));
 
-  /* tangential displacement, and Amonton's cap */
+  /* tangential displacement zeta, limited to +-mu F_n/k_t (Amontons' law) */
   LANE(real) zeta = LANE(mask_zero)(touching, g->lambda - m->lambda_ref), cap = k->cap * force;
   LANE(real) capped = LANE(max)(LANE(min)(zeta, cap), -cap), slip = zeta - capped;
 
-  /* losses */
   LANE(real) damping = force - elastic, torn = m->zeta * m->overlap + capped * delta;
   out->viscous = half * (before_damping + damping) * (delta - m->overlap);
   out->friction = k->half_k_t * (m->zeta + capped) * slip;
@@ -312,7 +335,8 @@ LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g,
   m->turned = paper ? g->turned : zero;
 }
 
-/* F_n n - lever tau t with t = (-n_y, n_x); lever: (R_a + R_b)/r, or 1 with the paper's force. */
+/* Sets the force on b, F_n n - lever tau t with t = (-n_y, n_x), and tau in *out. lever:
+ * (R_a + R_b)/r, or 1 with the paper's force. */
 LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g,
                                      const LANE(contact_constants) * k, LANE(real) lever,
                                      const unsigned features, const LANE(contact_memory) * m,
@@ -323,7 +347,8 @@ LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g,
   out->tau = tau;
 }
 
-/* The whole step of a contact; the pass over round pairs puts other work between the two. */
+/* Advances the history of contacts by one step and computes their forces. (The pass over round
+ * pairs calls the two functions itself, to do other work between them.) */
 LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g,
                                     const LANE(contact_constants) * k, LANE(mask) touching,
                                     LANE(mask) closed, LANE(real) lever, const int paper,
@@ -333,10 +358,11 @@ LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g,
   LANE(contact_force)(g, k, lever, features, m, out);
 }
 
-/* --- contacts that begin and end ------------------------------------------------------------------------- */
+/* --- contacts that begin and end -------------------------------------------------------------- */
 
-/* Time since the surfaces met, within this step: delta/(-u_n). 0 where they cannot have met in it, as at the start of a
- * run, or where attraction begins at a gap. */
+/* Returns the time since the surfaces touched, delta/(-u_n), at most dt. Returns 0 if they cannot
+ * have touched within this step, as at the start of a run, or if attraction closes the contact at a
+ * gap. */
 LANE_INLINE LANE(real) LANE(since_touch)(const LANE(pair_geometry) * g, LANE(real) dt) {
   const LANE(real) zero = LANE(splat)(0.0), closing = -g->approach;
   const LANE(real) since = LANE(max)(g->reach, zero) / LANE(max)(closing, LANE(splat)(1e-290));
@@ -344,7 +370,8 @@ LANE_INLINE LANE(real) LANE(since_touch)(const LANE(pair_geometry) * g, LANE(rea
   return LANE(mask_zero)(within, LANE(min)(since, dt));
 }
 
-/* Contacts that begin, and those whose surfaces meet in this step after attraction closed them at a gap. was: overlap before. */
+/* True for contacts that begin in this step, and for those that attraction had closed at a gap and
+ * whose surfaces touch in this step. was: overlap before the step. */
 LANE_INLINE LANE(mask)
     LANE(surfaces_meet)(const LANE(pair_geometry) * g, LANE(real) was, LANE(mask) touching,
                         LANE(mask) was_closed, const unsigned features) {
@@ -355,9 +382,12 @@ LANE_INLINE LANE(mask)
                   LANE(greater)(g->reach, zero));
 }
 
-/* Before the step of contacts whose surfaces meet: lambda* and rho* are those of the moment of touch, found by going back
- * along the velocities (physics.md 2). Taken at the end of the step they would lack the way since then. Mindlin's stiffness
- * has grown as sqrt(t) meanwhile: sqrt(K) zeta is 4/5 of its last value times the way, and the trapezoid takes 1/2. */
+/* Initialises contacts whose surfaces touch in this step (`meet`), before contact_step. lambda* and
+ * rho* are set to lambda and rho at the moment of touch, extrapolated back with the present
+ * velocities (docs/physics.md, section 3): their values at the end of the step would omit the
+ * displacement since then. With Mindlin's law the stiffness has grown in proportion to sqrt(t)
+ * since the touch, so sqrt(K) zeta should be 4/5 of sqrt(K) times the displacement; the trapezoid
+ * gives 1/2, hence the factor 1.6. */
 LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g,
                                      const LANE(contact_constants) * k, LANE(mask) meet,
                                      LANE(real) dt, const unsigned features,
@@ -371,14 +401,19 @@ LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g,
     m->rho_ref = LANE(select)(meet, g->rho - g->rolls * since, m->rho_ref);
 }
 
-/* A spring and its dashpot in the step in which their contact begins or ends. */
+/* Tangential or rolling spring with its dashpot, in the step in which the contact begins or
+ * ends. */
 typedef struct LANE(edge_spring) {
-  LANE(real) stiffness, q, force; /* force = -(stiffness q + drag): after a begin, before an end */
-  LANE(real) way;                 /* by which the surfaces move in the whole step */
+  /* q: displacement of the spring; force = -(stiffness q + dashpot force). Both are taken after the
+   * step if the contact begins, before it if the contact ends. */
+  LANE(real) stiffness, q, force;
+  LANE(real) way; /* relative displacement of the surfaces in the whole step */
 } LANE(edge_spring);
 
-/* The trapezoid of its work goes over the whole step, though the contact was there for a part of it. What the spring neither
- * takes nor stores is lost by sliding; most of it comes back at the other end of the contact. Returns the loss of the dashpot. */
+/* Computes the losses of a spring and its dashpot in the first or last step of a contact. The
+ * trapezoidal work covers the whole step, though the contact was closed for part of it only. The
+ * part of this work that the spring does not store is booked as sliding loss (*sliding); most of it
+ * is balanced at the other end of the contact. Returns the loss of the dashpot. */
 LANE_INLINE LANE(real)
     LANE(edge_losses)(const LANE(edge_spring) * s, LANE(mask) begun, LANE(real) * sliding) {
   const LANE(real) half = LANE(splat)(0.5), pull = s->stiffness * s->q;
@@ -386,11 +421,14 @@ LANE_INLINE LANE(real)
   return -half * (s->force + pull) * s->way;
 }
 
+/* Returns the energy stored in the spring. */
 LANE_INLINE LANE(real) LANE(edge_stored)(const LANE(edge_spring) * s) {
   return 0.5 * s->stiffness * s->q * s->q;
 }
 
-/* As contact_begin_end, of the tangential spring and of rolling. Adds to the losses of edges; out->dropped: the energy left. */
+/* Part of contact_begin_end for the tangential and the rolling spring: in lanes `edge`, whose
+ * contacts begin (`begun`) or end, adds the losses of the dashpots to out->viscous and replaces
+ * out->friction and out->rolling. Sets out->dropped to the energy left in the springs. */
 LANE_INLINE void LANE(springs_begin_end)(const LANE(pair_geometry) * g,
                                          const LANE(contact_constants) * k, LANE(mask) begun,
                                          LANE(mask) edge, LANE(real) dt, const unsigned features,
@@ -425,12 +463,14 @@ LANE_INLINE void LANE(springs_begin_end)(const LANE(pair_geometry) * g,
   out->dropped = out->dropped + LANE(edge_stored)(&s);
 }
 
-/* The rest of a step in which contacts begin or end; before: what they remembered; bent: dt^2/2 times the relative
- * acceleration of the centres along n before the step, by which the way of the step is shorter than u_n dt.
+/* Completes a step in which contacts begin or end. before: record before the step; bent: dt^2/2
+ * times the relative acceleration of the centres along n before the step, so the surfaces approach
+ * by bent - u_n dt in this step.
  *
- * The force with which a contact begins works over the whole way of the step, not only over the part of it on which
- * the disks overlap, and so does that with which it ends: the losses of both make up for each other, so that the budget of
- * elastic contacts does not drift. The energy left in the springs of a contact that opens is booked as such. */
+ * The first force of a contact works over the whole approach in its step, not only over the part in
+ * which the disks overlap; so does its last force. The losses booked for the two steps balance each
+ * other, so the energy budget of elastic contacts does not drift. The energy left in the springs of
+ * a contact that opens is returned in out->dropped. */
 LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
                                          const LANE(contact_constants) * k, LANE(mask) touching,
                                          LANE(mask) was_closed, LANE(real) dt, LANE(real) bent,
@@ -451,7 +491,8 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
       half * LANE(select)(begun, m->force * way, before->force * (before->overlap - g->reach));
   out->viscous =
       LANE(select)(begun, done - stored, LANE(select)(opened, stored - done, out->viscous));
-  if (features & LAW_COHESION) { /* without what the springs have added */
+  /* replaces out->viscous, to which the dashpots' losses have not been added yet */
+  if (features & LAW_COHESION) {
     const LANE(real) met = half * (before->force + m->force) * (m->overlap - before->overlap) -
                            (LANE(normal_energy)(k, m->overlap, features) - stored);
     out->viscous = LANE(select)(meet & was_closed, met, out->viscous);
@@ -460,7 +501,7 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
   out->viscous = LANE(mask_zero)(was_closed | touching, out->viscous);
   out->friction = LANE(mask_zero)(was_closed | touching, out->friction);
   out->dropped = LANE(mask_zero)(opened, out->dropped);
-  /* e = n where it begins; an open contact remembers nothing */
+  /* e = n in contacts that begin; all history is 0 in open ones */
   m->lambda_ref = LANE(mask_zero)(touching, m->lambda_ref);
   m->turned = LANE(mask_zero)(touching, m->turned);
   m->ex = LANE(mask_zero)(touching, LANE(select)(begun, g->nx, before->ex));

@@ -13,18 +13,19 @@
 #include "physics/system/clumps.h"
 #include "physics/system/halo.h"
 
-/* A sum over disks and contacts for each member of sd_energy. They are exact, so that sums of the
- * ranks' sums are those of one process. */
+/* One exact sum over disks and contacts for each member of sd_energy. Exact sums do not depend on
+ * the order, so the total over ranks has the bits of a run in one process. */
 enum { ENERGY_SUMS = sizeof(sd_energy) / sizeof(double) };
 typedef struct energy_sums {
   exact_sum of[ENERGY_SUMS];
 } energy_sums;
 
-/* The sum that a member of sd_energy has. */
+/* Adds x to the exact sum of a member of sd_energy. */
 #define ADD(sum, member, x)                                                                        \
   exact_sum_add(&(sum)->of[offsetof(sd_energy, member) / sizeof(double)], x)
 
-/* Coordinates that are held or prescribed carry no energy of the system: their work is counted instead. */
+/* Adds the energies and past losses of the free disks. Coordinates that are locked or prescribed
+ * (inverse mass 0) are left out: the work done by them is counted instead. */
 static void add_disks(const engine *e, energy_sums *sum) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -83,6 +84,7 @@ static void add_up(const engine *e, energy_sums *sum) {
   for (size_t k = 0; k < ENERGY_SUMS; k++) exact_sum_add(&sum->of[k], ((const double *)&rigid)[k]);
 }
 
+/* Rounds the exact sums, and computes the residual and its scale. */
 static sd_energy budget_of(const sd_state *s, const energy_sums *exact) {
   sd_energy sum = {0};
   for (size_t k = 0; k < ENERGY_SUMS; k++) ((double *)&sum)[k] = exact_sum_value(&exact->of[k]);
@@ -91,8 +93,8 @@ static sd_energy budget_of(const sd_state *s, const energy_sums *exact) {
   sum.relaxed = s->relaxed;
   sum.residual =
       (energy_total(&sum) - sum.start) - (sum.work + sum.nonconservative_work) + energy_lost(&sum);
-  /* where nothing is done and nothing lost, as in a conservative collision, the motion itself is the scale; at
-   * rest it is what rounding can do to the energies that are there */
+  /* The scale of the residual is work plus losses; if these vanish, as in a conservative collision,
+   * the kinetic energy; at rest, the rounding error of the stored energies. */
   double done = fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.rolling) +
                 fabs(sum.bridge) + fabs(sum.opening) + fabs(sum.drag) + fabs(sum.damping) +
                 fabs(sum.relaxed);
@@ -128,13 +130,15 @@ void losses_end(engine *e, pairs *p, size_t k) {
   losses_forget(p, k);
 }
 
-/* Sums are added in the order of the pairs, by one thread; all look for pieces of the list in which there are any. */
+/* losses_end_all divides the list into PIECES ranges. All threads search for ranges with losses;
+ * then one thread adds these losses in the order of the pairs. */
 enum { PIECES = 256 };
 typedef struct look_task {
   const pairs *p;
-  bool any[PIECES];
+  bool any[PIECES]; /* true for ranges in which some pair has a loss */
 } look_task;
 
+/* Returns the first block of a range. */
 static size_t piece_begin(const pairs *p, size_t piece) {
   return (p->count + PAIR_BLOCK - 1) / PAIR_BLOCK * piece / PIECES;
 }
@@ -167,7 +171,8 @@ void losses_end_all(engine *e, pairs *p) {
         if (p->a[k] >= 0) losses_end(e, p, k);
 }
 
-/* The sum runs in the order of the pairs. */
+/* Adds the losses of each disk's contacts in the order of the pairs, so the bits do not depend on
+ * threads. */
 void losses_show(engine *e) {
   sd_state *s = e->state;
   const incidence *n = &e->work.incidence;

@@ -1,6 +1,7 @@
 /* kernel_pairs.c: one evaluation of all candidate pairs; compiled once per instruction set.
  *
- * Round pairs (disks, round walls) go in whole blocks, wall segments in vectors or one by one.
+ * Round pairs (disks, round walls) are evaluated in whole blocks, wall segments in vectors or one
+ * by one.
  */
 #include <stddef.h>
 
@@ -27,14 +28,17 @@
 
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end);
 
-/* Round pairs go block by block. The distances of the next block, with root and division, are under way beside the law of
- * this one: processors look only some hundred instructions ahead. */
+/* Number of vectors in a block of round pairs. The distances of the next block, with square root
+ * and division, are computed beside the contact law of this one: processors look only some hundred
+ * instructions ahead, so they would not overlap the two by themselves. */
 enum { BLOCK_VECTORS = PAIR_BLOCK / VECTOR_WIDTH };
 #define AT(block, v) ((LANE(location)){(block), (v)*VECTOR_WIDTH})
 
-/* The columns of a later block are fetched meanwhile: processors do not foresee them, and have room for some twenty
- * lines at a time, so that each vector asks for some. (Not a function: one that only fetches is taken for one that does
- * nothing.) The last two columns are the paper's. */
+/* Prefetching of a later block, AHEAD blocks on. Hardware prefetchers do not foresee its columns,
+ * and only some twenty cache lines can be in flight at a time, so each vector requests a part of
+ * the lines. PAPER_LINES: cache lines before the column law; LINES: those before the last two
+ * columns of the record, which only the paper's variant uses. FETCH is a macro because compilers
+ * remove a function that only prefetches. */
 enum {
   AHEAD = 9,
   PAPER_LINES = offsetof(pair_block, law) / 64,
@@ -45,6 +49,7 @@ enum {
        line++)                                                                                     \
   __builtin_prefetch((const char *)(block) + 64 * line, 0, 3)
 
+/* Evaluates `blocks` blocks of round pairs from block b on. */
 LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t blocks,
                              const int kind) {
   const LANE(pass_constants) constants = LANE(pass_constants_of)(&e->work);
@@ -63,7 +68,9 @@ LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t
   }
 }
 
-/* Whole vectors, as they stand in their blocks: the others' lanes may be another thread's. */
+/* Evaluates wall segments [begin, end). Vectors start at multiples of VECTOR_WIDTH; pairs before
+ * and after whole vectors are evaluated one by one, since their neighbours may belong to another
+ * thread. */
 static __attribute__((noinline)) void segments(engine *e, thread_work *mine, size_t begin,
                                                size_t end) {
   size_t at = begin;
@@ -72,7 +79,7 @@ static __attribute__((noinline)) void segments(engine *e, thread_work *mine, siz
   while (at < end) evaluate_segments_w1(e, mine, at++);
 }
 
-/* A copy for each kind of pass, so that what it does not do costs nothing. */
+/* Instantiates round_pairs for one kind of pass, so that unused features cost nothing. */
 #define COPY(kind)                                                                                 \
   case kind:                                                                                       \
     round_pairs(e, mine, w->pairs.block + begin / PAIR_BLOCK, (end - begin) / PAIR_BLOCK, kind);   \

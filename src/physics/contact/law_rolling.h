@@ -1,21 +1,28 @@
-/* law_rolling.h: rolling resistance; included by contact_step.h once per LANE_WIDTH.
+/* law_rolling.h: rolling resistance; contact_step.h includes it once per LANE_WIDTH.
  *
- *   rho = R_eff (theta_a - theta_b) - rho*, R_eff = R_a R_b/(R_a + R_b); |rho| <= mu_r F/k_r by shifting rho*
- *   f   = -(k_r rho + gamma_r drho/dt), |f| <= mu_r F; couple R_eff f on a, the opposite on b
+ *   rho = R_eff (theta_a - theta_b) - rho*, R_eff = R_a R_b/(R_a + R_b);
+ *         rho* is shifted so that |rho| <= mu_r F/k_r
+ *   f   = -(k_r rho + gamma_r drho/dt), |f| <= mu_r F; couple: R_eff f on a, the opposite on b
  *
- * (Luding, Granular Matter 10, 235; Ai, Chen, Rotter, Ooi, Powder Technology 206, 269, model C). rho is a function of
- * two angles, as lambda is, so that nothing drifts. F and the dashpot as in law_tangential.h. */
+ * (Luding, Granular Matter 10, 235; Ai, Chen, Rotter, Ooi, Powder Technology 206, 269, model C).
+ * rho, like lambda, is a function of the two angles, so it cannot drift. F and the dashpot are
+ * those of law_tangential.h. */
 
-/* Rolling of two round bodies: radii, R theta and R omega of each. */
+/* Computes the rolling displacement of two round bodies, its rate and R_eff (g->rho, g->rolls,
+ * g->arm). ra, rb: radii; arc_a, arc_b: R theta; spin_a, spin_b: R omega. */
 LANE_INLINE void LANE(rolled)(LANE(real) ra, LANE(real) rb, LANE(real) arc_a, LANE(real) arc_b,
                               LANE(real) spin_a, LANE(real) spin_b, LANE(pair_geometry) * g) {
   const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0), sum = ra + rb;
-  const LANE(real) per_sum = 1.0 / LANE(select)(LANE(equal)(sum, zero), one, sum); /* 0: padding */
+  /* sum is 0 in padding lanes */
+  const LANE(real) per_sum = 1.0 / LANE(select)(LANE(equal)(sum, zero), one, sum);
   g->rho = (rb * arc_a - ra * arc_b) * per_sum;
   g->rolls = (rb * spin_a - ra * spin_b) * per_sum;
   g->arm = ra * rb * per_sum;
 }
 
+/* Advances the rolling spring and dashpot by one step: updates m->rho_ref, m->rho and m->roll, sets
+ * out->rolling (the loss by rolling), and adds the loss of the dashpot to out->viscous. closed:
+ * lanes whose contact is closed; limit: F. */
 LANE_INLINE void LANE(rolling_history)(const LANE(pair_geometry) * g,
                                        const LANE(contact_constants) * k, LANE(mask) closed,
                                        LANE(real) limit, LANE(contact_memory) * m,

@@ -1,20 +1,26 @@
-/* law_tangential.h: tangential force with all features; included by contact_step.h once per LANE_WIDTH.
+/* law_tangential.h: tangential force of a contact, with all features of the law; contact_step.h
+ * includes it once per LANE_WIDTH.
  *
- *   K    = k_t, or k_t sqrt(delta) (Mindlin and Deresiewicz, J. Appl. Mech. 20, 327, as in most codes)
- *   zeta = lambda - lambda*; |zeta| <= cap = mu F/K by shifting lambda*, F: normal force without attraction, if it pushes
+ *   K    = k_t, or k_t sqrt(delta) with Mindlin's law (Mindlin and Deresiewicz, J. Appl. Mech. 20,
+ *          327, in the form of most codes)
+ *   zeta = lambda - lambda*, the tangential displacement; lambda* is shifted so that
+ *          |zeta| <= cap = mu F/K, with F = max(elastic + viscous normal force, 0), no attraction
  *   tau  = -(K zeta + gamma_t dlambda/dt), |tau| <= mu F
  *
- * The dashpot has what the spring leaves of the limit and shifts nothing: it never gives energy. mu is mu_kinetic where
- * the contact slid in the step before.
+ * The spring takes its part of the limit mu F first; the dashpot gets at most the rest of it and
+ * never shifts lambda*, so it never supplies energy. mu is mu_kinetic if the contact slid in the
+ * previous step.
  *
- * Mindlin's energy K zeta^2/2 does not change where only delta does: with y = sqrt(K) zeta it is y^2/2, and
- * y_new = y + (sqrt(K) + sqrt(K_new))/2 dlambda. */
+ * With Mindlin's law the energy K zeta^2/2 stays constant while only delta changes: it is y^2/2
+ * with y = sqrt(K) zeta, and y_new = y + (sqrt(K) + sqrt(K_new))/2 dlambda. */
 
-/* K over k_t, and its inverse. */
+/* Factor K/k_t in the previous step (before) and in this one (now), and 1/now. */
 typedef struct LANE(firmness) {
   LANE(real) before, now, inverse;
 } LANE(firmness);
 
+/* Computes the factor K/k_t: sqrt(overlap) with Mindlin's law, else 1. before: overlap in the
+ * previous step; overlap: the present one, not negative. */
 LANE_INLINE void LANE(firmness_of)(const LANE(contact_constants) * k, LANE(real) before,
                                    LANE(real) overlap, LANE(firmness) * f) {
   const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0);
@@ -24,7 +30,10 @@ LANE_INLINE void LANE(firmness_of)(const LANE(contact_constants) * k, LANE(real)
   f->inverse = 1.0 / LANE(max)(f->now, LANE(splat)(1e-100));
 }
 
-/* limit: F. overlap: not negative. Adds to out->viscous. */
+/* Advances the tangential spring and dashpot by one step: updates m->lambda_ref, m->zeta and
+ * m->tau, sets out->friction and out->slip, and adds the loss of the dashpot to out->viscous.
+ * limit: the force F that friction is limited by (see the top of this file); overlap: not
+ * negative. */
 LANE_INLINE void LANE(tangential_history)(const LANE(pair_geometry) * g,
                                           const LANE(contact_constants) * k, LANE(mask) closed,
                                           LANE(real) overlap, LANE(real) limit,

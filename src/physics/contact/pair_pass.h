@@ -1,32 +1,36 @@
-/* pair_pass.h: one evaluation of LANE_WIDTH round pairs; included once per width after physics/contact/contact_step.h.
+/* pair_pass.h: one evaluation of LANE_WIDTH round pairs; included once per width after
+ * physics/contact/contact_step.h.
  *
- * Loads what contact_step wants from packed bodies and columns of pairs, adds the forces to the rows of the bodies, and
- * writes the history back.
+ * Loads the input of contact_step from packed bodies and columns of pairs, adds the forces to the
+ * force sums of the bodies, and writes the history back.
  */
 
-/* Copies of the pass: */
 #ifndef PAIR_PASS_COMMON
 #define PAIR_PASS_COMMON
 #include <stddef.h>
 
-/* Bit k: the contact of lane l + k slid in the step before. */
+/* Bit k of the result is set if the contact of lane l + k slid in the previous step. */
 static inline unsigned slides_at(const pair_flags *flags, size_t l) {
   return (unsigned)(flags->slides_positive | flags->slides_negative) >> l;
 }
+/* Bits of `kind`; the pass is compiled once for each combination in use. */
 enum {
-  PASS_PAPER = 1 /* the paper's tangential force */,
-  PASS_LAWS = 2 /* laws differ from pair to pair */,
-  PASS_MIXED = 4 /* likewise, and not all are linear with gamma_n */,
+  PASS_PAPER = 1 /* tangential force of the paper's variant */,
+  PASS_LAWS = 2 /* laws differ from pair to pair; all are linear with gamma_n */,
+  PASS_MIXED = 4 /* laws differ, and not all are linear with gamma_n */,
   PASS_CELL = 8 /* the periodic box deforms */,
-  PASS_GENERAL = 16 /* any features */
+  PASS_GENERAL = 16 /* laws may have any of the features in model/law_features.h */
 };
 #endif
 
-/* A vector of pairs: lanes l ... of a block, and the flags of that block. */
+/* Location of a vector of LANE_WIDTH pairs: pairs l, l + 1, ... of block b. */
 typedef struct LANE(location) {
   pair_block *b;
   size_t l;
 } LANE(location);
+
+/* Returns the constants of the single law of a pass in which all pairs have the same, linear
+ * law. */
 
 LANE_INLINE LANE(contact_constants) LANE(constants)(const work *w) {
   return (LANE(contact_constants)){.k_n = LANE(splat)(w->laws->k_n),
@@ -36,6 +40,8 @@ LANE_INLINE LANE(contact_constants) LANE(constants)(const work *w) {
                                    .cap = LANE(splat)(w->laws->cap)};
 }
 
+/* Loads the constants of the laws of LANE_WIDTH pairs. mixed: not 0 if they include normal and
+ * tsuji (LAW_NORMAL); tsuji then lacks the factor sqrt(m_eff k_n). */
 LANE_INLINE LANE(contact_constants)
     LANE(constants_of)(const work *w, const int32_t *law, const int mixed) {
   double row[6][LANE_WIDTH];
@@ -62,7 +68,7 @@ LANE_INLINE LANE(contact_constants)
   return k;
 }
 
-/* A member of the laws of LANE_WIDTH pairs. */
+/* Loads one member of law_row, at byte offset `member`, for the laws of LANE_WIDTH pairs. */
 LANE_INLINE LANE(real) LANE(law_number)(const work *w, const int32_t *law, size_t member) {
   double row[LANE_WIDTH];
   for (int l = 0; l < LANE_WIDTH; l++)
@@ -71,7 +77,7 @@ LANE_INLINE LANE(real) LANE(law_number)(const work *w, const int32_t *law, size_
 }
 #define LAW_NUMBER(member) LANE(law_number)(w, law, offsetof(law_row, member))
 
-/* Constants of general laws, beyond constants_of. */
+/* Sets the constants of general laws, in addition to those of constants_of. */
 LANE_INLINE void LANE(constants_general)(const work *w, const int32_t *law, const unsigned features,
                                          LANE(contact_constants) * k) {
   const LANE(real) zero = LANE(splat)(0.0);
@@ -98,7 +104,8 @@ LANE_INLINE void LANE(constants_general)(const work *w, const int32_t *law, cons
 }
 #undef LAW_NUMBER
 
-/* The masses of a vector of round pairs enter by sqrt(m_eff k_n); that of prescribed bodies is infinite. */
+/* Loads the constants of round pairs with LAW_NORMAL: like constants_of, with the factor sqrt(m_eff
+ * k_n) of tsuji, where 1/m_eff = 1/m_a + 1/m_b. The mass of prescribed bodies is infinite. */
 LANE_INLINE LANE(contact_constants) LANE(constants_mixed)(const work *w, LANE(location) at) {
   LANE(contact_constants) k = LANE(constants_of)(w, at.b->law + at.l, 1);
   const double *inverse_mass = w->packed + PACKED_INVERSE_MASS;
@@ -118,7 +125,7 @@ LANE_INLINE void LANE(load_memory)(LANE(location) at, const int paper, LANE(cont
   m->turned = paper ? LANE(load)(b->turned + at.l) : LANE(splat)(0.0);
 }
 
-/* For one kind of pass. */
+/* Loads the constants of LANE_WIDTH round pairs that a pass of this kind needs. */
 LANE_INLINE LANE(contact_constants)
     LANE(constants_for)(const work *w, LANE(location) at, const int kind, const unsigned features) {
   if (!(kind & (PASS_MIXED | PASS_GENERAL))) return LANE(constants_of)(w, at.b->law + at.l, 0);
@@ -129,7 +136,7 @@ LANE_INLINE LANE(contact_constants)
   return k;
 }
 
-/* Features of a pass: known beforehand but where it is general. */
+/* Returns the features of a pass: a compile-time constant unless the pass is general. */
 LANE_INLINE unsigned LANE(features_of)(const work *w, const int kind) {
   return kind & PASS_GENERAL ? w->features : kind & PASS_MIXED ? LAW_NORMAL : 0;
 }
@@ -138,7 +145,8 @@ LANE_INLINE pair_more *LANE(more_of)(const work *w, LANE(location) at) {
   return &w->pairs.more[at.b - w->pairs.block];
 }
 
-/* Memory of general laws, beyond load_memory; slides: of these lanes before the step. */
+/* Loads the part of the record that only general laws have, in addition to load_memory. slides:
+ * bits of the lanes that slid in the previous step. */
 LANE_INLINE void LANE(load_more)(const pair_more *more, size_t l, const unsigned features,
                                  unsigned slides, LANE(contact_memory) * m) {
   m->slid = LANE(mask_of)(slides);
@@ -167,6 +175,7 @@ LANE_INLINE void LANE(add_loss)(double *sum, LANE(real) loss) {
   LANE(store)(sum, LANE(load)(sum) + loss);
 }
 
+/* Stores the record of LANE_WIDTH pairs, and adds the losses of the step to it. */
 LANE_INLINE void LANE(store_memory)(LANE(location) at, const int paper,
                                     const LANE(contact_memory) * m,
                                     const LANE(contact_output) * out) {
@@ -181,7 +190,7 @@ LANE_INLINE void LANE(store_memory)(LANE(location) at, const int paper,
   if (paper) LANE(store)(b->turned + at.l, m->turned);
 }
 
-/* Sets flags of lanes l ... */
+/* Sets the flags of lanes l ... l + LANE_WIDTH - 1 in *flags to `bits`. */
 LANE_INLINE void LANE(set_flags)(uint8_t *flags, size_t l, unsigned bits) {
   const unsigned all = (1u << LANE_WIDTH) - 1u;
   *flags = (uint8_t)((*flags & ~(all << l)) | bits << l);
@@ -193,14 +202,16 @@ LANE_INLINE void LANE(set_slides)(pair_flags *flags, size_t l, LANE(real) slip) 
   LANE(set_flags)(&flags->slides_negative, l, LANE(bits_of)(LANE(greater)(slip, zero)));
 }
 
-/* Adds the force to b's row, and its opposite to a's. */
+/* Adds the contact forces and torques to the rows of both bodies: the force to b's and its opposite
+ * to a's, tau to both. */
 LANE_INLINE void LANE(scatter)(double *sum, LANE(location) at, const LANE(contact_output) * out) {
   const LANE(real) row[SUM_ROW] = {
       [SUM_X] = out->fx, [SUM_Y] = out->fy, [SUM_TURN] = out->tau, [SUM_COUPLE] = LANE(splat)(0.0)};
   LANE(add4)(sum, at.b->sum_b + at.l, at.b->sum_a + at.l, row);
 }
 
-/* Its couple, of opposite sign; on a round wall it is part of what turns. */
+/* Adds the couple of rolling resistance to a's row, and its opposite to b's. For a round wall it
+ * goes into the torque sum, divided by the radius as the torques there are. */
 LANE_INLINE void LANE(scatter_couple)(const engine *e, LANE(location) at,
                                       const LANE(contact_output) * out) {
   const pairs *p = &e->work.pairs;
@@ -217,7 +228,8 @@ LANE_INLINE void LANE(scatter_couple)(const engine *e, LANE(location) at,
   }
 }
 
-/* How the surfaces turn against each other: dlambda/dt, and the rolling displacement. */
+/* Computes dlambda/dt and the rolling displacement of round pairs, if the laws need them in every
+ * step. */
 LANE_INLINE void LANE(turning)(const work *w, LANE(location) at, const unsigned features,
                                const LANE(pair_distance) * d, LANE(pair_geometry) * g) {
   LANE(real) spin_a, spin_b;
@@ -233,7 +245,7 @@ LANE_INLINE void LANE(turning)(const work *w, LANE(location) at, const unsigned 
   (of_a[PACKED_RADIUS], of_b[PACKED_RADIUS], of_a[PACKED_ARC], of_b[PACKED_ARC], spin_a, spin_b, g);
 }
 
-/* Notes pairs whose rare event is treated after the pass. */
+/* Appends an event for each pair in the lanes `which`; events are handled after the pass. */
 LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, LANE(location) at, LANE(mask) which,
                             LANE(mask) was_closed, LANE(real) dropped) {
   double drop[LANE_WIDTH];
@@ -244,7 +256,8 @@ LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, LANE(location) at
                      LANE(lane_is)(was_closed, (int)l), drop[l]);
 }
 
-/* Geometry of a vector of pairs, as far as the root and the division. */
+/* Computes the geometry of a vector of round pairs up to 1/r, with the nearest image of b in a
+ * periodic box. */
 LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind,
                                 LANE(pair_distance) * d) {
   LANE(real) pose[4], speed[2];
@@ -276,7 +289,8 @@ LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind
   if (kind & PASS_GENERAL) d->swing = in.dx * in.dvy - in.dy * in.dvx;
 }
 
-/* R omega of the body in a slot; the rows have it where laws want it in every step, and of ghosts. */
+/* Returns R omega of the body in a slot, 0 for padding. Ghosts take it from the packed bodies; for
+ * other bodies these have it only with laws that need it in every step, so the state is used. */
 static inline double LANE(spin_in)(const engine *e, int32_t slot) {
   if (slot < 0) return 0.0;
   if (halo_is_ghost(e, (size_t)slot))
@@ -284,7 +298,7 @@ static inline double LANE(spin_in)(const engine *e, int32_t slot) {
   return body_spin(e->state, (size_t)slot);
 }
 
-/* dlambda/dt, where contacts begin. */
+/* Returns dlambda/dt of round pairs, for the step in which a contact begins. */
 LANE_INLINE LANE(real) LANE(slide_of)(const engine *e, LANE(location) at, const int kind,
                                       const LANE(pair_geometry) * g) {
   const pairs *p = &e->work.pairs;
@@ -299,7 +313,8 @@ LANE_INLINE LANE(real) LANE(slide_of)(const engine *e, LANE(location) at, const 
   return (LANE(load)(b) + LANE(load)(a)) - g->lever * (d.swing * d.inverse_r);
 }
 
-/* dt^2/2 times the relative acceleration along n, of free disks. */
+/* Returns dt^2/2 times the relative acceleration of b and a along n; prescribed bodies count as
+ * unaccelerated. */
 LANE_INLINE LANE(real)
     LANE(bent_of)(const engine *e, LANE(location) at, LANE(real) nx, LANE(real) ny) {
   const pairs *p = &e->work.pairs;
@@ -313,7 +328,7 @@ LANE_INLINE LANE(real)
   return nx * LANE(load)(x) + ny * LANE(load)(y);
 }
 
-/* Contacts with images of a box that deforms: their forces do work on it. */
+/* Notes the forces of closed contacts with periodic images, which do work on a deforming box. */
 static __attribute__((noinline)) void LANE(note_crossings)(const work *w, thread_work *mine,
                                                            LANE(location) at,
                                                            const LANE(contact_output) * out) {
@@ -331,7 +346,8 @@ static __attribute__((noinline)) void LANE(note_crossings)(const work *w, thread
   }
 }
 
-/* A vector of contacts of which some begin, end, turn far or overlap deeply. */
+/* Evaluates a vector of contacts some of which begin or end, have turned far from their reference
+ * direction, or overlap deeply. *g: the geometry of the pairs. */
 static __attribute__((noinline, cold)) void
 LANE(contact_evaluate_slow)(engine *e, thread_work *mine, LANE(location) at,
                             LANE(pair_geometry) * g, int kind) {
@@ -382,18 +398,19 @@ LANE(contact_evaluate_slow)(engine *e, thread_work *mine, LANE(location) at,
   if (kind & PASS_CELL) LANE(note_crossings)(w, mine, at, &out);
 }
 
-/* The same for all pairs of a pass. */
+/* Constants that are the same for all pairs of a pass. */
 typedef struct LANE(pass_constants) {
-  LANE(contact_constants) law; /* unless PASS_LAWS */
-  LANE(real) limit;            /* overlap of the smallest body beyond which contacts are examined */
+  LANE(contact_constants) law; /* used if all pairs have the same linear law */
+  LANE(real) limit; /* overlap above which the slow path is taken: max_overlap * smallest radius */
 } LANE(pass_constants);
 
 LANE_INLINE LANE(pass_constants) LANE(pass_constants_of)(const work *w) {
   return (LANE(pass_constants)){LANE(constants)(w), LANE(splat)(w->least_limit)};
 }
 
-/* Evaluates the pairs `at` at distance *d; then *d becomes that of the pairs `next`: between history and force, where
- * measurements say that it delays neither. */
+/* Evaluates the pairs `at`, whose distance is *d, and sets *d to the distance of the pairs `next`.
+ * The distance is computed between history and force, where, as measured, it delays neither. sum:
+ * rows of force sums; kind: bits PASS_..., a compile-time constant. */
 LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(location) at,
                                         LANE(location) next, pair_flags *flags,
                                         LANE(pair_distance) * d,

@@ -1,4 +1,4 @@
-/* pairs.c: see pairs.h. */
+/* pairs.c: memory and records of the list of candidate pairs; see pairs.h. */
 #include "physics/contact/pairs.h"
 
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "physics/system/list.h"
 
-/* --- room -------------------------------------------------------------------------------------------- */
+/* --- memory ----------------------------------------------------------------------------------- */
 
 void pairs_free(pairs *p) {
   arena_free(p->a);
@@ -19,6 +19,7 @@ void pairs_free(pairs *p) {
   *p = (pairs){0};
 }
 
+/* Replaces a column by one with the given capacity, and copies its first `count` numbers. */
 static sd_status grow(void **column, size_t count, size_t capacity, size_t size) {
   void *more = arena_for(capacity, size);
   if (!more) return SD_ERROR_IO;
@@ -28,7 +29,8 @@ static sd_status grow(void **column, size_t count, size_t capacity, size_t size)
   return SD_OK;
 }
 
-/* Blocks and sides are filled after all pairs are known. */
+/* Keeps the columns a, b and part. The other columns are replaced without a copy, since they are
+ * filled in only after all pairs are known. */
 sd_status pairs_reserve(pairs *p, size_t count) {
   if (count <= p->capacity) return SD_OK;
   size_t capacity = (count + 2 * PAIR_BLOCK) / PAIR_BLOCK * PAIR_BLOCK;
@@ -58,7 +60,7 @@ sd_status pairs_fill_block(pairs *p) {
   return SD_OK;
 }
 
-/* --- record of one pair ---------------------------------------------------------------------------------- */
+/* --- record of one pair ----------------------------------------------------------------------- */
 
 void pairs_set_flags(pairs *p, size_t k, bool closed, int slide_sign) {
   pair_flags *flags = &p->flags[pairs_flags_at(p, k)];
@@ -89,7 +91,7 @@ void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record) {
     MORE(p, k, record[c]) = row[SD_CONTACT_COLUMNS + c];
 }
 
-/* --- rare events ----------------------------------------------------------------------------------------- */
+/* --- rare events ------------------------------------------------------------------------------ */
 
 event *event_add(event_list *list, uint32_t index) {
   if (!list_room(&list->item, list->count, &list->capacity, sizeof *list->item)) {
@@ -116,19 +118,22 @@ void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed,
   v->was_closed = was_closed;
 }
 
-/* --- from one list to the next ------------------------------------------------------------------------------------------ */
+/* --- from one list to the next ---------------------------------------------------------------- */
 
 static bool same_pair(const pairs *p, size_t k, const pairs *q, size_t n) {
   return p->a[k] == q->a[n] && p->b[k] == q->b[n] && p->part[k] == q->part[n];
 }
 
+/* True if pair k of p precedes pair n of q in the order of pairs: by slot of a, slot of b,
+ * segment. */
 static bool stands_before(const pairs *p, size_t k, const pairs *q, size_t n) {
   if (p->a[k] != q->a[n]) return p->a[k] < q->a[n];
   if (p->b[k] != q->b[n]) return p->b[k] < q->b[n];
   return p->part[k] < q->part[n];
 }
 
-/* Losses left in the old list are those of contacts that end. */
+/* Moves the record of pair k in the old list to pair n in the new one. Its losses are set to 0 in
+ * the old list, so what remains there in the end belongs to contacts that ended. */
 static void carry_pair(pairs *from, size_t k, pairs *to, size_t n) {
   for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) PAIR(to, n, record[c]) = PAIR(from, k, record[c]);
   for (size_t c = 0; from->more && c < SD_CONTACT_EXTRA; c++)
@@ -139,7 +144,8 @@ static void carry_pair(pairs *from, size_t k, pairs *to, size_t n) {
   if (from->more) MORE(from, k, rolling) = 0.0;
 }
 
-/* The first of [k, end) that does not stand before n. */
+/* Returns the first pair in [k, end) of p that does not precede pair n of q; `end` if there is
+ * none. */
 static size_t first_from(const pairs *p, size_t k, size_t end, const pairs *q, size_t n) {
   while (k < end) {
     const size_t middle = k + (end - k) / 2;
@@ -151,7 +157,8 @@ static size_t first_from(const pairs *p, size_t k, size_t end, const pairs *q, s
   return k;
 }
 
-/* Both lists have the same order, so one sweep finds what the old one remembers. */
+/* Moves the records of closed contacts in [from_begin, from_end) of the old list to the same pairs
+ * in [begin, end) of the new one. Both lists have the same order, so one sweep finds them all. */
 static void carry(pairs *from, pairs *to, size_t from_begin, size_t from_end, size_t begin,
                   size_t end) {
   if (begin >= end) return;
@@ -163,6 +170,7 @@ static void carry(pairs *from, pairs *to, size_t from_begin, size_t from_end, si
   }
 }
 
+/* Returns the row of the law table for pair k; 0 for padding. */
 static int32_t law_of(const engine *e, const pairs *p, size_t k) {
   const int32_t *material = e->state->material;
   if (p->a[k] < 0) return 0;
@@ -177,7 +185,8 @@ typedef struct finish_task {
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 static size_t most(size_t a, size_t b) { return a > b ? a : b; }
 
-/* Shares are whole blocks, so that no two threads write into one. */
+/* Clears the columns of the new list, sets its laws and carries the records over; called by all
+ * threads. Threads get ranges of whole blocks, so no two threads write into one block. */
 static void finish_together(const team *t, void *with) {
   const finish_task *f = with;
   pairs *from = f->from, *to = f->to;
@@ -190,7 +199,7 @@ static void finish_together(const team *t, void *with) {
   if (begin < end && to->more) memset(to->more + block, 0, blocks * sizeof *to->more);
   memset(to->side + begin, 0, (end - begin) * sizeof *to->side);
   for (size_t k = begin; k < end; k++) PAIR(to, k, law) = law_of(f->e, to, k);
-  team_wait(t); /* for the flags */
+  team_wait(t); /* all flags must be cleared before records are carried over */
   carry(from, to, 0, from->n_round, begin, least(end, to->n_round));
   carry(from, to, from->first_segment, from->count, most(begin, to->first_segment), end);
 }
@@ -198,7 +207,8 @@ static void finish_together(const team *t, void *with) {
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
   assert(from != to && to->first_segment % PAIR_BLOCK == 0);
   assert(to->n_round <= to->first_ghost && to->end_ghost <= to->first_segment);
-  assert(!e->halo || from->count == 0); /* of a rank the lists are never renewed, but made anew */
+  /* an engine of one of several ranks builds only one list */
+  assert(!e->halo || from->count == 0);
   if (pairs_reserve(to, to->count + 1) != SD_OK) return SD_ERROR_IO;
   pool_run(work_pool(e), finish_together, &(finish_task){e, from, to});
   assert(to->count <= to->capacity);

@@ -1,4 +1,5 @@
-/* pairs.h: candidate pairs, the record of closed contacts among them, and its way from one list to the next. */
+/* pairs.h: the list of candidate pairs, the records of the closed contacts in it, and how records
+ * are carried over from one list to the next. */
 #ifndef PHYSICS_PAIRS_H
 #define PHYSICS_PAIRS_H
 
@@ -6,19 +7,23 @@
 
 #include "physics/system/work.h"
 
-/* All return SD_ERROR_IO without memory. */
+/* Frees all columns. The functions below that return a status return SD_ERROR_IO when there is no
+ * memory. */
 void pairs_free(pairs *p);
-/* Capacity for so many; records are lost where it has to grow. */
+/* Makes room for `count` pairs. Records and flags are lost when the columns have to grow. */
 sd_status pairs_reserve(pairs *p, size_t count);
-enum { PAIR_PADDING = -1 }; /* a and b of what fills up a block */
-/* A list is complete: what follows begins with a whole block. */
+enum { PAIR_PADDING = -1 }; /* slots a and b of a padding pair, which fills up a block */
+/* Appends padding up to the end of the block, so that the next list begins with a whole block. */
 sd_status pairs_fill_block(pairs *p);
-/* All are pushed: fills laws, and records with those of the same pairs in `from`, whose losses go along. */
+/* Completes list `to`, in which all pairs have been entered: sets the law of each pair, and copies
+ * the record of each contact that is closed in `from`. Its losses move along: they are 0 in `from`
+ * afterwards. */
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to);
 
-/* --- closed or open ---------------------------------------------------------------------------------------- */
+/* --- closed or open --------------------------------------------------------------------------- */
 
-/* The first pair in [from, to), all of one list, whose disk a stands in this slot or a later one. */
+/* Returns the first pair in [from, to) whose disk a is in `slot` or a later slot; `to` if there is
+ * none. The range must lie in one list. */
 static inline size_t pairs_from(const pairs *p, size_t from, size_t to, size_t slot) {
   while (from < to) {
     const size_t middle = from + (to - from) / 2;
@@ -30,9 +35,10 @@ static inline size_t pairs_from(const pairs *p, size_t from, size_t to, size_t s
   return from;
 }
 
+/* True if pair k is a disk and a wall segment, false if both bodies are round. */
 static inline bool pairs_is_segment(const pairs *p, size_t k) { return k >= p->first_segment; }
 
-/* Where the flags of pair k stand. */
+/* Index in p->flags of the entry with the flags of pair k, and the bit of pair k in it. */
 static inline size_t pairs_flags_at(const pairs *p, size_t k) {
   return pairs_is_segment(p, k) ? p->first_segment / PAIR_BLOCK + (k - p->first_segment)
                                 : k / PAIR_BLOCK;
@@ -41,30 +47,36 @@ static inline unsigned pairs_flag_bit(const pairs *p, size_t k) {
   return pairs_is_segment(p, k) ? 1u : 1u << k % PAIR_BLOCK;
 }
 
-/* The pair touched in the last evaluation, and has a record. */
+/* True if pair k was in contact at the last evaluation; it then has a record. */
 static inline bool pairs_closed(const pairs *p, size_t k) {
   return (p->flags[pairs_flags_at(p, k)].closed & pairs_flag_bit(p, k)) != 0;
 }
-/* +1, -1: sliding with that sign of torque on both disks; 0: stuck or open. */
+/* Returns the sign (+1 or -1) of the torque on both disks while contact k slides; 0: stuck or
+ * open. */
 static inline int pairs_slide_sign(const pairs *p, size_t k) {
   const pair_flags *flags = &p->flags[pairs_flags_at(p, k)];
   const unsigned bit = pairs_flag_bit(p, k);
   return ((flags->slides_positive & bit) != 0) - ((flags->slides_negative & bit) != 0);
 }
+/* Sets the flags of pair k; slide_sign must be 0 if the contact is not closed. */
 void pairs_set_flags(pairs *p, size_t k, bool closed, int slide_sign);
 
-/* --- record ---------------------------------------------------------------------------------------------- */
+/* --- record ----------------------------------------------------------------------------------- */
 
+/* Reads and writes the record of pair k; without p->more the columns of SD_CONTACT_MORE read as 0
+ * and are not written. */
 sd_contact_record pairs_record(const pairs *p, size_t k);
 void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record);
 
-/* --- rare events ------------------------------------------------------------------------------------------ */
+/* --- rare events ------------------------------------------------------------------------------ */
 
-/* Disk or pair `index`; returns the new item to fill, NULL without memory, which the list remembers. */
+/* Appends an event for a pair or a disk's slot `index`. Returns the new item for the caller to
+ * fill; NULL if there is no memory, and then sets list->failed. */
 event *event_add(event_list *list, uint32_t index);
-/* A contact across the edge of a box that deforms. */
+/* Appends a contact that crosses the edge of a deforming box; sets list->failed without memory. */
 void crossing_add(crossing_list *list, const crossing *c);
-/* Pair k. */
+/* Appends an event for pair k. was_closed: before the pass; dropped: energy to book
+ * (event.dropped). */
 void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed, double dropped);
 
 #endif

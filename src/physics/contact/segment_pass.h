@@ -1,21 +1,25 @@
-/* segment_pass.h: one evaluation of LANE_WIDTH disks beside wall segments; included once per width after
- * physics/contact/pair_pass.h. The nearest points are found one by one, the law is that of round pairs.
+/* segment_pass.h: one evaluation of LANE_WIDTH pairs of a disk and a wall segment; included once
+ * per width after physics/contact/pair_pass.h. The nearest points are found one by one; the contact
+ * law is that of round pairs.
  */
 
-/* Of each lane, what only segments have. */
+/* Data of LANE_WIDTH pairs that only pairs with wall segments have; arrays by lane. */
 typedef struct LANE(nearest_points) {
   nearest_point q[LANE_WIDTH];
-  double flat
-      [LANE_WIDTH]; /* lever of the tangential force where the point lies between the ends: 1 of straight pieces; else 0 */
-  double side[LANE_WIDTH];
-  double slide[LANE_WIDTH];                        /* dlambda/dt; 0 without tangential dashpots */
-  double shift_x[LANE_WIDTH], shift_y[LANE_WIDTH]; /* of the nearest image of the wall */
-  bool crossed;                                    /* any */
+  /* Lever of the tangential force if the nearest point lies between the ends of its segment (1 on a
+   * straight one); 0 at an end. */
+  double flat[LANE_WIDTH];
+  double side[LANE_WIDTH];  /* side of the wall, +1 or -1 (nearest_point.side) */
+  double slide[LANE_WIDTH]; /* dlambda/dt; 0 if no law has a tangential dashpot */
+  /* Displacement from the wall to its periodic image nearest to the disk; 0 without images. */
+  double shift_x[LANE_WIDTH], shift_y[LANE_WIDTH];
+  bool crossed; /* true if `crossed` is true for the nearest point of some lane */
 } LANE(nearest_points);
 
-/* dlambda/dt of pair k at the lever of its piece, 0 at an end. dvx, dvy: of the wall's material at the nearest point, against
- * the disk. At an end n turns by the velocity across it; else the nearest point runs along the piece, and n turns with it
- * on an arc, with the wall on a straight piece. */
+/* Returns dlambda/dt of pair k. lever: of the tangential force, 0 if the nearest point q is an end
+ * of the segment. dvx, dvy: velocity of the wall's material at q relative to the disk's centre. At
+ * an end the normal turns with the velocity across it. Between the ends q moves along the segment,
+ * and the normal turns with q on an arc, with the wall on a straight segment. */
 LANE_INLINE double LANE(slide_on)(const engine *e, size_t k, const nearest_point *q, double lever,
                                   double dvx, double dvy) {
   const sd_state *s = e->state;
@@ -33,9 +37,10 @@ LANE_INLINE double LANE(slide_on)(const engine *e, size_t k, const nearest_point
   return spin - lever * (across - carried) - carried;
 }
 
-/* The nearest point of a segment is a surface of radius 0, and
- * lambda = R_a (th_a - turned) + side * (arc length of that point) - (way of a moving surface). physics.md 4. active: a neighbouring segment owns no
- * part of this region. */
+/* Finds the nearest points of LANE_WIDTH pairs from pair `at` on, and the input of their geometry.
+ * The nearest point is a surface of radius 0, with lambda = R_a (theta_a - turned) + side * (arc
+ * length of the point) - (displacement of a moving surface); docs/physics.md, section 4. Returns a
+ * mask of the lanes whose segment can touch the disk at this point (nearest_point.active). */
 LANE_INLINE LANE(mask) LANE(nearest_of)(const engine *e, size_t at, LANE(pair_input) * in,
                                         LANE(nearest_points) * found) {
   enum { DX, DY, DVX, DVY, SUM, ARC, ACTIVE, ROWS };
@@ -54,14 +59,15 @@ LANE_INLINE LANE(mask) LANE(nearest_of)(const engine *e, size_t at, LANE(pair_in
     found->shift_y[l] = g->shift_y;
     row[DX][l] = q.dx;
     row[DY][l] = q.dy;
-    /* velocity of the wall's material at that point */
+    /* (lx, ly): vector from the wall's pivot to the nearest point, for the velocity of its
+     * material */
     double lx = s->x[a] + q.dx - (s->x[b] + g->shift_x),
            ly = s->y[a] + q.dy - (s->y[b] + g->shift_y);
     row[DVX][l] = (s->vx[b] - s->omega[b] * ly) - s->vx[a];
     row[DVY][l] = (s->vy[b] + s->omega[b] * lx) - s->vy[a];
     row[SUM][l] = s->radius[a];
     row[ACTIVE][l] = q.active ? 1.0 : 0.0;
-    /* a contact begins on the side where the disk is, and keeps it */
+    /* a contact keeps the side of the wall on which it began */
     q.crossed = p->side[at + l] != 0.0 && p->side[at + l] != q.side;
     if (q.crossed) q.side = p->side[at + l];
     row[ARC][l] = s->radius[a] * s->theta[a] + q.side * q.arc;
@@ -86,7 +92,8 @@ LANE_INLINE LANE(mask) LANE(nearest_of)(const engine *e, size_t at, LANE(pair_in
   return LANE(greater)(LANE(load)(row[ACTIVE]), LANE(splat)(0.0));
 }
 
-/* The wall feels the torque about its pivot: -tau R_a, and the arm from there to the disk's centre. */
+/* Adds the contact forces to the sums of disks and walls. The torque on a wall is about its pivot:
+ * -tau R_a plus the moment of the force, with the arm from the pivot to the disk's centre. */
 LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(nearest_points) * found,
                                         const LANE(contact_output) * out) {
   const sd_state *s = e->state;
@@ -116,7 +123,8 @@ LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(nearest
   }
 }
 
-/* Sides of closed contacts, and contacts that went around a free end. */
+/* Stores the sides of closed contacts (0 for open ones), and notes an event for each contact whose
+ * disk has gone around a free end to the other side of the wall. */
 LANE_INLINE void LANE(store_sides)(pairs *p, thread_work *mine, size_t at, LANE(mask) touching,
                                    LANE(mask) closed, const LANE(nearest_points) * found) {
   LANE(store)(p->side + at, LANE(mask_zero)(touching, LANE(load)(found->side)));
@@ -125,7 +133,8 @@ LANE_INLINE void LANE(store_sides)(pairs *p, thread_work *mine, size_t at, LANE(
       event_add_pair(&mine->events, p, at + l, true, 0.0);
 }
 
-/* Displacements of rolling on a wall, from the disk's angle and the wall's: an arc is a round wall. */
+/* Computes the rolling displacement R_eff (theta_a - theta_b) on a wall, its rate and R_eff; an arc
+ * counts as a round wall. */
 LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_points) * found,
                                  LANE(pair_geometry) * g) {
   const sd_state *s = e->state;
@@ -143,7 +152,9 @@ LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_
   g->arm = LANE(load)(arm);
 }
 
-/* Disks that go from one piece of a wall to the next take their contact along; which: lanes in which one may. */
+/* Transfers the contacts of disks that move from one wall segment to the next (joints_hand_over).
+ * which: bits of the lanes whose contact would begin or end; closed: bits of the lanes that were
+ * closed. Returns true if any contact was transferred. */
 static __attribute__((noinline, cold)) bool LANE(hand_over)(engine *e, size_t at, unsigned which,
                                                             unsigned closed) {
   bool any = false;
@@ -152,13 +163,14 @@ static __attribute__((noinline, cold)) bool LANE(hand_over)(engine *e, size_t at
   return any;
 }
 
+/* Returns a mask of the lanes that were closed at the last evaluation. */
 LANE_INLINE LANE(mask) LANE(closed_before)(const pairs *p, size_t at) {
   double row[LANE_WIDTH];
   for (size_t l = 0; l < LANE_WIDTH; l++) row[l] = pairs_closed(p, at + l) ? 1.0 : 0.0;
   return LANE(greater)(LANE(load)(row), LANE(splat)(0.0));
 }
 
-/* Contacts that would last, closed or not. */
+/* Mask of the lanes in which a closed contact would stay closed; the present state is not used. */
 LANE_INLINE LANE(mask) LANE(lasts)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                                    LANE(mask) active, const unsigned features) {
   return LANE(contact_touches)(g, k, LANE(all_lanes)(1), features) & active &
@@ -169,7 +181,7 @@ LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(locati
                                          const unsigned features, LANE(contact_constants) * k) {
   const work *w = &e->work;
   *k = LANE(constants_of)(w, here.b->law + here.l, 1);
-  if (features & LAW_NORMAL) { /* the wall's mass is infinite */
+  if (features & LAW_NORMAL) { /* m_eff is the disk's mass, since the wall's is infinite */
     const double *masses = w->clumps.count ? w->clumps.contact_mass : e->state->mass;
     double mass[LANE_WIDTH];
     for (size_t l = 0; l < LANE_WIDTH; l++) mass[l] = masses[w->pairs.a[at + l]];
@@ -178,7 +190,7 @@ LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(locati
   LANE(constants_general)(w, here.b->law + here.l, features, k);
 }
 
-/* dlambda/dt, where contacts begin. */
+/* Returns dlambda/dt of all lanes; only needed when a contact begins, hence out of line. */
 static __attribute__((noinline, cold)) LANE(real)
     LANE(slide_on_walls)(const engine *e, size_t at, const LANE(pair_input) * in,
                          const LANE(nearest_points) * found) {
@@ -200,6 +212,8 @@ LANE_INLINE void LANE(store_flags_on_walls)(pairs *p, size_t at, LANE(mask) touc
                      .slides_positive = slip[l]<0.0, .slides_negative = slip[l]> 0.0};
 }
 
+/* Evaluates LANE_WIDTH pairs of wall segments, from pair `at` on, once: adds the forces to the sums
+ * of the bodies, and writes the history back. */
 LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at) {
   work *w = &e->work;
   const LANE(location) here = {w->pairs.block + at / PAIR_BLOCK, at % PAIR_BLOCK};
@@ -226,7 +240,8 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   const LANE(mask) touching =
       LANE(contact_touches)(&g, &k, was_closed, features) & active & LANE(has_direction)(&g);
   const LANE(mask) closed = touching & was_closed;
-  /* the force that derives from the tangential energy, in both variants: the paper has no walls */
+  /* Walls use the force that derives from the tangential energy in both variants, since the paper's
+   * variant is not defined for walls. */
   const LANE(real) lever = LANE(load)(found.flat);
   const LANE(mask) flat = LANE(greater)(lever, LANE(splat)(0.0));
   LANE(contact_memory) m, before;

@@ -1,4 +1,4 @@
-/* walls.c: poses of pieces of walls; see walls.h. */
+/* walls.c: poses of wall segments, and joints; see walls.h. */
 #include "physics/contact/walls.h"
 
 #include <assert.h>
@@ -8,19 +8,23 @@
 #include "physics/contact/pairs.h"
 #include "physics/system/bodies.h"
 
-/* Of a wall, from which all its pieces are placed, which follow one another. */
+/* Pose of one wall. The segments of a wall are consecutive, so it is computed once for all of
+ * them. */
 typedef struct wall_pose {
-  uint32_t body;
-  bool known;
+  uint32_t body; /* body number of the wall */
+  bool known;    /* false: nothing below is set */
+  /* pivot; cosine and sine of the angle; lengths over those of the model */
   double x, y, c, i, scale;
 } wall_pose;
 
+/* Rotates the vector `from` by the angle with cosine c and sine i. */
 static void turn_by(double c, double i, const double from[2], double *x, double *y) {
   *x = c * from[0] - i * from[1];
   *y = i * from[0] + c * from[1];
 }
 
-/* Of an arc its centre, and the directions of its ends and its middle; arc: the length to its middle. */
+/* Sets the members of *g that only arcs and their ends have: radius, and directions of the ends and
+ * the middle. g->arc becomes the arc length at the middle. */
 static void place_arc(const sd_segment *from, double c, double i, placed_segment *g) {
   g->piece = from->piece;
   g->radius = from->radius;
@@ -46,7 +50,7 @@ void walls_bounds(const placed_segment *g, double lower[2], double upper[2]) {
   const double center[2] = {g->x, g->y};
   for (int c = 0; c < 2; c++)
     for (int side = -1; side <= 1; side += 2) {
-      /* as far as the circle goes where the piece does, else the farther end */
+      /* the edge is that of the circle if the arc includes this direction, else the farther end */
       const double ux = c == 0 ? side : 0.0, uy = c == 1 ? side : 0.0;
       const bool curve = g->piece == SD_PIECE_CURVE;
       const nearest_point q = walls_nearest_arc(g, g->x + g->radius * ux, g->y + g->radius * uy);
@@ -63,6 +67,7 @@ void walls_bounds(const placed_segment *g, double lower[2], double upper[2]) {
     }
 }
 
+/* Transforms the point `from`, in the frame of the wall, to space. */
 static void point_of(const wall_pose *w, const double from[2], double *x, double *y) {
   *x = w->x + w->scale * (w->c * from[0] - w->i * from[1]);
   *y = w->y + w->scale * (w->i * from[0] + w->c * from[1]);
@@ -93,6 +98,8 @@ placed_segment walls_place(const sd_segment *from, double x, double y, double c,
   return place(from, &(wall_pose){.x = x, .y = y, .c = c, .i = i, .scale = scale});
 }
 
+/* Moves segment k to the present pose of its wall. *wall: pose of the last wall, updated when the
+ * segment belongs to another one. */
 static void pose_piece(engine *e, size_t k, wall_pose *wall) {
   const sd_state *s = e->state;
   const sd_segment *from = &e->model->segments[k];
@@ -103,7 +110,7 @@ static void pose_piece(engine *e, size_t k, wall_pose *wall) {
     const double angle = s->theta[b] + s->turn[b];
     *wall = (wall_pose){from->body, true, s->x[b], s->y[b], cos(angle), sin(angle), s->box_scale};
   }
-  /* of a wall that has not turned only the points move */
+  /* if the wall has not turned, only the points move */
   if (g->c == wall->c && g->i == wall->i)
     point_of(wall, from->start, &g->x, &g->y);
   else
@@ -123,8 +130,9 @@ void walls_pose_listed(engine *e) {
   for (size_t k = 0; k < e->work.n_pieces; k++) pose_piece(e, e->work.pieces[k], &wall);
 }
 
-/* --- pieces that meet ------------------------------------------------------------------------------------- */
+/* --- segments that meet ----------------------------------------------------------------------- */
 
+/* Segment of pair k in the model; `placed`: the same in space. */
 static const sd_segment *piece_of(const engine *e, size_t k) {
   return &e->model->segments[e->work.pairs.part[k]];
 }
@@ -133,6 +141,7 @@ static const placed_segment *placed(const engine *e, size_t k) {
   return &e->work.segments[e->work.pairs.part[k]];
 }
 
+/* Returns the point of the segment of pair k nearest to the pair's disk. */
 static nearest_point nearest_on(const engine *e, size_t k) {
   const int32_t a = e->work.pairs.a[k];
   const double x = e->state->x[a], y = e->state->y[a];
@@ -140,12 +149,12 @@ static nearest_point nearest_on(const engine *e, size_t k) {
   return walls_nearest(walls_image(e->work.length, placed(e, k), x, y, &image), x, y);
 }
 
-/* The end of a piece at a vertex, -1: none. */
+/* Returns the end of a segment that lies at `vertex`: 0 start, 1 far end, -1 neither. */
 static int end_at(const sd_segment *s, uint32_t vertex) {
   return s->vertex[0] == vertex ? 0 : s->vertex[1] == vertex ? 1 : -1;
 }
 
-/* Pairs of the disk of pair k with pieces of walls: [begin, end). */
+/* Finds the range [begin, end) of all pairs of wall segments with the disk of pair k. */
 static void pairs_beside(const pairs *p, size_t k, size_t *begin, size_t *end) {
   *begin = k;
   *end = k + 1;
@@ -153,12 +162,13 @@ static void pairs_beside(const pairs *p, size_t k, size_t *begin, size_t *end) {
   while (*end < p->count && p->a[*end] == p->a[k]) ++*end;
 }
 
-/* Two ends of pieces at one vertex. */
+/* Joint of two segments, whose ends lie at one vertex. */
 typedef struct joint {
   const placed_segment *from, *to;
-  int from_end, to_end; /* 0: start */
+  int from_end, to_end; /* end of each that lies at the joint: 0 start, 1 far end */
 } joint;
 
+/* Sets `at` to the position of an end of segment g. */
 static void vertex_point(const placed_segment *g, int end, double at[2]) {
   if (g->piece == SD_PIECE_STRAIGHT) {
     at[0] = g->x + (end ? g->length * g->tx : 0.0);
@@ -169,7 +179,8 @@ static void vertex_point(const placed_segment *g, int end, double at[2]) {
   at[1] = g->y + g->radius * (end ? g->ly : g->fy);
 }
 
-/* The joint of the pieces of two pairs of a disk, of two joints the nearer one; false: they do not meet. */
+/* Finds the joint at which the segments of two pairs of a disk meet; if they meet at both ends, the
+ * one nearer to the disk. Returns false if they do not meet. */
 static bool joint_of(const engine *e, size_t from, size_t to, joint *found) {
   const sd_segment *p = piece_of(e, from), *q = piece_of(e, to);
   const double x = e->state->x[e->work.pairs.a[from]], y = e->state->y[e->work.pairs.a[from]];
@@ -187,17 +198,18 @@ static bool joint_of(const engine *e, size_t from, size_t to, joint *found) {
   return nearest < HUGE_VAL;
 }
 
-/* --- the nearest point -------------------------------------------------------------------------------------- */
+/* --- ownership of the nearest point ----------------------------------------------------------- */
 
-/* The end of its piece in which a point lies. */
+/* Returns the end (0 start, 1 far end) of segment g at which the nearest point q lies. */
 static int end_of(const placed_segment *g, const nearest_point *q) {
   if (g->piece != SD_PIECE_STRAIGHT) return g->piece == SD_PIECE_LAST_END;
   return q->arc - g->arc > 0.5 * g->length;
 }
 
-/* A point between the ends of a piece is also one of a piece listed before: the two run on in one line there. */
+/* True if the nearest point q, between the ends of its segment, also lies on a segment with an
+ * earlier pair; this happens if the two segments continue each other in a straight line. */
 static bool is_of_earlier(const engine *e, size_t k, const nearest_point *q) {
-  enum { SAME = 1000000000 }; /* of a radius */
+  enum { SAME = 1000000000 }; /* points within radius/SAME are the same */
   const pairs *p = &e->work.pairs;
   const double near = e->state->radius[p->a[k]] / SAME;
   size_t begin, end;
@@ -211,8 +223,8 @@ static bool is_of_earlier(const engine *e, size_t k, const nearest_point *q) {
   return false;
 }
 
-/* The first of the walls that end at the vertex in which the point lies owns it, if the disk is
- * beyond all of their ends. */
+/* True if the segment of pair k owns the vertex at which its nearest point q lies. If several walls
+ * end there, it belongs to the first of them, and only if the disk is beyond the ends of all. */
 static bool owns_vertex(const engine *e, size_t k, const nearest_point *q) {
   const pairs *p = &e->work.pairs;
   const sd_segment *own = piece_of(e, k);
@@ -227,7 +239,7 @@ static bool owns_vertex(const engine *e, size_t k, const nearest_point *q) {
     if (j == k || there < 0) continue;
     const nearest_point other = nearest_on(e, j);
     if (other.flat) return false;
-    if (g->piece == SD_PIECE_CURVE) continue; /* its end is a piece of its own */
+    if (g->piece == SD_PIECE_CURVE) continue; /* the end of an arc is a segment of its own */
     if (g->piece != SD_PIECE_STRAIGHT ? !other.active : end_of(g, &other) != there) return false;
     if (j < k) return false;
   }
@@ -238,7 +250,7 @@ bool joints_own(const engine *e, size_t k, const nearest_point *q) {
   return q->flat ? !is_of_earlier(e, k, q) : owns_vertex(e, k, q);
 }
 
-/* --- history ------------------------------------------------------------------------------------------------ */
+/* --- history ---------------------------------------------------------------------------------- */
 
 double joints_radius(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
@@ -246,7 +258,8 @@ double joints_radius(const engine *e, size_t k) {
                                 : e->state->radius[p->b[k]];
 }
 
-/* Would a closed contact stay closed? As contact_touches has it. */
+/* True if the contact of pair k would stay closed at the present coordinates; the test is that of
+ * contact_touches in contact_step.h. */
 static bool holds(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const nearest_point q = nearest_on(e, k);
@@ -255,8 +268,10 @@ static bool holds(const engine *e, size_t k) {
          e->state->radius[p->a[k]] - r > -e->work.laws[PAIR(p, k, law)].ends;
 }
 
-/* The arc length runs on through a joint, and with it lambda; its sign changes with the way of the wall. The rolling displacement
- * stays what it is where R_eff changes. */
+/* Moves the record of a closed contact from pair `from` to pair `to`, through joint j. lambda_ref
+ * is adjusted so that lambda - lambda* stays the same although the arc length differs on the two
+ * segments (its sign changes if they run in opposite directions). rho_ref is adjusted likewise, so
+ * the rolling displacement stays the same if R_eff changes. */
 static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
@@ -265,7 +280,7 @@ static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
   assert(j->from && j->to);
   sd_contact_record record = pairs_record(p, from);
   const double arm = walls_arm(s->radius[a], joints_radius(e, from));
-  /* an end of an arc goes on in the arc's own way */
+  /* an arc and its own end point run in the same direction */
   const bool ahead = j->from_end != j->to_end || (b == c && j->from->piece != j->to->piece);
   const double side = ahead ? p->side[from] : -p->side[from];
   record.lambda_ref +=
@@ -287,7 +302,7 @@ bool joints_hand_over(engine *e, size_t k, bool closed) {
   size_t begin, end;
   joint found = {0};
   if (!placed(e, k)->shared || pairs_closed(p, k) != closed)
-    return false; /* it has been handed over */
+    return false; /* no joint, or the contact has already been transferred */
   pairs_beside(p, k, &begin, &end);
   for (size_t j = begin; j < end; j++) {
     if (j == k || pairs_closed(p, j) == closed || PAIR(p, j, law) != PAIR(p, k, law)) continue;

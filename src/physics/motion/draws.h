@@ -1,21 +1,26 @@
-/* draws.h: normal numbers from a counter, over lanes; included once per LANE_WIDTH after base/lane.h.
+/* draws.h: counter-based normal random numbers in vector lanes; included once per LANE_WIDTH after
+ * base/lane.h.
  *
- * Philox4x32-10 (Salmon, Moraes, Dror & Shaw, SC'11) turns a counter of four words (block low, block high, stream,
- * purpose) into four words of 32 random bits under a key of two words, the seed. A pair of them gives two normal
- * numbers (Box & Muller): the first word w the radius, u = (w + 1/2) 2^-32, the second one the direction. So a block
- * holds two draws, each a pair of normal numbers. Basic operations in a fixed order: the same bits for every width.
+ * Philox4x32-10 (Salmon, Moraes, Dror & Shaw, SC'11) turns a counter of four words (block low,
+ * block high, stream, purpose) into four words of 32 random bits under a key of two words, the
+ * seed. Two of these words give two normal numbers (Box & Muller): the first word w the radius, by
+ * u = (w + 1/2) 2^-32, the second one the direction. So a block holds two draws, each a pair of
+ * normal numbers. Only basic operations in a fixed order are used, so the bits are the same for
+ * every LANE_WIDTH.
  *
- * The polynomials are minimax ones for the numbers that come out: radius within 4e-10, direction within 9e-10, less
- * than the distance of neighbouring directions of 32 bits (1.5e-9).
+ * The polynomials are minimax approximations of the results: the radius is accurate to 4e-10, the
+ * direction to 9e-10, less than the distance between neighbouring directions of 32 bits (1.5e-9).
  */
 #ifndef DRAWS_COMMON
 #define DRAWS_COMMON
-/* So many blocks at most at a time: their chains of dependent operations overlap. */
+/* Largest number of blocks computed at a time, so that their chains of dependent operations
+ * overlap; and number of rounds of Philox. */
 enum { DRAW_BLOCKS = 4, DRAW_ROUNDS = 10 };
 #define EACH_BLOCK for (int n = 0; n < blocks; n++)
 #define EACH_PAIR for (int k = 0; k < 2 * blocks; k++)
 #endif
 
+/* Philox keys of all rounds, which follow from the seed. */
 typedef struct LANE(draw_keys) {
   LANE(bits) round[DRAW_ROUNDS][2];
 } LANE(draw_keys);
@@ -30,8 +35,8 @@ LANE_INLINE void LANE(draw_keys_from)(LANE(draw_keys) * keys, LANE(bits) seed) {
   }
 }
 
-/* One of DRAW_ROUNDS rounds. Words are the low halves of 64-bit lanes; what stands above them is not cleared on the way,
- * because the multiplication does not see it. */
+/* Performs one of the DRAW_ROUNDS rounds. Words are the low halves of 64-bit lanes; the high halves
+ * are not cleared in between, because the multiplication ignores them. */
 LANE_INLINE void LANE(philox_round)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
                                     const LANE(draw_keys) * keys, int round) {
   const LANE(bits) m0 = LANE(splat_bits)(0xD2511F53u), m1 = LANE(splat_bits)(0xCD9E8D57u);
@@ -44,22 +49,29 @@ LANE_INLINE void LANE(philox_round)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
   }
 }
 
-/* The low bits of a word as an integer, by way of the last bits of 2^52 or 2^20 and some more. */
+/* Converts the bits of w selected by the mask `bits` to a number: they are set into the low bits of
+ * the double whose bits are `above` (2^52 or 2^20, plus little), and the double `less` is
+ * subtracted. */
 LANE_INLINE LANE(real)
     LANE(draw_integer)(LANE(bits) w, uint64_t bits, uint64_t above, double less) {
   return LANE(as_real)((w & bits) | above) - less;
 }
 
+/* Returns a, with its sign changed if the top bit of `sign` is set. */
 LANE_INLINE LANE(real) LANE(draw_signed)(LANE(real) a, LANE(bits) sign) {
   return LANE(as_real)(LANE(as_bits)(a) ^ (sign & 0x8000000000000000u));
 }
 
-/* Random words into normal numbers: draws 0 and 1 of block n in a[2 n], b[2 n] and a[2 n + 1], b[2 n + 1]. Step by step for all pairs together.
+/* Converts random words to normal numbers: draws 0 and 1 of block n become a[2 n], b[2 n] and a[2 n
+ * + 1], b[2 n + 1]. Each stage is done for all pairs before the next one, so that their operations
+ * overlap.
  *
- * Radius sqrt(-2 log u): u = 2^e m with m in [1, 2), log m = log(2)/2 + 2 artanh s, s = (m - sqrt 2)/(m + sqrt 2);
- * the last six bits of the exponent's field become the double e + 127.
- * Direction: bits 31 and 0 are the signs of b and a, the others the place y in the quarter turn, from its middle
- * and in units of pi/4 2^-30, with sin, cos (pi/4 + y) = (cos y +- sin y)/sqrt 2. */
+ * Radius sqrt(-2 log u): u = 2^e m with m in [1, 2), log m = log(2)/2 + 2 artanh s, s = (m - sqrt
+ * 2)/(m + sqrt 2); the last six bits of the exponent field are turned into the double e + 127.
+ *
+ * Direction: bits 31 and 0 are the signs of b and a. The other bits are the angle y in the quarter
+ * turn, measured from its middle in units of pi/4 2^-30; sin, cos (pi/4 + y) = (cos y +- sin
+ * y)/sqrt 2. */
 LANE_INLINE void LANE(draw_pairs)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
                                   LANE(real) a[2 * DRAW_BLOCKS], LANE(real) b[2 * DRAW_BLOCKS]) {
   LANE(real) e[2 * DRAW_BLOCKS], s[2 * DRAW_BLOCKS], z[2 * DRAW_BLOCKS], r[2 * DRAW_BLOCKS];
@@ -98,7 +110,7 @@ LANE_INLINE void LANE(draw_pairs)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
   }
 }
 
-/* Draws of so many blocks, of which the words are the counters; these are lost. */
+/* Computes the draws of `blocks` blocks. word: counters of the blocks; overwritten. */
 LANE_INLINE void LANE(draw_normals)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
                                     const LANE(draw_keys) * keys, LANE(real) a[2 * DRAW_BLOCKS],
                                     LANE(real) b[2 * DRAW_BLOCKS]) {

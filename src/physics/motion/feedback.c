@@ -1,10 +1,13 @@
 /* feedback.c: see feedback.h.
  *
- * Load, mass M: velocity Verlet for this one coordinate, whatever integrates the disks,
- *   u += v dt + a dt^2/2,  forces at v + a dt,  v += (a + a_new) dt/2,   a = (contacts + weight + force)/M.
- * Servo: v = speed clamp((target - F)/|target|, -1, 1), with F what the wall exerts on the disks, averaged
- * exponentially over the shortest contact period P. Short of the clamp this is a wall of mass P target/speed with a
- * drag target/speed: it takes energy out of whatever it pushes and cannot make it swing.
+ * Load of mass M: its coordinate is integrated with velocity Verlet, whatever the integrator of the
+ * disks:
+ *   u += v dt + a dt^2/2,  forces at v + a dt,  v += (a + a_new) dt/2,
+ *   a = (contacts + weight + force)/M.
+ * Servo: v = speed clamp((target - F)/|target|, -1, 1), where F is the force of the wall on the
+ * disks, averaged exponentially over the shortest contact period P. Within the clamp the wall
+ * behaves like one of mass P target/speed with a drag coefficient target/speed: it removes energy
+ * from the system that it pushes and cannot make it oscillate.
  */
 #include "physics/motion/feedback.h"
 
@@ -75,9 +78,10 @@ void feedback_end(engine *e, size_t k) {
   s->motion_u0[k] = s->motion_v0[k] = s->motion_u1[k] = 0.0;
 }
 
-/* --- servo --------------------------------------------------------------------------------------------- */
+/* --- servo ------------------------------------------------------------------------------------ */
 
-/* How far a wall is from where the lengths of the region alone would have brought it; body 0: no wall. */
+/* Returns the displacement of a wall along c beyond that by scaling of the region; 0 for body 0,
+ * which means no wall. */
 static double displaced(const engine *e, uint32_t body, int c) {
   if (body == 0) return 0.0;
   const sd_model *m = e->model;
@@ -89,7 +93,8 @@ static double displaced(const engine *e, uint32_t body, int c) {
   return at - (corner + s->box_scale * (m->walls[body - m->n_disks].pivot[c] - corner));
 }
 
-/* What the wall shall exert on the disks now. */
+/* Returns the present target of the force of the wall on the disks: a given force, or pressure
+ * times the distance between the walls beside it. */
 static double target(const engine *e, const sd_motion *m) {
   if (m->pressure == 0.0) return m->force;
   int across = m->coordinate == SD_X ? SD_Y : SD_X;
@@ -98,16 +103,19 @@ static double target(const engine *e, const sd_motion *m) {
   return m->pressure * fmax(length, 0.0);
 }
 
+/* Updates the averaged force of a servo, and returns its velocity in this step. */
 static double servo_speed(engine *e, const feedbacks *all, const feedback *f) {
   const sd_motion *m = &e->model->motions[f->motion];
   double *felt = &e->state->motion_u1[f->motion], wanted = target(e, m);
   *felt += all->smoothing * (-*f->force - *felt);
-  if (wanted == 0.0) return 0.0; /* no length is left */
+  if (wanted == 0.0) return 0.0; /* the walls beside it have met: no length is left to push on */
   return m->velocity * fmin(fmax((wanted - *felt) / fabs(wanted), -1.0), 1.0);
 }
 
-/* --- both ---------------------------------------------------------------------------------------------- */
+/* --- loads and servos ------------------------------------------------------------------------- */
 
+/* Returns the acceleration of a load under the contact force `contacts` and its own force, which
+ * includes its weight. */
 static double acceleration(const engine *e, const feedback *f, double contacts) {
   const sd_motion *m = &e->model->motions[f->motion];
   assert(m->mass > 0.0);
@@ -138,7 +146,7 @@ void feedback_pose(engine *e, feedbacks *all, thread_work *mine) {
   }
 }
 
-/* Of a servo: as fast as it ever is, to either side. */
+/* A servo is tested at its highest speed, in both directions. */
 bool feedback_outruns(const engine *e, const feedbacks *all) {
   const work *w = &e->work;
   bool outruns = false;

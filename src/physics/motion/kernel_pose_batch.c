@@ -1,5 +1,5 @@
-/* kernel_pose_batch.c: signals and poses of several systems side by side, one system per lane; compiled once per
- * instruction set.
+/* kernel_pose_batch.c: signals and prescribed poses of several systems, one system per vector lane;
+ * compiled once per instruction set.
  */
 #include <assert.h>
 
@@ -16,11 +16,11 @@ void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n);
 void KERNEL(kernel_lanes_sum)(const lanes_pose *p, size_t n);
 bool KERNEL(kernel_lanes_beyond)(const lanes_pose *p, size_t n, double limit);
 
-/* Where the values of a signal go: to rows of its own, to the one or two poses that it moves alone, or wherever
- * needed. */
+/* Destination of the values of a signal: its own rows, one or two poses that it alone moves, or
+ * several of these. */
 typedef enum sink { OWN_ROWS, ONE_POSE, TWO_POSES, MANY } sink;
 
-/* Rows of values and velocities; base: what is added. */
+/* Rows that values and velocities are written to. base: added to the values. */
 typedef struct target {
   double *value, *velocity;
   size_t stride;
@@ -55,6 +55,7 @@ LANE_INLINE targets targets_of(const lanes_signal *s, sink to) {
   return t;
 }
 
+/* Writes u and v of step k of the batch to all destinations of the signal. */
 LANE_INLINE void put(const lanes_signal *s, sink to, const targets *t, size_t k, LANE(real) u,
                      LANE(real) v) {
   if (to == ONE_POSE || to == TWO_POSES) put_pose(&t->first, k, u, v);
@@ -66,7 +67,7 @@ LANE_INLINE void put(const lanes_signal *s, sink to, const targets *t, size_t k,
   }
 }
 
-/* Brings the anchor to a multiple of WAVE_STEPS. */
+/* Computes the phase at step `from`, a multiple of WAVE_STEPS; angles: also its sine and cosine. */
 LANE_INLINE void set_anchor(lanes_signal *s, int64_t from, bool angles) {
   if (s->anchor == from) return;
   LANE(real)
@@ -81,6 +82,8 @@ LANE_INLINE void set_anchor(lanes_signal *s, int64_t from, bool angles) {
   LANE(store)(s->anchor_cosine, cosine);
 }
 
+/* Computes a harmonic wave: rotates the phasor from the anchor by a multiple of WAVE_FINE steps,
+ * then by single steps. */
 LANE_INLINE void rotated(lanes_signal *s, sink to, int64_t local, int64_t n) {
   const targets where = targets_of(s, to);
   LANE(real) scale_u = LANE(load)(s->shape[0]), scale_v = LANE(load)(s->shape[1]);
@@ -165,6 +168,7 @@ static void fade_in(lanes_signal *s, int64_t local, int64_t n) {
   }
 }
 
+/* Not 0 if the signal still fades in at step `local` in some lane. */
 LANE_INLINE int fades(const lanes_signal *s, int64_t local) {
   LANE(real) t = LANE(splat)((double)local) * LANE(load)(s->dt);
   return s->ramped && LANE(any)(LANE(greater)(LANE(load)(s->ramp), t));
@@ -202,7 +206,8 @@ static void wave_or_cubics_to(lanes_signal *s, int64_t local, int64_t n) {
     wave_or_cubics(s, MANY, local, n);
 }
 
-/* Draws at every step stay where they are, unless they are faded. */
+/* Computes a random signal. If there is a draw per step and no fading, u and v point to the rows of
+ * the oscillators, without a copy. */
 static void draws_or_cubics(lanes_signal *s, bool fading, int64_t local, int64_t n) {
   if (s->interval > 1) {
     s->posed = !fading && s->n_alone > 0;
@@ -239,7 +244,7 @@ void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n) {
   if (fading) fade_in(s, local, (int64_t)n);
 }
 
-/* As kernel `sum` does for one system. */
+/* Adds the signals of a coordinate, in the same order as `sum` in kernel_signals.c. */
 LANE_INLINE void sum_signals(const lanes_pose *p, size_t n) {
   LANE(real) off = LANE(load)(p->off), base = LANE(load)(p->base);
   const lanes_signal *s = p->signals[0];

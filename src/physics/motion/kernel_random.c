@@ -1,7 +1,8 @@
-/* kernel_random.c: normal numbers and randomly forced oscillators over lanes; compiled once per instruction set.
+/* kernel_random.c: normal numbers and randomly forced oscillators in vector lanes; compiled once
+ * per instruction set.
  *
- * Philox is written over lanes because the six streams of the 3-disk deck would else cost more than the mechanics;
- * tests compare it with Random123's.
+ * Philox is vectorised because otherwise the six streams of the 3-disk deck would cost more than
+ * the mechanics; tests compare it with the implementation in Random123.
  */
 #include "physics/motion/motion_kernels.h"
 #include "physics/system/kernel_path.h"
@@ -24,12 +25,13 @@ LANE_INLINE LANE(bits) load_bits(const uint64_t *p) {
   return a;
 }
 
+/* Copies those of the draws index, index + 2, ... in the lanes that lie in [first, first + n). */
 static void copy_draws(const double *from, uint64_t index, uint64_t first, size_t n, double *to) {
   for (uint64_t l = 0; l < LANE_WIDTH; l++)
     if (index + 2 * l >= first && index + 2 * l < first + n) to[index + 2 * l - first] = from[l];
 }
 
-/* Blocks that follow one another in the lanes. */
+/* Consecutive blocks are computed in the lanes. */
 void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first,
                             size_t n, double *a, double *b) {
   LANE(draw_keys) keys;
@@ -54,13 +56,15 @@ void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, in
   }
 }
 
-/* What a vector of oscillators carries from draw to draw. */
+/* State and constants of a vector of oscillators, kept in registers from draw to draw. */
 typedef struct swing {
   LANE(draw_keys) keys;
-  LANE(bits) block, high, stream; /* high: word of the block's number, the same for a while */
-  LANE(real) u, v, uu, uv, vu, vv, noise_u, noise_vu, noise_vv;
-  LANE(real) a[2 * DRAW_BLOCKS], b[2 * DRAW_BLOCKS]; /* normal numbers that wait */
+  LANE(bits) block, high, stream; /* high: high word of the block number, constant in one call */
+  LANE(real) u, v, uu, uv, vu, vv, noise_u, noise_vu, noise_vv; /* copies of oscillators' members */
+  LANE(real) a[2 * DRAW_BLOCKS], b[2 * DRAW_BLOCKS]; /* normal numbers that are not used yet */
 } swing;
+
+/* Advances the oscillators by one draw, with normal numbers k, and stores the result in row + k. */
 
 LANE_INLINE void swing_on(swing *s, oscillators *g, size_t l, size_t row, int k) {
   LANE(real) a = s->a[k], b = s->b[k], next = s->uu * s->u + (s->uv * s->v + s->noise_u * a);
@@ -70,8 +74,10 @@ LANE_INLINE void swing_on(swing *s, oscillators *g, size_t l, size_t row, int k)
   LANE(store)(g->v[row + (size_t)k] + l, s->v);
 }
 
-/* Normal numbers of the next blocks. Meanwhile, between the rounds, the oscillators swing on with those that wait,
- * 2 * waiting of them, from `row` on: they are a chain of operations each of which waits for the one before. */
+/* Computes the normal numbers of the next `blocks` blocks. Between the rounds of Philox the
+ * oscillators are advanced with the 2 * waiting normal numbers computed before, into rows from
+ * `row` on. The two are interleaved because the oscillators are a chain of dependent operations,
+ * which leaves execution units idle. */
 LANE_INLINE void draw_beside(swing *s, oscillators *g, size_t l, size_t row, int waiting,
                              int blocks) {
   LANE(bits) word[DRAW_BLOCKS][4];
@@ -90,11 +96,12 @@ LANE_INLINE void draw_beside(swing *s, oscillators *g, size_t l, size_t row, int
   LANE(draw_pairs)(word, blocks, s->a, s->b);
 }
 
+/* Advances the oscillators with all normal numbers that are not used yet. */
 LANE_INLINE void swing_rest(swing *s, oscillators *g, size_t l, size_t row, int waiting) {
   for (int k = 0; k < 2 * waiting; k++) swing_on(s, g, l, row, k);
 }
 
-/* One lane vector. */
+/* Advances one vector of oscillators by 2 * blocks draws. */
 static void oscillate(swing *s, oscillators *g, size_t l, size_t row, size_t blocks) {
   if (blocks >= DRAW_BLOCKS) {
     draw_beside(s, g, l, row, 0, DRAW_BLOCKS);
@@ -127,7 +134,7 @@ void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks) {
                .noise_vu = LANE(load)(g->noise_vu + l),
                .noise_vv = LANE(load)(g->noise_vv + l)};
     LANE(draw_keys_from)(&s.keys, load_bits(g->seed + l));
-    /* block by block where the high word changes */
+    /* one block at a time if the high word of the block number changes on the way */
     size_t at_once = blocks;
     for (size_t k = l; k < l + LANE_WIDTH; k++)
       if (g->block[k] >> 32 != (g->block[k] + blocks - 1) >> 32) at_once = 1;
@@ -138,7 +145,8 @@ void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks) {
   }
 }
 
-/* Squares of LANE_WIDTH rows and lanes: one bit of the index changes places in each round. */
+/* Transposes a square of LANE_WIDTH rows and lanes; each round exchanges one bit of the row index
+ * with one of the lane index. */
 LANE_INLINE void transpose(LANE(real) a[LANE_WIDTH]) {
 #if LANE_WIDTH == 8 && defined(__AVX512F__)
   LANE(real) b[8];
@@ -177,6 +185,7 @@ LANE_INLINE void transpose(LANE(real) a[LANE_WIDTH]) {
 #endif
 }
 
+/* Transposes n rows of lanes l ... l + LANE_WIDTH - 1 to to[lane][row]. */
 LANE_INLINE void spread(const double (*rows)[OSCILLATORS], size_t n, size_t l,
                         double (*to)[OSCILLATOR_ROWS]) {
   for (size_t r = 0; r < n; r += LANE_WIDTH) {

@@ -1,7 +1,8 @@
-/* kernel_signals.c: signals and prescribed coordinates of one system, steps along the lanes; and the table of this
- * room's kernels. Compiled once per instruction set.
+/* kernel_signals.c: signals and prescribed coordinates of one system, with consecutive steps in the
+ * vector lanes; and the table of the kernels of physics/motion. Compiled once per instruction set.
  *
- * Pieces end where the anchor of a wave changes; vectors run over their ends, and the next piece writes there again.
+ * The steps of a wave are computed in parts that end where its anchor changes. The last vector of a
+ * part may run beyond its end; the next part overwrites these values.
  */
 #include <assert.h>
 
@@ -14,13 +15,15 @@
 #include "model/waveforms.h"
 #include "physics/motion/signal_pass.h"
 
+/* Returns the step numbers at, at + 1, ... in the lanes. */
 LANE_INLINE LANE(real) steps_from(int64_t at) {
   static const double count[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   return LANE(splat)((double)at) + LANE(load)(count);
 }
 
-/* --- waves ------------------------------------------------------------------------------------------- */
+/* --- waves ------------------------------------------------------------------------------------ */
 
+/* Computes the phase of the wave at steps from and from + WAVE_STEPS. */
 static void set_anchors(wave *w, int64_t from) {
   if (w->from == from) return;
   double turns[LANE_WIDTH], sine[LANE_WIDTH], cosine[LANE_WIDTH];
@@ -35,7 +38,8 @@ static void set_anchors(wave *w, int64_t from) {
   w->from = from;
 }
 
-/* From the anchor by eights, then by ones. */
+/* Computes a harmonic wave: rotates the phasor from the anchor by a multiple of WAVE_FINE steps,
+ * then by single steps. */
 static void rotated(const wave *w, int64_t local, size_t n, double *u, double *v) {
   int64_t from = local & ~(int64_t)(WAVE_FINE - 1), end = local + (int64_t)n;
   for (; from < end; from += WAVE_FINE) {
@@ -54,6 +58,7 @@ static void rotated(const wave *w, int64_t local, size_t n, double *u, double *v
   }
 }
 
+/* Computes a wave of any other form from its phase at each step. */
 LANE_INLINE void phased(const wave *w, sd_motion_kind form, int64_t local, size_t n, double *u,
                         double *v) {
   LANE(real) shape[WAVE_SHAPE];
@@ -86,7 +91,7 @@ static void any_wave(wave *w, int64_t local, size_t n, double *u, double *v) {
   }
 }
 
-/* --- other signals ----------------------------------------------------------------------------------- */
+/* --- other signals ---------------------------------------------------------------------------- */
 
 static void cubics(const draw_series *d, int64_t local, size_t n, double *u, double *v) {
   LANE(real) h = LANE(splat)(d->h), per_h = LANE(splat)(d->per_h);
@@ -117,9 +122,10 @@ static void fade(double dt, double ramp, int64_t local, size_t n, double *u, dou
   }
 }
 
-/* --- prescribed coordinates -------------------------------------------------------------------------- */
+/* --- prescribed coordinates ------------------------------------------------------------------- */
 
-/* Turn and images are taken off before the small parts are added. */
+/* Adds the signals of a coordinate. Turn or image shift (off) is subtracted before the small parts
+ * `low` are added, so these are not lost to rounding. */
 static void sum(pose_sum *p, size_t n) {
   LANE(real) low = LANE(splat)(HUGE_VAL), high = LANE(splat)(-HUGE_VAL);
   for (size_t k = 0; k < n; k += LANE_WIDTH) {
@@ -147,7 +153,7 @@ static void sum(pose_sum *p, size_t n) {
   }
 }
 
-/* --- the table --------------------------------------------------------------------------------------- */
+/* --- table of the kernels --------------------------------------------------------------------- */
 
 extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first,
                                    size_t n, double *a, double *b);

@@ -14,23 +14,27 @@
 #include "physics/system/bodies.h"
 #include "physics/system/kernels.h"
 
-/* A motion of a place: SD_MOVED slot + coordinate. */
+/* A motion that adds to a coordinate. place: SD_MOVED * slot + coordinate; motion: index in the
+ * model. */
 typedef struct addend {
   size_t place, motion;
 } addend;
 
 struct motions {
   signals signals;
-  int64_t first; /* step of the batch's first value */
+  int64_t first; /* step of the first value in the batch; < 0: nothing is computed */
   size_t n_addends;
-  addend *addends; /* of motions that run or begin to, by places, then in the deck's order */
+  /* running motions, also those about to start; by place, then in the deck's order */
+  addend *addends;
   size_t n_prescribed;
-  prescribed *prescribed;
+  prescribed *prescribed; /* coordinates with a running motion */
+  /* signals of the prescribed coordinates, one coordinate after another */
   const signal_values **terms;
-  size_t *term_motions; /* of each term */
-  feedbacks feedbacks;
-  bool moves_walls, drives_free; /* free: coordinates of free disks */
-  bool quiet; /* nothing in this batch can make the lists stale or leave its range */
+  size_t *term_motions; /* motion of each term */
+  feedbacks feedbacks;  /* running loads and servos */
+  /* motions move walls; motions prescribe coordinates of free disks */
+  bool moves_walls, drives_free;
+  bool quiet; /* true: no value of the batch can make the lists stale or leave its range */
 };
 
 bool motion_in_range(const engine *e, int coordinate, double at) {
@@ -39,7 +43,8 @@ bool motion_in_range(const engine *e, int coordinate, double at) {
   return at >= e->work.lower[coordinate] && at < e->work.upper[coordinate];
 }
 
-/* A mover: a body, or a clump, whose slots follow those of the bodies. */
+/* Columns of a body or clump that motions move, in the state; NULL for coordinates that it lacks.
+ * Slots of clumps follow those of the bodies. */
 typedef struct mover {
   double *at[SD_MOVED], *speed[SD_MOVED], *force[SD_MOVED], *base[SD_MOVED], *turn, *surface_turn;
   int32_t *image[2];
@@ -85,7 +90,7 @@ void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, 
   *base = *b.base[coordinate];
 }
 
-/* Sums a coordinate's signals. */
+/* Computes the values of a coordinate over the batch, as the sum of its signals. */
 static void fill_one(engine *e, prescribed *p) {
   assert(p->count > 0 && p->slot < movers_of(e->state));
   pose_sum b = {e->work.motions->terms + p->first, p->count, .value = p->value,
@@ -97,12 +102,13 @@ static void fill_one(engine *e, prescribed *p) {
   assert(!(p->low > p->high));
 }
 
-/* Far from every limit even if the lists are rebuilt on the way: half the limit per coordinate, halved
- * again for walls, which also swing. */
+/* True if a prescribed coordinate stays far from its limits in the whole batch. In units of the
+ * largest displacement that the lists allow, it may move by 0.24, for walls, which also turn, by
+ * 0.14: a list that is built in between can double this, and the Verlet margin may shrink. */
 static bool is_quiet(const engine *e, const prescribed *p) {
   const work *w = &e->work;
   const sd_state *s = e->state;
-  if (p->slot >= s->n_bodies) /* where the disks of a clump are is looked at in every step */
+  if (p->slot >= s->n_bodies) /* clumps: positions of their disks are checked in every step */
     return motion_in_range(e, p->coordinate, p->low) && motion_in_range(e, p->coordinate, p->high);
   bool wall = p->slot >= s->n_disks;
   double from = p->coordinate == SD_X       ? w->x0[p->slot]
@@ -113,13 +119,13 @@ static bool is_quiet(const engine *e, const prescribed *p) {
                : p->coordinate != SD_THETA ? 1.0
                : wall                      ? w->reach[p->slot - s->n_disks]
                                            : 0.0;
-  double most =
-      (wall ? 0.02 : 0.06) * w->moved_limit2; /* less than that: the skin may shrink on the way */
+  double most = (wall ? 0.02 : 0.06) * w->moved_limit2; /* squares of 0.14 and 0.24 */
   double down = (p->low - from) * arm, up = (p->high - from) * arm;
   return down * down <= most && up * up <= most && motion_in_range(e, p->coordinate, p->low) &&
          motion_in_range(e, p->coordinate, p->high);
 }
 
+/* Computes the batch that begins at step `first`. */
 static void fill(engine *e, int64_t first) {
   motions *q = e->work.motions;
   assert(first == e->state->step || first == e->state->step + 1);
@@ -132,7 +138,7 @@ static void fill(engine *e, int64_t first) {
   }
 }
 
-/* --- tables ------------------------------------------------------------------------------------------ */
+/* --- tables ----------------------------------------------------------------------------------- */
 
 sd_status motion_new(engine *e, sd_messages *messages) {
   const sd_model *m = e->model;
@@ -163,6 +169,7 @@ void motion_free(engine *e) {
   e->work.motions = NULL;
 }
 
+/* Returns the place (see addend) that body b of a motion is moved at. */
 static size_t place_of(const engine *e, const sd_motion *m, size_t b) {
   const size_t slot = slot_of(&e->work.slots, m->bodies[b]);
   assert(slot < movers_of(e->state));
@@ -175,7 +182,8 @@ static int by_place(const void *one, const void *two) {
   return p->motion < q->motion ? -1 : p->motion > q->motion;
 }
 
-/* begins: motions that are to run; NULL: those that do. */
+/* Lists the addends of running motions. begins: [n_motions] motions to be included although they do
+ * not run yet; NULL: none. */
 static void list_addends(engine *e, const bool *begins) {
   const sd_model *m = e->model;
   motions *q = e->work.motions;
@@ -202,7 +210,8 @@ static void prescribe(engine *e, prescribed *p, size_t place, size_t first) {
   p->force = b.force[k];
 }
 
-/* Coordinates with a running motion, by slot and coordinate; terms in the deck's order. */
+/* Lists the coordinates with a running motion, by slot and coordinate, with their signals in the
+ * deck's order, and the running loads and servos. */
 static void list_prescribed(engine *e) {
   const sd_state *s = e->state;
   motions *q = e->work.motions;
@@ -225,7 +234,7 @@ static void list_prescribed(engine *e) {
   feedback_list(e, &q->feedbacks);
 }
 
-/* Does a motion run there? */
+/* True if a running motion moves this place. */
 static bool is_moved(const engine *e, size_t place) {
   const motions *q = e->work.motions;
   size_t k = 0, end = q->n_addends;
@@ -241,7 +250,7 @@ static bool is_moved(const engine *e, size_t place) {
   return false;
 }
 
-/* Stands still where the base and the images say. */
+/* Puts a coordinate at rest at its base pose, less its turn or image shift. */
 static void rest(engine *e, uint32_t slot, int coordinate) {
   const mover b = mover_of(e->state, slot);
   double off, base;
@@ -250,8 +259,8 @@ static void rest(engine *e, uint32_t slot, int coordinate) {
   *b.speed[coordinate] = 0.0;
 }
 
-/* The last value stays in the base; a motion that never took a step displaced nothing. What no other motion
- * moves comes to rest. */
+/* Switches motion k off. Its last value is added to the base pose of its bodies, unless it has
+ * never taken a step. Coordinates that no other motion moves come to rest. */
 static void switch_off(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
   const motions *q = e->work.motions;
@@ -286,7 +295,7 @@ void motion_begin_phase(engine *e) {
   motion_store(e);
   const bool *active = m->phases[s->phase].active;
   list_addends(e, active);
-  if (e->work.motions->first < 0) fill(e, s->step); /* the last values are not known */
+  if (e->work.motions->first < 0) fill(e, s->step); /* switch_off needs the values at this step */
   for (size_t k = 0; k < m->n_motions; k++) {
     bool on = s->motion_start[k] >= 0;
     if (on && !active[k]) switch_off(e, k);
@@ -298,7 +307,7 @@ void motion_begin_phase(engine *e) {
 void motion_reload(engine *e) {
   motions *q = e->work.motions;
   signals_load(e, &q->signals);
-  q->first = INT64_MIN / 2; /* nothing computed yet */
+  q->first = INT64_MIN / 2; /* marks the batch as not computed */
   for (size_t k = 0; k < q->n_prescribed; k++) q->prescribed[k].last = *q->prescribed[k].at;
 }
 
@@ -355,6 +364,7 @@ void motion_first_speeds(engine *e) {
   motion_reload(e);
 }
 
+/* Sets a coordinate and its velocity to entry k of the batch, and notes the values before. */
 static void pose(prescribed *p, int64_t k) {
   const double after = p->value[k];
   p->moved = after - p->last;
@@ -377,9 +387,9 @@ void motion_pose(engine *e, thread_work *mine) {
   motion_ahead(e);
   int64_t k = motion_index(e);
   for (prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
-    if (p->slot >= s->n_bodies) continue; /* motion_pose_clumps */
+    if (p->slot >= s->n_bodies) continue; /* posed by motion_pose_clumps */
     p->moved = 0.0;
-    if (p->slot < s->n_free && !body_in_play(s, p->slot)) continue; /* it waits, or was taken out */
+    if (p->slot < s->n_free && !body_in_play(s, p->slot)) continue; /* it waits or was removed */
     pose(p, k);
     body_pack(e, p->slot);
   }
@@ -387,7 +397,7 @@ void motion_pose(engine *e, thread_work *mine) {
   feedback_pose(e, &q->feedbacks, mine);
   for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
     if (p->slot < s->n_bodies && neighbours_moved(e, p->slot)) mine->stale = true;
-    /* free disks with a prescribed coordinate are looked at by the corrector */
+    /* the corrector checks the range of free disks with a prescribed coordinate */
     if (p->slot >= s->n_free && !motion_in_range(e, p->coordinate, *p->at))
       event_add(&mine->returns, p->slot);
   }
@@ -422,8 +432,9 @@ void motion_wrapped(engine *e, uint32_t slot) {
   }
 }
 
-/* Displacement of a body by one coordinate of it in the step, over the radius it is compared with, where that is beyond the
- * limit; else 0. speed: the larger of those at both ends. */
+/* Returns the displacement of a body by one of its coordinates in the last step, over its own
+ * radius (free disk) or the smallest radius, if it is beyond the displacement limit; else 0. moved:
+ * change of the coordinate; speed: the larger of its speeds before and after the step. */
 static double beyond_limit(const engine *e, uint32_t slot, int coordinate, double moved,
                            double speed) {
   const sd_model *m = e->model;
@@ -436,6 +447,7 @@ static double beyond_limit(const engine *e, uint32_t slot, int coordinate, doubl
   return fmax(way, fmax(steady, jump)) > m->limits.displacement ? fmax(way, steady) : 0.0;
 }
 
+/* Replaces *fastest and *slot if `way` is larger. */
 static void keep_faster(double way, uint32_t body, double *fastest, size_t *slot) {
   if (!(way > *fastest)) return;
   *fastest = way;
@@ -444,7 +456,8 @@ static void keep_faster(double way, uint32_t body, double *fastest, size_t *slot
 
 double motion_fastest(const engine *e, size_t *slot) {
   const motions *q = e->work.motions;
-  const size_t n_bodies = e->state->n_bodies; /* of clumps the disks are compared */
+  /* clumps are skipped: their disks are checked instead */
+  const size_t n_bodies = e->state->n_bodies;
   double fastest = 0.0;
   for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
     const double speed = fmax(fabs(*p->speed), fabs(p->speed_before));

@@ -1,4 +1,4 @@
-/* oscillators.c: see oscillators.h. */
+/* oscillators.c: exact discrete steps of randomly forced oscillators; see oscillators.h. */
 #include "base/gsl.h"
 #include "physics/motion/oscillators.h"
 
@@ -51,7 +51,7 @@ void oscillators_store(const oscillators *g, size_t lane, sd_state *s, size_t k,
 
 void oscillators_rest(oscillators *g, size_t lane) { g->start[lane] = -1; }
 
-/* Rows of each lane, so many, to where the number base[lane] comes first. */
+/* Moves `rows` rows of each lane up, so that draw number base[lane] becomes its first row. */
 static void move_up(oscillators *g, const int64_t *base, size_t rows) {
   bool alike = true;
   for (size_t l = 0; l < g->count; l++)
@@ -77,20 +77,21 @@ size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t 
   int64_t local = -1, low = 0, high = 0;
   for (size_t l = 0; l < g->count; l++) {
     if (g->start[l] < 0) continue;
-    if (first[l] - g->start[l] != local) { /* seldom after the first lane: divisions are slow */
+    /* rarely true after the first lane, which saves slow divisions */
+    if (first[l] - g->start[l] != local) {
       local = first[l] - g->start[l];
       low = (local - 1) / interval;
       high = (local + n - 1) / interval + 1;
     }
     base[l] = (low > g->base[l] ? low : g->base[l]) & ~(int64_t)1;
-    /* the last row that all lanes know, of an odd number */
+    /* kept: last row that is known in all lanes; its draw number is odd */
     if (g->known[l] - base[l] < kept) kept = g->known[l] - base[l];
     if (high - base[l] > needed) needed = high - base[l];
   }
   if (kept == INT64_MAX) return 0;
   assert(kept >= 0);
   size_t rows = (size_t)kept + 1, blocks = needed > kept ? (size_t)(needed - kept + 1) / 2 : 0;
-  /* the kernel does four blocks in the time of three */
+  /* blocks are rounded up to a multiple of four: the kernel computes four in the time of three */
   size_t more = (blocks + 3) / 4 * 4;
   if (rows + 2 * more <= OSCILLATOR_ROWS) blocks = more;
   assert(rows + 2 * blocks <= OSCILLATOR_ROWS);
@@ -108,18 +109,19 @@ size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t 
 
 /* --- propagator and noise of the random vibration --------------------------------------------- */
 
-/* Response g(t) to a unit kick of the velocity, and its derivative. */
+/* Computes the response of the oscillator to a unit change of velocity at t = 0, *g = u(t), and its
+ * derivative *dg. */
 static void kick(double omega, double c, double t, double *g, double *dg) {
   double w2 = omega * omega * (1.0 - c * c), w = sqrt(fabs(w2)), x = w * t, ratio, cosine;
   double decay = exp(-c * omega * t);
-  if (x < 1e-4) { /* sin x / w and sinh x / w, also at critical damping */
+  if (x < 1e-4) { /* series of sin x / w or sinh x / w; it includes critical damping, w = 0 */
     double sign = w2 > 0.0 ? -1.0 : 1.0;
     ratio = decay * t * (1.0 + sign * x * x / 6.0);
     cosine = decay * (1.0 + sign * x * x / 2.0);
   } else if (w2 > 0.0) {
     ratio = decay * sin(x) / w;
     cosine = decay * cos(x);
-  } else { /* each exponential with its own decay, so that neither overflows */
+  } else { /* over-damped: each exponential includes its decay, so neither overflows */
     double slow = exp((w - c * omega) * t), fast = exp(-(w + c * omega) * t);
     ratio = 0.5 * (slow - fast) / w;
     cosine = 0.5 * (slow + fast);
@@ -132,13 +134,14 @@ random_step random_step_new(double omega, double c, double rms, double h) {
   random_step step;
   double g, dg;
   kick(omega, c, h, &g, &dg);
-  /* u(t) from u(0) = 1: dg + 2 c w g; the velocities follow from u'' = -2 c w u' - w^2 u */
+  /* u(t) for u(0) = 1, u'(0) = 0 is dg + 2 c w g; velocities follow from u'' = -2 c w u' - w^2 u */
   step.propagator[0][0] = dg + 2.0 * c * omega * g;
   step.propagator[0][1] = g;
   step.propagator[1][0] = -omega * omega * g;
   step.propagator[1][1] = dg;
 
-  /* covariance = 4 c w^3 rms^2 int_0^h (g, g')(g, g')^T dt, in panels short against every time scale */
+  /* covariance = 4 c w^3 rms^2 int_0^h (g, g')(g, g')^T dt, by panels shorter than every time
+   * scale */
   enum { POINTS = 16 };
   gsl_error_handler_t *handler = gsl_set_error_handler_off();
   gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(POINTS);
@@ -146,7 +149,7 @@ random_step random_step_new(double omega, double c, double rms, double h) {
   if (!table) memory_lacks(0);
   double fastest = omega * (c + sqrt(fabs(1.0 - c * c)) + 1.0), uu = 0.0, vu = 0.0, vv = 0.0;
   double span = fmin(
-      h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c))); /* beyond it, nothing is left */
+      h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c))); /* g has decayed to e^-50 there */
   int panels = 1 + (int)fmin(ceil(span * fastest / 2.0), 1e6);
   for (int k = 0; k < panels; k++)
     for (size_t p = 0; p < POINTS; p++) {

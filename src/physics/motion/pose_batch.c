@@ -1,4 +1,4 @@
-/* pose_batch.c: poses of several systems; see motion.h. */
+/* pose_batch.c: prescribed poses of several systems side by side; see motion.h. */
 #include "physics/motion/pose_batch.h"
 
 #include <assert.h>
@@ -13,20 +13,20 @@
 enum { BATCH = MOTION_BATCH };
 
 struct pose_batch {
-  size_t width, n, first_slot, n_slots; /* prescribed bodies */
-  engine **systems;                     /* [width] */
+  size_t width, n, first_slot, n_slots; /* lanes; systems; slots of the prescribed bodies */
+  engine **systems;                     /* [width] system of each lane */
   const motion_kernels *kernels;
-  double *poses;         /* [n_slots][POSES][POSE_STEPS][width] */
-  lanes_signal *signals; /* [n_motions] */
-  oscillators *draws;    /* [n_motions] */
-  double *rows;          /* [n_motions][3][BATCH][width] */
+  double *poses;         /* [n_slots][POSES][POSE_STEPS][width] poses of the prescribed bodies */
+  lanes_signal *signals; /* [n_motions] signal of each motion */
+  oscillators *draws;    /* [n_motions] oscillators of each random motion */
+  double *rows;          /* [n_motions][3][BATCH][width] memory of lanes_signal.rows */
   size_t n_coordinates, capacity;
   lanes_pose *coordinates;
   const lanes_signal **terms;
-  lanes_pose **alone; /* of each signal: as many as its motion has bodies */
-  int64_t first;      /* step of system 0 before the batch */
-  bool filled;
-  int64_t known; /* last row in range */
+  lanes_pose **alone; /* memory for lanes_signal.alone, one entry per motion and body */
+  int64_t first;      /* last step of system 0 before the batch */
+  bool filled;        /* true if the batch has been computed */
+  int64_t known;      /* index of the last step at which all angles are in their range */
 };
 
 static double *vectors(size_t n, size_t width) { return memory_lines(n * width * sizeof(double)); }
@@ -43,7 +43,7 @@ static void set_wave(lanes_signal *s, size_t l, const wave *w) {
   }
 }
 
-/* Constants of a motion, from those that the systems keep. */
+/* Collects the constants of motion k from all systems. */
 static void set_signal(pose_batch *m, size_t k) {
   lanes_signal *s = &m->signals[k];
   s->form = m->systems[0]->model->motions[k].kind;
@@ -118,14 +118,17 @@ void pose_batch_free(pose_batch *m) {
   free(m);
 }
 
-/* --- load and store ---------------------------------------------------------------------------------- */
+/* --- load and store --------------------------------------------------------------------------- */
 
+/* Returns the values of a pose component (POSE_X ...) of a slot: rows of m->width numbers, by
+ * step. */
 static double *pose_row(const pose_batch *m, uint32_t slot, int which) {
   assert(slot >= m->first_slot && slot < m->first_slot + m->n_slots && which >= 0 && which < POSES);
   return m->poses + ((slot - m->first_slot) * POSES + (size_t)which) * POSE_STEPS * m->width;
 }
 
-/* Everything at rest where the states say. */
+/* Sets all steps of all poses to the present ones of the states; running motions overwrite theirs
+ * later. */
 static void load_still(pose_batch *m) {
   for (uint32_t i = 0; i < m->n_slots; i++)
     for (size_t l = 0; l < m->width; l++) {
@@ -151,7 +154,8 @@ static void load_signals(pose_batch *m) {
 
 static void add_alone(lanes_signal *s, lanes_pose *p) { s->alone[s->n_alone++] = p; }
 
-/* Coordinate k: that of motion.c, whose terms say which signals. */
+/* Sets prescribed coordinate k from that of system 0 (`from`). terms: memory for the list of its
+ * signals. */
 static void load_coordinate(pose_batch *m, size_t k, const prescribed *from,
                             const lanes_signal **terms) {
   lanes_pose *p = &m->coordinates[k];
@@ -198,9 +202,9 @@ void pose_batch_store(pose_batch *m) {
   for (size_t l = 0; l < m->n; l++) motion_reload(m->systems[l]);
 }
 
-/* --- the batch --------------------------------------------------------------------------------------- */
+/* --- the batch -------------------------------------------------------------------------------- */
 
-/* Tables are looked up system by system. */
+/* Computes the batch of a tabulated motion, system by system. */
 static void fill_table(pose_batch *m, lanes_signal *s, int64_t local) {
   s->u = s->rows[0];
   s->v = s->rows[1];
@@ -216,7 +220,8 @@ static void fill_table(pose_batch *m, lanes_signal *s, int64_t local) {
   }
 }
 
-/* The last row before some lane's angle leaves its range. */
+/* Returns the index of the last step before the angle p leaves its range in some lane; BATCH if it
+ * stays. */
 static int64_t last_in_range(const pose_batch *m, const lanes_pose *p) {
   if (p->coordinate != SD_THETA || !m->kernels->lanes_beyond(p, BATCH, 4.0)) return BATCH;
   int64_t last = BATCH;
@@ -226,6 +231,7 @@ static int64_t last_in_range(const pose_batch *m, const lanes_pose *p) {
   return last;
 }
 
+/* Computes signals and poses of the next BATCH steps. */
 static void fill(pose_batch *m) {
   int64_t first[OSCILLATORS] = {0};
   const sd_state *s = m->systems[0]->state;
@@ -250,7 +256,7 @@ static void fill(pose_batch *m) {
   m->filled = true;
 }
 
-/* Step k of the batch becomes the one before the next. */
+/* Starts a new batch after step k of the present one, whose poses are copied to index 0. */
 static void begin_batch(pose_batch *m, int64_t k) {
   size_t w = m->width;
   for (size_t p = 0; k > 0 && p < m->n_coordinates; p++) {

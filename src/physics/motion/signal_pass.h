@@ -1,24 +1,28 @@
-/* signal_pass.h: parts of signals that all waveforms or draws share, over lanes; included once per LANE_WIDTH after base/lane.h.
+/* signal_pass.h: parts of the computation of signals that waveforms and draws share; included once
+ * per LANE_WIDTH after base/lane.h.
  *
- * Lanes are consecutive steps of one system, or one step of several systems: the same text, the same bits. A value is
- * a function of the motion's constants and of the number of steps since it began, so batches may begin anywhere.
+ * Vector lanes hold consecutive steps of one system, or one step of several systems; both use this
+ * code and give the same bits. A value depends only on the motion's constants and on the number of
+ * steps since its start, so batches may begin at any step.
  */
 
-/* Turns of a motion after `at` steps, but for whole ones: rate = high + low, where high has so few digits that its
- * product with 64 times a number of up to 2^27 is exact. */
+/* Returns the phase of a motion in turns after `at` steps, without full turns except in `offset`,
+ * the initial phase. The rate in turns per step is high + low; high has so few digits that its
+ * product with `at` is exact if `at` is 64 times a number up to 2^27. */
 LANE_INLINE LANE(real)
     LANE(turns)(LANE(real) high, LANE(real) low, LANE(real) offset, LANE(real) at) {
   LANE(real) t = high * at;
   return ((t - LANE(nearest)(t)) + low * at) + offset;
 }
 
+/* Rotates the phasor (*sine, *cosine) by an angle with sine s and cosine c. */
 LANE_INLINE void LANE(rotate)(LANE(real) * sine, LANE(real) * cosine, LANE(real) s, LANE(real) c) {
   LANE(real) turned = *sine * c + *cosine * s;
   *cosine = *cosine * c - *sine * s;
   *sine = turned;
 }
 
-/* Sine and cosine times the scales of u and u'. */
+/* Sine and cosine of the phase of a harmonic signal, times the amplitude of u and of u'. */
 typedef struct LANE(phasor) {
   LANE(real) sine_u, cosine_u, sine_v, cosine_v;
 } LANE(phasor);
@@ -29,14 +33,16 @@ LANE_INLINE LANE(phasor)
   return a;
 }
 
-/* Harmonic signal, and its derivative, when the phasor is rotated by an angle of sine s and cosine c. */
+/* Computes a harmonic signal *u and its derivative *v, after rotation of the phasor by an angle
+ * with sine s and cosine c. */
 LANE_INLINE void LANE(phasor_at)(const LANE(phasor) * a, LANE(real) s, LANE(real) c, LANE(real) * u,
                                  LANE(real) * v) {
   *u = a->sine_u * c + a->cosine_u * s;
   *v = a->cosine_v * c - a->sine_v * s;
 }
 
-/* Cubic between two draws a time h apart, which matches displacement and velocity at both, and its derivative. */
+/* Coefficients of the cubic between two draws a time h apart, which matches displacement and
+ * velocity at both draws, and of its time derivative; both are polynomials in z = time/h. */
 typedef struct LANE(cubic) {
   LANE(real) u[4], v[3];
 } LANE(cubic);
@@ -50,15 +56,16 @@ LANE_INLINE LANE(cubic) LANE(cubic_between)(LANE(real) u0, LANE(real) v0, LANE(r
   return p;
 }
 
-/* At z = (time since the first draw)/h. */
+/* Evaluates the cubic and its derivative at z = (time since the first draw)/h. */
 LANE_INLINE void LANE(cubic_at)(const LANE(cubic) * p, LANE(real) z, LANE(real) * u,
                                 LANE(real) * v) {
   *u = p->u[0] + z * (p->u[1] + z * (p->u[2] + z * p->u[3]));
   *v = p->v[0] + z * (p->v[1] + z * p->v[2]);
 }
 
-/* Fades in: u r(s), r = 6 s^5 - 15 s^4 + 10 s^3, s = t/ramp; the velocity follows. From s = 1 on, and without a ramp
- * (s infinite), nothing changes. Returns r. */
+/* Fades a signal in: multiplies u by r(s) = 6 s^5 - 15 s^4 + 10 s^3, with s = t/ramp, and sets v to
+ * the derivative of the product. For s >= 1, and without a ramp (s infinite), u and v stay as they
+ * are. Returns r. */
 LANE_INLINE LANE(real) LANE(fade)(LANE(real) t, LANE(real) ramp, LANE(real) * u, LANE(real) * v) {
   LANE(real) one = LANE(splat)(1.0), s = t / ramp, rest = s - 1.0;
   LANE(mask) fading = LANE(greater)(one, s);
@@ -68,7 +75,8 @@ LANE_INLINE LANE(real) LANE(fade)(LANE(real) t, LANE(real) ramp, LANE(real) * u,
   return LANE(select)(fading, r, one);
 }
 
-/* Of c at, exactly as product and rest (Dekker). */
+/* Returns the rounding error of product = c * at, so that the exact product is the sum of both
+ * (Dekker). */
 LANE_INLINE LANE(real) LANE(product_rest)(LANE(real) c, LANE(real) at, LANE(real) product) {
   LANE(real) p = c * 134217729.0, q = at * 134217729.0;
   LANE(real) c_high = p - (p - c), at_high = q - (q - at);

@@ -1,4 +1,4 @@
-/* signals.c: see signals.h. */
+/* signals.c: computes the signals of the motions of one system; see signals.h. */
 #include "base/gsl.h"
 #include "physics/motion/signals.h"
 
@@ -11,18 +11,19 @@
 #include "physics/motion/oscillators.h"
 #include "physics/system/kernels.h"
 
-/* --- values by source ---------------------------------------------------------------------------------- */
+/* --- values by source ------------------------------------------------------------------------- */
 
 typedef struct batch {
   const engine *e;
   const motion_kernels *k;
   const sd_motion *motion;
   signal *signal;
-  int64_t local;       /* steps since the motion was switched on, of the batch's first value */
-  double *u, *v, *low; /* where values go that are not elsewhere already */
+  int64_t local;       /* steps from the start of the motion to the batch's first value */
+  double *u, *v, *low; /* memory for the values, unless they exist elsewhere already */
 } batch;
 
-/* p = c l exactly as p + low: a support that turned 1e4 rad is still placed to 1e-15 (physics.md 1). */
+/* Computes a signal of constant velocity: u = c l for step l, with c = velocity * dt. The product
+ * is exact as u + low, so a support that has turned by 1e4 rad is still placed to 1e-15. */
 static void fill_steady(batch *b) {
   double c = b->motion->velocity * b->e->work.dt;
   for (int k = 0; k < MOTION_BATCH; k++) {
@@ -49,7 +50,8 @@ static void fill_table(batch *b) {
   }
 }
 
-/* A value per step from the draws: the draws themselves, or the cubics between them. */
+/* Computes a random signal from its draws: the draws themselves if there is one per step, else
+ * cubics between them. */
 static void fill_random(batch *b, const signals *all) {
   signal *s = b->signal;
   const oscillators *g = &all->groups[s->group];
@@ -67,7 +69,8 @@ static void fill_random(batch *b, const signals *all) {
   b->k->cubics(&d, b->local, MOTION_BATCH, b->u, b->v);
 }
 
-/* Values in place of those that are now. */
+/* Multiplies the values by the fade-in while the ramp lasts, after copying them to the signal's own
+ * memory. */
 static void fade_in(batch *b) {
   signal_values *now = &b->signal->now;
   if ((double)b->local * b->e->work.dt >= b->motion->ramp) return;
@@ -81,7 +84,8 @@ static void fade_in(batch *b) {
              now->low ? b->low : NULL);
 }
 
-/* all: NULL where the signal has no draws. */
+/* Computes a batch of one signal, from `local` steps after its start on. all: may be NULL unless
+ * the signal is random. */
 static void fill(const engine *e, const signals *all, signal *s, size_t motion, int64_t local) {
   const sd_motion *m = &e->model->motions[motion];
   assert(local >= 0);
@@ -109,7 +113,7 @@ void signals_fill_table(const engine *e, signal *s, size_t motion, int64_t local
   fill(e, NULL, s, motion, local);
 }
 
-/* New draws of every running random motion, up to the one after the batch's last step. */
+/* Computes the draws of all running random motions, up to the one after the batch's last step. */
 static void draw_ahead(const engine *e, signals *all, int64_t first) {
   const motion_kernels *k = e->work.kernels->motion;
   int64_t firsts[OSCILLATORS];
@@ -129,14 +133,14 @@ void signals_fill(const engine *e, signals *all, int64_t first) {
       fill(e, all, &all->item[k], k, first - e->state->motion_start[k]);
 }
 
-/* --- tables ------------------------------------------------------------------------------------------ */
+/* --- tables ----------------------------------------------------------------------------------- */
 
 static sd_status spline_new(signal *s, const sd_motion *m, sd_messages *messages) {
   gsl_error_handler_t *handler = gsl_set_error_handler_off();
   const gsl_interp_type *type = m->periodic ? gsl_interp_cspline_periodic : gsl_interp_cspline;
   s->spline = gsl_spline_alloc(type, m->n_table);
   s->accel = gsl_interp_accel_alloc();
-  assert(m->n_table >= 3); /* enough for either type */
+  assert(m->n_table >= 3); /* the least number of points for both types of spline */
   if (!s->spline || !s->accel) memory_lacks(0);
   int bad = gsl_spline_init(s->spline, m->table_time, m->table_value, m->n_table);
   gsl_set_error_handler(handler);
@@ -145,13 +149,14 @@ static sd_status spline_new(signal *s, const sd_motion *m, sd_messages *messages
                  m->name ? m->name : "?");
 }
 
-/* Angles of 0 ... 7 steps, and of 0, 8, ... 56. */
+/* Sets the constants of a wave, with sine and cosine of the phase of 0 ... 7 steps and of 0, 8, ...
+ * 56. */
 static void wave_new(const engine *e, wave *w, const sd_motion *m) {
   const double per_turn = 0.5 / M_PI;
   double t[2 * WAVE_FINE];
   w->form = m->kind;
   w->rate = m->omega * e->model->dt * per_turn;
-  w->rate_high = (double)(float)w->rate; /* 24 digits */
+  w->rate_high = (double)(float)w->rate; /* 24 binary digits */
   w->rate_low = w->rate - w->rate_high;
   w->offset = m->phase * per_turn;
   motion_shape(m, w->shape);
@@ -163,6 +168,7 @@ static void wave_new(const engine *e, wave *w, const sd_motion *m) {
   w->from = -1;
 }
 
+/* Assigns the random motion k to a free lane of a group with the same interval. */
 static void join_group(const engine *e, signals *all, size_t k) {
   signal *s = &all->item[k];
   const sd_motion *m = &e->model->motions[k];
@@ -210,7 +216,7 @@ void signals_free(const engine *e, signals *all) {
   free(all->draws);
 }
 
-/* --- the state ---------------------------------------------------------------------------------------- */
+/* --- the state -------------------------------------------------------------------------------- */
 
 void signals_load(const engine *e, signals *all) {
   for (size_t k = 0; k < e->model->n_motions; k++) {
@@ -244,7 +250,7 @@ void signals_start_random(const engine *e, const signals *all, size_t k) {
   s->motion_v0[k] = v;
   e->work.kernels->motion->normals(e->model->seed, m->stream, RANDOM_STEP, 2 * s->step + 1, 1, &a,
                                    &b);
-  /* as the kernel sums it */
+  /* sums in the same order as in kernel_random.c */
   s->motion_u1[k] = r->propagator[0][0] * u + (r->propagator[0][1] * v + r->cholesky[0] * a);
   s->motion_v1[k] = r->propagator[1][1] * v +
                     (r->propagator[1][0] * u + (r->cholesky[1] * a + r->cholesky[2] * b));

@@ -1,4 +1,4 @@
-/* bodies.c: see bodies.h. */
+/* bodies.c: constants of the bodies, and edges of the periodic box; see bodies.h. */
 #include "physics/system/bodies.h"
 
 #include "model/cell.h"
@@ -9,7 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-/* What need not be read disk by disk. */
+/* Notes constants that are the same for all disks, so that loops need not read them disk by disk:
+ * equal inverse masses along x and y, and constant forces that are 0. */
 static void note_sameness(engine *e) {
   work *w = &e->work;
   const size_t n = e->state->n_free;
@@ -32,7 +33,7 @@ void bodies_fill_constants(engine *e) {
     const double mass = s->mass[i], inertia = s->inertia[i];
     assert(!d->driven && mass > 0.0 && inertia > 0.0);
     if (d->clump > 0 &&
-        body_in_play(s, i)) { /* it moves with its clump, on which its weight acts */
+        body_in_play(s, i)) { /* the disk moves with its clump, and its weight acts on the clump */
       w->inverse_mass_x[i] = w->inverse_mass_y[i] = w->inverse_inertia[i] = 0.0;
       w->constant_x[i] = d->force[SD_X];
       w->constant_y[i] = d->force[SD_Y];
@@ -56,7 +57,7 @@ void bodies_fill_constants(engine *e) {
       uint32_t slot = slot_of(&w->slots, m->motions[k].bodies[b]);
       assert(slot < s->n_bodies + s->n_clumps && m->motions[k].coordinate >= 0 &&
              m->motions[k].coordinate < SD_MOVED);
-      if (slot >= s->n_free) continue; /* also clumps: clumps_fill_constants */
+      if (slot >= s->n_free) continue; /* prescribed bodies, and clumps (clumps_fill_constants) */
       int c = m->motions[k].coordinate;
       (c == SD_X   ? w->inverse_mass_x
        : c == SD_Y ? w->inverse_mass_y

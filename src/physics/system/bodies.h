@@ -1,27 +1,32 @@
-/* bodies.h: what the system knows of its bodies and its box beside the state. */
+/* bodies.h: constants of the bodies, moving surfaces of walls, packed bodies, and the periodic box
+ * in work. */
 #ifndef PHYSICS_BODIES_H
 #define PHYSICS_BODIES_H
 
 #include "physics/system/work.h"
 
-/* Inverse masses and constant forces in work: 0 where a coordinate is locked or named by a motion, since what
- * it feels changes nothing, and of disks that are not in play. */
+/* Sets inverse masses and constant forces in work. Inverse masses are 0 for coordinates that are
+ * locked or named by a motion, since forces do not move them; both are 0 for disks that are not in
+ * play. */
 void bodies_fill_constants(engine *e);
 
-/* Does the free disk in this slot take part, wherever it is? */
+/* True if the free disk in this slot takes part in the run: it is not waiting and has not been
+ * removed. */
 static inline bool body_in_play(const sd_state *s, size_t slot) {
   return s->activity[slot] == SD_IN_PLAY || s->activity[slot] == SD_OUTSIDE;
 }
 
-/* How far the wall's surface is along it, counter-clockwise about a round wall. The pairs see it through lambda. */
+/* Returns the displacement of a wall's moving surface along the wall, counter-clockwise on a round
+ * wall; 0 for disks. It enters lambda. */
 static inline double body_surface(const sd_state *s, size_t slot) {
   return slot >= s->n_disks && s->n_surfaces > 0 ? s->surface[slot - s->n_disks] : 0.0;
 }
 
-/* Part of it stands in surface_turn, in multiples of this length, so that lambda stays small. */
+/* Length of whose multiples part of the displacement is kept in state->surface_turn, so that lambda
+ * stays small. */
 static inline double body_surface_turn(const engine *e) { return 8.0 * e->work.surface_unit; }
 
-/* R theta, and what the surface adds to it. */
+/* Returns the arc R theta of a body, plus the displacement of a moving surface. */
 static inline double body_arc(const sd_state *s, size_t slot) {
   const double arc = s->radius[slot] * s->theta[slot];
   return slot >= s->n_disks && s->n_surfaces > 0
@@ -29,7 +34,7 @@ static inline double body_arc(const sd_state *s, size_t slot) {
              : arc;
 }
 
-/* Its derivative. */
+/* Returns the time derivative of body_arc: R omega, plus the speed of a moving surface. */
 static inline double body_spin(const sd_state *s, size_t slot) {
   const double spin = s->radius[slot] * s->omega[slot];
   return slot >= s->n_disks && s->n_surfaces > 0
@@ -37,8 +42,8 @@ static inline double body_spin(const sd_state *s, size_t slot) {
              : spin;
 }
 
-/* Where the pairs see the body in this slot, from its pose, should it be a prescribed one: free disks are seated in every
- * step. */
+/* Updates the packed body of a prescribed body or a ghost from its pose in the state. Free disks
+ * are skipped, since they are packed in every step. */
 static inline void body_pack(const engine *e, size_t slot) {
   const sd_state *s = e->state;
   if (slot < s->n_free) return;
@@ -53,9 +58,11 @@ static inline void body_pack(const engine *e, size_t slot) {
   row[PACKED_SPIN] = body_spin(s, slot);
 }
 
-/* About which the lengths of the region change: its lower corner. */
+/* Returns a coordinate of the lower corner of the region, the fixed point when its lengths are
+ * scaled. */
 double box_corner(const sd_model *model, int coordinate);
-/* Edges of the periodic box in work, from model and state->box_scale. */
+/* Sets the edges and the offset of the periodic box in work, from the model and the scales in the
+ * state. */
 void box_update(engine *e);
 
 #endif

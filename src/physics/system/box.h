@@ -1,5 +1,6 @@
-/* box.h: nearest images in the periodic box, whose cells repeat by (length[0], 0) and (offset, length[1]): rows of cells may be
- * shifted against each other (Lees-Edwards). Rows first, since they shift x. */
+/* box.h: nearest images in the periodic box. Its lattice vectors are (length[0], 0) and (offset,
+ * length[1]): rows of cells can be shifted against each other (Lees-Edwards). The y direction is
+ * wrapped first, since it shifts x. */
 #ifndef PHYSICS_BOX_H
 #define PHYSICS_BOX_H
 
@@ -7,12 +8,13 @@
 
 #include "physics/system/work.h"
 
-/* How many cells away an image is, and how fast it moves against the original. */
+/* Number of cells, along x and y, between a body and its periodic image. */
 typedef struct box_image {
   double x, y;
 } box_image;
 
-/* Makes a difference of two positions the one to the nearest image; returns the cells that were taken away. */
+/* Changes the difference of two positions (*dx, *dy) to that of the nearest images; returns the
+ * number of cells that were subtracted. */
 static inline box_image box_nearest(const work *w, double *dx, double *dy) {
   box_image n = {0.0, 0.0};
   if (w->periodic[1]) {
@@ -27,7 +29,8 @@ static inline box_image box_nearest(const work *w, double *dx, double *dy) {
   return n;
 }
 
-/* Position of the disk in this slot beyond the box, where its way has led it. */
+/* box_absolute_x and box_absolute_y return the unwrapped position of the disk in a slot: its path
+ * is continued across the edges of the box. */
 static inline double box_absolute_x(const engine *e, size_t slot) {
   const work *w = &e->work;
   return e->state->x[slot] + e->state->image_x[slot] * w->length[0] +

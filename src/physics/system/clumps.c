@@ -1,4 +1,4 @@
-/* clumps.c: see clumps.h. */
+/* clumps.c: poses, force sums and energies of clumps; see clumps.h. */
 #include "physics/system/clumps.h"
 
 #include <assert.h>
@@ -12,7 +12,7 @@
 #include "base/lane.h"
 #include "base/vmath.h"
 
-/* --- tables ------------------------------------------------------------------------------------------ */
+/* --- tables ----------------------------------------------------------------------------------- */
 
 void clumps_fill_state(const sd_model *m, sd_state *s) {
   for (size_t k = 0; k < m->n_clumps; k++) {
@@ -30,7 +30,7 @@ void clumps_fill_state(const sd_model *m, sd_state *s) {
     const sd_clump *c = &m->clumps[d->clump - 1];
     size_t n = (size_t)(c->disks - m->clump_disks);
     while (m->clump_disks[n] != s->id[i]) n++;
-    for (int q = 0; q < 2; q++) { /* the absolute position is that beside the centre */
+    for (int q = 0; q < 2; q++) { /* unwrapped position: centre plus offset */
       if (!m->periodic[q]) continue;
       const double away = c->position[q] + m->clump_offsets[n][q] - d->position[q];
       (q ? s->image_y : s->image_x)[i] = (int32_t)lrint(away / (m->upper[q] - m->lower[q]));
@@ -38,6 +38,8 @@ void clumps_fill_state(const sd_model *m, sd_state *s) {
   }
 }
 
+/* Sets the columns of the clumps' coordinates. own: memory for inverse masses and constant
+ * forces. */
 static void fill_columns(const sd_state *s, clumps *c, double *own) {
   double *inverse[SD_COORDINATES], *constant[SD_COORDINATES];
   for (int k = 0; k < SD_COORDINATES; k++) {
@@ -80,7 +82,7 @@ static void fill_members(engine *e) {
   c->start[c->count] = at;
 }
 
-/* Arms in space, for the present coordinates. */
+/* Computes the arms of clump k in space, from its present angle. */
 static void turn(const engine *e, size_t k);
 
 sd_status clumps_new(engine *e) {
@@ -114,7 +116,8 @@ sd_status clumps_new(engine *e) {
 
 void clumps_free(engine *e) {
   clumps *c = &e->work.clumps;
-  if (c->count) free((double *)(uintptr_t)c->columns[0].inverse); /* the first of the room */
+  /* This column is the first in the memory of all columns of doubles (clumps_new). */
+  if (c->count) free((double *)(uintptr_t)c->columns[0].inverse);
   free(c->start);
   free(c->member);
   free(c->of);
@@ -151,10 +154,11 @@ void clumps_fill_constants(engine *e) {
     }
 }
 
-/* --- disks of a clump -------------------------------------------------------------------------------- */
+/* --- disks of a clump ------------------------------------------------------------------------- */
 
-/* Of turn + theta; turn is a multiple of 8 rad, which are 4/pi turns of a circle. Split into two parts, so that whole turns
- * go without loss (up to 2^27 of these multiples). */
+/* Computes sine and cosine of the angle turned + theta. turned is a multiple of 8 rad, that is of
+ * 4/pi full turns. 4/pi is split into two parts, so that full turns are subtracted without loss of
+ * digits, for up to 2^27 multiples. */
 static void sine_cosine_of(double turned, double theta, double *sine, double *cosine) {
   const double high = 0x1.45f306p+0, low = 0x1.b9391054a7f0ap-25, per_turn = 0.15915494309189533577;
   const double n = turned * 0.125, whole = n * high;
@@ -171,7 +175,7 @@ static void turn(const engine *e, size_t k) {
   }
 }
 
-/* Disks of one clump may stand in different images of a periodic box. */
+/* Disks of one clump may have different image counts in a periodic box. */
 void clump_place(engine *e, size_t k) {
   sd_state *s = e->state;
   const work *w = &e->work;
@@ -222,7 +226,7 @@ void clumps_place_all(engine *e) {
   for (size_t k = 0; k < e->work.clumps.count; k++) clump_place(e, k);
 }
 
-/* --- forces ------------------------------------------------------------------------------------------ */
+/* --- forces ----------------------------------------------------------------------------------- */
 
 clump_load clumps_load_of(const engine *e, size_t k, const double *fx, const double *fy,
                           const double *torque) {
@@ -260,7 +264,8 @@ void clump_sum(engine *e, size_t k) {
   for (int q = 0; q < SD_COORDINATES; q++) e->work.clumps.columns[q].force[k] = contacts.on[q];
 }
 
-/* Of the model's fields on the disks of clump k, in coordinates that are free. */
+/* Returns the power of the model's fields on clump k, summed over coordinates that are not locked
+ * or prescribed. */
 static double field_power(const engine *e, size_t k) {
   const sd_state *s = e->state;
   const clump_load load = clumps_load_of(e, k, s->field_x, s->field_y, s->field_torque);
@@ -328,7 +333,7 @@ void clumps_accelerate(engine *e) {
   for (size_t k = 0; k < e->work.clumps.count; k++) clump_accelerate(e, k);
 }
 
-/* --- energy ------------------------------------------------------------------------------------------ */
+/* --- energy ----------------------------------------------------------------------------------- */
 
 void clumps_add_energy(const engine *e, sd_energy *sum) {
   const sd_state *s = e->state;
@@ -338,7 +343,7 @@ void clumps_add_energy(const engine *e, sd_energy *sum) {
     const double at[] = {
         s->clump_x[k] + s->clump_image_x[k] * w->length[0] + s->clump_image_y[k] * w->offset,
         s->clump_y[k] + s->clump_image_y[k] * w->length[1], s->clump_theta[k] + s->clump_turn[k]};
-    /* constant forces on single disks: their potential is that of the disks' places */
+    /* the potential of constant forces on single disks follows from the positions of these disks */
     double push[SD_COORDINATES] = {0.0, 0.0, 0.0}, levers = 0.0;
     for (size_t n = c->start[k]; n < c->start[k + 1]; n++) {
       const uint32_t i = c->member[n];

@@ -1,7 +1,7 @@
-/* fields.h: force fields, of the program that uses the library and of the model.
+/* fields.h: force fields of the calling program, and force fields of the model.
  *
- * Those of the program (sd_simulation_add_force_field) belong to the engine, not to its work:
- * rebuilding leaves them.
+ * Fields of the calling program (sd_simulation_add_force_field) belong to the engine, not to its
+ * work, so they survive a rebuild of work.
  */
 #ifndef PHYSICS_FIELDS_H
 #define PHYSICS_FIELDS_H
@@ -9,66 +9,75 @@
 #include "physics/system/work.h"
 #include "slipdisk/simulation.h"
 
+/* Force fields of the calling program. */
 typedef struct fields {
   size_t n;
-  bool calling; /* one of them is being called */
+  bool calling; /* true while one of the functions is being called */
   struct {
     sd_force_field *call;
     void *user;
   } * item;
-  double *force[SD_COORDINATES]; /* [n_free] their sum in the last step */
-  double *total[SD_COORDINATES]; /* the same and what is constant: the integrator's `constant` */
+  double *force[SD_COORDINATES]; /* [n_free] sum of the fields' forces in the last step */
+  double *total[SD_COORDINATES]; /* [n_free] `force` plus constant forces; read by the integrator */
 } fields;
 
-/* SD_ERROR_IO: no memory for columns of the disks.
- * At step 0 the accelerations are those with the field. */
+/* Adds a field; at step 0 the accelerations in the state are updated. SD_ERROR_IO: no memory for
+ * columns of the disks. */
 sd_status fields_add(engine *e, sd_force_field *call, void *user);
 void fields_free(engine *e);
-/* For another number of free disks. SD_ERROR_IO: no memory. */
+/* Resizes the columns to the present number of free disks. SD_ERROR_IO: no memory. */
 sd_status fields_resize(engine *e);
-/* After the constants have changed, or stand elsewhere. */
+/* Makes the integrator use the sums of constant forces and fields. To be called after constant
+ * forces have changed or have moved in memory. */
 void fields_attach(engine *e);
-/* Forces at the predicted coordinates of the step that is being made. */
+/* Evaluates the fields at the predicted coordinates of the present step. */
 void fields_apply(engine *e);
-/* Work in the step that was made: the trapezoid of force and corrected velocity. */
+/* Adds the work of the fields in the step just completed: trapezoid of force times corrected
+ * velocity. */
 void fields_work(engine *e);
 
-/* The model's fields (sd_body_force) in the step: how strongly each acts on each free disk, and the
- * sums of their forces with all that is constant. The forces themselves: physics/step/field_pass.h.
+/* --- force fields of the model (sd_body_force) ---
+ *
+ * Here: the weight with which each field acts on each free disk, and the sums of field forces and
+ * constant forces. The forces themselves are computed in physics/step/field_pass.h.
  */
 
+/* Weights of one field on the free disks; 0 for disks that it does not act on. */
 typedef struct body_force_row {
   const sd_body_force *field;
-  double *weight,
-      *turn_weight; /* [n_free] 0 where it does not act; else 1, R or m, and 1, R^3 or I */
+  /* [n_free] weight of the force: 1, R or m; weight of the torque: 1, R^3 or I. */
+  double *weight, *turn_weight;
 } body_force_row;
 
-/* Powers of the fields on a disk, and their sums: sd_energy's work, drag, damping. */
+/* Kinds of power of the fields on a disk; their time integrals are work, drag and damping of
+ * sd_energy. */
 enum { FIELD_WORK, FIELD_DRAG, FIELD_DAMPED, FIELD_POWERS };
 
+/* Force fields of the model. */
 typedef struct body_forces {
   size_t n;
-  int64_t phase; /* that the weights are of */
-  double *
-      total[SD_COORDINATES]; /* [n_free] constant forces and those of the fields in the last step */
-  const double
-      *base[SD_COORDINATES]; /* [n_free] what is constant, and forces of the program's fields */
-  const double
-      *clumped; /* [n_free] 1 of disks in clumps, whose coordinates are not held; NULL: none */
-  double *force[SD_COORDINATES], *power[FIELD_POWERS],
-      *sum[FIELD_POWERS]; /* columns of the state */
-  void *arena;
+  int64_t phase;                 /* phase that the weights are for */
+  double *total[SD_COORDINATES]; /* [n_free] `base` plus forces of the fields in the last step */
+  const double *base[SD_COORDINATES]; /* [n_free] constant forces plus fields of the program */
+  /* [n_free] 1 for disks in clumps: their inverse masses are 0 although they are not locked; 0 for
+   * other disks; NULL: there are no clumps. */
+  const double *clumped;
+  /* Columns of the state: forces, powers, and time integrals of the powers. */
+  double *force[SD_COORDINATES], *power[FIELD_POWERS], *sum[FIELD_POWERS];
+  void *arena; /* memory of total and of the weights */
   body_force_row row[];
 } body_forces;
 
-/* For a model with fields. SD_ERROR_IO: no memory for columns of the disks. */
+/* Allocates the model's fields, if it has any. SD_ERROR_IO: no memory for columns of the disks. */
 sd_status body_forces_new(engine *e);
 void body_forces_free(engine *e);
-/* Weights in the phase of the state, from disks in play. */
+/* Sets the weights for the present phase; they are 0 for disks that are not in play. */
 void body_forces_fill(engine *e);
-/* After the constants have changed, or stand elsewhere: the integrator's `constant` is their sum with the fields'. */
+/* Makes the integrator use the sum of constant forces and fields. To be called after constant
+ * forces have changed or have moved in memory. */
 void body_forces_attach(engine *e);
-/* Fields of free disks [begin, end), whose forces of contacts stand in the state, at their coordinates as they are. */
+/* Evaluates the fields on free disks [begin, end) at their present coordinates; the contact forces
+ * on them must be in the state. */
 void body_forces_renew(engine *e, size_t begin, size_t end);
 
 #endif

@@ -1,4 +1,4 @@
-/* halo.c: see halo.h. */
+/* halo.c: messages between ranks in a step; see halo.h. */
 #include "physics/system/halo.h"
 
 #include <assert.h>
@@ -60,7 +60,7 @@ sd_status halo_wait_for(halo_waits *list, halo_wait wait) {
   return SD_OK;
 }
 
-/* --- messages of a step ------------------------------------------------------------------------------------ */
+/* --- messages of a step ----------------------------------------------------------------------- */
 
 unsigned halo_agree(halo *h) {
   const double began = clock_seconds();
@@ -87,7 +87,7 @@ void halo_start(engine *e) {
     const uint32_t i = h->send_slot[k];
     double *to = h->send + HALO_ROW * k;
     memcpy(to, packed + PACKED_ROW * (size_t)row[i], bytes);
-    to[PACKED_SPIN] = s->radius[i] * s->omega[i]; /* not in the rows of plain laws */
+    to[PACKED_SPIN] = s->radius[i] * s->omega[i]; /* packed bodies lack it with plain laws */
     to[PACKED_ROW] = s->x2[i];
     to[PACKED_ROW + 1] = s->y2[i];
   }
@@ -109,6 +109,7 @@ void halo_finish(engine *e) {
   }
 }
 
+/* Numbers in a message row of halo_refresh. */
 enum {
   POSE_X,
   POSE_Y,
@@ -117,8 +118,8 @@ enum {
   POSE_VX,
   POSE_VY,
   POSE_OMEGA,
-  POSE_IMAGES,   /* two integers */
-  POSE_BEFORE_X, /* or, where that is not asked for, accelerations */
+  POSE_IMAGES,   /* image_x and image_y, two 32-bit integers */
+  POSE_BEFORE_X, /* position before the wrap if changes are requested, else accelerations */
   POSE_BEFORE_Y,
   POSE_ROW
 };
@@ -175,9 +176,11 @@ void halo_refresh(engine *e, halo_wait *change) {
   }
 }
 
-/* --- forces on prescribed bodies ---------------------------------------------------------------------------- */
+/* --- forces on prescribed bodies -------------------------------------------------------------- */
 
-/* Of one row: the body, and its place in the order of pairs of the whole. */
+/* Sort key of a row of forces on a prescribed body, by body and then in the global order of pairs.
+ * body: counted from the first prescribed one; order: of the disk in contact; part: wall segment;
+ * from: row number. */
 typedef struct row_key {
   uint32_t body, order, part, from;
 } row_key;
@@ -189,14 +192,16 @@ static int by_order(const void *one, const void *two) {
   return p->part < q->part ? -1 : p->part > q->part;
 }
 
-/* Slot of the first prescribed body. */
+/* Returns the slot of the first prescribed body. */
 static size_t first_of(const engine *e) { return e->halo->n_own + e->halo->n_ghosts; }
 
+/* Returns the number of contacts of this rank with prescribed bodies. */
 static size_t count_rows(const engine *e) {
   const incidence *n = &e->work.incidence;
   return n->start[e->state->n_bodies] - n->start[first_of(e)];
 }
 
+/* Lists the sort keys of this rank's rows, and the rows of work.sums that they are copied from. */
 static void fill_keys(const engine *e, row_key *key, uint32_t *row) {
   const work *w = &e->work;
   const incidence *n = &w->incidence;

@@ -1,13 +1,18 @@
 /* halo.h: one engine of a run over several processes (ranks), and its messages in a step.
  *
- * A rank owns some free disks. Disks of others that its own may touch are ghosts: slots [n_free, n_free + n_ghosts) of its
- * state, posed by messages as driven disks are by motions. Driven disks and walls are on every rank. A contact between
- * ranks is evaluated on both, with the same bits, since the law is even or odd under exchange of its bodies; so forces need no
- * way back. All that depends on an order goes by `order`, the slots that the disks have in the whole:
+ * A rank owns some of the free disks. Disks of other ranks that its own disks may touch are ghosts:
+ * they have slots [n_free, n_free + n_ghosts) in its state, and their poses come by messages.
+ * Driven disks and walls are on every rank. A contact between disks of two ranks is evaluated on
+ * both; both get the same bits, since the law is even or odd under exchange of the bodies, so
+ * forces are not sent back.
  *
- * - Forces and losses of a disk are summed by the order of its partners (rows.c).
- * - Forces on prescribed bodies are gathered from all ranks, and summed in that order on each.
- * - Events that change the reference of a contact with a ghost wait until the ranks have exchanged corrected poses.
+ * Sums and sorted lists use the global order of disks, the slots that they would have in a run on
+ * one rank (`order`):
+ *
+ * - Forces and losses of a disk are summed in the global order of its partners (rows.c).
+ * - Forces on prescribed bodies are gathered from all ranks, and each rank sums them in that order.
+ * - Events that change the reference of a contact with a ghost wait until the ranks have exchanged
+ *   corrected poses.
  */
 #ifndef PHYSICS_HALO_H
 #define PHYSICS_HALO_H
@@ -16,11 +21,13 @@
 #include "physics/system/clumps.h"
 #include "physics/system/work.h"
 
-/* A packed body, and its acceleration. */
+/* Length of a message row: a packed body and its acceleration (x2, y2). */
 enum { HALO_ROW = PACKED_ROW + 2 };
 
-/* A change of lambda_ref that waits: pair `index` is re-based, or body `index` was wrapped by `turn`, or by turns of the box: it
- * was at x, y, from where contacts are re-based. */
+/* Postponed change of lambda_ref in contacts with ghosts, one of three kinds: pair `index` gets a
+ * new reference direction; theta of body `index` was wrapped by `turn`; body `index` was wrapped
+ * around the box from position (x, y), at which postponed reference directions are still to be
+ * computed. order: slot in the global order. */
 typedef struct halo_wait {
   uint32_t index, order;
   double turn, x, y;
@@ -31,63 +38,71 @@ typedef struct halo_waits {
   size_t count, capacity;
 } halo_waits;
 
-/* Of one prescribed body: its contacts on all ranks, in order. */
+/* Forces on prescribed bodies: one row per contact, of this rank (mine) and of all ranks (all). */
 typedef struct halo_rows {
-  size_t *start;      /* [n_prescribed + 1] */
-  uint32_t *from;     /* places in `all` */
-  double *mine, *all; /* [rows][SUM_ROW] */
-  uint32_t *mine_at;  /* row of sums of each of mine */
-  int *counts;        /* of the ranks */
-  size_t n_mine;
+  size_t *start;      /* [n_prescribed + 1] first entry of each body in `from` */
+  uint32_t *from;     /* rows of `all`, for each body in the global order of its contacts */
+  double *mine, *all; /* [rows][SUM_ROW] forces by contacts of this rank, and of all ranks */
+  uint32_t *mine_at;  /* [n_mine] row of work.sums that each row of `mine` is copied from */
+  int *counts;        /* [ranks] number of rows of each rank */
+  size_t n_mine;      /* number of rows of this rank */
 } halo_rows;
 
 struct halo {
   const comm *comm;
-  double skin; /* of the lists, the same on all ranks */
-  size_t n_own, n_ghosts;
-  uint32_t
-      *order; /* [n_own + n_ghosts] slots in the whole, of own disks and of ghosts each ascending */
-  /* messages: rows of HALO_ROW numbers of own disks to ranks that have them as ghosts, and of ghosts */
-  uint32_t *send_slot, *ghost_slot;
+  double skin;            /* Verlet margin of the neighbour lists, the same on all ranks */
+  size_t n_own, n_ghosts; /* free disks of this rank, and its ghosts */
+  /* [n_own + n_ghosts] slots in the global order; own disks and ghosts are each ascending. */
+  uint32_t *order;
+  uint32_t *send_slot, *ghost_slot; /* slots of the disks in the rows of `send` and `receive` */
   size_t n_send;
+  /* Messages, [rows][HALO_ROW]: own disks that are ghosts of other ranks, and ghosts of this
+   * rank. */
   double *send, *receive;
-  double *x2, *y2; /* [n_ghosts] as columns x2, y2 of the state */
+  double *x2, *y2; /* [n_ghosts] accelerations times dt^2/2, like columns x2 and y2 of the state */
   comm_links *links;
-  bool *sent; /* [n_own] is a ghost elsewhere */
+  bool *sent; /* [n_own] true for disks that are ghosts of another rank */
   halo_rows prescribed;
-  halo_waits rebased, wrapped,
-      shifted;   /* shifted: of this step, own disks before they went round the box */
-  bool lost;     /* no memory for one of them */
-  unsigned bits; /* HALO_STALE ... of this rank for the next halo_agree */
-  double waited; /* seconds in messages, since it was last set to 0 */
+  /* Postponed changes: of pairs, of angles, and positions that own disks had in this step before
+   * they were wrapped around the box. */
+  halo_waits rebased, wrapped, shifted;
+  bool lost;     /* true: memory ran out for a postponed change */
+  unsigned bits; /* bits of this rank (HALO_STALE ...) for the next halo_agree */
+  double waited; /* seconds spent waiting for messages since it was last set to 0 */
 };
 
-/* After each step every rank knows whether any of them: has stale lists, has failed, is to stop, has changes that wait. */
+/* Bits that the ranks combine after each step: some rank has a stale neighbour list, has failed,
+ * asks to stop, has postponed changes. */
 enum { HALO_STALE = 1, HALO_FAILED = 2, HALO_STOP = 4, HALO_WAITS = 8 };
 
 void halo_free(halo *h);
-/* Places for the messages: to[r], from[r] rows to and from rank r; send_slot and ghost_slot are filled. SD_ERROR_IO: no memory. */
+/* Allocates the messages and connects the ranks. to[r], from[r]: number of rows sent to and
+ * received from rank r; send_slot and ghost_slot must be filled in before. SD_ERROR_IO: no
+ * memory. */
 sd_status halo_connect(halo *h, const int *to, const int *from);
-/* Is the disk in this slot free, here or on another rank? Without a halo the free disks are the first. */
+/* True if the slot holds a free disk of this rank or a ghost. */
 static inline bool halo_is_free(const engine *e, size_t slot) {
   return slot < e->state->n_free + e->state->n_ghosts;
 }
+/* True if the slot holds a ghost. */
 static inline bool halo_is_ghost(const engine *e, size_t slot) {
   return slot >= e->state->n_free && slot < e->state->n_free + e->state->n_ghosts;
 }
-/* Slot in the whole, without a halo the slot itself: of a free disk, and of the slots that follow
- * behind all of them. */
+/* Returns the key of a slot in the global order: for a free disk or ghost its global slot, for
+ * other bodies a number above all of these. Without a halo it is the slot itself. */
 static inline uint64_t halo_order(const engine *e, size_t slot) {
   if (!e->halo) return slot;
   return halo_is_free(e, slot) ? e->halo->order[slot] : (uint64_t)UINT32_MAX + slot;
 }
-/* A contact that another rank counts, too: it belongs to the disk of the lower order. */
+/* True if this rank counts contact k. A contact with a ghost is listed by two ranks; the rank that
+ * owns the disk of lower order counts it. */
 static inline bool halo_counts(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   return !e->halo || !halo_is_ghost(e, (size_t)p->b[k]) ||
          e->halo->order[p->a[k]] < e->halo->order[p->b[k]];
 }
-/* dt^2/2 times the acceleration of a disk here or on another rank; 0 of prescribed bodies and of padding. */
+/* Returns dt^2/2 times the acceleration of a free disk or a ghost along coordinate c (SD_X or
+ * SD_Y); 0 for prescribed bodies and padding (slot -1). */
 static inline double halo_second(const engine *e, int32_t slot, int c) {
   const sd_state *s = e->state;
   if (slot < 0 || !halo_is_free(e, (size_t)slot)) return 0.0;
@@ -95,25 +110,30 @@ static inline double halo_second(const engine *e, int32_t slot, int c) {
   if ((size_t)slot < s->n_free) return (c == SD_X ? s->x2 : s->y2)[slot];
   return (c == SD_X ? e->halo->x2 : e->halo->y2)[(size_t)slot - s->n_free];
 }
+/* Appends a postponed change to a list. SD_ERROR_IO: no memory. */
 sd_status halo_wait_for(halo_waits *list, halo_wait wait);
 
-/* Collective, by one thread: */
-/* Bits of all ranks. */
+/* The functions below are called by one thread of each rank. All but halo_progress and
+ * halo_sum_prescribed are collective. */
+
+/* Returns the bitwise or of `bits` over all ranks, and clears them. */
 unsigned halo_agree(halo *h);
-/* Sends packed rows of own disks, as the step has them now; halo_finish waits, and fills the ghosts' rows. In between
- * halo_progress, now and then, keeps long messages moving. */
+/* halo_start sends the packed bodies of own disks as they are now; halo_finish waits for those of
+ * the ghosts and stores them. In between, calls of halo_progress keep long messages moving. */
 void halo_start(engine *e);
 void halo_progress(halo *h);
 void halo_finish(engine *e);
-/* Poses and velocities of own disks in the state to those of the ghosts, with their accelerations
- * when change is NULL. change: [n_ghosts] by how much their turn has changed, and where they were
- * before they went round the box; or NULL. */
+/* Updates poses and velocities of the ghosts in the state from those of the disks on their own
+ * ranks. change: NULL, and accelerations are updated, too; or [n_ghosts], set to the changes of the
+ * ghosts' turn and to their positions before they were wrapped around the box. */
 void halo_refresh(engine *e, halo_wait *change);
-/* After new lists: where rows of forces on prescribed bodies go. */
+/* Prepares `prescribed` for a new neighbour list. SD_ERROR_IO: no memory. */
 sd_status halo_list_prescribed(engine *e);
-/* Brings their rows together; sums_add_listed then takes the sums. */
+/* Gathers the rows of forces on prescribed bodies from all ranks; sums_add_listed then uses the
+ * sums. */
 void halo_gather_prescribed(engine *e);
-/* Sum of prescribed body k, after it. */
+/* Sets `sum` to the force sums of prescribed body k, counted from the first prescribed one, after
+ * halo_gather_prescribed. */
 void halo_sum_prescribed(const halo *h, size_t k, double *sum);
 
 #endif

@@ -1,4 +1,5 @@
-/* kernel_path.h: names and vector width of the instruction set a kernel_*.c is being compiled for. */
+/* kernel_path.h: name suffix and vector width of the instruction set that a kernel_*.c is compiled
+ * for. */
 #ifndef PHYSICS_KERNEL_PATH_H
 #define PHYSICS_KERNEL_PATH_H
 

@@ -1,4 +1,4 @@
-/* kernels.c: which instruction set to use. */
+/* kernels.c: chooses the instruction set of the kernels. */
 #include "physics/system/kernels.h"
 
 #include <assert.h>

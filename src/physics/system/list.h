@@ -1,4 +1,4 @@
-/* list.h: lists that grow in a step or while lists of neighbours are made, with the system. */
+/* list.h: growing lists, for use within a step or while neighbour lists are built. */
 #ifndef PHYSICS_LIST_H
 #define PHYSICS_LIST_H
 
@@ -6,8 +6,9 @@
 
 #include "base/memory.h"
 
-/* Room for one more behind n elements of the list whose pointer stands at `list`. False: there is
- * no memory. */
+/* Makes room for one more element after the n elements of a list, which may move. list: address of
+ * the pointer to its first element; size: bytes per element. Returns false if there is no
+ * memory. */
 static inline bool list_room(void *list, size_t n, size_t *capacity, size_t size) {
   if (n < *capacity) return true;
   const size_t more = 2 * n + 64;
@@ -18,13 +19,14 @@ static inline bool list_room(void *list, size_t n, size_t *capacity, size_t size
 
 /* --- growing lists of bodies or pairs, which may be as long as the system is large ------------ */
 
-/* Begins with {0}; goes with free(at). */
+/* List of numbers. Initialise it with {0}; release it with free(at). */
 typedef struct numbers {
   uint32_t *at;
   size_t n, capacity;
-  bool failed; /* no memory: some are missing */
+  bool failed; /* true: memory ran out, and some numbers are missing */
 } numbers;
 
+/* Appends k; without memory sets l->failed instead. */
 static inline void numbers_add(numbers *l, size_t k) {
   l->failed = l->failed || !list_room(&l->at, l->n, &l->capacity, sizeof *l->at);
   if (!l->failed) l->at[l->n++] = (uint32_t)k;

@@ -1,8 +1,8 @@
-/* work.h: what can be recomputed from model and state.
+/* work.h: data that can be recomputed from model and state.
  *
- * Rule: throwing work away and rebuilding it changes not one bit of what follows. The live contact memory
- * stands beside the candidate pairs (struct pairs) while a run goes on; contacts_store brings the closed
- * ones into the state's columns, contacts_load takes them from there.
+ * Rule: discarding the work and rebuilding it must not change any bit of the results. During a run
+ * the records of contacts are kept with the candidate pairs (struct pairs); contacts_store copies
+ * the records of closed contacts to the state's columns, contacts_load copies them back.
  */
 #ifndef PHYSICS_WORK_H
 #define PHYSICS_WORK_H
@@ -18,40 +18,43 @@
 #include "model/slot_table.h"
 #include "model/state.h"
 
-/* Contact constants of one pair of materials, ready for the law. */
+/* Contact constants of one pair of materials, in the form that the contact law uses. */
 typedef struct law_row {
-  double k_n, k_t, gamma_n, cap; /* cap: mu/k_t, 0 where frictionless */
-  double normal, tsuji;          /* number of the normal law; law_tsuji */
-  /* where laws are general (model/laws.h) */
-  double pulls;                     /* 1: damping may pull */
-  double cap_kinetic, mindlin, lag; /* mu_kinetic/k_t; 1: Mindlin's stiffness; gamma_t/k_t */
-  double k_r, cap_r, lag_r;         /* mu_r/k_r, gamma_r/k_r; 0 without k_r */
-  double bridge, pull_off, range, per_range; /* 1: a bridge; 1/range */
-  double broken, begins, ends; /* exp(-rupture/range); gaps at which a contact begins and ends */
+  double k_n, k_t, gamma_n, cap; /* cap: mu/k_t; 0 without k_t (frictionless) */
+  double normal, tsuji;          /* number of the normal law; factor law_tsuji of its damping */
+  /* The members below are only read if laws are general (LAW_GENERAL in model/law_features.h). */
+  double pulls; /* 1: damping may make the normal force attractive; 0: it may not */
+  double cap_kinetic, mindlin, lag; /* mu_kinetic/k_t; 1 for Mindlin's law, else 0; gamma_t/k_t */
+  double k_r, cap_r, lag_r;         /* k_r; mu_r/k_r; gamma_r/k_r; the ratios are 0 without k_r */
+  /* bridge: 1 for capillary bridges, 0 for constant or no attraction; per_range: 1/range. */
+  double bridge, pull_off, range, per_range;
+  /* e^(-rupture/range) of a bridge; gaps at which a contact begins, ends */
+  double broken, begins, ends;
 } law_row;
-enum {
-  LAW_MORE = (sizeof(law_row) - offsetof(law_row, pulls)) / sizeof(double)
-}; /* numbers from `pulls` on */
+/* Number of members of law_row from `pulls` on; LAW_PLACE: index of a member among these. */
+enum { LAW_MORE = (sizeof(law_row) - offsetof(law_row, pulls)) / sizeof(double) };
 #define LAW_PLACE(member) ((offsetof(law_row, member) - offsetof(law_row, pulls)) / sizeof(double))
 
-/* Eight pairs, each column one cache line, so that a pass reads one stream. The record (slipdisk/contact.h) goes through
- * the state at checkpoints and is carried over rebuilds; other columns are written by the function named. */
+/* Block of eight pairs. Each column of doubles is one cache line, so a pass over pairs reads one
+ * stream of memory. The record (slipdisk/contact.h) is saved in checkpoints, and carried over when
+ * the list is rebuilt; the other columns are written by the functions named beside them. */
 enum { PAIR_BLOCK = 8 };
 #define PAIR_COLUMN(name, unit, meaning) double name[PAIR_BLOCK];
 typedef struct pair_block {
-  _Alignas(64) int32_t packed_a[PAIR_BLOCK],
-      packed_b[PAIR_BLOCK];                     /* where the packed bodies begin; rows_list */
-  int32_t sum_a[PAIR_BLOCK], sum_b[PAIR_BLOCK]; /* where forces on them are added; rows_list */
+  /* Offsets of the bodies in work.packed, in doubles; pairs_list. */
+  _Alignas(64) int32_t packed_a[PAIR_BLOCK], packed_b[PAIR_BLOCK];
+  /* offsets in sums.row of their forces; pairs_list */
+  int32_t sum_a[PAIR_BLOCK], sum_b[PAIR_BLOCK];
   union {
     struct {
       SD_CONTACT_RECORD(PAIR_COLUMN)
     };
     double record[SD_CONTACT_COLUMNS][PAIR_BLOCK];
   };
-  int32_t law[PAIR_BLOCK]; /* row of the law table; neighbours_build */
+  int32_t law[PAIR_BLOCK]; /* index in work.laws; neighbours_build */
 } pair_block;
 
-/* The columns of laws that need more, of the same pairs. */
+/* Further columns of the record of the same eight pairs, for models with general laws. */
 typedef struct pair_more {
   union {
     struct {
@@ -62,79 +65,91 @@ typedef struct pair_more {
 } pair_more;
 #undef PAIR_COLUMN
 
-/* Column of pair k. */
+/* Value of pair k in a column of pair_block (PAIR) or pair_more (MORE). */
 #define PAIR(pairs, k, column)                                                                     \
   ((pairs)->block[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
 #define MORE(pairs, k, column)                                                                     \
   ((pairs)->more[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
 
-/* Bits of the contacts of a block, or bit 0 for one wall segment: it touched in the last evaluation; it slid there with
- * positive or negative torque. They go with the record. */
+/* Flags of the contacts of a block, one bit each (for a wall segment, bit 0 only): closed at the
+ * last evaluation; sliding there with positive or negative torque on both disks. Like the record,
+ * they are carried over when the list is rebuilt. */
 typedef struct pair_flags {
   uint8_t closed, slides_positive, slides_negative;
 } pair_flags;
 
-/* Candidate pairs: round ones at [0, n_round), those with ghosts (halo.h) at [first_ghost, end_ghost), wall segments at
- * [first_segment, count); each list is ordered by (slot of a, slot of b, segment), and begins with a whole block.
- * Padding between them and beyond the last has a = b = -1 and touches nothing. */
+/* Candidate pairs: round pairs in [0, n_round), pairs with ghosts (halo.h) in [first_ghost,
+ * end_ghost), wall segments in [first_segment, count). Each of these lists is ordered by (slot of
+ * a, slot of b, segment), and begins with a whole block. Padding after each list has a = b = -1 and
+ * is never in contact. */
 typedef struct pairs {
   size_t count, n_round, first_ghost, end_ghost, first_segment, capacity;
-  int32_t *a, *b; /* slots; neighbours_build */
-  int32_t *part;  /* segment; neighbours_build */
-  double *side;   /* of segments, goes with the record */
-  pair_block *block;
-  pair_more *more; /* NULL: no law needs it */
-  bool wants_more;
-  pair_flags *flags; /* of blocks of round pairs, then of single segments */
+  int32_t *a, *b;    /* slots of the two bodies; neighbours_build */
+  int32_t *part;     /* index of the wall segment; neighbours_build */
+  double *side;      /* nearest_point.side of closed contacts with segments; else 0 */
+  pair_block *block; /* columns of the pairs, PAIR_BLOCK of them in each */
+  pair_more *more;   /* columns that only general laws use; NULL: there are none */
+  bool wants_more;   /* true if the laws need `more` */
+  pair_flags *flags; /* one per block of round pairs, then one per wall segment */
 } pairs;
 
-/* The contacts of each body in order of the pairs: entry = 2 * pair + (1 if the body is b); neighbours_build. */
+/* Contacts of each body, in the order of the pairs; neighbours_build. */
 typedef struct incidence {
-  size_t *start; /* [n_bodies + 1] */
-  uint32_t *entry;
+  size_t *start;   /* [n_bodies + 1] first entry of each body */
+  uint32_t *entry; /* 2 * pair, + 1 if the body is b of this pair */
   size_t capacity;
 } incidence;
 
-/* What contacts do to bodies: force (x, y), and torque over the radius, about a straight wall's pivot the torque
- * itself. The fourth number is, on disks, the couple of rolling, a torque of opposite sign on the two (on walls it is part of what
- * turns); on straight walls the force along the surface. Pairs add to the row of a body, one after the other. Where the pairs of
- * a body are not all in the same share of a thread, or each force is wanted (prescribed bodies), each has a row of its
- * own, and gather adds them up: the order is the same, that of the pairs. */
+/* Force sums of the bodies, by contacts. A row has the force (x, y), the torque (over the radius
+ * for round bodies; for straight walls the torque itself, about the pivot), and a fourth number: on
+ * disks the couple of rolling resistance, a torque of opposite sign on the two (for walls it is
+ * part of the torque); on straight walls the force along the surface.
+ *
+ * Pairs add to the row of a body one after the other. If the pairs of a body are not all evaluated
+ * by one thread, or if each force is needed (prescribed bodies), each contact has a row of its own,
+ * and `gather` adds these rows up in the order of the pairs. So the order of summation is always
+ * the same. */
 enum { SUM_X, SUM_TURN, SUM_Y, SUM_COUPLE, SUM_ROW, SUM_SURFACE = SUM_COUPLE };
-/* what has the same sign on both bodies is odd: add4 in base/lane.h */
+/* add4 in base/lane.h adds numbers at odd indices with the same sign to both bodies */
 _Static_assert(SUM_X % 2 == 0 && SUM_Y % 2 == 0 && SUM_TURN % 2 == 1, "add4");
 typedef struct sums {
-  double *row;      /* [rows of bodies + entries of listed bodies][SUM_ROW] */
-  size_t end;       /* rows */
-  uint32_t *listed; /* slots, ascending */
+  /* [rows][SUM_ROW] rows of bodies, then one row per contact of each listed body */
+  double *row;
+  size_t end;       /* number of rows */
+  uint32_t *listed; /* slots of the bodies with one row per contact, ascending */
   size_t n_listed;
-  size_t *single; /* [n_listed + 1] first row of each */
+  size_t *single; /* [n_listed + 1] first row of each listed body */
   size_t capacity, listed_capacity;
 } sums;
 
 enum { WORK_MAX_THREADS = 64 };
 
-/* Chunks of free disks; chunks.h. Lists of chunks by chunk: those of k stand at [start[k], start[k + 1]). */
+/* Chunks of free disks with consecutive slots; chunks.h. */
 typedef struct chunks {
-  size_t size, count, capacity; /* disks in each, at most */
+  size_t size, count, capacity; /* size: largest number of disks in a chunk */
   int n_threads;
-  size_t *begin;          /* [count + 1] first disk */
-  uint32_t *of_disks;     /* chunk of each CHUNK_STEP disks */
-  size_t *pair, *segment; /* [count + 1] where its round pairs and its pieces begin */
+  size_t *begin;      /* [count + 1] slot of the first disk of each chunk */
+  uint32_t *of_disks; /* chunk of each group of CHUNK_STEP disks */
+  /* [count + 1] first round pair and first wall segment pair of each chunk */
+  size_t *pair, *segment;
+  /* need_start: [count + 1] first entry of each chunk in `need` */
   size_t *need_start, need_capacity;
-  uint32_t *need;                     /* chunks that its pairs see */
-  size_t share[WORK_MAX_THREADS + 1]; /* of each thread: the first chunk */
-  bool *boundary_first,
-      *boundary_last; /* wanted by another thread's pairs; pushed by another thread's pairs */
-  bool any_boundary_first;
-  bool shares;        /* others take over rows of earlier ones */
-  size_t *row, rows;  /* of its first disk, in packed bodies and sums; how many there are */
-  int64_t *predicted; /* the step whose predicted coordinates its disks have; step */
-  int64_t *packed;    /* and whose its packed bodies show; step */
+  uint32_t *need; /* chunks whose disks the pairs of each chunk read, itself included */
+  size_t share[WORK_MAX_THREADS + 1]; /* first chunk of each thread */
+  /* boundary_first: pairs of other threads or ranks read its disks; boundary_last: pairs of other
+   * threads add forces to its disks. */
+  bool *boundary_first, *boundary_last;
+  bool any_boundary_first; /* true if boundary_first is true for some chunk */
+  bool shares;             /* true if later chunks reuse rows of earlier ones */
+  /* row of each chunk's first disk in work.packed and sums; number of these rows */
+  size_t *row, rows;
+  int64_t *predicted; /* step of each chunk's predicted coordinates; see step.c */
+  int64_t *packed;    /* step of each chunk's packed bodies; see step.c */
 } chunks;
 
-/* What a pass over pairs reads of a body, one cache line each. Predictor and motion_pose write it with the pose. Free
- * disks have a row here and in sums only while pairs want them (chunks_plan_rows). arc: R theta. */
+/* Packed body: the numbers that a pass over pairs reads of a body, one cache line. Written together
+ * with the pose by the predictor and by motion_pose. Free disks have a row here and in sums only
+ * while pairs need it (chunks_plan_rows). PACKED_ARC: R theta. */
 enum {
   PACKED_X,
   PACKED_ARC,
@@ -142,189 +157,210 @@ enum {
   PACKED_RADIUS,
   PACKED_VX,
   PACKED_VY,
-  PACKED_INVERSE_MASS, /* 0 of prescribed bodies; where laws are not all plain */
-  PACKED_SPIN,         /* R omega, likewise */
+  PACKED_INVERSE_MASS, /* 1/mass, 0 for prescribed bodies; only set with LAW_NORMAL */
+  PACKED_SPIN,         /* R omega; only set with LAW_DASHPOT or LAW_ROLLING */
   PACKED_ROW = 8
 };
-/* of two bodies the differences of even numbers are wanted, and the sums of odd ones: across4 in base/lane.h */
+/* across4 in base/lane.h takes differences b - a at even indices, and sums at odd ones */
 _Static_assert(PACKED_X % 2 == 0 && PACKED_Y % 2 == 0 && PACKED_ARC % 2 == 1 &&
                    PACKED_RADIUS % 2 == 1,
                "across4");
 _Static_assert(PACKED_VY == PACKED_VX + 1, "across2");
 
-/* A piece of a wall in space; walls_pose. Of an arc: x, y are the centre, fx ... my its directions. */
+/* Wall segment in space: straight, an arc, or an end point of an arc; walls_pose. */
 typedef struct placed_segment {
-  double x, y, tx, ty, length, px, py; /* start, tangent, length, tangent of the piece before */
-  double end_x, end_y;                 /* start of the piece that follows; joined */
-  double backwards; /* -length of what extends before the start: -HUGE_VAL for a line, else 0 */
-  double arc;
+  /* Start (for an arc: centre of the circle), unit tangent, length, tangent of the segment
+   * before. */
+  double x, y, tx, ty, length, px, py;
+  double end_x, end_y; /* start of the next segment; only if `joined` */
+  double backwards;    /* least coordinate along the tangent: -HUGE_VAL for a line, else 0 */
+  double arc;          /* arc length along the wall at the start, for an arc at its middle */
+  /* end_cap: the far end is free and is touched as a point; joined: a segment follows; wide: an arc
+   * of more than half a turn. */
   bool end_cap, joined, wide;
-  bool shared, meets;        /* one of its ends is another piece's, too; one of another wall */
-  bool image[2];             /* along these directions it has periodic images */
-  int cells[2];              /* the piece that follows starts so many periods from (end_x, end_y) */
-  double middle_x, middle_y; /* of the piece, from (x, y) */
-  double shift_x, shift_y;   /* of an image, from the piece itself */
-  sd_piece piece;
-  double c, i; /* cosine and sine of the wall's angle; 0, 0: not placed yet */
-  double radius, fx, fy, lx, ly, mx,
-      my; /* arc: of its first and last end, and of the middle between */
+  bool shared, meets; /* another segment shares one of its ends; one of another wall does */
+  bool image[2];      /* true along directions in which it has periodic images */
+  int cells[2];       /* number of periods from (end_x, end_y) to the start of the next segment */
+  double middle_x, middle_y; /* vector from (x, y) to the middle of the segment */
+  double shift_x, shift_y;   /* displacement of an image from the original; 0 for the original */
+  sd_piece piece;            /* straight, arc, or first or last end point of an arc */
+  double c, i;               /* cosine and sine of the wall's angle; both 0: not placed yet */
+  /* Only for arcs: radius, and unit vectors from the centre to the first end, last end and
+   * middle. */
+  double radius, fx, fy, lx, ly, mx, my;
 } placed_segment;
 
-/* Pairs that need rare, serial treatment after the pass: contacts that ended (with the energy they dropped), began,
- * turned far from their reference direction, or overlap beyond the limit. Or a disk that must return into its range. */
+/* Rare event, handled serially after the pass: a contact that ended (with the energy that it
+ * dropped), began, turned far from its reference direction, or overlaps by more than the limit; or
+ * a disk whose angle or position must be wrapped. */
 typedef struct event {
-  uint32_t index;  /* of the pair, or the disk's slot */
-  uint64_t at;     /* place in the order of events; contacts_events */
+  uint32_t index;  /* index of the pair, or slot of the disk */
+  uint64_t at;     /* key by which events are sorted; contacts_events */
   double dropped;  /* energy left in a contact that opened, or lost in a bridge that formed */
-  bool was_closed; /* before the pass */
-  bool unbooked;   /* ended, but never touched here */
+  bool was_closed; /* true if the contact was closed before the pass */
+  bool unbooked;   /* true for a contact of a packing that is open at step 0: no loss is booked */
 } event;
 
 typedef struct event_list {
   event *item;
   size_t count, capacity;
-  bool failed; /* no memory */
+  bool failed; /* true: memory ran out, and items are missing */
 } event_list;
 
-/* Where one coordinate of the free disks stands in the state, and what pushes it; engine_build. */
+/* Columns of one coordinate (x, y or theta) of all free disks, by slot. q: coordinate; v: its
+ * velocity; qn: its n-th derivative times dt^n/n!; force: force (or torque) by contacts; constant:
+ * force that does not come from contacts; inverse: inverse mass or inertia, 0 if locked or
+ * prescribed. */
 typedef struct columns {
   double *q, *v, *q2, *q3, *q4, *q5;
   double *force;
   const double *constant, *inverse;
 } columns;
 
-/* Rigid bodies of several free disks; system/clumps.c. */
+/* Clumps: rigid bodies of several free disks; system/clumps.c. */
 typedef struct clumps {
-  size_t count;     /* 0: there are none, and nothing below */
-  bool pushed;      /* constant forces or fields act on single disks */
-  size_t *start;    /* [count + 1] the disks of each, by their numbers, in what follows */
-  uint32_t *member; /* slots */
-  double *offset_x, *offset_y,
-      *offset_theta;               /* from the centre, in the frame of the clump; of the angle */
-  double *arm_x, *arm_y;           /* the same in space, when the disks were last placed */
-  int32_t *of;                     /* [n_free] clump of the disk in each slot, -1: none */
-  double *clumped;                 /* [n_free] 1 of their disks, 0 of others */
-  double *contact_mass;            /* [n_free] of a disk, or of its clump */
-  double *alpha, *alpha_rotation;  /* of non-viscous damping, on the clump as a whole */
-  columns columns[SD_COORDINATES]; /* as those of the free disks */
+  size_t count;     /* number of clumps; 0: all members below are unset */
+  bool pushed;      /* true if constant forces act on single disks of a clump */
+  size_t *start;    /* [count + 1] first disk of each clump in the columns from member to arm_y */
+  uint32_t *member; /* slots of the disks of each clump, in the order of their body numbers */
+  /* Position and angle of each disk relative to the centre, in the frame of the clump. */
+  double *offset_x, *offset_y, *offset_theta;
+  /* offset_x, offset_y turned to space, as of when the disks were last placed */
+  double *arm_x, *arm_y;
+  int32_t *of;          /* [n_free] clump of the disk in each slot; -1: none */
+  double *clumped;      /* [n_free] 1 for disks in clumps, 0 for others */
+  double *contact_mass; /* [n_free] mass of the disk, or of its clump; enters m_eff of contacts */
+  /* [count] coefficients of non-viscous damping of the whole clump */
+  double *alpha, *alpha_rotation;
+  /* columns of the clumps' coordinates, like those of free disks */
+  columns columns[SD_COORDINATES];
 } clumps;
 
-/* A contact with an image, and its force on the body b. */
+/* Contact of a disk a with a periodic image of body b. */
 typedef struct crossing {
-  double fx, fy, nx, ny; /* cells that b is away */
+  double fx, fy, nx, ny; /* force on b; number of cells from the image to b, along x and y */
 } crossing;
 
 typedef struct crossing_list {
   crossing *item;
   size_t count, capacity;
-  bool failed; /* no memory */
+  bool failed; /* true: memory ran out, and items are missing */
 } crossing_list;
 
-/* A box that deforms: cell.h. */
+/* Deforming periodic box; cell.h. */
 typedef struct work_cell {
-  bool on;           /* images are shifted or move, in this phase */
-  double speed[3];   /* of the lengths and the offset, length/time */
-  double list[3];    /* lengths and offset when the lists were built */
-  int64_t step;      /* of which work has the box, ... */
-  int64_t list_step; /* and of that of the lists */
-  double drift[2];   /* mean velocity beside that of the box when the lists were built */
-  double map[3];     /* of positions since then, less 1, xx, yy, xy; after the coming step */
-  double shift[2];   /* and what the drift adds */
+  bool on;           /* true in phases in which periodic images are shifted or move */
+  double speed[3];   /* rates of change of the two lengths and the offset, length/time */
+  double list[3];    /* lengths and offset when the neighbour list was built */
+  int64_t step;      /* step for which work has the shape of the box */
+  int64_t list_step; /* step whose shape the neighbour list was built for */
+  double drift[2];   /* mean velocity of disks relative to the box when the list was built */
+  /* Affine map of positions from when the list was built to the end of the coming step, minus the
+   * identity: xx, yy, xy. */
+  double map[3];
+  double shift[2]; /* displacement by `drift` in the same time */
 } work_cell;
 
-/* Per thread, cache lines of its own. */
+/* Data of one thread, in cache lines of its own. */
 typedef struct thread_work {
-  _Alignas(
-      64) bool stale; /* a body will have moved too far since the lists were built, or nowhere; correct kernels */
-  bool fast;               /* a disk is beyond the displacement limit; correct kernels */
-  event_list events;       /* pairs kernels, commit pass */
-  crossing_list crossings; /* pairs kernels, of a box that deforms */
-  event_list returns; /* disks whose theta or position must return into range; correct kernels */
+  /* true: a body has moved or will move too far for the neighbour list, or its position is not a
+   * number; set by the correct kernels and by motions. */
+  _Alignas(64) bool stale;
+  bool fast;               /* a body is beyond the displacement limit; set like `stale` */
+  event_list events;       /* events of pairs, noted by the pairs kernels */
+  crossing_list crossings; /* contacts across the edge of a deforming box, by the pairs kernels */
+  /* bodies whose angle or position must be wrapped; by the correct kernels */
+  event_list returns;
 } thread_work;
 
-typedef struct body_forces body_forces; /* fields.h */
-typedef struct fields fields;           /* fields.h */
-typedef struct motions motions;         /* motion.h */
-typedef struct lanes lanes;             /* lanes.h */
+typedef struct body_forces body_forces; /* defined in fields.h */
+typedef struct fields fields;           /* defined in fields.h */
+typedef struct motions motions;         /* defined in motion.c */
+typedef struct lanes lanes;             /* defined in lanes.h */
 typedef struct engine engine;
-typedef struct halo halo;       /* halo.h */
-typedef struct kernels kernels; /* kernels.h */
+typedef struct halo halo;       /* defined in halo.h */
+typedef struct kernels kernels; /* defined in kernels.h */
 
 typedef struct work {
-  /* constants of the model in the form the loops want; engine_new */
-  double dt, per_dt, half_dt2;
-  double
-      speed_limit2; /* squared speed over squared radius beyond which a disk is noted; speed_begin */
-  bool compare_motions; /* prescribed bodies may be beyond the limit of displacement; speed_begin */
-  bool conservative, periodic[2];
-  double lower[2], upper[2], length[2],
-      inverse_length[2]; /* box; lengths 0, bounds infinite where open */
-  double offset;         /* of a row of cells against the one below */
+  /* Constants of the model in the form that the loops use; engine_new. */
+  double dt, per_dt, half_dt2; /* time step, 1/dt, dt^2/2 */
+  /* Limit of (speed/radius)^2 above which a disk exceeds the displacement limit; infinite: not
+   * checked; speed_begin. */
+  double speed_limit2;
+  bool compare_motions; /* true: prescribed bodies are checked for the displacement limit, too */
+  bool conservative, periodic[2]; /* conservative: false for the paper's tangential force */
+  /* Periodic box; along open directions lengths are 0 and bounds infinite. */
+  double lower[2], upper[2], length[2], inverse_length[2];
+  double offset; /* shift of each row of periodic cells against the row below, along x */
   work_cell cell;
-  law_row *laws;
-  bool one_law;
-  unsigned features; /* of all laws (model/laws.h), 0: plain */
-  bool stale;        /* the lists, for the coming step; step_once */
-  int64_t
-      show_from; /* from this step on the forces on free disks are wanted in the state; step_begin */
-  bool predict_all; /* all disks are predicted before anything else is done; step_begin */
-  double *inverse_mass_x, *inverse_mass_y,
-      *inverse_inertia;                              /* [n_free], 0 where held or prescribed */
-  double *constant_x, *constant_y, *constant_torque; /* [n_free] gravity and body force */
-  bool nothing_constant[SD_COORDINATES];             /* the same is 0 for all */
+  law_row *laws; /* [n_materials^2] law of materials i, j in row i n_materials + j */
+  bool one_law;  /* true if all rows of `laws` are the same */
+  /* LAW_ bits of all laws (law_features.h); 0: k_n, gamma_n, k_t and mu suffice */
+  unsigned features;
+  bool stale;        /* true: the neighbour list must be rebuilt for the coming step; step_once */
+  int64_t show_from; /* first step whose forces on free disks are stored in the state; step_begin */
+  bool predict_all;  /* true: a step predicts all disks before it evaluates forces; step_begin */
+  /* [n_free] inverse masses and moments of inertia; 0 for locked or prescribed coordinates. */
+  double *inverse_mass_x, *inverse_mass_y, *inverse_inertia;
+  double *constant_x, *constant_y, *constant_torque; /* [n_free] gravity plus constant force */
+  bool nothing_constant[SD_COORDINATES]; /* true if columns[].constant is 0 for all disks */
   columns columns[SD_COORDINATES];
   clumps clumps;
-  void *arena;      /* columns of these, and poses when the lists were built */
-  slot_table slots; /* by body number; of clump k: bodies + k */
+  void *arena;      /* memory of the columns above, and of the poses x0, y0, theta0 */
+  slot_table slots; /* slots by body number; clump k has the number (count of bodies) + k */
   const kernels *kernels;
   int n_threads;
 
-  /* lists; neighbours_build */
-  pairs pairs, spare; /* spare: room for the next build */
+  /* Neighbour list, and data that follow from it; neighbours_build. */
+  pairs pairs, spare; /* spare: memory for the next list */
   incidence incidence;
   sums sums;
   chunks chunks;
-  int32_t *row;   /* [n_bodies + 1] of each body in packed and sums; the last is that of padding */
-  double *packed; /* [rows of bodies][PACKED_ROW] */
-  size_t packed_capacity;    /* rows */
-  double least_limit;        /* of the overlap, of the smallest body */
-  double margin;             /* largest gap at which a contact begins or ends */
-  double skin, moved_limit2; /* squared displacement that makes the lists stale */
-  double list_scale;         /* state->box_scale when the lists were built */
-  double *x0, *y0, *theta0;  /* [n_bodies] poses when the lists were built, in today's lengths */
-  double *reach; /* [n_walls] largest distance from the pivot that matters when the wall turns */
-  int64_t builds, built_at; /* how often; step of the last */
-  double mean_radius;  /* harmonic mean of the disks: most pairs are of small ones; engine_build */
-  double surface_unit; /* a power of two no less; engine_build */
-  placed_segment *segments; /* walls_pose */
-  uint32_t *pieces; /* of walls that are in the list of pairs, ascending; neighbours_build */
+  int32_t *row; /* [n_bodies + 1] row of each body in `packed` and sums; last: the row of padding */
+  double *packed;            /* [rows][PACKED_ROW] packed bodies */
+  size_t packed_capacity;    /* number of rows that `packed` has room for */
+  double least_limit;        /* largest overlap that is allowed for the smallest body */
+  double margin;             /* largest gap at which a contact begins or ends (cohesion) */
+  double skin, moved_limit2; /* Verlet margin; squared displacement at which the list is stale */
+  double list_scale;         /* state->box_scale when the list was built */
+  /* [n_bodies] poses when the list was built, rescaled with the box since */
+  double *x0, *y0, *theta0;
+  /* [n_walls] distance from the pivot to the farthest wall point in reach of disks */
+  double *reach;
+  int64_t builds, built_at; /* number of list builds; step of the last one */
+  double mean_radius;       /* harmonic mean radius of the disks: most pairs are of small disks */
+  double surface_unit;      /* smallest power of two that is at least mean_radius */
+  placed_segment *segments; /* [n_segments] wall segments in space; walls_pose */
+  uint32_t *pieces;         /* indices of the segments in the list of pairs, ascending */
   size_t n_pieces;
-  int64_t *watched; /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
+  int64_t *watched; /* [2 n_slides] pair of each watched contact; -1: not in the list */
 
   motions *motions;
-  body_forces *body_forces; /* NULL: the model has no fields */
-  lanes *lanes;             /* of this system alone; NULL: the general step only */
-  thread_work *threads;     /* [n_threads] */
-  sd_status
-      status; /* of the step that is being done; set by one thread, read by all after a wait */
+  body_forces *body_forces; /* NULL: the model has no force fields */
+  /* stepper for small systems, holding this system only; NULL: only the general step is used */
+  lanes *lanes;
+  thread_work *threads; /* [n_threads] data of each thread */
+  /* status of the present step; set by one thread, read by all after a wait */
+  sd_status status;
   sd_messages *messages;
 } work;
 
-/* One system. The physics below run/ works on this. */
+/* One system: model, state, and work. All code below run/ operates on this. */
 struct engine {
   const sd_model *model;
   sd_state *state;
-  fields *fields;   /* NULL: none */
-  halo *halo;       /* NULL: this process has all disks */
-  const comm *comm; /* whose ranks have the other disks; NULL: a rank alone */
-  /* engine_renew of one of several ranks, and what these know of the run; NULL: of one alone */
+  fields *fields;   /* force fields of the calling program; NULL: none */
+  halo *halo;       /* exchange of ghosts with other ranks; NULL: this process has all disks */
+  const comm *comm; /* communicator of the ranks that share the disks; NULL: one process */
+  /* Function that rebuilds the lists on several ranks, and their data; both NULL in one process. */
   sd_status (*renew)(engine *e, sd_messages *messages);
   struct ranks *ranks;
-  pool *pool; /* of work.n_threads or fewer, of the owner; NULL: one thread does it all */
+  pool *pool; /* threads, at most work.n_threads, not owned; NULL: one thread does all the work */
   work work;
 };
 
-/* The threads that make lists; NULL with few disks, where one is as fast. */
+/* Returns the threads that build lists; NULL below WORK_TOGETHER free disks, where one is as
+ * fast. */
 enum { WORK_TOGETHER = 1000 };
 static inline pool *work_pool(const engine *e) {
   return e->state->n_free < WORK_TOGETHER ? NULL : e->pool;
