@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
-#include "run/ranks_first.h"
+#include "run/ranks.h"
 #include "run/simulation_private.h"
 #include "slipdisk/deck.h"
 

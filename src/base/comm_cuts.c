@@ -6,7 +6,6 @@
 
 #include "base/memory.h"
 #ifdef SD_HAVE_MPI
-#include "base/comm_cuts_zoltan.h"
 #endif
 
 typedef struct rectangle {

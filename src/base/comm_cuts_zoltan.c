@@ -1,7 +1,7 @@
 /* comm_cuts_zoltan.c: the division of the plane among the ranks of an MPI job, by Zoltan; see
  * comm_cuts.h. Empty in builds without MPI. */
 #ifdef SD_HAVE_MPI
-#include "base/comm_cuts_zoltan.h"
+#include "base/comm_cuts.h"
 
 #include <assert.h>
 #include <float.h>

@@ -12,7 +12,6 @@
 #include "model/model.h"
 #include "model/motions.h"
 #include "model/state.h"
-#include "model/visits.h"
 #include "slipdisk/measure.h"
 
 /* Returns the systematic error due to a drift. For a record without noise, exp(-t/T) has the mean

@@ -1,5 +1,5 @@
-/* region.c: areas and lengths within a rectangle or a drum (see region.h). */
-#include "measure/region.h"
+/* region.c: areas and lengths within a rectangle or a drum (see configuration.h). */
+#include "measure/configuration.h"
 
 #include <math.h>
 

@@ -15,7 +15,7 @@
 
 #include "base/comm.h"
 #include "base/exact_sum.h"
-#include "model/slot_table.h"
+#include "model/state.h"
 
 typedef struct resultant {
   double force_x, force_y, torque;

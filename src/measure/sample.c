@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "model/visits.h"
+#include "model/state.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
 #include "physics/system/bodies.h"

@@ -12,7 +12,7 @@
 /* Adds warnings to messages, the most severe first, and returns the severity, 0: no warning.
  * Values of one check are comparable between models; values of different checks are not. */
 typedef double advice_check(const sd_model *model, sd_messages *messages);
-/* Warns of fields; advice_fields.c. */
+/* Warns of fields; advice_bodies.c. */
 advice_check advice_fields;
 /* Warns of motions; advice_bodies.c. */
 advice_check advice_motions;

@@ -1,5 +1,4 @@
 /* finish.c: checks a model and derives its tables; see slipdisk/model.h. */
-#include "model/finish.h"
 
 #include <assert.h>
 #include <float.h>
@@ -10,7 +9,6 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "model/advice.h"
-#include "model/arc.h"
 #include "model/cell.h"
 #include "model/clumps.h"
 #include "model/field_kinds.h"

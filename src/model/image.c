@@ -1,17 +1,16 @@
-/* image.c: serializes and restores a model; see image.h.
+/* image.c: serializes and restores a model; see model.h.
  *
  * One walk over everything that a model owns, in a fixed order, serves writing and reading: the
  * struct, then each array, then what the elements of the array point to. Pointers are stored as
  * zeros.
  */
-#include "model/image.h"
+#include "model/model.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
-#include "model/finish.h"
 #include "slipdisk/model.h"
 
 /* State of a walk that writes or reads a serialized model. */

@@ -4,7 +4,6 @@
 #define SLIPDISK_MODEL_LAWS_H
 
 #include "model/keys.h"
-#include "model/law_features.h"
 #include "model/model.h"
 
 extern const deck_table law_table;

@@ -1,7 +1,7 @@
 /* loads.c: walls that move under the forces of the disks (loads and servos): the side on which
- * the disks are, and checks before a run; see finish.h. */
-#include "model/arc.h"
-#include "model/finish.h"
+ * the disks are, and checks before a run; see model.h. */
+#include "model/walls.h"
+#include "model/model.h"
 
 #include <math.h>
 

@@ -307,4 +307,73 @@ sd_status model_tell_mistakes(sd_model *model, sd_messages *messages);
 /* Adds the collected errors of one model to those of another. */
 void model_copy_mistakes(sd_model *to, const sd_model *from);
 
+/* --- checks of a complete model and its derived tables, after which the model is const -------- */
+
+/* Does what sd_model_finish does for a model whose warnings were reported before: reports errors
+ * only. */
+sd_status model_finish_again(sd_model *model, sd_messages *messages);
+
+/* Collective. Distributes a finished model: each rank keeps the rows that all must know and its
+ * own part (rows_part; below `few` free disks rank 0 has all), after the results that need all
+ * disks, warnings and the limit of the time step, have been stored. SD_ERROR_IO: out of memory. */
+sd_status model_part(sd_model *m, size_t few);
+
+/* Checks motions of the kinds load and servo: their ranges, the bodies that they move, and that
+ * no other motion moves the same coordinate. Warns of a wall that is pushed away from all disks. */
+void loads_check(const sd_model *model, sd_messages *messages);
+/* Warns if the time step is long for a load on as many disks as fit side by side along its wall.
+ * The laws and n_free must be known. */
+void loads_check_steps(const sd_model *model, sd_messages *messages);
+
+/* A model serialized to bytes, from which the same program restores it; used for clones
+ * and saved simulations. */
+
+/* Returns the model as *size bytes, followed by a 32-bit zero; the caller frees them. NULL: out
+ * of memory. Equal models give equal bytes. The model must not be distributed over ranks. */
+void *image_of_model(const sd_model *model, size_t *size);
+/* Restores a model in *out, finished if the original was; the caller frees it with
+ * sd_model_free. SD_ERROR_USER: the bytes are those of another version; SD_ERROR_IO: damaged, or
+ * out of memory; *out is then NULL. */
+sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages *messages);
+
+/* --- circular arcs ------------------------------------------------------------------------------ */
+
+/* Number of points that trace an arc, evenly spaced from end to end; and the largest angle of an
+ * arc, 2 pi plus a margin for rounding. */
+enum { ARC_POINTS = 129 };
+#define ARC_RING 6.283185307179588
+
+/* True if the arc is a full circle, which has no ends. */
+bool arc_is_ring(const sd_wall *arc);
+/* Fills the ARC_POINTS points that trace the arc. */
+void arc_trace(sd_wall *arc);
+/* Makes the three segments of an arc, whose numbers in the model start at `number`: end, curve,
+ * end, or three thirds of a full circle. */
+void arc_pieces(const sd_wall *arc, uint32_t body, sd_segment piece[3], int64_t number);
+/* Distance from the point `at` to the arc, >= 0. */
+double arc_distance(const sd_wall *arc, const double at[2]);
+
+/* --- flags of the parts of the contact law that a model needs --------------------------------- */
+
+/* Parts of the contact law beyond the linear one with gamma_n, k_t and mu; the contact passes
+ * omit parts that no law of the model has. */
+enum {
+  LAW_NORMAL = 1,  /* normal law not linear, or damped by a coefficient of restitution */
+  LAW_PULLS = 2,   /* normal damping that may make the force attractive */
+  LAW_KINETIC = 4, /* friction coefficient of sliding contacts below mu */
+  LAW_MINDLIN = 8,
+  LAW_DASHPOT = 16, /* tangential viscosity */
+  LAW_ROLLING = 32,
+  LAW_COHESION = 64,
+  LAW_BRIDGE = 128, /* capillary bridges */
+  LAW_GENERAL = ~LAW_NORMAL
+};
+/* Flags of one law; 0 if it is not given. */
+unsigned law_features(const sd_contact_law *law);
+/* Flags of all laws of the model. */
+unsigned laws_features(const sd_model *model);
+
+/* Effective radius of rolling, R_a R_b/(R_a + R_b); on a straight wall (rb = 0) R_a. */
+static inline double law_arm(double ra, double rb) { return rb == 0.0 ? ra : ra * rb / (ra + rb); }
+
 #endif

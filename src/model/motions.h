@@ -48,7 +48,7 @@ typedef struct motion_kind {
   signal_source source;
   /* Amplitude A of which the largest acceleration is a omega^2; NULL: the kind has none. */
   double (*amplitude)(const sd_motion *motion, double a);
-  /* Reports errors for sd_model_finish; NULL: none of its own. loads_check (finish.h) checks
+  /* Reports errors for sd_model_finish; NULL: none of its own. loads_check (model.h) checks
    * feedback. */
   void (*check)(const sd_motion *motion, double dt, const char *name, sd_messages *messages);
 } motion_kind;

@@ -13,7 +13,6 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "model/arc.h"
 #include "model/clumps.h"
 #include "model/walls.h"
 

@@ -6,7 +6,7 @@
  * of all ranks. In one process, without a communicator, the rows are all disks.
  *
  * Before its run begins a rank keeps the rows that all ranks must know, and its own part of the
- * others (model_part in finish.h).
+ * others (model_part in model.h).
  */
 #ifndef SLIPDISK_MODEL_ROWS_H
 #define SLIPDISK_MODEL_ROWS_H

@@ -8,8 +8,7 @@
 
 #include "base/memory.h"
 #include "model/cell.h"
-#include "model/law_features.h"
-#include "model/visits.h"
+#include "model/model.h"
 #include "model/walls.h"
 #include "slipdisk/deck.h"
 
@@ -545,4 +544,93 @@ const sd_field *sd_state_difference(const sd_state *a, const sd_state *b) {
       return f;
   }
   return NULL;
+}
+
+/* --- table of the slots of bodies, an array or a hash table ----------------------------------- */
+
+void slot_table_free(slot_table *t) {
+  free(t->slot);
+  free(t->body);
+  *t = (slot_table){0};
+}
+
+void slot_table_fill(slot_table *t, const sd_state *s) {
+  for (uint32_t k = 0; t->body && k <= t->mask; k++) t->body[k] = SLOT_NONE;
+  for (uint32_t i = 0; i < s->n_bodies; i++) {
+    uint32_t k = t->body ? slot_table_home(t, s->id[i]) : s->id[i];
+    assert(s->id[i] < t->n_bodies);
+    while (t->body && t->body[k] != SLOT_NONE) {
+      assert(t->body[k] != s->id[i]);
+      k = (k + 1) & t->mask;
+    }
+    if (t->body) t->body[k] = s->id[i];
+    t->slot[k] = i;
+  }
+  for (uint32_t c = 0; c < s->n_clumps; c++) t->slot[s->n_bodies + c] = (uint32_t)s->n_bodies + c;
+}
+
+bool slot_table_new(slot_table *t, const sd_state *s, size_t n_bodies) {
+  size_t n = n_bodies + s->n_clumps, entries = 0;
+  *t = (slot_table){.n_bodies = n_bodies};
+  assert(s->n_bodies <= n_bodies && (s->n_bodies == n_bodies || s->n_clumps == 0));
+  assert(s->n_bodies <= UINT32_MAX / 4);
+  if (s->n_bodies < n_bodies) {
+    t->shift = 31;
+    for (n = 16; n < 2 * s->n_bodies; n *= 2) t->shift--;
+    entries = n;
+  }
+  if (!memory_resize_row(&t->slot, n, sizeof *t->slot)) return false;
+  if (entries > 0 && !memory_resize_row(&t->body, entries, sizeof *t->body)) {
+    slot_table_free(t);
+    return false;
+  }
+  t->mask = (uint32_t)(n - 1);
+  slot_table_fill(t, s);
+  return true;
+}
+
+/* --- sums of the visits to sliding configurations --------------------------------------------- */
+
+double visits_left(const sd_state *s, size_t k, int64_t now) {
+  int64_t since = s->visit_since[k];
+  if (s->visit_class[k] == VISIT_NONE || since < 0) return HUGE_VAL;
+  int b = visits_octave(s->visit_from[k] - since);
+  return b < VISIT_AGES - 1 ? (double)(since + ((int64_t)VISIT_YOUNG << b) - now) : HUGE_VAL;
+}
+
+/* Adds the sums of the current part of pair k to those of its class, and begins a new part. */
+static void end_part(sd_state *s, size_t k, const double *part, size_t stride, int64_t now) {
+  size_t class = VISIT_CLASSES * k + (size_t)s->visit_class[k];
+  double *sum = s->visit_sum + VISIT_SUMS * class;
+  assert(s->visit_class[k] >= 0 && s->visit_class[k] < VISIT_CLASSES && now >= s->visit_from[k]);
+  if (s->visit_since[k] >= 0) {
+    size_t bin = VISIT_AGES * class + (size_t)visits_octave(s->visit_from[k] - s->visit_since[k]);
+    s->visit_age_torque[bin] += part[VISIT_TORQUE * stride];
+    s->visit_age_steps[bin] += now - s->visit_from[k];
+  }
+  for (size_t q = 0; q < VISIT_SUMS; q++) sum[q] += part[q * stride];
+  s->visit_from[k] = now;
+}
+
+void visits_next(sd_state *s, size_t k, int class, const double *part, size_t stride, int64_t now) {
+  const int was = s->visit_class[k];
+  if (was != VISIT_NONE) end_part(s, k, part, stride, now);
+  if (class == was) return;
+  if (was != VISIT_NONE && s->visit_since[k] >= 0) {
+    size_t ended = VISIT_CLASSES * k + (size_t)was;
+    int64_t steps = now - s->visit_since[k];
+    s->visit_count[ended]++;
+    s->visit_steps[ended] += steps;
+    s->visit_steps2[ended] += (double)steps * (double)steps;
+  }
+  s->visit_since[k] = was == VISIT_NONE ? -1 : now;
+  s->visit_from[k] = now;
+  s->visit_class[k] = class;
+}
+
+void visits_cut(sd_state *s, size_t k) {
+  double *part = s->visit_part + VISIT_SUMS * k;
+  if (s->measured > 0 && s->visit_class[k] != VISIT_NONE) end_part(s, k, part, 1, s->measured);
+  memset(part, 0, VISIT_SUMS * sizeof *part);
+  s->visit_class[k] = VISIT_NONE;
 }

@@ -2,6 +2,8 @@
 #ifndef MODEL_STATE_H
 #define MODEL_STATE_H
 
+#include <math.h>
+
 #include "base/team.h"
 #include "model/model.h"
 #include "slipdisk/state.h"
@@ -158,7 +160,7 @@ struct sd_state {
   int32_t *slide_was_open; /* 1 if the contact was open at the last step */
 
   /* The following columns describe the visits of watched pairs of contacts to their sliding
-   * configurations (visits.h). */
+   * configurations (sd_visit sums below). */
   int32_t *visit_class; /* class of the current visit; -1: none */
   /* number of measured steps when the visit began; -1: it began before measuring did */
   int64_t *visit_since;
@@ -253,5 +255,82 @@ sd_status sd_state_reserve_contacts(sd_state *state, size_t n);
 sd_contact_record sd_state_record(const sd_state *state, size_t c);
 /* Sets the history of stored contact c. */
 void sd_state_set_record(sd_state *state, size_t c, const sd_contact_record *record);
+
+/* Finds the slot of a body in a state from the body's number.
+ *
+ * The table is an array if the state has all bodies. A rank with some of them uses a hash table
+ * (open addressing), so that its memory does not grow with the whole system. The numbers on a
+ * rank form runs, such as rows of a packing: blocks of 8 numbers stay together in the table, and
+ * blocks are spread by multiplication with an odd number (Knuth's multiplicative hashing).
+ */
+
+#define SLOT_NONE UINT32_MAX
+
+typedef struct slot_table {
+  uint32_t *slot; /* array: slot of each body; hash table: slot of each entry */
+  /* Body number of each entry, SLOT_NONE: empty. NULL: the table is the array slot[body]. */
+  uint32_t *body;
+  uint32_t mask;   /* hash table: number of entries, a power of two, minus 1 */
+  int shift;       /* hash table: 32 minus the number of bits of a block's index */
+  size_t n_bodies; /* number of bodies in the model; clumps have the numbers that follow */
+} slot_table;
+
+/* Makes the table for the bodies and clumps of `state`; n_bodies: number of bodies in the model,
+ * which clump numbers follow. False: out of memory. */
+bool slot_table_new(slot_table *t, const sd_state *state, size_t n_bodies);
+void slot_table_free(slot_table *t);
+/* Updates the table after the same bodies have changed their slots. */
+void slot_table_fill(slot_table *t, const sd_state *state);
+
+/* Entry at which the search for a body begins. */
+static inline uint32_t slot_table_home(const slot_table *t, uint32_t body) {
+  return (body / 8 * UINT32_C(2654435769) >> t->shift) * 8 + body % 8;
+}
+
+/* Returns the slot of a body; SLOT_NONE: the state does not have it. */
+static inline uint32_t slot_of(const slot_table *t, uint32_t body) {
+  if (!t->body) return t->slot[body];
+  uint32_t k = slot_table_home(t, body);
+  while (t->body[k] != body && t->body[k] != SLOT_NONE) k = (k + 1) & t->mask;
+  return t->body[k] == body ? t->slot[k] : SLOT_NONE;
+}
+
+/* Statistics of the visits of a watched pair of contacts to each of its sliding
+ * configurations: torque, normal forces and duration.
+ *
+ * A visit is an unbroken run of measured steps in one of six classes. Each step adds to the sums
+ * of the current part of the visit, which are added to the sums of the class when the part ends:
+ * when the class changes, or when the age of the visit reaches the next octave. So a step costs
+ * a few additions, and short sums lose no digits.
+ */
+
+/* Classes: S++, S+-, S-+ and S-- are 2 * (first contact) + (second contact); stick: at least one
+ * contact stuck, none open; open: at least one contact open. */
+enum { VISIT_STICK = 4, VISIT_OPEN = 5, VISIT_CLASSES = SD_CONFIGURATIONS, VISIT_NONE = -1 };
+/* Sums of a part: torque and its square; then per contact the normal force minus its reference,
+ * and the square of this. */
+enum { VISIT_TORQUE, VISIT_TORQUE2, VISIT_FORCE, VISIT_FORCE2, VISIT_SUMS = VISIT_FORCE + 4 };
+/* Bins of a visit's age: below VISIT_YOUNG steps, then octaves; the last bin is unbounded. */
+enum { VISIT_YOUNG = 32, VISIT_AGES = SD_AGES };
+
+/* Class of a pair of contacts in the states first and second (SD_SLIDE_POSITIVE ... SD_OPEN). */
+static inline int visits_class(int first, int second) {
+  int more = first > second ? first : second;
+  return more >= SD_STUCK ? more + 2 : 2 * first + second;
+}
+
+/* Bin of an age >= 0, in steps. */
+static inline int visits_octave(int64_t age) {
+  int b = 63 - __builtin_clzll((unsigned long long)age | (VISIT_YOUNG / 2)) - 4;
+  return b < VISIT_AGES - 1 ? b : VISIT_AGES - 1;
+}
+/* Number of measured steps from `now` until the current part ends because of its age; HUGE_VAL:
+ * it does not. */
+double visits_left(const sd_state *s, size_t k, int64_t now);
+/* Ends the current part of pair k after `now` measured steps; the next step is in `class`. The
+ * part's sums are part[q * stride]; the caller sets them to 0 afterwards. */
+void visits_next(sd_state *s, size_t k, int class, const double *part, size_t stride, int64_t now);
+/* Ends the current visit of pair k when measuring pauses or begins; its duration stays unknown. */
+void visits_cut(sd_state *s, size_t k);
 
 #endif

@@ -9,7 +9,7 @@
 #include "pack/rain.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
-#include "physics/step/rescale.h"
+#include "physics/step/step.h"
 #include "physics/system/bodies.h"
 #include "physics/system/halo.h"
 

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "model/arc.h"
 #include "model/walls.h"
 
 /* --- shape of the container ------------------------------------------------------------------- */

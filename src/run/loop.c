@@ -10,7 +10,7 @@
 #include "pack/relax.h"
 #include "pack/settle.h"
 #include "physics/motion/motion.h"
-#include "physics/neighbours/order.h"
+#include "physics/neighbours/neighbours.h"
 #include "physics/step/access.h"
 #include "physics/step/cell.h"
 #include "physics/step/contacts.h"

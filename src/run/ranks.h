@@ -13,6 +13,8 @@
 
 #include "base/comm.h"
 #include "measure/resultant.h"
+#include "model/model.h"
+#include "model/state.h"
 #include "physics/system/work.h"
 #include "slipdisk/simulation.h"
 
@@ -39,7 +41,7 @@ ranks_balance ranks_balance_of(const ranks *r);
  * rank 0 says. */
 sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads,
                        sd_messages *messages);
-/* Disks of step 0 (ranks_first.h), shared out; then loop_begin_phase and loop_start. */
+/* Disks of step 0 (ranks_first.c), shared out; then loop_begin_phase and loop_start. */
 sd_status ranks_start(ranks *r, int threads, sd_messages *messages);
 /* n steps at most, and what is done between them; state->step tells how many. Fewer after a
  * failure or a stop, which then all ranks know of. */
@@ -60,5 +62,24 @@ sd_status ranks_sample(ranks *r, unsigned what, int64_t frame, int64_t moment_nu
                        size_t *n_contacts, size_t *bytes, sd_messages *messages);
 /* Each writes them as a share of the part `path`. */
 sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages);
+
+/* The disks that ranks have at step 0, before they are shared out: each has some of
+ * those of the deck, wherever they lie (model/rows.h). */
+
+/* Collective. The model of a deck, of which each rank keeps its part (model_part): text, path and
+ * overrides are those of rank 0, which alone gets messages. Of a text that is NULL the file at path
+ * is read. Errors: those of sd_deck_load, and decks that ranks do not share (ranks_suit). */
+sd_status ranks_load(const comm *c, const char *text, const char *path, size_t n_overrides,
+                     const char *const *overrides, sd_model **out, sd_messages *messages);
+
+/* Collective. The state of this rank's disks, with the prescribed bodies, and its slots in the
+ * whole (order[n_free], which ascend); model->mine is empty then. Both are the caller's, also
+ * after a failure. Without memory the job ends. */
+sd_status ranks_first_new(const comm *c, const sd_model *model, sd_state **state, uint32_t **order);
+
+/* --- which runs several ranks can share ------------------------------------------------------- */
+
+/* SD_ERROR_USER, with a message for each reason: this run is for one process. */
+sd_status ranks_suit(const sd_model *model, sd_messages *messages);
 
 #endif

@@ -1,5 +1,5 @@
-/* ranks_first.c: see ranks_first.h. */
-#include "run/ranks_first.h"
+/* ranks_first.c: see ranks.h. */
+#include "run/ranks.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -10,9 +10,9 @@
 #include "base/text.h"
 #include "io/deck/deck.h"
 #include "io/results/provenance.h"
-#include "model/finish.h"
+#include "model/model.h"
 #include "model/rows.h"
-#include "physics/neighbours/order.h"
+#include "physics/neighbours/neighbours.h"
 #include "physics/small/lanes.h"
 #include "physics/step/engine.h"
 #include "run/steps.h"

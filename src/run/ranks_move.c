@@ -8,7 +8,7 @@
 #include "base/comm.h"
 #include "base/memory.h"
 #include "model/laws.h"
-#include "physics/neighbours/order.h"
+#include "physics/neighbours/neighbours.h"
 #include "physics/step/access.h"
 #include "run/ranks_share.h"
 #include "run/route.h"

@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/results/checkpoint.h"
-#include "model/image.h"
+#include "model/model.h"
 #include "model/overlaps.h"
 #include "model/state.h"
 #include "pack/settle.h"
@@ -22,7 +22,7 @@
 #include "physics/step/engine.h"
 #include "physics/system/fields.h"
 #include "run/loop.h"
-#include "run/ranks_first.h"
+#include "run/ranks.h"
 #include "run/simulation_private.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
@@ -494,7 +494,7 @@ const char *sd_simulation_path(const sd_simulation *sim) {
 /* Clones, and simulations that are saved and loaded. See slipdisk/simulation.h.
  *
  * A saved simulation has the groups of a checkpoint, /state, /parameters and /summary, and /model/image: the model's bytes
- * (model/image.h). Checkpoints of runs have none; there the model comes from the deck in /parameters.
+ * (model/model.h). Checkpoints of runs have none; there the model comes from the deck in /parameters.
  */
 
 static const char IMAGE[] = "/model/image";

@@ -16,7 +16,6 @@
 #include "pack/relax.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
-#include "physics/neighbours/order.h"
 #include "physics/step/access.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "io/deck/deck.h"
-#include "io/deck/deck_keys.h"
+#include "io/deck/deck_read.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
 

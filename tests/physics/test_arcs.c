@@ -7,7 +7,6 @@
 
 #include <cmocka.h>
 
-#include "model/arc.h"
 #include "model/walls.h"
 #include "model/overlaps.h"
 #include "physics/contact/walls.h"

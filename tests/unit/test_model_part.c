@@ -11,8 +11,7 @@
 
 #include "base/comm.h"
 #include "io/deck/deck.h"
-#include "model/image.h"
-#include "model/finish.h"
+#include "model/model.h"
 #include "model/rows.h"
 #include "slipdisk/deck.h"
 

@@ -9,7 +9,7 @@
 
 #include "brief.h"
 #include "deck_runs.h"
-#include "physics/neighbours/order.h"
+#include "physics/neighbours/neighbours.h"
 
 enum { WIDE = 60, HIGH = 25, DISKS = WIDE * HIGH };
 

@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
-#include "physics/motion/oscillators.h"
+#include "physics/motion/signals.h"
 #include "slipdisk/theory.h"
 
 /* --- one step ---------------------------------------------------------------------------------------- */

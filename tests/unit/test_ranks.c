@@ -11,9 +11,8 @@
 
 #include "base/comm.h"
 #include "deck_runs.h"
-#include "physics/neighbours/order.h"
+#include "physics/neighbours/neighbours.h"
 #include "physics/system/halo.h"
-#include "run/ranks_first.h"
 #include "run/ranks.h"
 
 #define HEAD                                                                                       \

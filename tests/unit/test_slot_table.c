@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "model/slot_table.h"
+#include "model/state.h"
 
 enum { WHOLE = 1 << 22 };
 

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "app/theory/theory.h"
-#include "model/law_features.h"
+#include "model/model.h"
 #include "model/motions.h"
 #include "slipdisk/deck.h"
 

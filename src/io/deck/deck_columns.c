@@ -6,7 +6,7 @@
 
 #include "base/limits.h"
 #include "base/text.h"
-#include "io/deck/deck_keys.h"
+#include "io/deck/deck_read.h"
 #include "io/deck/deck_rows.h"
 
 const char *const deck_column_names[COLUMN_KINDS] = {

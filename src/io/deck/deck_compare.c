@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "io/deck/deck.h"
-#include "io/deck/deck_keys.h"
+#include "io/deck/deck_read.h"
 #include "io/deck/deck_tree.h"
 
 enum { LONGEST_VALUE = 60 };

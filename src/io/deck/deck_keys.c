@@ -1,6 +1,5 @@
 /* deck_keys.c: tables of all keys of a deck, and of other programs' words for them. See
- * deck_keys.h. */
-#include "io/deck/deck_keys.h"
+ * deck_read.h. */
 
 #include <string.h>
 #include <strings.h>

@@ -6,7 +6,6 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
-#include "model/arc.h"
 #include "model/laws.h"
 #include "model/walls.h"
 

@@ -10,8 +10,8 @@
 #include "io/deck/deck.h"
 #include "io/deck/deck_rows.h"
 #include "io/deck/deck_result.h"
-#include "model/arc.h"
-#include "model/law_features.h"
+#include "model/walls.h"
+#include "model/model.h"
 #include "model/laws.h"
 #include "slipdisk/deck.h"
 

@@ -326,7 +326,7 @@ enum { MOST_GUESSES = 10000 };
 
 /* Returns the hash slot of the name, or the empty slot where it belongs; a slot holds 1 + the
  * index of its name. */
-static size_t *slot_of(const deck_index *x, const char *name) {
+static size_t *index_slot(const deck_index *x, const char *name) {
   uint64_t h = UINT64_C(14695981039346656037);
   for (const char *p = name; *p; p++) h = (h ^ (unsigned char)*p) * UINT64_C(1099511628211);
   size_t k = (size_t)(h ^ h >> 32) & (x->n_slots - 1);
@@ -336,7 +336,7 @@ static size_t *slot_of(const deck_index *x, const char *name) {
 }
 
 bool deck_index_find(const deck_index *x, const char *name, uint32_t *number) {
-  size_t at = x->n ? *slot_of(x, name) : 0;
+  size_t at = x->n ? *index_slot(x, name) : 0;
   if (at) *number = x->name[at - 1].number;
   return at > 0;
 }
@@ -345,9 +345,9 @@ bool deck_index_add(deck *d, deck_index *x, const char *name, uint32_t number) {
   if (2 * x->n >= x->n_slots) {
     x->n_slots = x->n_slots ? 2 * x->n_slots : 64;
     x->slot = deck_alloc(d, x->n_slots, sizeof *x->slot);
-    for (size_t k = 0; k < x->n; k++) *slot_of(x, x->name[k].name) = k + 1;
+    for (size_t k = 0; k < x->n; k++) *index_slot(x, x->name[k].name) = k + 1;
   }
-  size_t *at = slot_of(x, name);
+  size_t *at = index_slot(x, name);
   if (*at) return false;
   x->name = deck_extend(d, x->name, x->n, &x->capacity, sizeof *x->name);
   x->name[x->n++] = (deck_name){name, number};

@@ -19,7 +19,7 @@
 #include "io/results/constants.h"
 #include "io/store/file.h"
 #include "model/cell.h"
-#include "model/law_features.h"
+#include "model/model.h"
 #include "model/walls.h"
 
 /* Largest number of walls: those of a deck and of its container. */

@@ -23,7 +23,7 @@
 #include "base/limits.h"
 #include "base/text.h"
 #include "io/deck/deck_expression.h"
-#include "io/deck/deck_keys.h"
+#include "io/deck/deck_read.h"
 #include "io/store/file.h"
 
 typedef struct key {

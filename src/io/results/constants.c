@@ -11,7 +11,7 @@
 #include "io/results/provenance.h"
 #include "io/results/trajectory.h"
 #include "io/store/members.h"
-#include "model/law_features.h"
+#include "model/model.h"
 #include "model/rows.h"
 
 #define MODEL "/parameters/model"

@@ -130,7 +130,7 @@ static void judge_open(summary *s, double limit, const sd_model *model, const sd
   free(why[1]);
 }
 
-/* Prescribed bodies are noted from a tenth of the limit on where they jump; step/speed.h. */
+/* Prescribed bodies are noted from a tenth of the limit on where they jump; step/step.h. */
 static char *why_far(const sd_model *model, const sd_state *state, const char *name, double limit) {
   char *first = advice_first_jump(model), *text;
   if (state->fast_displacement > limit)

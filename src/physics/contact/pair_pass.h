@@ -19,7 +19,7 @@ enum {
   PASS_LAWS = 2 /* laws differ from pair to pair; all are linear with gamma_n */,
   PASS_MIXED = 4 /* laws differ, and not all are linear with gamma_n */,
   PASS_CELL = 8 /* the periodic box deforms */,
-  PASS_GENERAL = 16 /* laws may have any of the features in model/law_features.h */
+  PASS_GENERAL = 16 /* laws may have any of the features in model/model.h */
 };
 #endif
 

@@ -4,7 +4,7 @@
 #include <assert.h>
 #include <math.h>
 
-#include "model/law_features.h"
+#include "model/model.h"
 #include "physics/contact/pairs.h"
 #include "physics/system/bodies.h"
 

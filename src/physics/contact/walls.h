@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "model/law_features.h"
+#include "model/model.h"
 #include "physics/system/work.h"
 
 /* Point of a wall segment that is nearest to (x, y), the centre of a disk. */

@@ -1,4 +1,4 @@
-/* feedback.c: see feedback.h.
+/* feedback.c: see signals.h.
  *
  * Load of mass M: its coordinate is integrated with velocity Verlet, whatever the integrator of the
  * disks:
@@ -9,7 +9,7 @@
  * behaves like one of mass P target/speed with a drag coefficient target/speed: it removes energy
  * from the system that it pushes and cannot make it oscillate.
  */
-#include "physics/motion/feedback.h"
+#include "physics/motion/signals.h"
 
 #include <assert.h>
 #include <math.h>

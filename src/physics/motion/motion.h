@@ -83,7 +83,7 @@ bool motion_moves_walls(const engine *e);
 /* True if a running motion prescribes a coordinate of a free disk. */
 bool motion_drives_free(const engine *e);
 /* Finds the prescribed body that moved farthest beyond the displacement limit in the last step
- * (step/speed.h). Returns its displacement over the radius of the smallest disk, or over its own
+ * (step/step.h). Returns its displacement over the radius of the smallest disk, or over its own
  * radius if it is a free disk with a prescribed coordinate, and its slot in *slot; 0: none was
  * beyond. */
 double motion_fastest(const engine *e, size_t *slot);

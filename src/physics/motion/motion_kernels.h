@@ -17,7 +17,7 @@
 
 enum { RANDOM_STEP = 0, RANDOM_START = 1 }; /* purpose of a draw: random step, or initial state */
 
-/* Group of randomly forced oscillators, one per lane (oscillators.h). Rows of u and v hold
+/* Group of randomly forced oscillators, one per lane (signals.h). Rows of u and v hold
  * displacement and velocity at consecutive draws. */
 enum { OSCILLATORS = 8, OSCILLATOR_ROWS = 72 /* a batch of 64, four rows before and after it */ };
 typedef struct oscillators {

@@ -1,6 +1,6 @@
-/* oscillators.c: exact discrete steps of randomly forced oscillators; see oscillators.h. */
+/* oscillators.c: exact discrete steps of randomly forced oscillators; see signals.h. */
 #include "base/gsl.h"
-#include "physics/motion/oscillators.h"
+#include "physics/motion/signals.h"
 
 #include <assert.h>
 #include <math.h>

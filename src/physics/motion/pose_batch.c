@@ -6,8 +6,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "physics/motion/oscillators.h"
-#include "physics/motion/prescribed.h"
+#include "physics/motion/signals.h"
 #include "physics/system/kernels.h"
 
 enum { BATCH = MOTION_BATCH };
@@ -59,7 +58,7 @@ static void set_signal(pose_batch *m, size_t k) {
   for (size_t l = 0; l < m->width; l++) {
     const engine *e = m->systems[l];
     const sd_motion *motion = &e->model->motions[k];
-    const signal *from = &motion_signals(e)->item[k];
+    const motion_signal *from = &motion_signals(e)->item[k];
     assert(motion->kind == s->form && motion->interval == s->interval);
     set_wave(s, l, &from->wave);
     s->dt[l] = e->work.dt;
@@ -211,7 +210,7 @@ static void fill_table(pose_batch *m, lanes_signal *s, int64_t local) {
   s->stride = m->width;
   s->posed = false;
   for (size_t l = 0; l < m->width; l++) {
-    signal *from = &motion_signals(m->systems[l])->item[s->motion];
+    motion_signal *from = &motion_signals(m->systems[l])->item[s->motion];
     signals_fill_table(m->systems[l], from, s->motion, local);
     for (size_t k = 0; k < BATCH; k++) {
       s->rows[0][k * m->width + l] = from->now.u[k];

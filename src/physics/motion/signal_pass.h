@@ -33,7 +33,7 @@ LANE_INLINE LANE(phasor)
   return a;
 }
 
-/* Computes a harmonic signal *u and its derivative *v, after rotation of the phasor by an angle
+/* Computes a harmonic motion_signal *u and its derivative *v, after rotation of the phasor by an angle
  * with sine s and cosine c. */
 LANE_INLINE void LANE(phasor_at)(const LANE(phasor) * a, LANE(real) s, LANE(real) c, LANE(real) * u,
                                  LANE(real) * v) {

@@ -1,6 +1,5 @@
 /* signals.c: computes the signals of the motions of one system; see signals.h. */
 #include "base/gsl.h"
-#include "physics/motion/signals.h"
 
 #include <assert.h>
 #include <math.h>
@@ -8,7 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "physics/motion/oscillators.h"
+#include "physics/motion/signals.h"
 #include "physics/system/kernels.h"
 
 /* --- values by source ------------------------------------------------------------------------- */
@@ -17,7 +16,7 @@ typedef struct batch {
   const engine *e;
   const motion_kernels *k;
   const sd_motion *motion;
-  signal *signal;
+  motion_signal *signal;
   int64_t local;       /* steps from the start of the motion to the batch's first value */
   double *u, *v, *low; /* memory for the values, unless they exist elsewhere already */
 } batch;
@@ -53,7 +52,7 @@ static void fill_table(batch *b) {
 /* Computes a random signal from its draws: the draws themselves if there is one per step, else
  * cubics between them. */
 static void fill_random(batch *b, const signals *all) {
-  signal *s = b->signal;
+  motion_signal *s = b->signal;
   const oscillators *g = &all->groups[s->group];
   const double *u = all->draws[s->group][0][s->lane], *v = all->draws[s->group][1][s->lane];
   int64_t m = b->motion->interval;
@@ -86,7 +85,8 @@ static void fade_in(batch *b) {
 
 /* Computes a batch of one signal, from `local` steps after its start on. all: may be NULL unless
  * the signal is random. */
-static void fill(const engine *e, const signals *all, signal *s, size_t motion, int64_t local) {
+static void fill(const engine *e, const signals *all, motion_signal *s, size_t motion,
+                 int64_t local) {
   const sd_motion *m = &e->model->motions[motion];
   assert(local >= 0);
   batch b = {e,
@@ -108,7 +108,7 @@ static void fill(const engine *e, const signals *all, signal *s, size_t motion, 
   if (m->ramp > 0.0) fade_in(&b);
 }
 
-void signals_fill_table(const engine *e, signal *s, size_t motion, int64_t local) {
+void signals_fill_table(const engine *e, motion_signal *s, size_t motion, int64_t local) {
   assert(motion_source(&e->model->motions[motion]) == SIGNAL_TABLE);
   fill(e, NULL, s, motion, local);
 }
@@ -135,7 +135,7 @@ void signals_fill(const engine *e, signals *all, int64_t first) {
 
 /* --- tables ----------------------------------------------------------------------------------- */
 
-static sd_status spline_new(signal *s, const sd_motion *m, sd_messages *messages) {
+static sd_status spline_new(motion_signal *s, const sd_motion *m, sd_messages *messages) {
   gsl_error_handler_t *handler = gsl_set_error_handler_off();
   const gsl_interp_type *type = m->periodic ? gsl_interp_cspline_periodic : gsl_interp_cspline;
   s->spline = gsl_spline_alloc(type, m->n_table);
@@ -170,7 +170,7 @@ static void wave_new(const engine *e, wave *w, const sd_motion *m) {
 
 /* Assigns the random motion k to a free lane of a group with the same interval. */
 static void join_group(const engine *e, signals *all, size_t k) {
-  signal *s = &all->item[k];
+  motion_signal *s = &all->item[k];
   const sd_motion *m = &e->model->motions[k];
   s->step = random_step_new(m->omega, m->damping, m->amplitude, (double)m->interval * e->model->dt);
   oscillators *last = all->groups + all->n_groups - 1;

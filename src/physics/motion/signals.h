@@ -4,12 +4,63 @@
 #define PHYSICS_SIGNALS_H
 
 #include "base/gsl.h"
+#include "model/state.h"
 #include "physics/motion/motion.h"
 #include "physics/motion/motion_kernels.h"
-#include "physics/motion/oscillators.h"
+#include "physics/system/work.h"
+
+/* --- randomly forced oscillators (eq. 52) ------------------------------------------------------ */
+
+/* Oscillators stand side by side in vector lanes: several random motions of one system, or one
+ * motion of several systems.
+ *
+ * The draws of a motion are numbered from its start: number 0 is the stationary initial state;
+ * number k > 0 uses half k & 1 of block start + k/2 of its random stream, where start is the step
+ * at which the motion was switched on. (A motion that runs for n steps uses n/2 blocks, so a motion
+ * that starts after it uses other blocks.) Row r of a lane holds draw number base + r. Blocks are
+ * always used whole: new rows begin with an even number, and values that the state does not hold
+ * are recomputed.
+ */
+
+/* The exact discrete step of the randomly forced oscillator (eq. 52).
+ *
+ * u'' + 2 c w u' + w^2 u = xi, <xi xi'> = 4 c w^3 rms^2 delta(t - t'). Over a time h the pair (u,
+ * u') goes to propagator * (u, u') + cholesky * (g1, g2) with independent standard normal g1, g2.
+ */
+typedef struct random_step {
+  double propagator[2][2];
+  double cholesky[3]; /* lower triangle of the Cholesky factor of the noise: uu, vu, vv */
+} random_step;
+
+/* Returns the exact step of length h. omega > 0; damping: ratio c > 0 (under-, critically or
+ * over-damped); rms >= 0; h > 0. The covariance is computed by Gauss-Legendre quadrature of
+ * positive terms, so no digits are lost when w h is small (docs/physics.md, section 7). */
+random_step random_step_new(double omega, double damping, double rms, double h);
+
+/* Returns n zeroed groups of oscillators, aligned for vectors; the caller releases them with
+ * free. */
+oscillators *oscillators_new(size_t n);
+/* Sets the constants and the random stream of a lane; it does not run yet. */
+void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint64_t seed,
+                     uint32_t stream);
+
+/* oscillators_load copies running motion k from the state to a lane; oscillators_store copies it
+ * back, as of state->step. interval: number of steps between draws. */
+void oscillators_load(oscillators *g, size_t lane, const sd_state *s, size_t k, int64_t interval);
+void oscillators_store(const oscillators *g, size_t lane, sd_state *s, size_t k, int64_t interval);
+/* Marks a lane as not running. */
+void oscillators_rest(oscillators *g, size_t lane);
+
+/* Extends the rows of all running lanes to cover a batch of n steps that begins at step
+ * first[lane]: from the last draw before the batch to the first one after it. Returns the number of
+ * rows. */
+size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t *first, int64_t n,
+                         int64_t interval);
+
+/* --- signals ----------------------------------------------------------------------------------- */
 
 /* Constants of one signal, and its values over the batch. */
-typedef struct signal {
+typedef struct motion_signal {
   signal_values now;  /* values from the batch's first step on */
   wave wave;          /* constants of a wave */
   random_step step;   /* constants of a random motion */
@@ -18,10 +69,10 @@ typedef struct signal {
   gsl_interp_accel *accel;
   /* Memory for u, v and low; kernels may write WAVE_FINE numbers beyond both ends of the batch. */
   double values[3][WAVE_FINE + MOTION_BATCH + WAVE_FINE];
-} signal;
+} motion_signal;
 
 typedef struct signals {
-  signal *item; /* [n_motions] signal of each motion of the model */
+  motion_signal *item; /* [n_motions] signal of each motion of the model */
   size_t n_groups;
   oscillators *groups; /* [n_groups] random motions with the same interval, side by side */
   /* [n_groups] u and v of each oscillator by row */
@@ -39,9 +90,72 @@ void signals_store(const engine *e, const signals *all);
  * it. */
 void signals_fill(const engine *e, signals *all, int64_t first);
 /* Computes a batch of values of one tabulated motion, from `local` steps after its start on. */
-void signals_fill_table(const engine *e, signal *s, size_t motion, int64_t local);
+void signals_fill_table(const engine *e, motion_signal *s, size_t motion, int64_t local);
 /* Starts a random signal: draws displacement and velocity from the stationary distribution, and
  * computes the first draw after them. */
 void signals_start_random(const engine *e, const signals *all, size_t motion);
+
+/* --- access of pose_batch.c to the motions of one system (motion.c) --------------------------- */
+
+/* Returns the signals of the model's motions; owned by the engine. */
+signals *motion_signals(const engine *e);
+/* Returns the index of the motion whose signal is term t of a prescribed coordinate. */
+size_t motion_term(const engine *e, const prescribed *p, size_t t);
+/* Sets *off (turn or image shift) and *base (base pose) of a coordinate: its value is the sum of
+ * its signals - *off + *base. */
+void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, double *base);
+/* True if a coordinate is in its range: angles in [-4, 4] rad, positions in the box, displacements
+ * of a surface within half of body_surface_turn. */
+bool motion_in_range(const engine *e, int coordinate, double at);
+
+/* Walls whose motion depends on the contact forces: loads and servos (docs/physics.md,
+ * section 6).
+ *
+ * Their motion depends on the dynamics, so it cannot be computed ahead: before the forces of a step
+ * are evaluated, each wall moves to its pose at t + dt, which follows from the forces at t in the
+ * state. The work that it does on the disks is booked like that of prescribed bodies; its own
+ * energy is not part of the budget.
+ */
+
+/* One running load or servo, which moves one wall along one coordinate. */
+typedef struct feedback {
+  size_t motion;      /* index of the motion in the model */
+  uint32_t slot;      /* slot of the wall */
+  int coordinate;     /* SD_X or SD_Y */
+  double *at, *speed; /* position and velocity of the wall, in the state */
+  /* force by contacts, and pose without running motions, in the state */
+  const double *force, *base;
+  const int32_t *image;       /* image count of the wall along the coordinate, in the state */
+  double moved, force_before; /* displacement in the last step, and the force before it */
+} feedback;
+
+/* All running loads and servos. */
+typedef struct feedbacks {
+  size_t count;
+  feedback *item; /* room for all loads and servos of the model */
+  /* Weight of the latest force in the exponential average that servos use: 1 - exp(-dt/period). */
+  double smoothing;
+} feedbacks;
+
+/* Allocates the list, which is empty until feedback_list is called. */
+void feedback_new(const engine *e, feedbacks *all);
+void feedback_free(feedbacks *all);
+/* Lists the running loads and servos, from the state. */
+void feedback_list(engine *e, feedbacks *all);
+
+/* Begins motion k, which was switched on: its wall starts at rest from its present position. */
+void feedback_begin(engine *e, size_t k);
+/* Ends motion k, which was switched off: its wall stays at its present position. */
+void feedback_end(engine *e, size_t k);
+
+/* Moves the walls to their poses at step state->step + 1, with predicted velocities. mine: its
+ * `stale` may be set, and it gets events for walls that must be wrapped. */
+void feedback_pose(engine *e, feedbacks *all, thread_work *mine);
+/* True if the next step of the walls would make the neighbour list stale. The state is not
+ * changed. */
+bool feedback_outruns(const engine *e, const feedbacks *all);
+/* Corrects the velocities of loads, with the forces after the step. Returns the sum over all walls
+ * of (force before + force after) times displacement, twice the work done on them by contacts. */
+double feedback_correct(engine *e, feedbacks *all);
 
 #endif

@@ -11,7 +11,6 @@
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
 #include "physics/neighbours/grid.h"
-#include "physics/neighbours/rows.h"
 #include "physics/neighbours/validity.h"
 #include "physics/system/kernels.h"
 

@@ -1,5 +1,5 @@
-/* order.c: implements order.h. */
-#include "physics/neighbours/order.h"
+/* order.c: implements neighbours.h. */
+#include "physics/neighbours/neighbours.h"
 
 #include <assert.h>
 #include <math.h>
@@ -8,7 +8,7 @@
 
 #include "base/comm.h"
 #include "base/memory.h"
-#include "model/slot_table.h"
+#include "model/state.h"
 #include "physics/neighbours/grid.h"
 
 /* --- order of the disks ----------------------------------------------------------------------- */

@@ -1,5 +1,5 @@
-/* rows.c: implements rows.h. */
-#include "physics/neighbours/rows.h"
+/* rows.c: implements neighbours.h. */
+#include "physics/neighbours/neighbours.h"
 
 #include <assert.h>
 #include <stdlib.h>

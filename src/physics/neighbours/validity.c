@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "model/law_features.h"
+#include "model/model.h"
 #include "physics/contact/energy.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"

@@ -14,7 +14,7 @@
 #ifndef PHYSICS_LANES_H
 #define PHYSICS_LANES_H
 
-#include "model/visits.h"
+#include "model/state.h"
 #include "physics/motion/motion.h"
 #include "physics/system/work.h"
 
@@ -80,7 +80,7 @@ enum {
 enum { PLACE_LAST, PLACE_SPEED, PLACE_FORCE, PLACE_ROWS };
 
 /* Rows of the visits of a watched pair of contacts; a visit is a time in one configuration
- * (model/visits.h). */
+ * (model/state.h). */
 enum {
   VISIT_ROW_CLASS = VISIT_SUMS, /* class of the visit under way; the rows of its sums come before */
   VISIT_ROW_LEFT,               /* steps until this part of the visit ends by age */
@@ -115,7 +115,7 @@ typedef struct lanes {
 
   /* properties that all systems share */
   bool gear, conservative;
-  unsigned features; /* features of all laws together (model/law_features.h) */
+  unsigned features; /* features of all laws together (model/model.h) */
   size_t n_free, n_disks, n_bodies, n_pairs, n_slides;
   uint32_t a[LANES_PAIRS], b[LANES_PAIRS]; /* slots of each pair's bodies */
   size_t touching[LANES_BODIES];           /* number of pairs of each body */
@@ -126,7 +126,7 @@ typedef struct lanes {
   bool placed[LANES_BODIES][SD_COORDINATES];
   uint8_t watched[2 * LANES_SLIDES]; /* pair of each watched contact */
   uint8_t watching[LANES_SLIDES];    /* slot of each watched disk */
-  bool visits; /* true: sums over visits to configurations are measured (model/visits.h) */
+  bool visits; /* true: sums over visits to configurations are measured (model/state.h) */
 
   /* pointers to the rows in `memory` */
   double *memory;

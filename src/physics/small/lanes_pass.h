@@ -431,7 +431,7 @@ LANE_INLINE void PASS(add_to_row)(double *rows, size_t k, LANE(real) a) {
   PASS(set_row)(rows, k, PASS(row)(rows, k) + a);
 }
 
-/* Adds the present step to the sums of the visit of watched pair w (model/visits.h), and ends the
+/* Adds the present step to the sums of the visit of watched pair w (model/state.h), and ends the
  * visit's part if its class changes or its age is reached. */
 LANE_INLINE void PASS(sum_visits)(lanes *l, size_t w, const PASS(contact_sample) two[2]) {
   double *v = PASS(rows_at)(l, ROWS_VISIT + VISIT_ROWS * w);

@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-#include "model/law_features.h"
+#include "model/model.h"
 #include "model/normal_laws.h"
 #include "physics/contact/pairs.h"
 #include "physics/system/kernels.h"

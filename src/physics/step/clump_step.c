@@ -1,5 +1,5 @@
-/* clump_step.c: implements clump_step.h. */
-#include "physics/step/clump_step.h"
+/* clump_step.c: implements step.h. */
+#include "physics/step/step.h"
 
 #include "model/field_kinds.h"
 #include "physics/contact/pairs.h"

@@ -1,6 +1,6 @@
 /* contacts.c: implements contacts.h. */
 #include "physics/step/cell.h"
-#include "physics/step/clump_step.h"
+#include "physics/step/step.h"
 #include "physics/step/contacts.h"
 #include "physics/system/bodies.h"
 
@@ -10,7 +10,7 @@
 
 #include "base/comm.h"
 #include "base/memory.h"
-#include "model/law_features.h"
+#include "model/model.h"
 #include "model/normal_laws.h"
 #include "physics/contact/energy.h"
 #include "physics/contact/evaluate.h"
@@ -18,7 +18,6 @@
 #include "physics/contact/walls.h"
 #include "physics/motion/motion.h"
 #include "physics/step/access.h"
-#include "physics/step/speed.h"
 #include "physics/system/box.h"
 #include "physics/system/halo.h"
 

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "model/law_features.h"
+#include "model/model.h"
 #include "model/normal_laws.h"
 #include "model/rows.h"
 #include "physics/contact/energy.h"
@@ -17,13 +17,10 @@
 #include "physics/contact/walls.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
-#include "physics/neighbours/order.h"
 #include "physics/step/access.h"
 #include "physics/step/cell.h"
 #include "physics/step/contacts.h"
-#include "physics/step/speed.h"
 #include "physics/step/step.h"
-#include "physics/step/sweep.h"
 #include "physics/system/fields.h"
 #include "physics/system/halo.h"
 #include "physics/system/kernels.h"

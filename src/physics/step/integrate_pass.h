@@ -68,7 +68,7 @@ LANE_INLINE LANE(real) LANE(accelerate)(LANE(real) force, LANE(real) constant, L
 
 #ifndef INTEGRATE_VIEW
 #define INTEGRATE_VIEW
-#include "model/law_features.h"
+#include "model/model.h"
 
 /* Pointers and constants of an engine that the loops need, copied so that the compiler need not
  * reload them after every store. Valid for slots from `begin` on whose rows are consecutive. */
@@ -203,7 +203,7 @@ LANE_INLINE LANE(mask)
   return out;
 }
 
-/* Returns lanes with v^2 > limit^2 R^2, the displacement limit of speed.h. */
+/* Returns lanes with v^2 > limit^2 R^2, the displacement limit of step.h. */
 LANE_INLINE LANE(mask) LANE(is_fast)(LANE(real) vx, LANE(real) vy, LANE(real) limit2) {
   return LANE(greater)(vx * vx + vy * vy, limit2);
 }

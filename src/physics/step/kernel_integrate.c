@@ -6,7 +6,7 @@
 #include "physics/system/kernel_path.h"
 #include "physics/system/kernels.h"
 #include "physics/contact/pairs.h"
-#include "physics/neighbours/rows.h"
+#include "physics/neighbours/neighbours.h"
 
 #define LANE_WIDTH 1
 #include "base/lane.h"

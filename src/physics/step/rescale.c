@@ -1,11 +1,10 @@
-/* rescale.c: implements rescale.h.
+/* rescale.c: implements step.h.
  *
  * A change multiplies positions by the factor; velocities and angles stay. Round pairs keep their
  * direction, hence lambda; along a wall the arc length of the nearest point changes, and lambda_ref
  * changes by the same amount. So every tangential displacement stays as it was, and only overlaps
  * change. Contacts, forces and accelerations are then evaluated in the new state, as at step 0.
  */
-#include "physics/step/rescale.h"
 
 #include <assert.h>
 #include <math.h>
@@ -22,7 +21,6 @@
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
 #include "physics/step/step.h"
-#include "physics/step/sweep.h"
 #include "physics/system/bodies.h"
 #include "physics/system/clumps.h"
 #include "physics/system/fields.h"

@@ -1,5 +1,5 @@
-/* speed.c: implements speed.h. */
-#include "physics/step/speed.h"
+/* speed.c: implements step.h. */
+#include "physics/step/step.h"
 
 #include <assert.h>
 #include <math.h>

@@ -1,12 +1,12 @@
-/* sweep.c: implements sweep.h. */
-#include "physics/step/sweep.h"
+/* sweep.c: implements step.h. */
+#include "physics/step/step.h"
 
 #include <assert.h>
 
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
-#include "physics/neighbours/rows.h"
+#include "physics/neighbours/neighbours.h"
 #include "physics/system/bodies.h"
 #include "physics/system/halo.h"
 #include "physics/system/kernels.h"

@@ -15,14 +15,13 @@
 #include "base/team.h"
 #include "slipdisk/contact.h"
 #include "model/model.h"
-#include "model/slot_table.h"
 #include "model/state.h"
 
 /* Contact constants of one pair of materials, in the form that the contact law uses. */
 typedef struct law_row {
   double k_n, k_t, gamma_n, cap; /* cap: mu/k_t; 0 without k_t (frictionless) */
   double normal, tsuji;          /* number of the normal law; factor law_tsuji of its damping */
-  /* The members below are only read if laws are general (LAW_GENERAL in model/law_features.h). */
+  /* The members below are only read if laws are general (LAW_GENERAL in model/model.h). */
   double pulls; /* 1: damping may make the normal force attractive; 0: it may not */
   double cap_kinetic, mindlin, lag; /* mu_kinetic/k_t; 1 for Mindlin's law, else 0; gamma_t/k_t */
   double k_r, cap_r, lag_r;         /* k_r; mu_r/k_r; gamma_r/k_r; the ratios are 0 without k_r */
@@ -295,7 +294,7 @@ typedef struct work {
   work_cell cell;
   law_row *laws; /* [n_materials^2] law of materials i, j in row i n_materials + j */
   bool one_law;  /* true if all rows of `laws` are the same */
-  /* LAW_ bits of all laws (law_features.h); 0: k_n, gamma_n, k_t and mu suffice */
+  /* LAW_ bits of all laws (model.h); 0: k_n, gamma_n, k_t and mu suffice */
   unsigned features;
   bool stale;        /* true: the neighbour list must be rebuilt for the coming step; step_once */
   int64_t show_from; /* first step whose forces on free disks are stored in the state; step_begin */
