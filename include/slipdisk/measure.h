@@ -31,13 +31,12 @@ SD_API sd_mean sd_mean_of(const double *x, size_t n, bool transient);
 
 /* Mean angular velocity of a watched disk over the measured time without its transient. */
 typedef struct sd_rotation {
-  uint32_t disk;       /* body number */
-  double omega, error; /* mean angular velocity and one standard error of it, rad/time */
-  /* Omega and its error times t_g = sqrt(2 R/g); NAN without gravity */
-  double scaled, scaled_error;
-  double transient, measured; /* measured time discarded as transient; all of the measured time */
-  double turned;              /* angle turned in all of the measured time, rad */
-  bool converged;             /* the error bar can be trusted (docs/physics.md 9) */
+  uint32_t disk;               /* body number */
+  double omega, error;         /* mean angular velocity and one standard error of it, rad/time */
+  double scaled, scaled_error; /* omega, error times t_g = sqrt(2 R/g); NAN without gravity */
+  double transient, measured;  /* measured time discarded as transient; all of the measured time */
+  double turned;               /* angle turned in all of the measured time, rad */
+  bool converged;              /* the error bar can be trusted (docs/physics.md 9) */
 } sd_rotation;
 
 /* Returns the mean rotation of the k-th watched disk. Before the first bin is full, omega and error
@@ -46,12 +45,11 @@ SD_API sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, 
 
 /* Error bar reached so far, beside the one at which the key `until` of the deck ends the run. */
 typedef struct sd_goal {
-  /* The observable and one standard error: rad/time, or rad if scaled; NAN: not known yet */
-  double value, error;
-  double goal;     /* error bar asked for; if it is relative, that fraction of |value| */
-  double measured; /* measured time so far */
-  bool converged;  /* the error bar can be trusted: converged of sd_rotation */
-  bool reached;    /* error <= goal and converged: the last phase ends if it is checked now */
+  double value, error; /* observable, standard error: rad/time, scaled: rad; NAN: not yet known */
+  double goal;         /* error bar asked for; if it is relative, that fraction of |value| */
+  double measured;     /* measured time so far */
+  bool converged;      /* the error bar can be trusted: converged of sd_rotation */
+  bool reached;        /* error <= goal and converged: the last phase ends if it is checked now */
 } sd_goal;
 
 /* Returns the progress towards the goal of model->until, which must be set. It depends on model and
@@ -69,9 +67,7 @@ SD_API int64_t sd_goal_look(const sd_model *model, int64_t step);
 typedef struct sd_slide {
   uint32_t disk, partner[2]; /* body numbers of the disk and of its two partners */
   double pp, pm, mp, mm; /* fraction of steps in S++, S+-, S-+, S--: signs of contacts 0 and 1 */
-  /* stick: fraction of steps with at least one contact stuck and none open; open: with at least one
-   * contact open. */
-  double stick, open;
+  double stick, open;    /* fraction of steps: one contact stuck, none open; at least one open */
   /* Fractions of steps in which each contact slides with torque > 0, slides with torque < 0, is
    * stuck, is open. */
   double contact_positive[2], contact_negative[2], contact_stuck[2], contact_open[2];
@@ -86,11 +82,10 @@ SD_API sd_slide sd_slide_of(const sd_model *model, const sd_state *state, size_t
 /* Statistics of two watched contacts of a disk while they are in one of their sliding
  * configurations. A mean is NAN if the configuration never occurred. */
 typedef struct sd_configuration {
-  uint32_t disk;         /* body number of the disk; UINT32_MAX: no such watch */
-  int32_t configuration; /* S++ 0, S+- 1, S-+ 2, S-- 3, stick 4, open 5 */
-  int64_t steps;         /* number of measured steps in this configuration */
-  /* Torque of both contacts on the disk: mean and standard deviation over the steps */
-  double torque, torque_sd;
+  uint32_t disk;                /* body number of the disk; UINT32_MAX: no such watch */
+  int32_t configuration;        /* S++ 0, S+- 1, S-+ 2, S-- 3, stick 4, open 5 */
+  int64_t steps;                /* number of measured steps in this configuration */
+  double torque, torque_sd;     /* torque of both contacts on the disk: mean, standard deviation */
   double force[2], force_sd[2]; /* mean normal force of each contact, and its standard deviation */
   int64_t visits; /* unbroken runs of such steps that began and ended within a measured phase */
   double dwell, dwell_sd; /* mean duration of these visits, and its standard deviation, time */
@@ -110,27 +105,24 @@ SD_API sd_configuration sd_configuration_of(const sd_model *model, const sd_stat
 
 /* Means of one free disk over the measured time (physics.md 9). A member is NAN while it is not
  * known yet. If the disk was not in play all the time, since it waited or was removed, everything
- * but its number is NAN. */
+ * but its number is NAN. Each of two free disks takes half of the power lost in their contact. */
 typedef struct sd_disk_mean {
-  uint32_t disk;       /* body number */
-  double omega, error; /* mean angular velocity and one standard error of it, rad/time */
-  double significance; /* omega/error; 0 for a disk that never turned */
-  /* Mean angular velocity in the first and the second half of the record, rad/time */
-  double first, second;
-  double turned;       /* angle turned, rad */
-  double x, y;         /* mean position, length; absolute: not wrapped into a periodic box */
-  double rms;          /* root mean square distance from the mean position, length */
+  uint32_t disk;        /* body number */
+  double omega, error;  /* mean angular velocity and one standard error of it, rad/time */
+  double significance;  /* omega/error; 0 for a disk that never turned */
+  double first, second; /* mean angular velocity in each half of the record, rad/time */
+  double turned;        /* angle turned, rad */
+  double x, y;          /* mean position, length; absolute: not wrapped into a periodic box */
+  double rms;           /* root mean square distance from the mean position, length */
   double displacement; /* distance of the present position from that when measuring began, length */
   double coordination; /* mean number of closed contacts */
   double sliding;      /* fraction of the closed contacts that slide */
   double force;        /* mean normal force per closed contact */
   double openings;     /* number of contacts that opened, per time */
   double injected;     /* mean power of prescribed bodies on the disk */
-  /* Power lost in contacts of the disk to viscosity, to sliding, and by contacts that open while
-   * they store energy. Each disk takes half of the loss of a contact between two free disks. */
-  double viscous, friction, opening;
-  double translation, rotation; /* mean kinetic energy of translation, and of rotation */
-  bool converged;               /* the error bar of omega can be trusted */
+  double viscous, friction, opening; /* power lost to viscosity, to sliding, as contacts open */
+  double translation, rotation;      /* mean kinetic energy of translation, and of rotation */
+  bool converged;                    /* the error bar of omega can be trusted */
 } sd_disk_mean;
 
 /* Returns the means of the free disk in a slot of the state, which must have means of disks
@@ -138,7 +130,9 @@ typedef struct sd_disk_mean {
 SD_API sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state, size_t slot);
 
 /* Statistics over all disks whose mean angular velocity Omega (omega of sd_disk_mean) is known.
- * Each error is one standard error from the scatter of the disks; NAN: too few disks. */
+ * Each error is one standard error from the scatter of the disks; NAN: too few disks. Persistence
+ * is the correlation of `first` and `second`, position_rms the root mean square over the disks of
+ * `rms`, displacement_rms that of `displacement`, power_viscous the sum of `viscous`, and so on. */
 typedef struct sd_disk_totals {
   double disks;                            /* number of disks whose Omega is known */
   double omega_mean, omega_mean_error;     /* mean of Omega and its error, rad/time */
@@ -147,21 +141,14 @@ typedef struct sd_disk_totals {
   double omega_noise; /* root mean square of the error bars of the disks, rad/time */
   double significant; /* fraction of disks with |Omega| > 3 error bars */
   double reliable;    /* fraction of disks whose error bar can be trusted */
-  /* Pearson's correlation and Spearman's rank correlation of Omega in the first and the second half
-   * of the record. */
-  double persistence, persistence_rank;
-  double skewness; /* skewness of the distribution of Omega */
+  double persistence, persistence_rank; /* Pearson's and Spearman's correlation of both halves */
+  double skewness;                      /* skewness of the distribution of Omega */
   /* Mean of Omega_i Omega_j over pairs in contact now, over the mean of Omega^2 */
   double neighbours;
-  /* Mean number of closed contacts per disk; fraction of all closed contacts that slide; their mean
-   * normal force. */
-  double coordination, sliding, force;
-  double openings; /* number of openings per closed contact and time */
-  /* Root mean squares over the disks of their `rms` and of their displacement, over the mean
-   * diameter. */
-  double position_rms, displacement_rms;
-  /* Sums over disks of their mean powers `injected`, `viscous`, `friction` and `opening`. */
-  double power_injected, power_viscous, power_friction, power_opening;
+  double coordination, sliding, force; /* contacts per disk; of these: fraction sliding, mean F_n */
+  double openings;                     /* number of openings per closed contact and time */
+  double position_rms, displacement_rms; /* root mean squares over the mean diameter */
+  double power_injected, power_viscous, power_friction, power_opening; /* sums over disks */
   double mean_translation, mean_rotation; /* mean kinetic energy per disk: translation, rotation */
 } sd_disk_totals;
 

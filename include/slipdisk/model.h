@@ -83,14 +83,13 @@ typedef struct sd_contact_law {
 
 /* A disk as it is at the start. */
 typedef struct sd_disk {
-  const char *name;   /* name in messages and results; NULL: none */
-  double position[3]; /* x, y, theta */
-  double velocity[3]; /* vx, vy, omega */
-  /* Radius, mass, moment of inertia about the centre; inertia 0: m R^2/2 */
-  double radius, mass, inertia;
-  double force[3]; /* constant body force (x, y) and torque, besides gravity */
-  int material;    /* number of its material */
-  int group;       /* number of its group, -1: none; set by sd_model_add_group */
+  const char *name;             /* name in messages and results; NULL: none */
+  double position[3];           /* x, y, theta */
+  double velocity[3];           /* vx, vy, omega */
+  double radius, mass, inertia; /* moment of inertia about the centre; 0: m R^2/2 */
+  double force[3];              /* constant body force (x, y) and torque, besides gravity */
+  int material;                 /* number of its material */
+  int group;                    /* number of its group, -1: none; set by sd_model_add_group */
   /* true: coordinate x, y, theta never changes, whatever acts on it; its velocity must be 0 */
   bool locked[3];
   /* true: all coordinates are prescribed; the disk rests, or follows motions that name it */
@@ -198,7 +197,7 @@ typedef struct sd_motion {
    * chosen */
   uint32_t stream;
   size_t n_table; /* number of entries of the table */
-  /* [n_table] times, increasing, and values; u is constant beyond both ends */
+  /* [n_table] increasing times; values, constant beyond both ends */
   double *table_time, *table_value;
   /* true: the table is repeated instead, with table_value[0] == table_value[n_table - 1] */
   bool periodic;
@@ -260,11 +259,10 @@ typedef struct sd_settle {
 /* Compression: lengths of the region and all positions in it change by a common factor until the
  * target is reached. */
 typedef struct sd_compress {
-  bool asked; /* true: the phase compresses */
-  /* target: a pressure, force/length, or a packing fraction; one of them > 0 */
-  double pressure, fraction;
-  double rate;      /* largest relative change of the lengths per time, > 0 */
-  double tolerance; /* relative distance from the target that is near enough */
+  bool asked;                /* true: the phase compresses */
+  double pressure, fraction; /* target: force/length, or packing fraction; one of them > 0 */
+  double rate;               /* largest relative change of the lengths per time, > 0 */
+  double tolerance;          /* relative distance from the target that is near enough */
 } sd_compress;
 
 /* Components of the velocity gradient of a deforming box, as indices of arrays, and their

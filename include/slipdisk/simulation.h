@@ -89,8 +89,7 @@ typedef struct sd_force_columns {
   const double *vx, *vy, *omega; /* [n_bodies] predicted velocities */
   const double *radius, *mass, *inertia;      /* [n_bodies] as in the state */
   const int32_t *material, *group, *activity; /* [n_bodies] numbers; activity: [n_free], state.h */
-  /* [n_free] sums to which the field adds its force and torque; 0 before the first field */
-  double *force_x, *force_y, *torque;
+  double *force_x, *force_y, *torque; /* [n_free] sums to which the field adds; 0 at first */
 } sd_force_columns;
 /* A force field: a function that is called once in every step, by the thread that called
  * sd_simulation_advance, so that bits do not depend on threads. If its forces depend on the columns
@@ -164,10 +163,8 @@ SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body
  *
  * is the error of the budget, ideally 0. */
 typedef struct sd_energy {
-  /* Kinetic energy of coordinates that are neither driven nor locked */
-  double kinetic_translation, kinetic_rotation;
-  /* Energy stored in springs of contacts */
-  double elastic_normal, elastic_tangential, elastic_rolling;
+  double kinetic_translation, kinetic_rotation; /* without driven and locked coordinates */
+  double elastic_normal, elastic_tangential, elastic_rolling; /* stored in springs of contacts */
   double cohesion; /* potential of attractions, <= 0; 0 beyond their range */
   double external; /* potential of gravity and constant body forces */
   /* Sum of the energies above at step 0, plus those of disks added and minus those of disks removed
@@ -177,9 +174,8 @@ typedef struct sd_energy {
   double work;
   /* Work done by the paper's tangential force, which has no potential */
   double nonconservative_work;
-  double viscous, friction; /* energy lost to dashpots of contacts, and to sliding */
-  /* Energy lost to rolling, when capillary bridges form, and in contacts that opened */
-  double rolling, bridge, opening;
+  double viscous, friction;        /* energy lost to dashpots of contacts, and to sliding */
+  double rolling, bridge, opening; /* lost to rolling, in bridges that form, contacts that open */
   double drag, damping; /* energy lost to viscous drag of fields, and to non-viscous damping */
   double relaxed;       /* kinetic energy taken out by the relaxer (sd_phase.relax) */
   double residual;      /* error of the budget, by the formula above */

@@ -27,7 +27,8 @@ typedef struct sd_three_disk {
   double inertia;       /* moment of inertia I of the upper disk, > 0 */
 } sd_three_disk;
 
-typedef enum sd_waveform { SD_SINE, SD_PARABOLA } sd_waveform; /* waveforms (20) and (21) */
+/* Waveform of the rotation of a support, (20) or (21). */
+typedef enum sd_waveform { SD_SINE, SD_PARABOLA } sd_waveform;
 
 /* --- translational equilibrium points (TEP) --------------------------------------------------- */
 
@@ -106,7 +107,8 @@ typedef struct sd_drive {
 
 /* Capacity of `pieces` in sd_sliding. */
 enum { SD_SLIDING_PIECES = 32 };
-enum { SD_PP = 0, SD_PM = 1, SD_MP = 2, SD_MM = 3 }; /* configurations S++, S+-, S-+, S-- */
+/* Configurations S++, S+-, S-+, S-- as indices: signs of sliding of contacts 1 and 2. */
+enum { SD_PP = 0, SD_PM = 1, SD_MP = 2, SD_MM = 3 };
 
 /* An interval in which the angular velocity of the upper disk is linear: Omega(t) = omega +
  * acceleration (t - start), until the next piece starts. If sign[i] is 0 the upper disk rolls on
@@ -161,8 +163,8 @@ typedef struct sd_collision {
   double duration;    /* duration of the contact, until the normal force is 0 */
 } sd_collision;
 
-/* Returns the outcome of a head-on collision with the normal force (2). k_n, m_eff > 0, gamma_n >=
- * 0; overdamped contacts are allowed. */
+/* Returns the outcome of a head-on collision with the normal force (2). Arguments: k_n > 0,
+ * gamma_n >= 0, m_eff > 0; overdamped contacts are allowed. */
 SD_API sd_collision sd_restitution(double k_n, double gamma_n, double m_eff);
 
 /* Outcome of the collision of a disk with a plane in which it slides all the time. */
