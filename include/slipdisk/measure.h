@@ -45,7 +45,7 @@ SD_API sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, 
 
 /* Error bar reached so far, beside the one at which the key `until` of the deck ends the run. */
 typedef struct sd_goal {
-  double value, error; /* observable, standard error: rad/time, scaled: rad; NAN: not yet known */
+  double value, error; /* observable, its standard error, rad/time; rad if scaled; NAN: unknown */
   double goal;         /* error bar asked for; if it is relative, that fraction of |value| */
   double measured;     /* measured time so far */
   bool converged;      /* the error bar can be trusted: converged of sd_rotation */
@@ -141,13 +141,13 @@ typedef struct sd_disk_totals {
   double omega_noise; /* root mean square of the error bars of the disks, rad/time */
   double significant; /* fraction of disks with |Omega| > 3 error bars */
   double reliable;    /* fraction of disks whose error bar can be trusted */
-  double persistence, persistence_rank; /* Pearson's and Spearman's correlation of both halves */
+  double persistence, persistence_rank; /* correlation of `first` and `second`: Pearson, Spearman */
   double skewness;                      /* skewness of the distribution of Omega */
   /* Mean of Omega_i Omega_j over pairs in contact now, over the mean of Omega^2 */
   double neighbours;
   double coordination, sliding, force; /* contacts per disk; of these: fraction sliding, mean F_n */
   double openings;                     /* number of openings per closed contact and time */
-  double position_rms, displacement_rms; /* root mean squares over the mean diameter */
+  double position_rms, displacement_rms; /* root mean square distances over the mean diameter */
   double power_injected, power_viscous, power_friction, power_opening; /* sums over disks */
   double mean_translation, mean_rotation; /* mean kinetic energy per disk: translation, rotation */
 } sd_disk_totals;

@@ -231,11 +231,12 @@ typedef enum sd_field_per {
  *   central   -strength r s^(power - 1), s^2 = r^2 + softening^2, times 1, R, m
  *   rotation  m omega^2 r + 2 m omega (v_y, -v_x) */
 typedef struct sd_body_force {
-  const char *name;                  /* name in messages and results; NULL: none */
-  sd_field_kind kind;                /* which of the formulas above */
-  size_t n_disks;                    /* number of disks on which it acts; 0: all free disks */
-  uint32_t *disks;                   /* [n_disks] numbers of these disks */
-  sd_field_per per;                  /* drag, central: what the force is proportional to */
+  const char *name;   /* name in messages and results; NULL: none */
+  sd_field_kind kind; /* kind of field, see the formulas above */
+  size_t n_disks;     /* number of disks on which it acts; 0: all free disks */
+  uint32_t *disks;    /* [n_disks] numbers of these disks */
+  /* Drag, central: property to which the force is proportional */
+  sd_field_per per;
   double centre[2];                  /* drag, central, rotation: origin of r */
   double gamma, gamma_rotation;      /* drag: coefficients of force and torque, >= 0 */
   double flow[2], shear_rate, swirl; /* drag: flow of the fluid, length/time, 1/time, rad/time */
@@ -300,8 +301,7 @@ typedef struct sd_phase {
   sd_cell cell;         /* deformation of the periodic box */
 } sd_phase;
 
-/* What happens if a free disk leaves the bounds: it is reported, the run ends, or the disk is
- * removed. */
+/* Action if a free disk leaves the bounds: report it, end the run, or remove the disk. */
 typedef enum sd_outside { SD_OUTSIDE_REPORT, SD_OUTSIDE_STOP, SD_OUTSIDE_REMOVE } sd_outside;
 
 /* End of the last phase by an error bar: after at least `least` of its steps, the phase ends at the

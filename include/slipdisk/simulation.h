@@ -131,9 +131,9 @@ SD_API bool sd_simulation_finished(const sd_simulation *simulation);
 
 /* A column of the state, in place: n elements of `type` at `data`. */
 typedef struct sd_column {
-  const char *name, *unit, *meaning; /* as in sd_field */
+  const char *name, *unit, *meaning; /* name, unit and meaning, those of sd_field */
   sd_type type;                      /* type of the elements (sd_type_size: their bytes) */
-  sd_extent extent;                  /* what the elements stand for, and their order (state.h) */
+  sd_extent extent;                  /* meaning and order of the elements (state.h) */
   size_t n;                          /* number of elements */
   const void *data;                  /* address of the first element, in memory of the simulation */
 } sd_column;

@@ -29,38 +29,40 @@ typedef struct sd_state sd_state;
 /* Type of the elements of a column: double, int64_t, int32_t, uint32_t. */
 typedef enum sd_type { SD_F64, SD_I64, SD_I32, SD_U32 } sd_type;
 
-/* What the rows of a column stand for. sd_extent_size returns how many elements that makes in a
- * given state. */
+/* Meaning and order of the elements of a column. sd_extent_size returns their number in a given
+ * state. */
 typedef enum sd_extent {
   SD_PER_RUN,     /* a single number for the whole run */
   SD_PER_BODY,    /* one element per disk and wall, by slot */
   SD_PER_FREE,    /* one element per free disk, by slot */
-  SD_PER_SURFACE, /* one per wall, in the order of walls; none if no motion moves a surface */
-  SD_PER_CONTACT, /* one per closed contact, sorted by its lower slot, then by its partner */
-  SD_PER_MOTION,  /* one per motion of the model */
-  /* Four numbers: length of the box along x, along y, offset of its images, shear strain; none if
-   * no phase deforms the box. */
+  SD_PER_SURFACE, /* one element per wall if a motion moves any surface, else none */
+  SD_PER_CONTACT, /* one element per closed contact, sorted by its lower slot, then its partner */
+  SD_PER_MOTION,  /* one element per motion of the model */
+  /* Four numbers if a phase deforms the box, else none: length of the box along x, along y, offset
+   * of its images, shear strain. */
   SD_PER_CELL,
-  SD_PER_CELL_DISK,     /* one per free disk, by slot; none if no phase deforms the box */
-  SD_PER_PHASE,         /* one per phase of the model */
-  SD_PER_ROTATION,      /* one per disk whose rotation is measured */
-  SD_PER_ROTATION_BIN,  /* SD_BINS per disk whose rotation is measured, row by row */
-  SD_PER_SLIDE,         /* one per watched pair of contacts */
-  SD_PER_SLIDE_COUNT,   /* 16 per watched pair: 4 * (state of contact 1) + (state of contact 2) */
-  SD_PER_SLIDE_CONTACT, /* two per watched pair: one for each of its contacts */
-  SD_PER_MEAN,     /* one per free disk, by slot; none unless means of every disk are measured */
-  SD_PER_MEAN_BIN, /* SD_MEAN_BINS per element of SD_PER_MEAN, row by row */
-  SD_PER_VISIT,    /* one per watched pair; none unless configurations are measured */
-  SD_PER_VISIT_CONTACT, /* two per element of SD_PER_VISIT: one for each contact of the pair */
-  SD_PER_VISIT_PART,    /* 6 sums per element of SD_PER_VISIT */
-  SD_PER_VISIT_CLASS,   /* SD_CONFIGURATIONS per element of SD_PER_VISIT */
-  SD_PER_VISIT_SUM,     /* SD_CONFIGURATIONS * 6 sums per element of SD_PER_VISIT */
-  SD_PER_VISIT_AGE,     /* SD_CONFIGURATIONS * SD_AGES per element of SD_PER_VISIT */
-  SD_PER_FIELDED,       /* one per free disk, by slot; none if the model has no fields */
-  SD_PER_CLUMP,         /* one per clump, a rigid body of several disks, by clump number */
-  SD_PER_LAW_CONTACT, /* one per closed contact; none if no law needs SD_CONTACT_MORE (contact.h) */
-  SD_PER_LAW_FREE,    /* one per free disk, by slot; none if no law needs SD_CONTACT_MORE */
-  SD_EXTENTS          /* number of extents */
+  SD_PER_CELL_DISK, /* one element per free disk, by slot, if a phase deforms the box, else none */
+  SD_PER_PHASE,     /* one element per phase of the model */
+  SD_PER_ROTATION,  /* one element per disk whose rotation is measured */
+  SD_PER_ROTATION_BIN,  /* SD_BINS elements per disk whose rotation is measured, disk by disk */
+  SD_PER_SLIDE,         /* one element per watched pair of contacts */
+  SD_PER_SLIDE_COUNT,   /* 16 elements per watched pair: 4 * (state of contact 1) + (state of 2) */
+  SD_PER_SLIDE_CONTACT, /* two elements per watched pair, one for each of its contacts */
+  /* One element per free disk, by slot, if means of every disk are measured, else none */
+  SD_PER_MEAN,
+  SD_PER_MEAN_BIN,      /* SD_MEAN_BINS elements for each one of SD_PER_MEAN, disk by disk */
+  SD_PER_VISIT,         /* one element per watched pair if configurations are measured, else none */
+  SD_PER_VISIT_CONTACT, /* two elements for each one of SD_PER_VISIT: one per contact of the pair */
+  SD_PER_VISIT_PART,    /* 6 sums for each element of SD_PER_VISIT */
+  SD_PER_VISIT_CLASS,   /* SD_CONFIGURATIONS elements for each one of SD_PER_VISIT */
+  SD_PER_VISIT_SUM,     /* SD_CONFIGURATIONS * 6 sums for each element of SD_PER_VISIT */
+  SD_PER_VISIT_AGE,     /* SD_CONFIGURATIONS * SD_AGES elements for each one of SD_PER_VISIT */
+  SD_PER_FIELDED, /* one element per free disk, by slot, if the model has force fields, else none */
+  SD_PER_CLUMP,   /* one element per clump, a rigid body of several disks, by clump number */
+  SD_PER_LAW_CONTACT, /* one element per closed contact if a law needs SD_CONTACT_MORE, else none */
+  /* One element per free disk, by slot, if a law needs SD_CONTACT_MORE, else none */
+  SD_PER_LAW_FREE,
+  SD_EXTENTS /* number of extents */
 } sd_extent;
 
 /* Bins in the angle record of a watched disk. When all are full, neighbouring bins are merged in
@@ -92,7 +94,7 @@ enum { SD_CONFIGURATIONS = 6, SD_AGES = 16 };
 typedef struct sd_field {
   const char *name; /* name of the column, and of its dataset in checkpoints */
   sd_type type;     /* type of its elements */
-  sd_extent extent; /* what its rows stand for */
+  sd_extent extent; /* meaning and order of its elements */
   size_t offset;    /* position in the struct sd_state; for the library itself */
   /* Unit in terms of length, mass, time, force, energy, power and rad; "1": none */
   const char *unit;

@@ -49,9 +49,10 @@ SD_API sd_status sd_fail(sd_messages *m, sd_status kind, const char *format, ...
 /* Adds a warning with a text as printf would write it; warnings change no status. */
 SD_API void sd_warn(sd_messages *m, const char *format, ...) SD_PRINTF(2, 3);
 
-/* Returns the number of errors added, those included that are beyond the 1000 kept. NULL: 0. */
+/* Returns the number of errors added; those beyond the 1000 that are kept count, too. m may be
+ * NULL: 0. */
 SD_API size_t sd_messages_errors(const sd_messages *m);
-/* Returns the number of messages kept, errors and warnings. NULL: 0. */
+/* Returns the number of messages that are kept, errors and warnings. m may be NULL: 0. */
 SD_API size_t sd_messages_count(const sd_messages *m);
 /* Returns the text of message k, 0 <= k < sd_messages_count, without a newline. The list owns
  * it. */

@@ -49,7 +49,7 @@ static bool truncate_again(int fd, off_t size) {
   return result == 0;
 }
 
-/* Closes a descriptor. If a signal interrupts close, Linux has closed the descriptor. */
+/* Closes a descriptor; false with errno set. EINTR is no error: Linux has then closed it, too. */
 static bool close_told(int fd) { return close(fd) == 0 || errno == EINTR; }
 
 bool file_write_all(int fd, const void *bytes, size_t size) {
@@ -178,7 +178,7 @@ void file_keep_mode(int fd, int folder, const char *path) {
   mode_t mode;
   const int base = base_of(folder, path, &name);
   if (!mode_of(base, name, &mode) || fstat(fd, &facts) != 0) return;
-  /* Users that may read may also enter */
+  /* permission to read a folder gives permission to enter it */
   if (S_ISDIR(facts.st_mode)) mode |= 0700 | (mode & 0444) >> 2;
   (void)!fchmod(fd, mode); /* ignored, since some file systems have no modes */
 }
@@ -638,7 +638,7 @@ sd_status file_folder_close(file_folder *f, sd_status status, sd_messages *messa
 /* Bytes of a buffer; alignment that O_DIRECT requires; size from which on a file is long. */
 enum { BUFFER = 8 << 20, PAGE = 4096, LONG = 4 * BUFFER };
 
-/* Pieces that are being gathered, and how far. */
+/* Pieces of memory to be copied into buffers, and the position that is reached. */
 typedef struct gathering {
   const file_piece *pieces;
   size_t n, k, at; /* number of pieces; index of the next piece, and next byte in it */

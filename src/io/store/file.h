@@ -29,9 +29,9 @@ typedef struct file_draft {
   char *path;     /* path of the draft, for messages */
 } file_draft;
 
-/* What happens if the name of a draft is taken when it is published. */
+/* Action if the name of a draft is taken when it is published. */
 typedef enum file_replace {
-  FILE_KEEP,   /* nothing is overwritten: a file of that name is an error */
+  FILE_KEEP,   /* a file of that name is an error: nothing is overwritten */
   FILE_REPLACE /* a file or link of that name is replaced; a device or a pipe is an error */
 } file_replace;
 
@@ -57,15 +57,15 @@ typedef struct file_stream {
 /* Opens a draft of the file `path` as a stream. file_stream_close must be called also if it
  * fails. */
 sd_status file_stream_open(const char *path, file_stream *s, sd_messages *messages);
-/* Publishes the draft, replacing a file of this name, if `status`, the caller's, is SD_OK; else
- * removes it. Returns the first error. */
+/* Closes the stream. If `status`, the status of the caller so far, is SD_OK the draft is published
+ * and replaces a file of this name; else it is removed. Returns the first error. */
 sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messages);
 /* Writes a file with these bytes through a draft; a file of this name is replaced. */
 sd_status file_write_atomic(const char *path, const void *bytes, size_t size,
                             sd_messages *messages);
 /* A folder that gets its name when all files in it are written. */
 typedef struct file_folder {
-  char *path, *draft; /* its path; path of the draft, NULL: there is none */
+  char *path, *draft; /* path of the folder; path of its draft, NULL: there is none */
 } file_folder;
 /* Makes a draft of the folder `path`. Returns SD_ERROR_USER if something else than an empty folder
  * has this name. file_folder_close must be called also if it fails. */

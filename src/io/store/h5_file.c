@@ -14,8 +14,8 @@
 
 /* --- Library ---------------------------------------------------------------------------------- */
 
-/* Called for an entry of the library's error stack. The library is silent, but a lack of memory is
- * noted: without it an object would seem not to exist. */
+/* Called for an entry of the library's error stack: notes a lack of memory, since the failed call
+ * would otherwise look as if its object did not exist. */
 static herr_t look_for_shortage(unsigned n, const H5E_error2_t *error, void *user) {
   (void)n, (void)user;
   if (error->maj_num == H5E_RESOURCE) shortage_note();

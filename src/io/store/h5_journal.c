@@ -14,7 +14,8 @@
 /* Datasets are read back in pieces of at most so many bytes */
 enum { PIECE_BYTES = 8 << 20 };
 
-/* Computes h5_sum. Callers pass `element` as a constant, so that the compiler unrolls the copy. */
+/* Computes h5_sum. Callers pass `element` as a constant, so that the compiler knows the size of the
+ * copy. */
 static inline uint64_t sum_words(const unsigned char *at, size_t n, size_t element,
                                  uint64_t first) {
   uint64_t sum = 0;
@@ -41,8 +42,8 @@ static bool is_of(const h5_entry *e, const char *path, const char *attr) {
   return strcmp(e->path, path) == 0;
 }
 
-/* Finds a journal entry, the newest first, since rows go to one of the last; NULL: there is
- * none. */
+/* Finds a journal entry; NULL: there is none. It begins with the newest, since rows are mostly
+ * written to recent datasets. */
 static h5_entry *find(const h5_file *file, const char *path, const char *attr) {
   for (size_t k = file->n_entries; k-- > 0;)
     if (is_of(&file->journal[k], path, attr)) return &file->journal[k];

@@ -238,7 +238,8 @@ typedef struct groups {
   bool lost; /* there are more than MOST_GROUPS */
 } groups;
 
-/* Adds the group of a dataset to the list; an h5_visitor. */
+/* Called by h5_visit for a dataset: adds its group of particles to the list if the dataset is one
+ * of those sought. */
 static void take_group(void *user, const char *path, sd_type type, bool text, int rank,
                        const size_t *dims) {
   static const char head[] = "/particles/";

@@ -172,8 +172,8 @@ static sd_status shape_set(h5_shares *s, h5_shared_set *set, int *rank, size_t *
   return status;
 }
 
-/* Makes a dataset in the head that stands for the joined one: it has its shape and the attributes
- * of head or share, but no values. */
+/* Makes a dataset without values in the head, the file that has shares. It stands for the joined
+ * dataset, with its shape and the attributes that head or share have. */
 static void stand_for(h5_file *head, const h5_file *share, const char *from,
                       const h5_shared_set *set, int rank, const size_t *dims) {
   static const char *const names[] = {"unit", "description"};
@@ -189,7 +189,7 @@ static void stand_for(h5_file *head, const h5_file *share, const char *from,
   }
 }
 
-/* Joins a dataset of a share; an h5_visitor. */
+/* Called by h5_visit for a dataset of a share: adds it to the joined datasets. */
 static void take_set(void *user, const char *path, sd_type type, bool text, int rank,
                      const size_t *dims) {
   h5_shares *s = user;

@@ -209,7 +209,7 @@ static int status_of(pid_t child) {
   pid_t got;
   do got = waitpid(child, &how, 0);
   while (got < 0 && errno == EINTR);
-  /* a process that ignores SIGCHLD gets no statuses */
+  /* ECHILD: this process ignores SIGCHLD, so that no exit status is kept */
   if (got < 0) return errno == ECHILD ? GOOD : -1;
   return WIFEXITED(how) ? WEXITSTATUS(how) : -1;
 }

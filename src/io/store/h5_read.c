@@ -436,7 +436,8 @@ static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type
   return status;
 }
 
-/* Reads n of the rows that the head has itself, from `first` on, converted to type. */
+/* Reads n rows of a joined dataset that are in the file itself, not in shares, from `first` on,
+ * converted to type. */
 static sd_status get_own(const h5_shared_set *set, sd_type type, size_t first, size_t n, void *data,
                          sd_messages *messages) {
   const size_t values = n * set->width, from = sd_type_size(set->type), to = sd_type_size(type);

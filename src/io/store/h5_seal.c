@@ -17,7 +17,8 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
-/* One piece behind the HDF5 data. */
+/* One piece behind the HDF5 data: a mark, and a checksum of all bytes, or of the small data, before
+ * it. */
 typedef struct piece {
   char mark[8];
   uint64_t size; /* number of bytes before this piece */
@@ -68,7 +69,7 @@ sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messa
   return status;
 }
 
-/* Writes a piece at the end of a file that has `size` bytes. */
+/* Writes a piece (mark, size, checksum) at the end of a file that has `size` bytes. */
 static bool append(int fd, uint64_t size, const piece *p) {
   return lseek(fd, (off_t)size, SEEK_SET) == (off_t)size && file_write_all(fd, p, sizeof *p);
 }
