@@ -1,14 +1,16 @@
-/* contact.h: what a closed contact remembers, listed once.
+/* contact.h: the quantities that a closed contact stores from step to step, as two tables.
  *
- * Columns of the pair list, their carrying over rebuilds, the state, checkpoints, rare events, the rows of small systems
- * and packings that are read from a result follow from the tables. An open contact remembers nothing: all columns are 0.
+ * These tables define the columns of the pair list and how rebuilds carry them, the contact columns
+ * of the state and of checkpoints, the handling of rare events, the rows of small systems, and the
+ * packings that are read from a result. All columns of an open contact are 0.
  */
 #ifndef SLIPDISK_CONTACT_H
 #define SLIPDISK_CONTACT_H
 
 #include <stdint.h>
 
-/* X(name, unit, meaning). The last two are 0 with the conservative variant. */
+/* X(name, unit, meaning): a row per stored quantity of every model. `turned` and
+ * `nonconservative_work` are 0 with the variant SD_CONSERVATIVE. */
 #define SD_CONTACT_RECORD(X)                                                                       \
   X(lambda_ref, "length", "lambda* from the reference direction (eq. tau)")                        \
   X(ex, "1", "reference direction, x")                                                             \
@@ -22,7 +24,9 @@
   X(nonconservative_work, "energy",                                                                \
     "put in by the paper's tangential force since the contact began")
 
-/* Columns that models have whose laws need them, 0 in others. */
+/* Further rows of the same form. They are 0 unless a law of the model has damping that may pull,
+ * kinetic friction, Mindlin's tangential spring, a tangential dashpot, rolling friction or
+ * attraction. */
 #define SD_CONTACT_MORE(X)                                                                         \
   X(tau, "force", "tangential force, spring and dashpot")                                          \
   X(pull, "force", "attraction, by which the normal force is smaller")                             \
@@ -32,14 +36,16 @@
   X(rolling, "energy", "lost to rolling since the contact began")
 
 #define SD_CONTACT_MEMBER(name, unit, meaning) double name;
+/* The stored quantities of one contact between the bodies a and b, in the order of the two
+ * tables. */
 typedef struct sd_contact_record {
   SD_CONTACT_RECORD(SD_CONTACT_MEMBER)
   SD_CONTACT_MORE(SD_CONTACT_MEMBER)
 } sd_contact_record;
 #undef SD_CONTACT_MEMBER
 
-/* Columns of all models, of these laws, and of both. */
 #define SD_CONTACT_ONE(name, unit, meaning) +1
+/* Numbers of columns: rows of SD_CONTACT_RECORD, rows of SD_CONTACT_MORE, and their sum. */
 enum {
   SD_CONTACT_COLUMNS = 0 SD_CONTACT_RECORD(SD_CONTACT_ONE),
   SD_CONTACT_EXTRA = 0 SD_CONTACT_MORE(SD_CONTACT_ONE),

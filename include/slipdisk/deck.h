@@ -1,4 +1,5 @@
-/* deck.h: reading a deck (libconfig) into a model. docs/deck.md is the reference of its keys. */
+/* deck.h: functions that read a deck, an input file in libconfig syntax, into a model. docs/deck.md
+ * describes its keys. */
 #ifndef SLIPDISK_DECK_H
 #define SLIPDISK_DECK_H
 
@@ -8,27 +9,32 @@
 extern "C" {
 #endif
 
-/* Contents of a deck besides physics. */
+/* Everything that a deck contains besides the physics. All texts end with a zero byte. */
 typedef struct sd_deck {
-  char *path;      /* as given */
-  char *text;      /* as read */
-  char *overrides; /* one "path=value" per line */
-  char *full;      /* the deck with all defaults, canonical form */
-  char *bodies;    /* names and walls as the deck has them, for decks that begin with the result */
-  double checkpoint_seconds; /* wall time between checkpoints, > 0 */
-  size_t sweep_points;       /* that its group `sweep` asks for; the model is the deck itself */
+  char *path;      /* path of the deck file, as given by the caller */
+  char *text;      /* text of the deck file, unchanged */
+  char *overrides; /* settings that replaced keys of the deck, one "path=value" per line */
+  char *full;      /* the deck with its overrides and all default values, in canonical form */
+  char *bodies; /* names and walls as written in the deck, for decks that start from the result */
+  double checkpoint_seconds; /* wall time between checkpoints, seconds, > 0 */
+  /* Number of points of the deck's group `sweep`, 0: none; the model ignores them */
+  size_t sweep_points;
 } sd_deck;
 
-/* The deck of a model; of one that was built by hand an empty one with defaults: texts are "". */
+/* Returns the deck from which a model was read; the model owns it. If the model was built by a
+ * program, its texts are "" and its numbers the defaults. */
 SD_API const sd_deck *sd_model_deck(const sd_model *model);
 
-/* Reads, checks and finishes the deck at path (-: the standard input); overrides are "path=value" strings as after -D.
- * Every mistake is one message "file:line: key = value: what was expected (did you mean ...)".
- * Returns SD_ERROR_USER when there is any (and *out NULL), SD_ERROR_IO when the file is there and cannot be read. */
+/* Reads the deck at `path` ("-": the standard input), checks it and makes a finished model, which
+ * the caller frees with sd_model_free. overrides: n_overrides settings "path=value", as after the
+ * option -D. Every mistake is one message "file:line: key = value: what was expected (did you mean
+ * ...)". Returns SD_ERROR_USER if there is any mistake, SD_ERROR_IO if the file exists but cannot
+ * be read; *out is then NULL. */
 SD_API sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides,
                               sd_model **out, sd_messages *messages);
 
-/* The same from text in memory; path is used in messages and to find the files that the deck names. */
+/* Like sd_deck_load, with the text of the deck in memory. Messages name `path`, and files that the
+ * deck refers to are sought relative to it. */
 SD_API sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
                                    const char *const *overrides, sd_model **out,
                                    sd_messages *messages);

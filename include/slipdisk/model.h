@@ -1,18 +1,20 @@
-/* model.h: what is simulated: bodies, contact laws, motions, phases. Const once it is finished.
+/* model.h: the model of a simulation: bodies, contact laws, motions, phases. It is constant once
+ * finished.
  *
- * A model comes from a deck (deck.h), or is built: sd_model_new, then sd_model_add_... and sd_model_set_..., then
- * sd_model_finish, which checks everything and reports all mistakes at once, those of the calls before it included. Every
- * function copies what it is given: strings and arrays can go when it returns. Pointers are not NULL where nothing says that
- * they may be.
+ * A model is read from a deck (deck.h) or built by calls: sd_model_new, then sd_model_add_... and
+ * sd_model_set_..., then sd_model_finish, which checks everything and reports all mistakes at once,
+ * those of earlier calls included. Every function copies its arguments, so that strings and arrays
+ * may be freed when it returns. Pointers must not be NULL unless a comment says that they may be.
  *
- * Units are any consistent set; angles are radians, counter-clockwise positive.
+ * Units are any consistent set. Angles are in radians, counter-clockwise positive.
  *
- * Bodies have numbers: disk i has number i, in the order in which they were added; wall w has number n_disks + w. Where a
- * wall is meant before all disks are there, sd_model_add_wall's own value, SD_WALL(w), does as well. Motions also take the
- * number of a clump: n_disks + n_walls + k, or SD_CLUMP(k).
+ * Bodies have numbers: disk i has number i, in the order in which disks were added; wall w has
+ * number n_disks + w. While disks are still to be added, a wall is meant by SD_WALL(w), which
+ * sd_model_add_wall returns. Motions also accept clumps, by the number n_disks + n_walls + k or by
+ * SD_CLUMP(k).
  *
- * Structs that are passed to functions may grow at their end in later versions: set members by name
- * ((sd_disk){.radius = 1, .mass = 1}); what is not named is 0, and 0 is a default.
+ * Structs that are passed to functions may grow at their end in later versions. Set members by name
+ * ((sd_disk){.radius = 1, .mass = 1}): members that are not named are 0, which is their default.
  */
 #ifndef SLIPDISK_MODEL_H
 #define SLIPDISK_MODEL_H
@@ -27,21 +29,29 @@
 extern "C" {
 #endif
 
+/* A model, opaque; sd_model_free frees it. */
 typedef struct sd_model sd_model;
 
+/* Coordinates of a body, as indices of arrays, and their number. */
 enum { SD_X = 0, SD_Y = 1, SD_THETA = 2, SD_COORDINATES = 3 };
-/* Things that a motion can move: a coordinate, or the surface of a wall, which runs along it while the wall stays (a belt). */
+/* SD_SURFACE: further quantity that a motion can move, the surface of a wall, which runs along the
+ * wall like a conveyor belt while the wall itself stays. SD_MOVED: number of all such
+ * quantities. */
 enum { SD_SURFACE = 3, SD_MOVED = 4 };
 
+/* Integrator of the free disks: Gear's predictor-corrector of fifth order, or velocity Verlet. */
 typedef enum sd_integrator { SD_GEAR5, SD_VERLET } sd_integrator;
-/* Tangential force on the centres: the paper's tau, or tau (R_a+R_b)/r which derives from the tangential energy. */
+/* Tangential force on the centres of two disks: tau of the paper, or tau (R_a + R_b)/r, which
+ * derives from the tangential energy. */
 typedef enum sd_variant { SD_PAPER, SD_CONSERVATIVE } sd_variant;
 
-/* Elastic normal force of the overlap: k_n delta, k_n delta^(3/2). */
+/* Elastic normal force at the overlap delta: k_n delta, or k_n delta^(3/2). SD_NORMAL_LAWS is the
+ * number of laws. */
 typedef enum sd_normal_law { SD_NORMAL_LINEAR, SD_NORMAL_HERTZ, SD_NORMAL_LAWS } sd_normal_law;
-/* Tangential stiffness: k_t, or k_t sqrt(delta). */
+/* Tangential stiffness at the overlap delta: k_t, or k_t sqrt(delta). */
 typedef enum sd_tangential_law { SD_TANGENTIAL_SPRING, SD_TANGENTIAL_MINDLIN } sd_tangential_law;
-/* Attraction: none; pull_off at contact, falling to 0 at gap `range`; a capillary bridge from touch to gap `rupture`. */
+/* Attraction of two surfaces: none; `pull_off` in contact, falling to 0 at the gap `range`; or a
+ * capillary bridge, which forms at contact and breaks at the gap `rupture`. */
 typedef enum sd_cohesion_law {
   SD_COHESION_NONE,
   SD_COHESION_CONSTANT,
@@ -50,53 +60,62 @@ typedef enum sd_cohesion_law {
 
 /* Constants of the contact law for one pair of materials (eq. 2, tau, 36; docs/physics.md 2). */
 typedef struct sd_contact_law {
-  double k_n;     /* normal stiffness > 0, force/length; Hertz: force/length^(3/2) */
-  double k_t;     /* tangential stiffness, force/length, >= 0; Mindlin: force/length^(3/2) */
-  double gamma_n; /* normal viscosity, force time/length, >= 0 */
-  double mu;      /* Amonton's coefficient, >= 0 */
-  sd_normal_law normal;
-  double
-      restitution; /* damping by a coefficient of restitution < 1, besides gamma_n; 0 or 1: none */
-  bool damping_pulls; /* key limit_damping = false: the damping may pull while disks overlap */
-  double mu_kinetic;  /* <= mu, while a contact slides; 0: mu */
-  sd_tangential_law tangential;
-  double gamma_t;      /* tangential viscosity, force time/length, >= 0 */
+  double k_n;           /* normal stiffness > 0, force/length; Hertz: force/length^(3/2) */
+  double k_t;           /* tangential stiffness, force/length, >= 0; Mindlin: force/length^(3/2) */
+  double gamma_n;       /* normal viscosity, force time/length, >= 0 */
+  double mu;            /* Amonton's coefficient of friction, >= 0 */
+  sd_normal_law normal; /* elastic normal force */
+  /* Coefficient of restitution < 1 that sets a damping added to gamma_n; 0 or 1: none */
+  double restitution;
+  /* true: damping may make the normal force of an overlap attractive (limit_damping = false) */
+  bool damping_pulls;
+  double mu_kinetic; /* coefficient of friction while a contact slides, <= mu; 0: equal to mu */
+  sd_tangential_law tangential; /* tangential spring */
+  double gamma_t;               /* tangential viscosity, force time/length, >= 0 */
   double k_r, gamma_r; /* rolling stiffness, force/length, and viscosity, force time/length; >= 0 */
   double mu_r;         /* coefficient of rolling friction, >= 0 */
-  sd_cohesion_law cohesion;
-  double pull_off; /* largest attraction, force */
-  double range;    /* constant: gap where it ends, >= 0; bridge: decay length, > 0 */
-  double rupture;  /* bridge: gap at which it breaks, > 0 */
+  sd_cohesion_law cohesion; /* attraction */
+  double pull_off;          /* largest attraction, force; > 0 with an attraction */
+  /* Constant attraction: gap at which it ends, >= 0; bridge: its decay length, > 0 */
+  double range;
+  double rupture; /* gap at which a capillary bridge breaks, > 0 */
 } sd_contact_law;
 
+/* A disk as it is at the start. */
 typedef struct sd_disk {
-  const char *name;             /* may be NULL */
-  double position[3];           /* x, y, theta at the start */
+  const char *name;             /* name in messages and results; NULL: none */
+  double position[3];           /* x, y, theta */
   double velocity[3];           /* vx, vy, omega */
-  double radius, mass, inertia; /* inertia 0 means m R^2/2 */
-  double force[3];              /* constant body force and torque, gravity not included */
-  int material;                 /* index into materials */
-  int group;                    /* index into groups, -1: none; set by sd_model_add_group */
-  bool locked[3]; /* this coordinate never changes, whatever pushes (velocity must be 0) */
-  bool driven;    /* all three coordinates are prescribed: fixed, or by the motions that name it */
-  bool waiting;   /* out of play until its rain releases it; position is then where it waits */
-  int clump; /* 1 + number of the clump that it belongs to, 0: none; set by sd_model_add_clump */
+  double radius, mass, inertia; /* moment of inertia about the centre; 0: m R^2/2 */
+  double force[3];              /* constant body force (x, y) and torque, besides gravity */
+  int material;                 /* number of its material */
+  int group;                    /* number of its group, -1: none; set by sd_model_add_group */
+  /* true: coordinate x, y, theta never changes, whatever acts on it; its velocity must be 0 */
+  bool locked[3];
+  /* true: all coordinates are prescribed; the disk rests, or follows motions that name it */
+  bool driven;
+  bool waiting; /* true: out of play at `position` until its rain releases it */
+  int clump; /* 1 + number of the clump to which it belongs, 0: none; set by sd_model_add_clump */
 } sd_disk;
 
-/* Disks that move as one rigid body about its centre of mass; they may overlap one another. Its mass, and the moment of inertia
- * about the centre, are those of its disks (sum of m, of I + m d^2) unless given; a given mass is shared out among the disks, as theirs are. */
+/* A rigid body made of disks, which may overlap one another; it moves about its centre of mass.
+ * Unless they are given, its mass is the sum of the m of its disks and its moment of inertia about
+ * the centre the sum of I + m d^2, d the distance of a disk from the centre. A given mass is
+ * distributed over the disks in proportion to theirs. */
 typedef struct sd_clump {
-  const char *name; /* may be NULL */
-  size_t n_disks;
-  const uint32_t *disks; /* free disks without velocities and locks of their own */
-  double mass, inertia;  /* 0: those of its disks */
-  double velocity[3];    /* of the centre; angular velocity */
-  double force
-      [3]; /* constant body force on the centre, and torque; besides gravity and those of its disks */
-  bool locked[3];     /* this coordinate of the clump never changes */
-  double position[3]; /* filled in: the centre of mass at the start, angle 0 */
+  const char *name; /* name in messages and results; NULL: none */
+  size_t n_disks;   /* number of disks */
+  /* [n_disks] numbers of free disks that have neither velocities nor locks of their own */
+  const uint32_t *disks;
+  double mass, inertia; /* mass and moment of inertia about the centre; 0: from the disks */
+  double velocity[3];   /* vx and vy of the centre of mass, angular velocity */
+  /* Constant body force on the centre, and torque, besides gravity and the forces of its disks */
+  double force[3];
+  bool locked[3];     /* true: coordinate x, y, theta of the clump never changes */
+  double position[3]; /* centre of mass at the start, and angle 0; filled in by sd_model_finish */
 } sd_clump;
 
+/* Shape of a wall; sd_wall says how each is given. */
 typedef enum sd_wall_kind {
   SD_WALL_LINE,
   SD_WALL_SEGMENT,
@@ -106,280 +125,351 @@ typedef enum sd_wall_kind {
   SD_WALL_KINDS
 } sd_wall_kind;
 
-/* A wall is a body with a pose (pivot, angle) and a shape given in space at the start.
- * Line: points[0] and points[1] lie on it. Segment: its ends. Polyline: its vertices, closed or not.
- * Circle: the pivot is its centre. Arc: of a circle about `center`, counter-clockwise from the angle `from` to `to`; its
- * points are filled in, close together, for pictures. Both sides of a line, segment or arc push.
+/* A wall: a body with a pose (pivot, angle) and a shape, which is given in absolute coordinates at
+ * the start. Line: infinite, through points[0] and points[1]. Segment: between points[0] and
+ * points[1]. Polyline: through its points, closed or not. Circle: about the pivot. Arc: part of a
+ * circle about `center`, counter-clockwise from the angle `from` to the angle `to`; its points are
+ * filled in, close together, for pictures. Lines, segments and arcs push disks on both sides.
  *
- * A motion of the surface (SD_SURFACE) runs along the wall from its first point on the left of this way, and back on the
- * right, like a belt around it; an arc's way is counter-clockwise; a circle's surface turns counter-clockwise. */
+ * A motion of the surface (SD_SURFACE) runs like a belt around the wall: on the left side of the
+ * way from the first point to the last it moves along this way, on the right side it moves back.
+ * The way of an arc is counter-clockwise; the surface of a circle turns counter-clockwise. */
 typedef struct sd_wall {
-  const char *name;
-  sd_wall_kind kind;
-  int material;
-  double pivot[2]; /* the point about which it turns, and whose x, y a motion moves */
-  size_t n_points;
-  double (*points)[2]; /* absolute coordinates at the start */
-  bool closed;         /* polyline: the last vertex is joined to the first */
-  double radius;       /* circle, arc: > 0 */
-  bool inside;         /* circle: disks live inside (a drum) */
-  double center[2];    /* arc */
-  double from, to;     /* arc: angles, from < to <= from + 2 pi */
+  const char *name;    /* name in messages and results; NULL: none */
+  sd_wall_kind kind;   /* shape */
+  int material;        /* number of its material */
+  double pivot[2];     /* point about which the wall turns, and which motions along x and y move */
+  size_t n_points;     /* number of points; line, segment: 2 */
+  double (*points)[2]; /* [n_points] absolute coordinates at the start; line, segment, polyline */
+  bool closed;         /* polyline: its last vertex is joined to the first */
+  double radius;       /* radius of a circle or arc, > 0 */
+  bool inside;         /* circle: disks are inside of it, as in a drum; false: outside */
+  double center[2];    /* centre of the circle of an arc */
+  double from, to;     /* first and last angle of an arc, rad, from < to <= from + 2 pi */
 } sd_wall;
 
+/* Signal u(t) of a motion. A, w, phi, v are members of sd_motion: amplitude, omega, phase,
+ * velocity. */
 typedef enum sd_motion_kind {
   SD_MOTION_VELOCITY,  /* u = v t */
   SD_MOTION_HARMONIC,  /* u = A sin(w t + phi), eq. 20 */
-  SD_MOTION_PARABOLIC, /* eq. 21 with w t + phi for w t */
-  SD_MOTION_RANDOM,    /* eq. 52 */
+  SD_MOTION_PARABOLIC, /* parabolic half waves, eq. 21 with w t + phi for w t */
+  SD_MOTION_RANDOM,    /* random vibration of a damped oscillator, eq. 52 */
   SD_MOTION_TABLE,     /* natural cubic spline through a table */
-  SD_MOTION_LOAD, /* a wall, x or y: free along the coordinate, of mass `mass`, under `force` */
-  SD_MOTION_SERVO, /* a wall, x or y: moves at most at `velocity` until the disks feel `force` from it */
-  SD_MOTION_SQUARE,   /* rests at -A and A in turn; changes sides in `rise` pi/w */
-  SD_MOTION_TRIANGLE, /* to and fro between -A and A at constant speed */
-  SD_MOTION_KINDS
+  /* Wall of mass `mass` that moves freely along x or y under `force` and its contacts */
+  SD_MOTION_LOAD,
+  /* Wall moved along x or y, at most at the speed `velocity`, until it exerts `force` on the
+   * disks */
+  SD_MOTION_SERVO,
+  /* Rest at -A and A in turn; each change of sides takes the time `rise` pi/w */
+  SD_MOTION_SQUARE,
+  SD_MOTION_TRIANGLE, /* motion to and fro between -A and A at constant speed */
+  SD_MOTION_KINDS     /* number of kinds */
 } sd_motion_kind;
 
-/* One prescribed signal u(t), added to one coordinate of every body it names; t counts from the moment
- * the motion is switched on. Several motions on the same coordinate add up. */
+/* A prescribed signal u(t), which is added to one coordinate of every body that it names. The time
+ * t counts from the moment at which the motion is switched on. Several motions of one coordinate
+ * add up. */
 typedef struct sd_motion {
-  const char *name;
-  sd_motion_kind kind;
-  int coordinate; /* SD_X, SD_Y, SD_THETA; walls also SD_SURFACE */
-  size_t n_bodies;
-  uint32_t *bodies; /* body numbers, or SD_WALL(w) */
-  double amplitude; /* waves: A; random: rms displacement; table: factor */
-  double omega;     /* rad/time: w */
-  double phase;     /* rad: phi */
-  double rise;      /* square: 0 < rise <= 1 */
-  double velocity;  /* constant velocity: v; servo: largest speed */
-  double mass;      /* load: of the wall, > 0 */
-  double
-      force; /* load: on the wall, its weight included; servo: on the disks; along the coordinate */
-  double pressure; /* servo: force/length on the disks, along the coordinate; 0: `force` counts */
-  double length;   /* servo: of the wall at the start, on which the pressure acts */
-  uint32_t beside[2]; /* servo: walls at its lower and upper end that the length follows; 0: none */
-  double damping;     /* random: c */
-  int64_t interval;   /* random: steps between draws, >= 1 (h = interval dt) */
-  double ramp;        /* time over which the motion is faded in, 0: at once */
-  uint32_t
-      stream; /* random: stream number, unique per independent signal; added with 0: one of its own */
-  size_t n_table;
-  double *table_time, *table_value; /* table: time increasing; held constant beyond its ends ... */
-  bool periodic;                    /* ... or repeated: value[0] == value[n-1] */
+  const char *name;    /* name in messages and results; NULL: none */
+  sd_motion_kind kind; /* form of the signal */
+  int coordinate;      /* SD_X, SD_Y, SD_THETA; SD_SURFACE for walls */
+  size_t n_bodies;     /* number of bodies moved */
+  uint32_t *bodies;    /* [n_bodies] body numbers, SD_WALL(w) or SD_CLUMP(k) */
+  double amplitude;    /* waves: A; random: rms displacement; table: factor of its values */
+  double omega;        /* angular frequency w of waves and random vibration, rad/time */
+  double phase;        /* phase phi of waves, rad */
+  /* square: fraction of half a period that a change of sides takes, 0 < rise <= 1 */
+  double rise;
+  double velocity; /* constant velocity v; servo: largest speed */
+  double mass;     /* mass of the wall of a load, > 0 */
+  /* Force along the coordinate. load: on the wall, besides its contacts and with its weight;
+   * servo: to be exerted by the wall on the disks */
+  double force;
+  double pressure; /* servo: force/length on the disks along the coordinate; 0: `force` is used */
+  double length;   /* servo: length of the wall at the start, on which the pressure acts */
+  /* servo: walls at the lower and upper end, whose distance the length follows; 0: none */
+  uint32_t beside[2];
+  double damping;   /* random: damping ratio c of the oscillator */
+  int64_t interval; /* random: number of steps between draws, >= 1 (h = interval dt) */
+  double ramp;      /* time over which the motion is faded in; 0: at once */
+  /* random: number of the random stream, different for independent signals; 0: a new one is
+   * chosen */
+  uint32_t stream;
+  size_t n_table; /* number of entries of the table */
+  /* [n_table] increasing times; values, constant beyond both ends */
+  double *table_time, *table_value;
+  /* true: the table is repeated instead, with table_value[0] == table_value[n_table - 1] */
+  bool periodic;
 } sd_motion;
 
+/* Kind of a force field; sd_body_force has the formulas. */
 typedef enum sd_field_kind {
-  SD_FIELD_DRAG,     /* viscous drag by a fluid that flows */
+  SD_FIELD_DRAG,     /* viscous drag by a flowing fluid */
   SD_FIELD_DAMPING,  /* Cundall's non-viscous damping */
-  SD_FIELD_CENTRAL,  /* towards a point, by distance */
-  SD_FIELD_ROTATION, /* a frame that turns: centrifugal and Coriolis force */
-  SD_FIELD_KINDS
+  SD_FIELD_CENTRAL,  /* force towards a point, a power of the distance */
+  SD_FIELD_ROTATION, /* centrifugal and Coriolis force of a rotating frame */
+  SD_FIELD_KINDS     /* number of kinds */
 } sd_field_kind;
 
-/* How the force grows from disk to disk. */
+/* Property of a disk to which a drag or central force is proportional: none, the radius, or the
+ * mass. */
 typedef enum sd_field_per {
   SD_FIELD_PER_DISK,
   SD_FIELD_PER_RADIUS,
   SD_FIELD_PER_MASS
 } sd_field_per;
 
-/* A force on free disks that follows from their place and velocity (physics.md 15). With r = (x, y) - centre:
- *   drag      f (u - v), torque f_r (w - omega); fluid: u = flow + (shear_rate r_y - swirl r_y, swirl r_x),
- *             w = swirl - shear_rate/2. f = gamma, gamma R, gamma m; f_r = gamma_rotation times 1, R^3, I
- *   damping   -alpha |F| sgn(v) of each coordinate, F the sum of all other forces; torque: alpha_rotation
- *   central   -strength r s^(power - 1), s^2 = r^2 + softening^2; times 1, R, m
+/* A force on free disks that depends on their position and velocity v (physics.md 15).
+ * With r = (x, y) - centre:
+ *
+ *   drag      force f (u - v), torque f_r (w - omega), with f = gamma times 1, R, m for the values
+ *             of `per`, f_r = gamma_rotation times 1, R^3, I, the velocity of the fluid
+ *             u = flow + (shear_rate r_y - swirl r_y, swirl r_x), w = swirl - shear_rate/2
+ *   damping   -alpha |F| sgn(v) of each coordinate, F the sum of all other forces; the torque
+ *             likewise, with alpha_rotation
+ *   central   -strength r s^(power - 1), s^2 = r^2 + softening^2, times 1, R, m
  *   rotation  m omega^2 r + 2 m omega (v_y, -v_x) */
 typedef struct sd_body_force {
-  const char *name; /* may be NULL */
-  sd_field_kind kind;
-  size_t n_disks; /* 0: it acts on all */
-  uint32_t *disks;
-  sd_field_per per;                  /* drag, central */
-  double centre[2];                  /* all but damping */
-  double gamma, gamma_rotation;      /* >= 0 */
-  double flow[2], shear_rate, swirl; /* length/time, 1/time, rad/time */
-  double alpha, alpha_rotation;      /* 0 <= alpha < 1 */
-  double strength, softening;        /* strength > 0: attracts; softening >= 0 */
-  int64_t power;                     /* -8 ... 8; 1: a spring */
-  double omega;                      /* of the frame, rad/time */
+  const char *name;   /* name in messages and results; NULL: none */
+  sd_field_kind kind; /* kind of field, see the formulas above */
+  size_t n_disks;     /* number of disks on which it acts; 0: all free disks */
+  uint32_t *disks;    /* [n_disks] numbers of these disks */
+  /* Drag, central: property to which the force is proportional */
+  sd_field_per per;
+  double centre[2];                  /* drag, central, rotation: origin of r */
+  double gamma, gamma_rotation;      /* drag: coefficients of force and torque, >= 0 */
+  double flow[2], shear_rate, swirl; /* drag: flow of the fluid, length/time, 1/time, rad/time */
+  double alpha, alpha_rotation;      /* damping: fractions of force and torque, 0 <= alpha < 1 */
+  double strength, softening;        /* central: strength > 0 attracts; softening length >= 0 */
+  int64_t power;                     /* central: power of the distance, -8 ... 8; 1: a spring */
+  double omega;                      /* rotation: angular velocity of the frame, rad/time */
 } sd_body_force;
 
-/* A phase ends at the first look at which all criteria that are > 0 hold, and no disk waits any more. */
+/* Criteria at which a phase ends before its full length: at the first check at which all positive
+ * criteria hold and no disk waits for its rain any more. */
 typedef struct sd_settle {
-  bool asked;
-  double kinetic;    /* kinetic energy per free disk in play */
-  double unbalanced; /* mean resultant force on a disk over the mean normal force of a contact */
-  int64_t every;     /* steps between looks, >= 1 */
+  bool asked;     /* true: the phase may end early */
+  double kinetic; /* largest kinetic energy per free disk in play; 0: not a criterion */
+  /* Largest ratio of the mean resultant force on a disk to the mean normal force of a contact;
+   * 0: not a criterion */
+  double unbalanced;
+  int64_t every; /* number of steps between checks, >= 1 */
 } sd_settle;
 
-/* Lengths of the region and all positions in it change by a common factor until the target is reached. */
+/* Compression: lengths of the region and all positions in it change by a common factor until the
+ * target is reached. */
 typedef struct sd_compress {
-  bool asked;
-  double pressure, fraction; /* target: one of them > 0 */
+  bool asked;                /* true: the phase compresses */
+  double pressure, fraction; /* target: force/length, or packing fraction; one of them > 0 */
   double rate;               /* largest relative change of the lengths per time, > 0 */
-  double tolerance;          /* relative */
+  double tolerance;          /* relative distance from the target that is near enough */
 } sd_compress;
 
-/* How the periodic box deforms in a phase: positions of images are h n with h = ((Lx, offset), (0, Ly)), and h' = L h with
- * L = ((xx, xy), (0, yy)), the velocity gradient. Each component of L is given, or follows the stress. */
+/* Components of the velocity gradient of a deforming box, as indices of arrays, and their
+ * number. */
 enum { SD_CELL_XX, SD_CELL_YY, SD_CELL_XY, SD_CELL_COMPONENTS };
+/* Deformation of the periodic box in a phase. Images are shifted by h n, with h = ((Lx, offset),
+ * (0, Ly)) and integers n, and h' = L h with the velocity gradient L = ((xx, xy), (0, yy)). Each
+ * component of L is given, or controlled by a stress. */
 typedef struct sd_cell {
-  bool asked;
-  double rate[SD_CELL_COMPONENTS];     /* velocity gradient, 1/time; xy: of vx along y */
-  bool controlled[SD_CELL_COMPONENTS]; /* the rate follows the stress */
-  double stress[SD_CELL_COMPONENTS];   /* then wanted, force/length, compression positive */
-  double response; /* of the control: time in which stress comes to its value; 0: chosen */
-  double max_rate; /* of controlled components, 0: any */
-  bool boundary;   /* a change of the rates moves images only; else all disks take it up at once */
+  bool asked;                          /* true: the box deforms */
+  double rate[SD_CELL_COMPONENTS];     /* components of L, 1/time; xy: d vx/dy */
+  bool controlled[SD_CELL_COMPONENTS]; /* true: this component follows the stress, not `rate` */
+  /* Target of controlled components, force/length, compression positive */
+  double stress[SD_CELL_COMPONENTS];
+  double response; /* time in which a controlled stress reaches its target; 0: chosen */
+  double max_rate; /* largest rate of controlled components, 1/time; 0: no limit */
+  /* true: a change of the rates moves periodic images only; false: the velocities of all disks
+   * follow it at once. */
+  bool boundary;
 } sd_cell;
 
+/* A part of a run. */
 typedef struct sd_phase {
-  const char *name;
-  int64_t steps;          /* the most, when it may settle before; 0: it has no end */
-  bool *active;           /* of each motion; NULL: all are on */
-  bool *fields;           /* of each field; NULL: all are on */
-  bool measure;           /* statistics are gathered in this phase */
+  const char *name;       /* name in messages and results; NULL: none */
+  int64_t steps;          /* number of steps, or the most if the phase may settle; 0: no end */
+  bool *active;           /* [motions of the model] true: this motion is on; NULL: all are on */
+  bool *fields;           /* [fields of the model] true: this field is on; NULL: all are on */
+  bool measure;           /* true: statistics are gathered in this phase */
   int64_t series_every;   /* steps between rows of the time series, 0: none */
   int64_t frames_every;   /* steps between stored frames of all bodies, 0: none */
   int64_t contacts_every; /* steps between stored contact tables, 0: none */
-  sd_settle settle;
-  bool relax; /* velocities are steered towards equilibrium (FIRE) */
-  sd_compress compress;
-  sd_cell cell;
+  sd_settle settle;       /* criteria at which it ends early */
+  bool relax; /* true: velocities are steered towards equilibrium (FIRE); this is no dynamics */
+  sd_compress compress; /* compression to a pressure or packing fraction */
+  sd_cell cell;         /* deformation of the periodic box */
 } sd_phase;
 
+/* Action if a free disk leaves the bounds: report it, end the run, or remove the disk. */
 typedef enum sd_outside { SD_OUTSIDE_REPORT, SD_OUTSIDE_STOP, SD_OUTSIDE_REMOVE } sd_outside;
 
-/* When the last phase ends: not before `least` of its steps, then at the first look at which the error bar of
- * a mean angular velocity is small enough (sd_goal_of, sd_goal_look in measure.h), after all its steps in any
- * case. */
+/* End of the last phase by an error bar: after at least `least` of its steps, the phase ends at the
+ * first check at which the error bar of a mean angular velocity is small enough (sd_goal_of,
+ * sd_goal_look in measure.h). It ends after all its steps in any case. */
 typedef struct sd_until {
-  bool asked;      /* false: the last phase has all its steps */
-  int64_t least;   /* 1 ... steps of the last phase */
-  size_t rotation; /* which of the model's rotations */
-  bool scaled;     /* t_g Omega instead of Omega */
-  double error;    /* error bar to be reached, in the unit of the observable; 0: given as */
-  double relative; /* a fraction of |mean| */
+  bool asked;      /* true: the last phase may end early; false: it has all its steps */
+  int64_t least;   /* steps of the last phase before the first check, 1 ... its steps */
+  size_t rotation; /* index of the rotation measured: k of sd_rotation_of */
+  bool scaled;     /* true: the observable is t_g Omega instead of Omega */
+  /* Error bar to be reached, in the unit of the observable; 0: `relative` is used */
+  double error;
+  double relative; /* error bar to be reached, as a fraction of |mean| */
 } sd_until;
 
-/* A disk and two partners: the configuration of sliding of its two contacts is counted every step. */
+/* A disk and two partners; the sliding configuration of their two contacts is counted in every
+ * measured step. */
 typedef struct sd_slide_watch {
-  uint32_t disk;
-  uint32_t partner[2]; /* body numbers */
+  uint32_t disk;       /* number of the disk */
+  uint32_t partner[2]; /* body numbers of its partners */
 } sd_slide_watch;
 
-/* --- building -------------------------------------------------------------------------------------- */
+/* --- building --------------------------------------------------------------------------------- */
 
-/* An empty model with the defaults of docs/deck.md: Gear 5, paper variant, open space. It is
- * never NULL. */
+/* Returns an empty model, never NULL, with the defaults of docs/deck.md: Gear's integrator of fifth
+ * order, the paper's tangential force, open space. The caller frees it with sd_model_free. The
+ * calls below note mistakes in the model; sd_model_finish reports them. */
 SD_API sd_model *sd_model_new(void);
-SD_API void sd_model_free(sd_model *model); /* NULL is allowed */
+/* Frees a model; NULL is allowed. */
+SD_API void sd_model_free(sd_model *model);
 
-/* Sets a key of docs/deck.md that is a number, a whole number, or true (1) and false (0): "dt", "seed", "skin", "max_overlap",
- * "limits.residual", "measure.disks", ... */
+/* Sets a key of docs/deck.md that is a number, an integer, or true (1) or false (0): "dt", "seed",
+ * "skin", "max_overlap", "limits.residual", "measure.disks", ... */
 SD_API void sd_model_set(sd_model *model, const char *key, double value);
-/* Sets a key that is a word or a text: "integrator" ("gear5", "verlet"), "contact_variant", "title", "bounds.outside". */
+/* Sets a key of docs/deck.md that is a word or a text: "integrator" ("gear5", "verlet"),
+ * "contact_variant", "title", "bounds.outside", ... */
 SD_API void sd_model_set_text(sd_model *model, const char *key, const char *value);
-/* Acceleration, length/time^2; (0, 0) to begin with. */
+/* Sets the acceleration of gravity, length/time^2; (0, 0) unless it is called. */
 SD_API void sd_model_set_gravity(sd_model *model, double x, double y);
-/* Makes coordinate SD_X or SD_Y repeat from lower to upper. Without it space is open. */
+/* Makes space periodic along SD_X or SD_Y, with the cell from lower to upper. Unless it is called
+ * space is open. */
 SD_API void sd_model_set_periodic(sd_model *model, int coordinate, double lower, double upper);
-/* The rectangle whose area the packing fraction refers to, and that compression shrinks; of a periodic box it is the box. */
+/* Sets the rectangle to whose area the packing fraction refers and which compression shrinks; in a
+ * periodic box it is the box. */
 SD_API void sd_model_set_region(sd_model *model, const double lower[2], const double upper[2]);
-/* A rectangle in which the centres of free disks belong; what leaves is reported, taken out, or ends the run
- * (key "bounds.outside"). */
+/* Sets a rectangle that the centres of free disks should not leave. The key "bounds.outside" says
+ * whether a disk that does is reported, is removed, or ends the run. */
 SD_API void sd_model_set_bounds(sd_model *model, const double lower[2], const double upper[2]);
 
-/* Each returns the number of what it added. A mistake is kept for sd_model_finish. */
-/* law: of the material with itself; NULL: none, where no two bodies of this material can touch. */
+/* Adds a material and returns its number. law: contact law between two bodies of this material;
+ * NULL: there is none, and no two such bodies may touch. */
 SD_API int sd_model_add_material(sd_model *model, const char *name, const sd_contact_law *law);
-/* Law between two materials, both ways. */
+/* Sets the contact law between bodies of material_a and bodies of material_b, in either order. */
 SD_API void sd_model_set_law(sd_model *model, int material_a, int material_b,
                              const sd_contact_law *law);
+/* Adds a disk and returns its number. */
 SD_API uint32_t sd_model_add_disk(sd_model *model, const sd_disk *disk);
-/* n disks; returns the number of the first. Without memory none is added. */
+/* Adds n disks and returns the number of the first. If there is no memory none is added. */
 SD_API uint32_t sd_model_add_disks(sd_model *model, size_t n, const sd_disk *disks);
-/* Sets a disk that was added before. */
+/* Replaces a disk that was added before. */
 SD_API void sd_model_set_disk(sd_model *model, uint32_t number, const sd_disk *disk);
-/* A name for some disks; a disk belongs to one group at most, the last that names it. */
+/* Adds a group, a name for n disks, and returns its number. A disk is in one group at most, the
+ * last that names it. */
 SD_API int sd_model_add_group(sd_model *model, const char *name, size_t n, const uint32_t *disks);
+/* Wall w as a body number that stays valid while disks are added. */
 #define SD_WALL(w) (0x80000000u | (uint32_t)(w))
-SD_API uint32_t sd_model_add_wall(sd_model *model, const sd_wall *wall); /* returns SD_WALL(w) */
+/* Adds a wall and returns SD_WALL(w), with w counted from 0. */
+SD_API uint32_t sd_model_add_wall(sd_model *model, const sd_wall *wall);
+/* Clump k as a body number for motions. */
 #define SD_CLUMP(k) (0x40000000u | (uint32_t)(k))
-/* Makes one rigid body of disks that were added before; returns SD_CLUMP(k), by which motions mean it. */
+/* Makes a rigid body of disks that were added before. Returns SD_CLUMP(k), with k counted from 0,
+ * for use in motions. */
 SD_API uint32_t sd_model_add_clump(sd_model *model, const sd_clump *clump);
-/* A motion is on in phases without `active`, and off in those with it that were added before. */
+/* Adds a motion and returns its number. It is on in phases with `active` NULL, and off in phases
+ * with an array `active` that were added before it. */
 SD_API int sd_model_add_motion(sd_model *model, const sd_motion *motion);
-/* A field is on and off in phases like a motion (`fields`). */
+/* Adds a force field and returns its number. It is on in phases with `fields` NULL, and off in
+ * phases with an array `fields` that were added before it. */
 SD_API int sd_model_add_field(sd_model *model, const sd_body_force *field);
-/* `active` and `fields`: of the motions and fields added so far. Without any phase there is one that has no end and has all motions on. */
+/* Adds a phase and returns its number. Arrays `active` and `fields` have an entry per motion and
+ * field added so far. If no phase is added there is one without an end, in which all motions are
+ * on. */
 SD_API int sd_model_add_phase(sd_model *model, const sd_phase *phase);
-/* Disks whose mean angular velocity is measured (sd_rotation_of in measure.h). */
+/* Adds n disks to those whose mean angular velocity is measured (sd_rotation_of in measure.h). */
 SD_API void sd_model_measure_rotation(sd_model *model, size_t n, const uint32_t *disks);
-/* A disk whose sliding configuration with two partners is counted (sd_slide_of in measure.h). */
+/* Adds a disk with two partners whose sliding configuration is counted (sd_slide_of in
+ * measure.h). */
 SD_API void sd_model_measure_sliding(sd_model *model, const sd_slide_watch *watch);
-/* The last phase ends when an error bar is small enough. */
+/* Lets the last phase end when an error bar is small enough. */
 SD_API void sd_model_set_until(sd_model *model, const sd_until *until);
 
-/* Checks ranges and references, fills inertias, flags and derived tables; call once, after the last change.
- * A disk that is named by a motion on a coordinate keeps its other coordinates as they are: it is `driven`
- * when it is fixed or all three are prescribed or locked. Errors: SD_ERROR_USER with one message each. No simulation begins
- * with a model that was changed since. */
+/* Checks ranges and references and fills in inertias, flags and derived tables. It is called once,
+ * after the last change: simulations refuse a model that was changed since. A motion prescribes one
+ * coordinate of a disk that it names and leaves the others as they are; the disk becomes `driven`
+ * if it is fixed, or if all three are prescribed or locked. Returns SD_ERROR_USER, with a message
+ * per mistake, if there is any. */
 SD_API sd_status sd_model_finish(sd_model *model, sd_messages *messages);
-/* A copy, finished when the model is, with the mistakes made so far; without the deck that it came from. NULL: no memory. */
+/* Returns a copy of a model, to be freed by the caller, without its deck. The copy is finished if
+ * the model is, and has the mistakes that were noted so far. NULL: no memory. */
 SD_API sd_model *sd_model_clone(const sd_model *model);
 
-/* --- reading --------------------------------------------------------------------------------------- */
+/* --- reading ---------------------------------------------------------------------------------- */
 
+/* Returns the number of disks, driven and waiting ones included. */
 SD_API size_t sd_model_disks(const sd_model *model);
+/* Returns the number of walls. */
 SD_API size_t sd_model_walls(const sd_model *model);
-SD_API size_t sd_model_bodies(const sd_model *model); /* disks + walls */
-SD_API double sd_model_dt(const sd_model *model);     /* time step */
-/* A body by its name; UINT32_MAX: there is none. */
+/* Returns the number of bodies: disks and walls. */
+SD_API size_t sd_model_bodies(const sd_model *model);
+/* Returns the time step. */
+SD_API double sd_model_dt(const sd_model *model);
+/* Returns the number of the disk, wall or clump with this name; UINT32_MAX: there is none. */
 SD_API uint32_t sd_model_find(const sd_model *model, const char *name);
-/* As given, inertia filled in; NULL: there is none. Valid as long as the model. */
+/* Returns a disk as it was given, with its inertia filled in; NULL: there is no such disk. Valid as
+ * long as the model. */
 SD_API const sd_disk *sd_model_disk(const sd_model *model, uint32_t number);
+/* Returns the number of clumps. */
 SD_API size_t sd_model_clumps(const sd_model *model);
-/* Clump k as given, its disks, mass, inertia and position filled in; NULL: there is none. Valid as long as the model. */
+/* Returns clump k as it was given, with disks, mass, inertia and position filled in; NULL: there is
+ * no such clump. Valid as long as the model. */
 SD_API const sd_clump *sd_model_clump(const sd_model *model, size_t k);
-/* NULL: no such materials. */
+/* Returns the contact law between two materials; NULL: there are no such materials. Valid as long
+ * as the model. */
 SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
-/* Name for messages: the body's own, else "disk 17", "wall 3"; written into text[size]. */
+/* Returns the name of a body for messages: its own, or one like "disk 17" or "wall 3", which is
+ * written into text[size]. */
 SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char *text,
                                       size_t size);
-/* Steps of all phases; with `until` it is the most that there can be. */
+/* Returns the number of steps of all phases; phases that may end early count in full. */
 SD_API int64_t sd_model_steps(const sd_model *model);
-/* On which side of a wall along x or y the disks are at the start: +1, -1; 0 where the wall surrounds them or
- * moves along itself, or is none, and along a periodic direction. The middle of the free disks in play decides, that of the
- * region where there are none. */
+/* Returns the side of a wall, along SD_X or SD_Y, on which the disks are at the start: +1 or -1.
+ * The centre of the free disks in play decides; if there are none, the centre of the region.
+ * Returns 0 if the wall surrounds the disks or is parallel to the coordinate, if the coordinate is
+ * periodic, or if wall_body is no wall. */
 SD_API int sd_model_side(const sd_model *model, uint32_t wall_body, int coordinate);
-/* Two motions of one phase, the first a load or a servo, on the same coordinate of one wall; false: none. */
+/* Finds two motions of a phase that move the same coordinate of one wall, the first of them a load
+ * or a servo, and writes their numbers; false: there are none. */
 SD_API bool sd_model_clash(const sd_model *model, size_t phase, size_t motion[2]);
-/* The least of 2 pi/omega over pairs of touching materials: normal spring, tangential spring with rotation, per disk.
- * Writes which disk it is (may be NULL). */
+/* Returns the shortest period 2 pi/omega of a free disk between two bodies, over all disks and
+ * materials with a contact law: vibration on the normal springs, or on the tangential springs with
+ * rotation. HUGE_VAL: there is none. Writes the number of the disk unless `disk` is NULL. */
 SD_API double sd_model_shortest_period(const sd_model *model, uint32_t *disk);
 
-/* The time step from which on the model's integrator blows up when a disk is held between two others (physics.md 5), and
- * what sets it; HUGE_VAL: no disk is free to move. In a packing the limit is up to three times shorter. */
+/* Part of the model that limits the time step: normal spring, tangential spring, viscosity, or a
+ * force field. */
 typedef enum sd_bound {
   SD_BOUND_NORMAL,
   SD_BOUND_TANGENTIAL,
   SD_BOUND_VISCOSITY,
   SD_BOUND_FIELD
 } sd_bound;
+/* Stability limit of the time step. */
 typedef struct sd_step_limit {
-  double dt;
-  uint32_t disk;
-  sd_bound bound;
+  double dt;      /* smallest time step at which the integrator is unstable; HUGE_VAL: no limit */
+  uint32_t disk;  /* number of the disk that sets the limit */
+  sd_bound bound; /* part of the model that sets the limit */
 } sd_step_limit;
+/* Returns the time step from which on the model's integrator is unstable for a disk held between
+ * two others (physics.md 5); dt is HUGE_VAL if no disk is free to move. In a packing the limit is
+ * up to three times shorter. */
 SD_API sd_step_limit sd_model_step_limit(const sd_model *model);
 
-/* Time after which the compression of a phase comes to its packing fraction, at its largest rate; NAN: not known. */
+/* Returns the time that the compression of a phase takes to reach its packing fraction at its
+ * largest rate; NAN: not known. */
 SD_API double sd_model_compress_time(const sd_model *model, size_t phase);
 
-/* Warns of what a finished model may say and its author seldom means: time step, friction without a spring, goals out of
- * reach, overlaps at the start and the like. */
+/* Adds warnings about settings of a finished model that are allowed but seldom intended: time step,
+ * friction without a spring, goals out of reach, overlaps at the start and the like. */
 SD_API void sd_model_advise(const sd_model *model, sd_messages *messages);
 
 #ifdef __cplusplus

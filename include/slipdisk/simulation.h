@@ -1,23 +1,29 @@
-/* simulation.h: a running system: it is stepped, read without copying, extended, saved, cloned.
+/* simulation.h: functions that advance a simulation, read its columns in place, extend, save and
+ * clone it.
  *
- * Between two calls the same model gives the same bits, however the steps are divided into calls and with any number of
- * threads; observers, columns and saving only read. Pointers are not NULL where nothing says that they may be.
+ * The same model gives the same bits, however its steps are divided into calls and with any number
+ * of threads; observers, reading of columns and saving change nothing. Pointers must not be NULL
+ * unless a comment says that they may be.
  *
- * A simulation serves one call at a time. A call is refused (SD_ERROR_USER, with a message that says why; nothing is changed)
- * while another thread is in a call of it, and within its own callbacks:
+ * A simulation serves one call at a time. A call is refused (SD_ERROR_USER, with a message that
+ * says why; nothing is changed) while another thread is in a call of the same simulation, and
+ * within its own callbacks:
  *
- *                                                                      observer   force field   other thread
- *   numbers: _model, _step, _time, _finished, _stage, _goal, _threads,
- *   _path, _slot, _angle                                                served     served        refused
- *   state: _state, _column, _column_at, _energy, _save, _save_memory,
- *   _clone, _rebuild                                                    served     refused       refused
- *   changes: _advance, _observe, _add_force_field, _add_disks,
- *   _remove_disks                                                       refused    refused       refused
+ *                                                           observer   force field   other thread
+ *   numbers: _model, _step, _time, _finished, _stage,
+ *   _goal, _threads, _path, _slot, _angle                   served     served        refused
+ *   state: _state, _column, _column_at, _energy, _save,
+ *   _save_memory, _clone, _rebuild                          served     refused       refused
+ *   changes: _advance, _observe, _add_force_field,
+ *   _add_disks, _remove_disks                               refused    refused       refused
  *
- * Functions without a status return when refused: NULL, "" (path), false, -1 (step, stage, threads), UINT32_MAX (slot), NAN (the
- * rest). sd_simulation_free waits for the call that is under way: it is freed when that returns. Threads stay in the parent of a
- * fork: a child starts threads of its own at its next step. A child that was forked within a force field cannot end the step: then all
- * but sd_simulation_free is refused.
+ * Functions without a status then return NULL, "" (path), false, -1 (step, stage, threads),
+ * UINT32_MAX (slot) or NAN (all others). sd_simulation_free takes effect when the call that is
+ * under way returns.
+ *
+ * After a fork the threads stay in the parent; a child starts threads of its own at its next step.
+ * A child that was forked within a force field cannot finish the step: every call but
+ * sd_simulation_free is refused there.
  */
 #ifndef SLIPDISK_SIMULATION_H
 #define SLIPDISK_SIMULATION_H
@@ -30,157 +36,194 @@
 extern "C" {
 #endif
 
+/* A simulation, opaque; sd_simulation_free frees it. */
 typedef struct sd_simulation sd_simulation;
 
-/* --- beginning and end ----------------------------------------------------------------------------- */
+/* --- beginning and end ------------------------------------------------------------------------ */
 
-/* Starts at step 0 of a finished model (SD_ERROR_USER: it is not), which must outlive the simulation. threads: 0 = chosen from
- * the system's size.
+/* Makes a simulation at step 0 of a finished model, which must outlive it. threads: number of
+ * threads; 0: chosen by the size of the system. Returns SD_ERROR_USER if the model is not finished;
  * *out is NULL on errors. */
 SD_API sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **out,
                                    sd_messages *messages);
-/* Goes on from a state (of the same model); takes the state over, also when it fails. */
+/* Makes a simulation that goes on from a state of the same model. It owns the state from then on,
+ * also if it fails. */
 SD_API sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threads,
                                       sd_simulation **out, sd_messages *messages);
-/* Another one at the same step, which goes on with the same bits. It owns a copy of the model. Observers and force fields are
- * not copied: they may hold on to the first one. */
+/* Makes a copy at the same step, which goes on with the same bits and owns a copy of the model.
+ * Observers and force fields are not copied, since their `user` data may belong to the original. */
 SD_API sd_status sd_simulation_clone(sd_simulation *simulation, sd_simulation **out,
                                      sd_messages *messages);
-/* NULL is allowed. Within a call it is freed when the call returns. */
+/* Frees a simulation; NULL is allowed. Within a call of the same simulation it takes effect when
+ * that call returns. */
 SD_API void sd_simulation_free(sd_simulation *simulation);
 
-/* --- stepping -------------------------------------------------------------------------------------- */
+/* --- stepping --------------------------------------------------------------------------------- */
 
-/* Advances by n steps; crosses the ends of phases by itself and stops at the end of the last (with `until` it
- * ends when the goal is reached: sd_until in model.h).
- * SD_ERROR_NUMERIC: a value is not finite or an overlap is beyond the limit; the message says which
- * disks and which step, and the state is the one at which it was found. SD_INTERRUPTED: an observer asked to stop. */
+/* Advances a simulation by n steps. It goes from phase to phase by itself and stops at the end of
+ * the last one, which with `until` is the step at which the goal is reached (sd_until in model.h).
+ * Returns SD_ERROR_NUMERIC if a value is not finite or an overlap is beyond the limit: the message
+ * names the disks and the step, and the state is the one in which it was found. Returns
+ * SD_INTERRUPTED if an observer asked to stop. */
 SD_API sd_status sd_simulation_advance(sd_simulation *simulation, int64_t n, sd_messages *messages);
 
-/* Called after steps that are multiples of `every`; reads only. Returns SD_OK, or SD_INTERRUPTED: sd_simulation_advance
- * returns here. Other values end the run as its errors do. */
+/* A function that is called after each step whose number is a multiple of `every`; it may only
+ * read. It returns SD_OK, or SD_INTERRUPTED to let sd_simulation_advance return at this step; other
+ * values end the run as an error. */
 typedef sd_status sd_observer(sd_simulation *simulation, void *user);
-/* Observers are called in the order in which they were added. SD_ERROR_USER: every < 1, or no
- * observer. */
+/* Adds an observer, which is called with `user`. Observers are called in the order in which they
+ * were added. Returns SD_ERROR_USER if every < 1 or if observer is NULL. */
 SD_API sd_status sd_simulation_observe(sd_simulation *simulation, int64_t every,
                                        sd_observer *observer, void *user);
 
-/* Bodies at the positions for which forces are wanted, and the columns to be filled. All by slot, free disks [0, n_free),
- * then driven disks and walls up to n_bodies. */
+/* Arguments of a force field: the bodies at the positions at which it shall give the forces, and
+ * the columns to which it adds them. All columns go by slot: free disks [0, n_free), then driven
+ * disks and walls up to n_bodies. */
 typedef struct sd_force_columns {
-  int64_t step; /* that is being made: positions are those of its end */
+  int64_t step; /* number of the step that is being made; positions are those at its end */
   double time;  /* step * dt */
-  size_t n_free, n_bodies;
-  const uint32_t *id;            /* body numbers */
-  const double *x, *y;           /* length; in the periodic box where there is one */
-  const double *theta, *turn;    /* rad; the angle is turn + theta */
-  const double *vx, *vy, *omega; /* as predicted */
-  const double *radius, *mass, *inertia;
-  const int32_t *material, *group, *activity; /* activity: [n_free] */
-  double *force_x, *force_y,
-      *torque; /* [n_free]: 0 at the call, to be added to; force, force length */
+  size_t n_free, n_bodies;       /* number of free disks; number of all bodies */
+  const uint32_t *id;            /* [n_bodies] body numbers */
+  const double *x, *y;           /* [n_bodies] position, length, wrapped into a periodic box */
+  const double *theta, *turn;    /* [n_bodies] the angle is turn + theta, rad */
+  const double *vx, *vy, *omega; /* [n_bodies] predicted velocities */
+  const double *radius, *mass, *inertia;      /* [n_bodies] as in the state */
+  const int32_t *material, *group, *activity; /* [n_bodies] numbers; activity: [n_free], state.h */
+  double *force_x, *force_y, *torque; /* [n_free] sums to which the field adds; 0 at first */
 } sd_force_columns;
-/* Called once in every step, by the thread that called sd_simulation_advance, so that bits do not depend on threads.
- * Its forces should be functions of the columns and of constants: then restarts and clones go on with the same bits. */
+/* A force field: a function that is called once in every step, by the thread that called
+ * sd_simulation_advance, so that bits do not depend on threads. If its forces depend on the columns
+ * and on constants only, restarts and clones go on with the same bits. */
 typedef void sd_force_field(const sd_force_columns *columns, void *user);
-/* Adds a force on the free disks. Forces add up in the order of their fields; their work enters the energy budget as `work`.
- * At step 0 it counts from the start. After loading or cloning, fields are added again before the next step. SD_ERROR_USER: NULL
- * instead of a field; SD_ERROR_IO: no memory. */
+/* Adds a force field on the free disks, which is called with `user`. Forces of several fields add
+ * up in the order in which the fields were added; their work is part of `work` in the energy
+ * budget. A field added at step 0 acts from the start. A simulation that was loaded or cloned has
+ * no fields: they are added again before the next step. Returns SD_ERROR_USER if field is NULL,
+ * SD_ERROR_IO if there is no memory. */
 SD_API sd_status sd_simulation_add_force_field(sd_simulation *simulation, sd_force_field *field,
                                                void *user, sd_messages *messages);
 
-/* Adds n free disks, in no group, between two steps. They get the next disk numbers, from *first (may be NULL); numbers of
- * walls move up by n: find them by name, or say SD_WALL(w). The energy that they bring is no error of the budget, that of
- * overlaps is. Overlaps beyond max_overlap and equal centres are refused, as decks refuse them. The simulation goes on with a
- * model of its own. SD_ERROR_USER: nothing is changed; while means of every disk are measured no disks are added.
- * SD_ERROR_IO: no memory, the simulation can only be freed. */
+/* Adds n free disks, in no group, between two steps. They get the next n disk numbers, the first of
+ * which is written to *first (NULL is allowed). Numbers of walls grow by n: find walls by name, or
+ * use SD_WALL(w). The energy of the new disks is added to `start` of the energy budget, but not
+ * that of their overlaps, which shows in the residual. Overlaps beyond max_overlap and equal
+ * centres are refused, as in decks. The simulation owns its model from then on. Returns
+ * SD_ERROR_USER, with nothing changed, for mistakes and while means of every disk are measured.
+ * Returns SD_ERROR_IO if there is no memory: the simulation can then only be freed. */
 SD_API sd_status sd_simulation_add_disks(sd_simulation *simulation, size_t n, const sd_disk *disks,
                                          uint32_t *first, sd_messages *messages);
-/* Takes free disks out between two steps: they touch nothing any more, and keep numbers and columns (activity SD_REMOVED). */
+/* Removes n free disks between two steps. They touch nothing any more, but keep their numbers and
+ * their rows in the columns, with the activity SD_REMOVED. */
 SD_API sd_status sd_simulation_remove_disks(sd_simulation *simulation, size_t n,
                                             const uint32_t *disks, sd_messages *messages);
 
-/* --- reading --------------------------------------------------------------------------------------- */
+/* --- reading ---------------------------------------------------------------------------------- */
 
+/* Returns the model of a simulation, which owns it or borrows it from the caller of
+ * sd_simulation_new. */
 SD_API const sd_model *sd_simulation_model(const sd_simulation *simulation);
+/* Returns the number of steps made since the start of the run. */
 SD_API int64_t sd_simulation_step(const sd_simulation *simulation);
-SD_API double sd_simulation_time(const sd_simulation *simulation); /* step * dt */
+/* Returns the simulated time: step * dt. */
+SD_API double sd_simulation_time(const sd_simulation *simulation);
+/* Returns true if the last phase is over, so that no step is left to be made. */
 SD_API bool sd_simulation_finished(const sd_simulation *simulation);
 
-/* A column of the state: n elements of `type` (sd_type_size), in place. */
+/* A column of the state, in place: n elements of `type` at `data`. */
 typedef struct sd_column {
-  const char *name, *unit, *meaning;
-  sd_type type;
-  sd_extent extent; /* how many, and in which order: state.h */
-  size_t n;
-  const void *data;
+  const char *name, *unit, *meaning; /* name, unit and meaning, those of sd_field */
+  sd_type type;                      /* type of the elements (sd_type_size: their bytes) */
+  sd_extent extent;                  /* meaning and order of the elements (state.h) */
+  size_t n;                          /* number of elements */
+  const void *data;                  /* address of the first element, in memory of the simulation */
 } sd_column;
-/* Column number k; false beyond the last. Contacts are brought up to date first. Valid until the next call that changes the
- * simulation: steps, clones and saving leave columns where they are, new contacts and phases do not. */
+/* Finds column number k, in the order of sd_fields; false: k is beyond the last. Columns of
+ * contacts are brought up to date first. The column is valid until the next call that changes the
+ * simulation. Steps, clones and saving leave columns at their addresses; new contacts and new
+ * phases may not. */
 SD_API bool sd_simulation_column_at(sd_simulation *simulation, size_t k, sd_column *out);
-/* Column of this name: "x", "vx", "contact_force", ...; false: there is none, or no memory. */
+/* Finds a column by its name, like "x", "vx", "contact_force"; false: there is none, or no
+ * memory. */
 SD_API bool sd_simulation_column(sd_simulation *simulation, const char *name, sd_column *out);
-/* The state, with its closed contacts brought up to date. Valid until the next call on the simulation. NULL: no memory. */
+/* Returns the state, with its closed contacts brought up to date. It is valid until the next call
+ * of the simulation. NULL: no memory. */
 SD_API const sd_state *sd_simulation_state(sd_simulation *simulation);
-/* Slot of a body in the columns; a wall is meant by its number or SD_WALL(w). UINT32_MAX: there is none. */
+/* Returns the slot of a body in the columns. body: number, or SD_WALL(w) for a wall. UINT32_MAX:
+ * there is no such body. */
 SD_API uint32_t sd_simulation_slot(const sd_simulation *simulation, uint32_t body);
-/* Angle turned since the start of the deck, rad (turn + theta). NAN: no such body. */
+/* Returns the angle of a body, turn + theta, rad; whole turns count. NAN: there is no such body. */
 SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body);
 
-/* Energies and their changes since step 0 (physics.md 8). All in units of energy.
- * residual = (kinetic + elastic_normal + elastic_tangential + elastic_rolling + cohesion + external) - start
- *            - (work + nonconservative_work) + viscous + friction + rolling + bridge + opening + drag + damping + relaxed,
- * ideally 0. */
+/* Energy budget: energies now, and work and losses since step 0 (physics.md 8). All have units of
+ * energy.
+ *
+ *   residual = kinetic_translation + kinetic_rotation + elastic_normal + elastic_tangential
+ *              + elastic_rolling + cohesion + external - start - (work + nonconservative_work)
+ *              + viscous + friction + rolling + bridge + opening + drag + damping + relaxed
+ *
+ * is the error of the budget, ideally 0. */
 typedef struct sd_energy {
-  double kinetic_translation,
-      kinetic_rotation; /* of coordinates that are neither driven nor locked */
-  double elastic_normal, elastic_tangential, elastic_rolling;
-  double cohesion; /* of attraction, <= 0; 0 where it ends */
+  double kinetic_translation, kinetic_rotation; /* without driven and locked coordinates */
+  double elastic_normal, elastic_tangential, elastic_rolling; /* stored in springs of contacts */
+  double cohesion; /* potential of attractions, <= 0; 0 beyond their range */
   double external; /* potential of gravity and constant body forces */
-  double start;    /* the sum of the above at step 0, and what disks brought or took along since */
-  double work; /* done by prescribed bodies and coordinates, by compression and by force fields */
-  double nonconservative_work; /* put in by the paper's variant of the tangential force */
-  double viscous, friction;    /* lost to dashpots of contacts, and to sliding */
-  double rolling, bridge,
-      opening;          /* lost to rolling, when capillary bridges form, in contacts that opened */
-  double drag, damping; /* lost to viscous drag of fields, and to non-viscous damping */
-  double relaxed;       /* taken out by the relaxer */
-  double residual;
-  double
-      scale; /* the larger of |work| + losses and the kinetic energy, at rest 1e-9 of the other energies: what the
-                   residual is compared with */
+  /* Sum of the energies above at step 0, plus those of disks added and minus those of disks removed
+   * since */
+  double start;
+  /* Work done by prescribed bodies and coordinates, by compression and by force fields */
+  double work;
+  /* Work done by the paper's tangential force, which has no potential */
+  double nonconservative_work;
+  double viscous, friction;        /* energy lost to dashpots of contacts, and to sliding */
+  double rolling, bridge, opening; /* lost to rolling, in bridges that form, contacts that open */
+  double drag, damping; /* energy lost to viscous drag of fields, and to non-viscous damping */
+  double relaxed;       /* kinetic energy taken out by the relaxer (sd_phase.relax) */
+  double residual;      /* error of the budget, by the formula above */
+  /* Energy to which the residual is compared: the larger of |work| + losses and the kinetic energy;
+   * at rest 1e-9 of the other energies */
+  double scale;
 } sd_energy;
+/* Returns the energy budget at the present step. */
 SD_API sd_energy sd_simulation_energy(sd_simulation *simulation);
 
-/* Where a run stands; costs nothing. A phase can end before its length (sd_settle, sd_until in model.h). */
+/* Progress of a run. A phase may end before its full length (sd_settle, sd_until in model.h). */
 typedef struct sd_stage {
-  int64_t step, phase, phase_step; /* as in the state */
-  int64_t before;                  /* steps that the phase before this one took */
+  int64_t step, phase, phase_step; /* steps made; index of the phase; steps made in it */
+  int64_t before;                  /* number of steps that the preceding phase took */
 } sd_stage;
+/* Returns the progress of a run, at no cost. */
 SD_API sd_stage sd_simulation_stage(const sd_simulation *simulation);
-/* How far the run is from the goal of `until`; without one it means nothing. */
+/* Returns the error bar reached and that asked for by `until` of the model; meaningless if the
+ * model has no `until`. */
 SD_API sd_goal sd_simulation_goal(const sd_simulation *simulation);
+/* Returns the number of threads. */
 SD_API int sd_simulation_threads(const sd_simulation *simulation);
-/* "avx512", "avx2" or "baseline": the instructions the kernels were chosen for. */
+/* Returns the instruction set of the kernels in use: "avx512", "avx2" or "baseline". */
 SD_API const char *sd_simulation_path(const sd_simulation *simulation);
 
-/* --- saving and loading ---------------------------------------------------------------------------- */
+/* --- saving and loading ----------------------------------------------------------------------- */
 
-/* Writes model and state into a file (HDF5), under a name of its own until it is complete. SD_ERROR_IO: what was there before
- * stays. A program that loads it goes on with the same bits. */
+/* Writes model and state to a file (HDF5). A program that loads it goes on with the same bits. The
+ * file is written under another name and renamed when it is complete. Returns SD_ERROR_IO if that
+ * fails: a file already there stays as it was. */
 SD_API sd_status sd_simulation_save(sd_simulation *simulation, const char *path,
                                     sd_messages *messages);
-/* Loads what sd_simulation_save has written, or a checkpoint of `slipdisk run` (NAME.h5.parts/checkpoint-*.h5), whose deck it
- * holds. The simulation owns its model. SD_ERROR_USER: another version's; SD_ERROR_IO: missing or damaged. */
+/* Loads a file of sd_simulation_save, or a checkpoint of `slipdisk run`
+ * (NAME.h5.parts/checkpoint-*.h5), which contains its deck. The simulation owns its model. threads:
+ * 0: chosen by the size of the system. Returns SD_ERROR_USER if another version wrote the file,
+ * SD_ERROR_IO if it is missing or damaged; *out is NULL on errors. */
 SD_API sd_status sd_simulation_load(const char *path, int threads, sd_simulation **out,
                                     sd_messages *messages);
-/* The same in memory: *size bytes, freed with sd_free. */
+/* Like sd_simulation_save, into *size bytes of memory at *data, which the caller frees with
+ * sd_free. */
 SD_API sd_status sd_simulation_save_memory(sd_simulation *simulation, void **data, size_t *size,
                                            sd_messages *messages);
+/* Like sd_simulation_load, from the size bytes at data that sd_simulation_save_memory wrote. */
 SD_API sd_status sd_simulation_load_memory(const void *data, size_t size, int threads,
                                            sd_simulation **out, sd_messages *messages);
 
-/* Throws away all that can be recomputed and builds it anew; changes not one bit of what follows. */
+/* Discards neighbour lists and all else that can be recomputed from model and state, and builds it
+ * anew. Later steps keep their bits. */
 SD_API sd_status sd_simulation_rebuild(sd_simulation *simulation, sd_messages *messages);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* slipdisk.h: all public headers. docs/library.md is the introduction. */
+/* slipdisk.h: includes all public headers. docs/library.md is the introduction to the library. */
 #ifndef SLIPDISK_SLIPDISK_H
 #define SLIPDISK_SLIPDISK_H
 

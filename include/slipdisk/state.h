@@ -1,11 +1,15 @@
-/* state.h: columns of a running system, as a checkpoint holds them.
+/* state.h: the state of a running system, an array ("column") per quantity: all that a checkpoint
+ * holds.
  *
- * Bodies stand in slots: free disks first, then driven disks, then walls; column `id` has their body numbers. Below 1000 free
- * disks slots go by number; from there on by place, and change where a phase begins (sd_simulation_slot).
+ * Rows of the columns are called slots: free disks have the first ones, then driven disks, then
+ * walls. Column `id` gives the body number of each slot. Below 1000 free disks slots are in the
+ * order of body numbers. From 1000 on they are sorted by position, and may change at the start of
+ * each phase; sd_simulation_slot finds the slot of a body.
  *
- * Angle of a body: turn + theta, theta in [-4, 4], turn a multiple of 8 rad, so that the tangential
- * displacement stays exact to rounding of order R 1e-15 after any number of turns.
- * Position: the periodic image in the box plus image * box length.
+ * The angle of a body is turn + theta, with theta in [-4, 4] and turn a multiple of 8 rad, so that
+ * the tangential displacement stays exact to rounding of order R 1e-15 after any number of turns.
+ * The position of a body is (x, y), within the periodic box, plus (image_x, image_y) times the
+ * lengths of the box.
  */
 #ifndef SLIPDISK_STATE_H
 #define SLIPDISK_STATE_H
@@ -19,85 +23,102 @@
 extern "C" {
 #endif
 
+/* The state of a system at the end of a step; its members are reached through sd_fields. */
 typedef struct sd_state sd_state;
 
+/* Type of the elements of a column: double, int64_t, int32_t, uint32_t. */
 typedef enum sd_type { SD_F64, SD_I64, SD_I32, SD_U32 } sd_type;
 
-/* How many elements a column has. */
+/* Meaning and order of the elements of a column. sd_extent_size returns their number in a given
+ * state. */
 typedef enum sd_extent {
-  SD_PER_RUN,     /* 1 */
-  SD_PER_BODY,    /* disks and walls, by slot */
-  SD_PER_FREE,    /* free disks, by slot */
-  SD_PER_SURFACE, /* walls in their order, where motions move the surface of any; else none */
-  SD_PER_CONTACT, /* closed contacts, ordered by (lower slot, partner) */
-  SD_PER_MOTION,
-  SD_PER_CELL, /* lengths in x and y, offset, shear: all where a phase deforms the box, or none */
-  SD_PER_CELL_DISK, /* free disks, by slot, there */
-  SD_PER_PHASE,
-  SD_PER_ROTATION,      /* watched disks */
-  SD_PER_ROTATION_BIN,  /* watched disks * SD_BINS, row by row */
-  SD_PER_SLIDE,         /* watched pairs of contacts */
-  SD_PER_SLIDE_COUNT,   /* watched pairs * 16 */
-  SD_PER_SLIDE_CONTACT, /* watched pairs * 2 */
-  SD_PER_MEAN,          /* free disks whose means are taken: all or none */
-  SD_PER_MEAN_BIN,      /* the same * SD_MEAN_BINS, row by row */
-  SD_PER_VISIT,         /* watched pairs whose configurations are measured: all or none */
-  SD_PER_VISIT_CONTACT, /* the same * 2 */
-  SD_PER_VISIT_PART,    /* the same * 6 sums */
-  SD_PER_VISIT_CLASS,   /* the same * SD_CONFIGURATIONS */
-  SD_PER_VISIT_SUM,     /* the same * SD_CONFIGURATIONS * 6 sums */
-  SD_PER_VISIT_AGE,     /* the same * SD_CONFIGURATIONS * SD_AGES */
-  SD_PER_FIELDED,       /* free disks of a model with fields: all or none */
-  SD_PER_CLUMP,         /* rigid bodies of several disks, by their numbers */
-  SD_PER_LAW_CONTACT, /* closed contacts, where laws need these columns (SD_CONTACT_MORE): all or none */
-  SD_PER_LAW_FREE, /* free disks, likewise */
-  SD_EXTENTS
+  SD_PER_RUN,     /* a single number for the whole run */
+  SD_PER_BODY,    /* one element per disk and wall, by slot */
+  SD_PER_FREE,    /* one element per free disk, by slot */
+  SD_PER_SURFACE, /* one element per wall if a motion moves any surface, else none */
+  SD_PER_CONTACT, /* one element per closed contact, sorted by its lower slot, then its partner */
+  SD_PER_MOTION,  /* one element per motion of the model */
+  /* Four numbers if a phase deforms the box, else none: length of the box along x, along y, offset
+   * of its images, shear strain. */
+  SD_PER_CELL,
+  SD_PER_CELL_DISK, /* one element per free disk, by slot, if a phase deforms the box, else none */
+  SD_PER_PHASE,     /* one element per phase of the model */
+  SD_PER_ROTATION,  /* one element per disk whose rotation is measured */
+  SD_PER_ROTATION_BIN,  /* SD_BINS elements per disk whose rotation is measured, disk by disk */
+  SD_PER_SLIDE,         /* one element per watched pair of contacts */
+  SD_PER_SLIDE_COUNT,   /* 16 elements per watched pair: 4 * (state of contact 1) + (state of 2) */
+  SD_PER_SLIDE_CONTACT, /* two elements per watched pair, one for each of its contacts */
+  /* One element per free disk, by slot, if means of every disk are measured, else none */
+  SD_PER_MEAN,
+  SD_PER_MEAN_BIN,      /* SD_MEAN_BINS elements for each one of SD_PER_MEAN, disk by disk */
+  SD_PER_VISIT,         /* one element per watched pair if configurations are measured, else none */
+  SD_PER_VISIT_CONTACT, /* two elements for each one of SD_PER_VISIT: one per contact of the pair */
+  SD_PER_VISIT_PART,    /* 6 sums for each element of SD_PER_VISIT */
+  SD_PER_VISIT_CLASS,   /* SD_CONFIGURATIONS elements for each one of SD_PER_VISIT */
+  SD_PER_VISIT_SUM,     /* SD_CONFIGURATIONS * 6 sums for each element of SD_PER_VISIT */
+  SD_PER_VISIT_AGE,     /* SD_CONFIGURATIONS * SD_AGES elements for each one of SD_PER_VISIT */
+  SD_PER_FIELDED, /* one element per free disk, by slot, if the model has force fields, else none */
+  SD_PER_CLUMP,   /* one element per clump, a rigid body of several disks, by clump number */
+  SD_PER_LAW_CONTACT, /* one element per closed contact if a law needs SD_CONTACT_MORE, else none */
+  /* One element per free disk, by slot, if a law needs SD_CONTACT_MORE, else none */
+  SD_PER_LAW_FREE,
+  SD_EXTENTS /* number of extents */
 } sd_extent;
 
-/* Bins of the angle record: when they are full, neighbours are merged and the bin length doubles. */
+/* Bins in the angle record of a watched disk. When all are full, neighbouring bins are merged in
+ * pairs and the length of a bin doubles. */
 enum { SD_BINS = 4096 };
-/* Of each disk of a packing, likewise. */
+/* Bins in the angle record of each free disk, if means of every disk are measured; they are merged
+ * like SD_BINS. */
 enum { SD_MEAN_BINS = 128 };
 
-/* Column `activity`. Waiting and removed disks stand still and touch nothing. */
+/* Values of the column `activity`. Waiting and removed disks stand still and touch nothing. */
 enum {
-  SD_IN_PLAY = 0,
-  SD_WAITING = 1,
-  SD_REMOVED = 2,
-  SD_OUTSIDE = 3 /* in play, beyond the bounds */
+  SD_IN_PLAY = 0, /* simulated */
+  SD_WAITING = 1, /* not released yet by its rain */
+  SD_REMOVED = 2, /* taken out for good */
+  SD_OUTSIDE = 3  /* simulated, but beyond the bounds of the model */
 };
 
-/* A contact: open, stuck, or sliding with positive or negative torque on the watched disk. */
+/* States of a contact: sliding with positive or with negative torque on the watched disk, stuck,
+ * open. */
 enum { SD_SLIDE_POSITIVE = 0, SD_SLIDE_NEGATIVE = 1, SD_STUCK = 2, SD_OPEN = 3 };
 
-/* Classes of two contacts: S++, S+-, S-+, S--, stick (one stuck, none open), open; and octaves of the age of a visit, in
- * steps: below 32, below 64 and so on. */
+/* SD_CONFIGURATIONS: joint states of two contacts, S++, S+-, S-+, S--, stick (at least one stuck,
+ * none open), open (at least one open). SD_AGES: classes of the age of a visit in steps, below 32,
+ * below 64 and so on; the last has no end. */
 enum { SD_CONFIGURATIONS = 6, SD_AGES = 16 };
 
-/* A column of the state. All stand in one table; allocation, checkpoint, comparison and hash follow it. */
+/* Description of one column of the state: a row of sd_fields. Allocation, checkpoints, comparison
+ * and hash of states loop over these rows. */
 typedef struct sd_field {
-  const char *name;
-  sd_type type;
-  sd_extent extent;
-  size_t offset;    /* of the library's own */
-  const char *unit; /* in terms of length, mass, time */
-  const char *meaning;
+  const char *name; /* name of the column, and of its dataset in checkpoints */
+  sd_type type;     /* type of its elements */
+  sd_extent extent; /* meaning and order of its elements */
+  size_t offset;    /* position in the struct sd_state; for the library itself */
+  /* Unit in terms of length, mass, time, force, energy, power and rad; "1": none */
+  const char *unit;
+  const char *meaning; /* one line of description */
 } sd_field;
 
+/* Table of all columns of a state, sd_field_count rows. */
 SD_API extern const sd_field sd_fields[];
+/* Number of rows of sd_fields. */
 SD_API extern const size_t sd_field_count;
 
-/* Bytes of an element. */
+/* Returns the bytes of one element of a type. */
 SD_API size_t sd_type_size(sd_type type);
-/* Elements of the columns of an extent. */
+/* Returns the number of elements that columns of an extent have in this state. */
 SD_API size_t sd_extent_size(const sd_state *state, sd_extent extent);
-/* First element of a column. */
+/* Returns the address of the first element of a column, which the state owns. */
 SD_API void *sd_field_data(const sd_state *state, const sd_field *field);
 
+/* Frees a state and its columns; NULL is allowed. */
 SD_API void sd_state_free(sd_state *state);
-/* FNV-1a over every column in table order: equal states have equal hashes. */
+/* Returns the FNV-1a hash over all columns in the order of sd_fields: equal states have equal
+ * hashes. */
 SD_API uint64_t sd_state_hash(const sd_state *state);
-/* First column that differs in any bit, NULL when equal. */
+/* Returns the first column in which two states differ in any bit; NULL: they are equal. */
 SD_API const sd_field *sd_state_difference(const sd_state *a, const sd_state *b);
 
 #ifdef __cplusplus

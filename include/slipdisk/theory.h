@@ -1,7 +1,9 @@
-/* theory.h: what the 3-disk ratchet does in closed form or to rounding, and closed forms for tests.
+/* theory.h: mean rotation of the 3-disk ratchet, in closed form or to rounding, and closed forms
+ * for tests.
  *
- * docs/physics.md derives each formula; equation labels are the paper's. Contact 1 is the left support,
- * contact 2 the right one; a sign s = +1 means a positive (counter-clockwise) torque on the upper disk.
+ * docs/physics.md derives each formula; numbers in parentheses are equations of the paper. Contact
+ * 1 is that with the left support, contact 2 that with the right one. A sign s = +1 means a
+ * positive (counter-clockwise) torque on the upper disk.
  */
 #ifndef SLIPDISK_THEORY_H
 #define SLIPDISK_THEORY_H
@@ -15,145 +17,175 @@
 extern "C" {
 #endif
 
-/* The upper disk on its two supports. */
+/* Geometry and constants of the upper disk, which lies on two supports. */
 typedef struct sd_three_disk {
-  double tilt;          /* theta_T = (alpha_2 - alpha_1)/2, rad */
-  double half_aperture; /* theta_h = (alpha_2 + alpha_1)/2, rad, in (0, pi/2) */
-  double mu;            /* Amonton's coefficient at both contacts */
-  double weight;        /* m g, > 0 */
-  double radius;        /* of the upper disk */
-  double inertia;       /* of the upper disk, > 0 */
+  double tilt;          /* tilt theta_T = (alpha_2 - alpha_1)/2, rad */
+  double half_aperture; /* half aperture theta_h = (alpha_2 + alpha_1)/2, rad, in (0, pi/2) */
+  double mu;            /* Amonton's coefficient of friction at both contacts */
+  double weight;        /* weight m g of the upper disk, > 0 */
+  double radius;        /* radius R of the upper disk */
+  double inertia;       /* moment of inertia I of the upper disk, > 0 */
 } sd_three_disk;
 
-typedef enum sd_waveform { SD_SINE, SD_PARABOLA } sd_waveform; /* (20), (21) */
+/* Waveform of the rotation of a support, (20) or (21). */
+typedef enum sd_waveform { SD_SINE, SD_PARABOLA } sd_waveform;
 
-/* --- translational equilibrium points (TEP) ------------------------------------------------------- */
+/* --- translational equilibrium points (TEP) --------------------------------------------------- */
 
+/* A translational equilibrium point: forces on the upper disk balance while both contacts slide. */
 typedef struct sd_tep {
-  double normal[2]; /* normal forces; a TEP needs both >= 0 */
-  double torque;    /* on the upper disk */
-  bool compressive;
-  bool stable; /* the centre returns to it: only S-+ can fail, where mu > tan theta_h */
+  double normal[2]; /* normal forces at contacts 1 and 2; a TEP needs both >= 0 */
+  double torque;    /* torque on the upper disk */
+  bool compressive; /* both normal forces are >= 0 */
+  bool stable;      /* the centre returns to the point; false only for S-+ with mu > tan theta_h */
 } sd_tep;
 
-/* Force balance (13)-(14) with tau_i = s_i mu n_i, solved as a 2x2 linear system. s_i in {-1, 0, +1}.
- * Forces NAN, neither compressive nor stable when the balance has no solution (s1 = -1, s2 = +1, tan theta_h = mu). */
+/* Solves the force balance (13)-(14) with tau_i = s_i mu n_i as a 2x2 linear system; s1, s2 are -1,
+ * 0 or +1. If it has no solution (s1 = -1, s2 = +1, tan theta_h = mu) forces and torque are NAN,
+ * and the point is neither compressive nor stable. */
 SD_API sd_tep sd_tep_solve(const sd_three_disk *disk, int s1, int s2);
 
-/* The same torque in closed form: (15)-(18) for s_i = +-1, and their common parent for any s_i. */
+/* Returns the torque at a TEP in closed form: (15)-(18) for s_i = +1 or -1, and their
+ * generalisation for s_i = 0. */
 SD_API double sd_tep_torque(const sd_three_disk *disk, int s1, int s2);
 
-/* Mean torque just after tilting, all four configurations equally long (19), as printed. */
+/* Returns the mean torque just after tilting if all four configurations last equally long: (19), as
+ * printed. */
 SD_API double sd_slight_tilt_torque(const sd_three_disk *disk);
-/* The same with S++ and S-- only (31), supports in phase; with mu^2 where the print has mu. */
+/* Returns the mean torque just after tilting for supports in phase, with S++ and S-- only: (31),
+ * with mu^2 where the print has mu. */
 SD_API double sd_slight_tilt_torque_sync(const sd_three_disk *disk);
 
-/* --- closed forms for supports of the upper disk's radius that turn by Theta_b sin(w_b t) ------------ */
+/* --- closed forms for supports of the upper disk's radius that turn by Theta_b sin(w_b t) ----- */
 
-/* Supports in phase, parabolic waveform (21). Valid while both torques are below 8 I Theta_b w_b^2/pi^2. */
+/* Periodic state for supports in phase with the parabolic waveform (21). It holds while both
+ * torques are below 8 I Theta_b w_b^2/pi^2. */
 typedef struct sd_sync {
-  double t1, t2;  /* (25), (43): S-- begins, S++ begins */
-  double pp, mm;  /* (26), (27): durations of S++ and S-- */
-  double mean;    /* (29) */
-  bool permanent; /* the contacts never stick: the formulas hold */
+  double t1, t2;  /* times at which S-- and S++ begin, (25) and (43) */
+  double pp, mm;  /* durations of S++ and S-- in a period, (26) and (27) */
+  double mean;    /* mean angular velocity of the upper disk, (29) */
+  bool permanent; /* true: the contacts never stick, so that the formulas hold */
 } sd_sync;
+/* Returns the periodic state for supports in phase. amplitude: Theta_b, rad; omega: w_b,
+ * rad/time. */
 SD_API sd_sync sd_sync_parabola(const sd_three_disk *disk, double amplitude, double omega);
 
-/* (30): the mean of the above, (4/pi) mu Theta_b w_b tan theta_T. */
+/* Returns the mean angular velocity for supports in phase with the parabolic waveform, (30):
+ * (4/pi) mu Theta_b w_b tan theta_T. */
 SD_API double sd_sync_mean_parabola(const sd_three_disk *disk, double amplitude, double omega);
-/* Sine waveform (20), Theta_b -> infinity: Theta_b w_b sin((pi/2) mu tan theta_T). */
+/* Returns the mean angular velocity for supports in phase with the sine waveform (20) in the limit
+ * Theta_b -> infinity: Theta_b w_b sin((pi/2) mu tan theta_T). */
 SD_API double sd_sync_limit_sine(const sd_three_disk *disk, double amplitude, double omega);
-/* Sine waveform at any amplitude; NAN where no periodic state of permanent sliding exists. */
+/* Returns the mean angular velocity for supports in phase with the sine waveform at any amplitude;
+ * NAN: there is no periodic state of permanent sliding. */
 SD_API double sd_sync_mean_sine(const sd_three_disk *disk, double amplitude, double omega);
 
-/* (35) with the factor w_b/pi that the print lacks: opposite phases, parabola, first order in theta_T. */
+/* Returns the mean angular velocity for supports in opposite phases with the parabolic waveform, to
+ * first order in theta_T: (35), with the factor w_b/pi that the print lacks. */
 SD_API double sd_async_first_order(const sd_three_disk *disk, double amplitude, double omega);
-/* Opposite phases, any tilt, Theta_b -> infinity. */
+/* Returns the mean angular velocity for supports in opposite phases at any tilt, in the limit
+ * Theta_b -> infinity. */
 SD_API double sd_async_limit(const sd_three_disk *disk, sd_waveform waveform, double amplitude,
                              double omega);
 
-/* Phase between equal supports at which the sense of rotation turns over, Theta_b -> infinity:
- * pi (sin^2 theta_h - mu^2 cos^2 theta_h), whatever the waveform and the tilt. */
+/* Returns the phase difference between equal supports, rad, at which the sense of rotation reverses
+ * in the limit Theta_b -> infinity: pi (sin^2 theta_h - mu^2 cos^2 theta_h), for any waveform and
+ * tilt. */
 SD_API double sd_reversal_phase(const sd_three_disk *disk);
 
-/* --- the periodic state for any phase, either waveform ----------------------------------------------- */
+/* --- periodic state for any phase and either waveform ----------------------------------------- */
 
-/* theta_i(t) = amplitude_i f(omega t + phase_i), f = sin (20) or its parabolas (21). */
+/* Rotation of the supports: theta_i(t) = amplitude_i f(omega t + phase_i), with f the sine (20) or
+ * parabolas (21). */
 typedef struct sd_drive {
-  sd_waveform waveform;
-  double omega;             /* w_b, > 0 */
-  double amplitude[2];      /* Theta_b of each support, >= 0 */
-  double phase[2];          /* rad */
-  double support_radius[2]; /* > 0 */
+  sd_waveform waveform;     /* form f of the signal */
+  double omega;             /* angular frequency w_b, rad/time, > 0 */
+  double amplitude[2];      /* amplitude Theta_b of each support, rad, >= 0 */
+  double phase[2];          /* phase of each support, rad */
+  double support_radius[2]; /* radius of each support, > 0 */
 } sd_drive;
 
+/* Capacity of `pieces` in sd_sliding. */
 enum { SD_SLIDING_PIECES = 32 };
-enum { SD_PP = 0, SD_PM = 1, SD_MP = 2, SD_MM = 3 }; /* S++, S+-, S-+, S-- */
+/* Configurations S++, S+-, S-+, S-- as indices: signs of sliding of contacts 1 and 2. */
+enum { SD_PP = 0, SD_PM = 1, SD_MP = 2, SD_MM = 3 };
 
-/* Omega(t) = omega + acceleration (t - start) until the next piece starts; in a piece with a sign 0 the
- * upper disk rolls with that support instead, Omega = sd_sliding_support(). */
+/* An interval in which the angular velocity of the upper disk is linear: Omega(t) = omega +
+ * acceleration (t - start), until the next piece starts. If sign[i] is 0 the upper disk rolls on
+ * support i instead: Omega = sd_sliding_support(). */
 typedef struct sd_sliding_piece {
-  double start, omega, acceleration;
-  int sign[2];
+  double start, omega, acceleration; /* time of its start; Omega at that time; dOmega/dt */
+  int sign[2];                       /* sign of sliding of each contact; 0: the contact sticks */
 } sd_sliding_piece;
 
+/* Periodic solution for the rotation of the upper disk. */
 typedef struct sd_sliding {
-  sd_three_disk disk;
-  sd_drive drive;
-  double period, mean;
-  double duration[4]; /* per period, by SD_PP ... */
-  double stuck;       /* per period; > 0 when the drive is too weak for permanent sliding */
-  bool permanent;     /* stuck == 0: a solution of the velocity-matching equations */
-  size_t n_pieces;
-  sd_sliding_piece pieces[SD_SLIDING_PIECES]; /* in [0, period), first at 0 */
+  sd_three_disk disk;  /* upper disk */
+  sd_drive drive;      /* rotation of the supports */
+  double period, mean; /* period; mean angular velocity of the upper disk */
+  double duration[4];  /* time per period in each configuration, by SD_PP, SD_PM, SD_MP, SD_MM */
+  /* Time per period with a stuck contact; > 0: the drive is too weak for permanent sliding */
+  double stuck;
+  bool permanent;  /* stuck == 0: the solution satisfies the velocity-matching equations */
+  size_t n_pieces; /* number of pieces */
+  sd_sliding_piece pieces[SD_SLIDING_PIECES]; /* intervals of [0, period); the first starts at 0 */
 } sd_sliding;
 
-/* Periodic solution of I dOmega/dt = torque of the TEP of the current signs of sliding: (23)-(24), (32)-(33)
- * and what they become at other phases. Where a torque outruns a support the contact sticks (Coulomb friction
- * with a rigid tangential spring) instead. SD_ERROR_USER: values out of range, or a configuration without a compressive, stable TEP;
- * SD_ERROR_NUMERIC: no root was found. */
+/* Finds the periodic solution of I dOmega/dt = torque of the TEP for the present signs of sliding:
+ * (23)-(24), (32)-(33) and their generalisation to other phases. If a torque accelerates the upper
+ * disk faster than a support, the contact sticks (Coulomb friction with a rigid tangential spring).
+ * Returns SD_ERROR_USER for values out of range, or if a configuration has no compressive, stable
+ * TEP; SD_ERROR_NUMERIC if no root was found. */
 SD_API sd_status sd_sliding_solve(const sd_three_disk *disk, const sd_drive *drive, sd_sliding *out,
                                   sd_messages *messages);
 
-/* Mean angular velocity for torque/(I Theta_b w_b^2) -> 0, in which Omega is constant and the four
- * durations balance the torques. Same errors. */
+/* Finds the mean angular velocity in the limit torque/(I Theta_b w_b^2) -> 0, in which Omega is
+ * constant and the durations of the four configurations balance the torques. Errors are those of
+ * sd_sliding_solve. */
 SD_API sd_status sd_sliding_limit(const sd_three_disk *disk, const sd_drive *drive, double *mean,
                                   sd_messages *messages);
 
-/* Omega at any time t of the periodic solution. */
+/* Returns the angular velocity Omega of the upper disk at any time t of a periodic solution. */
 SD_API double sd_sliding_omega(const sd_sliding *solution, double t);
 
-/* Angular velocity at which support i (0, 1) drives the upper disk: -theta_i'(t) R_i/R. */
+/* Returns the angular velocity at which the upper disk would roll on support i (0 or 1):
+ * -theta_i'(t) R_i/R. */
 SD_API double sd_sliding_support(const sd_three_disk *disk, const sd_drive *drive, int i, double t);
 
-/* theta_i(t) itself, (20) or (21). */
+/* Returns the angle theta_i(t) of support i (0 or 1), (20) or (21), rad. */
 SD_API double sd_sliding_angle(const sd_drive *drive, int i, double t);
 
-/* --- closed forms that tests compare with ------------------------------------------------------------ */
+/* --- closed forms that tests compare with ----------------------------------------------------- */
 
+/* Outcome of a head-on collision. */
 typedef struct sd_collision {
-  double restitution; /* speed after / before */
-  double duration;    /* until the normal force is zero */
+  double restitution; /* coefficient of restitution: speed after over speed before */
+  double duration;    /* duration of the contact, until the normal force is 0 */
 } sd_collision;
 
-/* Head-on collision under (2). k_n, m_eff > 0, gamma_n >= 0; any damping. */
+/* Returns the outcome of a head-on collision with the normal force (2). Arguments: k_n > 0,
+ * gamma_n >= 0, m_eff > 0; overdamped contacts are allowed. */
 SD_API sd_collision sd_restitution(double k_n, double gamma_n, double m_eff);
 
-/* Disk that hits a plane and slides all through the collision. v_n > 0: speed of approach; v_t: velocity
- * of the centre along the tangent; spin: such that v_t + radius spin is the surface's velocity. */
+/* Outcome of the collision of a disk with a plane in which it slides all the time. */
 typedef struct sd_oblique {
-  double v_n, v_t, spin; /* after; v_n > 0 away from the plane */
-  bool sliding;          /* the surface never stopped: the formula holds */
+  double v_n, v_t, spin; /* velocities after the collision; v_n > 0 away from the plane */
+  bool sliding;          /* true: the surface never stopped sliding, so that the formula holds */
 } sd_oblique;
+/* Returns the outcome of the collision of a sliding disk with a plane. Before the collision v_n > 0
+ * is the speed of approach, v_t the velocity of the centre along the tangent, and v_t + radius spin
+ * the velocity of the surface. */
 SD_API sd_oblique sd_gross_sliding(double mass, double inertia, double radius, double mu,
                                    double restitution, double v_n, double v_t, double spin);
 
-/* Time after which a disk set down with speed u and no spin on a plane rolls, and its speed then. */
+/* Writes the time after which a disk rolls that is put on a plane with the speed u and without
+ * spin, and its speed then. */
 SD_API void sd_slide_to_roll(double mass, double inertia, double radius, double mu, double g,
                              double u, double *time, double *speed);
 
-/* Stationary covariances of (52) at a lag >= 0: c[0] = <x(0) x(t)>, c[1] = <x(0) x'(t)> = -<x'(0) x(t)>,
- * c[2] = <x'(0) x'(t)>. omega, damping > 0; any damping. */
+/* Writes the stationary covariances of the random vibration (52) at a lag t >= 0: c[0] = <x(0)
+ * x(t)>, c[1] = <x(0) x'(t)> = -<x'(0) x(t)>, c[2] = <x'(0) x'(t)>. omega, damping > 0; overdamped
+ * oscillators are allowed. */
 SD_API void sd_vibration_covariance(double omega, double damping, double rms, double lag,
                                     double c[3]);
 

@@ -1,4 +1,5 @@
-/* version.h: the one place of the version; CMakeLists.txt reads it. */
+/* version.h: the version of slipdisk, defined here alone; CMakeLists.txt reads it from this
+ * file. */
 #ifndef SLIPDISK_VERSION_H
 #define SLIPDISK_VERSION_H
 
@@ -6,8 +7,8 @@
 #define SD_VERSION_MINOR 5
 #define SD_VERSION_PATCH 0
 #define SD_VERSION "0.5.0"
-#define SD_VERSION_DATE "2026-11-23" /* of the release, or of the last work on it */
-/* For comparisons: 500 is 0.5.0. */
+#define SD_VERSION_DATE "2026-11-23" /* day of the release, or of the last change since */
+/* The version as one number that can be compared: 500 is 0.5.0. */
 #define SD_VERSION_NUMBER (10000 * SD_VERSION_MAJOR + 100 * SD_VERSION_MINOR + SD_VERSION_PATCH)
 
 #endif

@@ -1,4 +1,4 @@
-/* file.c: see file.h. */
+/* file.c: writes files and folders through drafts, and reads files; see file.h. */
 #include "io/store/file.h"
 
 #include <assert.h>
@@ -22,7 +22,7 @@ sd_status file_fail(sd_messages *messages, const char *what, const char *path) {
   return sd_fail(messages, SD_ERROR_IO, "cannot %s %s: %s", what, path, strerror(errno));
 }
 
-/* --- system calls that a signal may cut short ----------------------------------------------------- */
+/* --- System calls that a signal may interrupt ------------------------------------------------- */
 
 static int open_again(int folder, const char *name, int flags, mode_t mode) {
   int fd;
@@ -49,11 +49,11 @@ static bool truncate_again(int fd, off_t size) {
   return result == 0;
 }
 
-/* Linux has closed the descriptor when a signal comes. */
+/* Closes a descriptor; false with errno set. EINTR is no error: Linux has then closed it, too. */
 static bool close_told(int fd) { return close(fd) == 0 || errno == EINTR; }
 
 bool file_write_all(int fd, const void *bytes, size_t size) {
-  /* One call is kept below 1 GiB: the kernel cuts longer ones anyway. */
+  /* one call writes at most 1 GiB, since the kernel cuts longer ones anyway */
   const size_t most = (size_t)1 << 30;
   for (const unsigned char *at = bytes; size > 0;) {
     ssize_t n = write(fd, at, size < most ? size : most);
@@ -69,20 +69,22 @@ bool file_write_all(int fd, const void *bytes, size_t size) {
   return true;
 }
 
-/* --- names ---------------------------------------------------------------------------------------- */
+/* --- Names ------------------------------------------------------------------------------------ */
 
+/* Returns the part of a path behind its last slash. */
 static const char *last_component(const char *path) {
   const char *slash = strrchr(path, '/');
   return slash ? slash + 1 : path;
 }
 
-/* Where a path is looked up, and by which name. */
+/* Returns the folder descriptor in which a path is looked up, and in *name the name to look up
+ * there. */
 static int base_of(int folder, const char *path, const char **name) {
   *name = folder < 0 ? path : last_component(path);
   return folder < 0 ? AT_FDCWD : folder;
 }
 
-/* To be freed. */
+/* Returns the path of the folder of a file; to be freed. */
 static char *folder_of(const char *path) {
   const char *slash = strrchr(path, '/');
   return !slash          ? format_text(".")
@@ -139,7 +141,7 @@ sd_status file_sync_folder(int folder, const char *path, sd_messages *messages) 
   int fd = folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : folder;
   sd_status status = SD_OK;
   if (fd < 0) status = file_fail(messages, "open folder", above);
-  /* some file systems do not synchronise folders and say EINVAL; there is no more to be done there */
+  /* EINVAL: the file system cannot synchronise folders; nothing more can be done there */
   else if (!sync_again(fd) && errno != EINVAL && errno != ENOTSUP)
     status = file_fail(messages, "synchronise", above);
   if (folder < 0 && fd >= 0) close(fd);
@@ -153,14 +155,16 @@ void file_remove(int folder, const char *path) {
   unlinkat(base, name, 0);
 }
 
-/* --- drafts --------------------------------------------------------------------------------------- */
+/* --- Drafts ----------------------------------------------------------------------------------- */
 
+/* Number of hexadecimal digits in the name of a draft */
 enum { DRAFT_DIGITS = 16 };
 static const char draft_ending[] = ".tmp";
 
 bool file_is_draft(const char *name) { return text_ends(name, draft_ending); }
 
-/* Does a file stand there, or does a link lead to one? Its mode: who may read it may read what takes its place. */
+/* Returns true if a file, or a link to one, has this name, and its mode in *mode. A file that
+ * replaces it gets that mode, so that the same users may read it. */
 static bool mode_of(int base, const char *name, mode_t *mode) {
   struct stat facts;
   if (fstatat(base, name, &facts, 0) != 0 || !S_ISREG(facts.st_mode)) return false;
@@ -174,11 +178,13 @@ void file_keep_mode(int fd, int folder, const char *path) {
   mode_t mode;
   const int base = base_of(folder, path, &name);
   if (!mode_of(base, name, &mode) || fstat(fd, &facts) != 0) return;
-  if (S_ISDIR(facts.st_mode)) mode |= 0700 | (mode & 0444) >> 2; /* who may read may also enter */
-  (void)!fchmod(fd, mode); /* some file systems have no modes */
+  /* permission to read a folder gives permission to enter it */
+  if (S_ISDIR(facts.st_mode)) mode |= 0700 | (mode & 0444) >> 2;
+  (void)!fchmod(fd, mode); /* ignored, since some file systems have no modes */
 }
 
-/* "NAME.h5.0123456789abcdef.tmp": an ending that cannot be foreseen, so that nothing can lie in wait there. */
+/* Returns a name like "NAME.h5.0123456789abcdef.tmp". Its digits are random, so that no other user
+ * can create a file of that name in advance. */
 char *file_draft_name(const char *name) {
   uint64_t bits;
   if (getrandom(&bits, sizeof bits, GRND_NONBLOCK) != (ssize_t)sizeof bits) {
@@ -192,15 +198,15 @@ char *file_draft_name(const char *name) {
 sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messages *messages) {
   *out = (file_draft){.folder = -1, .fd = -1};
   char *above = folder_of(path);
-  /* a descriptor of its own, so that a draft outlives the caller's */
+  /* a descriptor of its own, so that a draft may outlive the caller's descriptor */
   out->folder = folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY)
                            : fcntl(folder, F_DUPFD_CLOEXEC, 0);
   sd_status status = out->folder < 0 ? file_fail(messages, "write to folder", above) : SD_OK;
   const char *last;
   mode_t mode;
   const int base = base_of(folder, path, &last);
-  const bool replaces =
-      mode_of(base, last, &mode); /* then others do not see it before it has its mode */
+  /* a draft that replaces a file must not be readable for others before it has the file's mode */
+  const bool replaces = mode_of(base, last, &mode);
   for (int attempt = 0; status == SD_OK && out->fd < 0; attempt++) {
     free(out->name);
     free(out->path);
@@ -216,6 +222,7 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
   return status;
 }
 
+/* Closes the descriptors of a draft and frees its record. */
 static void draft_close(file_draft *draft) {
   if (draft->fd >= 0) close(draft->fd);
   if (draft->folder >= 0) close(draft->folder);
@@ -229,7 +236,8 @@ void file_draft_drop(file_draft *draft) {
   draft_close(draft);
 }
 
-/* Where the file system knows neither RENAME_NOREPLACE nor links, the name is looked at just before. */
+/* Renames a draft to a name that must be free; false with errno set. If the file system supports
+ * neither RENAME_NOREPLACE nor hard links, the name is checked just before. */
 static bool rename_new(const file_draft *draft, int base, const char *name) {
   if (renameat2(draft->folder, draft->name, base, name, RENAME_NOREPLACE) == 0) return true;
   if (errno != EINVAL && errno != ENOSYS && errno != ENOTSUP) return false;
@@ -244,6 +252,7 @@ static bool rename_new(const file_draft *draft, int base, const char *name) {
   return errno == ENOENT && renameat(draft->folder, draft->name, base, name) == 0;
 }
 
+/* Renames a draft to its final name; false with errno set. */
 static bool rename_draft(const file_draft *draft, int base, const char *name, file_replace how) {
   bool good;
   do
@@ -253,11 +262,11 @@ static bool rename_draft(const file_draft *draft, int base, const char *name, fi
   return good;
 }
 
-/* Closes the file, and gives it its name; false with errno set. */
+/* Closes a draft and renames it to its final name; false with errno set, and the draft removed. */
 static bool finish_draft(file_draft *draft, int base, const char *name, file_replace how) {
   int fd = draft->fd;
   draft->fd = -1;
-  /* close can be the first to tell of a full disk (NFS, quotas) */
+  /* close may be the first call to report a full disk (NFS, quotas) */
   if (close_told(fd) && rename_draft(draft, base, name, how)) return true;
   int error = errno;
   unlinkat(draft->folder, draft->name, 0);
@@ -273,10 +282,12 @@ sd_status file_draft_publish(file_draft *draft, int folder, const char *path, fi
   sd_status status = SD_OK;
   struct stat facts;
   if (how == FILE_REPLACE) file_keep_mode(draft->fd, folder, path);
-  /* A rename would put a file in the place of a device or a pipe, and /dev/null is shared by all processes. */
+  /* a rename would replace a device or a pipe by a file, and /dev/null is shared by all
+   * processes */
   if (fstatat(base, name, &facts, AT_SYMLINK_NOFOLLOW) == 0 && is_special(facts.st_mode))
     status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
-  /* to its own size: gives back what file_reserve took and the file does not use */
+  /* truncating to the present size returns the space that file_reserve took and the file does not
+   * use */
   else if (fstat(draft->fd, &facts) != 0 || !truncate_again(draft->fd, facts.st_size) ||
            !sync_again(draft->fd))
     status = file_fail(messages, "write", path);
@@ -345,7 +356,7 @@ sd_status file_reserve(int fd, const char *path, uint64_t bytes, sd_messages *me
   int result;
   do result = fallocate(fd, FALLOC_FL_KEEP_SIZE, 0, (off_t)bytes);
   while (result != 0 && errno == EINTR);
-  /* a file system that cannot reserve lets the writes find out */
+  /* if the file system cannot reserve space, later writes report a full disk */
   if (result != 0 && (errno == ENOSPC || errno == EDQUOT || errno == EFBIG))
     return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %.0f MB are needed: %s", path,
                    (double)bytes / 1e6, strerror(errno));
@@ -355,9 +366,10 @@ sd_status file_reserve(int fd, const char *path, uint64_t bytes, sd_messages *me
   return SD_OK;
 }
 
-/* --- reading -------------------------------------------------------------------------------------- */
+/* --- Reading ---------------------------------------------------------------------------------- */
 
-/* -1 with errno set. A pipe must not keep the call waiting. */
+/* Opens a regular file; -1 with errno set: it failed. O_NONBLOCK: opening a pipe must not wait for
+ * a writer. */
 static int open_regular(int base, const char *name, int flags, uint64_t *size) {
   struct stat facts;
   int fd = file_open_at(base, name, O_RDONLY | O_NONBLOCK | O_NOCTTY | flags);
@@ -392,7 +404,8 @@ int file_open(int folder, const char *path, sd_messages *messages) {
   return fd;
 }
 
-/* Kinds of files that are taken for texts, by their first bytes. */
+/* Returns what a file is that is no text, by its first bytes, with advice; NULL: it seems to be a
+ * text. */
 static const char *kind_of(const char *bytes, size_t n) {
   static const struct {
     const char *head;
@@ -410,7 +423,7 @@ static const char *kind_of(const char *bytes, size_t n) {
                {"\xfe\xff", 2, "it is a text in UTF-16; save it as UTF-8"}};
   for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
     if (n >= kinds[k].n && memcmp(bytes, kinds[k].head, kinds[k].n) == 0) return kinds[k].kind;
-  /* also behind a user block, as MATLAB writes them */
+  /* HDF5 files may begin with a user block of 512, 1024, ... bytes, as those of MATLAB do */
   for (size_t at = 0; n >= 8 && at <= n - 8; at = at ? 2 * at : 512)
     if (memcmp(bytes + at, "\x89HDF\r\n\x1a\n", 8) == 0) return "it is an HDF5 file, not a text";
   return memchr(bytes, 0, n) ? "not a text file (it holds a zero byte)" : NULL;
@@ -459,7 +472,7 @@ char *file_again(int fd, const char *path) {
       held.st_dev == named.st_dev)
     return again;
   free(again);
-  return memory_text(path); /* without /proc */
+  return memory_text(path); /* there is no /proc */
 }
 
 bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have) {
@@ -502,7 +515,8 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
 }
 
 sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_messages *messages) {
-  enum { PIECE = 1 << 20 }; /* whole words, so that pieces give the sum of the whole */
+  /* A multiple of 8 bytes, so that pieces give the checksum of the whole */
+  enum { PIECE = 1 << 20 };
   *sum = FILE_SUM;
   unsigned char *buffer = memory_grow(NULL, 1, PIECE);
   sd_status status = SD_OK;
@@ -526,7 +540,7 @@ uint64_t file_sum(uint64_t sum, const void *bytes, size_t n) {
   for (; n >= 8; b += 8, n -= 8) {
     uint64_t word;
     memcpy(&word, b, 8);
-    /* the fold brings high bits down: a product alone never lets them reach the low ones */
+    /* the shift brings high bits down: a product alone never lets them reach the low ones */
     sum = (sum ^ word) * prime;
     sum ^= sum >> 32;
   }
@@ -534,14 +548,14 @@ uint64_t file_sum(uint64_t sum, const void *bytes, size_t n) {
   return sum;
 }
 
-/* --- folders that are there whole or not at all ----------------------------------------------- */
+/* --- Folders that appear complete or not at all ----------------------------------------------- */
 
 sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messages) {
   *f = (file_folder){0};
   size_t length = strlen(path);
   while (length > 1 && path[length - 1] == '/') length--;
   f->path = format_text("%.*s", (int)length, path);
-  /* an empty folder of this name gives way to the new one, which has its mode */
+  /* an empty folder of this name is replaced by the new one, which gets its mode */
   struct stat facts;
   const bool there = stat(f->path, &facts) == 0 && S_ISDIR(facts.st_mode);
   const mode_t mode = there ? facts.st_mode & 0777 : 0777;
@@ -556,7 +570,7 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
       return SD_OK;
     }
     bool taken = errno == EEXIST && attempt < 8;
-    if (!taken) status = file_make_folder(f->draft, messages); /* says why it cannot be made */
+    if (!taken) status = file_make_folder(f->draft, messages); /* reports why it cannot be made */
     if (status == SD_OK) return SD_OK;
     free(f->draft);
     f->draft = NULL;
@@ -582,7 +596,7 @@ sd_status file_folder_end(const file_folder *f, FILE *out, sd_status status,
   return bad && status == SD_OK ? file_fail(messages, "write", f->path) : status;
 }
 
-/* Makes all files in it durable at once. */
+/* Makes all files in a folder durable at once. */
 static bool sync_all(const char *path) {
   int fd = file_open_at(AT_FDCWD, path, O_RDONLY | O_DIRECTORY);
   bool good = fd >= 0 && syncfs(fd) == 0;
@@ -590,6 +604,7 @@ static bool sync_all(const char *path) {
   return good;
 }
 
+/* Removes the draft of a folder with the files in it. */
 static void remove_draft(const file_folder *f) {
   DIR *directory = opendir(f->draft);
   for (struct dirent *entry; directory && (entry = readdir(directory));)
@@ -613,20 +628,23 @@ sd_status file_folder_close(file_folder *f, sd_status status, sd_messages *messa
   return status;
 }
 
-/* Files that are written in one go, from pieces of memory.
+/* Files that are written from pieces of memory in one go.
  *
- * Long ones go past the kernel's cache of pages (O_DIRECT), where there is such a way: into the cache a copy of 1.7 GB took 3.5 s of
- * processor time and the disk began late. Pieces are gathered in two buffers; while one is on its way to the disk the other is
- * filled and summed.
+ * Long ones bypass the kernel's page cache (O_DIRECT) if the system supports it: copying 1.7 GB
+ * into the cache took 3.5 s of processor time, and the disk started late. Pieces are gathered in
+ * two buffers; while one is being written to disk the other is filled and its checksum computed.
  */
 
+/* Bytes of a buffer; alignment that O_DIRECT requires; size from which on a file is long. */
 enum { BUFFER = 8 << 20, PAGE = 4096, LONG = 4 * BUFFER };
 
+/* Pieces of memory to be copied into buffers, and the position that is reached. */
 typedef struct gathering {
   const file_piece *pieces;
-  size_t n, k, at; /* piece, and byte in it */
+  size_t n, k, at; /* number of pieces; index of the next piece, and next byte in it */
 } gathering;
 
+/* Fills a buffer from the pieces; returns the number of bytes, less than BUFFER at the end. */
 static size_t gather(gathering *g, unsigned char *to) {
   size_t have = 0;
   while (g->k < g->n && have < BUFFER) {
@@ -642,7 +660,7 @@ static size_t gather(gathering *g, unsigned char *to) {
   return have;
 }
 
-/* Switches the way past the cache; false: there is none. */
+/* Switches O_DIRECT on or off for an open file; false: the system does not support it. */
 static bool set_direct(int fd, bool on) {
 #ifdef O_DIRECT
   int flags = fcntl(fd, F_GETFL);
@@ -653,7 +671,8 @@ static bool set_direct(int fd, bool on) {
 #endif
 }
 
-/* Past the cache, or through it where that fails, which also tells errors by their names. Returns 0 or errno. */
+/* Writes a buffer with O_DIRECT or, if that fails, without, which also gives a meaningful error.
+ * Returns 0 or errno. */
 static int write_buffer(int fd, const unsigned char *bytes, size_t n, bool *direct) {
   off_t start = lseek(fd, 0, SEEK_CUR);
   if (*direct && n % PAGE == 0 && file_write_all(fd, bytes, n)) return 0;
@@ -664,7 +683,7 @@ static int write_buffer(int fd, const unsigned char *bytes, size_t n, bool *dire
   return file_write_all(fd, bytes, n) ? 0 : errno;
 }
 
-/* One buffer to the disk, the next one from memory. */
+/* One turn: a buffer is written to disk while the next is filled. */
 typedef struct turn {
   int fd, error;
   bool direct;
@@ -674,6 +693,7 @@ typedef struct turn {
   uint64_t *sum;
 } turn;
 
+/* Task of two threads: one writes the full buffer, the other fills the empty one. */
 static void turn_together(const team *t, void *with) {
   turn *f = with;
   if (t->rank == 0) f->error = write_buffer(f->fd, f->full, f->have, &f->direct);
@@ -682,6 +702,7 @@ static void turn_together(const team *t, void *with) {
   *f->sum = file_sum(*f->sum, f->empty, f->next);
 }
 
+/* Writes pieces through two buffers; false with errno set. */
 static bool write_long(int fd, gathering *g, unsigned char *buffers, uint64_t *sum) {
   turn f = {.fd = fd,
             .direct = set_direct(fd, true),

@@ -1,4 +1,4 @@
-/* folder.c: see folder.h. */
+/* folder.c: locks, lists and cleans the folder of parts beside a result; see folder.h. */
 #include "io/store/folder.h"
 
 #include <dirent.h>
@@ -29,13 +29,14 @@ char *folder_emergency(const char *path, int64_t step) {
   return format_text("%s/emergency-%" PRId64 ".h5", path, step);
 }
 
-/* --- lock ----------------------------------------------------------------------------------------- */
+/* --- Lock ------------------------------------------------------------------------------------- */
 
 static bool is_same(const struct stat *a, const struct stat *b) {
   return a->st_ino == b->st_ino && a->st_dev == b->st_dev;
 }
 
-/* Does the path lead to the folder that is held, and the name in it to the lock that is held? errno 0: to others. */
+/* Returns true if the path leads to the open folder, and the name "lock" in it to the file `lock`.
+ * If errno is 0 afterwards both exist but are others. */
 static bool is_still_there(const folder *f, int lock) {
   struct stat held, named, file, entry;
   errno = 0;
@@ -68,7 +69,8 @@ static sd_status open_folder(folder *f, bool may_be_link, sd_messages *messages)
   return sd_fail(messages, SD_ERROR_IO, "cannot open folder %s: %s", f->path, strerror(errno));
 }
 
-/* One try. SD_OK without a lock: try again. */
+/* Tries once to lock the folder. If it returns SD_OK and f->lock is still < 0, the caller tries
+ * again. */
 static sd_status try_lock(folder *f, int *busy, sd_messages *messages) {
   int fd = file_open_at(f->at, "lock", O_RDWR | O_CREAT | O_NOFOLLOW);
   if (fd < 0 && errno == ENOENT) return SD_OK;
@@ -80,14 +82,14 @@ static sd_status try_lock(folder *f, int *busy, sd_messages *messages) {
     if (error == EINTR) return SD_OK;
     if (error != EWOULDBLOCK)
       return sd_fail(messages, SD_ERROR_IO, "cannot lock %s/lock: %s", f->path, strerror(error));
-    /* a process that only asks whether it is locked (folder_is_locked) holds it for a moment */
+    /* folder_is_locked of another process holds the lock for a moment */
     if ((*busy)++ >= 4)
       return sd_fail(messages, SD_ERROR_USER,
                      "another process is writing this result (%s/lock is locked)", f->path);
     nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
     return SD_OK;
   }
-  /* it may have been removed, with the folder, between open and flock: then nothing is held */
+  /* if it was removed, with the folder, between open and flock, the lock is worthless */
   if (is_still_there(f, fd))
     f->lock = fd;
   else
@@ -127,11 +129,13 @@ void folder_close(folder *f) {
   *f = (folder){.at = -1, .lock = -1};
 }
 
-/* --- contents ------------------------------------------------------------------------------------- */
+/* --- Contents --------------------------------------------------------------------------------- */
 
-/* Does the name belong to slipdisk? The number in it, or -1, goes to *number. */
+/* Kinds of files in the folder; FOREIGN: not made by slipdisk. */
 typedef enum kind { FOREIGN, PART, PART_SHARE, CHECKPOINT, SHARE, TEMPORARY, OTHER } kind;
 
+/* Returns the kind of a file by its name. *number: receives the number of the part or the step in
+ * the name, -1: none. */
 static kind kind_of(const char *name, int64_t *number) {
   int end = 0;
   *number = -1;
@@ -176,14 +180,15 @@ sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_me
   return status;
 }
 
-/* Removes the files for which doomed says so. */
+/* A function that returns true for files to be removed. */
 typedef bool chooser(kind what, int64_t number, int64_t limit);
 
+/* Removes all files of slipdisk in the folder for which `doomed` returns true. */
 static sd_status remove_some(const folder *f, chooser *doomed, int64_t limit,
                              sd_messages *messages) {
   sd_status worst = folder_check(f, messages);
   if (worst != SD_OK) return worst;
-  /* by the descriptor: the path may lead elsewhere by now */
+  /* opened by the descriptor, since the path may lead elsewhere by now */
   int fd = file_open_at(f->at, ".", O_RDONLY | O_DIRECTORY);
   DIR *directory = fd < 0 ? NULL : fdopendir(fd);
   if (!directory) {
@@ -214,7 +219,7 @@ static bool is_older(kind what, int64_t number, int64_t oldest) {
   return (what == CHECKPOINT || what == SHARE) && number < oldest;
 }
 
-/* Of a checkpoint that was never finished, or was put aside. */
+/* True for shares of a checkpoint that was never finished, or was set aside. */
 static bool is_newer_share(kind what, int64_t number, int64_t newest) {
   return what == SHARE && number > newest;
 }
@@ -254,12 +259,13 @@ void folder_set_aside(const folder *f, int64_t step) {
   char from[64], to[80];
   snprintf(from, sizeof from, "checkpoint-%" PRId64 ".h5", step);
   snprintf(to, sizeof to, "damaged-%s", from);
-  /* best effort: when it cannot be moved it is found damaged again next time */
+  /* on failure the checkpoint is found damaged again next time */
   if (folder_check(f, NULL) == SD_OK) (void)!renameat(f->at, from, f->at, to);
 }
 
 sd_status folder_remove(folder *f, sd_messages *messages) {
-  /* The lock goes last, and is held until its name is gone: a process that waits for it starts over. */
+  /* The lock is removed last and held until then, so that a process that waits for it starts
+   * over. */
   sd_status status = remove_some(f, is_ours, 0, messages);
   if (status == SD_OK && unlinkat(f->at, "lock", 0) != 0)
     status = sd_fail(messages, SD_ERROR_IO, "cannot remove %s/lock: %s", f->path, strerror(errno));

@@ -1,4 +1,5 @@
-/* h5_file.c: one HDF5 file: its record, its opening and closing, and errors of the library. See h5.h. */
+/* h5_file.c: the record of an open HDF5 file, its opening and closing, errors of the library, and
+ * writing of rows into chunks; see h5.h. */
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
@@ -11,15 +12,17 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
-/* --- the library ------------------------------------------------------------------------------ */
+/* --- Library ---------------------------------------------------------------------------------- */
 
-/* The library prints nothing; but what it had no memory for looks as if it were not there. */
+/* Called for an entry of the library's error stack: notes a lack of memory, since the failed call
+ * would otherwise look as if its object did not exist. */
 static herr_t look_for_shortage(unsigned n, const H5E_error2_t *error, void *user) {
   (void)n, (void)user;
   if (error->maj_num == H5E_RESOURCE) shortage_note();
   return 0;
 }
 
+/* Called by the library when one of its functions has failed. */
 static herr_t look_at_error(hid_t stack, void *user) {
   H5Ewalk2(stack, H5E_WALK_UPWARD, look_for_shortage, user);
   return 0;
@@ -27,11 +30,12 @@ static herr_t look_at_error(hid_t stack, void *user) {
 
 void h5_quiet(void) {
   static bool asked;
-  /* must come before the library starts: at exit it would write to files that have failed */
+  /* must precede any other call: at exit the library would write to files that have failed */
   if (!__atomic_exchange_n(&asked, true, __ATOMIC_RELAXED)) H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, look_at_error, NULL);
 }
 
+/* Called for an entry of the error stack; keeps the description of the first. */
 static herr_t first_reason(unsigned n, const H5E_error2_t *error, void *user) {
   const char **reason = user;
   (void)n;
@@ -66,7 +70,7 @@ bool h5_is_file(const char *path) {
   return found;
 }
 
-/* --- record of a file ------------------------------------------------------------------------- */
+/* --- Record of a file ------------------------------------------------------------------------- */
 
 static void free_journal(h5_file *file) {
   for (size_t k = 0; k < file->n_entries; k++) {
@@ -115,18 +119,19 @@ void h5_release(h5_file *file) {
   free(file);
 }
 
-/* --- open and close --------------------------------------------------------------------------- */
+/* --- Opening and closing ---------------------------------------------------------------------- */
 
 sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages) {
   *out = h5_allocate(path);
   char *again = file_again(fd, path), reason[200];
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
 #if H5_VERSION_GE(1, 10, 7)
-  /* what is read here was renamed into place whole, and some file systems cannot lock */
+  /* no lock is needed, since files were renamed into place whole, and some file systems cannot
+   * lock */
   H5Pset_file_locking(access, false, true);
 #endif
   (*out)->id = H5Fopen(again, H5F_ACC_RDONLY, access);
-  h5_reason(reason, sizeof reason); /* any other call would clear it */
+  h5_reason(reason, sizeof reason); /* before any other call, which would clear it */
   H5Pclose(access);
   if ((*out)->id >= 0) {
     free(again);
@@ -142,7 +147,7 @@ sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_message
   return SD_ERROR_IO;
 }
 
-/* Remembers the first failure. */
+/* Notes a failure concerning the object at path, unless `good`; only the first is kept. */
 void h5_require(h5_file *file, bool good, const char *path) {
   if (good || file->failed) return;
   char reason[200];
@@ -157,12 +162,13 @@ void h5_flush_sets(h5_file *file) {
   }
 }
 
-/* Flushes and closes; what went wrong while writing is reported. The file is still to be released. */
+/* Flushes and closes the file and reports the first failure of a write. The record is still to be
+ * released. */
 sd_status h5_end(h5_file *file, sd_messages *messages) {
   char reason[200];
   h5_flush_sets(file);
-  /* After a failed write the library keeps buffers that it cannot get rid of, and closing may crash: such a
-   * file is left open for the rest of the process. */
+  /* After a failed write the library keeps buffers that it cannot release, and closing may crash:
+   * such a file stays open until the process ends. */
   if (!file->failed &&
       ((file->writing && H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) || H5Fclose(file->id) < 0)) {
     file->failed = true;
@@ -183,33 +189,36 @@ bool h5_failed(const h5_file *file) { return file->failed; }
 
 /* Rows that go into the chunks of a compressed dataset.
  *
- * Rows come one after the other. They are gathered until a chunk is full, and each chunk is written once. A chunk
- * that deflate would not make smaller by a quarter is stored as it is, past the filters (the chunk says so
- * itself, and every reader of HDF5 knows): of most coordinates, velocities and forces all but the leading bytes are
- * noise, on which deflate spends forty times as long as the disk. Integers and what repeats go through the filters.
- * The last filter is HDF5's checksum (Fletcher 32); a chunk that is stored as it is gets its own from here, so that every
- * reader notices when it was altered.
+ * Rows come in order. They are gathered until a chunk is full, and each chunk is written once. A
+ * chunk that deflate would not make smaller by a quarter is stored without the compressing filters;
+ * HDF5 marks such a chunk, and every reader knows the mark. In most coordinates, velocities and
+ * forces all but the leading bytes are noise, on which deflate spends forty times as long as the
+ * disk. Integers and repeating values go through the filters. The last filter is HDF5's checksum
+ * (Fletcher 32); a chunk that is stored directly gets its checksum here, so that every reader
+ * notices when it was altered.
  */
 
-/* H5Dwrite_chunk came with 1.10.3. */
+/* H5Dwrite_chunk exists since HDF5 1.10.3 */
 #define HAS_WRITE_CHUNK H5_VERSION_GE(1, 10, 3)
 
-/* Elements of a chunk that are looked at. */
+/* Number of elements of a chunk from which its size after deflate is estimated */
 enum { LOOKS = 4096 };
 static const double WORTH =
     0.75; /* estimated size over plain size below which deflate is worth its time */
 
-/* --- what deflate would make of it ------------------------------------------------------------------------ */
+/* --- Estimate of compression ------------------------------------------------------------------ */
 
+/* Returns the entropy of n bytes, of which count[k] have the value k, in bits per byte. */
 static double entropy(const uint32_t count[256], size_t n) {
   double sum = 0.0;
   for (int k = 0; k < 256; k++)
     if (count[k] > 0) sum += (double)count[k] * log2((double)n / (double)count[k]);
-  return sum / (double)n; /* bits */
+  return sum / (double)n;
 }
 
-/* The filters see byte 0 of all elements, then byte 1 of all, ... A byte costs its entropy there, or, where the rows of a
- * chunk are much alike, what is left of it when the row before is known. */
+/* Returns true if deflate would save less than a quarter. The shuffle filter puts byte 0 of all
+ * elements first, then byte 1 of all, and so on. A byte costs its entropy within its group or, if
+ * the rows of a chunk are similar, the entropy of its change from the row before. */
 static bool is_noise(const unsigned char *data, size_t n, size_t element, size_t row) {
   size_t step = (n / LOOKS) | 1, looks = 0;
   double bits = 0.0;
@@ -228,22 +237,24 @@ static bool is_noise(const unsigned char *data, size_t n, size_t element, size_t
   return bits > WORTH * 8.0 * (double)element;
 }
 
-/* --- chunks ------------------------------------------------------------------------------------------------- */
+/* --- Chunks ----------------------------------------------------------------------------------- */
 
+/* Writes count[k] elements from start[k] on along each dimension k. Returns false if that
+ * failed. */
 static bool write_slab(hid_t set, hid_t type, int rank, const hsize_t *start, const hsize_t *count,
                        const void *data) {
   hid_t space = H5Dget_space(set), memory = H5Screate_simple(rank, count, NULL);
   bool good = space >= 0 && memory >= 0 &&
               H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
               H5Dwrite(set, type, memory, space, H5P_DEFAULT, data) >= 0;
-  if (!good) return false; /* any further call would clear the library's reason */
+  if (!good) return false; /* before any other call, which would clear the library's reason */
   H5Sclose(memory);
   H5Sclose(space);
   return true;
 }
 
-/* A whole chunk, or all of it that lies in the dataset. The library cannot add to a chunk that went past its filters
- * (1.10.8 inflates it). */
+/* Returns true if the elements are a whole chunk, or all of it that is in the dataset. The library
+ * cannot add to a chunk that was stored without its filters (1.10.8 inflates it). */
 static bool is_whole(const h5_rows *w, const hsize_t *start, const hsize_t *count) {
   bool whole = true;
   for (int k = 0; k < w->rank; k++)
@@ -252,8 +263,9 @@ static bool is_whole(const h5_rows *w, const hsize_t *start, const hsize_t *coun
   return whole;
 }
 
-/* Fletcher's sums over the big-endian 16-bit words, as HDF5's filter has them: modulo 65535, where a multiple of it that is
- * not 0 stands as 65535. Chunks are far below the 2^24 words at which the sums would overflow. */
+/* Returns the Fletcher checksum over big-endian 16-bit words as HDF5's filter computes it: sums
+ * modulo 65535, with 65535 for multiples of it other than 0. Chunks are far below the 2^24 words at
+ * which the sums would overflow. */
 static uint32_t fletcher32(const unsigned char *data, size_t n) {
   uint64_t first = 0, second = 0;
   for (size_t k = 0; k + 1 < n; k += 2) {
@@ -269,14 +281,15 @@ static uint32_t fletcher32(const unsigned char *data, size_t n) {
   return high << 16 | low;
 }
 
-/* Stores a chunk past the filters that make it smaller; n of `full` elements are given, the rest is 0. */
+/* Stores a chunk without the compressing filters. The first n of its `full` elements are given, the
+ * others become 0. */
 static bool store_chunk(h5_rows *w, const hsize_t *start, size_t n, size_t full,
                         const unsigned char *data) {
   size_t bytes = full * w->element, given = n * w->element;
   if (!w->padded) w->padded = memory_grow(NULL, bytes + sizeof(uint32_t), 1);
   memcpy(w->padded, data, given);
   memset(w->padded + given, 0, bytes - given);
-  uint32_t past = UINT32_MAX >> (32 - w->filters); /* a bit per filter that is left out */
+  uint32_t past = UINT32_MAX >> (32 - w->filters); /* a bit per filter that is not applied */
   if (w->checksum) {
     past >>= 1;
     uint32_t sum = fletcher32(w->padded, bytes);
@@ -285,26 +298,27 @@ static bool store_chunk(h5_rows *w, const hsize_t *start, size_t n, size_t full,
   return H5Dwrite_chunk(w->set, H5P_DEFAULT, past, start, bytes, w->padded) >= 0;
 }
 
-/* Rows, or a part of one, that belong to one chunk. */
+/* Writes rows, or a part of one row, that are all in one chunk. */
 static bool write_chunk(h5_rows *w, const hsize_t *start, const hsize_t *count,
                         const unsigned char *data) {
 #if HAS_WRITE_CHUNK
   size_t n = 1, full = 1;
   for (int k = 0; k < w->rank; k++) n *= (size_t)count[k], full *= (size_t)w->chunk[k];
-  size_t row = count[0] > 1 ? n / (size_t)count[0] : 0; /* else there is no row before */
-  /* without a filter that makes chunks smaller there is nothing to leave out */
+  /* elements of a row, for comparison with the row before; 0: there is one row only */
+  size_t row = count[0] > 1 ? n / (size_t)count[0] : 0;
+  /* without a compressing filter there is nothing to skip */
   if (w->filters > w->checksum && is_whole(w, start, count) && is_noise(data, n, w->element, row))
     return store_chunk(w, start, n, full, data);
 #endif
   return write_slab(w->set, w->type, w->rank, start, count, data);
 }
 
-/* Rows first ... first + n - 1, all of one row of chunks. */
+/* Writes rows first ... first + n - 1, which are all in one row of chunks. */
 static bool write_band(h5_rows *w, size_t first, size_t n, const unsigned char *data) {
   hsize_t start[H5_MAX_RANK] = {first}, count[H5_MAX_RANK] = {n};
   for (int k = 1; k < w->rank; k++) count[k] = w->dims[k];
   if (w->rank < 2 || w->chunk[1] == w->dims[1]) return write_chunk(w, start, count, data);
-  /* a row is longer than a chunk: what follows the second index is whole */
+  /* a row is longer than a chunk: chunks divide the second index and hold all later indices */
   size_t bytes = w->element;
   for (int k = 2; k < w->rank; k++) bytes *= (size_t)w->dims[k];
   for (hsize_t at = 0; at < w->dims[1]; at += w->chunk[1]) {
@@ -315,9 +329,9 @@ static bool write_band(h5_rows *w, size_t first, size_t n, const unsigned char *
   return true;
 }
 
-/* --- rows --------------------------------------------------------------------------------------------------- */
+/* --- Rows ------------------------------------------------------------------------------------- */
 
-/* Is the last filter the checksum? */
+/* Returns true if the last filter of a dataset is the checksum. */
 static bool has_checksum(hid_t create, int filters) {
   size_t none = 0;
   unsigned flags, config;
@@ -331,7 +345,8 @@ bool h5_rows_open(h5_rows *w, hid_t set, sd_type type) {
   w->rank = H5Sget_simple_extent_dims(space, w->dims, NULL);
   w->row = w->element;
   for (int k = 1; k < w->rank; k++) w->row *= (size_t)w->dims[k];
-  /* chunks as choose_chunk makes them: of whole rows, or parts of one row with all of the later indices */
+  /* chunks as choose_chunk makes them: of whole rows, or of parts of one row with all later
+   * indices */
   if (H5Pget_layout(create) == H5D_CHUNKED && H5Tequal(stored, w->type) > 0 &&
       H5Pget_chunk(create, w->rank, w->chunk) == w->rank) {
     w->chunked = w->chunk[0] == 1 || w->rank < 2 || w->chunk[1] == w->dims[1];
@@ -352,7 +367,7 @@ bool h5_rows_flush(h5_rows *w) {
   return n == 0 || write_band(w, first, n, w->buffer);
 }
 
-/* Takes rows into the buffer, up to the end of their chunk; returns how many. */
+/* Copies rows into the buffer, up to the end of their chunk; returns how many. */
 static size_t hold(h5_rows *w, size_t n, const unsigned char *data) {
   assert(w->held < (size_t)w->chunk[0]);
   size_t most = (size_t)w->chunk[0] - w->held;

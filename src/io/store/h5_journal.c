@@ -1,7 +1,9 @@
-/* h5_journal.c: what was put into a file is remembered as sums and compared with what can be read from it.
+/* h5_journal.c: keeps checksums of all that is written to a file and compares them with what can be
+ * read from it.
  *
- * A write may fail in many places: in a cache of the library that is emptied late, in a block of the file system. So the
- * merge of a run, after which its parts are removed, does not rely on return codes alone.
+ * A write may fail in many places: in a cache of the library that is emptied late, in a block of
+ * the file system. So the merge of a run, after which its parts are removed, does not rely on
+ * return codes alone.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -9,10 +11,11 @@
 #include "base/memory.h"
 #include "io/store/h5_private.h"
 
-/* Datasets are read back in pieces of at most this many bytes. */
+/* Datasets are read back in pieces of at most so many bytes */
 enum { PIECE_BYTES = 8 << 20 };
 
-/* element: a constant where this is called, so that the loop knows it. */
+/* Computes h5_sum. Callers pass `element` as a constant, so that the compiler knows the size of the
+ * copy. */
 static inline uint64_t sum_words(const unsigned char *at, size_t n, size_t element,
                                  uint64_t first) {
   uint64_t sum = 0;
@@ -33,12 +36,14 @@ uint64_t h5_sum(const void *data, size_t n, size_t element, uint64_t first) {
                         : sum_words(data, n, element, first);
 }
 
+/* Returns true if a journal entry is that of this dataset (attr NULL) or attribute. */
 static bool is_of(const h5_entry *e, const char *path, const char *attr) {
   if (!e->attr != !attr || (attr && strcmp(e->attr, attr) != 0)) return false;
   return strcmp(e->path, path) == 0;
 }
 
-/* The newest first: rows go to one of the last. */
+/* Finds a journal entry; NULL: there is none. It begins with the newest, since rows are mostly
+ * written to recent datasets. */
 static h5_entry *find(const h5_file *file, const char *path, const char *attr) {
   for (size_t k = file->n_entries; k-- > 0;)
     if (is_of(&file->journal[k], path, attr)) return &file->journal[k];
@@ -63,9 +68,10 @@ void h5_note(h5_file *file, const char *path, const char *attr, const void *data
   e->sum += h5_sum(data, n, element, first);
 }
 
-/* --- reading back ----------------------------------------------------------------------------------- */
+/* --- Reading back ----------------------------------------------------------------------------- */
 
-/* Texts are summed byte by byte. */
+/* Returns the size of an element as h5_sum takes it, and in *each the number of such elements per
+ * value: texts are summed byte by byte. */
 static size_t element_of(hid_t type, size_t *each) {
   size_t size = H5Tget_size(type);
   bool text = H5Tget_class(type) == H5T_STRING;
@@ -73,7 +79,7 @@ static size_t element_of(hid_t type, size_t *each) {
   return text ? 1 : size;
 }
 
-/* Rows first ... first + n - 1 of a dataset as they are stored. */
+/* Reads rows first ... first + n - 1 of a dataset, of the type as stored. */
 static bool read_rows(hid_t set, hid_t type, int rank, const hsize_t *dims, hsize_t first,
                       hsize_t n, void *data) {
   if (rank == 0) return H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
@@ -82,7 +88,7 @@ static bool read_rows(hid_t set, hid_t type, int rank, const hsize_t *dims, hsiz
   return h5_read_slab(set, type, start, count, data);
 }
 
-/* Number and sum of the elements of a dataset; false: it cannot be read. */
+/* Computes number and checksum of the elements of a dataset; false: it cannot be read. */
 static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
   hid_t type = H5Dget_type(set), space = H5Dget_space(set);
   hsize_t dims[H5S_MAX_RANK] = {1};
@@ -106,7 +112,8 @@ static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
   return good;
 }
 
-/* One of another size than was written is damaged, and not read. */
+/* Computes number and checksum of the elements of an attribute. If its size is not that written, it
+ * is damaged and is not read. */
 static bool sum_attr(hid_t attr, uint64_t expected, uint64_t *elements, uint64_t *sum) {
   hid_t type = H5Aget_type(attr), space = H5Aget_space(attr);
   size_t each, element = element_of(type, &each);
@@ -122,6 +129,7 @@ static bool sum_attr(hid_t attr, uint64_t expected, uint64_t *elements, uint64_t
   return good;
 }
 
+/* Returns true if the object of a journal entry reads back as it was written. */
 static bool is_there(const h5_file *file, const h5_entry *e) {
   uint64_t elements = 0, sum = 0;
   hid_t id = e->attr ? H5Aopen_by_name(file->id, e->path, e->attr, H5P_DEFAULT, H5P_DEFAULT)

@@ -1,7 +1,9 @@
-/* h5_md.c: groups of particles of H5MD files: at which step their elements are read, their box, rows without a particle.
+/* h5_md.c: groups of particles of H5MD files: the step at which their elements are read, their box,
+ * rows without a particle.
  *
- * An element is a dataset that does not change, or a group with `value` [frame]..., `step` and `time`. Each element may have
- * steps of its own: a list, or a scalar, the distance of steps, whose attribute `offset` is the first of them.
+ * An element is a dataset that does not change, or a group with the datasets `value` [frame]...,
+ * `step` and `time`. Each element may have steps of its own: a list, or a scalar, which is the
+ * interval between steps and whose attribute `offset` is the first step.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -11,18 +13,19 @@
 #include "base/text.h"
 #include "io/store/h5_private.h"
 
-/* --- steps ------------------------------------------------------------------------------------------------ */
+/* --- Steps ------------------------------------------------------------------------------------ */
 
 static sd_status fail(const h5_file *file, const char *group, sd_messages *messages,
                       const char *name, const char *what) {
   return sd_fail(messages, SD_ERROR_USER, "%s: %s: %s %s", file->path, group, name, what);
 }
 
+/* Returns the step of a frame. */
 static int64_t step_of(const h5_element *e, size_t frame) {
   return e->step ? e->step[frame] : e->offset + (int64_t)frame * e->interval;
 }
 
-/* A list of steps, which must ascend: frames that were never filled have step 0. */
+/* Reads a list of steps, which must ascend: frames that were never written have step 0. */
 static sd_status read_list(const h5_file *file, const char *group, const char *path, h5_element *e,
                            sd_messages *messages) {
   sd_status status = SD_OK;
@@ -33,6 +36,7 @@ static sd_status read_list(const h5_file *file, const char *group, const char *p
   return status;
 }
 
+/* Reads the steps of an element with frames, if it has any. */
 static sd_status read_steps(const h5_file *file, const char *group, h5_element *e,
                             sd_messages *messages) {
   size_t dims[H5_MAX_RANK];
@@ -60,7 +64,7 @@ static sd_status read_steps(const h5_file *file, const char *group, h5_element *
   return status;
 }
 
-/* Values of an element of this name: fixed, in frames, or not there. */
+/* Finds the values of an element: constant, in frames, or missing. */
 static sd_status find_element(const h5_file *file, const char *group, h5_element *e,
                               sd_messages *messages) {
   size_t dims[H5_MAX_RANK];
@@ -75,7 +79,7 @@ static sd_status find_element(const h5_file *file, const char *group, h5_element
   return status == SD_OK && e->framed ? read_steps(file, group, e, messages) : status;
 }
 
-/* The last frame whose step is not beyond `step`; false: all are. */
+/* Selects the last frame whose step is at most `step`; false: there is none. */
 static bool frame_until(h5_element *e, int64_t step) {
   size_t low = 0, high = e->frames;
   while (low < high) {
@@ -89,7 +93,8 @@ static bool frame_until(h5_element *e, int64_t step) {
   return low > 0;
 }
 
-/* The last step that all have; false: there is none. */
+/* Finds the last step, at most *step, that all elements with frames have, and selects their frames;
+ * false: there is none. */
 static bool common_step(h5_element *e, size_t n, int64_t *step) {
   bool agreed = false;
   while (!agreed) {
@@ -105,7 +110,8 @@ static bool common_step(h5_element *e, size_t n, int64_t *step) {
   return true;
 }
 
-/* Without steps frames can be told by their number alone. */
+/* Selects the last frame of each element if steps are missing. Frames are then matched by their
+ * number alone, so that elements must have equally many. */
 static sd_status without_steps(const h5_file *file, const char *group, h5_element *e, size_t n,
                                sd_messages *messages) {
   const h5_element *first = NULL;
@@ -163,9 +169,10 @@ sd_status h5_moment(const h5_file *file, const char *group, h5_element *e, size_
   return status;
 }
 
-/* --- rows without a particle ------------------------------------------------------------------------------ */
+/* --- Rows without a particle ------------------------------------------------------------------ */
 
-/* The value that stands for "nothing was written"; false: the file says of none. */
+/* Reads the fill value of a dataset, which unwritten elements have; false: the file defines
+ * none. */
 static bool fill_value(const h5_file *file, const char *path, double *fill) {
   hid_t set = h5_open_data(file, path, NULL);
   if (set < 0) return false;
@@ -180,11 +187,11 @@ static bool fill_value(const h5_file *file, const char *path, double *fill) {
 }
 
 bool h5_is_fill(const h5_file *file, const char *path, double *fill) {
-  /* zeros that were meant are as likely as zeros that were not */
+  /* a fill value 0 cannot be told from zeros that were written */
   return fill_value(file, path, fill) && *fill != 0;
 }
 
-/* Disks of ours that wait or were taken out have a row, too. */
+/* Returns true if slipdisk wrote the file: it has a row for waiting and removed disks, too. */
 static bool is_ours(const h5_file *file) {
   char *creator = h5_get_attr_text(file, "/h5md/creator", "name");
   const bool ours = creator && strncmp(creator, "slipdisk", 8) == 0;
@@ -220,17 +227,19 @@ sd_status h5_absent(const h5_file *file, const char *group, const h5_element *e,
                           "is 0 in several rows: whether particles stand in them cannot be told");
 }
 
-/* --- the box ---------------------------------------------------------------------------------------------- */
+/* --- Box -------------------------------------------------------------------------------------- */
 
 enum { MOST_GROUPS = 16 };
+/* Groups of particles that contain certain datasets. */
 typedef struct groups {
-  const char *const *tails; /* of datasets in a group that is taken */
-  char *name[MOST_GROUPS];  /* "/particles/NAME" */
+  const char *const *tails; /* a group counts if it contains a dataset of one of these two paths */
+  char *name[MOST_GROUPS];  /* [n] paths "/particles/NAME" */
   size_t n;
-  bool lost; /* there are more */
+  bool lost; /* there are more than MOST_GROUPS */
 } groups;
 
-/* h5_visitor */
+/* Called by h5_visit for a dataset: adds its group of particles to the list if the dataset is one
+ * of those sought. */
 static void take_group(void *user, const char *path, sd_type type, bool text, int rank,
                        const size_t *dims) {
   static const char head[] = "/particles/";
@@ -266,7 +275,8 @@ char *h5_only_particles(const char *path) {
   return only;
 }
 
-/* Numbers of the box at the moment of the positions: lengths, or a matrix of edge vectors in rows. */
+/* Reads the edges of the box at the step of the positions: lengths, or a matrix with an edge vector
+ * per row. */
 static sd_status read_edges(const h5_file *file, const char *group, int *dimension,
                             double matrix[3][3], int64_t *step, sd_messages *messages) {
   h5_element e[2] = {{.name = "box/edges"}, {.name = "position"}};
@@ -298,7 +308,8 @@ static sd_status read_edges(const h5_file *file, const char *group, int *dimensi
   return SD_OK;
 }
 
-/* Edges along x and y, whose rows of images are not shifted. */
+/* Checks that the edges are along x and y, and that rows of periodic images are shifted against one
+ * another by whole widths at most. */
 static sd_status check_edges(const h5_file *file, const char *group, double a[3][3],
                              sd_messages *messages) {
   for (int i = 0; i < 3; i++)
@@ -319,6 +330,7 @@ static sd_status check_edges(const h5_file *file, const char *group, double a[3]
       file->path, group, shift / a[0][0]);
 }
 
+/* Reads the box of a group of particles. */
 static sd_status box_of_group(const h5_file *file, const char *group, h5_box *box,
                               sd_messages *messages) {
   double a[3][3] = {{0}}, lower[3] = {0, 0, 0};

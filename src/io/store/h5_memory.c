@@ -1,6 +1,6 @@
-/* h5_memory.c: files that are built, or read, in memory; see h5.h. One that borrows has holes where the loans go,
- * and is saved piece by piece: pages, loan, pages, ...
- */
+/* h5_memory.c: files that are built, or read, in memory; see h5.h. A file to which datasets are
+ * lent has gaps where they belong, and is saved piece by piece: own bytes, lent data, own bytes,
+ * ... */
 #include <assert.h>
 #include <errno.h>
 #include <stdio.h>
@@ -12,12 +12,13 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
-/* Bytes by which a file in memory grows. */
+/* Bytes by which a file in memory grows */
 static const size_t GROWTH = (size_t)1 << 20;
-/* Room in a file beside all that may be lent, of which pages are taken when they are written. */
+/* Address space for data of a file that are not lent, bytes; pages of it take memory when they are
+ * first written */
 static const size_t BESIDES = (size_t)256 << 20;
 
-/* The library takes two memory files of one name for the same file. */
+/* The library takes two files in memory with one name for the same file. */
 void h5_memory_name(char *name, size_t size) {
   static unsigned count;
   snprintf(name, size, "memory-%u", __atomic_add_fetch(&count, 1u, __ATOMIC_RELAXED));
@@ -30,8 +31,8 @@ sd_status h5_new(h5_file **out, sd_messages *messages) {
   (*out)->memory = (*out)->writing = true;
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   H5Pset_fapl_core(access, GROWTH, false);
-  /* The default (earliest) format on purpose: h5_save takes the bytes of the open file, and later formats would say
-   * in them that it is being written. */
+  /* The default (earliest) format is used on purpose: h5_save copies the bytes of the open file,
+   * and later formats mark an open file as being written. */
   (*out)->id = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
   H5Pclose(access);
   if ((*out)->id >= 0) return SD_OK;
@@ -56,23 +57,25 @@ sd_status h5_new_borrowing(uint64_t bytes, h5_file **out, sd_messages *messages)
   return h5_new(out, messages);
 }
 
-/* The file's bytes: those that the library holds, no copy. They are there while the file is open. */
+/* Returns the bytes of a file in memory, without copying them; they are valid while the file is
+ * open. NULL: the library failed. */
 static const void *image_of(hid_t id, size_t *size) {
   void *handle = NULL;
   if (H5Fflush(id, H5F_SCOPE_GLOBAL) < 0) return NULL;
   ssize_t n = H5Fget_file_image(id, NULL, 0);
   if (n <= 0 || H5Fget_vfd_handle(id, H5P_DEFAULT, &handle) < 0 || !handle) return NULL;
   *size = (size_t)n;
-  return *(void **)handle; /* of a file in memory: where the bytes are */
+  return *(void **)handle; /* the handle of a file in memory is the address of its bytes */
 }
 
-/* The finished file in pieces, which are there while it is open. */
+/* A finished file in pieces of memory, which are valid while it is open. */
 typedef struct image {
-  size_t size; /* of all */
+  size_t size; /* number of bytes of all pieces */
   size_t n;
-  file_piece *pieces; /* to be freed */
+  file_piece *pieces; /* [n] in the order of the file; to be freed */
 } image;
 
+/* Ends the writing of a file and puts its pieces together. */
 static sd_status whole_image(h5_file *file, const char *path, image *m, sd_messages *messages) {
   int64_t one = 1;
   *m = (image){0};
@@ -168,19 +171,19 @@ sd_status h5_open_memory(const void *data, size_t size, h5_file **out, sd_messag
   return sd_fail(messages, SD_ERROR_IO, "the saved bytes are no HDF5 file, or there is no memory");
 }
 
-/* A driver of HDF5 for files that stand in pages of memory and have holes: room that the library has given to a
- * dataset and nothing was written to takes no memory. (Its own driver for files in memory fills the whole file.)
- */
+/* An HDF5 driver for files in memory that may have gaps: space that is allocated for a dataset but
+ * never written takes no memory. (HDF5's own driver for files in memory fills the whole file.) */
 
 #if H5_VERSION_GE(1, 13, 0)
 #include <H5FDdevelop.h>
 #endif
 
+/* A file of this driver. */
 typedef struct pages {
-  H5FD_t base; /* the library's */
-  unsigned char *bytes;
-  size_t room;
-  haddr_t allocated, end; /* given to objects; written */
+  H5FD_t base;            /* the library's part of a file, which must come first */
+  unsigned char *bytes;   /* [room] contents of the file, mapped memory */
+  size_t room;            /* size of the mapping, bytes; a file cannot be larger */
+  haddr_t allocated, end; /* end of the space allocated to objects; end of the bytes written */
 } pages;
 
 static H5FD_t *pages_open(const char *name, unsigned flags, hid_t access, haddr_t most) {
@@ -233,11 +236,12 @@ static herr_t pages_handle(H5FD_t *file, hid_t access, void **handle) {
   return 0;
 }
 
+/* Returns true if n bytes from `at` on are within the mapping. */
 static bool is_inside(const pages *p, haddr_t at, size_t n) {
   return at <= p->room && n <= p->room - at;
 }
 
-/* Pages that were never written read as zeros. */
+/* Reads bytes of the file; pages that were never written read as zeros. */
 static herr_t pages_read(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t at, size_t n,
                          void *data) {
   (void)type, (void)transfer;
@@ -287,7 +291,8 @@ bool h5_set_pages(hid_t access, size_t room) {
     .fl_map = H5FD_FLMAP_DICHOTOMY,
   };
   hid_t id = H5FDregister(&driver);
-  bool good = id >= 0 && H5Pset_driver(access, id, &room) >= 0; /* which keeps it */
+  /* Access now refers to the driver */
+  bool good = id >= 0 && H5Pset_driver(access, id, &room) >= 0;
   if (id >= 0) H5FDunregister(id);
   return good;
 }

@@ -1,4 +1,4 @@
-/* h5_open.c: files are checked when they are opened, and put together with their shares; see h5.h. */
+/* h5_open.c: checks files when they are opened, and joins them with their shares; see h5.h. */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -13,7 +13,8 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
-/* Sealed files of up to so many bytes are looked at as a whole whenever they are opened: a tenth of a second. */
+/* Sealed files of up to so many bytes are checked as a whole whenever they are opened; that takes a
+ * tenth of a second. */
 static const uint64_t CHECKED_WHOLE = UINT64_C(64) << 20;
 
 char *h5_share_path(const char *path, size_t k) {
@@ -32,9 +33,9 @@ static sd_status no_memory(const h5_shares *s) {
   return sd_fail(s->messages, SD_ERROR_IO, "no memory to put %s together", s->head->path);
 }
 
-/* --- open ------------------------------------------------------------------------------------------------ */
+/* --- Opening of shares ------------------------------------------------------------------------ */
 
-/* A copy of the file in memory, that can be written. */
+/* Replaces the open file by a copy in memory that can be written. */
 static sd_status take_image(h5_file *file, sd_messages *messages) {
   const ssize_t n = H5Fget_file_image(file->id, NULL, 0);
   void *image = NULL;
@@ -52,6 +53,7 @@ static sd_status take_image(h5_file *file, sd_messages *messages) {
   return SD_OK;
 }
 
+/* Opens share k, whose seal must have this checksum. */
 static sd_status open_share(h5_shares *s, int folder, size_t k, int64_t sum) {
   uint64_t found = 0;
   char *path = h5_share_path(s->head->path, k);
@@ -63,7 +65,8 @@ static sd_status open_share(h5_shares *s, int folder, size_t k, int64_t sum) {
   return status;
 }
 
-/* All stay open, for what is checked is what is read: each needs a descriptor. */
+/* Allows the process to have n more files open: all shares stay open, so that the bytes that were
+ * checked are those that are read. */
 static void allow_files(size_t n) {
   enum { OTHERS = 64 };
   struct rlimit most;
@@ -86,9 +89,9 @@ static sd_status open_shares(h5_shares *s, int folder) {
   return status;
 }
 
-/* --- order ----------------------------------------------------------------------------------------------- */
+/* --- Order of rows ---------------------------------------------------------------------------- */
 
-/* The keys of share k, which ascend. */
+/* Reads the keys of the rows of share k into g->place[k]; they must ascend. */
 static sd_status read_keys(h5_shares *s, h5_shared_group *g, const char *keys, size_t k) {
   size_t dims[H5_MAX_RANK];
   int rank;
@@ -107,7 +110,7 @@ static sd_status read_keys(h5_shares *s, h5_shared_group *g, const char *keys, s
   return SD_OK;
 }
 
-/* Places take the room of the keys. */
+/* Replaces the keys of all shares by the indices of their rows in the order of keys. */
 static void merge_keys(const h5_shares *s, h5_shared_group *g) {
   runs heads;
   runs_new(&heads, s->n);
@@ -127,6 +130,7 @@ static void merge_keys(const h5_shares *s, h5_shared_group *g) {
   free(at);
 }
 
+/* Reads and merges the keys of all rows of a group. */
 static sd_status order_group(h5_shares *s, h5_shared_group *g) {
   char *keys = format_text("%s/key", g->name);
   g->rows = memory_new(s->n, sizeof *g->rows);
@@ -139,9 +143,10 @@ static sd_status order_group(h5_shares *s, h5_shared_group *g) {
   return status;
 }
 
-/* --- datasets -------------------------------------------------------------------------------------------- */
+/* --- Datasets --------------------------------------------------------------------------------- */
 
-/* Rows of the head's own, which stand last. dims: of the share, become those of the whole. */
+/* Computes the shape of a joined dataset and reads the rows that the head has itself, which come
+ * last. rank, dims: on input those of the share, on output those of the joined dataset. */
 static sd_status shape_set(h5_shares *s, h5_shared_set *set, int *rank, size_t *dims) {
   const h5_shared_group *g = set->group;
   size_t there[H5_MAX_RANK] = {0};
@@ -167,8 +172,8 @@ static sd_status shape_set(h5_shares *s, h5_shared_set *set, int *rank, size_t *
   return status;
 }
 
-/* In the head a dataset of the whole's shape stands for it, without values, with the attributes that the head or the
- * share has. */
+/* Makes a dataset without values in the head, the file that has shares. It stands for the joined
+ * dataset, with its shape and the attributes that head or share have. */
 static void stand_for(h5_file *head, const h5_file *share, const char *from,
                       const h5_shared_set *set, int rank, const size_t *dims) {
   static const char *const names[] = {"unit", "description"};
@@ -184,7 +189,7 @@ static void stand_for(h5_file *head, const h5_file *share, const char *from,
   }
 }
 
-/* h5_visitor of a share. */
+/* Called by h5_visit for a dataset of a share: adds it to the joined datasets. */
 static void take_set(void *user, const char *path, sd_type type, bool text, int rank,
                      const size_t *dims) {
   h5_shares *s = user;
@@ -201,7 +206,8 @@ static void take_set(void *user, const char *path, sd_type type, bool text, int 
   if (s->status == SD_OK) stand_for(s->head, s->listed_in, path, set, rank, whole);
 }
 
-/* A share without rows may have no datasets. */
+/* Joins the datasets of a group. Their list is that of the largest share, since a share without
+ * rows may have no datasets. */
 static sd_status take_sets(h5_shares *s, const h5_shared_group *g) {
   size_t largest = 0;
   for (size_t k = 1; k < s->n; k++)
@@ -234,9 +240,9 @@ sd_status h5_join(h5_file *file, int folder, sd_messages *messages) {
   return status;
 }
 
-/* --- checked ---------------------------------------------------------------------------------- */
+/* --- Checks ----------------------------------------------------------------------------------- */
 
-/* Files of ours say so. */
+/* Reports a file whose attribute "sealed" is set but which has no seal. */
 static sd_status check_sealed(const h5_file *file, const h5_mark *mark, sd_messages *messages) {
   if (mark->sealed || h5_get_attr_i64(file, "/", "sealed", 0) == 0) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO,
@@ -244,6 +250,8 @@ static sd_status check_sealed(const h5_file *file, const h5_mark *mark, sd_messa
                  file->path);
 }
 
+/* How a file is opened: AGAIN without checks, QUICK by h5_open, WHOLE with all of it checked,
+ * SEALED if it has a seal, HEAD likewise but without shares. */
 typedef enum trust { AGAIN, QUICK, WHOLE, SEALED, HEAD } trust;
 
 static sd_status open_checked(int folder, const char *path, trust how, h5_file **out, uint64_t *sum,
@@ -255,7 +263,8 @@ static sd_status open_checked(int folder, const char *path, trust how, h5_file *
   sd_status status = h5_read_mark(fd, path, &mark, messages);
   const bool whole =
       mark.broken || how >= SEALED || (mark.sealed && (how == WHOLE || mark.size <= CHECKED_WHOLE));
-  /* the library crashes with some damaged files: it sees what a checksum or another process vouches for */
+  /* the library crashes with some damaged files: it opens only files that match a checksum, or that
+   * another process could read */
   if (status == SD_OK && whole && how != AGAIN)
     status = h5_check_whole(fd, path, &mark, messages);
   else if (status == SD_OK && how != AGAIN && (!mark.sealed || mark.has_small))

@@ -1,4 +1,4 @@
-/* h5_private.h: what h5*.c share; no other file includes it. */
+/* h5_private.h: structs and functions that the files h5*.c share; no other file includes it. */
 #ifndef SLIPDISK_IO_H5_PRIVATE_H
 #define SLIPDISK_IO_H5_PRIVATE_H
 
@@ -6,69 +6,80 @@
 
 #include "io/store/h5.h"
 
-/* A dataset that is being filled by rows, see h5_file.c. */
+/* A dataset that is being written row by row, see h5_file.c. */
 typedef struct h5_rows {
-  hid_t set, type;
-  int rank, filters;
-  bool checksum; /* the last of the filters */
-  bool chunked;  /* rows are gathered until a chunk is full */
+  hid_t set, type;   /* handle of the dataset, and type of the elements in memory */
+  int rank, filters; /* number of dimensions; number of filters of the dataset */
+  bool checksum;     /* the last of the filters is HDF5's Fletcher checksum */
+  bool chunked;      /* rows are gathered until a chunk is full */
+  /* Dimensions of the dataset and of a chunk, elements */
   hsize_t dims[H5_MAX_RANK], chunk[H5_MAX_RANK];
-  size_t element, row; /* bytes */
-  size_t first, held;  /* rows in the buffer; those before are written */
+  size_t element, row; /* bytes of an element and of a row */
+  size_t first, held;  /* first row in the buffer, all before are written; number of rows in it */
+  /* Rows of the unfinished chunk; a chunk filled up with zeros. NULL until they are needed */
   unsigned char *buffer, *padded;
 } h5_rows;
 
-/* The dataset's type must be that of the rows, or they are written as they come. False: it has another rank. */
+/* Prepares writing of rows into an open dataset. If its element type is not `type`, rows are not
+ * gathered but written at once. Returns false if its rank is 0 or above H5_MAX_RANK. */
 bool h5_rows_open(h5_rows *w, hid_t set, sd_type type);
+/* Takes n rows from row `first` on; those of a chunked dataset must come in order. Returns false if
+ * a write failed. */
 bool h5_rows_put(h5_rows *w, size_t first, size_t n, const void *data);
-bool h5_rows_flush(h5_rows *w); /* what is still held */
-void h5_rows_close(h5_rows *w); /* frees; the dataset stays open */
+/* Writes the rows that are still in the buffer. Returns false if that failed. */
+bool h5_rows_flush(h5_rows *w);
+/* Frees the buffers; the dataset stays open. */
+void h5_rows_close(h5_rows *w);
 
-/* Kept open, so that its rows can come in many calls. */
+/* A dataset that is kept open, so that its rows can come in many calls. */
 typedef struct h5_open_set {
   char *path;
   h5_rows rows;
 } h5_open_set;
 
-/* Sum of a dataset or an attribute as it was put into a file on disk, to be compared with the finished file. */
+/* Checksum of a dataset or an attribute as it was put into a file on disk, to be compared with the
+ * finished file. */
 typedef struct h5_entry {
-  char *path, *attr;      /* attr NULL: a dataset */
-  uint64_t expected, put; /* elements */
-  uint64_t sum;           /* h5_sum of all */
+  char *path, *attr;      /* path of the object; name of the attribute, NULL: a dataset */
+  uint64_t expected, put; /* number of elements it has; number put so far */
+  uint64_t sum;           /* h5_sum of all elements put */
 } h5_entry;
 
-/* A dataset whose values stay where they are until the file is saved. */
+/* A dataset whose values stay in the caller's memory until the file is saved. */
 typedef struct h5_loan {
-  uint64_t at; /* in the file */
+  uint64_t at; /* position of the values in the file, bytes */
   const void *data;
   size_t bytes;
 } h5_loan;
 
-/* Loans stand at multiples of this, so that the seal's words do not straddle their borders. */
+/* Loans start at multiples of H5_LOAN_ALIGNED and have at least H5_LOAN_LEAST bytes, a multiple of
+ * H5_LOAN_WORD, so that no word of the seal's checksum straddles their borders. */
 enum { H5_LOAN_LEAST = 64 << 10, H5_LOAN_ALIGNED = 4096, H5_LOAN_WORD = 8 };
 
+/* Shares of a file, and a dataset whose rows are in shares; see h5_open.c below. */
 typedef struct h5_shares h5_shares;
 typedef struct h5_shared_set h5_shared_set;
 
 struct h5_file {
-  hid_t id;
-  char *path;     /* for messages */
-  bool memory;    /* made by h5_new */
-  bool borrows;   /* made by h5_new_borrowing */
-  h5_loan *loans; /* in the order of the file */
+  hid_t id;       /* handle of the open file */
+  char *path;     /* path, for messages */
+  bool memory;    /* the file is built in memory */
+  bool borrows;   /* made by h5_new_borrowing: datasets may be lent */
+  h5_loan *loans; /* [n_loans] lent datasets, in the order of their positions */
   size_t n_loans;
-  bool writing;
-  bool failed;   /* a write went wrong ... */
-  char *trouble; /* ... and this was the first */
-  h5_open_set *sets;
+  bool writing;      /* the file is being written and must be flushed at the end */
+  bool failed;       /* a write has failed; later ones are skipped */
+  char *trouble;     /* description of the first failure, NULL: none */
+  h5_open_set *sets; /* [n_sets] datasets that are kept open for their rows */
   size_t n_sets;
-  h5_shares *shares; /* NULL: it has none */
-  bool on_disk;      /* made by h5_create: has a journal */
-  h5_entry *journal;
+  h5_shares *shares; /* joined shares, NULL: none */
+  bool on_disk;      /* made by h5_create: has a journal, for h5_compare */
+  h5_entry *journal; /* [n_entries] what was put into the file; room for most_entries */
   size_t n_entries, most_entries;
 };
 
-/* --- h5_file.c -------------------------------------------------------------------------------- */
+/* --- Record of an open file (h5_file.c) ------------------------------------------------------- */
+/* Returns the library's type in memory for elements of `type`. */
 static inline hid_t h5_native(sd_type type) {
   switch (type) {
     case SD_F64: return H5T_NATIVE_DOUBLE;
@@ -79,154 +90,182 @@ static inline hid_t h5_native(sd_type type) {
   return H5I_INVALID_HID;
 }
 
-/* An empty record of a file, and its end. */
+/* Makes the record of a file without opening it; h5_release frees it, NULL is allowed. */
 h5_file *h5_allocate(const char *path);
 void h5_release(h5_file *file);
-/* Writes rows that are still held, or in the chunk caches. */
+/* Writes rows that are still held in buffers or in the library's chunk caches. */
 void h5_flush_sets(h5_file *file);
 
-/* Flushes and closes; what went wrong while writing is reported. The file is still to be released. */
+/* Flushes and closes a file and reports the first failure of a write. The caller still releases the
+ * record. */
 sd_status h5_end(h5_file *file, sd_messages *messages);
-/* Remembers the first failure, of what is at path. */
+/* Notes a failure concerning the object at path, unless `good`; only the first is kept. */
 void h5_require(h5_file *file, bool good, const char *path);
 
-/* --- h5_journal.c ----------------------------------------------------------------------------------- */
-/* Sum over elements, each with its place, so that pieces add up in any order. */
+/* --- Journal of what was written (h5_journal.c) ----------------------------------------------- */
+/* Returns the checksum of n elements of `element` bytes, the first of which has the index `first`
+ * in its dataset. Each element enters with its index, so that checksums of parts add up in any
+ * order. */
 uint64_t h5_sum(const void *data, size_t n, size_t element, uint64_t first);
-/* Makes or finds the entry of an object with so many elements. */
+/* Adds a journal entry for a dataset (attr NULL) or an attribute with so many elements. Files
+ * without a journal ignore it. */
 void h5_expect(h5_file *file, const char *path, const char *attr, uint64_t elements);
-/* Elements first ... first + n - 1 were put there. */
+/* Notes in the journal that elements first ... first + n - 1 were written. Files without a journal
+ * ignore it. */
 void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n,
              size_t element, uint64_t first);
-/* Is what `file` (just opened) holds what the journal of `written` says? */
+/* Compares the contents of `file`, just opened, with the journal of `written`. Returns SD_ERROR_IO
+ * at the first difference. */
 sd_status h5_compare(const h5_file *file, const h5_file *written, sd_messages *messages);
 
-/* --- h5_seal.c -------------------------------------------------------------------------------------- */
+/* --- Seals (h5_seal.c) ------------------------------------------------------------------------ */
+/* The seal that was found at the end of a file. */
 typedef struct h5_mark {
-  bool sealed;    /* there is a seal, and the file has the length that it says */
-  bool broken;    /* there is a seal, and the file has not */
-  bool has_small; /* there is a sum of the small data */
-  uint64_t size;  /* bytes that the seal covers */
-  uint64_t sum, small;
+  bool sealed;         /* there is a seal, and the file has the size that it states */
+  bool broken;         /* there is a seal, but the file has another size */
+  bool has_small;      /* there is a checksum of the small data, too */
+  uint64_t size;       /* number of bytes that the seal covers */
+  uint64_t sum, small; /* checksum of the bytes covered; checksum of the small data */
 } h5_mark;
 
-/* Reads the marks at the end of the file. */
+/* Reads the seal at the end of a file; none is no error. */
 sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *messages);
-/* Is the sum of the bytes that of the seal? */
+/* Returns SD_OK if the checksum of the bytes covered is that of the seal. */
 sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messages *messages);
-/* Sum of all attributes and of the datasets of up to 64 KiB, in the order of their names. */
+/* Computes the checksum of all attributes and of the datasets of up to 64 KiB, in alphabetical
+ * order. */
 sd_status h5_small_sum(const h5_file *file, uint64_t *sum, sd_messages *messages);
-/* The seal of bytes in memory with this sum, to stand behind them. */
+/* Bytes of a seal. */
 enum { H5_SEAL_BYTES = 24 };
+/* Makes the seal that belongs behind `size` bytes with this checksum. */
 void h5_make_seal(size_t size, uint64_t sum, unsigned char seal[H5_SEAL_BYTES]);
-/* Puts seal and sum of the small data behind the HDF5 data of an open file. */
+/* Appends the checksum of the small data and the seal to an open file. */
 sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *messages);
 
-/* --- h5_memory.c ------------------------------------------------------------------------------ */
-/* A name that no other file in memory has. */
+/* --- Files in memory (h5_memory.c) ------------------------------------------------------------ */
+/* Writes a name that no other file in memory has. */
 void h5_memory_name(char *name, size_t size);
-/* Opens a file in memory that begins with these bytes, of which it has a copy; negative: they are
- * no HDF5 file, or there is no memory. */
+/* Opens a file in memory whose contents are a copy of these bytes. flags: as for H5Fopen. Returns a
+ * negative value if they are no HDF5 file or if there is no memory. */
 hid_t h5_open_image(const char *name, const void *bytes, size_t size, unsigned flags);
 
-/* --- h5_open.c -------------------------------------------------------------------------------- */
-/* Datasets of one group of the shares have the same order of rows. */
+/* --- Shares (h5_open.c) ----------------------------------------------------------------------- */
+/* A group of the shares, "/disks" or "/contacts"; all its datasets have the same order of rows. */
 typedef struct h5_shared_group {
-  const char *name;
-  size_t *rows;    /* [shares] */
-  int64_t **place; /* [shares][rows], ascending: where they stand in the whole */
-  size_t total;
-  size_t each; /* rows of the shares in a row of the whole; 0: they are its rows */
+  const char *name; /* path of the group in the shares */
+  size_t *rows;     /* [shares] number of rows in each share */
+  int64_t **place;  /* [shares][rows] index of each row among those of all shares, ascending */
+  size_t total;     /* number of rows in all shares */
+  /* Number of rows of the shares that form one row of the joined dataset; 0: each is one */
+  size_t each;
 } h5_shared_group;
 
+/* A dataset whose rows are in shares. */
 struct h5_shared_set {
   char *path;
   const h5_shared_group *group;
-  sd_type type;
-  size_t width; /* elements of a row of a share */
-  size_t tail;  /* rows of the head itself, behind all others */
-  char *own;    /* these */
+  sd_type type; /* type of the elements in the shares */
+  size_t width; /* number of elements in a row of a share */
+  size_t tail;  /* number of rows of the file itself, which follow those of the shares */
+  char *own;    /* values of these rows, of `type` */
 };
 
 enum { H5_SHARED_GROUPS = 2 };
 
+/* The shares of a file, whose datasets have been joined. */
 struct h5_shares {
-  h5_file *head, **file;
+  h5_file *head, **file; /* the file itself; [n] its shares */
   size_t n;
   h5_shared_group group[H5_SHARED_GROUPS];
-  h5_shared_set *set;
+  h5_shared_set *set; /* [n_sets] datasets with rows in shares */
   size_t n_sets;
-  const h5_shared_group *listed; /* while datasets are listed, of this share */
+  const h5_shared_group *listed; /* group and share whose datasets are being listed */
   const h5_file *listed_in;
   sd_status status;
   sd_messages *messages;
 };
 
-/* Opens the shares of a file. Their datasets are listed as its own from then on, with the shape of the whole; their values stay in
- * the shares until they are read. */
+/* Opens the shares of a file. From then on their datasets are listed as its own, with the shape of
+ * the joined dataset; values are read from the shares when they are asked for. folder: see
+ * file.h. */
 sd_status h5_join(h5_file *file, int folder, sd_messages *messages);
+/* Closes and frees shares; NULL is allowed. */
 void h5_shares_free(h5_shares *s);
-/* The dataset, if its rows stand in shares; else NULL. */
+/* Returns the joined dataset at path if its rows are in shares, else NULL. */
 const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path);
-/* Rows [first, first + n) of the whole, which it must have. */
+/* Reads rows [first, first + n) of a joined dataset, converted to type; they must exist. */
 sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first,
                          size_t n, void *data, sd_messages *messages);
 
-/* --- Pages of files that borrow (h5_memory.c) ---------------------------------------------------- */
-/* Files of this access stand in memory, in at most so many bytes, and take pages where something was written. */
+/* --- Pages of files that borrow (h5_memory.c) ------------------------------------------------- */
+/* Selects a driver that keeps a file in memory, in at most `room` bytes of address space; only
+ * pages that are written take memory. Returns false if the library refuses it. */
 bool h5_set_pages(hid_t access, size_t room);
 
-/* --- h5_probe.c ------------------------------------------------------------------------------------- */
-/* Reads an open file in another process, which may crash; SD_ERROR_IO: it did. */
+/* --- Trial reading (h5_probe.c) --------------------------------------------------------------- */
+/* How h5_probe reads a file. */
 typedef enum h5_probing {
-  H5_PROBE_QUICK, /* names, attributes and, up to a limit, values; values that cannot be read are left to the reader */
-  H5_PROBE_WHOLE, /* everything, and all of it must be readable */
-  H5_PROBE_SMALL  /* the sum of the small data is to be `small` */
+  /* Names, attributes and, up to a limit, values; values that cannot be read are left to the
+   * reader */
+  H5_PROBE_QUICK,
+  H5_PROBE_WHOLE, /* names, attributes and all values, which must be readable */
+  H5_PROBE_SMALL  /* small data, whose checksum must be `small` */
 } h5_probing;
+/* Reads an open file in another process, since the library crashes with some damaged files. Returns
+ * SD_ERROR_IO if it crashed there or if the file is damaged. */
 sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small, sd_messages *messages);
-/* Switches probing off: for trials that make thousands of files with the library itself. */
+/* Switches h5_probe off, for tests that make thousands of files with the library itself. */
 void h5_probe_nothing(void);
-/* What keeps the values of a dataset from being read; NULL: they stand in the file, in chunks of a size that can be meant. */
+/* Returns why the values of a dataset are not read (other files, virtual dataset, too large
+ * chunks); NULL: they can be read. */
 const char *h5_set_trouble(hid_t set);
 
-/* --- h5_md.c ---------------------------------------------------------------------------------------- */
-/* An element of a group of particles of an H5MD file, such as "position" or "box/edges". */
+/* --- Particles of H5MD files (h5_md.c) -------------------------------------------------------- */
+/* An element of a group of particles of an H5MD file, such as "position" or "box/edges", and the
+ * frame of it that is read. */
 typedef struct h5_element {
-  const char *name;
-  bool framed, stepped; /* it has frames; they have steps */
-  size_t frames, frame; /* number; the one to be read */
+  const char *name;     /* path of the element in its group */
+  bool framed, stepped; /* true: it has frames; true: its frames have steps */
+  size_t frames, frame; /* number of frames; index of the frame to be read */
+  /* [frames] steps, or NULL: frame k has the step offset + k * interval */
   int64_t *step, interval, offset;
 } h5_element;
 
-/* Finds the frames to be read of these elements, of the last step that all with frames have. step: -1 where there are none.
- * SD_ERROR_USER: there is no such step. */
+/* Finds the frames of these elements to be read: those of the last step that all elements with
+ * frames have. step: receives this step, -1: no element has steps. Returns SD_ERROR_USER if there
+ * is no such step. */
 sd_status h5_moment(const h5_file *file, const char *group, h5_element *elements, size_t n,
                     int64_t *step, sd_messages *messages);
-/* Does the file say by which value, other than 0, rows are filled that were not written? */
+/* Returns true if a dataset has a fill value other than 0 for rows that were not written, and
+ * writes it to *fill. */
 bool h5_is_fill(const h5_file *file, const char *path, double *fill);
-/* The element that tells rows without a particle; NULL: there is none. */
+/* Returns the name of the element that marks rows without a particle; NULL: there is none. */
 const char *h5_absence(const h5_file *file, const char *group);
-/* Of n rows of this element: gone[k] where there is no particle. */
+/* Sets gone[k] for each of n rows of this element, whose values are given, to whether it holds no
+ * particle. */
 sd_status h5_absent(const h5_file *file, const char *group, const h5_element *element,
                     const double *value, size_t n, bool *gone, sd_messages *messages);
-/* The texts of an attribute (an array of strings, or one with commas or blanks) as one with a newline after each; NULL:
- * none. To be freed. */
+/* Returns the texts of an attribute (an array of strings, or one string with commas or blanks) as
+ * one text with a newline after each, to be freed; NULL: there are none. */
 char *h5_words(const h5_file *file, const char *path, const char *name);
 
-/* Opens the file behind a descriptor, which stays the caller's. Nothing is checked. */
+/* Opens for reading the file of a descriptor, which the caller keeps. Nothing is checked. */
 sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages);
-/* Switches the library's own printing off, in this thread, and its clean-up at exit (which writes). */
+/* Switches off the library's printing of errors, in this thread, and its clean-up at exit, which
+ * would write. */
 void h5_quiet(void);
-/* The library's reason for the last failure, written into text[size]. */
+/* Returns the library's reason for the last failure, written into text[size]. */
 const char *h5_reason(char *text, size_t size);
-/* Is there a link on the way that is not followed? */
+/* Returns true if path leads through a link other than a hard one, which is not followed. */
 bool h5_is_link(const h5_file *file, const char *path);
-/* Opens a dataset, or the group or dataset at path; negative: reported. */
+/* h5_open_data opens a dataset, h5_open_object a dataset or group. They return a negative value,
+ * with a message, if they cannot. */
 hid_t h5_open_data(const h5_file *file, const char *path, sd_messages *messages);
 hid_t h5_open_object(const h5_file *file, const char *path, sd_messages *messages);
-/* Reads `count` elements from `start` on along each dimension of a dataset that has some. */
+/* Reads count[k] elements from start[k] on along each dimension k of a dataset with at least one
+ * dimension, converted to type. */
 bool h5_read_slab(hid_t set, hid_t type, const hsize_t *start, const hsize_t *count, void *data);
-/* Dimensions; returns the rank. */
+/* Returns the rank of a dataset and writes its dimensions; those beyond the rank are 1. */
 int h5_extent(hid_t set, size_t dims[H5_MAX_RANK]);
 
 #endif

@@ -1,7 +1,7 @@
-/* h5_probe.c: files whose bytes no checksum vouches for are read by another process first.
+/* h5_probe.c: reads files without a checksum in another process first.
  *
- * The HDF5 library crashes with some damaged files. A child process opens such a file and reads what is in it; only when it
- * has come to an end does this process open it, too.
+ * The HDF5 library crashes with some damaged files. A child process opens such a file and reads its
+ * contents; only if it ends without a crash does this process open the file, too.
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -18,24 +18,27 @@
 #include "base/memory.h"
 #include "io/store/h5_private.h"
 
-/* Exit statuses of the child. */
+/* Exit statuses of the child: all good; values, or names and shapes, cannot be read; another
+ * checksum of small data. */
 enum { GOOD, UNREADABLE, BROKEN, OTHER_SUM };
 
-/* A piece of a dataset; in all, beyond which one piece of each is read; seconds of processor time. */
+/* PIECE: bytes of a dataset that are read at once. SECONDS: limit of the child's processor time.
+ * MOST: bytes read in all, after which only one box of each dataset is read. */
 enum { PIECE = 8 << 20, SECONDS = 60 };
 static const uint64_t MOST = UINT64_C(256) << 20;
 
+/* Progress of the child. */
 typedef struct reading {
-  bool whole; /* all pieces of all datasets */
-  uint64_t bytes;
-  size_t listed;
-  int depth;
-  bool failed, broken; /* values, or names and shapes, cannot be read */
+  bool whole;          /* all pieces of all datasets are read */
+  uint64_t bytes;      /* bytes read so far */
+  size_t listed;       /* number of links visited */
+  int depth;           /* depth of the present group */
+  bool failed, broken; /* values cannot be read; names or shapes cannot be read */
 } reading;
 
-/* --- the child -------------------------------------------------------------------------------------------- */
+/* --- Child ------------------------------------------------------------------------------------ */
 
-/* Memory of variable length is given back by the library. */
+/* Reads an attribute. The library allocates values of variable length and frees them here. */
 static void read_attr(reading *r, hid_t attr) {
   hid_t type = H5Aget_type(attr), space = H5Aget_space(attr);
   const hssize_t n = H5Sget_simple_extent_npoints(space);
@@ -52,6 +55,7 @@ static void read_attr(reading *r, hid_t attr) {
   H5Tclose(type);
 }
 
+/* Called for every attribute of an object. */
 static herr_t take_attr(hid_t object, const char *name, const H5A_info_t *info, void *user) {
   (void)info;
   reading *r = user;
@@ -63,7 +67,8 @@ static herr_t take_attr(hid_t object, const char *name, const H5A_info_t *info, 
   return 0;
 }
 
-/* Sides of the boxes in which a dataset is read: its chunks, or pieces. Returns the bytes of one. */
+/* Chooses the sides of the boxes in which a dataset is read: its chunks, or pieces of about PIECE
+ * bytes. Returns the bytes of a box. */
 static size_t choose_box(hid_t set, size_t size, int rank, const hsize_t *dims, hsize_t *box) {
   hid_t made = H5Dget_create_plist(set);
   const bool chunked = H5Pget_layout(made) == H5D_CHUNKED;
@@ -82,6 +87,7 @@ static size_t choose_box(hid_t set, size_t size, int rank, const hsize_t *dims, 
   return (size_t)bytes;
 }
 
+/* Reads count[k] elements from start[k] on along each dimension k. */
 static bool read_box(hid_t set, hid_t type, hid_t space, int rank, const hsize_t *start,
                      const hsize_t *count, unsigned char *data) {
   hid_t memory = H5Screate_simple(rank, count, NULL);
@@ -92,7 +98,8 @@ static bool read_box(hid_t set, hid_t type, hid_t space, int rank, const hsize_t
   return good;
 }
 
-/* Boxes one after the other. Small ones count as pages, since each costs time. */
+/* Reads a dataset box by box. A small box counts as a page of memory, since each call takes
+ * time. */
 static bool read_boxes(reading *r, hid_t set, hid_t type, hid_t space, int rank,
                        const hsize_t *dims, const hsize_t *box, size_t bytes, unsigned char *data) {
   enum { PAGE = 4096 };
@@ -107,6 +114,7 @@ static bool read_boxes(reading *r, hid_t set, hid_t type, hid_t space, int rank,
   return true;
 }
 
+/* Reads the values of a dataset. */
 static void read_set(reading *r, hid_t set) {
   hid_t type = H5Dget_type(set), space = H5Dget_space(set);
   hsize_t dims[H5S_MAX_RANK] = {0}, box[H5S_MAX_RANK] = {0};
@@ -115,7 +123,7 @@ static void read_set(reading *r, hid_t set) {
                bytes = rank > 0 ? choose_box(set, size, rank, dims, box) : size;
   unsigned char *data = NULL;
   if (rank >= 0 && bytes > 0 && bytes <= (size_t)LIMIT_CHUNK * LIMIT_MIB)
-    (void)memory_row(&data, bytes, 1); /* without memory it is not looked at */
+    (void)memory_row(&data, bytes, 1); /* without memory the values are not read */
   bool good = true;
   if (data && rank == 0) {
     good = H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
@@ -129,11 +137,12 @@ static void read_set(reading *r, hid_t set) {
   H5Tclose(type);
 }
 
+/* Called for every link of a group: reads attributes and values of the object. */
 static herr_t take_link(hid_t group, const char *name, const H5L_info_t *info, void *user) {
   reading *r = user;
   if (info->type != H5L_TYPE_HARD) return 0;
   if (++r->listed > LIMIT_LINKS || r->depth > LIMIT_GROUPS)
-    return 1; /* the reader has these limits, too */
+    return 1; /* h5_visit has the same limits */
   hid_t object = H5Oopen(group, name, H5P_DEFAULT);
   r->broken |= object < 0;
   if (object < 0) return 0;
@@ -149,6 +158,7 @@ static herr_t take_link(hid_t group, const char *name, const H5L_info_t *info, v
   return result;
 }
 
+/* Reads the whole file; returns an exit status. */
 static int read_all(int fd, const char *path, bool whole) {
   h5_file *file;
   reading r = {.whole = whole};
@@ -159,6 +169,7 @@ static int read_all(int fd, const char *path, bool whole) {
   return r.broken ? BROKEN : r.failed ? UNREADABLE : GOOD;
 }
 
+/* Compares the checksum of the small data; returns an exit status. */
 static int compare_small(int fd, const char *path, uint64_t small) {
   h5_file *file;
   uint64_t sum = 0;
@@ -168,14 +179,15 @@ static int compare_small(int fd, const char *path, uint64_t small) {
   return status != SD_OK ? UNREADABLE : sum == small ? GOOD : OTHER_SUM;
 }
 
-/* The reader, who will lack it, too, tells of that. */
+/* Ends the child if it lacks memory; the parent, which will lack it too, reports that. */
 static void leave_without_memory(size_t bytes) {
   (void)bytes;
   _exit(UNREADABLE);
 }
 
-/* Says nothing, leaves no core, and comes to an end. Memory that was not written holds no zeros: a library that reads it
- * then crashes here, and not later by chance. */
+/* Makes the child silent, without core dump and with a limit of processor time. Allocated memory
+ * holds no zeros, so that a library that uses memory it has not written crashes here, not later by
+ * chance. */
 static void be_quiet(uint64_t bytes) {
   sd_on_no_memory(leave_without_memory);
   mallopt(M_PERTURB, 0xa5);
@@ -189,19 +201,20 @@ static void be_quiet(uint64_t bytes) {
   setrlimit(RLIMIT_CPU, &(struct rlimit){most, most});
 }
 
-/* --- the parent ------------------------------------------------------------------------------------------- */
+/* --- Parent ----------------------------------------------------------------------------------- */
 
-/* Exit status of the child; negative: it crashed, or there is none. */
+/* Returns the exit status of the child; negative: it crashed, or its status is lost. */
 static int status_of(pid_t child) {
   int how = 0;
   pid_t got;
   do got = waitpid(child, &how, 0);
   while (got < 0 && errno == EINTR);
-  /* who ignores SIGCHLD has no statuses */
+  /* ECHILD: this process ignores SIGCHLD, so that no exit status is kept */
   if (got < 0) return errno == ECHILD ? GOOD : -1;
   return WIFEXITED(how) ? WEXITSTATUS(how) : -1;
 }
 
+/* Returns true if two descriptions are of the same file, unchanged. */
 static bool is_same(const struct stat *a, const struct stat *b) {
   return a->st_ino == b->st_ino && a->st_dev == b->st_dev && a->st_size == b->st_size &&
          a->st_mtim.tv_sec == b->st_mtim.tv_sec && a->st_mtim.tv_nsec == b->st_mtim.tv_nsec;
@@ -211,13 +224,14 @@ static sd_status fail(const char *path, const char *what, sd_messages *messages)
   return sd_fail(messages, SD_ERROR_IO, "%s is damaged%s", path, what);
 }
 
+/* Set by h5_probe_nothing. */
 static bool trusts;
 
 void h5_probe_nothing(void) { trusts = true; }
 
 sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small,
                    sd_messages *messages) {
-  static _Thread_local struct stat sound; /* the last file that was looked at, and good */
+  static _Thread_local struct stat sound; /* the last file that was found sound */
   struct stat facts;
   if (trusts) return SD_OK;
   if (fstat(fd, &facts) != 0) return sd_fail(messages, SD_ERROR_IO, "cannot read %s", path);
@@ -235,7 +249,7 @@ sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small,
   }
   const int status = status_of(child);
   if (how == H5_PROBE_QUICK && (status == GOOD || status == UNREADABLE)) {
-    sound = facts; /* what cannot be read is told by those that need it */
+    sound = facts; /* a value that cannot be read is reported when it is needed */
     return SD_OK;
   }
   switch (status) {

@@ -1,4 +1,5 @@
-/* h5_read.c: reading; see h5.h. */
+/* h5_read.c: reads HDF5 files: paths, shapes, datasets, attributes, lists of datasets, rows of
+ * shares; see h5.h. */
 #include <assert.h>
 #include <limits.h>
 #include <stdio.h>
@@ -11,8 +12,9 @@
 #include "io/store/h5.h"
 #include "io/store/h5_private.h"
 
-/* Is it there, and by hard links all the way? Other links, which may lead to other files, are not followed; *link is
- * then set. Every group on the way must exist before the next may be asked for. */
+/* Returns true if there is an object at path, reached by hard links alone. Other links, which may
+ * lead to other files, are not followed; *link is then true. HDF5 requires that every group on the
+ * way exists before the next is asked for. */
 static bool is_there(const h5_file *file, const char *path, bool *link) {
   *link = false;
   if (path[0] == '/' && path[1] == 0) return true;
@@ -105,7 +107,7 @@ sd_status h5_shape(const h5_file *file, const char *path, int *rank, size_t *dim
                  path);
 }
 
-/* Its elements; SIZE_MAX: more than a size_t can say. */
+/* Returns the number of elements of a dataset; SIZE_MAX: it does not fit a size_t. */
 static size_t elements(hid_t set) {
   hid_t space = H5Dget_space(set);
   hssize_t n = H5Sget_simple_extent_npoints(space);
@@ -113,8 +115,9 @@ static size_t elements(hid_t set) {
   return n < 0 ? SIZE_MAX : (size_t)n;
 }
 
-/* Values that were never written would read as zeros, and ask for memory without end. Compression makes no more than a
- * thousand bytes of one. */
+/* Returns true if the n values of a dataset are stored, or have at most 1 MiB. Values that were
+ * never written would read as zeros, and a damaged size could ask for unlimited memory. The number
+ * of stored bytes tells: compression saves at most a factor of LIMIT_EXPANSION. */
 static bool is_stored(hid_t set, size_t n) {
   hid_t type = H5Dget_type(set);
   double bytes = (double)n * (double)H5Tget_size(type);
@@ -122,6 +125,7 @@ static bool is_stored(hid_t set, size_t n) {
   return bytes <= LIMIT_MIB || bytes <= LIMIT_EXPANSION * (double)H5Dget_storage_size(set);
 }
 
+/* Checks that a dataset has n elements and was written as a whole. */
 static sd_status check_size(const h5_file *file, const char *path, hid_t set, size_t n,
                             sd_messages *messages) {
   size_t have = elements(set);
@@ -160,7 +164,7 @@ sd_status h5_get(const h5_file *file, const char *path, sd_type type, size_t n, 
 
 void *h5_column(const h5_file *file, const char *path, sd_type type, size_t n, sd_status *status,
                 sd_messages *messages) {
-  /* a damaged number does not get to ask for memory */
+  /* checked before memory is allocated: a damaged file may ask for any number */
   if (*status == SD_OK) *status = h5_check(file, path, n, messages);
   void *data = NULL;
   if (*status == SD_OK)
@@ -203,7 +207,7 @@ sd_status h5_get_values(const h5_file *file, const char *path, sd_type type, siz
   return sd_fail(messages, SD_ERROR_IO, "%s: cannot read rows of %s", file->path, path);
 }
 
-/* A string, of fixed or variable length, from a dataset or an attribute. */
+/* Reads a string of fixed or variable length from a dataset or an attribute; NULL: it is none. */
 static char *read_text(hid_t id, bool attribute) {
   hid_t type = attribute ? H5Aget_type(id) : H5Dget_type(id);
   hid_t space = attribute ? H5Aget_space(id) : H5Dget_space(id);
@@ -248,7 +252,8 @@ bool h5_has_attr(const h5_file *file, const char *path, const char *name) {
   return h5_exists(file, path) && H5Aexists_by_name(file->id, path, name, H5P_DEFAULT) > 0;
 }
 
-/* Reads an attribute of n elements as `type`; leaves value as it is when there is none. */
+/* Reads an attribute of n elements as `type`; false, with *value unchanged: there is none, or it
+ * has another size. */
 static bool get_attr(const h5_file *file, const char *path, const char *name, hid_t type, size_t n,
                      void *value) {
   if (!h5_has_attr(file, path, name)) return false;
@@ -287,7 +292,8 @@ char *h5_get_attr_text(const h5_file *file, const char *path, const char *name) 
   return text;
 }
 
-/* Of n strings of this size, or of variable length, one after the other. */
+/* Joins n strings of `size` bytes, or n pointers to strings, into one text with a newline after
+ * each. */
 static char *join_words(const char *raw, size_t n, size_t size, bool variable) {
   char *text = NULL;
   size_t length;
@@ -328,25 +334,28 @@ char *h5_words(const h5_file *file, const char *path, const char *name) {
   return text;
 }
 
-/* --- list ----------------------------------------------------------------------------------------- */
+/* --- List of datasets ------------------------------------------------------------------------- */
 
+/* Group in which h5_visit is. */
 typedef struct walk {
   const h5_file *file;
   h5_visitor *visit;
   void *user;
-  const char *group;
-  int depth;
-  size_t *listed;
+  const char *group; /* path of the group */
+  int depth;         /* number of groups above it */
+  size_t *listed;    /* number of links visited so far */
 } walk;
 
+/* Returns that of the four types in which the values of a dataset are best read. */
 static sd_type nearest_type(hid_t type) {
   if (H5Tget_class(type) != H5T_INTEGER) return SD_F64;
   if (H5Tget_size(type) > 4) return SD_I64;
   return H5Tget_sign(type) == H5T_SGN_NONE ? SD_U32 : SD_I32;
 }
 
-/* Links, not objects, are walked: a hard link shared by several elements is listed in each. Groups may be linked in
- * rings: depth and number end that. Negative: the walk is over. */
+/* Called for every link of a group: visits a dataset, walks through a group. Links, not objects,
+ * are visited: a dataset that several elements share by hard links is listed in each. Groups may be
+ * linked in rings: limits of depth and number end that. A negative value ends the walk. */
 static herr_t list_link(hid_t group, const char *name, const H5L_info_t *info, void *user) {
   const walk *at = user;
   if (info->type != H5L_TYPE_HARD) return 0;
@@ -379,8 +388,9 @@ sd_status h5_visit(const h5_file *file, h5_visitor *visit, void *user, sd_messag
   return sd_fail(messages, SD_ERROR_IO, "%s: cannot list its contents", file->path);
 }
 
-/* --- rows of shares --------------------------------------------------------------------------- */
+/* --- Rows of shares --------------------------------------------------------------------------- */
 
+/* Bytes of a share that are read at once. */
 enum { PIECE_BYTES = 1 << 20 };
 
 const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path) {
@@ -389,7 +399,7 @@ const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path) {
   return NULL;
 }
 
-/* The first of n rows that stands at `at` or behind it. */
+/* Returns the index of the first of n ascending numbers that is at least `at`; n: there is none. */
 static size_t first_at(const int64_t *place, size_t n, int64_t at) {
   size_t low = 0, high = n;
   while (low < high) {
@@ -402,7 +412,8 @@ static size_t first_at(const int64_t *place, size_t n, int64_t at) {
   return low;
 }
 
-/* Rows [from, to) of the shares, in the order of the whole, from share k. */
+/* Reads from share k those of the rows [from, to) that it has, to their positions in data. Rows are
+ * counted over all shares in the order of keys. */
 static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type type, size_t k,
                            size_t from, size_t to, char *data, sd_messages *messages) {
   const int64_t *place = set->group->place[k];
@@ -425,7 +436,8 @@ static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type
   return status;
 }
 
-/* n of the rows that stand in the head, from `first` on. */
+/* Reads n rows of a joined dataset that are in the file itself, not in shares, from `first` on,
+ * converted to type. */
 static sd_status get_own(const h5_shared_set *set, sd_type type, size_t first, size_t n, void *data,
                          sd_messages *messages) {
   const size_t values = n * set->width, from = sd_type_size(set->type), to = sd_type_size(type);

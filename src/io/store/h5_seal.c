@@ -1,9 +1,10 @@
-/* h5_seal.c: sums behind the HDF5 data of a file, where readers of HDF5 do not look.
+/* h5_seal.c: checksums behind the HDF5 data of a file, where readers of HDF5 ignore them.
  *
  *   HDF5 data | "slipdata" size sum | "slipseal" size sum
  *
- * The seal covers all that stands before it. A finished result has the middle piece, too: a sum of its attributes and
- * small datasets alone, which can be looked at each time however large the file is.
+ * The seal, the last piece, covers everything before it. A finished result also has the middle
+ * piece: a checksum of its attributes and small datasets alone, which can be checked at each
+ * opening however large the file is.
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -16,15 +17,17 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
+/* One piece behind the HDF5 data: a mark, and a checksum of all bytes, or of the small data, before
+ * it. */
 typedef struct piece {
   char mark[8];
-  uint64_t size; /* of what stands before */
+  uint64_t size; /* number of bytes before this piece */
   uint64_t sum;
 } piece;
 static const char seal_mark[8] = {'s', 'l', 'i', 'p', 's', 'e', 'a', 'l'};
 static const char small_mark[8] = {'s', 'l', 'i', 'p', 'd', 'a', 't', 'a'};
 
-/* Datasets of up to so many bytes are small. */
+/* Largest size of a small dataset or attribute, bytes */
 enum { SMALL = 64 << 10 };
 
 static piece make_piece(const char mark[8], uint64_t size, uint64_t sum) {
@@ -66,7 +69,7 @@ sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messa
   return status;
 }
 
-/* Adds a piece behind what is there. */
+/* Writes a piece (mark, size, checksum) at the end of a file that has `size` bytes. */
 static bool append(int fd, uint64_t size, const piece *p) {
   return lseek(fd, (off_t)size, SEEK_SET) == (off_t)size && file_write_all(fd, p, sizeof *p);
 }
@@ -90,17 +93,18 @@ void h5_make_seal(size_t size, uint64_t sum, unsigned char seal[H5_SEAL_BYTES]) 
   memcpy(seal, &p, sizeof p);
 }
 
-/* --- small data --------------------------------------------------------------------------------------- */
+/* --- Small data ------------------------------------------------------------------------------- */
 
+/* Checksum of the small data so far. */
 typedef struct tally {
   uint64_t sum;
-  bool failed;
+  bool failed; /* a part could not be read */
 } tally;
 
 static void add(tally *t, const void *data, size_t n) { t->sum = file_sum(t->sum, data, n); }
 
-/* The bytes of a dataset or an attribute as they are stored. Types whose bytes are addresses, which no file of ours has,
- * are passed over. */
+/* Adds the bytes of a dataset or an attribute, as they are stored, to the checksum. Types whose
+ * bytes are addresses, which no file of slipdisk has, are skipped, as are large data. */
 static void add_data(tally *t, hid_t id, bool attribute, hid_t type, hid_t space) {
   hssize_t n = H5Sget_simple_extent_npoints(space);
   size_t size = H5Tget_size(type);
@@ -116,6 +120,7 @@ static void add_data(tally *t, hid_t id, bool attribute, hid_t type, hid_t space
   free(data);
 }
 
+/* Adds rank, dimensions, and class and size of the type to the checksum. */
 static void add_shape(tally *t, hid_t type, hid_t space) {
   hsize_t dims[H5S_MAX_RANK] = {0};
   int rank = H5Sget_simple_extent_dims(space, dims, NULL);
@@ -124,6 +129,7 @@ static void add_shape(tally *t, hid_t type, hid_t space) {
   if (rank > 0) add(t, dims, (size_t)rank * sizeof *dims);
 }
 
+/* Called for every attribute of an object: adds its name, shape and value to the checksum. */
 static herr_t add_attribute(hid_t object, const char *name, const H5A_info_t *info, void *user) {
   (void)info;
   tally *t = user;
@@ -142,8 +148,11 @@ static herr_t add_attribute(hid_t object, const char *name, const H5A_info_t *in
   return 0;
 }
 
+/* Called for every link of a group: adds its name and the contents of its object to the
+ * checksum. */
 static herr_t add_link(hid_t group, const char *name, const H5L_info_t *info, void *user);
 
+/* Adds attributes and contents of a group or a dataset to the checksum. */
 static void add_object(tally *t, hid_t object) {
   t->failed |= H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, NULL, add_attribute, t) < 0;
   if (H5Iget_type(object) == H5I_GROUP) {

@@ -1,4 +1,4 @@
-/* h5_table.c: tables of particles for the deck, in four forms; see h5_read_table in h5.h. */
+/* h5_table.c: reads tables of particles for the deck, in four forms; see h5_read_table in h5.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,19 +9,19 @@
 #include "io/store/h5.h"
 #include "io/store/h5_private.h"
 
-/* The table being read. */
+/* The table that is being read, and what has been read of it. */
 typedef struct table {
   const h5_file *file;
   const char *path;
   size_t n_columns;
   const char *const *columns;
-  double *values;
-  double *data;   /* of one column, as it was read */
-  bool *gone;     /* [rows]: holds no particle */
-  uint32_t *kept; /* [rows]: for rows.kept */
+  double *values; /* [rows][n_columns] the result */
+  double *data;   /* values of one column, as read */
+  bool *gone;     /* [rows] true: the row holds no particle */
+  uint32_t *kept; /* [rows] becomes rows.kept if rows are left out */
   h5_range rows;
-  bool sized;    /* their number is known */
-  bool too_long; /* reported */
+  bool sized;    /* the number of rows is known */
+  bool too_long; /* it has too many rows, which is reported */
   sd_messages *messages;
 } table;
 
@@ -34,7 +34,8 @@ static sd_status no_memory(const table *t) {
   return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
 }
 
-/* The first column fixes the number of rows. */
+/* The first column sets the number of rows of the table and allocates memory for them; each later
+ * column must have the same number. */
 static sd_status size_rows(table *t, const char *column, size_t n) {
   if (!t->sized && n > LIMIT_DISKS) {
     t->too_long = true;
@@ -57,7 +58,7 @@ static sd_status size_rows(table *t, const char *column, size_t n) {
              : user_error(t, column, "has another number of rows than the columns before");
 }
 
-/* Room for n values of a column. */
+/* Makes room in t->data for n values; false: no memory, which is reported. */
 static bool has_room(table *t, size_t n) {
   const bool enough = memory_resize_row(&t->data, n, sizeof *t->data);
   if (!enough) no_memory(t);
@@ -69,12 +70,12 @@ static bool is_number(hid_t type) {
   return kind == H5T_INTEGER || kind == H5T_FLOAT || kind == H5T_ENUM;
 }
 
-/* Copies one column to its place in the rows. */
+/* Copies the values of one column into the rows of the table. */
 static void scatter(table *t, size_t column, const double *data) {
   for (size_t k = 0; k < t->rows.n; k++) t->values[k * t->n_columns + column] = data[k];
 }
 
-/* Was each of these values written? A chunk that never was would read as zeros. */
+/* Returns true if all these values were written. A chunk that never was would read as zeros. */
 static bool is_written(hid_t set, const hsize_t start[H5_MAX_RANK],
                        const hsize_t count[H5_MAX_RANK]) {
   hid_t made = H5Dget_create_plist(set);
@@ -99,16 +100,17 @@ static bool is_written(hid_t set, const hsize_t start[H5_MAX_RANK],
   return good;
 }
 
-/* Reads a box of a dataset: count values from `start` on in each of its dimensions (1 beyond them). NULL: good. */
+/* Reads count[k] values from start[k] on along each dimension k of a dataset; count is 1 beyond its
+ * rank. Returns what is wrong; NULL: nothing. */
 static const char *read_box(hid_t set, hid_t type, const hsize_t start[H5_MAX_RANK],
                             const hsize_t count[H5_MAX_RANK], double *data) {
   if (!is_written(set, start, count)) return "has values that were never written";
   return h5_read_slab(set, type, start, count, data) ? NULL : "cannot be read as numbers";
 }
 
-/* --- compound ------------------------------------------------------------------------------------- */
+/* --- Compound datasets ------------------------------------------------------------------------ */
 
-/* Of more than one dimension: all rows, one after the other. */
+/* Reads a compound dataset. If it has several dimensions, its elements in C order are the rows. */
 static sd_status read_compound(table *t, hid_t set, hid_t type, int rank) {
   hid_t space = H5Dget_space(set);
   hssize_t points = H5Sget_simple_extent_npoints(space);
@@ -145,9 +147,9 @@ static sd_status read_compound(table *t, hid_t set, hid_t type, int rank) {
   return status;
 }
 
-/* --- two-dimensional ------------------------------------------------------------------------------ */
+/* --- Two-dimensional datasets ----------------------------------------------------------------- */
 
-/* Index of a name in the list of h5_words, SIZE_MAX when it is not there. */
+/* Returns the index of a name in a list of h5_words; SIZE_MAX: it is not there. */
 static size_t find_name(const char *names, const char *name) {
   size_t index = 0;
   for (const char *at = names; *at;) {
@@ -162,13 +164,14 @@ static size_t find_name(const char *names, const char *name) {
   return SIZE_MAX;
 }
 
+/* Returns the number of names in a list of h5_words. */
 static size_t count_names(const char *names) {
   size_t n = 0;
   for (const char *at = names; *at; at++) n += *at != '\n' && (at[1] == '\n' || !at[1]);
   return n;
 }
 
-/* Which column is which only its attribute says. */
+/* Checks that the attribute "columns" has a name for each column. */
 static sd_status check_names(const table *t, const char *names, size_t width) {
   if (!names)
     return sd_fail(t->messages, SD_ERROR_USER,
@@ -183,7 +186,7 @@ static sd_status check_names(const table *t, const char *names, size_t width) {
                  t->path, width, n);
 }
 
-/* A column at a time: however wide it is, there is memory for one. */
+/* Reads a two-dimensional dataset, one column at a time, so that a wide one needs little memory. */
 static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
   sd_status status = size_rows(t, "", rows);
   if (status != SD_OK) return status;
@@ -206,26 +209,27 @@ static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
   return status;
 }
 
-/* --- group of columns, or H5MD particles ---------------------------------------------------------- */
+/* --- Groups of columns, and particles of H5MD files ------------------------------------------- */
 
-/* Of a vector. */
+/* Largest number of components of a vector. */
 enum { MOST_COMPONENTS = 3 };
 
-/* Short names of the components of H5MD elements. */
+/* Names of columns that are components of H5MD elements. */
 static const struct alias {
   const char *column, *element;
-  int component; /* -1: a scalar per particle */
+  int component; /* index of the component; -1: the element is a scalar per particle */
 } aliases[] = {{"x", "position", 0},  {"y", "position", 1},   {"vx", "velocity", 0},
                {"vy", "velocity", 1}, {"theta", "angle", -1}, {"omega", "angular_velocity", -1}};
 
 enum { MOST_ELEMENTS = 64 };
 
-/* A column of a group: which element, and which of its components. */
+/* Source of a column: index of the element, and its component or -1. */
 typedef struct source {
   size_t element;
   int component;
 } source;
 
+/* Returns true if there is a dataset at path. */
 static bool is_set(const h5_file *file, const char *path) {
   if (!h5_exists(file, path)) return false;
   hid_t object = h5_open_object(file, path, NULL);
@@ -234,13 +238,15 @@ static bool is_set(const h5_file *file, const char *path) {
   return set;
 }
 
-/* "/" and "/group": what names below them begin with. */
+/* Returns the path of the group to which "/name" is appended: "" for the root group. */
 static const char *base_of(const table *t) { return strcmp(t->path, "/") == 0 ? "" : t->path; }
 
+/* Returns the path of an element's values, to be freed. framed: they are in frames. */
 static char *path_of(const table *t, const char *element, bool framed) {
   return format_text(framed ? "%s/%s/value" : "%s/%s", base_of(t), element);
 }
 
+/* Returns the index of an element in the list, to which it is added if it is new. */
 static size_t add_element(h5_element *elements, size_t *n, const char *name) {
   size_t k = 0;
   while (k < *n && strcmp(elements[k].name, name) != 0) k++;
@@ -248,7 +254,8 @@ static size_t add_element(h5_element *elements, size_t *n, const char *name) {
   return k;
 }
 
-/* A dataset of the column's own name goes before an element that holds it. */
+/* Finds the source of column c. A dataset of the column's own name takes precedence over an element
+ * that has it as a component. */
 static sd_status find_source(const table *t, size_t c, h5_element *elements, size_t *n,
                              source *from) {
   const char *name = t->columns[c], *element = name;
@@ -274,7 +281,8 @@ static sd_status find_source(const table *t, size_t c, h5_element *elements, siz
   return status;
 }
 
-/* The rows asked for, `width` numbers each, of the element's frame. NULL: good. */
+/* Reads the rows asked for, `width` numbers each, from the selected frame of an element. Returns
+ * what is wrong; NULL: nothing. */
 static const char *read_rows(const table *t, const h5_element *e, const char *path, size_t width,
                              double *data) {
   const hsize_t start[] = {e->frame, t->rows.first, 0, 0, 0}, count[] = {1, t->rows.n, width, 1, 1};
@@ -287,8 +295,9 @@ static const char *read_rows(const table *t, const h5_element *e, const char *pa
   return trouble;
 }
 
-/* Reads from each element the rows asked for, `width` numbers each, valid until the next; NULL:
- * reported. component < 0: one. */
+/* Reads the rows asked for of an element, *width numbers each, into t->data, which is valid until
+ * the next call. component < 0: the element must be a scalar. NULL: it failed, which is
+ * reported. */
 static const double *read_values(table *t, const h5_element *e, const char *name, int component,
                                  size_t *width) {
   size_t dims[H5_MAX_RANK];
@@ -311,7 +320,7 @@ static const double *read_values(table *t, const h5_element *e, const char *name
     const size_t n = (shared ? r->all : r->n) * *width;
     room = has_room(t, n);
     double *data = t->data;
-    if (room && shared) { /* rows of shares come a frame at a time */
+    if (room && shared) { /* datasets joined from shares are read a frame at a time */
       const sd_status got = e->framed
                                 ? h5_get_values(t->file, path, SD_F64, e->frame, 1, n, data, NULL)
                                 : h5_get(t->file, path, SD_F64, n, data, NULL);
@@ -328,9 +337,10 @@ static const double *read_values(table *t, const h5_element *e, const char *name
   return trouble || !room ? NULL : t->data;
 }
 
+/* Returns true if row k holds no particle; gone NULL: all rows hold one. */
 static bool is_gone(const bool *gone, size_t k) { return gone && gone[k]; }
 
-/* Vectors of three components: all particles stand, or move, in one plane. */
+/* Checks for vectors of three components that all particles are, or move, in one plane. */
 static sd_status check_plane(const table *t, const h5_element *e, const double *data, size_t width,
                              const bool *gone) {
   double least[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, most[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL},
@@ -351,7 +361,8 @@ static sd_status check_plane(const table *t, const h5_element *e, const double *
       t->file->path, t->path, e->name, least[2], most[2]);
 }
 
-/* Rows that were not filled, where nothing else tells of them. */
+/* Reports rows that have the fill value, and so were not written, although they should hold a
+ * particle. */
 static sd_status check_fill(const table *t, const h5_element *e, const double *data, size_t width,
                             const bool *gone) {
   double fill;
@@ -371,6 +382,7 @@ static sd_status check_fill(const table *t, const h5_element *e, const double *d
   return status;
 }
 
+/* Reads column c from its element. */
 static sd_status read_column(table *t, size_t c, const source *from, const h5_element *e,
                              const bool *gone) {
   size_t width = 1;
@@ -384,7 +396,7 @@ static sd_status read_column(table *t, size_t c, const source *from, const h5_el
   return status;
 }
 
-/* Finds the rows that hold no particle. */
+/* Finds the rows that hold no particle, from the element that marks them. */
 static sd_status read_absent(table *t, const h5_element *e) {
   size_t width = 1;
   const double *data = read_values(t, e, e->name, -1, &width);
@@ -392,7 +404,7 @@ static sd_status read_absent(table *t, const h5_element *e) {
   return h5_absent(t->file, base_of(t), e, data, t->rows.n, t->gone, t->messages);
 }
 
-/* Leaves out rows without a particle. */
+/* Removes rows without a particle from the table. */
 static void leave_out(table *t, const bool *gone) {
   size_t n = 0;
   for (size_t k = 0; k < t->rows.n; k++) n += !is_gone(gone, k);
@@ -410,7 +422,8 @@ static void leave_out(table *t, const bool *gone) {
   t->rows.all = 0;
 }
 
-/* Every column that is missing or cannot be read gets its message. */
+/* Reads all columns from a group. Each column that is missing or cannot be read gives one
+ * message. */
 static sd_status read_group(table *t) {
   h5_element elements[MOST_ELEMENTS];
   source from[MOST_ELEMENTS] = {0};
@@ -438,8 +451,9 @@ static sd_status read_group(table *t) {
   return worst;
 }
 
-/* --- which form ----------------------------------------------------------------------------------- */
+/* --- Choice of the form ----------------------------------------------------------------------- */
 
+/* Reads a table from a single dataset. */
 static sd_status read_set(table *t, hid_t set) {
   size_t dims[H5_MAX_RANK];
   int rank;

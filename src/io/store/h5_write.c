@@ -1,4 +1,4 @@
-/* h5_write.c: making HDF5 files and writing to them; see h5.h. */
+/* h5_write.c: makes HDF5 files and writes to them; see h5.h. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,8 +7,8 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
-/* Chunks hold about this many bytes: well below the library's chunk cache of 1 MiB, so that rows which come
- * in pieces do not make it compress a chunk again and again. */
+/* Chunks have about so many bytes, far less than the library's chunk cache of 1 MiB: so rows that
+ * come in pieces do not make it compress a chunk again and again. */
 enum { CHUNK_BYTES = 256 * 1024 };
 
 sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_messages *messages) {
@@ -18,7 +18,8 @@ sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_m
   if (status == SD_OK) {
     char *again = file_again(draft->fd, draft->path), reason[200];
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    /* what is written is written now, and its failure told by the call that writes */
+    /* without its buffer the library writes at once, and the call that writes returns the
+     * failure */
     H5Pset_sieve_buf_size(access, 0);
     file->id = H5Fcreate(again, H5F_ACC_TRUNC, H5P_DEFAULT, access);
     h5_reason(reason, sizeof reason);
@@ -48,7 +49,7 @@ sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *message
   return status;
 }
 
-/* --- write ---------------------------------------------------------------------------------------- */
+/* --- Writing ---------------------------------------------------------------------------------- */
 
 void h5_no_memory(h5_file *file, const char *path) {
   if (file->failed) return;
@@ -56,7 +57,7 @@ void h5_no_memory(h5_file *file, const char *path) {
   file->trouble = format_text("no memory for %s", path);
 }
 
-/* Link creation with the groups on the way; text is UTF-8. */
+/* Returns properties of new links: missing groups on the way are made; names are UTF-8. */
 static hid_t with_parents(void) {
   hid_t list = H5Pcreate(H5P_LINK_CREATE);
   H5Pset_create_intermediate_group(list, 1);
@@ -64,6 +65,7 @@ static hid_t with_parents(void) {
   return list;
 }
 
+/* Returns the type of strings of this length in UTF-8, filled with zeros. */
 static hid_t text_type(size_t length) {
   hid_t type = H5Tcopy(H5T_C_S1);
   H5Tset_size(type, length ? length : 1);
@@ -81,14 +83,14 @@ void h5_group(h5_file *file, const char *path) {
   H5Pclose(link);
 }
 
-/* The least that covers `length` with as many pieces as pieces of `most` need: the last one is then nearly as long as
- * the others, for it is stored as if it were. */
+/* Returns the least size of pieces that covers `length` with as few pieces as pieces of `most` do.
+ * The last piece is then nearly as long as the others: it is stored at full size. */
 static size_t even_pieces(size_t length, size_t most) {
   size_t pieces = (length + most - 1) / most;
   return pieces > 0 ? (length + pieces - 1) / pieces : 1;
 }
 
-/* Chunks of whole rows when a row fits, else of parts of one row. */
+/* Chooses chunks of whole rows if a row fits into CHUNK_BYTES, else of parts of one row. */
 static void choose_chunk(int rank, const size_t *dims, size_t element, hsize_t *chunk) {
   size_t row = element;
   for (int k = 1; k < rank; k++) {
@@ -105,9 +107,10 @@ static void choose_chunk(int rank, const size_t *dims, size_t element, hsize_t *
   }
 }
 
-/* Compressed only where there is something to gain; lent: room that the library does not fill. */
+/* Storage of a dataset. LENT: space is allocated at once, but the library writes nothing there. */
 typedef enum layout { PLAIN, COMPRESSED, LENT } layout;
 
+/* Makes a dataset with a journal entry; negative: it failed, which is noted in the file. */
 static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const size_t *dims,
                   layout how) {
   hsize_t extent[H5_MAX_RANK] = {0}, chunk[H5_MAX_RANK] = {0};
@@ -140,7 +143,7 @@ static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const s
   return set;
 }
 
-/* Closing writes what the library still holds. */
+/* Closes a dataset; this writes what the library still holds. */
 static void close_set(h5_file *file, hid_t set, const char *path) {
   if (!file->failed) h5_require(file, H5Dclose(set) >= 0, path);
 }
@@ -150,7 +153,7 @@ void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_
   if (file->failed) return;
   size_t n = 1;
   for (int k = 0; k < rank; k++) n *= dims[k];
-  /* small datasets: a filter costs more than it saves */
+  /* for small datasets a filter costs more than it saves */
   bool large = compress && n * sd_type_size(type) > 4096;
   hid_t set = make(file, path, h5_native(type), rank, dims, large ? COMPRESSED : PLAIN);
   if (set < 0) return;
@@ -201,7 +204,7 @@ void h5_put_text(h5_file *file, const char *path, const char *text) {
   H5Tclose(type);
 }
 
-/* Texts side by side, each filled up to the length of the longest; to be freed. */
+/* Joins n texts, each filled up with zeros to the length of the longest; to be freed. */
 static char *dense_texts(size_t n, const char *const *texts, size_t *longest) {
   *longest = 1;
   for (size_t k = 0; k < n; k++)
@@ -226,6 +229,7 @@ void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *
   free(all);
 }
 
+/* Writes an attribute with a journal entry. */
 static void write_attr(h5_file *file, const char *path, const char *name, hid_t type, hid_t space,
                        const void *data) {
   hid_t object = H5Oopen(file->id, path, H5P_DEFAULT);
@@ -294,7 +298,7 @@ void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size
   if (set >= 0) close_set(file, set, path);
 }
 
-/* The dataset, opened once. */
+/* Returns the writer of a dataset's rows, which is opened at the first call; NULL: it failed. */
 static h5_rows *set_of(h5_file *file, const char *path, sd_type type) {
   for (size_t k = 0; k < file->n_sets; k++)
     if (strcmp(file->sets[k].path, path) == 0) return &file->sets[k].rows;

@@ -1,4 +1,4 @@
-/* members.c: see members.h. */
+/* members.c: structs as groups of datasets or as attributes; see members.h. */
 #include "io/store/members.h"
 
 #include <assert.h>
@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 
-/* Names since format 5, and before. */
+/* Names of members since format 5, and in older files. */
 static const struct renamed {
   const char *now, *before;
 } renamed[] = {{"elastic_tangential", "elastic_skin"},
@@ -29,6 +29,7 @@ char *members_path(const h5_file *file, const char *path) {
   return found;
 }
 
+/* Returns the name of an attribute, or its older name if the object has none of this name. */
 static const char *attr_name(const h5_file *file, const char *path, const char *name) {
   for (size_t k = 0; k < RENAMED; k++)
     if (strcmp(name, renamed[k].now) == 0 && !h5_has_attr(file, path, name))
@@ -47,7 +48,7 @@ void members_put(h5_file *file, const char *group, const char *name, sd_type typ
   free(path);
 }
 
-/* Room for n rows of any of the observables, to be freed; NULL: no memory. */
+/* Allocates memory for n values of any row of the list, to be freed; NULL: no memory. */
 static void *make_room(const observable_list *list, size_t n) {
   size_t most = 1;
   void *room;
@@ -103,7 +104,7 @@ sd_status members_read(const h5_file *file, const char *group, const observable_
   return status;
 }
 
-/* Whole numbers of 64 bits keep all of them. */
+/* Members of 64-bit integers are written directly, since a double would lose digits. */
 void members_write_attrs(h5_file *file, const char *path, const observable_list *list,
                          const void *row) {
   for (size_t k = 0; k < list->n; k++) {

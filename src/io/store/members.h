@@ -1,32 +1,38 @@
-/* members.h: structures as groups of datasets or as attributes, after the rows of an observable_list. */
+/* members.h: writes and reads structs as groups of datasets or as attributes, according to the rows
+ * of an observable_list. */
 #ifndef SLIPDISK_IO_MEMBERS_H
 #define SLIPDISK_IO_MEMBERS_H
 
 #include "io/store/h5.h"
 #include "measure/observable.h"
 
-/* n structures from `first` on, `stride` bytes apart: a dataset [n] or [n][width] for each row, with unit and description,
- * in a group. */
+/* Writes n structs, which begin at `first` and are `stride` bytes apart, into a group: for each row
+ * of the list a dataset [n] or [n][width], with unit and description. */
 void members_write(h5_file *file, const char *group, const observable_list *list, const void *first,
                    size_t stride, size_t n);
-/* SD_ERROR_IO: the first dataset is missing, or one is of another size. Others that an older file does not have are NAN, or
- * 0 in whole numbers. */
+/* Reads n structs from the datasets of a group. Returns SD_ERROR_IO if the first dataset is
+ * missing, or if one has another size. Members whose datasets an older file lacks become NAN, or 0
+ * if they are integers. */
 sd_status members_read(const h5_file *file, const char *group, const observable_list *list,
                        void *first, size_t stride, size_t n, sd_messages *messages);
-/* One structure as attributes of the object at path. Those that are missing are NAN or 0. */
+/* Write one struct as attributes of the object at path, and read it. Members whose attributes are
+ * missing become NAN, or 0 if they are integers. */
 void members_write_attrs(h5_file *file, const char *path, const observable_list *list,
                          const void *row);
 void members_read_attrs(const h5_file *file, const char *path, const observable_list *list,
                         void *row);
 
-/* Path of this dataset in a file, which may have it by the name of an older format; to be freed. */
+/* Returns the path that a dataset has in this file, which may be its name in an older format; to be
+ * freed. */
 char *members_path(const h5_file *file, const char *path);
 
-/* A dataset in a group, with unit and description. data NULL: there was no memory for it. */
+/* Writes a dataset with unit and description into a group. If data is NULL, since there was no
+ * memory, the failure is noted in the file. */
 void members_put(h5_file *file, const char *group, const char *name, sd_type type, int rank,
                  const size_t *dims, const void *data, bool compress, const char *unit,
                  const char *meaning);
-/* Lines of one text. Reading: missing ones become empty; each is to be freed. */
+/* Write n texts as the lines of one text, and read them. On reading, missing lines become empty;
+ * each is to be freed. */
 void members_write_lines(h5_file *file, const char *path, size_t n, char *const *lines);
 void members_read_lines(const h5_file *file, const char *path, size_t n, char **lines);
 

@@ -1,4 +1,4 @@
-/* table.c: see table.h. */
+/* table.c: rows of results in memory; see table.h. */
 #include "io/store/table.h"
 
 #include <assert.h>
@@ -109,12 +109,12 @@ int table_shape(const table_column *c, size_t n_rows, size_t dims[H5_MAX_RANK]) 
   return c->rank + 1;
 }
 
-/* Length of the path without "/value"; 0 when it ends otherwise. */
+/* Returns the length of a path without "/value"; 0: it has another ending. */
 static int element_of(const char *path) {
   return text_ends(path, "/value") ? (int)(strlen(path) - strlen("/value")) : 0;
 }
 
-/* Units, meanings, and the links of the elements to the table's step and time. */
+/* Writes units and descriptions, and links each element to the step and time of the table. */
 static void annotate(const table *t, h5_file *file) {
   for (size_t k = 0; k < t->n_columns; k++) {
     const table_column *c = &t->columns[k];
