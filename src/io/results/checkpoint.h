@@ -51,10 +51,11 @@ sd_status checkpoint_write(int folder, const char *path, const sd_state *state,
 typedef struct checkpoint_order {
   /* [n_free] key of each free disk: its slot in the order of all disks */
   int64_t *disk_key;
-  /* [n_contacts] key of each row of contacts; it is the same for all contacts of one disk */
+  /* [n_contacts] key of each row of contacts: slot of the disk in the order of all disks, plus 2^32
+   * if the partner is a wall with segments */
   int64_t *contact_key;
-  /* [n_contacts] index, in the rank's state, of the contact in each row; contacts of one disk keep
-   * their order */
+  /* [n_contacts] index, in the rank's state, of the contact in each row; contacts of equal key are
+   * ordered by partner and segment */
   uint32_t *contact;
 } checkpoint_order;
 
