@@ -1,4 +1,4 @@
-/* loop.c: see loop.h. */
+/* loop.c: does what is due between steps: phases, rain, compression, checks; see loop.h. */
 #include "run/loop.h"
 
 #include <assert.h>

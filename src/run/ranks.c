@@ -112,7 +112,7 @@ static void share_fast(engine *e) {
   speed_begin(e);
 }
 
-/* Does what is done once at step 0. */
+/* Begins the first phase, and does what is done once at step 0. */
 static sd_status start_part(ranks *r) {
   engine *e = r->part;
   /* Disks read from a file in parts are checked for overlaps only now: no rank had all of them

@@ -1,4 +1,5 @@
-/* ranks_first.c: see ranks_first.h. */
+/* ranks_first.c: reads a deck on several ranks and makes the state of each at step 0; see
+ * ranks_first.h. */
 #include "run/ranks_first.h"
 
 #include <assert.h>

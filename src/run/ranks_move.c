@@ -1,4 +1,5 @@
-/* ranks_move.c: see ranks_move.h. */
+/* ranks_move.c: cuts the plane into domains, moves disks and contacts to their ranks, and chooses
+ * ghosts; see ranks_move.h. */
 #include "run/ranks_move.h"
 
 #include <assert.h>

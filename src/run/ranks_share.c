@@ -1,4 +1,5 @@
-/* ranks_share.c: see ranks_share.h. */
+/* ranks_share.c: orders a rank's disks and contacts for its share of a file, adds up sums over
+ * ranks, and chooses the columns that move; see ranks_share.h. */
 #include "run/ranks_share.h"
 
 #include <assert.h>

@@ -1,4 +1,4 @@
-/* route.c: see route.h. */
+/* route.c: packs rows for other ranks, exchanges them and unpacks those received; see route.h. */
 #include "run/route.h"
 
 #include <assert.h>
@@ -149,7 +149,7 @@ void route_answer(const route *r, route_column column) {
   back.row = route_room(r->comm, back.n_send, sizeof *back.row);
   for (size_t k = 0; k < back.n_send; k++) back.row[k] = (uint32_t)k;
   route_columns(&back, &column, 1, r->row);
-  back.to = back.from = NULL; /* owned by r */
+  back.to = back.from = NULL; /* r owns these arrays: do not free them */
   route_free(&back);
 }
 

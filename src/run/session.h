@@ -16,7 +16,7 @@
 #include "slipdisk/simulation.h"
 
 typedef struct session session;
-struct ranks; /* run/ranks.h */
+struct ranks; /* see run/ranks.h */
 
 /* Distance of a phase from rest: the measured values, and their goals; 0: no goal. */
 typedef struct session_rest {

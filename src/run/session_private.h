@@ -9,7 +9,7 @@
 
 /* Facts that only rank 0 finds out; it broadcasts them before each chunk of steps. */
 typedef struct session_world {
-  int64_t chunk; /* length of the chunk, steps */
+  int64_t chunk; /* length of the next chunk, steps */
   /* 1: a signal asks to stop; 1: a checkpoint is due */
   int32_t stopped, save;
 } session_world;
@@ -53,7 +53,7 @@ bool session_leads(const session *s);
  * session_next the next step at which some may be due, of a run that is not over. */
 unsigned session_due(const sd_model *model, sd_stage now);
 int64_t session_next(const sd_model *model, sd_stage now);
-/* Samples the rows `what` of the present state. */
+/* Samples the present state into the tables that the bits of `what` select. */
 sd_status session_sample(session *s, unsigned what, sd_messages *messages);
 /* Seals the rows into a part, writes a checkpoint and removes older ones. */
 sd_status session_checkpoint(session *s, sd_messages *messages);
@@ -65,7 +65,8 @@ sd_status session_identity(const session *s, char **id, sd_messages *messages);
 sd_status session_may_publish(const session *s, sd_status kind, sd_messages *messages);
 /* Returns true if this rank was asked to stop by a signal. */
 bool session_is_stopped(const session *s);
-/* Sets s->world on all ranks, with this chunk. */
+/* Sets s->world on all ranks as on rank 0: whether a signal came, whether a checkpoint is due, and
+ * the length of the next chunk of steps. */
 void session_look(session *s, int64_t chunk);
 /* Reports progress if the time for the next report has come, or if `always` is true. */
 void session_report(session *s, bool always);

@@ -1,4 +1,4 @@
-/* steps.c: see steps.h. */
+/* steps.c: takes steps with threads, over ranks, or with several systems in lanes; see steps.h. */
 #include "run/steps.h"
 
 #include <assert.h>
@@ -24,7 +24,7 @@
 #include "physics/system/halo.h"
 #include "run/ranks_move.h"
 
-/* Task of the threads of one engine: to take steps. */
+/* Arguments of the threads that take the steps of one engine. */
 typedef struct steps_task {
   engine *e;
   int64_t until;
@@ -64,7 +64,7 @@ static void take_steps(const steps_task *a, const team *t) {
     team_wait(t);
     const bool failed = has_failed(a, t);
     if (failed && !e->comm) return;
-    if (failed) continue; /* the ranks agree on the failure in may_step */
+    if (failed) continue; /* go on to may_step, in which all ranks agree on the failure */
     if (a->sums) relax_step(e, t, a->sums);
     if (!a->measure) continue;
     disks_step(e, t, measured + (step - from) + 1);

@@ -30,8 +30,8 @@ void sweep_close(sweep *s) {
 
 /* --- Checks of all points --------------------------------------------------------------------- */
 
-/* Number of different mistakes that are reported. A mistake of the deck itself occurs in every
- * point, a mistake of a path with every value. */
+/* Largest number of different mistakes that are reported. A mistake of the deck itself comes up for
+ * every point, a mistake of a path for every value. */
 enum { MOST_MISTAKES = 40 };
 
 typedef struct mistake {
@@ -169,8 +169,8 @@ struct jobs {
   const sweep *s;
   const size_t *points;
   const sweep_options *options;
-  runner *runners;         /* [n] */
-  session_member *members; /* [n] */
+  runner *runners;         /* [n] points that are run */
+  session_member *members; /* [n] their sessions */
 };
 
 static void tell_progress(void *user, const session_progress *p) {

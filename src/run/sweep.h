@@ -80,7 +80,7 @@ typedef struct sweep_tally {
   /* number of points, of lines in `list`, and of further lines, which are not kept */
   size_t points, n, more;
   bool sampled;           /* true if only some of the points were checked */
-  sweep_tally_line *list; /* [n] */
+  sweep_tally_line *list; /* [n] differences */
 } sweep_tally;
 /* Adds the differences of a point of another deck, and takes them over. */
 void sweep_tally_add(sweep_tally *t, sweep_result *r);
@@ -92,12 +92,12 @@ void sweep_tally_free(sweep_tally *t);
 enum { SWEEP_HAS_RESULT = 1, SWEEP_HAS_PARTS = 2 };
 typedef struct sweep_contents {
   unsigned char *has; /* [n_points] bits SWEEP_HAS_RESULT, SWEEP_HAS_PARTS */
-  size_t known;       /* number of points with either bit */
+  size_t known;       /* number of points of this sweep with a result or parts */
   /* files of points that do not belong to this sweep: .h5, .h5.parts, .failed */
   size_t results, parts, failures;
-  char *example; /* name of such a point; NULL: none */
+  char *example; /* name of a point that is not of this sweep; NULL: none */
 } sweep_contents;
-/* Lists the folder of points. */
+/* Finds which results and runs the folder of points has. */
 void sweep_list(const sweep *s, sweep_contents *out);
 /* Returns a text such as "FOLDER has 9 results and 1 unfinished run of points that this sweep does
  * not have, such as tilt=0"; the caller frees it; NULL: there are none. */
@@ -126,7 +126,8 @@ typedef struct sweep_options {
   bool force;  /* true: run finished points again */
   /* points stop at a checkpoint once this is nonzero */
   volatile sig_atomic_t *stop;
-  void (*progress)(void *user, size_t k, const session_progress *progress); /* may be NULL */
+  /* reports the progress of point k; may be NULL */
+  void (*progress)(void *user, size_t k, const session_progress *progress);
   /* called once for each point when it has ended */
   void (*left)(void *user, size_t k, const sweep_end *end);
   void *user;

@@ -1,4 +1,5 @@
-/* checkpoint.c: see checkpoint.h. */
+/* checkpoint.c: writes and reads the columns of a state in checkpoint files, whole or in shares of
+ * ranks; see checkpoint.h. */
 #include "io/results/checkpoint.h"
 
 #include <assert.h>

@@ -1,4 +1,5 @@
-/* constants.c: see constants.h. */
+/* constants.c: writes the constants of a model to a result and rebuilds a model from them; see
+ * constants.h. */
 #include "io/results/constants.h"
 
 #include <stddef.h>

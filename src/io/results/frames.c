@@ -1,4 +1,4 @@
-/* frames.c: see frames.h. */
+/* frames.c: finds stored frames by number or time and reads them; see frames.h. */
 #include "io/results/frames.h"
 
 #include <stdlib.h>

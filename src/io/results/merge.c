@@ -1,4 +1,4 @@
-/* merge.c: see merge.h. */
+/* merge.c: copies the rows of all parts into the result file; see merge.h. */
 #include "io/results/merge.h"
 
 #include <assert.h>

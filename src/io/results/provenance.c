@@ -1,4 +1,4 @@
-/* provenance.c: see provenance.h. */
+/* provenance.c: fills, writes and reads the origin of a result; see provenance.h. */
 #include "io/results/provenance.h"
 #include "slipdisk/deck.h"
 
@@ -58,7 +58,7 @@ const char *provenance_get(const provenance *p, size_t k) {
   return text ? text : "";
 }
 
-/* Replaces a text by a copy; NULL counts as "". */
+/* Frees *at and sets it to a copy of the text; NULL counts as "". */
 static void set(char **at, const char *text) {
   char *copy = memory_text(text ? text : "");
   free(*at);

@@ -1,4 +1,4 @@
-/* record.c: see record.h. */
+/* record.c: fills the tables of rows and seals them into parts; see record.h. */
 #include "io/results/record.h"
 
 #include <assert.h>

@@ -10,7 +10,7 @@
 #include "io/store/table.h"
 #include "slipdisk/simulation.h"
 
-/* bits that select tables */
+/* Bits of `what`: tables to which a sample adds rows. */
 enum { RECORD_SERIES = 1, RECORD_FRAMES = 2, RECORD_CONTACTS = 4, RECORD_ALL = 7 };
 enum { RECORD_CONTACT_INDEX = 3, RECORD_TABLES = 6 }; /* indices into record.tables */
 
@@ -39,7 +39,7 @@ void record_free(record *r);
 size_t record_bytes(const record *r);
 /* Returns true if no table has a row. */
 bool record_empty(const record *r);
-/* Removes all rows. */
+/* Removes the rows of all tables; keeps their memory. */
 void record_clear(record *r);
 
 /* Sums over all bodies, for a row of the series. */

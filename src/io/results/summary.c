@@ -1,4 +1,5 @@
-/* summary.c: see summary.h. */
+/* summary.c: collects the summary of a run, writes and reads it; see summary.h. Doubts are in
+ * summary_doubts.c. */
 #include "io/results/summary.h"
 
 #include <math.h>

@@ -103,9 +103,10 @@ typedef struct summary {
   /* steps done in all phases; largest number of steps, since phases may end early */
   int64_t step, steps;
   double dt;
-  int64_t phase, phases; /* index of the running phase (phases: finished), number of phases */
-  char *phase_name;      /* name of the running phase; "": it has none, or the run is finished */
-  int64_t measured;      /* number of measured steps */
+  /* index of the running phase, `phases` at the end of the run; number of phases */
+  int64_t phase, phases;
+  char *phase_name; /* name of the running phase; "": it has none, or the run is finished */
+  int64_t measured; /* number of measured steps */
   int64_t disks, walls, contacts; /* numbers of disks, walls, closed contacts */
   /* number of disks not yet released; of disks beyond the bounds or removed; number of times that a
    * disk left the bounds */
@@ -124,7 +125,7 @@ typedef struct summary {
   sd_configuration *configurations;
   char **rotation_names;      /* [n_rotations] names of the watched disks */
   char **slide_names;         /* [3 n_slides] names of disk, first partner, second partner */
-  char **configuration_names; /* [n_configurations] names such as "upper.pp" */
+  char **configuration_names; /* [n_configurations] names of configurations, such as "upper.pp" */
   summary_disks packing;      /* means of every free disk; n = 0: the deck does not ask for them */
   bool has_until;   /* true if the deck has `until`; the members below are valid only then */
   char *observable; /* name of the observable, such as "upper.omega" */
@@ -132,7 +133,7 @@ typedef struct summary {
   double relative;
   sd_goal goal;
   int64_t until_step; /* step at which the run ended because its goal was met; -1: not met so far */
-  summary_doubt doubts[DOUBT_KINDS]; /* index: doubt_kind */
+  summary_doubt doubts[DOUBT_KINDS]; /* indexed by doubt_kind; text NULL: no such doubt */
 } summary;
 
 /* Names of the sliding configurations in names of columns: "pp", "pm", "mp", "mm", "stick",
@@ -146,11 +147,11 @@ extern const observable_list phase_observables;   /* rows describe a summary_pha
 
 /* Allocates the summary of a model and sets its sizes and names; values are 0. */
 void summary_new(summary *s, const sd_model *model);
-enum { SUMMARY_LOST = 8 }; /* number of lost disks that are listed one by one */
+enum { SUMMARY_LOST = 8 }; /* number of lost disks that are listed in full */
 /* Disks that are beyond the bounds or removed: their number, and the first few in the order of
  * slots. */
 typedef struct summary_lost {
-  int64_t n;   /* number of such disks */
+  int64_t n;   /* > number of disks beyond the bounds or removed */
   size_t told; /* number of disks listed in `first` */
   struct summary_lost_disk {
     uint32_t disk, order;

@@ -1,4 +1,5 @@
-/* summary_doubts.c: see summary.h. */
+/* summary_doubts.c: compares a summary with the limits of its deck and words the doubts; see
+ * summary.h. */
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>

@@ -1,4 +1,5 @@
-/* trajectory.c: see trajectory.h. */
+/* trajectory.c: defines the columns of frames, contacts and series, and fills their rows; see
+ * trajectory.h. */
 #include "io/results/trajectory.h"
 
 #include <assert.h>
