@@ -1,5 +1,6 @@
-/* deck_diff.c: see deck_diff.h. Lines are taken off while they agree; where they do not, the nearest place at
- * which they agree again is looked for. Full decks list their keys in a fixed order, so that is enough. */
+/* deck_diff.c: see deck_diff.h. Equal lines are skipped; at a difference the nearest pair of lines
+ * at which the decks agree again is searched. That suffices, because completed decks list their
+ * keys in a fixed order. */
 #include "run/deck_diff.h"
 
 #include <stdlib.h>
@@ -14,7 +15,7 @@ enum { WINDOW = 200, MOST = 20 };
 
 static size_t length_of(const char *line) { return strcspn(line, "\n"); }
 
-/* How often a run is saved is not part of what is run. */
+/* Skips the line of the checkpoint interval, which does not affect the result. */
 static const char *past_ignored(const char *line) {
   static const char ignored[] = "checkpoint = ";
   while (strncmp(line, ignored, sizeof ignored - 1) == 0) {
@@ -29,13 +30,15 @@ static const char *next_of(const char *line) {
   return past_ignored(*line ? line + 1 : line);
 }
 
-/* Without the remark that a value is the default: it makes no difference who wrote it. */
+/* Returns the length of the line without the remark that the value is the default: such a value may
+ * also be given explicitly. */
 static size_t said(const char *line) {
   static const char remark[] = "  # default";
   size_t n = length_of(line), tail = sizeof remark - 1;
   return n >= tail && strncmp(line + n - tail, remark, tail) == 0 ? n - tail : n;
 }
 
+/* Returns true if two lines say the same; false at the end of a text. */
 static bool same(const char *a, const char *b) {
   size_t n = said(a);
   return *a && *b && n == said(b) && strncmp(a, b, n) == 0;
@@ -51,7 +54,7 @@ bool deck_same(const char *before, const char *now) {
   return !*before && !*now;
 }
 
-/* Lines skipped in a and in b until they agree again; the sum is the least. */
+/* Finds how many lines to skip in a and in b until they agree again; the sum of both is minimal. */
 static void resynchronise(const char *a, const char *b, int *skip_a, int *skip_b) {
   *skip_a = *skip_b = WINDOW;
   const char *at_a = a;
@@ -66,6 +69,8 @@ static void resynchronise(const char *a, const char *b, int *skip_a, int *skip_b
   }
 }
 
+/* Adds an error for each of `count` lines, while fewer than MOST were added. Returns the next
+ * line. */
 static const char *tell(const char *line, int count, const char *whose, int *told,
                         sd_messages *messages) {
   for (int k = 0; k < count && *line; k++, line = next_of(line)) {
@@ -96,19 +101,19 @@ void deck_diff(const char *before, const char *now, sd_messages *messages) {
   if (told > MOST) sd_fail(messages, SD_ERROR_USER, "... and %d more lines", told - MOST);
 }
 
-/* --- which keys another deck says otherwise, of a point, and of many -------------------------- */
+/* --- Differences between the keys of two decks, for points of a sweep ------------------------- */
 
-/* Differences that are kept of a point, and of many together. */
+/* Largest number of differences kept for a point, and for many points together. */
 enum { MOST_KEPT = 20, MOST_TOLD = 20 };
 
-/* A missing value is NULL. */
+/* Adds a difference; a value that a deck does not have is NULL. */
 static void add(sweep_result *r, const char *path, const char *there, const char *here) {
   r->differences = memory_grow(r->differences, r->n_differences + 1, sizeof *r->differences);
   r->differences[r->n_differences++] =
       (sweep_difference){memory_text(path), memory_text(there), memory_text(here)};
 }
 
-/* --- two decks ---------------------------------------------------------------------------------------------- */
+/* --- One point -------------------------------------------------------------------------------- */
 
 static void keep(void *user, const char *path, const char *there, const char *here) {
   sweep_result *r = user;
@@ -124,7 +129,7 @@ bool sweep_compare(sweep_result *r, const char *there, const char *here, bool an
 
 void sweep_differ(sweep_result *r, const char *why) { add(r, why, NULL, NULL); }
 
-/* "gravity.tilt: 0.1 there, 0.2 here" */
+/* Returns a text such as "gravity.tilt: 0.1 there, 0.2 here"; the caller frees it. */
 static char *words(const sweep_difference *d) {
   if (!d->there && !d->here) return memory_text(d->path);
   if (!d->there) return format_text("%s: not there, %s here", d->path, d->here);
@@ -155,10 +160,11 @@ void sweep_differences_free(sweep_result *r) {
   r->n_differences = 0;
 }
 
-/* --- of many points ----------------------------------------------------------------------------------------- */
+/* --- Many points ------------------------------------------------------------------------------ */
 
 static bool same_text(const char *a, const char *b) { return a && b ? strcmp(a, b) == 0 : a == b; }
 
+/* Counts a difference of a point: finds its line in the tally or adds one, which takes over d. */
 static void count(sweep_tally *t, sweep_difference *d) {
   for (size_t k = 0; k < t->n; k++) {
     sweep_tally_line *line = &t->list[k];
@@ -174,7 +180,7 @@ static void count(sweep_tally *t, sweep_difference *d) {
   }
   t->list = memory_grow(t->list, t->n + 1, sizeof *t->list);
   t->list[t->n++] = (sweep_tally_line){.first = *d, .points = 1};
-  *d = (sweep_difference){0}; /* moved */
+  *d = (sweep_difference){0}; /* now owned by the list */
 }
 
 void sweep_tally_add(sweep_tally *t, sweep_result *r) {

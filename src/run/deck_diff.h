@@ -1,4 +1,5 @@
-/* deck_diff.h: do two full decks say the same, and which lines differ, for the message that refuses to continue another deck. */
+/* deck_diff.h: compares two completed decks, for the message that refuses to continue a run with
+ * another deck. */
 #ifndef SLIPDISK_RUN_DECK_DIFF_H
 #define SLIPDISK_RUN_DECK_DIFF_H
 
@@ -6,10 +7,11 @@
 
 #include "slipdisk/status.h"
 
-/* Two full decks are the same but for `checkpoint`, which only says how often a run is saved. */
+/* Returns true if two completed decks are the same except for `checkpoint`, the interval between
+ * checkpoints. */
 bool deck_same(const char *before, const char *now);
 
-/* Adds one error per line that only one of the texts has, at most about 20. */
+/* Adds an error for each line that only one of the decks has, about 20 at most. */
 void deck_diff(const char *before, const char *now, sd_messages *messages);
 
 #endif

@@ -1,8 +1,8 @@
 /* ensemble.c: see ensemble.h.
  *
- * Members that stand at the same place of their phases go in lanes together, up to the next pause of any of them. Which
- * is in which lane is found anew at each pause, and the tables are kept as long as it is the same.
- */
+ * Members at the same step of the same phase go in lanes together, up to the next pause of any
+ * of them. After each pause the members are grouped again; the lanes are kept while the group is
+ * the same. */
 #include "run/ensemble.h"
 
 #include <assert.h>
@@ -21,7 +21,7 @@
 struct ensemble {
   size_t n, in_lanes;
   sd_simulation **members;
-  /* the systems in lanes, and their tables */
+  /* lanes, and the engines in them; NULL: none yet */
   lanes *lanes;
   size_t n_together;
   engine *together[LANES_MOST];
@@ -46,13 +46,14 @@ void ensemble_free(ensemble *e) {
   free(e);
 }
 
-/* One member's share of a call. */
+/* Steps that a member still has to take in this call. */
 typedef struct share {
-  engine *engine; /* NULL: it has had its steps, or goes no further */
-  int64_t left;   /* steps of this call */
+  engine *engine; /* NULL: it has taken its steps, has failed or is finished */
+  int64_t left;   /* steps left in this call */
 } share;
 
-/* Members that can go with the first that is left, and how far. */
+/* Finds the members that can go in lanes with member `first`. who: receives their indices; steps:
+ * the number of steps that all of them can take. Returns their number. */
 static size_t find_together(const ensemble *e, const share *shares, size_t first, size_t *who,
                             int64_t *steps) {
   size_t n = 0, most = engine_kernels(shares[first].engine)->lane_width;
@@ -74,6 +75,7 @@ static size_t find_together(const ensemble *e, const share *shares, size_t first
   return n;
 }
 
+/* Returns lanes with these systems; makes new ones unless the systems are the same as before. */
 static lanes *lanes_for(ensemble *e, size_t n, engine *const *systems) {
   if (e->lanes && e->n_together == n && memcmp(e->together, systems, n * sizeof(engine *)) == 0)
     return e->lanes;
@@ -88,14 +90,16 @@ static void go_together(ensemble *e, size_t n, engine *const *systems, int64_t s
   const sd_state *s = systems[0]->state;
   bool measure = systems[0]->model->phases[s->phase].measure;
   lanes *l = lanes_for(e, n, systems);
-  for (size_t k = 0; k < n; k++) motion_store(systems[k]); /* who was alone until now */
+  /* store the motions of systems that were advanced alone before */
+  for (size_t k = 0; k < n; k++) motion_store(systems[k]);
   unsigned mode = subnormal_off();
   lanes_loop(l, steps, measure);
   subnormal_restore(mode);
   if (n > e->in_lanes) e->in_lanes = n;
 }
 
-/* Advances the first that is left with whoever can go along, up to the next pause; returns their pauses' results. */
+/* Advances member `first`, together with all that can go in lanes with it, up to the next pause, or
+ * alone if there is no other. */
 static void advance_some(ensemble *e, share *shares, size_t first, sd_status *status,
                          sd_messages *const *messages) {
   size_t who[LANES_MOST];

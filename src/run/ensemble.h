@@ -1,9 +1,10 @@
-/* ensemble.h: simulations that are advanced together: those that are alike go side by side in the lanes of vectors.
+/* ensemble.h: advances several simulations together; simulations that are alike go side by side
+ * in the lanes of vectors.
  *
- * Each gives the bits of the simulation on its own, whatever else is in the ensemble and on whatever machine: lanes
- * do not mix. Members are alike when they have the same bodies, motions, phases and measurements; any number in
- * them may differ. Members that cannot go in lanes are advanced by themselves.
- */
+ * Each gives the same bits as it does alone, whatever else is in the ensemble and on any
+ * machine, since lanes do not mix. Simulations are alike if they have the same bodies, motions,
+ * phases and measurements; any number in them may differ. Members that cannot go in lanes are
+ * advanced one by one. */
 #ifndef SLIPDISK_RUN_ENSEMBLE_H
 #define SLIPDISK_RUN_ENSEMBLE_H
 
@@ -11,25 +12,28 @@
 
 typedef struct ensemble ensemble;
 
-/* How many systems are worth putting together on this machine: a multiple of the lanes of a vector. */
+/* Returns the number of systems that fill the lanes of a vector on this machine. */
 size_t ensemble_width(void);
-/* Can simulations of this model go in lanes (few bodies, open box, nothing that needs the general step)? */
+/* Returns true if simulations of this model can go in lanes: few bodies, open box, no feature that
+ * needs the general step. */
 bool ensemble_takes(const sd_model *model);
-/* Can two such models share lanes? Symmetric, and transitive. */
+/* Returns true if simulations of two such models can share lanes. The relation is symmetric and
+ * transitive. */
 bool ensemble_alike(const sd_model *a, const sd_model *b);
 
-/* Members stay the caller's, and must outlive the ensemble. They need not stand at the same step,
- * nor be alike: what does not fit together is advanced one by one. Simulations of one thread
- * only. */
+/* Makes an ensemble. The caller keeps the members, which must outlive the ensemble and have one
+ * thread each. They need not be alike nor at the same step: members that do not fit together are
+ * advanced one by one. */
 ensemble *ensemble_new(size_t n, sd_simulation *const *members);
 void ensemble_free(ensemble *e);
 
-/* Advances every member by n steps, as sd_simulation_advance would; each has its own status and messages. One that
- * is finished, or whose status is not SD_OK on entry, is left as it is. All states are complete afterwards:
- * everything may be done with a member between calls that may be done with a simulation. */
+/* Advances every member by n steps, as sd_simulation_advance does; each has its own status and
+ * messages. A member that is finished, or whose status is not SD_OK on entry, is not advanced. All
+ * states are complete afterwards, so that any call of a simulation is allowed between two calls of
+ * this function. */
 void ensemble_advance(ensemble *e, int64_t n, sd_status *status, sd_messages *const *messages);
 
-/* Members that went in lanes during the last call. */
+/* Returns the largest number of members that went in lanes together during the last call. */
 size_t ensemble_in_lanes(const ensemble *e);
 
 #endif

@@ -1,4 +1,4 @@
-/* loop.c: see loop.h. */
+/* loop.c: does what is due between steps: phases, rain, compression, checks; see loop.h. */
 #include "run/loop.h"
 
 #include <assert.h>
@@ -22,7 +22,7 @@ bool loop_finished(const engine *e) { return e->state->phase >= (int64_t)e->mode
 
 static const sd_phase *phase_of(const engine *e) { return &e->model->phases[e->state->phase]; }
 
-/* --- work ------------------------------------------------------------------------------------- */
+/* --- Work ------------------------------------------------------------------------------------- */
 
 sd_status loop_build(engine *e, bool small, int threads, sd_messages *messages) {
   sd_status status = engine_build(e, small ? 1 : threads, messages);
@@ -43,8 +43,8 @@ sd_status loop_rebuild(engine *e, bool small, sd_messages *messages) {
   return status;
 }
 
-/* Follows the disks where they have gone since they were put in order; all that can be recomputed
- * is made anew. */
+/* Sorts the disks by where they are now, since they have moved since they were last sorted, and
+ * rebuilds the work. */
 static sd_status order_again(engine *e, sd_messages *messages) {
   if (e->comm) return ranks_order_again(e);
   if (e->state->n_free < ORDER_LEAST) return SD_OK;
@@ -53,19 +53,22 @@ static sd_status order_again(engine *e, sd_messages *messages) {
   return loop_rebuild(e, engine_lanes(e), messages);
 }
 
-/* --- phases ----------------------------------------------------------------------------------- */
+/* --- Phases ----------------------------------------------------------------------------------- */
 
+/* Begins to measure watched disks and means of every disk. */
 static void measure_begin(engine *e) {
   sample_begin(e);
   disks_begin(e);
 }
 
-/* The settle criteria are looked at after this step, if there are any. */
+/* Returns true if the phase has settle criteria and they are checked after this step. */
 static bool settle_is_due(const engine *e) {
   const sd_settle *asked = &e->model->phases[e->state->phase].settle;
   return asked->asked && e->state->phase_step % asked->every == 0;
 }
 
+/* Stores the outcome of the phase in the state: its length, the values of its criteria, and whether
+ * they are met. */
 static void note_goals(const engine *e, const settle_measure *rest) {
   sd_state *s = e->state;
   const sd_phase *p = &e->model->phases[s->phase];
@@ -81,8 +84,8 @@ static void note_goals(const engine *e, const settle_measure *rest) {
       (!rest || settle_reached(e, rest)) && (!p->compress.asked || compress_done(e));
 }
 
-/* Stops measuring, notes the goals of the phase and its values at the end. rest: NULL: it has no
- * settle criteria. */
+/* Ends the phase: stops measuring and stores its outcome. rest: measured rest; NULL: the phase has
+ * no settle criteria. */
 static void close_phase(engine *e, const settle_measure *rest) {
   sd_state *s = e->state;
   assert(s->phase_step > 0 && s->phase_steps[s->phase] == 0);
@@ -113,6 +116,7 @@ sd_status loop_start(engine *e, sd_messages *messages) {
   return SD_OK;
 }
 
+/* Ends the phase and, unless it was the last, begins the next one. */
 static sd_status end_phase(engine *e, sd_messages *messages) {
   const bool settles = phase_of(e)->settle.asked;
   const settle_measure rest = settles ? settle_look(e) : (settle_measure){0};
@@ -125,25 +129,28 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   return SD_OK;
 }
 
-/* --- what is done between steps --------------------------------------------------------------- */
+/* --- Between steps ---------------------------------------------------------------------------- */
 
+/* Returns true in the last phase of a model with a goal (until). */
 static bool has_goal(const engine *e) {
   return e->model->until.asked && e->state->phase + 1 == (int64_t)e->model->n_phases;
 }
 
+/* Returns the next multiple of `every` after `step` if it is less than `stop`, else `stop`. */
 static int64_t nearer(int64_t stop, int64_t step, int64_t every) {
   int64_t next = (step / every + 1) * every;
   return next < stop ? next : stop;
 }
 
-/* The phase's next step after which the run pauses: it ends, or something is looked at or done. */
+/* Returns the next step of the phase after which the loop pauses, because the phase ends there or a
+ * check or action between steps is due. */
 static int64_t next_stop(const engine *e) {
   const sd_phase *p = phase_of(e);
   int64_t now = e->state->phase_step, stop = has_goal(e) ? sd_goal_look(e->model, now) : p->steps;
   if (p->settle.asked) stop = nearer(stop, now, p->settle.every);
   if (p->compress.asked) stop = nearer(stop, now, COMPRESS_EVERY);
   if (p->cell.asked) stop = nearer(stop, now, CELL_EVERY);
-  /* rain and looks at the bounds count steps since the start */
+  /* Rain and checks of the bounds are due at steps counted from the start of the run. */
   int64_t step = e->state->step, next = rain_next(e, step);
   if (e->model->bounds.given) next = nearer(next, step, OUTSIDE_EVERY);
   return next - step < stop - now ? now + (next - step) : stop;
@@ -153,6 +160,7 @@ static bool rain_is_due(const engine *e) {
   return rain_next(e, e->state->step - 1) == e->state->step;
 }
 
+/* Does the actions that are due at this step: bounds, rain, compression, deformation of the box. */
 static sd_status between_steps(engine *e, sd_messages *messages) {
   const sd_phase *p = phase_of(e);
   int64_t now = e->state->phase_step;
@@ -166,12 +174,14 @@ static sd_status between_steps(engine *e, sd_messages *messages) {
   return status;
 }
 
+/* Returns true if the settle criteria are due and met. */
 static bool settled(const engine *e) {
   if (!settle_is_due(e)) return false;
   const settle_measure now = settle_look(e);
   return settle_reached(e, &now);
 }
 
+/* Returns true if the goal of `until` is checked at this step. */
 static bool goal_is_due(const engine *e) {
   const int64_t now = e->state->phase_step;
   return has_goal(e) && now == sd_goal_look(e->model, now - 1);
@@ -201,7 +211,7 @@ sd_status loop_pause(engine *e, int64_t from, sd_messages *messages) {
   return status == SD_OK ? end_phase(e, messages) : status;
 }
 
-/* --- steps ------------------------------------------------------------------------------------ */
+/* --- Steps ------------------------------------------------------------------------------------ */
 
 sd_status loop_advance(engine *e, int64_t n, sd_messages *messages) {
   const int64_t from = e->state->step;

@@ -1,4 +1,4 @@
-/* ranks.c: see ranks.h. How disks move is in ranks_move.c. */
+/* ranks.c: see ranks.h; ranks_move.c moves disks between ranks. */
 #include "run/ranks.h"
 
 #include <math.h>
@@ -20,7 +20,8 @@
 #include "run/ranks_share.h"
 #include "run/steps.h"
 
-/* On every rank: n steps, or fewer when one fails or is to stop, and what is done between them. */
+/* Collective: takes up to n steps, with the work between steps; fewer if a rank fails or asks to
+ * stop. */
 static sd_status advance(ranks *r, int64_t n) {
   engine *e = r->part;
   sd_status status = SD_OK;
@@ -34,14 +35,15 @@ static sd_status advance(ranks *r, int64_t n) {
   return status;
 }
 
-/* Ends work of every rank: all agree on its status, and rank 0 hears what was said. */
+/* Ends a collective operation: all ranks agree on its status, and rank 0 gets the messages. */
 static sd_status tell(ranks *r, sd_status status, sd_messages *messages) {
   return ranks_tell(r->comm, comm_agree(r->comm, status), r->messages,
                     comm_rank(r->comm) == 0 ? messages : NULL);
 }
 
-/* --- begin, advance --------------------------------------------------------------------------- */
+/* --- Beginning and advancing ------------------------------------------------------------------ */
 
+/* Cuts the plane into domains and moves the disks to them. */
 static sd_status spread(ranks *r, sd_state *state, uint32_t *order, int threads) {
   halo unconnected = {.comm = r->comm, .n_own = state->n_free, .order = order};
   const engine first = {.comm = r->comm, .model = r->model, .state = state, .halo = &unconnected};
@@ -63,18 +65,19 @@ static sd_status spread(ranks *r, sd_state *state, uint32_t *order, int threads)
 
 sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads,
                        sd_messages *messages) {
-  rows_free(r->model->mine); /* those of a checkpoint stand for them */
+  rows_free(r->model->mine); /* the disks of the checkpoint replace them */
   const sd_status status = tell(r, spread(r, state, order, threads), messages);
   sd_state_free(state);
   free(order);
   return status;
 }
 
-/* A body that was too fast. */
+/* First body that exceeded the displacement limit, as stored in the state. */
 typedef struct fast {
   int64_t step, disk;
   double displacement;
-  uint32_t order; /* of a free disk in the whole; prescribed bodies behind them */
+  /* slot of a free disk in the order of all disks; prescribed bodies come after them */
+  uint32_t order;
 } fast;
 
 static fast fast_of(const engine *e) {
@@ -84,6 +87,7 @@ static fast fast_of(const engine *e) {
                 slot < s->n_free ? e->halo->order[slot] : UINT32_MAX};
 }
 
+/* Returns true if a comes first: earlier step, then larger displacement, then lower slot. */
 static bool is_before(const fast *a, const fast *b) {
   if (a->step < 0 || b->step < 0) return a->step >= 0 && b->step < 0;
   if (a->step != b->step) return a->step < b->step;
@@ -91,8 +95,8 @@ static bool is_before(const fast *a, const fast *b) {
                                             : a->order < b->order;
 }
 
-/* The first of all ranks, of one step the fastest, on each of them; none is looked for any more
- * then. */
+/* Stores the first body of all ranks that was too fast on every rank, so that none of them searches
+ * for one any more. */
 static void share_fast(engine *e) {
   const fast mine = fast_of(e);
   fast *all = memory_new((size_t)comm_size(e->comm), sizeof *all);
@@ -107,9 +111,11 @@ static void share_fast(engine *e) {
   speed_begin(e);
 }
 
+/* Begins the first phase, and does what is done once at step 0. */
 static sd_status start_part(ranks *r) {
   engine *e = r->part;
-  /* no rank had all disks of a file */
+  /* Disks read from a file in parts are checked for overlaps only now: no rank had all of them
+   * before. */
   if (r->model->tiles.away && r->model->tiles.of_file) {
     first_overlap deepest;
     const sd_status apart = comm_agree(r->comm, contacts_check_start(e, &deepest, r->messages));
@@ -141,7 +147,7 @@ sd_status ranks_advance(ranks *r, int64_t n, sd_messages *messages) {
   return status;
 }
 
-/* --- results ---------------------------------------------------------------------------------- */
+/* --- Results ---------------------------------------------------------------------------------- */
 
 sd_status ranks_store(ranks *r, bool rows, sd_messages *messages) {
   return tell(r, ranks_store_part(r, rows), messages);
@@ -153,7 +159,8 @@ const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
   return tell(r, status, messages) == SD_OK ? &r->sums : NULL;
 }
 
-/* Each rank writes its share of a checkpoint, or (rows) of a part. */
+/* Collective: writes each rank's share of a checkpoint or, if `rows` is true, of a part of the
+ * result. */
 static sd_status write_share(ranks *r, bool rows, const char *path, int64_t *seals,
                              sd_messages *messages) {
   int64_t sum = 0;

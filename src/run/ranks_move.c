@@ -1,4 +1,5 @@
-/* ranks_move.c: see ranks_move.h. */
+/* ranks_move.c: cuts the plane into domains, moves disks and contacts to their ranks, and chooses
+ * ghosts; see ranks_move.h. */
 #include "run/ranks_move.h"
 
 #include <assert.h>
@@ -13,20 +14,21 @@
 #include "run/ranks_share.h"
 #include "run/route.h"
 
-/* --- parts -------------------------------------------------------------------------------------------------- */
+/* --- Owners of disks -------------------------------------------------------------------------- */
 
-/* Disks of the part that is made, in their order, and where they come from. */
+/* Data of a move: disks of the new domain in their order, and routes on which rows come. */
 typedef struct shares {
   const comm *comm;
   const sd_model *model;
   const comm_cuts *cuts;
   const engine *from;
   bool first;
-  int *owner; /* [own disks and ghosts] */
+  int *owner; /* [own disks and ghosts] rank to which each disk goes */
   route disks, ghosts, contacts;
-  uint32_t *place;       /* of disks that come */
-  uint32_t *order;       /* [own + ghosts] */
-  uint32_t *ghost_place; /* slots */
+  uint32_t *place; /* slots of the disks that come */
+  /* [own + ghosts] slots in the order of all disks */
+  uint32_t *order;
+  uint32_t *ghost_place; /* slots of the ghosts that come */
   double *x, *y, *radius;
   int32_t *activity;
 } shares;
@@ -45,14 +47,15 @@ static void part_free(shares *p) {
   free(p->activity);
 }
 
-/* Without memory the job ends: the others wait. */
+/* Ends the job if `memory` is false, since the other ranks wait. */
 static sd_status need(const comm *c, bool memory) {
   if (memory) return SD_OK;
   comm_fail(c, "no memory");
   return SD_ERROR_IO;
 }
 
-/* Disks that wait are wherever there is memory: no rectangle has many more than another. */
+/* Finds the rank to which each disk goes. Waiting disks are distributed by number, so that the
+ * memory of ranks stays even. */
 static sd_status find_owners(shares *p) {
   double low[2], high[2];
   const sd_state *s = p->from->state;
@@ -71,14 +74,16 @@ static sd_status find_owners(shares *p) {
   return SD_OK;
 }
 
-/* Finds places of the rows that come, so that all ascend by this column. found: room for it. */
+/* Finds the slots of the rows that come, so that all rows ascend by the column `order`. found:
+ * buffer for that column. */
 static sd_status come_in_order(route *r, const uint32_t *order, uint32_t *found, uint32_t *place) {
   const sd_status status = route_columns(r, &(route_column){order, found, sizeof *order}, 1, NULL);
   if (status == SD_OK) route_merge(r, found, place);
   return status;
 }
 
-/* Who comes here, and what ghosts are chosen by. */
+/* Receives the order, position, radius and activity of the disks that come; ghosts are chosen by
+ * them. */
 static sd_status call_disks(shares *p) {
   const sd_state *s = p->from->state;
   const uint32_t *order = p->from->halo->order;
@@ -105,9 +110,9 @@ static sd_status call_disks(shares *p) {
   return status;
 }
 
-/* --- ghosts -------------------------------------------------------------------------------------------------- */
+/* --- Ghosts ----------------------------------------------------------------------------------- */
 
-/* A list of (row, rank). */
+/* Growing list of pairs (row, rank). */
 typedef struct sends {
   uint32_t *row;
   int *rank;
@@ -127,17 +132,19 @@ static sd_status add_send(sends *l, uint32_t row, int rank) {
   return SD_OK;
 }
 
-/* This rank's rectangle, as far as the periodic box goes, and that box. */
+/* Rectangle of this rank, cut off at the periodic box, and the box. */
 typedef struct box {
-  double low[2], high[2], lower[2], upper[2], length[2]; /* 0: open */
+  double low[2], high[2], lower[2], upper[2], length[2]; /* length 0: open direction */
 } box;
 
-/* Rectangles have no ends, but their disks lie in the periodic box: no image far beyond it is near one. */
+/* Returns true if an image at `at` lies so far beyond the periodic box that it is near no
+ * rectangle. Rectangles at the edge extend to infinity, but their disks lie in the box. */
 static bool is_beyond(const box *b, int c, double at, double beside) {
   return b->length[c] > 0.0 && (at + 2.0 * beside < b->lower[c] || at - 2.0 * beside > b->upper[c]);
 }
 
-/* The disk and its periodic images, `beside` wide: to whose rectangles do they reach? */
+/* Adds disk i to the list for each other rank whose rectangle comes within `beside` of the disk or
+ * of one of its periodic images. seen: [ranks] all zero on entry and return. */
 static sd_status add_ghost(const shares *p, sends *l, const box *b, uint32_t i, double beside,
                            int *ranks, uint8_t *seen) {
   const double at[2] = {p->x[i], p->y[i]};
@@ -162,7 +169,8 @@ static sd_status add_ghost(const shares *p, sends *l, const box *b, uint32_t i, 
   return SD_OK;
 }
 
-/* Of a periodic box a rectangle at an edge has neighbours beyond it. */
+/* Returns the rectangle of this rank, cut off at the edges of the periodic box: beyond them are
+ * images of other rectangles. */
 static box box_of(const shares *p, const sd_state *s) {
   box b = {0};
   comm_cuts_mine(p->cuts, b.low, b.high);
@@ -179,6 +187,7 @@ static box box_of(const shares *p, const sd_state *s) {
   return b;
 }
 
+/* Chooses the disks of this domain that other ranks need as ghosts. */
 static sd_status choose_ghosts(shares *p, double skin) {
   sends list = {0};
   const box b = box_of(p, p->from->state);
@@ -199,7 +208,7 @@ static sd_status choose_ghosts(shares *p, double skin) {
   return status;
 }
 
-/* Ghosts stand by order, too. */
+/* Finds the slots of the ghosts that come, ascending by order. */
 static sd_status place_ghosts(shares *p) {
   route *r = &p->ghosts;
   const size_t n_own = p->disks.n_receive, n = r->n_receive;
@@ -217,10 +226,11 @@ static sd_status place_ghosts(shares *p) {
   return status;
 }
 
-/* --- contacts ------------------------------------------------------------------------------------------------- */
+/* --- Contacts --------------------------------------------------------------------------------- */
 
-/* Owners of the disks of contacts, the first ones and then the second ones, by a directory: here
- * are other disks than those of the contacts. A prescribed body has the owner of the disk. */
+/* Finds the owners of both disks of each contact, [2 n]: first disks, then second disks. A
+ * prescribed partner has the owner of the first disk. Asks a directory, because the disks of a
+ * contact may be on other ranks. */
 static int32_t *look_up_owners(const shares *p) {
   const sd_state *s = p->from->state;
   const size_t n = s->n_contacts, disks = p->model->n_disks;
@@ -247,7 +257,8 @@ static int32_t *look_up_owners(const shares *p) {
   return found;
 }
 
-/* The same where all disks of the contacts are here, or are ghosts. */
+/* Finds the owners as look_up_owners does, if the disks of all contacts are on this rank, as own
+ * disks or ghosts. */
 static int32_t *find_contact_owners(const shares *p) {
   const sd_state *s = p->from->state;
   const size_t n = s->n_contacts, known = s->n_free + s->n_ghosts;
@@ -262,7 +273,7 @@ static int32_t *find_contact_owners(const shares *p) {
   return found;
 }
 
-/* To the ranks of both disks. */
+/* Makes the route of contacts: each goes to the owners of both disks. */
 static sd_status call_contacts(shares *p) {
   sends list = {0};
   sd_status status = SD_OK;
@@ -291,7 +302,7 @@ static sd_status take_contacts(shares *p, sd_state *to) {
   return status == SD_OK ? moving_send(&m, NULL) : status;
 }
 
-/* --- to parts ------------------------------------------------------------------------------------------------- */
+/* --- New state and halo ----------------------------------------------------------------------- */
 
 static sd_status take_disks(shares *p, sd_state *to) {
   moving disks = {.route = &p->disks, .from = p->from->state, .to = to, .narrow = p->first},
@@ -339,9 +350,9 @@ sd_status move_parts(const comm_cuts *cuts, const engine *from, bool first, doub
   return status;
 }
 
-/* --- cuts ----------------------------------------------------------------------------------------------------- */
+/* --- Cuts ------------------------------------------------------------------------------------- */
 
-/* Of disks that are not in play, in place of 1: all of them together count for little. */
+/* Weight of a disk that is not in play, instead of 1: all such disks together count little. */
 static const float IDLE = 1e-6f;
 
 sd_status move_first_cut(comm_cuts *cuts, const sd_state *s) {
@@ -357,10 +368,11 @@ sd_status move_first_cut(comm_cuts *cuts, const sd_state *s) {
   return status;
 }
 
-/* A rank that had to wait for its processor is no reason to take all disks from it. */
+/* The rate is limited to a factor MOST of the mean: a rank that had to wait for its processor
+ * should not lose all its disks. */
 sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
   const sd_state *s = e->state;
-  enum { REST = 6 /* of a disk's step, in halves of candidate pairs */, MOST = 2 };
+  enum { REST = 6 /* cost of a disk without its pairs, in half pairs */, MOST = 2 };
   const comm *c = comm_cuts_comm(cuts);
   float *weight = NULL;
   const bool there = memory_resize_row(&weight, s->n_free, sizeof *weight);
@@ -377,19 +389,23 @@ sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
   return status;
 }
 
-/* Strips, some together where there are very many: buckets that ascend in the order, the last of disks that are not in play. */
+/* Buckets for a parallel sort: each holds one strip of disks of one size, or several adjacent
+ * strips if there are very many. Buckets ascend in the order; the last one has the disks that are
+ * not in play. */
 typedef struct buckets {
-  uint64_t strips, width; /* of one size; strips in a bucket */
-  size_t n, *begin;       /* [n + 1]: disks of all ranks before them */
+  uint64_t strips, width; /* buckets of one size; strips per bucket */
+  size_t n, *begin;       /* [n + 1] number of disks of all ranks in the buckets before */
 } buckets;
 
 enum { STRIPS = 1 << 16 };
 
+/* Returns the bucket of a disk. */
 static size_t bucket_of(const buckets *b, const order_place *p) {
   if (p->strip == UINT64_MAX) return b->n - 1;
   return (size_t)(p->level * b->strips + p->strip / b->width);
 }
 
+/* Collective: sets the widths of buckets and counts the disks of all ranks in each. */
 static sd_status count_buckets(const comm *c, const order_place *list, size_t n, buckets *b) {
   double strip = 0.0, level = 0.0;
   for (size_t k = 0; k < n; k++) {
@@ -412,26 +428,30 @@ static sd_status count_buckets(const comm *c, const order_place *list, size_t n,
   return SD_OK;
 }
 
-/* The rank that numbers a bucket: they ascend with the order, so that each numbers a run of it. */
+/* Returns the rank that numbers the disks of a bucket. It ascends with the bucket, so that each
+ * rank numbers a contiguous range. */
 static int keeper_of(const comm *c, const buckets *b, size_t bucket) {
   const size_t all = b->begin[b->n], ranks = (size_t)comm_size(c);
   return (int)(b->begin[bucket] * ranks / all);
 }
 
+/* Returns the first number of this rank: the number of disks in buckets of lower ranks. */
 static size_t first_kept(const comm *c, const buckets *b) {
   size_t k = 0;
   while (k < b->n && (b->begin[k + 1] == b->begin[k] || keeper_of(c, b, k) < comm_rank(c))) k++;
   return b->begin[k];
 }
 
-/* Numbers from `first` on, by the order of the places. */
+/* Sorts the n places that came and numbers them from `first` on; number[k] belongs to came[k] as it
+ * was on entry. */
 static void number_places(order_place *came, size_t n, size_t first, uint32_t *number) {
   for (size_t k = 0; k < n; k++) came[k].slot = (uint32_t)k;
   if (n > 1) qsort(came, n, sizeof *came, order_by_place);
   for (size_t k = 0; k < n; k++) number[came[k].slot] = (uint32_t)(first + k);
 }
 
-/* Slots in the whole of the places of this rank, which ascend. rank: room for n. Collective. */
+/* Collective: finds the slots, in the order of all disks, of this rank's n places, which ascend.
+ * rank: buffer for n numbers. */
 static sd_status find_order(const comm *c, const order_place *list, size_t n, int *rank,
                             uint32_t *order) {
   buckets b = {0};

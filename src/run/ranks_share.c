@@ -1,4 +1,5 @@
-/* ranks_share.c: see ranks_share.h. */
+/* ranks_share.c: orders a rank's disks and contacts for its share of a file, adds up sums over
+ * ranks, and chooses the columns that move; see ranks_share.h. */
 #include "run/ranks_share.h"
 
 #include <assert.h>
@@ -12,9 +13,12 @@
 #include "physics/step/access.h"
 #include "physics/system/halo.h"
 
-/* The order of contacts in a state: round pairs and then pieces of walls, by disk, partner and piece. */
+/* Sort key of a contact in the order of a state: round pairs before wall segments, then by disk,
+ * partner and segment. */
 typedef struct pair_place {
-  int64_t key; /* of all contacts of one disk, which are all in one share */
+  /* slot of the disk in the order of all disks, plus 2^32 for a wall segment; contacts of equal key
+   * are in one share */
+  int64_t key;
   uint64_t partner;
   uint32_t part, from;
 } pair_place;
@@ -26,6 +30,7 @@ static int by_place(const void *one, const void *two) {
   return p->part < q->part ? -1 : p->part > q->part;
 }
 
+/* Returns the sort key of contact c of the state. */
 static pair_place place_of(const engine *e, uint32_t c) {
   const sd_state *s = e->state;
   const uint32_t a = engine_slot(e, s->contact_a[c]), b = engine_slot(e, s->contact_b[c]);
@@ -43,6 +48,7 @@ static void order_free(checkpoint_order *order) {
   free(order->contact);
 }
 
+/* Computes the keys of this rank's disks and contacts. */
 static sd_status order_new(const engine *e, checkpoint_order *order, sd_messages *messages) {
   const sd_state *s = e->state;
   pair_place *list = NULL;
@@ -76,7 +82,7 @@ sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum,
   return status;
 }
 
-/* Disks that are driven are on all ranks, and written by the first. */
+/* Driven disks are on all ranks; rank 0 writes them. */
 sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame,
                              int64_t moment_number, record *rows, sd_messages *messages) {
   const sd_state *s = part->state;
@@ -97,7 +103,7 @@ void ranks_gather_sums(const comm *c, int64_t sum, int64_t *all) {
   free(every);
 }
 
-/* --- sums ---------------------------------------------------------------------------------------------------- */
+/* --- Sums over ranks -------------------------------------------------------------------------- */
 
 size_t ranks_count_contacts(const engine *part) {
   return (size_t)comm_total(part->comm, (double)part->state->n_contacts);
@@ -108,7 +114,7 @@ static int by_order(const void *one, const void *two) {
   return p->order < q->order ? -1 : p->order > q->order;
 }
 
-/* The first of each rank, and of these the first. */
+/* Collective: adds up the numbers of lost disks, and keeps the first ones of all ranks. */
 static void add_lost(const engine *part, summary_lost *lost) {
   int *counts = memory_new((size_t)comm_size(part->comm), sizeof *counts);
   struct summary_lost_disk *all =
@@ -140,9 +146,10 @@ summary_sums ranks_summary_sums(const engine *e) {
   return s;
 }
 
-/* --- which ------------------------------------------------------------------------------------------------- */
+/* --- Columns that a disk or contact has ------------------------------------------------------- */
 
-/* Bytes of a free disk's row in this column; 0: it has none. The same on all ranks, also on those without disks. */
+/* Returns the bytes of a free disk's row in this column; 0: disks have no row in it. The result is
+ * the same on all ranks, including ranks without disks. */
 static size_t disk_row(const sd_model *m, const sd_field *f) {
   const size_t size = sd_type_size(f->type);
   switch (f->extent) {
@@ -157,13 +164,15 @@ static size_t disk_row(const sd_model *m, const sd_field *f) {
   }
 }
 
+/* Returns the bytes of a contact's row in this column; 0: contacts have no row in it. */
 static size_t contact_row(const sd_state *s, const sd_field *f) {
   const bool there =
       f->extent == SD_PER_CONTACT || (f->extent == SD_PER_LAW_CONTACT && s->law_columns);
   return there ? sd_type_size(f->type) : 0;
 }
 
-/* The part of a column that every rank has: of prescribed bodies, motions, the run. */
+/* Finds the part of a column that every rank has: prescribed bodies, motions, numbers of the run.
+ * Returns its bytes; at: receives its address. */
 static size_t common_part(const sd_state *s, const sd_field *f, char **at) {
   const size_t size = sd_type_size(f->type);
   *at = sd_field_data(s, f);
@@ -184,8 +193,9 @@ void common_take(const sd_state *from, sd_state *to) {
   }
 }
 
-/* --- rows --------------------------------------------------------------------------------------------------- */
+/* --- Sending columns -------------------------------------------------------------------------- */
 
+/* Adds a column to those to be sent, unless it has no rows. */
 static void add(moving *m, const sd_field *f, size_t size) {
   if (size == 0) return;
   assert(m->n < MOVING_MOST);
@@ -209,7 +219,8 @@ static bool is_zero(const char *data, size_t bytes) {
   return bytes == 0 || (data[0] == 0 && memcmp(data, data + 1, bytes - 1) == 0);
 }
 
-/* At the start most columns are zero on all ranks, as those of new parts are. */
+/* Removes the columns that are zero on all ranks: most are at the start, and columns of a new state
+ * are zero anyway. Returns the number of columns left. */
 static size_t leave_zeros(const moving *m, size_t n, route_column *list) {
   const size_t rows =
       state_of_contacts(m->field[0]->extent) ? m->from->n_contacts : m->from->n_free;

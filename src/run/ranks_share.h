@@ -1,4 +1,5 @@
-/* ranks_share.h: what a rank writes of a checkpoint; see ranks.h. */
+/* ranks_share.h: writes a rank's share of checkpoints and results, and sums over ranks; see
+ * ranks.h. */
 #ifndef SLIPDISK_RUN_RANKS_SHARE_H
 #define SLIPDISK_RUN_RANKS_SHARE_H
 
@@ -11,44 +12,50 @@
 #include "physics/system/work.h"
 #include "run/route.h"
 
-/* The share at `path` of a checkpoint, contacts and motions stored. sum: of its seal. */
+/* Writes this rank's share of a checkpoint to `path`; contacts and motions must be stored. sum:
+ * receives the checksum in its seal. */
 sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum,
                             sd_messages *messages);
-/* Adds frame `frame` and contacts of moment `moment_number` of the next part, as `what` says, to the rows of this rank. */
+/* Adds to `rows` this rank's disks in frame number `frame` and its contacts in contact table number
+ * `moment_number` of the next part, as the bits of `what` say. */
 sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame,
                              int64_t moment_number, record *rows, sd_messages *messages);
-/* Collective: sums of all ranks to `all` of rank 0 (the others: NULL). */
+/* Collective: collects one checksum of each rank. all: [comm_size()] on rank 0, NULL on the
+ * others. */
 void ranks_gather_sums(const comm *c, int64_t sum, int64_t *all);
 
-/* Collective: closed contacts that each rank counts. */
+/* Collective: returns the number of closed contacts of all ranks. */
 size_t ranks_count_contacts(const engine *part);
-/* Collective: over the disks and contacts of all ranks, without rounding; contacts are stored. Of a
- * rank alone: of its state. */
+/* Collective: returns the exact sums over the disks and contacts of all ranks; contacts must be
+ * stored. In one process, sums over its state. */
 summary_sums ranks_summary_sums(const engine *part);
 
-/* --- columns of a state that go from rank to rank --------------------------------------------- */
+/* --- Columns of a state that are sent from rank to rank --------------------------------------- */
 
+/* largest number of columns; number of columns sent at a time if narrow */
 enum { MOVING_MOST = 256, MOVING_NARROW = 4 };
 
+/* Columns to be sent, and the states between which they are copied. */
 typedef struct moving {
   route *route;
   const sd_state *from;
   sd_state *to;
-  /* one rank may have all rows, and `to` is new: a few columns at a time, and none that is zero on
-   * all ranks; the same on all ranks */
+  /* send only MOVING_NARROW columns at a time, and none that is zero on all ranks, because one rank
+   * may have all rows; `to` must be new, with all columns zero. The same on all ranks. */
   bool narrow;
   size_t n;
   const sd_field *field[MOVING_MOST];
-  size_t size[MOVING_MOST]; /* bytes of a row */
+  size_t size[MOVING_MOST]; /* bytes of a row of each column */
 } moving;
 
-/* Chooses columns that have a row for each free disk (bodies: for each body), or closed contact of m->to. */
+/* moving_disks adds the columns that have a row for each free disk (bodies: only those with a row
+ * for each body); moving_contacts adds those with a row for each closed contact of m->to. */
 void moving_disks(moving *m, const sd_model *model, bool bodies);
 void moving_contacts(moving *m);
-/* Collective: as route_columns. */
+/* Collective: sends the chosen columns. place: as in route_columns. */
 sd_status moving_send(const moving *m, const uint32_t *place);
 
-/* Rows of prescribed bodies, motions, the run: every rank has them. */
+/* Copies what every rank has: rows of prescribed bodies, motions, numbers of the run. */
 void common_take(const sd_state *from, sd_state *to);
 
 #endif

@@ -1,4 +1,4 @@
-/* route.c: see route.h. */
+/* route.c: packs rows for other ranks, exchanges them and unpacks those received; see route.h. */
 #include "run/route.h"
 
 #include <assert.h>
@@ -45,7 +45,8 @@ void route_count(route *r) {
   for (int q = 0; q < comm_size(r->comm); q++) r->n_receive += (size_t)r->from[q];
 }
 
-/* Row to_row[k] of `to` becomes row from_row[k] of `from`, n of them; NULL: row k. Rows are `stride` bytes apart. */
+/* Describes a copy of n rows: row from_row[k] of `from` becomes row to_row[k] of `to`; NULL: row k.
+ * Rows are `stride` bytes apart. */
 typedef struct row_copy {
   char *to;
   size_t to_stride;
@@ -68,24 +69,26 @@ static void copy_rows(const row_copy *r, size_t n, size_t size) {
   }
 }
 
-/* Rows of this rank: first of them, and how many, among those that are sent or come. */
+/* Returns the number of rows before those of this rank, among the rows sent or received. */
 static size_t before_own(const route *r, const int *counts) {
   size_t n = 0;
   for (int q = 0; q < comm_rank(r->comm); q++) n += (size_t)counts[q];
   return n;
 }
 
+/* Enlarges a buffer to at least `bytes`; its contents are lost. */
 static sd_status reserve(const comm *c, char **buffer, size_t *capacity, size_t bytes) {
   if (bytes <= *capacity) return SD_OK;
   free(*buffer);
   *buffer = NULL;
   *capacity = bytes;
   if (memory_resize_row(buffer, bytes, 1)) return SD_OK;
-  comm_fail(c, "no memory"); /* the others wait */
+  comm_fail(c, "no memory"); /* ends the job: the other ranks wait */
   return SD_ERROR_IO;
 }
 
-/* One column of what goes to others, into rows of all columns. */
+/* Copies the rows of one column that go to other ranks into the send buffer, whose rows hold all
+ * columns. offset: position of this column in such a row; all: bytes of such a row. */
 static void pack(const route *r, const route_column *c, size_t offset, size_t all) {
   const size_t before = before_own(r, r->to), own = (size_t)r->to[comm_rank(r->comm)],
                after = before + own;
@@ -95,6 +98,7 @@ static void pack(const route *r, const route_column *c, size_t offset, size_t al
             r->n_send - after, c->size);
 }
 
+/* Copies one column of the received rows, and of the rows that stay here, to its destination. */
 static void unpack(const route *r, const route_column *c, size_t offset, size_t all,
                    const uint32_t *place) {
   const size_t before = before_own(r, r->from), own = (size_t)r->from[comm_rank(r->comm)],
@@ -117,7 +121,7 @@ static void unpack(const route *r, const route_column *c, size_t offset, size_t 
   }
 }
 
-/* All of them in one message to each rank. */
+/* All columns for a rank go in one message. */
 sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place) {
   const int here = comm_rank(r->comm);
   const int own = r->to[here];
@@ -145,7 +149,7 @@ void route_answer(const route *r, route_column column) {
   back.row = route_room(r->comm, back.n_send, sizeof *back.row);
   for (size_t k = 0; k < back.n_send; k++) back.row[k] = (uint32_t)k;
   route_columns(&back, &column, 1, r->row);
-  back.to = back.from = NULL; /* they are r's */
+  back.to = back.from = NULL; /* r owns these arrays: do not free them */
   route_free(&back);
 }
 
@@ -182,7 +186,8 @@ void directory_free(directory *d) {
   *d = (directory){0};
 }
 
-/* Numbers to their keepers. The numbers that come, to be freed. */
+/* Sends the numbers to the ranks that store them. Returns the numbers that this rank receives,
+ * which the caller frees. */
 static uint32_t *call(const directory *d, route *r, size_t n, const uint32_t *number) {
   int *keeper = route_room(d->comm, n, sizeof *keeper);
   for (size_t k = 0; k < n; k++) keeper[k] = (int)(number[k] / d->width);
@@ -194,6 +199,7 @@ static uint32_t *call(const directory *d, route *r, size_t n, const uint32_t *nu
   return come;
 }
 
+/* Returns the row of a number that this rank stores. */
 static char *row_of(const directory *d, uint32_t number) {
   assert(number >= d->first && number < d->first + d->width);
   return d->rows + (number - d->first) * d->size;

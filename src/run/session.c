@@ -1,5 +1,5 @@
-/* session.c: what a session does between steps: rows, checkpoints, progress, the end; see session.h. How it begins is
- * in session_begin.c, the loop in session_group.c. */
+/* session.c: the work of a session between steps: rows, checkpoints, progress, the end of the run;
+ * see session.h. session_begin.c opens a session, session_group.c has the loop. */
 #include "base/text.h"
 #include "run/session.h"
 
@@ -24,11 +24,14 @@
 #include "run/simulation_private.h"
 #include "slipdisk/deck.h"
 
-/* Between reports: so long, or so many times what the last one took, since it looks at all disks; but no longer than this. */
+/* Time between two progress reports, s: at least PROGRESS_SECONDS, and PROGRESS_COST times the
+ * duration of the last report (which goes over all disks), but at most PROGRESS_LATEST. */
 static const double PROGRESS_SECONDS = 0.2, PROGRESS_COST = 50, PROGRESS_LATEST = 2;
 
-/* --- cadence -------------------------------------------------------------------------------------- */
+/* --- Cadence ---------------------------------------------------------------------------------- */
 
+/* Returns true if a row is due every `every` steps and `offset` is such a step; every = 0:
+ * never. */
 static bool hits(int64_t every, int64_t offset) { return every > 0 && offset % every == 0; }
 
 static unsigned phase_due(const sd_phase *phase, int64_t offset) {
@@ -42,21 +45,23 @@ static bool is_over(const sd_model *model, sd_stage now) {
 }
 
 unsigned session_due(const sd_model *model, sd_stage now) {
-  /* both ends of a run are always recorded */
+  /* The first and the last step of a run are always recorded. */
   if (now.step == 0 || is_over(model, now)) return RECORD_ALL;
   unsigned due = phase_due(&model->phases[now.phase], now.phase_step);
-  /* the last step of a phase is step 0 of the next */
+  /* The last step of a phase is step 0 of the next: the rows of both phases are due. */
   if (now.phase_step == 0 && now.phase > 0)
     due |= phase_due(&model->phases[now.phase - 1], now.before);
   return due;
 }
 
+/* Returns the next multiple of `every` after `offset` if it is less than `best`, else `best`. */
 static int64_t next_of(int64_t every, int64_t offset, int64_t best) {
   if (every <= 0) return best;
   int64_t next = (offset / every + 1) * every;
   return next < best ? next : best;
 }
 
+/* Returns true in the last phase of a deck with `until`. */
 static bool has_goal(const sd_model *model, sd_stage now) {
   return model->until.asked && now.phase + 1 == (int64_t)model->n_phases;
 }
@@ -65,7 +70,7 @@ int64_t session_next(const sd_model *model, sd_stage now) {
   assert(now.phase >= 0 && (size_t)now.phase < model->n_phases);
   const sd_phase *phase = &model->phases[now.phase];
   int64_t offset = now.phase_step;
-  /* where a phase may end a row may be due */
+  /* Stop where the phase may end, since a row may be due there. */
   int64_t next = has_goal(model, now) ? sd_goal_look(model, offset) : phase->steps;
   if (phase->settle.asked) next = next_of(phase->settle.every, offset, next);
   next = next_of(phase->series_every, offset, next);
@@ -75,18 +80,18 @@ int64_t session_next(const sd_model *model, sd_stage now) {
   return now.step - offset + next;
 }
 
-/* The step at which the run ends if no phase from here on ends before its length. */
+/* Returns the step at which the run ends if no phase ends early. */
 static int64_t most_steps(const sd_model *model, sd_stage now) {
   int64_t most = now.step - now.phase_step;
   for (size_t k = (size_t)now.phase; k < model->n_phases; k++) most += model->phases[k].steps;
   return most;
 }
 
-/* --- writing -------------------------------------------------------------------------------------- */
+/* --- Writing parts and checkpoints ------------------------------------------------------------ */
 
 bool session_leads(const session *s) { return comm_rank(s->options.comm) == 0; }
 
-/* Ends what rank 0 alone does with files: its status, on all ranks. */
+/* Ends a section in which only rank 0 works with files: returns its status on all ranks. */
 static sd_status agree(const session *s, sd_status status) {
   return comm_wait(s->options.comm, status);
 }
@@ -95,7 +100,8 @@ static void remove_shares(const session *s, const char *path, size_t n) {
   for (size_t k = 0; k < n; k++) checkpoint_remove_share(s->parts_folder.at, path, k);
 }
 
-/* rows: on rank 0. shared: with those of the ranks. */
+/* Seals rows into the next part. rows: rows of rank 0. shared: the part also has shares with rows
+ * of all ranks. */
 static sd_status seal_rows(session *s, record *rows, bool shared, const char *path,
                            sd_messages *messages) {
   const record_link link = {
@@ -112,16 +118,18 @@ static sd_status seal_rows(session *s, record *rows, bool shared, const char *pa
   return agree(s, status);
 }
 
-/* Rows of rank 0 that are to be sealed; NULL: none. */
+/* Returns the record of rank 0 that has rows to be sealed; NULL: none. */
 static record *full_rows(session *s) {
   if (!record_empty(&s->shared) && !record_has_shares(&s->shared))
     record_take_series(&s->rows, &s->shared);
   return !record_empty(&s->shared) ? &s->shared : !record_empty(&s->rows) ? &s->rows : NULL;
 }
 
+/* Collective: seals the rows that wait in memory into a part, if there are any. */
 static sd_status seal(session *s, sd_messages *messages) {
   record *rows = session_leads(s) ? full_rows(s) : NULL;
-  int32_t what[2] = {rows != NULL, rows == &s->shared}; /* all ranks seal, or none */
+  /* broadcast, so that all ranks seal or none */
+  int32_t what[2] = {rows != NULL, rows == &s->shared};
   comm_share(s->options.comm, what, sizeof what);
   if (!what[0]) return SD_OK;
   char *path = session_leads(s) ? folder_part(s->parts_folder.path, s->parts + 1) : NULL;
@@ -142,8 +150,8 @@ static sd_status collect_disks(session *s, sd_messages *messages) {
                                sd_simulation_threads(s->simulation), messages);
 }
 
-/* Summary and provenance as of now; a result has the means of every disk, however many there are,
- * checkpoints those of few disks, on one rank. The state is stored. */
+/* Updates summary and provenance; the state must be stored. Means of every disk are computed for
+ * systems of few disks in one process only; for others they follow when the result is written. */
 static sd_status describe(session *s, sd_messages *messages) {
   const sd_energy energy = sd_simulation_energy(s->simulation);
   const summary_sums all = ranks_summary_sums(simulation_engine(s->simulation));
@@ -166,7 +174,8 @@ static sd_status describe(session *s, sd_messages *messages) {
   return status;
 }
 
-/* seals: of the shares; NULL: there are none. */
+/* Writes the checkpoint file, or the head of one with shares. seals: checksums of the shares; NULL:
+ * no shares. */
 static sd_status write_head(session *s, int64_t *seals, const char *path, sd_messages *messages) {
   const checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
   const checkpoint_shares shares = {s->model, (size_t)comm_size(s->options.comm), seals,
@@ -177,8 +186,8 @@ static sd_status write_head(session *s, int64_t *seals, const char *path, sd_mes
                           &s->origin, &s->found, messages);
 }
 
-/* The state, which is stored, as a file of the folder: of one rank all, of several first the shares
- * and then a head with the rest. */
+/* Writes the stored state to a file of the folder: one file in one process; in a run over several
+ * ranks first the shares, then a head with the rest. */
 static sd_status write_state(session *s, const char *path, sd_messages *messages) {
   const bool leads = session_leads(s), shared = simulation_is_spread(s->simulation);
   const size_t n = shared ? (size_t)comm_size(s->options.comm) : 0;
@@ -192,8 +201,8 @@ static sd_status write_state(session *s, const char *path, sd_messages *messages
   return status;
 }
 
-/* Part first, then the checkpoint that counts it, then older checkpoints go: at every moment the newest
- * checkpoint on disk has its parts. */
+/* The part is sealed before the checkpoint that counts it is written, and older checkpoints are
+ * removed last: so the newest checkpoint on disk always has its parts. */
 sd_status session_checkpoint(session *s, sd_messages *messages) {
   const bool leads = session_leads(s);
   const int64_t step = sd_simulation_step(s->simulation);
@@ -211,7 +220,8 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
   return status;
 }
 
-/* Removes the file of an earlier try, which may have had more ranks. */
+/* Removes the emergency file of an earlier attempt, which may have had more ranks and hence more
+ * shares. */
 static void drop_emergency(const session *s, const char *path) {
   bool there = true;
   file_remove(s->parts_folder.at, path);
@@ -223,7 +233,8 @@ static void drop_emergency(const session *s, const char *path) {
   }
 }
 
-/* The state in which something went wrong, for inspection; the good checkpoints stay. */
+/* Writes the state after a numerical error to an emergency file, for inspection; the good
+ * checkpoints stay. */
 static void keep_emergency(session *s, sd_messages *messages) {
   if (simulation_store(s->simulation, false, messages) != SD_OK) return;
   const int64_t step = sd_simulation_step(s->simulation);
@@ -236,7 +247,7 @@ static void keep_emergency(session *s, sd_messages *messages) {
   free(path);
 }
 
-/* Each rank keeps frames and contacts of its own disks. */
+/* Adds frames and contacts of each rank's own disks to its rows. */
 static sd_status sample_shares(session *s, unsigned rows, sd_messages *messages) {
   record *r = &s->shared;
   return ranks_sample(s->simulation->ranks, rows, (int64_t)r->disks.n_rows,
@@ -262,9 +273,10 @@ sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
   return agree(s, status);
 }
 
-/* --- progress ------------------------------------------------------------------------------------- */
+/* --- Progress --------------------------------------------------------------------------------- */
 
-/* Errors fall with the root of the length; nothing ends before the next look. */
+/* Predicts the step at which the run ends: the error falls as 1/sqrt(measured time), and the goal
+ * is not checked before the next scheduled check. */
 static int64_t expected_end(const session *s, sd_stage now, const sd_goal *goal) {
   const sd_model *m = s->model;
   int64_t most = most_steps(m, now);
@@ -274,11 +286,11 @@ static int64_t expected_end(const session *s, sd_stage now, const sd_goal *goal)
   double ratio = goal->error / goal->goal;
   double more = goal->measured / m->dt * (ratio * ratio - 1);
   int64_t look = s->step - now.phase_step + sd_goal_look(m, now.phase_step);
-  if (!(more < (double)(most - s->step))) return most; /* NAN too */
+  if (!(more < (double)(most - s->step))) return most; /* also if `more` is NAN */
   return s->step + (int64_t)more > look ? s->step + (int64_t)more : look;
 }
 
-/* May a phase from here on end before its length, at rest? */
+/* Returns true if a phase from the running one on may end early by settling. */
 static bool may_settle(const sd_model *m, sd_stage now) {
   bool may = false;
   for (size_t k = (size_t)now.phase; k < m->n_phases; k++) may |= m->phases[k].settle.asked;
@@ -300,7 +312,7 @@ void session_report(session *s, bool always) {
   comm_share(s->options.comm, &tells, sizeof tells);
   if (!tells) return;
 
-  /* an average over the last few seconds */
+  /* rate: running average over about 3 seconds */
   if (passed > 0 && s->step > s->told_step) {
     double rate = (double)(s->step - s->told_step) / passed, weight = passed < 3 ? passed / 3 : 1;
     s->rate = s->rate > 0 ? s->rate + weight * (rate - s->rate) : rate;
@@ -333,7 +345,7 @@ void session_report(session *s, bool always) {
   if (!finished) s->told_phase = stage.phase;
 }
 
-/* --- the world -------------------------------------------------------------------------------- */
+/* --- Signals and clock ------------------------------------------------------------------------ */
 
 bool session_is_stopped(const session *s) { return s->options.stop && *s->options.stop; }
 
@@ -344,14 +356,14 @@ void session_look(session *s, int64_t chunk) {
   comm_share(s->options.comm, &s->world, sizeof s->world);
 }
 
-/* --- steps in the life of a run ------------------------------------------------------------------- */
+/* --- After a chunk of steps ------------------------------------------------------------------- */
 
 sd_status session_stop(session *s, sd_messages *messages) {
   sd_status status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
   return status == SD_OK ? SD_INTERRUPTED : status;
 }
 
-/* Rows of all ranks take more than so many bytes. */
+/* Collective: returns true if the rows of all ranks take more than most_bytes. */
 static bool is_full(session *s, size_t most_bytes) {
   int32_t full = session_leads(s) &&
                  record_bytes(&s->rows) + record_bytes(&s->shared) + s->shared_bytes > most_bytes;
@@ -370,6 +382,7 @@ sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messa
   return status;
 }
 
+/* Returns the run_id of a readable result, which the caller frees; NULL: there is none. */
 static char *finished_id(const char *result) {
   h5_file *file;
   if (!file_exists(result) || h5_open(result, &file, NULL) != SD_OK) return NULL;
@@ -423,7 +436,7 @@ static sd_status merge_from(session *s, const sd_state *state, const h5_file *ch
   return merge_parts(&job, messages);
 }
 
-/* The whole state is nowhere but in the last checkpoint. */
+/* Merges the parts of a run over several ranks: only the last checkpoint holds the whole state. */
 static sd_status merge_spread(session *s, sd_messages *messages) {
   char *path = folder_checkpoint(s->parts_folder.path, s->saved_step);
   h5_file *file = NULL;
@@ -437,20 +450,23 @@ static sd_status merge_spread(session *s, sd_messages *messages) {
   return status;
 }
 
+/* Merges the parts of a run in one process, whose state is in memory. */
 static sd_status merge_here(session *s, sd_messages *messages) {
   sd_status status = SD_OK;
   if (s->found.packing.n > 0 && !s->found.packing.disks) status = collect_disks(s, messages);
   return status == SD_OK ? merge_from(s, state_of(s), NULL, messages) : status;
 }
 
-/* The last checkpoint is a finished state, so a merge that is cut short is all that is left to do. */
+/* Collective: merges the parts. The last checkpoint holds the finished state, so after an
+ * interrupted merge only the merge has to be repeated. */
 static sd_status merge(session *s, sd_messages *messages) {
-  /* never a second one of the same step: its shares would take the place of those that the first one names */
+  /* Never write a second checkpoint of the same step: its shares would replace those that the first
+   * one names. */
   sd_status status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
   if (status == SD_OK)
     status = agree(s, session_leads(s) ? session_may_publish(s, SD_ERROR_IO, messages) : SD_OK);
   if (status == SD_OK) status = simulation_store(s->simulation, false, messages);
-  /* a run that goes on after its end has no summary */
+  /* A session that begins after the last step has no summary yet. */
   if (status == SD_OK && !s->has_found) status = describe(s, messages);
   if (status == SD_OK && session_leads(s))
     status =
@@ -461,7 +477,8 @@ static sd_status merge(session *s, sd_messages *messages) {
   return status;
 }
 
-/* A run that ends without its goal is a finished run, but not what was hoped for. */
+/* Warns if a run has ended without meeting the goal of `until`; its result is complete all the
+ * same. */
 static void warn_of_goal(const session *s, sd_messages *messages) {
   const summary *f = &s->found;
   if (!f->has_until || f->until_step >= 0) return;
@@ -477,14 +494,15 @@ static void warn_of_goal(const session *s, sd_messages *messages) {
         f->observable, f->goal.error, f->goal.converged ? "" : " and not reliable", f->goal.goal);
 }
 
-/* " kinetic energy per disk 1e-3, asked for is 1e-6"; nothing where nothing was asked for or it is there. */
+/* Appends a text such as "; kinetic energy per disk 1e-3, asked for is 1e-6" if there is a goal
+ * that was missed. Returns its length. */
 static int tell_goal(char *text, size_t size, const char *what, double value, double goal,
                      bool missed) {
   if (!(goal > 0.0) || !missed) return 0;
   return snprintf(text, size, "; %s %.3g, asked for is %.3g", what, value, goal);
 }
 
-/* Phases that took all their steps and did not get there, and disks that never fell. */
+/* Warns of phases that ended without meeting their goals, and of disks that rain never released. */
 static void warn_of_phases(const session *s, sd_messages *messages) {
   const summary *f = &s->found;
   for (size_t k = 0; k < f->n_stages; k++) {

@@ -1,4 +1,4 @@
-/* session_begin.c: how a session begins: what is there already, and from where to go on. */
+/* session_begin.c: opens a session: finds out what exists already and from where to continue. */
 #include <assert.h>
 #include <errno.h>
 #include <inttypes.h>
@@ -19,13 +19,12 @@
 #include "run/simulation_private.h"
 #include "slipdisk/deck.h"
 
-/* run_id of a finished result, to be freed; NULL when there is no readable one. */
-/* Of a result that can be read, or of any other file? */
+/* Returns true if the identity is that of a readable result (a run_id) and not of another file. */
 static bool is_result(const char *identity) {
   return strlen(identity) == 32 && strspn(identity, "0123456789abcdef") == 32;
 }
 
-/* Without --force nothing is replaced. */
+/* Refuses to run, because only --force replaces an existing file. */
 static sd_status refuse_existing(const session *s, const char *there, sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_USER,
                  is_result(there)
@@ -34,7 +33,7 @@ static sd_status refuse_existing(const session *s, const char *there, sd_message
                  s->result);
 }
 
-/* The deck of the checkpoint must be this one. */
+/* Checks that the deck of the checkpoint is the deck of this session. */
 static sd_status check_deck(const session *s, sd_messages *messages) {
   const provenance *origin = &s->origin;
   const char *full = sd_model_deck(s->model)->full;
@@ -47,13 +46,14 @@ static sd_status check_deck(const session *s, sd_messages *messages) {
   return SD_ERROR_USER;
 }
 
-/* Some disks of a checkpoint. */
+/* Columns of some disks of a checkpoint. */
 typedef struct some_disks {
   uint32_t *id;
   double *radius, *mass;
 } some_disks;
 
-/* Those in slots [first, first + n) are those of the model. */
+/* Checks that the disks in slots first ... first + n - 1 of the checkpoint are those of the
+ * model. */
 static sd_status check_disks(const session *s, const h5_file *file, size_t first, size_t n,
                              some_disks *d, sd_messages *messages) {
   sd_status status = h5_get_values(file, "/state/id", SD_U32, first, n, 1, d->id, messages);
@@ -73,7 +73,8 @@ static sd_status check_disks(const session *s, const h5_file *file, size_t first
   return status;
 }
 
-/* So must the files that it names. */
+/* Checks that the files named in the deck have not changed since the run was started: by the disks,
+ * and by a checksum. */
 static sd_status check_inputs(const session *s, const h5_file *file, sd_messages *messages) {
   enum { AT_ONCE = 1 << 18 };
   const size_t bodies = sd_model_bodies(s->model), most = bodies < AT_ONCE ? bodies : AT_ONCE;
@@ -94,8 +95,8 @@ static sd_status check_inputs(const session *s, const h5_file *file, sd_messages
   return status;
 }
 
-/* Checks deck, state and parts of a checkpoint in an open file, and takes them over; the state
- * only where this process is alone. */
+/* Checks deck, state and parts of a checkpoint in an open file, and takes over the number of parts.
+ * state: receives the state in a process that is alone. */
 static sd_status read_checkpoint(session *s, const h5_file *file, const char *path,
                                  sd_state **state, sd_messages *messages) {
   sd_status status = check_deck(s, messages);
@@ -114,8 +115,10 @@ static sd_status read_checkpoint(session *s, const h5_file *file, const char *pa
                            messages);
 }
 
-/* Tries one checkpoint. SD_ERROR_IO: it, or a part of it, is damaged; SD_ERROR_USER: it belongs to something else. A folder
- * beside the finished result of the same run is what a kill during its removal left. */
+/* Tries to continue from one checkpoint. SD_ERROR_IO: it or one of its parts is damaged.
+ * SD_ERROR_USER: it belongs to another deck or format. finished: identity of the file at the path
+ * of the result; if it is the result of the same run, the run was killed while it removed the
+ * folder (was_finished). */
 static sd_status try_checkpoint(session *s, int64_t step, const char *finished, sd_state **state,
                                 sd_messages *messages) {
   char *path = folder_checkpoint(s->parts_folder.path, step);
@@ -138,7 +141,8 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
   return status;
 }
 
-/* Puts aside the `n` newest, which cannot be used, and says why. */
+/* Renames the n newest checkpoints, which cannot be used, and warns of it. why: the errors found in
+ * them. */
 static void step_back(session *s, const int64_t *steps, size_t n, const sd_messages *why,
                       sd_messages *messages) {
   for (size_t k = 0; k < sd_messages_count(why); k++)
@@ -149,9 +153,9 @@ static void step_back(session *s, const int64_t *steps, size_t n, const sd_messa
           steps[0], steps[n]);
 }
 
-/* The newest checkpoint that is good, with its parts; saved_step stays -1 when there is none, and
- * of a run that is finished. As long as another stands in for it a damaged one is a warning;
- * without memory none can be told to be damaged. */
+/* Finds the newest good checkpoint with intact parts. saved_step stays -1 if there is none, or if
+ * the run is finished. A damaged checkpoint is only a warning if an older one can be used instead.
+ * After a shortage of memory no checkpoint counts as damaged. */
 static sd_status find_checkpoint(session *s, const char *finished, sd_state **state,
                                  sd_messages *messages) {
   int64_t *steps;
@@ -183,7 +187,8 @@ static sd_status find_checkpoint(session *s, const char *finished, sd_state **st
   return status;
 }
 
-/* Two ranks of 1000 disks are as fast as one process (docs/performance.md). */
+/* Warns if ranks have so few disks that fewer ranks are faster: two ranks of 1000 disks are as fast
+ * as one process (docs/performance.md). */
 static void warn_of_ranks(const session *s, sd_messages *messages) {
   enum { WORTH = 1000 };
   const size_t n = (size_t)comm_size(s->options.comm), disks = s->model->n_free;
@@ -196,7 +201,8 @@ static void warn_of_ranks(const session *s, sd_messages *messages) {
             n, disks, WORTH);
 }
 
-/* there: identity of the file that may be replaced in the end; "": none. */
+/* Prepares a run from the start: empties the folder. there: identity of the file that may be
+ * replaced in the end; "": none. */
 static sd_status prepare_fresh(session *s, const char *there, sd_messages *messages) {
   s->fresh = true;
   s->replaces = memory_text(there);
@@ -206,28 +212,29 @@ static sd_status prepare_fresh(session *s, const char *there, sd_messages *messa
   return status;
 }
 
-/* On every rank. */
+/* Collective: begins a run at step 0, samples it and writes its first checkpoint. */
 static sd_status begin_fresh(session *s, sd_messages *messages) {
   sd_status status = simulation_new(s->model, s->options.threads, SIMULATION_SUITABLE,
                                     s->options.comm, s->options.stop, &s->simulation, messages);
   if (status != SD_OK) return status;
   if (session_leads(s)) warn_of_ranks(s, messages);
-  /* of a large system the first checkpoint takes long: there is nothing in it yet that a stop
-   * could lose */
+  /* For a large system the first checkpoint takes long, and a stop before it loses no work. */
   if (comm_max(s->options.comm, session_is_stopped(s))) return SD_INTERRUPTED;
   status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
-  /* at once: so that a full disk or a missing permission shows now, and the deck is safe */
+  /* Write the first checkpoint at once: a full disk or a missing permission shows now, and the deck
+   * is stored. */
   return status == SD_OK ? session_checkpoint(s, messages) : status;
 }
 
+/* Prepares a run that continues from a checkpoint. */
 static sd_status prepare_again(session *s, sd_messages *messages) {
   s->origin.sessions++;
-  /* now, and not when all is computed */
+  /* Check this now, and not after all steps have been computed. */
   sd_status status = session_may_publish(s, SD_ERROR_USER, messages);
   return status == SD_OK ? folder_clean(&s->parts_folder, s->parts, messages) : status;
 }
 
-/* Each of several ranks reads some of the rows. */
+/* Reads this rank's rows of a checkpoint. */
 static sd_status read_some(session *s, sd_state **state, uint32_t **order, sd_messages *messages) {
   const comm *c = s->options.comm;
   char *parts = format_text("%s.parts", s->result), *path = folder_checkpoint(parts, s->saved_step);
@@ -245,7 +252,7 @@ static sd_status read_some(session *s, sd_state **state, uint32_t **order, sd_me
   return status;
 }
 
-/* On every rank; state: where this process is alone. */
+/* Collective: continues a run from a checkpoint. state: the state, if the process is alone. */
 static sd_status begin_again(session *s, sd_state *state, sd_messages *messages) {
   uint32_t *order = NULL;
   sd_status status = s->options.comm ? read_some(s, &state, &order, messages) : SD_OK;
@@ -258,8 +265,8 @@ static sd_status begin_again(session *s, sd_state *state, sd_messages *messages)
   return status;
 }
 
-/* Refuses what can be refused without touching anything, then takes the lock. there: identity of the file at the result's
- * name. */
+/* Refuses cases that can be refused without changing anything, then locks the folder. there:
+ * receives the identity of the file at the path of the result. */
 static sd_status prepare(session *s, char **there, sd_messages *messages) {
   sd_status status = session_identity(s, there, messages);
   if (status != SD_OK) return status;
@@ -276,17 +283,19 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
   else if (!s->options.force && **there && !file_exists(parts))
     status = refuse_existing(s, *there, messages);
   if (status == SD_OK) status = folder_open(parts, false, &s->parts_folder, messages);
-  if (status == SD_OK) file_keep_mode(s->parts_folder.at, -1, s->result); /* parts are as private */
+  /* the parts get the access rights of the result */
+  if (status == SD_OK) file_keep_mode(s->parts_folder.at, -1, s->result);
   record_new(&s->rows, s->model, RECORD_WHOLE);
   record_new(&s->shared, s->model, RECORD_HEAD);
   free(parts);
   return status;
 }
 
-/* The work that is left; FINISHED: none. */
+/* Work that is left: FINISHED: none; AGAIN: continue from a checkpoint; FRESH: run from the
+ * start. */
 typedef enum beginning { FINISHED, AGAIN, FRESH } beginning;
 
-/* All that concerns files, on rank 0. */
+/* Does everything that concerns files; called by rank 0. */
 static sd_status find_beginning(session *s, beginning *how, sd_state **state,
                                 sd_messages *messages) {
   char *there = NULL;
@@ -294,7 +303,7 @@ static sd_status find_beginning(session *s, beginning *how, sd_state **state,
   if (status == SD_OK && !s->options.force) {
     assert(there);
     status = find_checkpoint(s, there, state, messages);
-    /* without a checkpoint nothing was begun */
+    /* Without a checkpoint no run was begun: if the result exists, it is finished. */
     s->was_finished = s->was_finished || (status == SD_OK && s->saved_step < 0 && is_result(there));
   }
   *how = s->was_finished ? FINISHED : s->saved_step >= 0 ? AGAIN : FRESH;
@@ -307,6 +316,7 @@ static sd_status find_beginning(session *s, beginning *how, sd_state **state,
   return status;
 }
 
+/* Collective: finds out how to begin, on rank 0, and begins on all ranks. */
 static sd_status begin(session *s, sd_messages *messages) {
   sd_state *state = NULL;
   beginning found = FINISHED;
@@ -337,7 +347,7 @@ sd_status session_open(const sd_model *model, const session_options *options, se
   s->saved_step = s->told_phase = -1;
   s->saved_at = s->wall_mark = clock_seconds();
   sd_status status = begin(s, messages);
-  /* a run that never began leaves no folder */
+  /* Remove the folder of a run that failed before its first checkpoint. */
   if (status != SD_OK && s->fresh && s->saved_step < 0 && s->parts_folder.lock >= 0)
     folder_remove(&s->parts_folder, NULL);
   if (status == SD_OK)

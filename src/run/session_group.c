@@ -1,4 +1,4 @@
-/* session_group.c: the loop of runs, one or several side by side; see session.h. */
+/* session_group.c: the loop of runs, one alone or several side by side; see session.h. */
 #include "run/session.h"
 
 #include <assert.h>
@@ -10,32 +10,36 @@
 #include "run/ensemble.h"
 #include "run/session_private.h"
 
-/* Steps are taken in chunks of about this much wall time, so that signals and progress do not wait. */
+/* Wall time of a chunk of steps, s, about: between chunks signals are checked and progress is
+ * reported. */
 static const double CHUNK_SECONDS = 0.05;
 
+/* Sessions that run side by side; arrays have an element for each one that still runs. */
 typedef struct group {
-  session_member *members; /* the caller's */
-  size_t n;                /* still running */
-  size_t *which;           /* [n], places in members; likewise below */
+  session_member *members; /* members as given by the caller */
+  size_t n;                /* number of members that still run */
+  size_t *which;           /* [n] indices into members */
   sd_simulation **simulations;
   sd_messages **messages;
   sd_status *status;
-  bool *waits;     /* for others to catch up */
-  ensemble *lanes; /* NULL: one by one */
+  bool *waits;     /* true if it waits for others to catch up */
+  ensemble *lanes; /* lanes for the systems; NULL: they are advanced one by one */
   int64_t chunk;
-  size_t most_bytes; /* of rows, for each */
+  size_t most_bytes; /* largest number of bytes of rows in memory, for each member */
   session_left *left;
   void *user;
 } group;
 
 static session *session_of(const group *g, size_t k) { return g->members[g->which[k]].session; }
 
+/* Returns true if the session has failed, is finished or is to stop. */
 static bool is_leaving(const group *g, size_t k) {
   const session *s = session_of(g, k);
   return g->status[k] != SD_OK || sd_simulation_finished(s->simulation) || s->world.stopped;
 }
 
-/* The end of a session, good or bad. */
+/* Ends a session: merges the result of a finished run, or stops at a checkpoint, unless it has
+ * failed. */
 static void leave(group *g, size_t member, sd_status status) {
   session_member *m = &g->members[member];
   session *s = m->session;
@@ -57,7 +61,7 @@ static void put_in_lanes(group *g) {
   if (g->n > 1) g->lanes = ensemble_new(g->n, g->simulations);
 }
 
-/* Lets those go who have come to their ends. */
+/* Ends the sessions that are leaving and makes new lanes for the others. */
 static void sort_out(group *g) {
   size_t first = 0, kept = 0;
   while (first < g->n && !is_leaving(g, first)) first++;
@@ -78,6 +82,7 @@ static void sort_out(group *g) {
   put_in_lanes(g);
 }
 
+/* Returns true if stage a comes before stage b. */
 static bool is_behind(sd_stage a, sd_stage b) {
   return a.phase < b.phase || (a.phase == b.phase && a.phase_step < b.phase_step);
 }
@@ -86,9 +91,10 @@ static sd_stage stage_of(const group *g, size_t k) {
   return sd_simulation_stage(g->simulations[k]);
 }
 
-/* Lanes are for systems at the same place of the same phase. So those who are behind go first, and the others wait: in
- * lanes a few take as long as many. Returns how many go, and the steps until something may be due for one of them or
- * another is caught up with. */
+/* Chooses the members that take the next chunk: those that are furthest behind. The others wait,
+ * since lanes need systems at the same step of the same phase, and a few systems in lanes take as
+ * long as many. Returns the number of members that go; steps: receives the number of steps until a
+ * row may be due for one of them or they catch up with another. */
 static size_t find_going(group *g, int64_t *steps) {
   sd_stage last = stage_of(g, 0);
   size_t going = 0;
@@ -107,12 +113,13 @@ static size_t find_going(group *g, int64_t *steps) {
   return going;
 }
 
-/* One chunk; its length follows the speed that was seen. */
+/* Advances by one chunk of steps and adapts the length of the next chunk to the measured speed. */
 static void advance(group *g) {
   int64_t n;
   size_t going = find_going(g, &n);
+  /* ensemble_advance skips members with this status */
   for (size_t k = 0; k < g->n; k++)
-    if (g->waits[k]) g->status[k] = SD_INTERRUPTED; /* so ensemble_advance leaves it */
+    if (g->waits[k]) g->status[k] = SD_INTERRUPTED;
   assert(n > 0 && going > 0);
   double start = clock_seconds();
   if (g->lanes)
@@ -143,7 +150,8 @@ static bool can_be_saved(const group *g, size_t k) {
          !sd_simulation_finished(s->simulation);
 }
 
-/* Checkpoints of all when it is time for one of them: after a kill they are at the same step again. */
+/* Writes checkpoints of all members once one of them is due, so that all are at the same step again
+ * after a kill. */
 static void save(group *g) {
   bool due = false;
   for (size_t k = 0; k < g->n; k++)
@@ -151,11 +159,11 @@ static void save(group *g) {
   if (!due) return;
   for (size_t k = 0; k < g->n; k++)
     if (can_be_saved(g, k)) g->status[k] = session_checkpoint(session_of(g, k), g->messages[k]);
-  /* the time that all of them took is not counted */
+  /* The time taken by these checkpoints does not count towards the next. */
   for (size_t k = 0; k < g->n; k++) session_of(g, k)->saved_at = clock_seconds();
 }
 
-/* Signals and the clock, which only rank 0 asks. */
+/* Checks signals and clock on rank 0, and broadcasts the result. */
 static void look(group *g) {
   for (size_t k = 0; k < g->n; k++) {
     session_look(session_of(g, k), g->chunk);
@@ -163,6 +171,7 @@ static void look(group *g) {
   }
 }
 
+/* Adds a session to the group; ends it at once if there is no work left. */
 static void enter(group *g, size_t member) {
   session_member *m = &g->members[member];
   session *s = m->session;

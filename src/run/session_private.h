@@ -1,4 +1,4 @@
-/* session_private.h: what the files of a session share. */
+/* session_private.h: declarations shared by the source files of a session. */
 #ifndef SLIPDISK_RUN_SESSION_PRIVATE_H
 #define SLIPDISK_RUN_SESSION_PRIVATE_H
 
@@ -7,63 +7,78 @@
 #include "io/results/record.h"
 #include "run/session.h"
 
-/* Facts of the world, which rank 0 tells the others once before each chunk of steps. */
+/* Facts that only rank 0 finds out; it broadcasts them before each chunk of steps. */
 typedef struct session_world {
-  int64_t chunk; /* steps */
+  int64_t chunk; /* length of the next chunk, steps */
+  /* 1: a signal asks to stop; 1: a checkpoint is due */
   int32_t stopped, save;
 } session_world;
 
 struct session {
   const sd_model *model;
-  session_options options; /* its strings are ours */
+  session_options options; /* options of the caller; strings point to copies */
   char *result;
   sd_simulation *simulation;
-  folder parts_folder; /* lock < 0: not open */
-  record rows,
-      shared; /* shared: sampled while the disks are spread over ranks; one of them is empty */
-  size_t shared_bytes; /* of the ranks' rows of shared */
+  folder parts_folder; /* open folder of the parts; lock < 0: not open */
+  /* rows sampled in one process, and rows sampled while the disks are distributed over ranks; one
+   * of them is empty */
+  record rows, shared;
+  size_t shared_bytes; /* bytes of the rows of all ranks that belong to `shared` */
   provenance origin;
   summary found;
-  bool has_found;
+  bool has_found; /* true if `found` is set */
   bool was_finished;
-  bool fresh;         /* nothing to continue was found */
-  int64_t parts;      /* sealed */
-  uint64_t last_part; /* sum in the seal of the last of them */
-  char *replaces;     /* identity of the result that may be replaced; "": none */
-  int64_t began, step, steps, saved_step; /* saved_step -1: no checkpoint yet */
+  bool fresh;         /* true if no checkpoint to continue was found */
+  int64_t parts;      /* number of sealed parts */
+  uint64_t last_part; /* checksum in the seal of the last part */
+  /* identity (session_identity) of the result that may be replaced; "": none */
+  char *replaces;
+  /* first step of the session, current step, largest number of steps; step of the last checkpoint,
+   * -1: none yet */
+  int64_t began, step, steps, saved_step;
+  /* wall times of the last checkpoint and of the last update of wall_seconds, s */
   double saved_at, wall_mark;
-  double told_at, rate; /* progress */
-  double tell_every;    /* s, see session_report */
+  double told_at, rate; /* wall time of the last report, s; steps per second */
+  /* shortest time between two reports, s (session_report) */
+  double tell_every;
   int64_t told_step, told_phase;
   session_world world;
 };
 
-/* This is rank 0, or alone: it has the files. Functions below that return a status are collective
- * but for session_identity and session_may_publish; so are session_look and session_report. */
+/* Returns true on rank 0, or if the process is alone: only it writes files. The functions below
+ * that return a status are collective, except session_identity and session_may_publish; so are
+ * session_look and session_report. */
 bool session_leads(const session *s);
-/* Rows to be recorded now, and the next step at which some may be due; the run is not over. */
+/* session_due returns the bits of the rows (RECORD_SERIES ...) to be sampled at this stage;
+ * session_next the next step at which some may be due, of a run that is not over. */
 unsigned session_due(const sd_model *model, sd_stage now);
 int64_t session_next(const sd_model *model, sd_stage now);
+/* Samples the present state into the tables that the bits of `what` select. */
 sd_status session_sample(session *s, unsigned what, sd_messages *messages);
+/* Seals the rows into a part, writes a checkpoint and removes older ones. */
 sd_status session_checkpoint(session *s, sd_messages *messages);
-/* Which file lies at the result's name: run_id of a result, else size and time; "": none. To be freed. */
+/* Identifies the file at the path of the result: run_id of a result, else size and time; "": no
+ * file. The caller frees *id. */
 sd_status session_identity(const session *s, char **id, sd_messages *messages);
-/* May the result get its name? Not when another file has appeared there than the one that is to be replaced. `kind` is the
- * status of a refusal. */
+/* Checks that the result may get its name: there is no file of this name, or it is the one that may
+ * be replaced. kind: status of a refusal. */
 sd_status session_may_publish(const session *s, sd_status kind, sd_messages *messages);
-/* A signal has come to this rank. */
+/* Returns true if this rank was asked to stop by a signal. */
 bool session_is_stopped(const session *s);
-/* Fills s->world, with this chunk. */
+/* Sets s->world on all ranks as on rank 0: whether a signal came, whether a checkpoint is due, and
+ * the length of the next chunk of steps. */
 void session_look(session *s, int64_t chunk);
-/* Tells how far it is, when it is time again, or always. */
+/* Reports progress if the time for the next report has come, or if `always` is true. */
 void session_report(session *s, bool always);
 
-/* After steps were taken, with what the simulation has said of them: samples, seals a part when its rows take more than
- * so many bytes, reports. SD_ERROR_NUMERIC: the state is kept. */
+/* Does what is due after a chunk of steps that ended with `status`: samples, seals a part if its
+ * rows take more than most_bytes, reports progress. SD_ERROR_NUMERIC: the state is kept in an
+ * emergency file. */
 sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messages *messages);
-/* Stops at a checkpoint: SD_INTERRUPTED. */
+/* Writes a checkpoint if the last one is older than the current step, and returns
+ * SD_INTERRUPTED. */
 sd_status session_stop(session *s, sd_messages *messages);
-/* The run is over: merges, and warns of goals that were not reached. */
+/* Merges the parts of a run that is over, and warns of goals that were not met. */
 sd_status session_finish(session *s, sd_messages *messages);
 
 #endif

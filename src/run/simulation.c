@@ -1,4 +1,4 @@
-/* simulation.c: phases, threads, and the way in and out of a running system; see slipdisk/simulation.h. */
+/* simulation.c: makes, advances, reads, saves and clones simulations; see slipdisk/simulation.h. */
 #include <assert.h>
 #include <math.h>
 #include <sched.h>
@@ -44,7 +44,7 @@ static sd_status fail_new(sd_simulation *sim, sd_simulation **out, sd_status sta
   return status;
 }
 
-/* The step of small systems knows no disks that were taken out. */
+/* Returns true if no disk was removed: the step of small systems does not handle removed disks. */
 static bool all_in_play(const sd_state *s) {
   for (size_t i = 0; i < s->n_free; i++)
     if (s->activity[i] == SD_REMOVED) return false;
@@ -76,7 +76,7 @@ static sd_status build_work(sd_simulation *sim, bool small, int threads, sd_mess
   return loop_build(e, small, threads, messages);
 }
 
-/* All but what is done once at step 0. */
+/* Makes a simulation of a given state, without what is done once at step 0. Takes over `state`. */
 static sd_status create(const sd_model *model, sd_state *state, int threads, simulation_step step,
                         sd_simulation **out, sd_messages *messages) {
   sd_simulation *sim = *out = blank(model);
@@ -85,13 +85,14 @@ static sd_status create(const sd_model *model, sd_state *state, int threads, sim
   return build_work(sim, small, small ? 1 : choose_threads(model, threads), messages);
 }
 
+/* Search for two disks with the same centre. */
 typedef struct coincidence {
   const sd_model *model;
   sd_messages *messages;
   bool found;
 } coincidence;
 
-/* A motion moves its centre, perhaps at once. */
+/* Returns true if a motion moves the centre of the disk, perhaps already in the first step. */
 static bool is_moved(const sd_model *m, uint32_t disk) {
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; m->motions[k].coordinate <= SD_Y && b < m->motions[k].n_bodies; b++)
@@ -99,6 +100,8 @@ static bool is_moved(const sd_model *m, uint32_t disk) {
   return false;
 }
 
+/* Reports the first pair of coincident disks that no motion moves; returns true to end the
+ * search. */
 static bool tell_coincident(void *user, const overlap *o) {
   coincidence *c = user;
   char one[96], two[96];
@@ -111,7 +114,8 @@ static bool tell_coincident(void *user, const overlap *o) {
   return true;
 }
 
-/* Coincident disks have no normal and never touch. Decks are checked when they are read. */
+/* Refuses disks with the same centre: they have no normal and would never touch. Models read from a
+ * deck were checked by the reader. */
 static sd_status refuse_coincident(const sd_model *model, sd_messages *messages) {
   coincidence c = {.model = model, .messages = messages};
   if (model->deck) return SD_OK;
@@ -137,7 +141,7 @@ static sd_status start(const sd_model *model, int threads, simulation_step step,
   return loop_start(&(*out)->engine, messages);
 }
 
-/* One of several ranks. */
+/* Makes the simulation of one of several ranks, without disks. */
 static sd_simulation *join(const sd_model *model, const comm *c, volatile sig_atomic_t *stop) {
   sd_simulation *sim = blank(model);
   sim->ranks = ranks_new(c, &sim->engine, stop);
@@ -199,7 +203,7 @@ settle_measure simulation_rest(sd_simulation *sim) { return settle_look(&sim->en
 
 bool simulation_finished(const sd_simulation *sim) { return loop_finished(&sim->engine); }
 
-/* --- observers -------------------------------------------------------------------------------- */
+/* --- Observers -------------------------------------------------------------------------------- */
 
 sd_status sd_simulation_observe(sd_simulation *sim, int64_t every, sd_observer *observer,
                                 void *user) {
@@ -222,7 +226,7 @@ int64_t observers_room(const sd_simulation *sim, int64_t most) {
   return most;
 }
 
-/* All that are due are called, also when one asks to stop. */
+/* All observers that are due are called, even if one of them asks to stop. */
 sd_status observers_call(sd_simulation *sim, sd_messages *messages) {
   const int64_t step = sim->engine.state->step;
   sd_status worst = SD_OK;
@@ -240,7 +244,7 @@ sd_status observers_call(sd_simulation *sim, sd_messages *messages) {
   return worst;
 }
 
-/* --- steps ------------------------------------------------------------------------------------ */
+/* --- Steps ------------------------------------------------------------------------------------ */
 
 static sd_status advance_all(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
@@ -256,10 +260,12 @@ static sd_status advance_all(sd_simulation *sim, int64_t n, sd_messages *message
       status = sd_fail(messages, SD_ERROR_USER,
                        "the process was forked within a force field: its step was not ended");
     if (status == SD_OK) status = observers_call(sim, messages);
-    engine_tell(e, messages); /* an observer may have called functions with a list of its own */
+    /* An observer may have called functions with a message list of its own: restore this one. */
+    engine_tell(e, messages);
     if (status != SD_OK) return status;
   }
-  /* the lists look at every pose before they are rebuilt; what came after is looked at here */
+  /* Rebuilds of the lists check that poses are finite; the steps since the last rebuild are checked
+   * here. */
   return neighbours_check_finite(e, e->state->step, messages);
 }
 
@@ -288,18 +294,21 @@ sd_status sd_simulation_rebuild(sd_simulation *sim, sd_messages *messages) {
 
 enum { DOOMED = 1 };
 
-/* Its address stands for this thread. */
+/* Its address identifies this thread. */
 static _Thread_local int thread_mark;
 static uintptr_t me(void) { return (uintptr_t)&thread_mark; }
 
 static simulation_door *door_of(const sd_simulation *sim) {
-  return &((sd_simulation *)(uintptr_t)sim)->door; /* reading a number does not change the system */
+  /* the cast is safe: reading a number does not change the system */
+  return &((sd_simulation *)(uintptr_t)sim)->door;
 }
 
+/* Returns true while a force field of the program is called. */
 static bool in_force(const sd_simulation *sim) {
   return sim->engine.fields && sim->engine.fields->calling;
 }
 
+/* Adds an error and returns false. */
 static bool refuse(const char *call, const char *why, sd_messages *messages) {
   sd_fail(messages, SD_ERROR_USER, "%s: %s", call, why);
   return false;
@@ -343,7 +352,7 @@ bool simulation_read_begin(const sd_simulation *sim) {
 
 void simulation_read_end(const sd_simulation *sim) { atomic_fetch_sub(&door_of(sim)->readers, 1); }
 
-/* --- numbers and columns of a running system -------------------------------------------------- */
+/* --- Reading numbers and columns -------------------------------------------------------------- */
 
 const sd_model *sd_simulation_model(const sd_simulation *sim) {
   if (!simulation_read_begin(sim)) return NULL;
@@ -373,7 +382,7 @@ const sd_state *sd_simulation_state(sd_simulation *sim) {
   return state;
 }
 
-/* Numbers of the run, which every rank has alike. */
+/* Returns the state for numbers of the run, which are the same on every rank. */
 static const sd_state *run_state(const sd_simulation *sim) { return sim->engine.state; }
 
 int64_t sd_simulation_step(const sd_simulation *sim) {
@@ -454,6 +463,8 @@ sd_energy sd_simulation_energy(sd_simulation *sim) {
   return energy;
 }
 
+/* Returns the slot of a body given by its number or as SD_WALL(k); UINT32_MAX: there is no such
+ * body. */
 static uint32_t slot_in(const sd_simulation *sim, uint32_t body) {
   const sd_model *m = sim->engine.model;
   if (body >= SD_WALL(0) && body - SD_WALL(0) < m->n_walls)
@@ -491,16 +502,16 @@ const char *sd_simulation_path(const sd_simulation *sim) {
   return path;
 }
 
-/* Clones, and simulations that are saved and loaded. See slipdisk/simulation.h.
- *
- * A saved simulation has the groups of a checkpoint, /state, /parameters and /summary, and /model/image: the model's bytes
- * (model/model.h). Checkpoints of runs have none; there the model comes from the deck in /parameters.
- */
+/* --- Saved simulations and clones ------------------------------------------------------------- */
 
+/* A saved simulation has the groups of a checkpoint, /state, /parameters and /summary, and the
+ * dataset /model/image with the bytes of the model (model/model.h). A checkpoint of a run has no
+ * image; its model is read from the deck in /parameters. */
 static const char IMAGE[] = "/model/image";
 
-/* --- saving -------------------------------------------------------------------------------------------- */
+/* --- Saving ----------------------------------------------------------------------------------- */
 
+/* Stores the bytes of the model, as words of 4 bytes. */
 static void put_image(h5_file *file, const sd_model *model) {
   size_t size = 0;
   void *bytes = image_of_model(model, &size);
@@ -533,7 +544,7 @@ static sd_status put_summary(h5_file *file, sd_simulation *sim, const sd_state *
   return status;
 }
 
-/* All that is to be saved; NULL: reported. */
+/* Builds the file of a saved simulation in memory; NULL: it failed, with a message. */
 static h5_file *file_of(sd_simulation *sim, sd_messages *messages) {
   h5_file *file = NULL;
   const sd_state *state = simulation_state(sim);
@@ -573,7 +584,7 @@ sd_status sd_simulation_save_memory(sd_simulation *sim, void **data, size_t *siz
   return status;
 }
 
-/* --- loading ------------------------------------------------------------------------------------------- */
+/* --- Loading ---------------------------------------------------------------------------------- */
 
 sd_status simulation_model_of(const comm *c, const provenance *origin, sd_model **out,
                               sd_messages *messages) {
@@ -591,6 +602,7 @@ sd_status simulation_model_of(const comm *c, const provenance *origin, sd_model 
   return status;
 }
 
+/* Reads the model from its stored bytes. */
 static sd_status get_image(const h5_file *file, sd_model **out, sd_messages *messages) {
   const int64_t size = h5_get_attr_i64(file, IMAGE, "bytes", -1);
   sd_status status = SD_OK;
@@ -605,6 +617,7 @@ static sd_status get_image(const h5_file *file, sd_model **out, sd_messages *mes
   return status;
 }
 
+/* Reads the model from the stored deck, and checks that the files it names have not changed. */
 static sd_status get_deck(const h5_file *file, sd_model **out, sd_messages *messages) {
   provenance origin;
   provenance_read(&origin, file);
@@ -616,7 +629,7 @@ static sd_status get_deck(const h5_file *file, sd_model **out, sd_messages *mess
   return status;
 }
 
-/* Takes the file over. */
+/* Makes a simulation from an open file, which it closes. */
 static sd_status load(h5_file *file, const char *name, int threads, sd_simulation **out,
                       sd_messages *messages) {
   sd_model *model = NULL;
@@ -654,7 +667,7 @@ sd_status sd_simulation_load_memory(const void *data, size_t size, int threads, 
   return status == SD_OK ? load(file, "the saved simulation", threads, out, messages) : status;
 }
 
-/* --- clones -------------------------------------------------------------------------------------------- */
+/* --- Cloning ---------------------------------------------------------------------------------- */
 
 static sd_state *state_clone(const sd_model *model, const sd_state *state) {
   sd_state *copy = sd_state_new(model);

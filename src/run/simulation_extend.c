@@ -1,4 +1,5 @@
-/* simulation_extend.c: what a program adds to a running system: force fields, disks. See slipdisk/simulation.h. */
+/* simulation_extend.c: adds force fields and disks to a running simulation and removes disks; see
+ * slipdisk/simulation.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,9 +21,9 @@
 #include "run/loop.h"
 #include "run/simulation_private.h"
 
-/* --- force fields ----------------------------------------------------------------------- */
+/* --- Force fields ----------------------------------------------------------------------------- */
 
-/* Contacts and motions go into the state, from which the work can be built anew. */
+/* Stores contacts and motions in the state, from which the work can be rebuilt. */
 static sd_status store(sd_simulation *sim, sd_messages *messages) {
   return simulation_state(sim) ? SD_OK
                                : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
@@ -33,7 +34,7 @@ static sd_status add_force_field(sd_simulation *sim, sd_force_field *field, void
   engine *e = &sim->engine;
   sd_status status = SD_OK;
   if (!field) return sd_fail(messages, SD_ERROR_USER, "force field: expected a function, not NULL");
-  if (engine_lanes(e)) { /* the step of small systems has none */
+  if (engine_lanes(e)) { /* the step of small systems has no force fields */
     status = store(sim, messages);
     if (status == SD_OK) status = loop_rebuild(e, false, messages);
   }
@@ -52,14 +53,16 @@ sd_status sd_simulation_add_force_field(sd_simulation *sim, sd_force_field *fiel
   return status;
 }
 
-/* --- disks -------------------------------------------------------------------------------------------- */
+/* --- Adding and removing disks ---------------------------------------------------------------- */
 
-/* Energies that disks brought or took along enter the start, so that the residual of the budget stays. */
+/* Adds the energy that disks brought or took along to energy_start, so that the residual of the
+ * budget does not change. */
 static void keep_residual(engine *e, double residual) {
   e->state->energy_start += energy_of(e).residual - residual;
 }
 
-/* Partners of disks that go feel them no more: the work of what is prescribed begins its next step with these forces. */
+/* Subtracts the contact forces of removed disks from their partners: the work of prescribed bodies
+ * in the next step begins with these forces. */
 static void take_forces_off(engine *e) {
   sd_state *s = e->state;
   for (size_t k = 0; k < engine_candidates(e); k++) {
@@ -76,6 +79,7 @@ static void take_forces_off(engine *e) {
   }
 }
 
+/* Removes the stored contacts of disks that are not in play. */
 static void drop_contacts_of_removed(sd_state *s, const engine *e) {
   size_t kept = 0;
   for (size_t c = 0; c < s->n_contacts; c++) {
@@ -96,6 +100,7 @@ static void drop_contacts_of_removed(sd_state *s, const engine *e) {
   s->n_contacts = kept;
 }
 
+/* Checks that all n disks are free, in play and in no clump. */
 static sd_status check_removable(const engine *e, size_t n, const uint32_t *disks,
                                  sd_messages *messages) {
   char name[96];
@@ -153,7 +158,8 @@ sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_
   return status;
 }
 
-/* Numbers of walls move up by n. */
+/* Increases the body numbers of walls by n, in motions and watched contacts. first: number of the
+ * first wall. */
 static void shift_walls(sd_model *m, uint32_t first, uint32_t n) {
   for (size_t k = 0; k < m->n_motions; k++) {
     sd_motion *q = &m->motions[k];
@@ -165,7 +171,8 @@ static void shift_walls(sd_model *m, uint32_t first, uint32_t n) {
       m->slides[k].partner[side] += m->slides[k].partner[side] >= first ? n : 0;
 }
 
-/* The model with n disks more; contacts with which the run began have served. */
+/* Makes the model with n more disks. The contacts and derivatives with which the run began are
+ * dropped, since they were used at step 0. */
 static sd_status larger_model(const sd_model *old, size_t n, const sd_disk *disks, sd_model **out,
                               sd_messages *messages) {
   sd_model *m = *out = sd_model_clone(old);
@@ -189,7 +196,7 @@ static sd_status larger_model(const sd_model *old, size_t n, const sd_disk *disk
   return status;
 }
 
-/* The state of the larger model: free disks first, the new ones behind the others, then the rest moved up. */
+/* Makes the state of the larger model: free disks, then the new disks, then the other bodies. */
 static sd_status larger_state(const sd_model *m, const sd_state *old, size_t n, sd_state **out) {
   sd_state *s = *out = sd_state_new(m);
   const uint32_t first = (uint32_t)old->n_disks;
@@ -221,7 +228,8 @@ static sd_status larger_state(const sd_model *m, const sd_state *old, size_t n, 
   return SD_OK;
 }
 
-/* The box may have been compressed since the model was made. */
+/* Checks that the new disks lie in the periodic box, which may have been compressed since the model
+ * was made. */
 static sd_status check_box(const engine *e, size_t n, const sd_disk *disks, sd_messages *messages) {
   sd_status status = SD_OK;
   for (size_t k = 0; k < n; k++)
@@ -234,10 +242,10 @@ static sd_status check_box(const engine *e, size_t n, const sd_disk *disks, sd_m
   return status;
 }
 
-/* Does a new disk overlap another body too much, as a deck would not allow? */
+/* Check of new disks: none may overlap another body by more than max_overlap, as in a deck. */
 typedef struct overlap_check {
-  const sd_model *m; /* bodies where they are now */
-  size_t first;      /* new disk */
+  const sd_model *m; /* model with the bodies at their present positions */
+  size_t first;      /* number of the first new disk */
   sd_status status;
   sd_messages *messages;
 } overlap_check;
@@ -245,7 +253,7 @@ typedef struct overlap_check {
 static bool check_overlap(void *user, const overlap *o) {
   overlap_check *c = user;
   const sd_model *m = c->m;
-  const double smaller = m->disks[o->a].radius; /* a wall has none */
+  const double smaller = m->disks[o->a].radius; /* radius of the smaller disk; a wall has none */
   if (o->a < c->first && o->b < c->first) return false;
   if (!o->coincident && o->depth <= m->max_overlap * smaller) return false;
   char one[96], two[96];
@@ -261,7 +269,8 @@ static bool check_overlap(void *user, const overlap *o) {
   return true;
 }
 
-/* new_model: with the new disks, everything else as at the start. */
+/* Checks the new disks against all bodies at their present positions. new_model: model with the new
+ * disks; its other bodies are at their positions of step 0. */
 static sd_status check_overlaps(const engine *e, const sd_model *new_model, sd_messages *messages) {
   const sd_state *s = e->state;
   const size_t first = e->model->n_disks;
@@ -275,7 +284,8 @@ static sd_status check_overlaps(const engine *e, const sd_model *new_model, sd_m
   for (size_t i = 0; i < first; i++) {
     const uint32_t slot = engine_slot(e, (uint32_t)i);
     const bool here = slot >= s->n_free || body_in_play(s, slot);
-    now.disks[i].position[SD_X] = here ? s->x[slot] : NAN; /* those out of play are nowhere */
+    /* NAN: a disk that is not in play touches nothing */
+    now.disks[i].position[SD_X] = here ? s->x[slot] : NAN;
     now.disks[i].position[SD_Y] = here ? s->y[slot] : NAN;
   }
   for (int c = 0; c < 2; c++)
@@ -341,7 +351,7 @@ static sd_status add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, u
   for (uint32_t k = 0; k < n; k++) cell_enter(e, engine_slot(e, number + k));
   for (uint32_t k = 0; k < n; k++)
     body_forces_renew(e, engine_slot(e, number + k), engine_slot(e, number + k) + 1);
-  for (uint32_t k = 0; k < n; k++) /* they begin to fall freely */
+  for (uint32_t k = 0; k < n; k++) /* new disks begin with the acceleration of free fall */
     for (int c = 0; c < SD_COORDINATES; c++)
       engine_accelerate(e, c, engine_slot(e, number + k), 0.0);
   keep_residual(e, residual);

@@ -1,4 +1,5 @@
-/* simulation_private.h: parts of a simulation, for what advances several of them together, for simulation_*.c, and for tests. */
+/* simulation_private.h: parts of a simulation, for simulation_*.c, for code that advances several
+ * simulations together, and for tests. */
 #ifndef SLIPDISK_RUN_SIMULATION_PRIVATE_H
 #define SLIPDISK_RUN_SIMULATION_PRIVATE_H
 
@@ -13,42 +14,48 @@
 #include "run/ranks.h"
 #include "slipdisk/simulation.h"
 
-/* The door of a simulation. Every function of slipdisk/simulation.h comes through here: while a call
- * is under way other threads are refused, and its own callbacks may do what does not pull the ground
- * from under it. */
+/* --- The lock of a simulation ----------------------------------------------------------------- */
 
-/* A call needs the state, or that it is alone. */
+/* Access that a call of slipdisk/simulation.h needs. Each call takes the lock of the simulation
+ * (simulation_door): meanwhile, calls by other threads are refused, and its callbacks may only make
+ * calls that leave the running call intact. */
 typedef enum simulation_need {
-  NEED_STATE, /* the state between two steps: free ones, and observers */
-  NEED_CHANGE /* that no call is under way */
+  NEED_STATE, /* the state between two steps: allowed if no call is running, and in observers */
+  NEED_CHANGE /* changes the simulation: allowed only if no call is running */
 } simulation_need;
 
+/* Lock of a simulation. */
 typedef struct simulation_door {
-  atomic_uintptr_t holder; /* the thread in a call, 0: none; + DOOMED: it was freed meanwhile */
-  atomic_int readers;      /* threads that read a number this moment */
-  bool observed;           /* an observer is being called */
-  bool broken; /* a process that was forked in a force field has no threads to end the step */
+  /* identity of the thread in a call, 0: none; plus DOOMED if it was freed in the call */
+  atomic_uintptr_t holder;
+  atomic_int readers; /* number of threads that are reading a number */
+  bool observed;      /* true while an observer is called */
+  /* true if the process was forked within a force field: its threads are missing, so the step
+   * cannot end */
+  bool broken;
 } simulation_door;
 
-/* True: the call may go on, and simulation_leave ends it with *outer. False: refused, which `messages` (may be NULL) say of the
- * function `call`. */
+/* Begins a call. Returns true if the call may go on; end it by simulation_leave with *outer.
+ * Returns false if it is refused, with a message (messages may be NULL) that names the function
+ * `call`. */
 bool simulation_enter(sd_simulation *simulation, simulation_need need, const char *call,
                       bool *outer, sd_messages *messages);
-/* May free the simulation. */
+/* Ends a call; frees the simulation if that was asked for during the call. */
 void simulation_leave(sd_simulation *simulation, bool outer);
 
-/* For numbers, which callbacks may read, too. False: another thread is in a call. */
+/* Begin and end reading a number, which callbacks may do, too. Returns false if another thread is
+ * in a call. */
 bool simulation_read_begin(const sd_simulation *simulation);
 void simulation_read_end(const sd_simulation *simulation);
 
-/* Which step a simulation takes; both give the same bits. */
+/* Kind of step that a simulation takes; both kinds give the same bits. */
 typedef enum simulation_step {
-  SIMULATION_SUITABLE, /* that of small systems where it suits the model, else the general one */
-  SIMULATION_GENERAL   /* the general one, for tests that compare the two */
+  SIMULATION_SUITABLE, /* the step of small systems if it suits the model, else the general step */
+  SIMULATION_GENERAL   /* the general step, for tests that compare the two */
 } simulation_step;
 
 typedef struct simulation_observer {
-  int64_t every; /* steps */
+  int64_t every; /* number of steps between calls */
   sd_observer *call;
   void *user;
 } simulation_observer;
@@ -56,53 +63,54 @@ typedef struct simulation_observer {
 struct sd_simulation {
   engine engine;
   simulation_door door;
-  sd_model *owned; /* model of its own; NULL: the caller's */
-  ranks *ranks;    /* that share its steps; NULL: this process alone */
+  sd_model *owned; /* model owned by the simulation; NULL: the caller owns it */
+  ranks *ranks;    /* ranks that share the simulation; NULL: one process */
   size_t n_observers;
   simulation_observer *observers;
 };
 
-/* sd_simulation_new and sd_simulation_resume with a choice. threads: of the general step; that of
- * small systems has one. c: its ranks share the steps of the general step; all call, each with its
- * part of the model (ranks_load); state and order: as ranks_spread
- * takes them over; NULL: alone, order is NULL. stop: see ranks_new. */
+/* Same as sd_simulation_new and sd_simulation_resume, with more choices. threads: for the general
+ * step; the step of small systems has one thread. c: ranks that share the simulation and all call
+ * this, each with its part of the model (ranks_load); state and order: taken over as by
+ * ranks_spread. c NULL: one process, order is NULL. stop: see ranks_new. */
 sd_status simulation_new(const sd_model *model, int threads, simulation_step step, const comm *c,
                          volatile sig_atomic_t *stop, sd_simulation **out, sd_messages *messages);
 sd_status simulation_resume(const sd_model *model, sd_state *state, uint32_t *order, int threads,
                             simulation_step step, const comm *c, volatile sig_atomic_t *stop,
                             sd_simulation **out, sd_messages *messages);
-/* sd_simulation_free while no call is under way. */
+/* Frees a simulation; no call of it may be running. */
 void simulation_free(sd_simulation *simulation);
-/* Brings the state of each rank up to date, all of it or for rows of results: then sums of losses
- * of bodies are older. Collective. SD_ERROR_IO: no memory. */
+/* Collective: brings the state of each rank up to date. rows: only what rows of results need; the
+ * sums of losses of bodies are then not updated. SD_ERROR_IO: out of memory. */
 sd_status simulation_store(sd_simulation *simulation, bool rows, sd_messages *messages);
-/* sd_simulation_state and sd_simulation_finished within a call. */
+/* Same as sd_simulation_state and sd_simulation_finished, for use within a call. */
 const sd_state *simulation_state(sd_simulation *simulation);
 bool simulation_finished(const sd_simulation *simulation);
-/* Other ranks have disks of it, too. */
+/* Returns true if the disks are distributed over several ranks. */
 bool simulation_is_spread(const sd_simulation *simulation);
-/* How near its disks are to rest, also of a spread one. */
+/* Collective: measures how near the disks are to rest. */
 settle_measure simulation_rest(sd_simulation *simulation);
-/* The engine of this rank. */
+/* Returns the engine of this rank. */
 engine *simulation_engine(sd_simulation *simulation);
 const slot_table *simulation_slots(const sd_simulation *simulation);
-bool simulation_is_small(const sd_simulation *simulation); /* takes the step of small systems */
+/* Returns true if the simulation takes the step of small systems. */
+bool simulation_is_small(const sd_simulation *simulation);
 
-/* --- simulation_extend.c ----------------------------------------------------------------------------- */
-/* Steps until an observer is due, `most` at most. */
+/* --- Observers -------------------------------------------------------------------------------- */
+/* Returns the number of steps until an observer is due, at most `most`. */
 int64_t observers_room(const sd_simulation *simulation, int64_t most);
-/* Calls those that are due now. */
+/* Calls the observers that are due now. Returns the first status that is not SD_OK. */
 sd_status observers_call(sd_simulation *simulation, sd_messages *messages);
 
-/* --- Storing and cloning ------------------------------------------------------------------------- */
-/* The model of the deck that a checkpoint or a result holds. c: of ranks that share it
- * (ranks_load), and the deck is that of rank 0; NULL: of one process. */
+/* --- Storing and cloning ---------------------------------------------------------------------- */
+/* Loads the model from the deck that is stored in a checkpoint or result. c: ranks that share the
+ * model (ranks_load), with the deck of rank 0; NULL: one process. */
 sd_status simulation_model_of(const comm *c, const provenance *origin, sd_model **out,
                               sd_messages *messages);
 
-/* Below this many free disks a thread costs more than it does. */
+/* Number of free disks per thread below which a further thread slows a run down. */
 enum { SIMULATION_DISKS_PER_THREAD = 1000 };
-/* Threads that are worth while for this model, 1 ... most. */
+/* Returns the number of threads that are worthwhile for this model, 1 ... most. */
 int simulation_threads_for(const sd_model *model, int most);
 
 #endif

@@ -1,4 +1,4 @@
-/* steps.c: see steps.h. */
+/* steps.c: takes steps with threads, over ranks, or with several systems in lanes; see steps.h. */
 #include "run/steps.h"
 
 #include <assert.h>
@@ -23,15 +23,18 @@
 #include "physics/system/halo.h"
 #include "run/ranks_move.h"
 
+/* Arguments of the threads that take the steps of one engine. */
 typedef struct steps_task {
   engine *e;
   int64_t until;
   bool measure;
-  relax_sums *sums; /* one a thread; NULL: the phase does not relax */
+  /* [threads] sums of the relaxer; NULL: the phase does not relax */
+  relax_sums *sums;
   const volatile sig_atomic_t *stop;
   unsigned *bits;
 } steps_task;
 
+/* Returns true if another step may be taken; in a run over several ranks they agree on it. */
 static bool may_step(const steps_task *a, const team *t) {
   const int64_t step = a->e->state->step;
   if (!a->e->comm) return step < a->until;
@@ -41,7 +44,8 @@ static bool may_step(const steps_task *a, const team *t) {
   return !(*a->bits & HALO_STOP) || step + 1 == a->until;
 }
 
-/* After a step. Ranks ask each other before they steer, which they do together. */
+/* Returns true if the step has failed. If the phase relaxes, all ranks agree on it first, because
+ * they steer the velocities together. */
 static bool has_failed(const steps_task *a, const team *t) {
   const bool failed = engine_status(a->e) != SD_OK;
   if (!a->e->comm || !a->sums) return failed;
@@ -50,7 +54,7 @@ static bool has_failed(const steps_task *a, const team *t) {
   return *a->bits != 0;
 }
 
-/* One member's share of the steps. */
+/* Takes steps as one thread of the team. */
 static void take_steps(const steps_task *a, const team *t) {
   engine *e = a->e;
   const int64_t measured = e->state->measured, from = e->state->step;
@@ -59,7 +63,7 @@ static void take_steps(const steps_task *a, const team *t) {
     team_wait(t);
     const bool failed = has_failed(a, t);
     if (failed && !e->comm) return;
-    if (failed) continue; /* the ranks agree on it first */
+    if (failed) continue; /* go on to may_step, in which all ranks agree on the failure */
     if (a->sums) relax_step(e, t, a->sums);
     if (!a->measure) continue;
     disks_step(e, t, measured + (step - from) + 1);
@@ -89,9 +93,10 @@ void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atom
   free(task.sums);
 }
 
-/* Cut anew when the busiest rank works by so much more than the mean, but not more often. */
+/* The domains are cut again if the busiest rank works longer than the mean by more than this
+ * fraction. */
 static const double IMBALANCE = 0.1;
-enum { CUT_LEAST = 200 }; /* steps */
+enum { CUT_LEAST = 200 }; /* smallest number of steps between two cuts */
 
 ranks *ranks_new(const comm *c, engine *part, volatile sig_atomic_t *stop) {
   ranks *r = memory_new(1, sizeof *r);
@@ -106,6 +111,7 @@ ranks *ranks_new(const comm *c, engine *part, volatile sig_atomic_t *stop) {
   return r;
 }
 
+/* Frees the engine, halo and state of this rank. */
 static void drop_part(ranks *r) {
   engine *e = r->part;
   halo *h = e->halo;
@@ -128,7 +134,7 @@ void ranks_free(ranks *r) {
 
 ranks_balance ranks_balance_of(const ranks *r) { return r->balance; }
 
-/* --- parts --------------------------------------------------------------------------------------------------- */
+/* --- Domains ---------------------------------------------------------------------------------- */
 
 static sd_status renew_part(engine *e, sd_messages *messages);
 
@@ -139,7 +145,7 @@ sd_status ranks_take_part(ranks *r, const engine *from, bool first) {
   drop_part(r);
   *r->part = next;
   if (status == SD_OK) status = engine_build(r->part, r->threads, r->messages);
-  /* together, or not at all: the others would wait */
+  /* halo_list_prescribed is collective: all ranks must call it, or none. */
   if (comm_all_well(r->comm, status) && halo_list_prescribed(r->part) != SD_OK)
     status = SD_ERROR_IO;
   if (status != SD_OK && sd_messages_errors(r->messages) == 0)
@@ -158,15 +164,14 @@ sd_status ranks_store_part(ranks *r, bool rows) {
                          : sd_fail(r->messages, SD_ERROR_IO, "out of memory for the contacts");
 }
 
-/* engine_renew of a part. */
+/* Implements engine_renew for the domain of one rank. */
 static sd_status renew_part(engine *e, sd_messages *messages) {
   ranks *r = e->ranks;
-  (void)messages; /* this rank has a list of its own */
+  (void)messages; /* messages of this rank go to its own list */
   const sd_status status = comm_agree(r->comm, ranks_store_part(r, false));
   return status == SD_OK ? comm_agree(r->comm, ranks_take_part(r, e, false)) : status;
 }
 
-/* On every rank: its disks in the order that a phase begins with. */
 sd_status ranks_order_again(engine *e) {
   ranks *r = e->ranks;
   sd_status status = comm_agree(r->comm, ranks_store_part(r, false));
@@ -176,7 +181,7 @@ sd_status ranks_order_again(engine *e) {
   return comm_agree(r->comm, status == SD_OK ? ranks_take_part(r, e, false) : status);
 }
 
-/* Collective. */
+/* Collective: measures how evenly the work is distributed. */
 static void note_balance(ranks *r) {
   const double mean = comm_total(r->comm, r->busy) / comm_size(r->comm),
                disks = (double)r->part->state->n_free;
@@ -185,15 +190,16 @@ static void note_balance(ranks *r) {
   r->balance.least = (int64_t)-comm_largest(r->comm, -disks);
 }
 
-/* New lists, disks that have left the rectangle to their new ranks, new ghosts. */
+/* Rebuilds the lists: disks that have left the rectangle move to their new ranks, and new ghosts
+ * are chosen. Cuts the domains again if the work is unbalanced. */
 static sd_status renew(ranks *r) {
   engine *e = r->part;
   const int64_t step = e->state->step;
   sd_status status = neighbours_check_finite(e, step, r->messages);
   if (!comm_all_well(r->comm, status)) return status;
   neighbours_tune(e);
-  r->skin =
-      r->model->skin > 0.0 ? r->model->skin : engine_skin(e); /* not what one step has asked for */
+  /* without the widening that a single step has asked for */
+  r->skin = r->model->skin > 0.0 ? r->model->skin : engine_skin(e);
   if (step - r->cut_step >= CUT_LEAST) {
     note_balance(r);
     if (r->balance.excess > IMBALANCE) {
@@ -205,7 +211,8 @@ static sd_status renew(ranks *r) {
     if (!comm_all_well(r->comm, status))
       return sd_fail(r->messages, SD_ERROR_IO, "cannot balance the ranks");
   }
-  /* wider, until no disk or wall outruns the lists in one step; what is not finite outruns any */
+  /* Widen the margin until no disk or wall outruns the lists in one step. A body that is not finite
+   * outruns any margin. */
   for (;;) {
     status = ranks_store_part(r, false);
     if (comm_all_well(r->comm, status)) status = ranks_take_part(r, r->part, false);
@@ -220,7 +227,7 @@ static sd_status renew(ranks *r) {
   }
 }
 
-/* --- steps ----------------------------------------------------------------------------------------------------- */
+/* --- Steps of ranks --------------------------------------------------------------------------- */
 
 void ranks_steps(engine *e, int64_t n) {
   ranks *r = e->ranks;
@@ -231,7 +238,8 @@ void ranks_steps(engine *e, int64_t n) {
     loop_steps(e, r->pool, until, r->stop, &r->bits);
     r->busy += clock_seconds() - began - e->halo->waited;
     if (r->bits & HALO_STALE && !(r->bits & HALO_FAILED)) {
-      /* lists are for steps: at the end those of one rank alone are not made anew either */
+      /* Lists serve further steps only: after the last step one process does not rebuild them
+       * either. */
       const int64_t step = e->state->step;
       const sd_status status =
           step < until ? renew(r) : neighbours_check_finite(e, step, r->messages);
@@ -243,6 +251,7 @@ void ranks_steps(engine *e, int64_t n) {
   } while (!(r->bits & HALO_FAILED) && e->state->step < until);
 }
 
+/* Returns the number of measured steps until a bin of angles is full in some system. */
 static int64_t least_room(const lanes *l) {
   int64_t least = INT64_MAX;
   for (size_t k = 0; k < l->count; k++) {
@@ -252,7 +261,8 @@ static int64_t least_room(const lanes *l) {
   return least;
 }
 
-/* An angle leaves its range, or a batch of motions cannot tell: one step of each system by itself. */
+/* Takes one general step of each system, since an angle leaves its range or a motion cannot be
+ * computed ahead. */
 static void general_step(lanes *l, bool measure) {
   const team alone = {.size = 1};
   lanes_store(l);
@@ -273,6 +283,7 @@ static bool any_wrong(const lanes *l) {
   return wrong;
 }
 
+/* Closes full bins of angles in all systems. */
 static void close_bins(const lanes *l) {
   lanes_show_angles(l);
   for (size_t k = 0; k < l->count; k++)
@@ -301,7 +312,7 @@ void lanes_loop(lanes *l, int64_t n, bool measure) {
   lanes_store(l);
 }
 
-/* The errors, each with its end. */
+/* Returns the texts of the errors, one after the other, each with its terminating zero. */
 static char *errors_of(const sd_messages *m, size_t *length) {
   *length = 0;
   for (size_t k = 0; k < sd_messages_count(m); k++) *length += strlen(sd_messages_text(m, k)) + 1;
@@ -322,6 +333,7 @@ static bool is_told(const sd_messages *m, const char *text) {
   return false;
 }
 
+/* Collective: adds the errors of all ranks to `messages` on rank 0, equal ones once. */
 static void tell_errors(const comm *c, sd_status status, const sd_messages *own,
                         sd_messages *messages) {
   size_t length, bytes = 0;

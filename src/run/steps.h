@@ -1,5 +1,6 @@
-/* steps.h: steps of one engine by its threads, and of the parts that ranks have, whose lists are made anew
- * and whose disks move on the way. For loop.c and ranks.c. */
+/* steps.h: takes the steps of one engine with its threads, and those of the domains of ranks,
+ * whose lists are rebuilt and whose disks move to other ranks in between. Used by loop.c and
+ * ranks.c. */
 #ifndef RUN_STEPS_H
 #define RUN_STEPS_H
 
@@ -12,6 +13,7 @@
 #include "physics/small/lanes.h"
 #include "run/ranks.h"
 
+/* A simulation that is shared by several ranks, as seen by one of them. */
 struct ranks {
   const comm *comm;
   const sd_model *model;
@@ -19,50 +21,56 @@ struct ranks {
   pool *pool;
   volatile sig_atomic_t *stop;
   comm_cuts *cuts;
-  engine *part; /* of this rank; state NULL: not spread */
-  double skin;
-  unsigned bits;         /* of all ranks, after the last step */
-  sd_messages *messages; /* of this rank */
-  record rows;           /* of this rank, since the last part */
-  resultants sums;       /* of all ranks, for a row of the series */
-  double busy;           /* seconds of work since the last cut */
-  int64_t cut_step;
+  engine *part;  /* engine of this rank's domain; state NULL: the disks are not distributed yet */
+  double skin;   /* Verlet margin, length; the same on all ranks */
+  unsigned bits; /* bits HALO_STALE ... of all ranks after the last step */
+  sd_messages *messages; /* messages of this rank */
+  /* rows of this rank's disks and contacts since the last sealed part */
+  record rows;
+  resultants sums;  /* sums over all ranks for a row of the series */
+  double busy;      /* seconds of work since the domains were last cut */
+  int64_t cut_step; /* step of the last cut */
   ranks_balance balance;
 };
 
-/* The present phase measures. */
+/* Returns true if the running phase is measured. */
 static inline bool steps_are_measured(const engine *e) {
   return e->state->phase < (int64_t)e->model->n_phases && e->model->phases[e->state->phase].measure;
 }
 
-/* Steps of the team of one engine up to step `until`, in the present phase. Where ranks share
- * them it ends before, with the bits of step_agree in *bits, when lists are stale, a rank has
- * failed, or any is to stop (stop: this one). */
+/* Takes steps with the threads of one engine up to step `until`, within the running phase. In a run
+ * over several ranks it ends earlier, with the bits of step_agree in *bits, if lists are stale, a
+ * rank has failed, or a rank asks to stop (stop: this rank does if it becomes nonzero). */
 void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atomic_t *stop,
                 unsigned *bits);
 
-/* --- parts of ranks --------------------------------------------------------------------------- */
+/* --- Domains of ranks ------------------------------------------------------------------------- */
 
-/* n steps, or fewer when a rank fails or is to stop: engine_status of each, state->step. */
+/* Takes n steps, or fewer if a rank fails or asks to stop: see engine_status of each rank and
+ * state->step. */
 void ranks_steps(engine *part, int64_t n);
-/* Puts the disks into the order that a phase begins with. */
+/* Sorts the disks into the order with which a phase begins. */
 sd_status ranks_order_again(engine *part);
-/* A new engine of the part `from` after its disks have gone where they belong; first: see move_parts. */
+/* Rebuilds the engine of this rank from `from` after its disks have moved to the ranks that own
+ * their positions. first: see move_parts. */
 sd_status ranks_take_part(ranks *r, const engine *from, bool first);
-/* The part as a state that can be sent; or for rows of results alone. */
+/* Stores contacts, motions and poses of ghosts in the rank's state. rows: only what rows of results
+ * need. */
 sd_status ranks_store_part(ranks *r, bool rows);
 
-/* Steps of systems in lanes, with what belongs to them: angle records, steps that need the general text. */
+/* --- Systems in lanes ------------------------------------------------------------------------- */
 
-/* n steps within a phase, or fewer when one of the systems goes wrong: the others are then where it was, and its
- * work.status says so. States are complete before and after. */
+/* Takes n steps of all systems within a phase, and closes bins of angle records when they are full.
+ * A step that lanes cannot do is a general step of each system. Takes fewer if one of the systems
+ * fails: the others then stop at the same step, and the work.status of the failed system says so.
+ * States are complete before and after. measure: the phase is measured. */
 void lanes_loop(lanes *l, int64_t n, bool measure);
 
-/* --- what ranks say when one of them cannot go on --------------------------------------------- */
+/* --- Messages of ranks ------------------------------------------------------------------------ */
 
-/* Collective, with a status on which all ranks agree. Rank 0 (the others: messages NULL) gets the
- * warnings of its own list, which every rank has alike, and after a failure the errors of all
- * ranks, equal ones once. The list is empty then. Returns the status. */
+/* Collective: passes messages to rank 0 and clears the own list. All ranks pass the same status.
+ * Rank 0 (other ranks: messages NULL) gets the warnings of its own list, which every rank has
+ * alike, and, after a failure, the errors of all ranks, equal ones once. Returns the status. */
 sd_status ranks_tell(const comm *c, sd_status status, sd_messages *own, sd_messages *messages);
 
 #endif

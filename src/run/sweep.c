@@ -1,5 +1,4 @@
-/* sweep.c: see sweep.h. Points are run here, the tables are
- * written by sweep_table.c. */
+/* sweep.c: see sweep.h. Runs points and reads their state; sweep_table.c writes the tables. */
 #include "run/sweep.h"
 
 #include <assert.h>
@@ -29,22 +28,25 @@ void sweep_close(sweep *s) {
   *s = (sweep){0};
 }
 
-/* --- checks ------------------------------------------------------------------------------------------------ */
+/* --- Checks of all points --------------------------------------------------------------------- */
 
-/* Mistakes of the deck itself come with every point, and those of a path with every value. */
+/* Largest number of different mistakes that are reported. A mistake of the deck itself comes up for
+ * every point, a mistake of a path for every value. */
 enum { MOST_MISTAKES = 40 };
 
 typedef struct mistake {
   char *text;
-  size_t point, sets; /* the first that makes it, and how many do */
+  /* first point with this mistake, and number of sets that have it */
+  size_t point, sets;
 } mistake;
 
 typedef struct mistakes {
-  size_t n, more; /* more: not kept */
+  size_t n, more; /* more: number of further mistakes, which are not kept */
   mistake list[MOST_MISTAKES];
 } mistakes;
 
-/* Cuts "file:line: path = value: what is wrong" up; false: it has another form. */
+/* Finds the path and the last part of a message "file:line: path = value: what is wrong". Returns
+ * false if the message has another form. */
 static bool cut(const char *text, const char **path, size_t *n, const char **wrong) {
   const char *equals = strstr(text, " = ");
   if (!equals) return false;
@@ -54,7 +56,7 @@ static bool cut(const char *text, const char **path, size_t *n, const char **wro
   return *wrong != NULL;
 }
 
-/* The same is wrong with the same path, whatever the value. */
+/* Returns true if both messages report the same mistake of the same path, for any value. */
 static bool same_mistake(const char *a, const char *b) {
   const char *path, *other, *wrong, *amiss;
   size_t n, m;
@@ -125,7 +127,7 @@ sd_status sweep_prepare(const sweep *s, sd_messages *messages) {
   return status;
 }
 
-/* --- for those who run points ------------------------------------------------------------------------------ */
+/* --- Functions for callers that run points ---------------------------------------------------- */
 
 void sweep_note(const sweep *s, size_t point, const char *text) {
   char *path = sweep_point_path(s, point, ".failed");
@@ -151,14 +153,14 @@ sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **resu
   return deck_sweep_model(&s->deck, point, model, messages);
 }
 
-/* --- runs points of a sweep, one or several side by side -------------------------------------- */
+/* --- Running points, one or several side by side ---------------------------------------------- */
 
 typedef struct jobs jobs;
 
-/* A point while it is run. */
+/* A point that is being run. */
 typedef struct runner {
   jobs *all;
-  size_t k; /* as given */
+  size_t k; /* index in the list given to sweep_run */
   sd_model *model;
   char *result;
 } runner;
@@ -167,8 +169,8 @@ struct jobs {
   const sweep *s;
   const size_t *points;
   const sweep_options *options;
-  runner *runners;         /* [n] */
-  session_member *members; /* [n] */
+  runner *runners;         /* [n] points that are run */
+  session_member *members; /* [n] their sessions */
 };
 
 static void tell_progress(void *user, const session_progress *p) {
@@ -177,7 +179,8 @@ static void tell_progress(void *user, const session_progress *p) {
   if (options->progress) options->progress(options->user, r->k, p);
 }
 
-/* A finished result stays, unless it is none of this deck's: that is a mistake. */
+/* Checks a finished result of a point, which stays as it is; a damaged one, or one of another deck,
+ * is an error. */
 static sd_status leave_finished(const sweep *s, size_t point, sweep_status *status,
                                 sd_messages *messages) {
   sweep_result r;
@@ -194,7 +197,8 @@ static sd_status leave_finished(const sweep *s, size_t point, sweep_status *stat
   return looked;
 }
 
-/* One attempt; *out stays NULL when there is nothing to run. *again: another process was perhaps faster. */
+/* Tries once to open the session of a point; *out stays NULL if there is nothing to run. *again:
+ * true if another process may have taken the point in the meantime. */
 static sd_status try_to_open(runner *r, session **out, int threads, sweep_status *status,
                              bool *again, sd_messages *messages) {
   const sweep *s = r->all->s;
@@ -224,6 +228,7 @@ static sd_status try_to_open(runner *r, session **out, int threads, sweep_status
   return opened;
 }
 
+/* Opens the session of a point, in up to ATTEMPTS tries. */
 static sd_status open_point(runner *r, session **out, int threads, sweep_status *status,
                             sd_messages *messages) {
   enum { ATTEMPTS = 3 };
@@ -235,7 +240,8 @@ static sd_status open_point(runner *r, session **out, int threads, sweep_status 
   }
 }
 
-/* The session has been closed, or there was none. */
+/* Ends a point: keeps or removes NAME.failed and reports to the caller. The session is closed, or
+ * there was none. */
 static void conclude(runner *r, sd_status ran, sweep_status status, sd_messages *messages) {
   const jobs *all = r->all;
   size_t point = all->points[r->k];
@@ -248,6 +254,7 @@ static void conclude(runner *r, sd_status ran, sweep_status status, sd_messages 
   sd_messages_free(messages);
 }
 
+/* Called when the session of a point has ended. */
 static void left(void *user, size_t member) {
   const jobs *all = user;
   session_member *m = &all->members[member];
@@ -283,9 +290,9 @@ void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_optio
   free(all.members);
 }
 
-/* --- what else lies in a sweep's folder, and when it is a reason to do nothing ---------------- */
+/* --- Other contents of the folder, and refusals because of them ------------------------------- */
 
-/* Points in the order of their names. */
+/* Name of a point, for a list sorted by names. */
 typedef struct named {
   const char *name;
   size_t point;
@@ -296,6 +303,7 @@ static int by_name(const void *a, const void *b) {
   return strcmp(p->name, q->name);
 }
 
+/* Cuts the ending off a name; returns false if the name does not end so or has nothing else. */
 static bool take_ending(char *name, const char *ending) {
   size_t n = strlen(name), m = strlen(ending);
   if (n <= m || strcmp(name + n - m, ending) != 0) return false;
@@ -303,7 +311,7 @@ static bool take_ending(char *name, const char *ending) {
   return true;
 }
 
-/* An entry of the folder of points; its name is cut. */
+/* Counts an entry of the folder of points; cuts the ending off its name. */
 static void sort_in(sweep_contents *c, char *name, const named *names, size_t n) {
   bool parts = take_ending(name, ".h5.parts"), result = !parts && take_ending(name, ".h5"),
        failure = !parts && !result && take_ending(name, ".failed");
@@ -341,7 +349,8 @@ void sweep_contents_free(sweep_contents *c) {
   *c = (sweep_contents){0};
 }
 
-/* "9 results, 1 unfinished run" */
+/* Appends a count, such as "9 results", with a comma before it if the text is not empty; nothing if
+ * n = 0. */
 static char *add_count(char *text, size_t n, const char *what, const char *many) {
   if (n == 0) return text;
   return append_text(text, "%s%zu %s%s", *text ? ", " : "", n, what, n == 1 ? "" : many);
@@ -393,7 +402,7 @@ sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *
   return SD_ERROR_USER;
 }
 
-/* --- what the folder knows of a point --------------------------------------------------------- */
+/* --- Status of a point, from the files in the folder ------------------------------------------ */
 
 const char *const sweep_status_names[SWEEP_STATUSES] = {"waiting", "running", "stopped",   "done",
                                                         "failed",  "damaged", "other deck"};
@@ -407,9 +416,9 @@ sweep_status sweep_peek(const sweep *s, size_t point) {
        *parts = sweep_point_path(s, point, ".h5.parts"),
        *failed = sweep_point_path(s, point, ".failed");
   sweep_status status = SWEEP_WAITING;
-  /* A result without parts is finished. Both are there at the end of the merge, after a kill
-   * there (the parts have to go), and when a finished point is run again. The parts vanish last,
-   * so they are looked for first. */
+  /* A result without a folder of parts is finished. Both exist at the end of a merge, after a kill
+   * at that time (the folder still has to be removed), and while a finished point is run again. The
+   * folder is removed last, so it is checked first. */
   bool running = folder_is_locked(parts), begun = file_is_folder(parts);
   if (running)
     status = SWEEP_RUNNING;
@@ -425,6 +434,7 @@ sweep_status sweep_peek(const sweep *s, size_t point) {
   return status;
 }
 
+/* Returns true if a result was made with the same text of the deck and the same overrides. */
 static bool same_text(const sweep *s, size_t point, const provenance *origin) {
   const sweep_point *p = &s->deck.points[point];
   const char *rest = origin->deck_overrides;
@@ -439,11 +449,12 @@ static bool same_text(const sweep *s, size_t point, const provenance *origin) {
   return !*rest;
 }
 
-/* Does what lies there belong to another deck than what the point would be run with? Then r says so. */
+/* Compares the deck of a result or checkpoint with the deck of the point; if they differ, sets the
+ * status to SWEEP_OTHER and lists the differences in r. */
 static void compare_decks(const sweep *s, size_t point, const provenance *origin, bool finished,
                           sweep_result *r) {
-  /* what stands in other files is not in the text; the rest of the sweep, comments and other words for the same
-   * are: there the full deck decides */
+  /* The text of the deck does not include the files that it names, and it changes with the rest of
+   * the sweep, comments and spelling. Unless the texts are equal, compare the completed decks. */
   if (!s->deck.reads_files && same_text(s, point, origin)) return;
   sd_model *model;
   sd_messages *mine = sd_messages_new();
@@ -460,9 +471,9 @@ static void compare_decks(const sweep *s, size_t point, const provenance *origin
   r->message = sweep_differences_text(r);
 }
 
-/* --- results and checkpoints -------------------------------------------------------------------------------- */
+/* --- Results and checkpoints ------------------------------------------------------------------ */
 
-/* Of a result that is finished, and this deck's. */
+/* Recomputes the means of watched disks of a finished result of this deck (summary_renew). */
 static void renew(const sweep *s, size_t point, const h5_file *file, sweep_result *r) {
   sd_model *model = NULL;
   sd_messages *mine = sd_messages_new();
@@ -472,6 +483,7 @@ static void renew(const sweep *s, size_t point, const h5_file *file, sweep_resul
   sd_messages_free(mine);
 }
 
+/* Sets doubts and message from the summary. */
 static void tell_doubts(sweep_result *r) {
   for (size_t k = 0; k < DOUBT_KINDS; k++)
     if (r->found.doubts[k].text) r->doubts |= 1u << k;
@@ -503,7 +515,8 @@ static void look_at_result(const sweep *s, size_t point, sweep_result *r) {
   free(path);
 }
 
-/* Reads the newest checkpoint; without one there is nothing to tell, and it may vanish while we look. */
+/* Reads the summary of the newest checkpoint, if there is one; it may be removed by another process
+ * at any time. */
 static void look_at_checkpoint(const sweep *s, size_t point, sweep_result *r) {
   char *parts = sweep_point_path(s, point, ".h5.parts"), *path = NULL;
   int64_t *steps = NULL;
@@ -526,7 +539,7 @@ static void look_at_checkpoint(const sweep *s, size_t point, sweep_result *r) {
   free(parts);
 }
 
-/* Its lines, joined by "; ". */
+/* Returns the reason why a point failed, its lines joined by "; "; the caller frees it. */
 static char *read_failure(const sweep *s, size_t point) {
   char *path = sweep_point_path(s, point, ".failed"), *text = memory_text("");
   unsigned char *bytes = NULL;

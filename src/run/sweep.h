@@ -1,13 +1,14 @@
-/* sweep.h: the points of a deck's sweep in a folder: what is there, running them, and the table of results.
+/* sweep.h: runs the points of a deck's sweep in a folder, lists what is there, and writes the
+ * tables of results.
  *
- *   FOLDER/points/NAME.h5        result of a point, as of `run` (NAME.h5.parts while it is not finished)
- *   FOLDER/points/NAME.failed    why a point failed; goes away when it is run again
+ *   FOLDER/points/NAME.h5        result of a point; NAME.h5.parts while it is not finished
+ *   FOLDER/points/NAME.failed    reason why a point failed; removed when the point is run again
  *   FOLDER/table.csv, table.h5   a row per point, finished or not
  *   FOLDER/means.csv             a row per set of values: means over its replicas
  *
- * The folder is all that processes share: any number of them, on any number of machines, may run points of the same
- * sweep at the same time, since a point is locked while it is run. Nothing here prints or starts processes.
- */
+ * Processes share only the folder: any number of them, on any number of machines, may run points
+ * of the same sweep at the same time, since a point is locked while it is run. This code prints
+ * nothing and starts no processes. */
 #ifndef SLIPDISK_RUN_SWEEP_H
 #define SLIPDISK_RUN_SWEEP_H
 
@@ -16,131 +17,142 @@
 
 typedef struct sweep {
   deck_sweep deck;
-  char *folder; /* NULL: none yet */
+  char *folder; /* folder of the sweep; NULL: none yet */
 } sweep;
 
-/* Reads the deck's sweep; the folder need not exist. sweep_close also when it fails. */
+/* Reads the deck's sweep; the folder need not exist. Call sweep_close also after a failure. */
 sd_status sweep_open(sweep *s, const char *deck, size_t n_overrides, const char *const *overrides,
                      const char *folder, sd_messages *messages);
 void sweep_close(sweep *s);
-/* Loads the model of the first point of each set and shows it to visit (may be NULL), which returns true when it
- * takes the model over. SD_ERROR_USER with the mistakes, each once and with the points that make it, when any has
- * one; *usable counts the sets without. */
+/* Loads the model of the first point of each set of values and passes it to visit (may be NULL),
+ * which returns true if it takes over the model. SD_ERROR_USER: some set has mistakes, which are
+ * reported once each, with the points that make them. *usable: number of sets without mistakes. */
 typedef bool sweep_visitor(void *user, size_t point, sd_model *model);
 sd_status sweep_check(const sweep *s, sweep_visitor *visit, void *user, size_t *usable,
                       sd_messages *messages);
-/* Makes the folders. */
+/* Makes the folder of the sweep and its folder of points. */
 sd_status sweep_prepare(const sweep *s, sd_messages *messages);
 
 typedef enum sweep_status {
-  SWEEP_WAITING, /* nothing there */
-  SWEEP_RUNNING, /* some process holds its lock */
-  SWEEP_STOPPED, /* begun, and no process runs it; an older result may be there, too */
+  SWEEP_WAITING, /* the point was not begun */
+  SWEEP_RUNNING, /* a process holds its lock */
+  SWEEP_STOPPED, /* begun, but no process runs it; an older result may exist */
   SWEEP_DONE,
   SWEEP_FAILED,
-  SWEEP_DAMAGED, /* a result is there that cannot be read */
-  SWEEP_OTHER,   /* a result is there, finished or begun, of a deck that says something else */
+  SWEEP_DAMAGED, /* the result cannot be read */
+  SWEEP_OTHER,   /* the result or checkpoint is of a deck that differs */
   SWEEP_STATUSES
 } sweep_status;
 extern const char *const sweep_status_names[SWEEP_STATUSES];
 
-/* A key that the deck of a result says otherwise; NULL: it does not have it. Neither there nor here: path is a sentence. */
+/* Key whose value in the deck of a result differs from that in this deck; NULL: the deck does not
+ * have the key. If both are NULL, path is a sentence. */
 typedef struct sweep_difference {
   char *path, *there, *here;
 } sweep_difference;
 
-/* State and findings of a point, read from the folder. */
+/* State and results of a point, read from the folder. */
 typedef struct sweep_result {
   sweep_status status;
-  unsigned doubts; /* of a finished one; bits 1 << doubt_kind */
-  bool has_found;
-  summary found; /* finished: at the end; else as of the last checkpoint */
-  char *
-      message; /* failed, damaged, other deck: why, lines joined by "; "; done: its doubts. "" else */
-  size_t n_differences; /* of another deck */
+  unsigned doubts; /* doubts about a finished result, bits 1 << doubt_kind */
+  bool has_found;  /* true if `found` is set */
+  summary found;   /* summary at the end of a finished point, else at the last checkpoint */
+  /* explanation if failed, damaged or of another deck, lines joined by "; "; doubts if done; else
+   * "" */
+  char *message;
+  size_t n_differences; /* number of differences, if status is SWEEP_OTHER */
   sweep_difference *differences;
 } sweep_result;
-/* A result that cannot be read is a state of the point. */
+/* Reads state and results of a point. A result that cannot be read is no failure but a status of
+ * the point. */
 void sweep_look(const sweep *s, size_t point, sweep_result *result);
 void sweep_result_free(sweep_result *result);
-/* The status only, without reading results: whatever result is there counts as done. */
+/* Returns the status without reading results: any result counts as done. */
 sweep_status sweep_peek(const sweep *s, size_t point);
 
-/* In what the decks of many results differ from this one. */
+/* Difference between this deck and the decks of several results. */
 typedef struct sweep_tally_line {
   sweep_difference first;
-  bool varies; /* it is another value for others */
-  size_t points;
+  bool varies;   /* true if other results have other values */
+  size_t points; /* number of points with this difference */
 } sweep_tally_line;
 typedef struct sweep_tally {
-  size_t points, n, more; /* more: lines that are not kept */
-  bool sampled;           /* not all points were looked at */
-  sweep_tally_line *list; /* [n] */
+  /* number of points, of lines in `list`, and of further lines, which are not kept */
+  size_t points, n, more;
+  bool sampled;           /* true if only some of the points were checked */
+  sweep_tally_line *list; /* [n] differences */
 } sweep_tally;
-/* Counts the differences of a point of another deck, and takes them over. */
+/* Adds the differences of a point of another deck, and takes them over. */
 void sweep_tally_add(sweep_tally *t, sweep_result *r);
-/* "gravity.tilt: 0.1 there, 0.2 here (48 points)", to be freed. */
+/* Returns a text such as "gravity.tilt: 0.1 there, 0.2 here (48 points)"; the caller frees it. */
 char *sweep_tally_text(const sweep_tally *t, size_t k);
 void sweep_tally_free(sweep_tally *t);
 
-/* Contents of the folder, by the names of files. */
+/* Contents of the folder of points, known from the names of files alone. */
 enum { SWEEP_HAS_RESULT = 1, SWEEP_HAS_PARTS = 2 };
 typedef struct sweep_contents {
-  unsigned char *has; /* [n_points], bits */
-  size_t known;       /* points that have any */
-  size_t results, parts,
-      failures;  /* of points that this sweep does not have: .h5, .h5.parts, .failed */
-  char *example; /* name of such a point; NULL: there are none */
+  unsigned char *has; /* [n_points] bits SWEEP_HAS_RESULT, SWEEP_HAS_PARTS */
+  size_t known;       /* number of points of this sweep with a result or parts */
+  /* files of points that do not belong to this sweep: .h5, .h5.parts, .failed */
+  size_t results, parts, failures;
+  char *example; /* name of a point that is not of this sweep; NULL: none */
 } sweep_contents;
+/* Finds which results and runs the folder of points has. */
 void sweep_list(const sweep *s, sweep_contents *out);
-/* "FOLDER has 9 results and 1 unfinished run of points that this sweep does not have, such as tilt=0", to be freed; NULL:
- * it has not. */
+/* Returns a text such as "FOLDER has 9 results and 1 unfinished run of points that this sweep does
+ * not have, such as tilt=0"; the caller frees it; NULL: there are none. */
 char *sweep_strangers_text(const sweep *s, const sweep_contents *c);
 void sweep_contents_free(sweep_contents *c);
-/* SD_ERROR_USER: results of points that this sweep does not have are there, and none of its own. instead: what is therefore not
- * done, "nothing is run". */
+/* Returns SD_ERROR_USER if the folder has results of other points but none of this sweep. instead:
+ * what will not be done because of it, such as "nothing is run". */
 sd_status sweep_refuse_strangers(const sweep *s, const sweep_contents *c, const char *instead,
                                  sd_messages *messages);
-/* SD_ERROR_USER: points that were counted have been run with another deck. */
+/* Returns SD_ERROR_USER if the tally counts points that were run with another deck. */
 sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *instead,
                               sd_messages *messages);
 
-/* Outcome of a point that sweep_run was given. */
+/* Outcome of a point that was given to sweep_run. */
 typedef struct sweep_end {
   size_t point;
-  sd_status ran; /* SD_INTERRUPTED: stopped at a checkpoint */
-  sweep_status
-      status; /* of the point after that; SWEEP_RUNNING: left to the process that runs it */
-  const sd_messages *messages; /* till the call returns */
+  sd_status ran; /* status of the run; SD_INTERRUPTED: stopped at a checkpoint */
+  /* status of the point afterwards; SWEEP_RUNNING: left to another process that runs it */
+  sweep_status status;
+  const sd_messages *messages; /* valid until the call returns */
 } sweep_end;
 
-/* k counts the points given to sweep_run. */
+/* Options of sweep_run. In its callbacks, k is the index into the points given to sweep_run. */
 typedef struct sweep_options {
-  int threads; /* of a point alone; several together have one each */
-  bool force;  /* run finished points again */
+  int threads; /* number of threads if there is one point; several points have one thread each */
+  bool force;  /* true: run finished points again */
+  /* points stop at a checkpoint once this is nonzero */
   volatile sig_atomic_t *stop;
-  void (*progress)(void *user, size_t k, const session_progress *progress); /* may be NULL */
-  void (*left)(void *user, size_t k,
-               const sweep_end *end); /* of each point, once, when its time has come */
+  /* reports the progress of point k; may be NULL */
+  void (*progress)(void *user, size_t k, const session_progress *progress);
+  /* called once for each point when it has ended */
+  void (*left)(void *user, size_t k, const sweep_end *end);
   void *user;
 } sweep_options;
 
-/* Runs points, or continues them, side by side (session.h). A finished one, and one that another process runs, are
- * left alone (SD_OK); the result of another deck, or a damaged one, is SD_ERROR_USER. Each point ends by itself:
- * when a run fails its messages are kept in NAME.failed, too, and the others go on. */
+/* Runs points, or continues them, side by side (session.h). A point that is finished, or that
+ * another process runs, is skipped (SD_OK); a damaged result or one of another deck is
+ * SD_ERROR_USER. Each point ends independently: the messages of a run that fails are also kept in
+ * NAME.failed, and the others continue. */
 void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_options *options);
-/* The model of a point and where its result goes (to be freed), for those who run it themselves. */
+/* Loads the model of a point and returns the path of its result (the caller frees both), for
+ * callers that run the point themselves. */
 sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **result,
                      sd_messages *messages);
-/* Keeps in NAME.failed why a point did not come to its end; NULL: it did, and the file goes. */
+/* Writes the reason why a point failed to NAME.failed. text NULL: it did not fail, and the file is
+ * removed. */
 void sweep_note(const sweep *s, size_t point, const char *text);
 void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messages);
 
-/* Which patterns of `collect` are columns of the table, when a point with this model is done; true ones stay. */
+/* Sets collected[p] to true if pattern p of `collect` matches a column that a finished point with
+ * this model has; other elements are not changed. */
 void sweep_columns(const sweep *s, size_t point, const sd_model *model, bool *collected);
-/* Writes table.csv, table.h5 and means.csv from what the folder knows: sweep_table.c. One process does so at a time:
- * waits for another for so many seconds at most, after which it is SD_ERROR_USER. mix: also when there are points of
- * another deck, which else is SD_ERROR_USER, too. */
+/* Writes table.csv, table.h5 and means.csv from the contents of the folder (sweep_table.c). One
+ * process at a time does so. SD_ERROR_USER: another process still writes after `patience` seconds;
+ * or, unless mix is true, there are points of another deck. */
 sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messages *messages);
 
 #endif

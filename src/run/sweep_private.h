@@ -1,4 +1,4 @@
-/* sweep_private.h: what the files of a sweep share. */
+/* sweep_private.h: declarations shared by the source files of a sweep. */
 #ifndef SLIPDISK_RUN_SWEEP_PRIVATE_H
 #define SLIPDISK_RUN_SWEEP_PRIVATE_H
 
@@ -8,29 +8,33 @@
 #include "io/store/h5.h"
 #include "run/sweep.h"
 
-/* FOLDER/points/NAME with this ending, to be freed. */
+/* Returns the path FOLDER/points/NAME with this ending; the caller frees it. */
 char *sweep_point_path(const sweep *s, size_t point, const char *ending);
 
-/* True: two full decks say the same; any_title: but for the title, perhaps. Else the differences are added to those of r. */
+/* Returns true if two completed decks say the same, apart from the title if any_title is true. Else
+ * adds the differences to those of r. */
 bool sweep_compare(sweep_result *r, const char *there, const char *here, bool any_title);
-/* Another difference than that of a key. */
+/* Adds a difference that is not one of a key. */
 void sweep_differ(sweep_result *r, const char *why);
-/* The first of them, joined by "; ", to be freed. */
+/* sweep_differences_text returns the first differences, joined by "; "; the caller frees the
+ * text. */
 char *sweep_differences_text(const sweep_result *r);
 void sweep_differences_free(sweep_result *r);
 
-/* A table of results in memory, with columns that are made as they are met; written as CSV and HDF5. */
+/* --- Table of results in memory --------------------------------------------------------------- */
 
 typedef enum result_kind { RESULT_NUMBER, RESULT_INTEGER, RESULT_TEXT } result_kind;
 
+/* Column of a table of results; a column is added at its first value. */
 typedef struct result_column {
   char *name;
   result_kind kind;
-  const char *unit, *meaning; /* static */
-  bool always;                /* not subject to `collect` */
-  double *number;             /* [rows], NAN: empty */
-  int64_t *integer;           /* [rows], RESULT_EMPTY: empty */
-  char **text;                /* [rows], NULL: empty */
+  /* static strings, not freed */
+  const char *unit, *meaning;
+  bool always;      /* true if `collect` does not remove the column */
+  double *number;   /* [rows] NAN: empty cell */
+  int64_t *integer; /* [rows] RESULT_EMPTY: empty cell */
+  char **text;      /* [rows] NULL: empty cell */
 } result_column;
 #define RESULT_EMPTY INT64_MIN
 
@@ -39,25 +43,27 @@ typedef struct result_table {
   result_column *columns;
 } result_table;
 
-/* Cells: the column is made when there is none of this name. */
+/* Set a cell; the column is added if there is none of this name. */
 void result_table_number(result_table *s, size_t row, const char *name, const char *unit,
                          const char *meaning, double x);
 void result_table_integer(result_table *s, size_t row, const char *name, const char *meaning,
                           int64_t x);
 void result_table_text(result_table *s, size_t row, const char *name, const char *meaning,
                        const char *text);
-result_column *result_table_find(const result_table *s, const char *name); /* NULL: none */
-/* The columns made so far are not subject to result_table_collect. */
+/* Returns the column of this name; NULL: none. */
+result_column *result_table_find(const result_table *s, const char *name);
+/* Marks all present columns: result_table_collect will not remove them. */
 void result_table_keep_all(result_table *s);
-/* Removes columns that match none of the patterns (fnmatch) and need not stay; a pattern that matches nothing is a
- * warning. */
+/* Removes the columns that match none of the patterns (fnmatch) and are not marked; warns of a
+ * pattern that matches no column. */
 void result_table_collect(result_table *s, size_t n, const char *const *patterns,
                           sd_messages *messages);
 void result_table_free(result_table *s);
 
-/* As CSV (RFC 4180, numbers to the last bit, empty cells where nothing is known). */
+/* Writes the table as CSV (RFC 4180): numbers with all digits needed to restore them, empty cells
+ * where values are missing. */
 sd_status result_table_write_csv(const result_table *s, const char *path, sd_messages *messages);
-/* Writes the columns as datasets of a group. An empty integer is -1 there. */
+/* Writes the columns as datasets of a group; an empty integer is stored as -1. */
 void result_table_write_h5(const result_table *s, h5_file *file, const char *group);
 
 #endif

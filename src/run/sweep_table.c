@@ -1,5 +1,6 @@
-/* sweep_table.c: the table of a sweep's results, and the means over replicas. See sweep.h; docs/sweep.md lists the
- * columns. Only finished points have numbers: what an unfinished one has found so far is for `--status`. */
+/* sweep_table.c: writes the table of a sweep's results, and the means over replicas; see sweep.h.
+ * docs/sweep.md lists the columns. Only finished points have numbers; `--status` shows the results
+ * of unfinished ones so far. */
 #include <fnmatch.h>
 #include <inttypes.h>
 #include <math.h>
@@ -14,8 +15,9 @@
 #include "io/store/folder.h"
 #include "run/sweep_private.h"
 
-/* --- a row per point --------------------------------------------------------------------------------------- */
+/* --- One row per point ------------------------------------------------------------------------ */
 
+/* Sets the columns of the parameters that the sweep varies. */
 static void put_parameters(result_table *t, size_t row, const sweep *s, const sweep_point *p) {
   for (size_t j = 0; j < s->deck.n_parameters; j++) {
     const sweep_parameter *a = &s->deck.parameters[j];
@@ -41,7 +43,8 @@ static void put_point(result_table *t, const sweep *s, size_t k, size_t point,
   result_table_text(t, k, "message", "why the point failed, or its result is in doubt", r->message);
 }
 
-/* The quantities of this width that have a column, element k, under their owner's name. */
+/* Sets the columns of element k of all quantities with this width. Names of columns begin with that
+ * of the owner (body or contact), unless it is "". */
 static void put_columns(result_table *t, size_t row, const char *owner, const observable_list *list,
                         const void *values, size_t width, size_t k) {
   for (const observable *o = list->rows; o < list->rows + list->n; o++) {
@@ -103,14 +106,16 @@ void sweep_columns(const sweep *s, size_t point, const sd_model *model, bool *co
   result_table_free(&t);
 }
 
-/* --- a row per set ----------------------------------------------------------------------------------------- */
+/* --- One row per set of values ---------------------------------------------------------------- */
 
-/* Over the finished replicas of a set. */
+/* Sums over the finished replicas of a set. */
 typedef struct pool {
   double n, sum;
-  double squares, errors; /* of the distances from the mean; of the error bars */
+  double squares, errors; /* sums of squares: of deviations from the mean; of error bars */
 } pool;
 
+/* Sums the values of a column over the replicas of each set: the means in a first pass, the
+ * deviations in a second. */
 static void fill_pools(pool *p, const sweep *s, const result_column *c,
                        const result_column *error) {
   for (size_t pass = 0; pass < 2; pass++)
@@ -128,7 +133,8 @@ static void fill_pools(pool *p, const sweep *s, const result_column *c,
     }
 }
 
-/* Mean, the error that the error bars give, and the one that the scatter gives. */
+/* Sets the columns of the mean, of its error from the error bars, and of its error from the scatter
+ * of replicas. */
 static void put_means(result_table *m, const sweep *s, const result_table *t,
                       const result_column *c) {
   char *error_name = format_text("%s_error", c->name),
@@ -173,7 +179,7 @@ static void fill_means(result_table *m, const sweep *s, const result_table *t) {
   }
 }
 
-/* --- writing ----------------------------------------------------------------------------------------------- */
+/* --- Writing ---------------------------------------------------------------------------------- */
 
 static sd_status write_h5(const sweep *s, const result_table *t, const result_table *m,
                           const char *path, sd_messages *messages) {
@@ -237,7 +243,8 @@ static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
   return status;
 }
 
-/* Of several processes one writes after the other, so that what stays is what the last one saw. */
+/* One process writes at a time, so that the remaining table is that of the process that read the
+ * folder last. */
 sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messages *messages) {
   const double pause = 0.05;
   folder lock = {.at = -1, .lock = -1};
@@ -245,9 +252,10 @@ sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messa
   for (; (status = folder_open(s->folder, true, &lock, NULL)) == SD_ERROR_USER && patience > 0;
        patience -= pause)
     nanosleep(&(struct timespec){.tv_nsec = (long)(pause * 1e9)}, NULL);
-  if (status != SD_OK) status = folder_open(s->folder, true, &lock, messages); /* and tell why */
+  /* Try a last time, with messages: they tell why the folder cannot be locked. */
+  if (status != SD_OK) status = folder_open(s->folder, true, &lock, messages);
   if (status != SD_OK) return status;
-  /* drafts that a kill has left */
+  /* remove drafts left by killed processes */
   static const char *const tables[] = {"table.csv", "table.h5", "means.csv"};
   for (size_t k = 0; k < sizeof tables / sizeof *tables; k++)
     file_remove_drafts(s->folder, tables[k], NULL);
@@ -256,6 +264,7 @@ sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messa
   return status;
 }
 
+/* --- Table of results in memory --------------------------------------------------------------- */
 result_column *result_table_find(const result_table *s, const char *name) {
   for (size_t k = 0; k < s->n_columns; k++)
     if (strcmp(s->columns[k].name, name) == 0) return &s->columns[k];
@@ -274,7 +283,8 @@ static void allocate(result_column *c, result_kind kind, size_t n) {
   }
 }
 
-/* NULL: a column of this name holds something else. */
+/* Returns the column of this name, which is added if there is none; NULL: there is one of another
+ * kind. */
 static result_column *column(result_table *s, result_kind kind, const char *name, const char *unit,
                              const char *meaning) {
   result_column *c = result_table_find(s, name);
@@ -345,8 +355,9 @@ void result_table_free(result_table *s) {
   *s = (result_table){0};
 }
 
-/* --- CSV --------------------------------------------------------------------------------------------------- */
+/* --- Writing as CSV --------------------------------------------------------------------------- */
 
+/* Writes a number with the fewest digits, at least 6, that restore it; NAN: empty cell. */
 static void put_number(FILE *out, double x) {
   char text[40];
   if (isnan(x)) return;
@@ -387,7 +398,7 @@ sd_status result_table_write_csv(const result_table *s, const char *path, sd_mes
   return status;
 }
 
-/* --- HDF5 -------------------------------------------------------------------------------------------------- */
+/* --- Writing to HDF5 -------------------------------------------------------------------------- */
 
 void result_table_write_h5(const result_table *s, h5_file *file, const char *group) {
   int64_t *integer = memory_new(s->n_rows, sizeof *integer);

@@ -1,4 +1,5 @@
-/* checkpoint.c: see checkpoint.h. */
+/* checkpoint.c: writes and reads the columns of a state in checkpoint files, whole or in shares of
+ * ranks; see checkpoint.h. */
 #include "io/results/checkpoint.h"
 
 #include <assert.h>
@@ -42,7 +43,7 @@ size_t checkpoint_extent_of(const sd_state *sizes, size_t k) {
 
 static void put_column(h5_file *file, const sd_field *f, size_t n, const void *data) {
   char *path = format_text("/state/%s", f->name);
-  /* no filter: a checkpoint is written often and read once */
+  /* No compression: a checkpoint is written often and read once. */
   if (f->extent == SD_PER_RUN)
     h5_put(file, path, f->type, 0, &n, data, false);
   else
@@ -52,7 +53,8 @@ static void put_column(h5_file *file, const sd_field *f, size_t n, const void *d
   free(path);
 }
 
-/* shared: without rows of free disks and of contacts, which stand in shares. */
+/* Writes all columns of the state. shared: leaves out the rows of free disks and contacts, which
+ * the share files hold. */
 static void put_columns(h5_file *file, const sd_state *state, bool shared) {
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
@@ -77,7 +79,7 @@ int64_t checkpoint_count_contacts(const h5_file *file) {
   return h5_get_attr_i64(file, "/state", "n_contacts", -1);
 }
 
-/* As `hash`, by words: a tenth of the time. */
+/* A sum over 64-bit words takes a tenth of the time of the bytewise sd_state_hash. */
 uint64_t checkpoint_sum_of(const sd_state *state) {
   uint64_t sum = FILE_SUM;
   for (size_t k = 0; k < sd_field_count; k++)
@@ -102,7 +104,8 @@ void checkpoint_put_state(h5_file *file, const sd_state *state) {
   h5_attr_text(file, "/state", "hash", checkpoint_hash_of(state, hash));
 }
 
-/* Below so many bytes of the state a copy costs less than pages. */
+/* States smaller than this, in bytes, are copied into the file: that costs less than lending their
+ * pages to it (h5_new_borrowing). */
 static const uint64_t BORROWED = 16 << 20;
 
 uint64_t checkpoint_bytes(const sd_state *state) {
@@ -112,6 +115,7 @@ uint64_t checkpoint_bytes(const sd_state *state) {
   return bytes;
 }
 
+/* Makes a new file in memory for this state, which borrows the columns of a large state. */
 static sd_status file_for(const sd_state *state, h5_file **file, sd_messages *messages) {
   const uint64_t bytes = checkpoint_bytes(state);
   return bytes < BORROWED ? h5_new(file, messages) : h5_new_borrowing(bytes, file, messages);
@@ -150,7 +154,9 @@ void checkpoint_remove_share(int folder, const char *path, size_t k) {
   free(name);
 }
 
-/* Rows of a column in a group of a share; from[k] (NULL: k) is which of the state is row k. */
+/* Writes a column of free disks or contacts into a group of a share. Row k is row from[k] of the
+ * state; from NULL: row k. scratch: buffer for n rows of at most 8 bytes, used unless from is
+ * NULL. */
 static void put_rows(h5_file *file, const char *group, const sd_field *f, const void *data,
                      size_t n, const uint32_t *from, char *scratch) {
   const size_t size = sd_type_size(f->type), dims[2] = {n, SD_MEAN_BINS};
@@ -192,7 +198,7 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state,
   return status;
 }
 
-/* Elements of a column; 1: of the run. */
+/* Counts the elements of a column; a number of the run counts as 1. */
 static sd_status count_stored(const h5_file *checkpoint, const char *path, size_t *n,
                               sd_messages *messages) {
   size_t dims[H5_MAX_RANK] = {0};
@@ -253,7 +259,7 @@ char *checkpoint_get_replaces(const h5_file *file) {
   return h5_get_attr_text(file, "/checkpoint", "replaces");
 }
 
-/* least: the oldest format that will do. */
+/* Checks program and format of a file. least: oldest format that is accepted. */
 static sd_status check_version(const h5_file *file, const char *path, int64_t least,
                                sd_messages *messages) {
   char *creator = h5_get_attr_text(file, "/h5md/creator", "name");
@@ -295,9 +301,7 @@ sd_status checkpoint_check_format(const h5_file *file, const char *path, sd_mess
   return check_version(file, path, CHECKPOINT_FORMAT, messages);
 }
 
-/* --- states from checkpoints and results ------------------------------------------------------ */
-
-/* --- is it that of the model? ----------------------------------------------------------------- */
+/* --- Checks of a stored state against the model ----------------------------------------------- */
 
 static sd_status check_extents(const h5_file *file, const sd_state *sizes, sd_messages *messages) {
   int64_t format = h5_get_attr_i64(file, "/state", "format", -1);
@@ -324,7 +328,7 @@ sd_status checkpoint_check_state(const h5_file *file, const sd_model *model,
   const sd_state sizes = state_sizes(model);
   sd_status status = check_extents(file, &sizes, messages);
   const int64_t contacts = checkpoint_count_contacts(file);
-  /* a damaged number does not get to ask for all memory */
+  /* A damaged count must not lead to an allocation of all memory: compare it with a column. */
   if (status == SD_OK &&
       (contacts < 0 || h5_check(file, "/state/contact_a", (size_t)contacts, NULL) != SD_OK))
     status =
@@ -332,8 +336,8 @@ sd_status checkpoint_check_state(const h5_file *file, const sd_model *model,
   return status;
 }
 
-/* Checkpoints have a sum, results and checkpoints of older versions a hash; those of shares have
- * a sum for each instead. */
+/* Verifies the checksum of the state. Checkpoints have the attribute `sum`, results and checkpoints
+ * of older versions `hash`; if there are shares, the seal of each share is verified instead. */
 static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messages *messages) {
   if (h5_has_shares(file)) return SD_OK;
   char found[20], *stored = h5_get_attr_text(file, "/state", "hash");
@@ -346,12 +350,14 @@ static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messa
               : sd_fail(messages, SD_ERROR_IO, "the state is damaged: its hash does not fit");
 }
 
-/* --- rows ------------------------------------------------------------------------------------- */
+/* --- Columns, read from one file or from several shares --------------------------------------- */
 
-/* Rows of free disks and contacts in one file, which is whole or a share. */
+/* Range of rows of free disks and of contacts in one file, which is a whole checkpoint or a
+ * share. */
 typedef struct piece {
   h5_file *file;
-  const char *disks, *contacts; /* groups of their columns */
+  /* groups that hold the columns of disks and of contacts; "" in a whole checkpoint */
+  const char *disks, *contacts;
   size_t first, n, first_contact, n_contacts;
 } piece;
 
@@ -359,8 +365,8 @@ static size_t width_of(const sd_field *f) {
   return f->extent == SD_PER_MEAN_BIN ? SD_MEAN_BINS : 1;
 }
 
-/* A row of several numbers is a row of the dataset in shares; else all numbers stand one after
- * the other. */
+/* Reads n rows of a column. In a share, a column with several numbers per row is a two-dimensional
+ * dataset; in a whole checkpoint it is one-dimensional, row after row. */
 static sd_status read_rows(const h5_file *file, const char *group, const sd_field *f, size_t first,
                            size_t n, void *rows, sd_messages *messages) {
   size_t dims[H5_MAX_RANK];
@@ -377,8 +383,9 @@ static sd_status read_rows(const h5_file *file, const char *group, const sd_fiel
   return status;
 }
 
-/* All but free disks and contacts. Prescribed bodies stand behind the free disks; the head of
- * shares has them alone. */
+/* Reads a column, or the part of it, that does not belong to free disks or contacts. In a column of
+ * bodies, prescribed bodies follow the free disks. before: number of free disks in the columns of
+ * `head`; 0 if there are shares. */
 static sd_status read_common(const h5_file *head, const sd_field *f, size_t before, sd_state *s,
                              sd_messages *messages) {
   const size_t size = sd_type_size(f->type), all = sd_extent_size(s, f->extent);
@@ -391,7 +398,8 @@ static sd_status read_common(const h5_file *head, const sd_field *f, size_t befo
   return status;
 }
 
-/* place: where disk k of the pieces, one after the other, stands; NULL: k. */
+/* Reads a column for the disks of one piece. at: number of disks in the pieces before. place: slot
+ * in the state of each disk, in the order of the pieces; NULL: slot k for disk k. */
 static sd_status read_disks(const piece *p, const sd_field *f, size_t at, const uint32_t *place,
                             sd_state *s, sd_messages *messages) {
   const size_t row = sd_type_size(f->type) * width_of(f);
@@ -406,6 +414,7 @@ static sd_status read_disks(const piece *p, const sd_field *f, size_t at, const 
   return status;
 }
 
+/* Reads a column for the contacts of one piece. at: number of contacts in the pieces before. */
 static sd_status read_contacts(const piece *p, const sd_field *f, size_t at, sd_state *s,
                                sd_messages *messages) {
   if (f->extent == SD_PER_LAW_CONTACT && !s->law_columns) return SD_OK;
@@ -414,7 +423,8 @@ static sd_status read_contacts(const piece *p, const sd_field *f, size_t at, sd_
                    data + at * sd_type_size(f->type), messages);
 }
 
-/* head: has the rest, behind so many rows of free disks. */
+/* Reads one column of the state from all pieces. head: file with the rows of everything else, which
+ * follow `before` rows of free disks. */
 static sd_status read_column(const h5_file *head, size_t before, size_t n_pieces, const piece *list,
                              const sd_field *f, const uint32_t *place, sd_state *s,
                              sd_messages *messages) {
@@ -431,7 +441,8 @@ static sd_status read_column(const h5_file *head, size_t before, size_t n_pieces
   return status;
 }
 
-/* The state of these pieces. */
+/* Makes a state from the disks and contacts of the pieces, and from the rest in `head`. before,
+ * place: as in read_column and read_disks. */
 static sd_status get_pieces(const h5_file *head, size_t before, const sd_model *model, size_t n,
                             const piece *list, const uint32_t *place, sd_state **out,
                             sd_messages *messages) {
@@ -456,9 +467,9 @@ static sd_status get_pieces(const h5_file *head, size_t before, const sd_model *
   return status;
 }
 
-/* --- all of it -------------------------------------------------------------------------------- */
+/* --- Reading a whole state -------------------------------------------------------------------- */
 
-/* No column has more or fewer values than the model says. */
+/* Checks that each column has the number of values that the model implies. */
 static sd_status check_columns(const h5_file *file, const sd_model *model, sd_messages *messages) {
   sd_state sizes = state_sizes(model);
   sizes.n_contacts = (size_t)checkpoint_count_contacts(file);
@@ -492,9 +503,10 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
   return status;
 }
 
-/* --- some of it: over ranks only, the counted build has one ----------------------------------- */
+/* --- Reading a part of a state, in runs over several ranks ------------------------------------ */
 /* GCOVR_EXCL_START */
 
+/* Counts the rows of a dataset. */
 static sd_status count_rows(const h5_file *file, const char *path, size_t *n,
                             sd_messages *messages) {
   size_t dims[H5_MAX_RANK] = {0};
@@ -504,6 +516,7 @@ static sd_status count_rows(const h5_file *file, const char *path, size_t *n,
   return status;
 }
 
+/* Opens share k of the checkpoint `path` and verifies the checksum in its seal. */
 static sd_status open_share(const char *path, size_t k, int64_t sum, piece *p,
                             sd_messages *messages) {
   uint64_t found = 0;
@@ -518,7 +531,7 @@ static sd_status open_share(const char *path, size_t k, int64_t sum, piece *p,
   return status;
 }
 
-/* A disk's place in the whole, and which of the rows read it is. */
+/* Key of a disk, its slot in the order of all disks, and index of the row that was read. */
 typedef struct keyed {
   int64_t key;
   uint32_t row;
@@ -529,7 +542,8 @@ static int by_key(const void *one, const void *two) {
   return p < q ? -1 : p > q;
 }
 
-/* Disks of several shares, in the order of the whole. place: of each row read. */
+/* Sorts the disks of several shares by key. place: receives the slot in the new state of each row
+ * read; order: receives the keys, ascending. */
 static sd_status order_rows(size_t n_pieces, const piece *list, size_t n, uint32_t *place,
                             uint32_t *order, sd_messages *messages) {
   keyed *rows;
@@ -551,6 +565,7 @@ static sd_status order_rows(size_t n_pieces, const piece *list, size_t n, uint32
   return status;
 }
 
+/* Reads the shares rank, rank + ranks, ... of a checkpoint as a state. */
 static sd_status get_shares(const h5_file *head, const char *path, const sd_model *model,
                             size_t rank, size_t ranks, sd_state **out, uint32_t **order,
                             sd_messages *messages) {
@@ -575,10 +590,12 @@ static sd_status get_shares(const h5_file *head, const char *path, const sd_mode
   return status;
 }
 
+/* Returns the first of n rows that belong to `rank` when ranks get equal ranges. */
 static size_t begin_of(size_t n, size_t rank, size_t ranks) {
   return n / ranks * rank + n % ranks * rank / ranks;
 }
 
+/* Reads one of `ranks` equal ranges of a checkpoint without shares as a state. */
 static sd_status get_range(h5_file *file, const sd_model *model, size_t rank, size_t ranks,
                            sd_state **out, uint32_t **order, sd_messages *messages) {
   const size_t disks = model->n_free, contacts = (size_t)checkpoint_count_contacts(file),
@@ -611,15 +628,16 @@ sd_status checkpoint_get_some(const char *path, const sd_model *model, size_t ra
 }
 
 /* GCOVR_EXCL_STOP */
-/* --- means ------------------------------------------------------------------------------------ */
+/* --- Means of disks, computed from a stored state --------------------------------------------- */
 
+/* Returns true if all n numbers of the list are below `end`; false also for NULL. */
 static bool are_below(const uint32_t *list, size_t n, size_t end) {
   bool good = list != NULL;
   for (size_t k = 0; good && k < n; k++) good = list[k] < end;
   return good;
 }
 
-/* Totals ask for these beside the means. */
+/* Reads the columns that sd_disk_totals_of needs besides the means of disks. */
 static sd_status read_for_totals(const h5_file *file, sd_state *s, sd_messages *messages) {
   sd_status status = SD_OK;
   s->n_contacts = (size_t)checkpoint_count_contacts(file);
@@ -635,7 +653,8 @@ static sd_status read_for_totals(const h5_file *file, sd_state *s, sd_messages *
   return sd_fail(messages, SD_ERROR_IO, "the state is damaged: there is no such body");
 }
 
-/* s: also looks at the contacts, bins and measured steps of the run. */
+/* Computes the means of all disks, AT_ONCE disks at a time. s: receives the numbers of samples,
+ * bins and measured steps of the run. */
 static sd_status read_means(const h5_file *file, const sd_model *model, sd_state *s,
                             sd_disk_mean *means, int threads, sd_messages *messages) {
   enum { AT_ONCE = 1 << 16 };
@@ -686,8 +705,8 @@ sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_mo
   if (checkpoint_get_parts(file) < 0)
     return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
   sd_status status = checkpoint_check_format(file, path, messages);
-  /* all of it is read now; shares were checked when it was opened, and a run may have removed
-   * it since */
+  /* The whole file is read now, so its seal is verified. Shares were verified when the file was
+   * opened, and the run may have removed the file since. */
   if (status == SD_OK && !h5_has_shares(file) && file_exists(path))
     status = h5_verify(path, &sealed, &sum, messages);
   if (status == SD_OK && !model) status = constants_read(file, path, read_deck, &own, messages);

@@ -1,9 +1,9 @@
-/* checkpoint.h: the state, and all that is needed to go on from it, in one file.
+/* checkpoint.h: writes and reads checkpoints, the files from which a run continues.
  *
- * /state holds one dataset per row of sd_fields, with unit and description; /checkpoint the number of sealed
- * parts that belong to it and the hash of the state; /parameters the deck and where the run comes from;
- * /summary what has been measured so far. A finished result has the same groups.
- */
+ * Group /state holds one dataset per row of sd_fields, with unit and description, and a hash of
+ * the state; /checkpoint holds the number of sealed parts that belong to the state; /parameters
+ * holds the deck and the provenance of the run; /summary holds the results measured so far. A
+ * finished result has the same groups except /checkpoint. */
 #ifndef SLIPDISK_IO_CHECKPOINT_H
 #define SLIPDISK_IO_CHECKPOINT_H
 
@@ -11,95 +11,125 @@
 #include "io/results/provenance.h"
 #include "io/results/summary.h"
 
-/* Raised when a name or a meaning changes, or a column is new; a run goes on from its own format only. 3: contacts stand by slots, and
- * not by the number of the partner; 4: columns fast_*; 5: columns of contacts named as in slipdisk/contact.h, history of the
- * evaluation whose forces act, names of results as in io/store/members.c; 6: field_power; 7: visit_*. A packing takes bodies and contacts in any order, and
- * no fast_*, so that it reads 2 and 3 as well. */
+/* CHECKPOINT_FORMAT is raised when the name or meaning of a column changes, or a column is added. A
+ * run continues only from its own format. Format 3: contacts are ordered by slots, not by the
+ * number of the partner; 4: adds columns fast_*; 5: columns of contacts have the names in
+ * slipdisk/contact.h, the contact history is that of the evaluation whose forces act, results have
+ * the names in io/store/members.c; 6: adds field_power; 7: adds visit_*. CHECKPOINT_OF_PACKING is
+ * the oldest format from which a packing is read: a packing takes bodies and contacts in any order
+ * and needs no fast_*, so formats 2 and 3 serve as well. */
 enum { CHECKPOINT_FORMAT = 9, CHECKPOINT_OF_PACKING = 2 };
-/* Name below /state of a column of sd_fields in the file's format. */
+/* Returns the name that a column of sd_fields has below /state in the format of this file: an older
+ * name if the format is below 5, else `name`. */
 const char *checkpoint_column(const h5_file *file, const char *name);
 
-/* Parts that belong to a state, without which a run cannot go on from it. */
+/* Sealed parts of the result that belong to a checkpoint; a run cannot continue without them. */
 typedef struct checkpoint_parts {
-  int64_t n;     /* sealed parts */
-  uint64_t last; /* sum in the seal of the last one; each part names that of the one before */
-  const char *replaces; /* which result may be replaced in the end, see session_begin.c; "": none */
+  int64_t n; /* number of sealed parts */
+  /* checksum in the seal of the last part; each part stores that of the part before it */
+  uint64_t last;
+  /* path of the result that may be replaced when the run ends (session_begin.c); "": none */
+  const char *replaces;
 } checkpoint_parts;
 
-/* Free disks and contacts stand in files of the ranks (shares, see h5.h), which are there already. */
+/* Describes a checkpoint whose free disks and contacts are in the share files of the ranks (h5.h).
+ * The shares must be written before the head. */
 typedef struct checkpoint_shares {
   const sd_model *model;
   size_t n;
-  int64_t *sums;     /* [n] of their seals */
-  size_t n_contacts; /* of all */
+  int64_t *sums;     /* [n] checksums in the seals of the shares */
+  size_t n_contacts; /* contacts of all ranks */
 } checkpoint_shares;
 
-/* folder: see file.h. shares: NULL: the state has all. */
+/* Writes a checkpoint, sealed, to `path`; replaces a file of that name. folder: descriptor of an
+ * open folder, see file.h. shares: NULL if `state` holds all disks and contacts. */
 sd_status checkpoint_write(int folder, const char *path, const sd_state *state,
                            const checkpoint_parts *parts, const checkpoint_shares *shares,
                            const provenance *origin, const summary *found, sd_messages *messages);
 
-/* Where the rows of a part of the state stand in the whole: by ascending keys. */
+/* Order of the rows of a share within the whole state: the keys ascend. */
 typedef struct checkpoint_order {
-  int64_t *disk_key;    /* [n_free] */
-  int64_t *contact_key; /* [n_contacts] */
-  uint32_t *
-      contact; /* [n_contacts] which contact of the part has this key; those of one key in their order */
+  /* [n_free] key of each free disk: its slot in the order of all disks */
+  int64_t *disk_key;
+  /* [n_contacts] key of each row of contacts: slot of the disk in the order of all disks, plus 2^32
+   * if the partner is a wall with segments */
+  int64_t *contact_key;
+  /* [n_contacts] index, in the rank's state, of the contact in each row; contacts of equal key are
+   * ordered by partner and segment */
+  uint32_t *contact;
 } checkpoint_order;
 
-/* Share k of a checkpoint that is not written after all; folder: see file.h. */
+/* Removes share k of a checkpoint that will not be completed; folder: see file.h. */
 void checkpoint_remove_share(int folder, const char *path, size_t k);
-/* A share: the free disks and contacts of a part of the state. sum: of its seal. */
+/* Writes the free disks and contacts of one rank's state as a share. sum: receives the checksum in
+ * its seal. */
 sd_status checkpoint_write_share(const char *path, const sd_state *state,
                                  const checkpoint_order *order, int64_t *sum,
                                  sd_messages *messages);
 
-/* The group /state of a file that is being written; of one that borrows the state must stay as it is until it is saved. */
+/* Adds the group /state to a file that is being written. If the file comes from h5_new_borrowing,
+ * large columns are not copied: the state must not change before h5_save. */
 void checkpoint_put_state(h5_file *file, const sd_state *state);
-/* The same from a checkpoint, column by column, as it stands there: no state is needed. */
+/* Copies the group /state of a checkpoint into `file`, one column at a time, without a state in
+ * memory. */
 sd_status checkpoint_copy_state(h5_file *file, const h5_file *checkpoint, sd_messages *messages);
-uint64_t checkpoint_stored_bytes(const h5_file *checkpoint); /* of all its columns */
-/* The state in an open file, sized for the model; verified against its hash. SD_ERROR_USER: it belongs to
- * another model. */
+/* Returns the number of bytes of all columns below /state. */
+uint64_t checkpoint_stored_bytes(const h5_file *checkpoint);
+/* Reads the state from an open file and verifies its hash; the caller frees *out. SD_ERROR_USER:
+ * the state belongs to another model. SD_ERROR_IO: it is damaged, or no memory. */
 sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
                                sd_messages *messages);
-/* SD_ERROR_USER: the state in an open file belongs to another model; SD_ERROR_IO: it is damaged. */
+/* Checks that the state in an open file belongs to the model, without reading its columns.
+ * SD_ERROR_USER: it belongs to another model or format. SD_ERROR_IO: it is damaged. */
 sd_status checkpoint_check_state(const h5_file *file, const sd_model *model, sd_messages *messages);
-/* The rows of one of several ranks that go on with a checkpoint, as a state of its own: of
- * prescribed bodies and the run all, of free disks and contacts the shares rank, rank + ranks
- * ..., or of a file without shares as many rows. order[n_free]: places of the disks in the whole,
- * ascending. Seals are checked. */
+/* Reads the part of a checkpoint with which one of several ranks continues, as a state of its own.
+ * Columns of prescribed bodies and of the run are complete. Free disks and contacts are those of
+ * shares rank, rank + ranks, ...; if the file has no shares, an equal range of its rows.
+ * order[n_free]: receives the slots of the disks in the order of all disks, ascending. The caller
+ * frees *out and *order. Seals are verified. */
 sd_status checkpoint_get_some(const char *path, const sd_model *model, size_t rank, size_t ranks,
                               sd_state **out, uint32_t **order, sd_messages *messages);
-/* Means of every disk (summary_disks_collect) from the state in a file, of which some disks are
- * read at a time. */
+/* Computes the means of every disk (see summary_disks_collect) from the state in a file, reading a
+ * block of disks at a time. */
 sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, summary_disks *s,
                                    int threads, sd_messages *messages);
-/* Means of every disk that a checkpoint leaves to its readers (SUMMARY_LATER), from its state. path: of the file; model: of the
- * run, NULL: from its deck (constants_read). */
+/* Computes the means of every disk if the checkpoint stores only the state from which they follow
+ * (s->later, see SUMMARY_LATER); else does nothing. path: path of the file. model: model of the
+ * run; NULL: it is rebuilt from the file (constants_read). */
 sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model,
                               constants_deck_reader *read_deck, summary_disks *s,
                               sd_messages *messages);
-uint64_t checkpoint_bytes(const sd_state *state);  /* of all its columns */
-int64_t checkpoint_get_parts(const h5_file *file); /* -1: this is no checkpoint */
+/* Returns the number of bytes of all columns of a state in memory. */
+uint64_t checkpoint_bytes(const sd_state *state);
+/* Returns the number of sealed parts that belong to the checkpoint; -1: the file is not a
+ * checkpoint. */
+int64_t checkpoint_get_parts(const h5_file *file);
 uint64_t checkpoint_get_last_part(const h5_file *file);
-char *checkpoint_get_replaces(const h5_file *file); /* to be freed; NULL: none */
-/* Is it a result, or a checkpoint, that this version can read? SD_ERROR_USER: another program's, or a newer one's. */
+/* Returns the path of the result that may be replaced (checkpoint_parts.replaces); the caller frees
+ * it; NULL: none. */
+char *checkpoint_get_replaces(const h5_file *file);
+/* Checks that the file is a result or checkpoint that this version can read. SD_ERROR_USER: it was
+ * written by another program or by a newer version. */
 sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_messages *messages);
-/* And a checkpoint that it can go on from? */
+/* Checks, in addition, that this version can continue a run from the file: its format must be
+ * CHECKPOINT_FORMAT. SD_ERROR_USER: it is not. */
 sd_status checkpoint_check_format(const h5_file *file, const char *path, sd_messages *messages);
 
-/* --- Reading ------------------------------------------------------------------------------------- */
-/* Sizes in a state, and their names as attributes of /state. */
+/* --- Reading ---------------------------------------------------------------------------------- */
+/* Describes a size member of sd_state and the attribute of /state that stores it. */
 typedef struct checkpoint_extent {
   const char *name;
   size_t offset;
 } checkpoint_extent;
 enum { CHECKPOINT_EXTENTS = 11 };
 extern const checkpoint_extent checkpoint_extents[CHECKPOINT_EXTENTS];
+/* Returns size k of checkpoint_extents from a state. */
 size_t checkpoint_extent_of(const sd_state *sizes, size_t k);
-int64_t checkpoint_count_contacts(const h5_file *file); /* -1: not there */
+/* Returns the number of contacts stored in the file; -1: the attribute is missing. */
+int64_t checkpoint_count_contacts(const h5_file *file);
+/* Returns a checksum of all columns, by 64-bit words (file_sum). */
 uint64_t checkpoint_sum_of(const sd_state *state);
+/* Writes sd_state_hash as 16 hexadecimal digits into `text`, which it returns. */
 const char *checkpoint_hash_of(const sd_state *state, char text[20]);
 
 #endif

@@ -1,4 +1,5 @@
-/* constants.c: see constants.h. */
+/* constants.c: writes the constants of a model to a result and rebuilds a model from them; see
+ * constants.h. */
 #include "io/results/constants.h"
 
 #include <stddef.h>
@@ -19,6 +20,7 @@
 #define WALLS "/particles/walls"
 #define CLUMPS "/particles/clumps"
 
+/* File that is being read, with the status so far. */
 typedef struct reader {
   const h5_file *file;
   sd_status status;
@@ -27,7 +29,7 @@ typedef struct reader {
 
 enum { LAW = 4 }; /* numbers per pair of materials in the dataset `laws` */
 
-/* --- Write laws ----------------------------------------------------------------------------------------- */
+/* --- Write laws ------------------------------------------------------------------------------- */
 
 /* Writes `width` numbers for each of the n x n pairs of materials. */
 static void put_per_pair(h5_file *file, const char *name, size_t n, size_t width, const void *data,
@@ -67,7 +69,8 @@ static void put_normal_laws(h5_file *file, const sd_model *m) {
   free(laws);
 }
 
-/* Members of laws beyond normal_laws, where any has: a row each. */
+/* Members of sd_contact_law beyond the dataset normal_laws, written if any law uses them; one row
+ * each. */
 static const struct law_member {
   const char *name;
   size_t offset;
@@ -84,7 +87,8 @@ static const struct law_member {
                    {"rupture", offsetof(sd_contact_law, rupture)}};
 enum { LAW_MEMBERS = sizeof law_members / sizeof *law_members, LAW_WORDS = 3 };
 
-/* The first members are words: to numbers and back. */
+/* Returns member c of a law as a number; the first LAW_WORDS members are a flag and two
+ * enumerators. */
 static double get_law_member(const sd_contact_law *law, size_t c) {
   const double words[LAW_WORDS] = {law->damping_pulls, law->tangential, law->cohesion};
   double x;
@@ -113,7 +117,7 @@ static void write_laws(h5_file *file, const sd_model *m) {
   put_general_laws(file, m);
 }
 
-/* --- Read laws ------------------------------------------------------------------------------------------ */
+/* --- Read laws -------------------------------------------------------------------------------- */
 
 static void read_normal_laws(reader *r, sd_model *m) {
   if (!h5_exists(r->file, MODEL "/normal_laws")) return;
@@ -189,7 +193,7 @@ sd_model *constants_laws_model(const h5_file *file) {
   return m;
 }
 
-/* --- write -------------------------------------------------------------------------------------------- */
+/* --- Write constants -------------------------------------------------------------------------- */
 
 #define CONSTANT(name, structure, field, type, width, unit, meaning)                               \
   { name, unit, meaning, type, width, offsetof(structure, field), NULL, NULL, NULL, NULL }
@@ -260,6 +264,7 @@ static void put(h5_file *file, const char *name, sd_type type, int rank, const s
   members_put(file, MODEL, name, type, rank, dims, data, false, unit, meaning);
 }
 
+/* Returns the name of a body in the deck; NULL: it has none. */
 static const char *name_of(const sd_model *m, size_t body) {
   const size_t bodies = m->n_disks + m->n_walls;
   return body < m->n_disks ? m->disks[body].name
@@ -267,7 +272,8 @@ static const char *name_of(const sd_model *m, size_t body) {
                            : m->clumps[body - bodies].name;
 }
 
-/* Body numbers, and names where the deck gives any. */
+/* Writes the datasets id (body numbers first ... first + n - 1) and, if the deck names any of these
+ * bodies, name. */
 static void put_bodies(h5_file *file, const char *group, const sd_model *m, size_t first, size_t n,
                        const char *meaning) {
   char *path = format_text("%s/name", group), **names;
@@ -279,7 +285,8 @@ static void put_bodies(h5_file *file, const char *group, const sd_model *m, size
     size_t body = first + k;
     id[k] = (uint32_t)body;
     const char *name = name_of(m, body);
-    if (name) names[k] = (char *)(uintptr_t)name; /* else zeros stay, that take no memory */
+    /* A body without a name keeps NULL: pages that are not written take no memory. */
+    if (name) names[k] = (char *)(uintptr_t)name;
     named = named || name;
   }
   members_put(file, group, "id", SD_U32, 1, &n, id, true, "1", meaning);
@@ -292,6 +299,7 @@ static void put_bodies(h5_file *file, const char *group, const sd_model *m, size
   free(path);
 }
 
+/* Writes the periodic box of a group of bodies, as H5MD asks for. */
 static void put_box(h5_file *file, const char *group, const sd_model *m) {
   char *box = format_text("%s/box", group);
   double lengths[2], lower[2];
@@ -312,8 +320,8 @@ static void put_box(h5_file *file, const char *group, const sd_model *m) {
   free(box);
 }
 
-/* Rows of bodies in the order of a state; NULL: they are not there, and why. What a checkpoint
- * gives is *own, to be freed. */
+/* Returns column `name` of the state, with n rows in the order of slots. If it is read from a
+ * checkpoint, the caller frees *own. NULL: it cannot be read, see *status. */
 static const void *state_column(const constants_source *from, const char *name, size_t n,
                                 void **own, sd_status *status, sd_messages *messages) {
   size_t k = 0;
@@ -325,7 +333,8 @@ static const void *state_column(const constants_source *from, const char *name, 
   return *own = h5_column(from->checkpoint, path, sd_fields[k].type, n, status, messages);
 }
 
-/* Constants of disks that ranks share stand in the state alone: this writes a column at a time. */
+/* Writes the constants of disks whose rows are spread over ranks: only the state holds them all.
+ * One column at a time is read and sorted by body number. */
 static sd_status put_made(h5_file *file, const sd_model *m, const constants_source *from,
                           sd_messages *messages) {
   static const char *const columns[] = {"radius", "mass", "inertia", "material", "group", NULL};
@@ -434,9 +443,10 @@ sd_status constants_write(h5_file *file, const sd_model *m, const constants_sour
   return status;
 }
 
-/* --- read --------------------------------------------------------------------------------------------- */
+/* --- Read constants --------------------------------------------------------------------------- */
 
-/* A damaged file may ask for more memory than there is; `what` says what the rows are. */
+/* Allocates n rows of a size read from the file: a damaged file may ask for more memory than there
+ * is. `what` names the rows in the message. */
 static void *rows_new(reader *r, size_t n, size_t size, const char *what) {
   void *rows = NULL;
   if (r->status == SD_OK && !memory_row(&rows, n, size))
@@ -444,6 +454,7 @@ static void *rows_new(reader *r, size_t n, size_t size, const char *what) {
   return rows;
 }
 
+/* Returns the number of rows of a dataset; 0 after a failure. */
 static size_t count(reader *r, const char *path) {
   int rank = 0;
   size_t dims[H5_MAX_RANK] = {0};
@@ -451,6 +462,7 @@ static size_t count(reader *r, const char *path) {
   return r->status == SD_OK && rank > 0 ? dims[0] : 0;
 }
 
+/* Reads gravity, box, region and container. */
 static void read_space(reader *r, sd_model *m) {
   double box[4], area[4];
   int32_t periodic[2];
@@ -481,7 +493,8 @@ static void check_species(reader *r, const sd_model *m, int species) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "the materials of the bodies are damaged");
 }
 
-/* Those that the deck gives; the list and its texts are to be freed. NULL: none. */
+/* Reads the names of n bodies; those without a name are NULL. The caller frees the list and its
+ * texts. NULL: no body has a name. */
 static char **read_names(reader *r, const char *path, size_t n) {
   if (r->status != SD_OK || !h5_exists(r->file, path)) return NULL;
   char **names = rows_new(r, n, sizeof *names, "names");
@@ -518,7 +531,7 @@ static void read_disks(reader *r, sd_model *m) {
   free(names);
 }
 
-/* Without their disks, which say to which they belong. */
+/* Reads the clumps without the lists of their disks: each disk stores the number of its clump. */
 static void read_clumps(reader *r, sd_model *m) {
   if (r->status != SD_OK || !h5_exists(r->file, CLUMPS "/mass")) return;
   const size_t n = count(r, CLUMPS "/mass");
@@ -535,8 +548,8 @@ static void read_clumps(reader *r, sd_model *m) {
   if (r->status == SD_OK) m->n_clumps = n;
 }
 
-/* Points of all walls stand in one list; each wall has its number of them, but no memory. False:
- * there are not so many. */
+/* Gives each wall its n_points points from the list of the points of all walls. Returns false if
+ * the list has fewer points. */
 static bool share_points(sd_model *m, size_t total, const double *points) {
   for (size_t k = 0, at = 0; k < m->n_walls; k++) {
     sd_wall *w = &m->walls[k];
@@ -577,7 +590,8 @@ static void read_walls(reader *r, sd_model *m) {
   free(points);
 }
 
-/* Names of materials and groups, from the lines of deck_bodies (io/deck/deck_result.c); older files have none. */
+/* Reads the names of materials and groups from the lines of deck_bodies, which
+ * io/deck/deck_result.c writes; older files have none. */
 static void read_words(reader *r, sd_model *m) {
   char *text = r->status == SD_OK ? h5_get_text(r->file, "/parameters/deck_bodies") : NULL,
        *rest = NULL;
@@ -607,6 +621,7 @@ static sd_status read_file(const h5_file *file, sd_model *m, sd_messages *messag
   return r.status;
 }
 
+/* Rebuilds the model from the completed deck that is stored in the file. */
 static sd_status from_deck(const h5_file *file, const char *path, constants_deck_reader *read_deck,
                            sd_model **out, sd_messages *messages) {
   char *full = h5_get_text(file, "/parameters/deck_full");

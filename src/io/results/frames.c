@@ -1,4 +1,4 @@
-/* frames.c: see frames.h. */
+/* frames.c: finds stored frames by number or time and reads them; see frames.h. */
 #include "io/results/frames.h"
 
 #include <stdlib.h>
@@ -13,24 +13,24 @@
 #define DISKS "/particles/disks"
 #define WALLS "/particles/walls"
 
-/* Of one moment. */
+/* Largest number of contacts of one frame that is accepted from a file. */
 static const int64_t MOST_CONTACTS = 8 * (int64_t)LIMIT_DISKS;
 
-/* Rows of a dataset, 0 when there is none. */
+/* Returns the number of rows of a dataset; 0: there is no such dataset. */
 static size_t rows_of(const h5_file *file, const char *path) {
   int rank;
   size_t dims[H5_MAX_RANK] = {0};
   return h5_exists(file, path) && h5_shape(file, path, &rank, dims, NULL) == SD_OK ? dims[0] : 0;
 }
 
-/* --- list --------------------------------------------------------------------------------------------- */
+/* --- Sources and list of frames --------------------------------------------------------------- */
 
-/* The file of a source; release_source when done. */
+/* Opens the file of a source; call release_source when done with it. */
 static sd_status open_source(const frames *f, size_t source, h5_file **out, sd_messages *messages) {
   const char *path = f->sources[source].path;
   *out = f->base;
   if (strcmp(path, f->path) == 0) return SD_OK;
-  /* each is checked once, by add_source */
+  /* add_source verifies the checksum of each file once */
   return f->sources[source].checked ? h5_open_again(path, out, messages)
                                     : h5_open(path, out, messages);
 }
@@ -39,6 +39,7 @@ static void release_source(const frames *f, h5_file *file) {
   if (file != f->base) h5_close(file, NULL);
 }
 
+/* Appends a file to the sources and counts its frames. */
 static sd_status add_source(frames *f, const char *path, sd_messages *messages) {
   size_t k = f->n_sources;
   f->sources = memory_grow(f->sources, k + 1, sizeof *f->sources);
@@ -107,7 +108,8 @@ sd_status frames_entry(const frames *f, size_t k, frame_entry *out, sd_messages 
 }
 
 sd_status frames_nearest(const frames *f, double time, size_t *nearest, sd_messages *messages) {
-  /* times grow: the first frame that is not before `time`, or the one before that */
+  /* Bisection: times ascend. Find the first frame that is not before `time`; the nearest frame is
+   * that one, the one before it, or the state. */
   size_t low = 0, high = f->n;
   frame_entry e;
   sd_status status = SD_OK;
@@ -119,7 +121,7 @@ sd_status frames_nearest(const frames *f, double time, size_t *nearest, sd_messa
     else
       high = middle;
   }
-  *nearest = f->n; /* the state */
+  *nearest = f->n; /* index of the state */
   double off = fabs(f->state_time - time);
   for (size_t k = low < f->n ? low + 1 : f->n; status == SD_OK && k-- > (low > 0 ? low - 1 : 0);) {
     status = frames_entry(f, k, &e, messages);
@@ -130,21 +132,23 @@ sd_status frames_nearest(const frames *f, double time, size_t *nearest, sd_messa
   return status;
 }
 
-/* --- state -------------------------------------------------------------------------------------------- */
+/* --- The state as a frame --------------------------------------------------------------------- */
 
+/* File that is being read, with the status so far. */
 typedef struct reader {
   const h5_file *file;
   sd_status status;
   sd_messages *messages;
 } reader;
 
-/* A column of the state, to be freed. */
+/* Reads a column of the state; the caller frees it. */
 static void *state_column(reader *r, const char *name, sd_type type, size_t n) {
   char path[64];
   snprintf(path, sizeof path, "/state/%s", name);
   return h5_column(r->file, path, type, n, &r->status, r->messages);
 }
 
+/* Copies the bodies of the state into a frame, sorted by body number. */
 static void state_bodies(reader *r, frame_data *f) {
   size_t n = f->n_bodies, n_free = rows_of(r->file, "/state/activity");
   uint32_t *id = state_column(r, "id", SD_U32, n);
@@ -178,7 +182,7 @@ static void state_bodies(reader *r, frame_data *f) {
   free(id);
 }
 
-/* The shape of a box that deforms; other states have an empty column, or none. */
+/* Reads the shape of a box that deforms. In other states these columns are empty or missing. */
 static void state_cell(reader *r, const sd_model *m, frame_data *f) {
   double cell[CELL_COLUMNS], speed[CELL_COLUMNS];
   if (!h5_exists(r->file, "/state/cell") || rows_of(r->file, "/state/cell") != CELL_COLUMNS) return;
@@ -193,7 +197,7 @@ static void state_cell(reader *r, const sd_model *m, frame_data *f) {
   cell_gradient_of(m, &s, f->gradient);
 }
 
-/* Of the state, without its contacts, when a frame does not say it itself. */
+/* Reads only the activity of disks from the state, for a frame that does not store it. */
 static void state_activity(reader *r, frame_data *f) {
   size_t n_free = rows_of(r->file, "/state/activity");
   uint32_t *id = state_column(r, "id", SD_U32, f->n_bodies);
@@ -204,7 +208,8 @@ static void state_activity(reader *r, frame_data *f) {
   free(activity);
 }
 
-/* tau = - k_t zeta where laws need no more. */
+/* Reads the contacts of the state. If the file does not store the tangential force tau, tau = - k_t
+ * zeta. */
 static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   size_t n = rows_of(r->file, "/state/contact_a");
   if (r->status == SD_OK) r->status = h5_check(r->file, "/state/contact_a", n, r->messages);
@@ -257,9 +262,10 @@ static sd_status read_state(const frames *f, frame_data *out, sd_messages *messa
   return r.status;
 }
 
-/* --- frames ------------------------------------------------------------------------------------------- */
+/* --- Stored frames ---------------------------------------------------------------------------- */
 
-/* Row `row` of an element of disks, then of walls, into columns over all bodies. */
+/* Reads row `row` of an element such as "position", for disks and then for walls, into `data`,
+ * which has `width` numbers for each body. */
 static sd_status frame_element(const h5_file *file, const char *name, size_t row, size_t width,
                                frame_data *f, double *data, sd_messages *messages) {
   sd_status status = SD_OK;
@@ -279,7 +285,8 @@ static sd_status frame_element(const h5_file *file, const char *name, size_t row
   return status;
 }
 
-/* Where the contacts of a moment begin: a result says so, of a part the counts before are added. */
+/* Finds the first row of the contacts in row `row` of the index. A result stores it; in a part it
+ * is the sum of the counts before. */
 static sd_status first_contact(const h5_file *file, size_t row, int64_t *first,
                                sd_messages *messages) {
   if (h5_exists(file, "/contacts/first"))
@@ -296,12 +303,14 @@ static sd_status first_contact(const h5_file *file, size_t row, int64_t *first,
   return status;
 }
 
-/* Which rows have the contacts of this step; of several tables of a step the last. Steps grow. */
+/* Finds the rows of the contact table of this step: `rows` rows from row *first on. Steps ascend;
+ * if several tables have the same step, takes the last. Returns false if there is no table or after
+ * a failure. */
 static bool find_table(const h5_file *file, int64_t step, int64_t *first, int64_t *rows,
                        sd_status *status, sd_messages *messages) {
   size_t low = 0, high = rows_of(file, "/contacts/step");
   int64_t at = -1;
-  while (*status == SD_OK && low < high) { /* to the first that is later */
+  while (*status == SD_OK && low < high) { /* bisection: find the first table with a later step */
     size_t middle = low + (high - low) / 2;
     *status = h5_get_values(file, "/contacts/step", SD_I64, middle, 1, 1, &at, messages);
     if (at <= step)
@@ -317,6 +326,7 @@ static bool find_table(const h5_file *file, int64_t step, int64_t *first, int64_
   return *status == SD_OK;
 }
 
+/* Reads the contacts of the frame's step, if a table of that step is stored. */
 static sd_status frame_contacts(const h5_file *file, frame_data *f, sd_messages *messages) {
   sd_status status = SD_OK;
   int64_t first = 0, n = 0;

@@ -1,4 +1,4 @@
-/* merge.c: see merge.h. */
+/* merge.c: copies the rows of all parts into the result file; see merge.h. */
 #include "io/results/merge.h"
 
 #include <assert.h>
@@ -12,10 +12,11 @@
 #include "io/store/file.h"
 #include "io/store/folder.h"
 
-/* Rows are copied in pieces of at most this many bytes. */
+/* Rows are copied in blocks of at most this many bytes. */
 enum { PIECE_BYTES = 32 << 20 };
 
-/* Opens a part and counts the rows of each table; sum: of the seal before, becomes that of its own. */
+/* Opens a part and counts the rows of each table. sum: on entry the checksum in the seal of the
+ * part before, on return that in its own seal. */
 static sd_status open_part(const merge_job *job, int64_t number, h5_file **part,
                            size_t rows[RECORD_TABLES], uint64_t *bytes, uint64_t *sum,
                            sd_messages *messages) {
@@ -35,6 +36,7 @@ static sd_status open_part(const merge_job *job, int64_t number, h5_file **part,
   return status;
 }
 
+/* Checks a part and counts its rows, without keeping it open. */
 static sd_status count_rows(const merge_job *job, int64_t number, size_t rows[RECORD_TABLES],
                             uint64_t *bytes, uint64_t *sum, sd_messages *messages) {
   h5_file *part = NULL;
@@ -61,7 +63,7 @@ sd_status merge_check_parts(const folder *f, const record *layout, const char *r
   return status;
 }
 
-/* Copies one column of a part behind what is there. */
+/* Copies n rows of a column of a part into the result, from row `first` on. */
 static sd_status copy_column(const table_column *c, const h5_file *part, h5_file *out, size_t first,
                              size_t n, sd_messages *messages) {
   size_t row = c->width * sd_type_size(c->type);
@@ -81,7 +83,8 @@ static sd_status copy_column(const table_column *c, const h5_file *part, h5_file
   return status;
 }
 
-/* The part is checked once more: the bytes that are copied are those that were checked. */
+/* Copies all rows of a part. The part is opened and verified again, so the copied bytes are
+ * verified ones. done: rows of each table copied so far. */
 static sd_status copy_part(const merge_job *job, int64_t number, h5_file *out,
                            size_t done[RECORD_TABLES], uint64_t *sum, sd_messages *messages) {
   h5_file *part = NULL;
@@ -98,7 +101,8 @@ static sd_status copy_part(const merge_job *job, int64_t number, h5_file *out,
   return status;
 }
 
-/* Where each moment's contacts begin: the running sum of the counts. */
+/* Writes the index column `first`: row of the first contact of each moment, the running sum of the
+ * counts. */
 static sd_status write_offsets(h5_file *out, size_t n, sd_messages *messages) {
   enum { BLOCK = 65536 };
   h5_make(out, "/contacts/first", SD_I64, 1, &n, false);
@@ -120,7 +124,7 @@ static sd_status write_offsets(h5_file *out, size_t n, sd_messages *messages) {
   return status;
 }
 
-/* Everything but the rows. */
+/* Writes everything except the rows of tables. */
 static sd_status write_rest(const merge_job *job, h5_file *out, sd_messages *messages) {
   sd_status status = SD_OK;
   provenance_write(job->origin, out);
@@ -138,6 +142,7 @@ static sd_status write_rest(const merge_job *job, h5_file *out, sd_messages *mes
 
 static bool stopped(const merge_job *job) { return job->stop && *job->stop; }
 
+/* Fills the draft of the result. total: rows of each table. */
 static sd_status fill(const merge_job *job, h5_file *out, const size_t total[RECORD_TABLES],
                       sd_messages *messages) {
   size_t done[RECORD_TABLES] = {0};
@@ -154,7 +159,8 @@ static sd_status fill(const merge_job *job, h5_file *out, const size_t total[REC
   return status;
 }
 
-/* The draft lies among the parts, so that a kill leaves nothing beside the result. */
+/* Writes the result. The draft is in the folder of the parts, so that a killed merge leaves no file
+ * beside the result. */
 static sd_status write_result(const merge_job *job, const size_t total[RECORD_TABLES],
                               uint64_t bytes, sd_messages *messages) {
   h5_file *out = NULL;

@@ -1,9 +1,9 @@
-/* merge.h: puts the sealed parts of a finished run together into one file.
+/* merge.h: merges the sealed parts of a finished run into one result file.
  *
- * Part after part is read and copied by rows, so that memory stays bounded whatever the length of the run.
- * The file is written as a draft among the parts, read back and compared with what was put into it, sealed, and renamed;
- * the parts are left alone, so an interrupted merge is simply done again.
- */
+ * Parts are read and copied one after the other, a block of rows at a time, so that memory stays
+ * bounded for any length of the run. The result is written as a draft in the folder of the parts,
+ * read back, compared with what was written, sealed and renamed. Parts are only read, so an
+ * interrupted merge can simply be repeated. */
 #ifndef SLIPDISK_IO_MERGE_H
 #define SLIPDISK_IO_MERGE_H
 
@@ -13,22 +13,27 @@
 #include "io/store/folder.h"
 #include "io/results/record.h"
 
+/* Inputs of a merge. */
 typedef struct merge_job {
-  const char *result; /* path of the file to be made */
-  file_replace how;   /* FILE_KEEP: nothing may be there */
-  const folder *folder;
-  int64_t parts;
-  const record *layout; /* which tables there are; its rows are not looked at */
+  const char *result;   /* path of the result file */
+  file_replace how;     /* FILE_KEEP: it is an error if the result exists */
+  const folder *folder; /* open folder of the parts */
+  int64_t parts;        /* number of parts */
+  const record *layout; /* tables and columns of the result; its rows are ignored */
   const sd_model *model;
-  const sd_state *state;     /* NULL: */
-  const h5_file *checkpoint; /* has the state, which is copied column by column */
+  const sd_state *state;     /* final state; NULL: it is copied from `checkpoint` */
+  const h5_file *checkpoint; /* source of the final state, column by column, if `state` is NULL */
   const provenance *origin;
-  const summary *found;
-  const volatile sig_atomic_t *stop; /* may be NULL; SD_INTERRUPTED soon after it becomes true */
+  const summary *found; /* summary to store as /summary */
+  /* merge_parts returns SD_INTERRUPTED soon after this becomes nonzero; may be NULL */
+  const volatile sig_atomic_t *stop;
 } merge_job;
 
+/* Merges all parts into the result. */
 sd_status merge_parts(const merge_job *job, sd_messages *messages);
-/* Are all parts there, whole, of this run, and in their order? last: sum in the seal of the last one. */
+/* Checks that parts 1 ... `parts` exist, are intact, belong to this run and follow one another.
+ * last: checksum in the seal of the last part, as the checkpoint gives it. SD_ERROR_IO: one does
+ * not. */
 sd_status merge_check_parts(const folder *f, const record *layout, const char *run_id,
                             int64_t parts, uint64_t last, sd_messages *messages);
 

@@ -1,4 +1,4 @@
-/* provenance.c: see provenance.h. */
+/* provenance.c: fills, writes and reads the origin of a result; see provenance.h. */
 #include "io/results/provenance.h"
 #include "slipdisk/deck.h"
 
@@ -43,11 +43,12 @@ static const observable numbers[] = {
 const observable_list provenance_observables =
     OBSERVABLES("parameters", "attributes of /parameters, beside texts, seed and inputs", numbers);
 
-/* Decks can be longer than an attribute may be (64 KiB): they are datasets. */
+/* Texts of the deck are datasets, since they may be longer than an attribute can be (64 KiB). */
 static const provenance_text decks[] = {TEXT(deck_text), TEXT(deck_overrides), TEXT(deck_full),
                                         TEXT(deck_bodies)};
 enum { DECKS = sizeof decks / sizeof *decks };
 
+/* Returns the address of the text member at this offset. */
 static char **place(const provenance *p, size_t offset) {
   return (char **)(void *)((char *)(uintptr_t)p + offset);
 }
@@ -57,12 +58,14 @@ const char *provenance_get(const provenance *p, size_t k) {
   return text ? text : "";
 }
 
+/* Frees *at and sets it to a copy of the text; NULL counts as "". */
 static void set(char **at, const char *text) {
   char *copy = memory_text(text ? text : "");
   free(*at);
   *at = copy;
 }
 
+/* Writes the time in UTC, ISO 8601. */
 static void now(char *text, size_t size) {
   time_t t = time(NULL);
   struct tm utc;
@@ -70,7 +73,8 @@ static void now(char *text, size_t size) {
   strftime(text, size, "%Y-%m-%dT%H:%M:%SZ", &utc);
 }
 
-/* 128 random bits; the clock and the process number where the system has none to give. */
+/* Makes an identifier of 128 random bits; of clock and process number if /dev/urandom cannot be
+ * read. */
 static void make_run_id(char text[33]) {
   uint64_t bits[2] = {0, 0};
   int fd = open("/dev/urandom", O_RDONLY | O_CLOEXEC);
@@ -85,8 +89,8 @@ static void make_run_id(char text[33]) {
   snprintf(text, 33, "%016llx%016llx", (unsigned long long)bits[0], (unsigned long long)bits[1]);
 }
 
-/* SLIPDISK_AUTHOR, else the account's full name, else its short one; "unknown" of root and of accounts of the system, which are
- * no persons. */
+/* Finds the author: SLIPDISK_AUTHOR, else full name or login name of the account. "unknown" for
+ * root and system accounts, which do not belong to a person. */
 static void author_of(char *text, size_t size) {
   enum { FIRST_PERSON = 1000 };
   struct passwd entry, *found = NULL;
@@ -103,9 +107,10 @@ static void author_of(char *text, size_t size) {
     snprintf(text, size, "%s", found->pw_name);
 }
 
-/* Contacts taken over from a file, and the walls, which then stand where the file has them. */
+/* Adds to the checksum the contacts taken from a packing file, and the walls, whose positions then
+ * come from that file. */
 static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
-  /* those of a large file have a sum of their own */
+  /* a large file has a checksum of its contacts of its own */
   const bool large = model->tiles.n_contacts > 0;
   if (large) sum = file_sum(sum, &model->tiles.contact_inputs, sizeof model->tiles.contact_inputs);
   for (size_t k = 0; !large && k < model->n_memories; k++) {
@@ -125,7 +130,8 @@ static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
 int64_t provenance_inputs(const sd_model *model) {
   uint64_t sum = FILE_SUM;
   if (model->parted) return model->inputs;
-  /* those of tiles follow from the deck's text, those of a large file have a sum of their own */
+  /* Disks of generated tiles follow from the deck's text, and a large file has a checksum of its
+   * own, so the disks of tiles are skipped below. */
   const sd_tiles *t = &model->tiles;
   if (t->inputs != 0) sum = file_sum(sum, &t->inputs, sizeof t->inputs);
   for (size_t k = 0; k < model_held(model); k++) {

@@ -1,4 +1,4 @@
-/* record.c: see record.h. */
+/* record.c: fills the tables of rows and seals them into parts; see record.h. */
 #include "io/results/record.h"
 
 #include <assert.h>
@@ -9,10 +9,11 @@
 #include "base/text.h"
 #include "io/results/trajectory.h"
 
-/* Contact keys of one moment are smaller than this (see checkpoint_order). */
+/* Keys of the contacts of one moment are below this (see checkpoint_order). */
 static const int64_t MOMENT = INT64_C(1) << 33;
 
-/* The first column of a share's table is the key: the row's place in the whole. */
+/* Adds the first column of a share's table, the key: position of the row among the rows of all
+ * ranks. */
 static table *add_key(table *t) {
   t->compress = true;
   table_add(t, "key", SD_I64, 0, NULL, "1", "order");

@@ -1,4 +1,5 @@
-/* summary.c: see summary.h. */
+/* summary.c: collects the summary of a run, writes and reads it; see summary.h. Doubts are in
+ * summary_doubts.c. */
 #include "io/results/summary.h"
 
 #include <math.h>
@@ -13,7 +14,7 @@
 #include "pack/rain.h"
 #include "physics/step/outside.h"
 
-/* --- what is stored ------------------------------------------------------------------------------------- */
+/* --- Tables of the numbers that are stored ---------------------------------------------------- */
 
 #define FACT(field, type, unit, meaning, column, json)                                             \
   { #field, unit, meaning, type, 1, offsetof(summary, field), NULL, column, json, NULL }
@@ -99,12 +100,15 @@ static const observable phase_rows[] = {
 const observable_list phase_observables =
     OBSERVABLES("phase", "of each phase, in /summary/phase", phase_rows);
 
-/* Arrays of structures in the summary, with the names of what they are about. */
+/* Arrays of structures in the summary, stored with the names of the bodies or phases that the rows
+ * describe. */
 static const struct group {
   const char *path, *names_path, *first;
   const observable_list *list;
-  size_t count, rows, names; /* offsets in the summary */
-  size_t stride, each;       /* of a row; names of each */
+  /* offsets in `summary` of the number of rows, of the pointer to them, and of the pointer to
+   * names */
+  size_t count, rows, names;
+  size_t stride, each; /* bytes of a row; number of names per row */
 } groups[] = {
     {"/summary/rotation", "/summary/rotation/name", "/summary/rotation/disk", &rotation_observables,
      offsetof(summary, n_rotations), offsetof(summary, rotations),
@@ -134,11 +138,11 @@ static char ***names_of(const summary *s, const struct group *g) {
   return (char ***)(void *)((char *)(uintptr_t)s + g->names);
 }
 
-/* --- collected ------------------------------------------------------------------------------------------- */
+/* --- Collecting the summary from the state ---------------------------------------------------- */
 
 const char *const summary_configurations[] = {"pp", "pm", "mp", "mm", "stick", "open"};
 
-/* The name that the deck gives, else "disk 17". */
+/* Returns a copy of the body's name in the deck, else a name such as "disk 17". */
 static char *name_of(const sd_model *model, uint32_t body) {
   char text[80];
   const char *own =
@@ -164,6 +168,7 @@ static void collect_stages(summary *s, const sd_model *model, const sd_state *st
   }
 }
 
+/* Lists disks that are beyond the bounds or removed. */
 static summary_lost lost_of(const sd_state *state) {
   summary_lost lost = {.n = outside_count(state)};
   for (size_t i = 0; i < state->n_free && lost.told < SUMMARY_LOST; i++)
@@ -173,7 +178,8 @@ static summary_lost lost_of(const sd_state *state) {
   return lost;
 }
 
-/* Which disks are outside, and where. */
+/* Sets the numbers of disks outside and waiting, and the text that lists the first disks
+ * outside. */
 static void collect_lost(summary *s, const sd_model *model, const sd_state *state,
                          const summary_lost *lost) {
   s->outside = lost->n;
@@ -198,7 +204,6 @@ static void collect_until(summary *s, const sd_model *model, const sd_state *sta
   if (s->goal.reached && s->phase == s->phases) s->until_step = s->step;
 }
 
-/* Sizes and names, from the model alone. */
 void summary_new(summary *s, const sd_model *model) {
   *s = (summary){.steps = sd_model_steps(model),
                  .dt = model->dt,
@@ -298,7 +303,7 @@ bool summary_is_column(const char *name, bool of_body) {
   return false;
 }
 
-/* --- written and read ------------------------------------------------------------------------------------ */
+/* --- Writing and reading ---------------------------------------------------------------------- */
 
 void summary_write(const summary *s, h5_file *file) {
   h5_group(file, "/summary/energy");
@@ -322,8 +327,8 @@ void summary_write(const summary *s, h5_file *file) {
   summary_doubts_write(s, file);
 }
 
-/* Sizes that the file gives, and room for what they count; a damaged one may ask for more memory
- * than there is. */
+/* Reads the lengths of the arrays and allocates them. A length is compared with its dataset first,
+ * since a damaged file may ask for more memory than there is. */
 static sd_status read_counts(summary *s, const h5_file *file, sd_messages *messages) {
   for (const struct group *g = groups; g < groups + GROUPS; g++) {
     int64_t n = h5_exists(file, g->path) ? h5_get_attr_i64(file, g->path, "count", 0) : 0;
@@ -395,14 +400,17 @@ void summary_renew(summary *s, const sd_model *model, const h5_file *file) {
   free(zero);
 }
 
+/* --- Means of every disk ---------------------------------------------------------------------- */
 static const char group[] = "/summary/disks", fastest_group[] = "/summary/fastest";
 
 static sd_status no_memory(sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
 }
 
+/* Returns |Omega| of a disk, -1 if it is not known. */
 static double speed_of(const sd_disk_mean *d) { return isnan(d->omega) ? -1 : fabs(d->omega); }
 
+/* Keeps the SUMMARY_FASTEST disks of largest |Omega|, sorted, in s->fastest. */
 static void find_fastest(summary_disks *s) {
   sd_disk_mean *list = s->fastest;
   size_t n = 0;
@@ -417,11 +425,10 @@ static void find_fastest(summary_disks *s) {
   s->n_fastest = n;
 }
 
-/* Rows go from the order of slots to that of the deck. place has a zero for each disk of the
- * deck. */
+/* Sorts the means of n disks by body number. place: [n_disks] scratch, all zero on entry. */
 static void sort_by_number(const sd_disk_mean *means, size_t n, size_t n_disks, uint32_t *place,
                            sd_disk_mean *sorted) {
-  for (size_t k = 0; k < n; k++) place[means[k].disk] = 1; /* those that are there */
+  for (size_t k = 0; k < n; k++) place[means[k].disk] = 1; /* mark the disks that have means */
   uint32_t before = 0;
   for (size_t i = 0; i < n_disks; i++) {
     const uint32_t there = place[i];
@@ -438,7 +445,8 @@ typedef struct means_task {
   const sd_state *state;
 } means_task;
 
-/* Each disk by itself: threads change nothing. */
+/* Computes the means of this thread's range of disks. Disks are independent, so results do not
+ * depend on the number of threads. */
 static void means_together(const team *t, void *with) {
   const means_task *f = with;
   size_t begin, end;
@@ -448,7 +456,7 @@ static void means_together(const team *t, void *with) {
 
 void summary_disks_means(sd_disk_mean *means, size_t n, const sd_model *model,
                          const sd_state *state, int threads) {
-  enum { FEW = 1024 }; /* disks, not worth a thread */
+  enum { FEW = 1024 }; /* number of disks below which one thread is faster */
   pool *c = threads > 1 && n > FEW ? pool_new(threads) : NULL;
   pool_run(c, means_together, &(means_task){means, n, model, state});
   pool_free(c);
@@ -519,7 +527,7 @@ sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages 
   s->later = !h5_exists(file, "/summary/disks/id");
   if (s->later) return SD_OK;
   members_read_attrs(file, group, &total_observables, &s->totals);
-  /* older files have no such list */
+  /* Older files have no list of the fastest disks: find them among all. */
   if (!h5_exists(file, fastest_group)) {
     sd_status status = summary_disks_read_all(s, file, messages);
     if (status == SD_OK) find_fastest(s);

@@ -1,4 +1,5 @@
-/* summary_doubts.c: see summary.h. */
+/* summary_doubts.c: compares a summary with the limits of its deck and words the doubts; see
+ * summary.h. */
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
@@ -27,11 +28,12 @@ const struct doubt_row doubt_kinds[DOUBT_KINDS] = {
                         "whose dt is beyond the limit of stability: results mean nothing"},
 };
 
-/* Gaps over the radius below this are those of bodies that touch. */
+/* Gap between two bodies, over the radius, below which they count as touching. */
 static const double TOUCHING = 1e-6;
 
-/* --- judging ---------------------------------------------------------------------------------------- */
+/* --- Comparison with the limits --------------------------------------------------------------- */
 
+/* Records a doubt; takes over `text`. */
 static void doubt(summary *s, doubt_kind kind, double value, double limit, char *text) {
   s->doubts[kind] = (summary_doubt){text, value, limit};
 }
@@ -43,7 +45,8 @@ double summary_farthest(const sd_state *state) {
   return farthest;
 }
 
-/* Elastic energy that rounded coordinates leave open: k_n times overlap times the rounding of a position. */
+/* Estimates the error of the elastic energy due to rounding of positions: largest k_n times the sum
+ * of overlaps times the rounding error of the largest position. */
 static double rounding(const sd_model *model, const summary_sums *sums) {
   double stiffest = 0;
   for (size_t k = 0; k < model->n_materials * model->n_materials; k++)
@@ -53,7 +56,8 @@ static double rounding(const sd_model *model, const summary_sums *sums) {
 
 static void judge_residual(summary *s, double limit, double floor, const sd_model *model) {
   const sd_energy *e = &s->energy;
-  if (!(limit > 0) || fabs(e->residual) <= fmax(limit * e->scale, floor)) return; /* NAN goes on */
+  /* A residual of NAN is reported, too. */
+  if (!(limit > 0) || fabs(e->residual) <= fmax(limit * e->scale, floor)) return;
   double part = fabs(e->residual) / e->scale;
   char *first = model ? advice_first_jump(model) : NULL;
   doubt(s, DOUBT_RESIDUAL, part, limit,
@@ -63,7 +67,7 @@ static void judge_residual(summary *s, double limit, double floor, const sd_mode
   free(first);
 }
 
-/* Distance between the surfaces of a disk and its partner now; NAN: not known. */
+/* Returns the gap between the surfaces of a disk and its partner now; NAN: not known. */
 static double gap_now(const sd_model *model, const sd_state *state, uint32_t disk,
                       uint32_t partner) {
   double pose[3] = {NAN, NAN, NAN}, x[2] = {NAN, NAN};
@@ -81,7 +85,8 @@ static double gap_now(const sd_model *model, const sd_state *state, uint32_t dis
   return overlaps_gap(model, disk, x, partner, pose);
 }
 
-/* ": it opened 3 times; 0.2 radii apart at the end". To be freed, "" without a state. */
+/* Explains why a watched contact was open, such as ": it opened 3 times, 0.2 radii apart at the
+ * end"; "" without a state. The caller frees the text. one: index of the partner, 0 or 1. */
 static char *why_open(const sd_slide *w, size_t one, const sd_model *model, const sd_state *state) {
   if (!model || !state) return memory_text("");
   double radius = model->disks[w->disk].radius,
@@ -102,7 +107,8 @@ static char *why_open(const sd_slide *w, size_t one, const sd_model *model, cons
   return text;
 }
 
-/* One watched contact of the two, or both, or now one and now the other. */
+/* Reports the first disk whose watched contacts were open too long: one of the two contacts if only
+ * that one exceeds the limit, else both together. */
 static void judge_open(summary *s, double limit, const sd_model *model, const sd_state *state) {
   size_t k = 0;
   while (k < s->n_slides && !(s->slides[k].open > limit)) k++;
@@ -130,7 +136,8 @@ static void judge_open(summary *s, double limit, const sd_model *model, const sd
   free(why[1]);
 }
 
-/* Prescribed bodies are noted from a tenth of the limit on where they jump; step/step.h. */
+/* Explains the doubt about a prescribed body that moved too far. A body that jumps is reported from
+ * STRIDES_JUMP (a tenth) of the limit on; see physics/step/step.h. */
 static char *why_far(const sd_model *model, const sd_state *state, const char *name, double limit) {
   char *first = advice_first_jump(model), *text;
   if (state->fast_displacement > limit)
@@ -178,8 +185,8 @@ unsigned summary_not_finite(const sd_state *state) {
   return found;
 }
 
-/* The name of a number that is none, NULL when all are there. A mean is there from the first full
- * bin on. */
+/* Returns the name of the first number that is not finite; NULL: all are finite. Omega is expected
+ * from the first full bin on. columns: bits of summary_not_finite. */
 static const char *not_finite(const summary *s, const sd_state *state, unsigned columns) {
   for (unsigned c = 0; c < FINITE_COLUMNS; c++)
     if (columns >> c & 1) return finite_columns[c];
@@ -200,9 +207,11 @@ static void judge_finite(summary *s, const sd_state *state, unsigned columns) {
           format_text("a number is not finite (%s): a smaller dt is needed", name));
 }
 
-/* Whatever limits are set: a deck asks for such a step, and the warning before the run says what its results mean. */
+/* Reports a dt beyond the limit of stability, whatever the other limits. A model can have such a dt
+ * only if its deck allows it (limits.unstable_step). */
 static void judge_unstable(summary *s, const sd_model *model) {
-  if (!model || !model->limits.unstable_step) return; /* else it is refused */
+  /* Without unstable_step, such a dt is refused before the run. */
+  if (!model || !model->limits.unstable_step) return;
   const double limit = sd_model_step_limit(model).dt;
   if (model->dt > limit)
     doubt(s, DOUBT_UNSTABLE, model->dt / limit, 1,
@@ -239,7 +248,7 @@ void summary_doubts_free(summary *s) {
   for (size_t k = 0; k < DOUBT_KINDS; k++) free(s->doubts[k].text);
 }
 
-/* --- stored ------------------------------------------------------------------------------------------ */
+/* --- Writing and reading ---------------------------------------------------------------------- */
 
 static char *group_of(size_t kind) {
   return format_text("/summary/doubts/%s", doubt_kinds[kind].name);
@@ -262,6 +271,7 @@ void summary_doubts_write(const summary *s, h5_file *file) {
 }
 
 sd_status summary_doubts_read(summary *s, const h5_file *file, sd_messages *messages) {
+  /* limits of versions that did not store doubts */
   const sd_limits before = {.residual = 0.01, .open = 0.99};
   int64_t n = h5_exists(file, "/summary/doubts")
                   ? h5_get_attr_i64(file, "/summary/doubts", "count", -1)

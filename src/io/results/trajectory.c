@@ -1,4 +1,5 @@
-/* trajectory.c: see trajectory.h. */
+/* trajectory.c: defines the columns of frames, contacts and series, and fills their rows; see
+ * trajectory.h. */
 #include "io/results/trajectory.h"
 
 #include <assert.h>
@@ -10,14 +11,14 @@
 #include "io/store/members.h"
 #include "model/cell.h"
 
-/* --- bodies --------------------------------------------------------------------------------------- */
+/* --- Bodies ----------------------------------------------------------------------------------- */
 
 void trajectory_edges(const sd_model *model, double scale, double edges[2]) {
   for (int c = 0; c < 2; c++)
     edges[c] = model->periodic[c] ? scale * (model->upper[c] - model->lower[c]) : 0;
 }
 
-/* Rows are the edges of a box that deforms. */
+/* Computes the edge vectors (rows of `edges`) and the velocity gradient of a box that deforms. */
 static void put_cell(const moment *now, double edges[2][2], double gradient[SD_CELL_COMPONENTS]) {
   const sd_model *m = now->model;
   for (int c = 0; c < 2; c++) edges[c][c] = cell_scale(now->state, c) * (m->upper[c] - m->lower[c]);
@@ -35,7 +36,8 @@ static void add_cell(table *t, bool walls) {
   table_add(t, rate, SD_F64, 1, &three, "1/time", "velocity gradient of the box: xx, yy, xy");
 }
 
-/* Walls neither wait nor leave. */
+/* Returns true if the table of disks or walls has this column. Columns with a condition exist only
+ * for disks: walls neither wait nor leave. */
 static bool has_row(const observable *o, const sd_model *model, bool walls) {
   return !o->when || (!walls && o->when(model));
 }
@@ -110,7 +112,7 @@ sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, bool
   return SD_OK;
 }
 
-/* --- clumps --------------------------------------------------------------------------------------- */
+/* --- Clumps ----------------------------------------------------------------------------------- */
 
 void trajectory_new_clumps(table *t, const sd_model *model) {
   t->compress = true;
@@ -135,7 +137,7 @@ sd_status trajectory_sample_clumps(table *t, const moment *now, sd_messages *mes
   return SD_OK;
 }
 
-/* --- contacts ------------------------------------------------------------------------------------- */
+/* --- Contacts --------------------------------------------------------------------------------- */
 
 void trajectory_add_contacts(table *rows, const char *group) {
   for (size_t k = 0; k < contact_observables.n; k++)
@@ -172,6 +174,7 @@ sd_status trajectory_sample_contacts(table *index, table *rows, const moment *no
   return SD_OK;
 }
 
+/* --- Time series ------------------------------------------------------------------------------ */
 void series_new(table *t, const sd_model *model) {
   table_add_clock(t, "/observables/kinetic_translation");
   const observable_list *lists[] = {&energy_observables, &series_observables};
@@ -204,6 +207,7 @@ sd_status series_sample(table *t, const moment *now, sd_messages *messages) {
   return SD_OK;
 }
 
+/* Writes a list of body numbers, unless it is empty. */
 static void write_ids(h5_file *file, const char *path, size_t n, const uint32_t *id,
                       const char *meaning) {
   if (n == 0) return;
@@ -211,7 +215,7 @@ static void write_ids(h5_file *file, const char *path, size_t n, const uint32_t 
   h5_attr_text(file, path, "description", meaning);
 }
 
-/* One name per line; "wall 3" without a name. */
+/* Writes the names of n walls or groups, one per line; a wall without a name is "wall 3". */
 static void write_names(h5_file *file, const char *path, size_t n, const sd_model *m, bool walls) {
   char **lines = memory_new(n, sizeof *lines), text[32];
   for (size_t k = 0; k < n; k++) {
