@@ -18,7 +18,7 @@ typedef enum option_kind {
   OPTION_CHOICE, /* One of the words of `value`, such as "csv|vtk"; const char * */
   OPTION_PATH,   /* File or folder to be written, not an existing deck or result; const char * */
   OPTION_RESULT, /* Result to be written, not an existing deck; const char * */
-  OPTION_STREAM, /* As OPTION_PATH, or - for the standard output; const char * */
+  OPTION_STREAM, /* Like OPTION_PATH, or - for the standard output; const char * */
   OPTION_LIST    /* Any text, may be given several times; option_list */
 } option_kind;
 

@@ -197,7 +197,7 @@ static void report_disks(FILE *out, const summary *found) {
           "\nmeans of %.0f of %zu free disks over time %.6g, %" PRId64 " looks at the contacts\n",
           isnan(p->totals.disks) ? 0.0 : p->totals.disks, p->n, p->measured, p->looks);
   if (!(p->totals.disks > 0)) return;
-  /* Row 0, the number of disks, is printed above */
+  /* Observable 0, the number of disks, is printed above */
   for (size_t k = 1; k < total_observables.n; k++) {
     const observable *o = &total_observables.rows[k],
                      *next = k + 1 < total_observables.n ? o + 1 : o;

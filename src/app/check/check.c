@@ -84,7 +84,7 @@ static sd_status probe(check_found *f, sd_messages *messages) {
 
 /* --- sweep ------------------------------------------------------------------------------------ */
 
-/* Wall time that the points of a sweep need per step on this machine. */
+/* Wall time per step on this machine, for the points of a sweep. */
 typedef struct pace {
   double alone; /* Time of a system by itself, s; 0: not known */
   /* Time of a group in lanes, s, however few systems it has; 0: no lanes, or not known */

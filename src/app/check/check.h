@@ -26,7 +26,7 @@ typedef struct check_found {
   int64_t tried;
   double speed; /* Steps per second of wall time */
   int threads;
-  char path[40]; /* Instruction set */
+  char path[40]; /* Instruction set of the kernels, such as "avx2" */
   check_sweep sweep;
 } check_found;
 

@@ -18,7 +18,7 @@
 typedef struct element {
   const char *name;
   sd_type type;
-  size_t width; /* Numbers per disk; 0: a scalar */
+  size_t width; /* Components per disk: 3 for a vector, 0 for a scalar */
   const char *unit, *meaning;
 } element;
 

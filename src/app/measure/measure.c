@@ -13,7 +13,7 @@
 #include "slipdisk/deck.h"
 
 typedef struct arguments {
-  /* Names of options (wanted: text of --region); NULL if not given */
+  /* Operand FILE, and texts of --csv, --output and --region; NULL: not given */
   const char *name, *csv, *output, *wanted;
   bool json, all;
   long frame; /* Number of --frame; -1: not given */

@@ -355,7 +355,7 @@ static void number(FILE *out, double value) {
 
 static void add_frame(FILE *out, const measurement *m) {
   fprintf(out, "%" PRId64, m->c.step);
-  for (size_t k = 1; k < measurement_observables.n; k++) { /* Row 0 is the step */
+  for (size_t k = 1; k < measurement_observables.n; k++) { /* Observable 0 is the step */
     const observable *o = &measurement_observables.rows[k];
     if (o->column) number(out, observable_value(o, m, 0));
   }

@@ -103,7 +103,7 @@ typedef enum attempt { UNTRIED, SKIPPED, CRASHED, TRIED } attempt;
 typedef struct scheduler {
   const sweep *s;
   const sweep_command *c;
-  size_t first, end; /* Points of this call: [first, end) */
+  size_t first, end; /* Range [first, end) of the points of this call */
   int64_t *steps;    /* [n_points] numbers of steps */
   /* [n_points]: points of one kind share lanes; SWEEP_ALONE: it runs alone */
   int *kinds;

@@ -70,8 +70,9 @@ void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *t
   }
 }
 
-/* Writes the progress of a worker, " #17 45 %" or " 8 points 45 %", and returns its length. Adds
- * the steps that it has done to *done, and those that earlier calls had done to *spared. */
+/* Writes the progress of a worker, "  #17 45 %" or "  8 points 45 %", and returns the length of the
+ * text. Adds the steps that the worker has done to *done, and those that were done before this
+ * call, which it is spared, to *spared. */
 static int show_worker(const scheduler *w, const worker *one, char *text, size_t size, double *done,
                        double *spared) {
   size_t running = 0, last = 0;

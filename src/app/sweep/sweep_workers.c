@@ -166,7 +166,7 @@ static void describe_end(int ended, sd_status *status, char *text, size_t size) 
     snprintf(text, size, "ended with status %d", code);
 }
 
-/* Marks the open points of a crashed group as CRASHED: it is not known which of them caused the
+/* Marks the unfinished points of a crashed group as CRASHED: it is not known which of them caused the
  * crash, so each is run again by itself. */
 static void try_again(scheduler *w, const worker *one, const char *how) {
   size_t n = 0;
@@ -297,7 +297,8 @@ void sweep_worsen(scheduler *w, int status) {
 /* Writes tables. Between points it does not wait for another process that is writing them. */
 void sweep_make_tables(scheduler *w, bool last) {
   double start = clock_seconds();
-  if (sweep_is_part(w->c)) return; /* Other processes run the other points */
+  /* Other processes run the points outside --point, and --table then writes the tables. */
+  if (sweep_is_part(w->c)) return;
   if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
   sd_messages *messages = sd_messages_new();
   sd_status status = sweep_write_tables(w->s,

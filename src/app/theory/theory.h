@@ -35,7 +35,8 @@ typedef struct theory_case {
   /* Names of the upper disk and of the two supports */
   char upper[64], support[2][64];
   sd_three_disk disk;
-  /* Angles alpha_1, alpha_2, rad, where the three disks just touch */
+  /* Angles alpha_1 and alpha_2 of the contacts, rad, if the upper disk just touches both
+   * supports */
   double alpha[2];
   double mass;
   double t_g; /* sqrt(2 R/g), with g = weight/mass */
@@ -63,7 +64,7 @@ typedef struct theory_result {
   double torque[4]; /* Torques (15)-(18), indexed by SD_PP ... SD_MM */
   /* Mean torque just after tilting, all four configurations equally long (19) */
   double slight;
-  /* Mean torque just after tilting, S++ and S-- only (31), corrected: mu^2 where the print has
+  /* Mean torque just after tilting, S++ and S-- only (31), corrected: mu^2 where the paper has
    * mu */
   double sync;
   /* Steady drive: signs of the torques at the contacts at the start; 0: the contact sticks */

@@ -137,7 +137,7 @@ static sd_status view_live(const view_options *o, sd_messages *messages) {
     sd_model_advise(model, messages);
     status = sd_simulation_new(model, (int)o->threads, &s, messages);
   }
-  app_begin_saving(); /* From here on a signal sets app_stop */
+  app_begin_saving(); /* A signal now only sets app_stop */
   if (status == SD_OK) status = show(o, model, s, messages);
   sd_simulation_free(s);
   sd_model_free(model);

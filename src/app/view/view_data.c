@@ -253,7 +253,7 @@ void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, bool shuf
 /* Most elements of one quantity; most numbers read at once */
 enum { MOST_ELEMENTS = 32, BLOCK = 1 << 16 };
 
-/* Reader of the series in all files, n rows, of which it keeps each `every`-th and the last one. */
+/* Reader of the series in all files: n rows, of which each `every`-th and the last one are kept. */
 typedef struct reader {
   const frames *f;
   size_t n, every, kept;
