@@ -166,8 +166,8 @@ static void describe_end(int ended, sd_status *status, char *text, size_t size) 
     snprintf(text, size, "ended with status %d", code);
 }
 
-/* Marks the unfinished points of a crashed group as CRASHED: it is not known which of them caused the
- * crash, so each is run again by itself. */
+/* Marks the unfinished points of a crashed group as CRASHED: it is not known which of them caused
+ * the crash, so each is run again by itself. */
 static void try_again(scheduler *w, const worker *one, const char *how) {
   size_t n = 0;
   for (size_t i = 0; i < one->n; i++) {
