@@ -1,5 +1,5 @@
-/* app.h: the subcommands of the program, and what they share. This floor prints and decides the exit status;
- * nothing below it does. */
+/* app.h: the subcommands of the program and the functions that they share. Only this floor prints
+ * and sets the exit status; the floors below return statuses and messages. */
 #ifndef SLIPDISK_APP_APP_H
 #define SLIPDISK_APP_APP_H
 
@@ -13,7 +13,8 @@
 #include "io/results/summary.h"
 #include "model/model.h"
 
-/* Each takes the arguments from the name of the subcommand on, and returns the exit status. */
+/* Entry points of the subcommands. argv[0] is the name of the subcommand. Each returns the exit
+ * status of the process. */
 int app_run(int argc, char **argv);
 int app_resume(int argc, char **argv);
 int app_check(int argc, char **argv);
@@ -27,34 +28,42 @@ int app_view(int argc, char **argv);
 int app_plot(int argc, char **argv);
 int app_film(int argc, char **argv);
 
-/* Their options, for the help. */
+/* Option tables of the subcommands, for parsing, help, manual pages and completion. */
 extern const command_line app_run_line, app_resume_line, app_check_line, app_info_line,
     app_measure_line, app_export_line, app_verify_line, app_theory_line, app_sweep_line,
     app_view_line, app_plot_line, app_film_line;
 
 /* --- drive.c: signals ------------------------------------------------------------------------- */
-extern volatile sig_atomic_t
-    app_stop; /* number of the signal that asks to stop at a checkpoint; 0: none */
-/* From here on these signals end the process at once, with SD_INTERRUPTED. */
+/* Number of the signal that asked the run to stop at a checkpoint; 0: none */
+extern volatile sig_atomic_t app_stop;
+/* Handles SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGALRM and SIGHUP (if it is not ignored):
+ * until app_begin_saving is called, each ends the process at once with exit status
+ * SD_INTERRUPTED. Ignores SIGXFSZ and SIGPIPE, which then are errors of write. */
 void app_catch_signals(void);
-/* From here on they set app_stop instead: there is something to save. */
+/* Makes these signals set app_stop from now on, so that the program can save its state and end in
+ * order. */
 void app_begin_saving(void);
-/* One line; signal handlers may call it. */
+/* Prints one line to stderr: the run was stopped before its first step, and there was nothing new
+ * to save. Signal handlers may call it. */
 void app_tell_no_start(void);
 
-/* --- drive.c: a run, from a model to the exit status ------------------------------------------------ */
+/* --- drive.c: a run, from the model to the exit status ---------------------------------------- */
 typedef struct drive_options {
   const char *result;
-  const char *again; /* command line that continues the run, without the program's name */
-  const char *log;   /* file for progress lines, or NULL */
-  long threads;      /* 0: chosen from the size of the system */
+  /* Command line that continues the run, without the program's name */
+  const char *again;
+  const char *log; /* File to which progress lines are appended; NULL: none */
+  long threads;    /* Number of threads; 0: chosen from the size of the system */
   bool force, quiet, verbose;
-  bool live;                                               /* shown in a browser while it runs */
-  void (*failed)(void *user, const sd_messages *messages); /* may be NULL; told why a run failed */
+  /* True: the run is shown in a browser while it goes */
+  bool live;
+  /* Called with the messages when the run fails; NULL: no call */
+  void (*failed)(void *user, const sd_messages *messages);
   void *user;
 } drive_options;
 
-/* The options that run and resume share, as rows of a table. */
+/* Option rows that `run` and `resume` share. drive: member of `arguments`, of type
+ * drive_options. */
 #define DRIVE_OPTIONS(arguments, drive)                                                            \
   {"quiet",                                                                                        \
    'q',                                                                                            \
@@ -89,91 +98,107 @@ typedef struct drive_options {
         "append progress and result to a file"                                                     \
   }
 
-/* Starts MPI where the program was built with it. All ranks call it, and load the model together
- * (ranks_load); then drive_agree prints what went wrong and returns the largest status of all
- * ranks. comm_end is the caller's. */
+/* Both functions are collective. drive_begin starts MPI if the program was built with it, and
+ * returns the status; the caller calls comm_end. After all ranks have loaded the model together
+ * (ranks_load), drive_agree prints their errors and returns the largest status of all ranks. */
 int drive_begin(const drive_options *options, sd_messages *messages);
 int drive_agree(int status, sd_messages *messages);
-/* messages: of the loader, printed first. Takes neither over. */
+/* Collective. Runs the model and returns the exit status. messages: those of the loader, which
+ * are printed first. The caller keeps the model and the messages. */
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
 
-/* Writes into text[size] from which step the run of this process goes on, "; everything until
- * step 1000 is saved, continue with: slipdisk ..."; nothing if it has saved nothing. Returns the
- * length. Allocates nothing; any thread may call it. */
+/* Writes into text[size] what the run of this process has saved: "; everything until step 1000 is
+ * saved, continue with: slipdisk ...", or "" if it has saved no step. Returns the length.
+ * Allocates nothing; any thread may call it. */
 int drive_describe_saved(char *text, size_t size);
 
-/* --- report.c --------------------------------------------------------------------------------------- */
-/* Prints the summary as tables. */
+/* --- report.c: tables and lines of text ------------------------------------------------------- */
+/* Prints the summary of a run as tables. */
 void report_summary(FILE *out, const summary *found);
-/* The lines of a text, each behind `before`. */
+/* Prints each line of `text` with the prefix `before`. */
 void report_lines(FILE *out, const char *before, const char *text);
-/* The last line of a terminal, no longer than that is wide. */
+/* Replaces the last line of a terminal by `text`, cut to the width of the terminal. */
 void report_bottom(FILE *out, const char *text);
-/* One line on the cost: steps, wall time, ns per step. */
+/* Prints one line on the cost of a run: steps, wall time, ns per step, threads. */
 void report_cost(FILE *out, const summary *found, const provenance *origin);
-/* "of", or "of at most" when the run can end before: at rest, or with an error bar that is small enough. */
+/* Returns "of at most" if the run can end before its last step, because a phase settles or
+ * `until` is met; else "of". */
 const char *report_of(const summary *found);
-/* "1:02:03"; written into text[size]. */
+/* Formats a duration as "1:02:03" or "2d 01:02:03" into text[size] and returns it; "?" if it is
+ * negative, NAN or beyond 1e9 s. */
 const char *report_duration(double seconds, char *text, size_t size);
 
-/* --- size.c ----------------------------------------------------------------------------------------- */
-/* How large a result will be. */
+/* --- size.c: size of a result and memory of a run --------------------------------------------- */
+/* Estimated size of a result and memory of its run. */
 typedef struct result_size {
-  int64_t series, frames, contacts; /* rows of the series, frames, contact tables */
-  size_t most_contacts;             /* assumed in each table */
-  bool at_most;                     /* the run may end early */
+  /* Numbers of rows of the series, of frames and of contact tables */
+  int64_t series, frames, contacts;
+  /* Number of contacts assumed in the state and in each contact table */
+  size_t most_contacts;
+  /* True if the run may end early: the numbers are upper bounds */
+  bool at_most;
   double bytes;
-  double memory; /* bytes of a run in one process at its peak, with so many contacts; within 25 % */
-  double unsaved; /* at most so much of it is rows that wait for a checkpoint */
+  /* Peak memory of a run in one process with most_contacts contacts, bytes; within 25 % */
+  double memory;
+  /* Largest part of `memory` taken by rows that wait for a checkpoint, bytes */
+  double unsaved;
 } result_size;
 void size_find(result_size *size, const sd_model *model);
-/* Warns of more than the disk of this folder has room for, and of very large ones. */
+/* Warns if the disk of `folder` has less free space than twice the result, or if the result is
+ * larger than 50 GB. */
 void size_warn(const result_size *size, const char *folder, sd_messages *messages);
-/* Bytes of it beside those of the program itself and of rows that wait. */
+/* Returns the memory of a run in bytes, without the program itself and the rows that wait for a
+ * checkpoint. */
 double size_memory(const sd_model *model);
-/* SD_ERROR_IO, with a message: a run in one process needs more memory than it can have, whatever
- * contacts it will have (state_refuse). Warns where it does by the estimate. */
+/* Returns SD_ERROR_IO, with a message, if a run in one process needs more memory than it can get,
+ * however few contacts it has (state_refuse). Warns if only the estimate size->memory is too
+ * large. */
 sd_status size_refuse(const sd_model *model, const result_size *size, sd_messages *messages);
-/* "1.2 GB"; written into text[size]. */
+/* Formats bytes as "1.2 GB" into text[size] and returns it. */
 const char *size_text(double bytes, char *text, size_t size);
 
-/* --- place.c: from a name on the command line to what is on disk ------------------------------------- */
+/* --- place.c: files that a name on the command line stands for -------------------------------- */
 typedef struct place {
-  char *result;     /* path of the finished file, whether it exists or not */
-  char *folder;     /* result.parts */
-  char *checkpoint; /* a checkpoint that was named itself, else NULL */
+  char *result;     /* Path of the finished result, whether it exists or not */
+  char *folder;     /* Path of its folder of parts, RESULT.parts */
+  char *checkpoint; /* Path of the checkpoint or part that was named; NULL: none */
 } place;
 
-/* "NAME.ending" for a deck ".../NAME.cfg", in the current folder; to be freed. */
+/* Returns "NAME.ending", in the current folder, for a deck ".../NAME.cfg"; the caller frees it. */
 char *app_default_name(const char *deck, const char *ending);
-/* name: a result, its folder of parts, or a checkpoint in it. place_free also when it fails. */
+/* Fills p from `name`: a result, its folder of parts, or a checkpoint in that folder.
+ * SD_ERROR_USER: there is no such run, or `name` is a deck. Call place_free also after an error. */
 sd_status place_find(place *p, const char *name, sd_messages *messages);
 void place_free(place *p);
-/* Opens the newest checkpoint that is not damaged; no lock is needed. */
+/* Opens the checkpoint that was named, else the newest undamaged one. *path is its path, which
+ * the caller frees. Needs no lock on the folder. */
 sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages);
 
-/* --- place.c: the frames of a result, or of an unfinished run --------------------------------- */
-/* name as for place_find, or a part. alone: a part was named, whose frames are all there is. frames_close also when it
- * fails. */
+/* --- place.c: frames of a result or of an unfinished run -------------------------------------- */
+/* Opens the frames of a run. name: as for place_find, or a part. *alone: true if a part was
+ * named, which then gives all frames. Call frames_close also after an error. */
 sd_status stored_open(frames *f, const char *name, bool *alone, sd_messages *messages);
-/* How many there are with the state, which is the last one where it is newer than the newest frame. */
+/* Counts the frames into *count. The state is the last of them if it is newer than the newest
+ * frame; with `alone` it does not count. */
 sd_status stored_count(const frames *f, bool alone, size_t *count, sd_messages *messages);
-/* File k of those that have its rows, to be released; NULL when it cannot be opened. */
+/* Opens file k of the files with rows, f->sources[k]; close it with stored_release. *out is NULL
+ * if it cannot be opened. */
 sd_status stored_source(const frames *f, size_t k, h5_file **out, sd_messages *messages);
 void stored_release(const frames *f, h5_file *file);
-/* Number of the body that element k of a series is about, as the file (may be NULL) says it, else
- * as the model does; UINT32_MAX: none. */
+/* Returns the number of the body (disks first, then walls) that element k of a series is about,
+ * as stored in the file, else as in the model. file: may be NULL. UINT32_MAX: none. */
 uint32_t stored_body(const sd_model *m, const h5_file *file, const observable *o, size_t k);
 
-/* Pages of the manual (man 7) and completion for bash, written from the tables of the commands. */
+/* --- manual.c: manual pages and completion for bash, made from the option tables -------------- */
 
-/* All exit statuses, a line each. */
+/* Prints all exit statuses, one per line. */
 void manual_statuses(FILE *out);
-/* slipdisk(1): commands, exit statuses, environment, files. */
+/* Prints the manual page slipdisk(1): commands, exit statuses, environment, files. */
 void manual_overview(FILE *out, size_t n, const command_line *const *lines);
-/* slipdisk-COMMAND(1) */
+/* Prints the manual page slipdisk-COMMAND(1). */
 void manual_command(FILE *out, const command_line *line);
-/* Completes commands, options, values that are a closed set, decks, results and folders. */
+/* Prints a bash script that completes commands, options, values from closed sets, decks, results
+ * and folders. */
 void manual_bash(FILE *out, size_t n, const command_line *const *lines);
 
 #endif

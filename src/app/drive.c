@@ -21,32 +21,35 @@
 #include "run/session.h"
 #include "run/simulation_private.h"
 
-/* --- progress ------------------------------------------------------------------------------------- */
+/* --- progress --------------------------------------------------------------------------------- */
 
 typedef struct teller {
-  FILE *screen; /* NULL: quiet */
+  FILE *screen; /* Stream for progress lines; NULL: quiet */
   bool terminal, line_open;
   FILE *log;
-  double began, told_at; /* plain lines */
-  live *page;            /* NULL: not asked for */
+  /* Clock readings in s: start of the run, last plain progress line */
+  double began, told_at;
+  live *page; /* Page in a browser; NULL: none */
 } teller;
 
-/* Plain lines come often at first, then each after a quarter of the time so far. */
+/* Least and largest interval between plain progress lines, s. In between, the interval is a
+ * quarter of the time since the start. */
 static const double PLAIN_FIRST = 3, PLAIN_LAST = 60;
 
-/* "  unbalanced 0.02 of 0.001": how far it is from what is asked for. */
+/* Appends "  unbalanced 0.02 of 0.001", a value and its goal; nothing without a goal. */
 static void add_goal(char *text, size_t size, const char *what, double value, double goal) {
   size_t n = strlen(text);
   if (goal > 0 && isfinite(value))
     snprintf(text + n, size - n, "  %s %.2g of %.2g", what, value, goal);
 }
 
-/* Where a phase may settle early, what is left is a bound; while disks wait for their rain, steps become dearer and
- * not even that is known. */
+/* Writes the progress line. If a phase may settle early, the time left is an upper bound. While
+ * disks wait for their release (rain), steps become dearer and the time left is not known. */
 static void describe(const session_progress *p, char *text, size_t size) {
   char left[40], rate[40] = "-", goal[120] = "", done[40] = "", steps[80];
   bool ended = !p->at_most && p->step >= p->expected, early = p->expected < p->steps;
-  bool bound = !ended && (p->at_most || (p->goal && !early)); /* the length is not known yet */
+  /* True: the number of steps is only an upper bound */
+  bool bound = !ended && (p->at_most || (p->goal && !early));
   if (p->rate >= 1e6)
     snprintf(rate, sizeof rate, "%.3gM", p->rate * 1e-6);
   else if (p->rate >= 1e3)
@@ -102,9 +105,9 @@ static void show(void *user, const session_progress *p) {
   }
 }
 
-/* --- run ------------------------------------------------------------------------------------------ */
+/* --- run -------------------------------------------------------------------------------------- */
 
-/* Errors and warnings go to the screen even with --quiet. */
+/* Prints errors and warnings to stderr, even with --quiet, and to the log. */
 static void tell_messages(teller *t, const sd_messages *messages) {
   if (sd_messages_count(messages) == 0) return;
   if (t->screen) end_line(t);
@@ -160,7 +163,7 @@ static void tell_start(teller *t, const drive_options *options, const sd_model *
   }
 }
 
-/* How evenly ranks were busy. */
+/* Prints how evenly the ranks were busy. */
 static void tell_balance(teller *t, const session *s) {
   FILE *outs[2] = {t->screen, t->log};
   if (!session_ranks(s)) return;
@@ -177,7 +180,7 @@ static void tell_balance(teller *t, const session *s) {
                b.cuts == 1 ? "" : "s", busy);
 }
 
-/* A page that cannot be shown is no reason not to run. */
+/* Opens the page that shows the run. If that fails, warns and the run goes on without it. */
 static void open_page(teller *t, const sd_model *model, const char *result) {
   sd_messages *why = sd_messages_new();
   if (live_open(model, result, &t->page, why) == SD_OK)
@@ -192,7 +195,7 @@ static void look(void *user, sd_simulation *simulation) {
   if (t->page) live_look(t->page, simulation);
 }
 
-/* True: the result is in doubt. */
+/* Warns of each doubt about the result. Returns true if there is one. */
 static bool warn_of_doubts(const session *s, sd_messages *messages) {
   const summary *found = session_summary(s);
   for (size_t k = 0; found && k < DOUBT_KINDS; k++)
@@ -200,13 +203,14 @@ static bool warn_of_doubts(const session *s, sd_messages *messages) {
   return found && summary_doubts(found) > 0;
 }
 
-/* Cores that this process may use; 0: not known. */
+/* Returns the number of cores that this process may use; 0: not known. */
 static int cores(void) {
   cpu_set_t set;
   return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 0;
 }
 
-/* More threads than cores wait for each other at every step; few disks are not worth a thread. */
+/* Warns of more threads than cores, since threads that share a core delay all others at every
+ * step, and of more threads than the number of disks is worth. */
 static void warn_of_threads(const sd_model *model, int asked, sd_messages *messages) {
   int most = cores(), best = simulation_threads_for(model, asked);
   if (asked > most && most > 0)
@@ -223,8 +227,8 @@ static void warn_of_threads(const sd_model *model, int asked, sd_messages *messa
             asked, SIMULATION_DISKS_PER_THREAD, model->n_free, best);
 }
 
-/* Memory, and the disk where the result will lie. Ranks have memory of their own, of which the
- * first does not know. */
+/* Checks the memory of the run, and the free space on the disk of the result. Does not check
+ * memory with several ranks: each has memory of its own, which rank 0 does not know. */
 static sd_status check_size(const sd_model *model, const char *result, sd_messages *messages) {
   result_size size;
   size_find(&size, model);
@@ -236,7 +240,7 @@ static sd_status check_size(const sd_model *model, const char *result, sd_messag
   return SD_OK;
 }
 
-/* For drive_describe_saved. */
+/* Running session (NULL: none) and command line that continues it, for drive_describe_saved. */
 static const session *_Atomic running;
 static const char *_Atomic continues_with;
 
@@ -251,7 +255,8 @@ int drive_describe_saved(char *text, size_t size) {
   return n < 0 ? 0 : n < (int)size ? n : (int)size - 1;
 }
 
-/* status: of what was done before. */
+/* Runs a session, unless `status`, that of the preparations, is an error. Prints start, progress
+ * and result. Returns the exit status. */
 static int run_session(const sd_model *model, const drive_options *options, teller *t,
                        sd_status status, sd_messages *messages) {
   const bool leads = comm_rank(comm_world()) == 0;
@@ -302,7 +307,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
   return in_doubt ? SD_DOUBTFUL : status;
 }
 
-/* A link at the log's name is not followed. */
+/* Opens the log file for appending; refuses a symbolic link. */
 static int open_log(teller *t, const char *path) {
   int fd = file_open_at(AT_FDCWD, path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK);
   if (fd >= 0 && (t->log = fdopen(fd, "a"))) return SD_OK;
@@ -325,7 +330,8 @@ int drive_begin(const drive_options *options, sd_messages *messages) {
         messages, SD_ERROR_USER,
         "--live shows the disks of one process; expected a run without mpirun, or without --live");
   if (status != SD_OK && comm_rank(comm_world()) == 0) sd_messages_print(messages, stderr);
-  if (comm_world()) app_begin_saving(); /* a rank that is gone would be waited for */
+  /* A signal must not end one rank at once: the others would wait for it. */
+  if (comm_world()) app_begin_saving();
   return status;
 }
 
@@ -354,7 +360,7 @@ int drive_run(const sd_model *model, const drive_options *options, sd_messages *
   return status;
 }
 
-/* --- what stops a run ------------------------------------------------------------------------- */
+/* --- signals that stop a run ------------------------------------------------------------------ */
 
 volatile sig_atomic_t app_stop;
 static volatile sig_atomic_t begun;
@@ -362,10 +368,11 @@ static volatile sig_atomic_t begun;
 void app_tell_no_start(void) {
   static const char text[] = "stopped before the first step: there was nothing new to save\n";
   ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
-  (void)told; /* there is no other way to tell it */
+  (void)told; /* A failure of write cannot be reported */
 }
 
-/* Until something has begun there is nothing to save, and whatever takes long can be left where it stands. */
+/* Signal handler. Ends the process at once until app_begin_saving is called: nothing has to be
+ * saved yet. Later only sets app_stop. */
 static void ask_stop(int number) {
   if (begun) {
     app_stop = number;
@@ -378,14 +385,15 @@ static void ask_stop(int number) {
 void app_catch_signals(void) {
   struct sigaction action = {.sa_handler = ask_stop, .sa_flags = SA_RESTART};
   sigemptyset(&action.sa_mask);
-  /* batch systems send XCPU, USR1, USR2 and TERM before they kill; an alarm set by the caller outlives exec */
+  /* Batch systems send XCPU, USR1, USR2 and TERM before they kill a job. An alarm set by the
+   * caller survives exec. */
   const int stops[] = {SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGALRM};
   for (size_t k = 0; k < sizeof stops / sizeof *stops; k++) sigaction(stops[k], &action, NULL);
-  /* a closed terminal stops a run like Ctrl-C, but not under nohup */
+  /* A closed terminal stops a run like Ctrl-C, but not under nohup, which ignores SIGHUP. */
   struct sigaction before;
   if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
     sigaction(SIGHUP, &action, NULL);
-  /* a file-size limit and a reader that went away are errors of a write, not the end of the process */
+  /* A file-size limit or a closed pipe shall be an error of write and not end the process. */
   struct sigaction ignore = {.sa_handler = SIG_IGN};
   sigemptyset(&ignore.sa_mask);
   sigaction(SIGXFSZ, &ignore, NULL);

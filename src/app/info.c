@@ -1,5 +1,6 @@
-/* info.c: slipdisk info FILE: what a run has found. Only attributes and small datasets are read, so the size
- * of the file does not matter, but for means of very many disks that a checkpoint leaves to its readers. */
+/* info.c: `slipdisk info FILE` prints the results of a run. It reads attributes and small
+ * datasets only, so its time does not depend on the size of the file, except for means of very
+ * many disks that a checkpoint leaves to its readers. */
 #include <inttypes.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -16,16 +17,16 @@
 #include "measure/measurement.h"
 #include "slipdisk/deck.h"
 
-/* All that is told. */
+/* Everything that info prints about one run. */
 typedef struct facts {
-  char *path; /* of the file that was read */
+  char *path; /* Path of the file that was read */
   bool finished;
-  int64_t parts; /* of an unfinished run, else -1 */
+  int64_t parts; /* Number of parts of an unfinished run; -1: it is finished */
   int64_t clumps;
   uint64_t bytes;
   provenance origin;
   summary found;
-  json_t *datasets; /* array of {path, type, shape} */
+  json_t *datasets; /* Array of objects {path, type, shape} */
 } facts;
 
 static void facts_free(facts *f) {
@@ -47,10 +48,12 @@ static void add_dataset(void *user, const char *path, sd_type type, bool text, i
                                         text ? "text" : names[type], "shape", shape));
 }
 
-/* Of every disk; the page shows totals and the fastest, where the file has them. */
+/* Selects the means of disks to read: totals and fastest disks as the file has them, enough for
+ * the page; or the means of every disk, for JSON. */
 typedef enum wanted_means { MEANS_AS_WRITTEN, MEANS_ALL } wanted_means;
 
-/* Without the deck's files they are not known, all else is. */
+/* Computes the means of every disk if the file leaves that to its readers. If that fails, because
+ * the deck's files are missing, warns and drops the means; the rest stays. */
 static void complete_means(facts *f, const h5_file *file, sd_messages *messages) {
   sd_messages *own = sd_messages_new();
   if (checkpoint_complete(file, f->path, NULL, sd_deck_load_text, &f->found.packing, own) !=
@@ -63,7 +66,8 @@ static void complete_means(facts *f, const h5_file *file, sd_messages *messages)
   sd_messages_free(own);
 }
 
-/* A finished file when there is one, unless something of an unfinished run was named. */
+/* Reads the finished result if there is one, unless a folder of parts or a checkpoint was named;
+ * else a checkpoint. */
 static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_means means,
                             sd_messages *messages) {
   h5_file *file = NULL;
@@ -87,15 +91,16 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_m
     f->parts = f->finished ? -1 : checkpoint_get_parts(file);
     f->bytes = file_size(f->path);
     f->clumps = h5_get_attr_i64(file, "/state", "n_clumps", 0);
-    text_clean(f->path); /* from here on it is only shown */
+    text_clean(f->path); /* The path is only displayed from here on */
   }
   h5_close(file, NULL);
   return status;
 }
 
-/* --- points of sweeps ----------------------------------------------------------------------------------------- */
+/* --- points of sweeps ------------------------------------------------------------------------- */
 
-/* Why a point of a sweep failed, which is kept beside its result; NULL: it did not. To be freed. */
+/* Returns why a point of a sweep failed, from NAME.failed beside its result; the caller frees it.
+ * NULL: it did not fail. */
 static char *failure_of(const place *p) {
   char *path = NULL, *text = NULL;
   unsigned char *bytes = NULL;
@@ -114,7 +119,8 @@ static void print_failure(const char *text) {
   report_lines(stdout, "  ", text);
 }
 
-/* A point that failed before its first checkpoint has left nothing else. True: that was told. */
+/* Prints why a point of a sweep failed if it has neither a result nor a checkpoint. Returns true
+ * if it has printed that. */
 static bool tell_failure(const char *name) {
   place p;
   bool told = false;
@@ -130,7 +136,8 @@ static bool tell_failure(const char *name) {
   return told;
 }
 
-/* The folder of a sweep is no result, but something can be said of it. */
+/* Returns SD_ERROR_USER, with a hint at the right commands, if `name` is the folder of a sweep;
+ * else SD_OK. */
 static sd_status refuse_sweep(const char *name, sd_messages *messages) {
   char *points = format_text("%s/points", name);
   bool found = file_is_folder(points);
@@ -143,7 +150,7 @@ static sd_status refuse_sweep(const char *name, sd_messages *messages) {
                           name, name, name);
 }
 
-/* --- for people ----------------------------------------------------------------------------------- */
+/* --- text output ------------------------------------------------------------------------------ */
 
 static void print_text(const facts *f, const place *p) {
   const summary *s = &f->found;
@@ -182,7 +189,8 @@ static void print_text(const facts *f, const place *p) {
   json_array_foreach(f->datasets, index, set) {
     const char *path = json_string_value(json_object_get(set, "path"));
     const char *last = strrchr(path, '/');
-    /* the state's columns, and the clock of each element, would be most of the list */
+    /* Leave out columns of the state and the step and time of each element, which would be most
+     * of the list. */
     if (strncmp(path, "/state/", 7) == 0 || strcmp(last, "/step") == 0 ||
         strcmp(last, "/time") == 0)
       continue;
@@ -195,9 +203,10 @@ static void print_text(const facts *f, const place *p) {
   }
 }
 
-/* --- for programs --------------------------------------------------------------------------------- */
+/* --- JSON output ------------------------------------------------------------------------------ */
 
-/* Both contacts of a watched pair, with what a row has of each. */
+/* Returns an array of the two contacts of a watched disk, with their names and their elements of
+ * the row. */
 static json_t *contacts_json(const observable_list *list, const void *row, char *const *names) {
   json_t *contacts = json_array();
   for (size_t c = 0; c < 2; c++) {
@@ -208,7 +217,7 @@ static json_t *contacts_json(const observable_list *list, const void *row, char 
   return contacts;
 }
 
-/* Element k of an array of each configuration. */
+/* Returns the array `name` of sliding configuration k. */
 static json_t *ages_json(const summary *s, size_t k, const char *name) {
   const observable *o = observable_find(&configuration_observables, name);
   json_t *list = json_array();
@@ -217,7 +226,8 @@ static json_t *ages_json(const summary *s, size_t k, const char *name) {
   return list;
 }
 
-/* Of watched pair w; empty where they are not measured. */
+/* Returns the sliding configurations of watched disk w; an empty array if they were not
+ * measured. */
 static json_t *configurations_json(const summary *s, size_t w) {
   static const char *const names[] = {"S++", "S+-", "S-+", "S--", "stick", "open"};
   json_t *list = json_array();
@@ -259,7 +269,8 @@ static json_t *until_json(const summary *s) {
   return object;
 }
 
-/* The totals, and an array over disks for each of the means. */
+/* Returns the totals, and for each of the means an array over the disks; null if there are no
+ * means. */
 static json_t *disks_json(const summary *s) {
   const summary_disks *p = &s->packing;
   if (p->n == 0) return json_null();
@@ -323,10 +334,10 @@ static json_t *facts_json(const facts *f) {
   return root;
 }
 
-/* --- command -------------------------------------------------------------------------------------- */
+/* --- command ---------------------------------------------------------------------------------- */
 
 typedef struct arguments {
-  size_t first; /* operand */
+  size_t first; /* Index in argv of the first file; 0: none */
   bool json, deck, as_read, names;
 } arguments;
 
@@ -352,7 +363,7 @@ const command_line app_info_line = {
     .examples = "slipdisk info deck.h5                   # means with error bars, energy budget\n"
                 "slipdisk info deck.h5 --json\n"};
 
-/* All observables: the tables of docs/names.md. */
+/* Prints the tables of all observables, as in docs/names.md. */
 static int print_names(void) {
   const observable_list *const lists[] = {
       &energy_observables,        &series_observables,   &frame_observables,
@@ -365,7 +376,8 @@ static int print_names(void) {
   return SD_OK;
 }
 
-/* into: array of JSON objects; NULL: a page is printed. */
+/* Prints one run as text, or adds it to `into`, an array of JSON objects, if that is not NULL.
+ * Returns the exit status. */
 static int tell_file(const char *name, const arguments *a, json_t *into) {
   bool text = a->deck || a->as_read;
   if (!into && !text && tell_failure(name)) return SD_OK;
@@ -391,7 +403,7 @@ static int tell_file(const char *name, const arguments *a, json_t *into) {
   return status;
 }
 
-/* One object for one file, an array for several. */
+/* Prints an object for one file, an array for several. */
 static int print_json(json_t *list, bool several) {
   const json_t *root = several ? list : json_array_get(list, 0);
   return root ? json_print(root) : SD_OK;

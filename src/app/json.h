@@ -1,4 +1,4 @@
-/* json.h: what is known, for programs. JSON has no NaN: what is not known is null. */
+/* json.h: output of results as JSON. JSON has no NaN: unknown values are null. */
 #ifndef SLIPDISK_APP_JSON_H
 #define SLIPDISK_APP_JSON_H
 
@@ -10,20 +10,21 @@
 
 json_t *json_number(double value);
 json_t *json_numbers(size_t n, const double *values);
-/* A text that may be no UTF-8: then with ? for what cannot be shown. */
+/* Returns a JSON string. If the text is not valid UTF-8, bytes that cannot be shown become "?". */
 json_t *json_text(const char *text);
-/* [{"kind": "error" or "warning", "text": ...}] */
+/* Returns an array with an object for each message: {"kind": "error" or "warning", "text": ...}. */
 json_t *json_messages(const sd_messages *messages);
-/* The value of an observable as its type says. */
+/* Returns element k of an observable as a JSON boolean, integer or real, by its type; null if it
+ * is not finite. */
 json_t *json_observable(const observable *o, const void *row, size_t k);
-/* Adds element k of the quantities of this width to an object, under their names for JSON; one that is "group.name" goes
- * into an object of this name. */
+/* Adds element k of all quantities of this width to `object`, under their JSON names. A name
+ * "group.name" puts the value into the member object "group". */
 void json_add(json_t *object, const observable_list *list, const void *row, size_t width, size_t k);
-/* The same as a new object, of all quantities of one element. */
+/* Returns a new object with all quantities of width 1 of a row. */
 json_t *json_row(const observable_list *list, const void *row);
-/* A list of the means of each watched disk. */
+/* Returns an array with the mean rotation of each watched disk. */
 json_t *json_rotations(const summary *found);
-/* Prints it on the standard output, and says so when that cannot be written. */
+/* Prints `root` to the standard output. Returns SD_ERROR_IO, after a message, if that fails. */
 sd_status json_print(const json_t *root);
 
 #endif

@@ -1,4 +1,4 @@
-/* main.c: which subcommand. */
+/* main.c: finds the subcommand and runs it. */
 #include <errno.h>
 #include <jansson.h>
 #include <stdarg.h>
@@ -53,8 +53,9 @@ static const command_line help_line = {
 static const struct command {
   const char *name;
   int (*main)(int argc, char **argv);
-  const command_line *line; /* NULL: it has no options */
-  bool prints;              /* what it has found is what it prints */
+  const command_line *line; /* Option table; NULL: it has no options */
+  /* True: the printed text is its result, which a lack of memory may have cut short */
+  bool prints;
 } commands[] = {
     {"run", app_run, &app_run_line, false},
     {"resume", app_resume, &app_resume_line, false},
@@ -163,7 +164,7 @@ static int run_command(int argc, char **argv) {
     options_help(stdout, one->line);
   else
     status = one->main(argc - 1, argv + 1);
-  /* results may have been printed into a full disk */
+  /* Printing may have failed, for example on a full disk. */
   if ((fflush(stdout) != 0 || ferror(stdout)) && status == 0) {
     fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));
     status = SD_ERROR_IO;
@@ -176,10 +177,10 @@ static int run_command(int argc, char **argv) {
   return status;
 }
 
-static bool leaving; /* by its own will */
+static bool leaving; /* True once main is about to return, which calls exit */
 
-/* Small things have no memory: the process ends, since checkpoints are what keeps a run. Nothing
- * is allocated here. */
+/* Ends the process when memory for small objects runs out (sd_on_no_memory). A run loses only the
+ * steps since its last checkpoint. Allocates nothing. */
 static void end_without_memory(size_t bytes) {
   char text[LIMIT_LINE], rank[40] = "", amount[60] = "";
   if (comm_world()) snprintf(rank, sizeof rank, "rank %d: ", comm_rank(comm_world()));
@@ -188,25 +189,27 @@ static void end_without_memory(size_t bytes) {
   n += drive_describe_saved(text + n, sizeof text - (size_t)n - 1);
   text[n++] = '\n';
   ssize_t told = write(STDERR_FILENO, text, (size_t)n);
-  (void)told; /* there is no other way to tell it */
+  (void)told; /* A failure of write cannot be reported */
   comm_abort(comm_world(), SD_ERROR_IO);
   _exit(SD_ERROR_IO);
 }
 
-/* Libraries that have no memory call exit (HDF5, the reader of decks), some of them without a word. */
+/* Called by exit. If main has not returned, a library that ran out of memory has called exit
+ * (HDF5, libconfig), some without a message. */
 static void end_of_library(void) {
   static const char text[] =
       "error: a library has ended the process, as some do without memory; what was "
       "saved before is not damaged\n";
   if (leaving) return;
   ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
-  (void)told; /* there is no other way to tell it */
+  (void)told; /* A failure of write cannot be reported */
   _exit(SD_ERROR_IO);
 }
 
 static void *json_memory(size_t size) { return memory_new(size, 1); }
 
-/* Large blocks that are freed go back to the system. By default glibc keeps ever larger ones for itself, once some were freed. */
+/* Returns large freed blocks to the system. By default glibc raises its thresholds with the sizes
+ * of freed blocks, and keeps ever larger ones for itself. */
 static void return_memory(void) {
 #ifdef M_MMAP_THRESHOLD
   mallopt(M_MMAP_THRESHOLD, 1 << 20);

@@ -63,11 +63,12 @@ void manual_statuses(FILE *out) {
   }
 }
 
-/* --- man ----------------------------------------------------------------------------------------------------- */
+/* --- manual pages ----------------------------------------------------------------------------- */
 
 enum { MAN_WIDTH = 68 };
 
-/* n bytes for troff; `words` between backquotes are bold. */
+/* Prints n bytes escaped for troff; text between backquotes is bold. *bold: true inside
+ * backquotes. */
 static void man_bytes(FILE *out, const char *text, size_t n, bool *bold) {
   for (size_t k = 0; k < n; k++) switch (text[k]) {
       case '\\': fputs("\\e", out); break;
@@ -95,7 +96,7 @@ static void man_text(FILE *out, const char *text) {
   fputc('\n', out);
 }
 
-/* Lines that are indented stay as they are. */
+/* Prints text as filled paragraphs; indented lines stay as they are. */
 static void man_lines(FILE *out, const char *text) {
   bool bold = false, table = false;
   char *prose = NULL;
@@ -120,7 +121,7 @@ static void man_lines(FILE *out, const char *text) {
   free(prose);
 }
 
-/* A paragraph with a head in bold. */
+/* Prints a paragraph (.TP): the head in bold, then the text. */
 static void man_entry(FILE *out, const char *head, const char *text) {
   bool bold = false;
   fputs(".TP\n\\fB", out);
@@ -134,7 +135,8 @@ static void man_rows(FILE *out, const char *title, size_t n, const manual_row *r
   for (size_t k = 0; k < n; k++) man_entry(out, rows[k].name, rows[k].text);
 }
 
-/* Names of values slanted, the words of a choice bold. */
+/* Prints an option (.TP), with the name of its value in italics or the words of a choice in
+ * bold. */
 static void man_option(FILE *out, const option_row *row) {
   bool bold = false;
   fputs(".TP\n", out);
@@ -163,7 +165,8 @@ static void man_examples(FILE *out, const char *examples) {
   fputs(".fi\n", out);
 }
 
-/* slipdisk, and a command behind a hyphen; the line begins in small letters. */
+/* Prints the head of a page. command: "" for slipdisk(1). line: the summary, whose first letter
+ * becomes lower case. */
 static void man_head(FILE *out, const char *command, const char *line) {
   char title[64], name[64];
   bool bold = false;
@@ -222,9 +225,10 @@ void manual_overview(FILE *out, size_t n, const command_line *const *lines) {
       "slipdisk info deck.h5                   # means with error bars, energy budget\n");
 }
 
-/* --- bash ---------------------------------------------------------------------------------------------------- */
+/* --- bash completion -------------------------------------------------------------------------- */
 
-/* The value that an option takes: ":file", ":folder", ":text", ":csv,vtk". */
+/* Prints which value an option takes, for the script below: "file", "folder", "text", or the
+ * words of a choice as "csv,vtk". */
 static void bash_kind(FILE *out, const option_row *row) {
   if (row->kind == OPTION_CHOICE)
     for (const char *c = row->value; *c; c++) fputc(*c == '|' ? ',' : *c, out);

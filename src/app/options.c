@@ -64,7 +64,9 @@ bool options_reals(const char *text, size_t n, double *value) {
   return true;
 }
 
-/* Up to three whole numbers with colons between; numbers that are left out stay. Returns the colons, -1: it is no range. */
+/* Reads up to three integers separated by colons into `value`, which keeps its entries where a
+ * number is left out; given[k]: number k is there. Returns the number of colons; -1: not a
+ * range. */
 static int read_slice(const char *text, long value[3], bool given[3]) {
   int colons = 0;
   for (;; text++) {
@@ -82,7 +84,7 @@ static int read_slice(const char *text, long value[3], bool given[3]) {
 
 static size_t magnitude(long value) { return value < 0 ? 0 - (size_t)value : (size_t)value; }
 
-/* An end of a slice among n: from the back when negative, and clipped. */
+/* Converts an end of a slice to an index in [0, n]; negative ends count from the back. */
 static size_t clip(long value, size_t n) {
   size_t size = magnitude(value) < n ? magnitude(value) : n;
   return value < 0 ? n - size : size;
@@ -129,7 +131,7 @@ static int refuse_unknown(const command_line *line, const char *given) {
   return app_misuse(line->name, "unknown option %s", given);
 }
 
-/* Is it one of the words "a|b|c"? */
+/* True if `text` is one of the words "a|b|c". */
 static bool is_choice(const char *words, const char *text) {
   for (size_t n; *words; words += n + (words[n] == '|')) {
     n = strcspn(words, "|");
@@ -142,10 +144,10 @@ static bool is_deck(const char *path) {
   return (text_ends(path, ".cfg") || text_ends(path, ".inc")) && file_exists(path);
 }
 
-/* A file of HDF5 that is no export. */
+/* True for an HDF5 file that is not an H5MD export. */
 static bool is_result(const char *path) { return !text_ends(path, ".h5md") && h5_is_file(path); }
 
-/* Takes one option with its value; 0, or the exit status of a mistake. */
+/* Stores an option with its value in `arguments`. Returns 0, or the exit status of a mistake. */
 static int take(const command_line *line, const option_row *row, const char *value,
                 void *arguments) {
   void *field = (char *)arguments + row->offset;
@@ -251,11 +253,12 @@ int options_parse(const command_line *line, int argc, char **argv, void *argumen
   return take_operand(line, argc, argv, arguments);
 }
 
-/* --- help ------------------------------------------------------------------------------------------------------- */
+/* --- help ------------------------------------------------------------------------------------- */
 
 enum { HELP_COLUMN = 25, HELP_WIDTH = 100 };
 
-/* Words from this column on, broken at blanks; at: where the line stands. */
+/* Prints words from this column on, broken at blanks. at: number of characters already on the
+ * line. */
 static void print_words(FILE *out, const char *text, size_t at, size_t column) {
   for (const char *next; *text; text = next) {
     size_t n = strcspn(text, " ");

@@ -1,4 +1,5 @@
-/* options.h: the command line of a subcommand: one table of options each, one parser for all. */
+/* options.h: command lines of the subcommands: a table of options for each, and one parser for
+ * all. */
 #ifndef SLIPDISK_APP_OPTIONS_H
 #define SLIPDISK_APP_OPTIONS_H
 
@@ -8,17 +9,17 @@
 
 #include "slipdisk/status.h"
 
-/* Value of an option, and the type of the field that takes it. */
+/* Kind of an option: the value that it takes, and the C type of the field that receives it. */
 typedef enum option_kind {
-  OPTION_FLAG,   /* nothing; bool */
-  OPTION_NUMBER, /* a whole number from least to most; long */
-  OPTION_REAL,   /* a finite number; option_real */
-  OPTION_TEXT,   /* any text, once; const char * */
-  OPTION_CHOICE, /* one of the words of `value`, as in "csv|vtk"; const char * */
-  OPTION_PATH,   /* a file or a folder to be written, no deck and no result; const char * */
-  OPTION_RESULT, /* a result to be written, no deck; const char * */
-  OPTION_STREAM, /* the same, or - for the standard output */
-  OPTION_LIST    /* any text, again and again; option_list */
+  OPTION_FLAG,   /* No value; bool */
+  OPTION_NUMBER, /* Integer from `least` to `most`; long */
+  OPTION_REAL,   /* Finite number; option_real */
+  OPTION_TEXT,   /* Any text, given at most once; const char * */
+  OPTION_CHOICE, /* One of the words of `value`, such as "csv|vtk"; const char * */
+  OPTION_PATH,   /* File or folder to be written, not an existing deck or result; const char * */
+  OPTION_RESULT, /* Result to be written, not an existing deck; const char * */
+  OPTION_STREAM, /* Like OPTION_PATH, or - for the standard output; const char * */
+  OPTION_LIST    /* Any text, may be given several times; option_list */
 } option_kind;
 
 typedef struct option_real {
@@ -28,26 +29,32 @@ typedef struct option_real {
 
 typedef struct option_list {
   size_t n;
-  const char **item; /* to be freed */
+  const char **item; /* [n] texts of argv; the caller frees the array */
 } option_list;
 
-/* Limits of a number; least and most of a whole one. */
+/* Limits of a number; least and most apply to integers only. */
 typedef struct option_limits {
   long least, most;
-  const char *wrong; /* "--name VALUE" and this: what was expected */
+  /* Text of the error message behind "--name VALUE": what was expected */
+  const char *wrong;
 } option_limits;
 
 typedef struct option_row {
-  const char *name; /* as in --name */
-  char letter;      /* as in -l, which messages then use; 0: none */
+  const char *name; /* Long name, as in --name */
+  /* Short name, as in -l, which messages then use; 0: none */
+  char letter;
   option_kind kind;
-  size_t offset;               /* in the arguments of the command */
-  const option_limits *limits; /* of a number */
-  const char *value;           /* name of its value in the help; NULL: a flag */
+  size_t offset; /* Offset of the field in the arguments of the command */
+  /* Limits of a number; NULL for other kinds */
+  const option_limits *limits;
+  /* Name of the value in the help, or the words of a choice; NULL: a flag */
+  const char *value;
   const char *help;
 } option_row;
 
-/* Operands of a command. A deck may be -, the standard input. The field behind offset is a const char *; of RESULTS a size_t, place in argv of the first. */
+/* Kind of operand of a command. A deck may be -, the standard input. The field behind
+ * command_line.offset is a const char *, for OPERAND_RESULTS a size_t: the index in argv of the
+ * first result. */
 typedef enum operand_kind {
   OPERAND_DECK,
   OPERAND_RESULT,
@@ -56,41 +63,47 @@ typedef enum operand_kind {
 } operand_kind;
 
 typedef struct command_line {
-  const char *name; /* of the command */
+  const char *name; /* Name of the command */
   size_t n;
   const option_row *rows;
   operand_kind operand;
   size_t offset;
-  bool optional;        /* the command tells itself when none is given */
-  const char *operands; /* in the help: "DECK" */
-  const char *summary;  /* a line of the list of commands */
-  const char *more;     /* lines of its own help; NULL: none */
-  const char
-      *examples; /* command lines, each with its comment: "slipdisk run deck.cfg   # ...\n" */
+  /* True: the parser accepts a missing operand, which the command handles */
+  bool optional;
+  const char *operands; /* Operands in the help, such as "DECK" */
+  const char *summary;  /* Summary for the list of commands, one line */
+  /* Further lines of the help of this command; NULL: none */
+  const char *more;
+  /* Example command lines, each with a comment: "slipdisk run deck.cfg   # ...\n"; NULL: none */
+  const char *examples;
 } command_line;
 
-/* Fills `arguments`; 0, or the exit status of a mistake, which has been told. */
+/* Parses a command line into `arguments`. Returns 0, or the exit status of a mistake, which has
+ * been printed. */
 int options_parse(const command_line *line, int argc, char **argv, void *arguments);
-/* A whole number from text; false when it is none or out of range. */
+/* Reads an integer from `text` into *out. Returns false if it is no integer or outside [least,
+ * most]. */
 bool options_number(const char *text, long least, long most, long *out);
-/* n finite numbers with commas between. */
+/* Reads n finite numbers, separated by commas, into value[n]. Returns false if `text` is anything
+ * else. */
 bool options_reals(const char *text, size_t n, double *value);
 /* Frames first, first + step, ...: n of them, n > 0. */
 typedef struct option_range {
   size_t first, step, n;
 } option_range;
-/* The frames among `count` that text (of --frames) chooses, as Python does: "5", "-1" one frame, "0:100:10" a slice, whose
- * ends may lie beyond; NULL: all. The step is positive. SD_ERROR_USER: not a range, or no frame is in it; `file` is for the
- * message. count = SIZE_MAX, before a file is open: tells only whether this can be a range. */
+/* Selects frames among `count` by the text of --frames, as Python does: "5" or "-1" one frame,
+ * "0:100:10" a slice with a positive step, whose ends may lie outside; NULL: all. count =
+ * SIZE_MAX, before a file is open: only checks the syntax. file: its name for the message.
+ * SD_ERROR_USER: the text is no range, or selects no frame. */
 sd_status options_range(const char *text, size_t count, const char *file, option_range *out,
                         sd_messages *messages);
-/* A head and, from this column on, words; for lists in helps. */
+/* Prints `head` and, from this column on, the words of `text`, wrapped; for lists in the help. */
 void options_entry(FILE *out, const char *head, const char *text, size_t column);
-/* The help of a command, from its table. */
+/* Prints the help of a command from its table. */
 void options_help(FILE *out, const command_line *line);
-/* One line, with control characters of names and titles shown as \xHH. */
+/* Prints one line, with control characters of names and titles shown as \xHH. */
 void app_line(FILE *out, const char *format, ...) SD_PRINTF(2, 3);
-/* Prints "error: slipdisk COMMAND: what; see slipdisk COMMAND --help" and returns the exit status of a user's mistake. */
+/* Prints "error: slipdisk COMMAND: ...; see slipdisk COMMAND --help" and returns SD_ERROR_USER. */
 int app_misuse(const char *command, const char *format, ...) SD_PRINTF(2, 3);
 
 #endif

@@ -65,7 +65,8 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
     *path = memory_text(p->checkpoint);
     return h5_open_sealed(-1, *path, out, NULL, messages);
   }
-  /* A running process may remove a checkpoint between the listing and the opening: look again then. */
+  /* A running process may remove a checkpoint between listing and opening; then list the folder
+   * again. */
   for (int attempt = 0; attempt < 3; attempt++) {
     int64_t *steps;
     size_t n;
@@ -73,7 +74,7 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
     sd_messages *why = sd_messages_new();
     for (size_t k = 0; status == SD_OK && k < n && !*path; k++) {
       char *candidate = folder_checkpoint(p->folder, steps[k]);
-      /* one that vanished is no reason to step back */
+      /* Skip a checkpoint that has vanished since the listing, without a warning. */
       bool there = file_exists(candidate);
       if (there && h5_open_sealed(-1, candidate, out, NULL, why) == SD_OK)
         *path = candidate;
@@ -91,7 +92,8 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
   return sd_fail(messages, SD_ERROR_IO, "%s has no checkpoint that can be read", p->folder);
 }
 
-/* Parts that belong to the checkpoint at `base`. */
+/* Opens the frames of the checkpoint `base` and of its parts 1 ... `parts`. Missing parts are
+ * left out with a warning. */
 static sd_status open_parts(frames *f, const place *p, const char *base, int64_t parts,
                             sd_messages *messages) {
   char **list = memory_new(parts > 0 ? (size_t)parts : 0, sizeof *list);
@@ -112,12 +114,13 @@ static sd_status open_parts(frames *f, const place *p, const char *base, int64_t
   return status;
 }
 
-/* alone: a part was named, whose frames are all there is. */
+/* Opens the frames of an unfinished run. *alone: true if a part was named, which then gives all
+ * frames. */
 static sd_status open_unfinished(frames *f, place *p, bool *alone, sd_messages *messages) {
   char *part = NULL, *base = NULL;
   if (p->checkpoint && frames_is_part(p->checkpoint)) {
     part = p->checkpoint;
-    p->checkpoint = NULL; /* the newest one has the constants */
+    p->checkpoint = NULL; /* Read the constants from the newest checkpoint */
   }
   bool named = p->checkpoint;
   h5_file *file = NULL;

@@ -1,4 +1,5 @@
-/* plot.c: slipdisk plot, slipdisk film: options; the pictures are made by the Python package. See docs/plots.md. */
+/* plot.c: `slipdisk plot` and `slipdisk film` check their options and start the Python package,
+ * which makes the pictures. See docs/plots.md. */
 #include <errno.h>
 #include <limits.h>
 #include <stddef.h>
@@ -98,9 +99,10 @@ const command_line app_film_line = {
                 "slipdisk film deck.h5 --color spin --network         # the spin, and forces at "
                 "contacts\n"};
 
-/* --- what is asked for --------------------------------------------------------------------------------- */
+/* --- checks of the options -------------------------------------------------------------------- */
 
-/* Two numbers with this letter between, either or both of which may be missing if that is allowed. */
+/* Reads two numbers with the character `between` in the middle. missing: true if one or both may
+ * be left out. */
 static bool two_numbers(const char *text, char between, bool missing, double value[2]) {
   for (int k = 0; k < 2; k++) {
     char *end;
@@ -127,9 +129,10 @@ static int examine(const char *command, const arguments *a) {
   return 0;
 }
 
-/* --- the interpreter ------------------------------------------------------------------------------------ */
+/* --- Python interpreter ----------------------------------------------------------------------- */
 
-/* The folder with the Python package: of the checkout or the prefix to which this program belongs; NULL: neither. */
+/* Returns the folder of the Python package in the checkout or installation to which this program
+ * belongs; the caller frees it. NULL: not found. */
 static char *package_folder(const char *program) {
   static const char *const places[] = {"tools/python", SD_PYTHON_DIR};
   char up[PATH_MAX];
@@ -152,10 +155,12 @@ static char *package_folder(const char *program) {
 static const char *const modules[] = {"numpy", "h5py", "matplotlib", "slipdisk"};
 enum { MODULES = sizeof modules / sizeof *modules, FOUND = 64 };
 
-/* Modules of the current folder are not meant: an empty element of the path stands for it. */
+/* Removes "", the current folder, from the module path, so that its files are not imported as
+ * modules. */
 #define SAFE_PATH "import sys\nsys.path[:] = [folder for folder in sys.path if folder]\n"
 
-/* Which modules this interpreter lacks, a bit each; -1: it does not run. */
+/* Returns a bit mask of the modules that this interpreter lacks, bit k for modules[k]; -1: it
+ * does not run. */
 static int modules_missing(const char *python) {
   static const char look[] = SAFE_PATH
       "import importlib.util as u\n"
@@ -177,7 +182,8 @@ static int modules_missing(const char *python) {
   return WEXITSTATUS(status) - FOUND;
 }
 
-/* The first interpreter that has all modules; NULL: none, which has been told. */
+/* Returns the first interpreter that has all modules; NULL, after an error message, if there is
+ * none. */
 static const char *find_python(const char *command) {
   const char *names[] = {getenv("SLIPDISK_PYTHON"), "/usr/bin/python3", "python3"};
   char told[600] = "";
@@ -201,11 +207,12 @@ static const char *find_python(const char *command) {
   return NULL;
 }
 
-/* The interpreter finds the package and this program. */
+/* Sets PYTHONPATH and SLIPDISK_PROGRAM, so that the interpreter finds the package and this
+ * program. */
 static void prepare_environment(void) {
   char program[PATH_MAX];
   ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
-  if (n < 0) return; /* it may find both by itself */
+  if (n < 0) return; /* Python may find both without help */
   program[n] = 0;
   char *folder = package_folder(program);
   if (!folder) return;
@@ -217,7 +224,7 @@ static void prepare_environment(void) {
   free(path);
 }
 
-/* Words for the interpreter. */
+/* Command line of the interpreter. */
 typedef struct word_list {
   size_t n;
   char **word;
@@ -248,7 +255,7 @@ static void add_all(word_list *list, const arguments *a) {
   if (a->dark) list->word[list->n++] = memory_text("--dark");
 }
 
-/* Becomes the interpreter; returns only when that fails. */
+/* Replaces this process by the interpreter. Returns, with SD_ERROR_IO, only if that fails. */
 static int become_python(const char *command, const arguments *a) {
   prepare_environment();
   const char *python = find_python(command);

@@ -1,4 +1,4 @@
-/* report.c: what a run has found, for people; see app.h. */
+/* report.c: prints the results of a run as text; see app.h. */
 #include <inttypes.h>
 #include <math.h>
 #include <stddef.h>
@@ -36,7 +36,7 @@ void report_bottom(FILE *out, const char *text) {
   fflush(out);
 }
 
-/* "-0.0123 +- 0.0004"; "-" for what is not known. */
+/* Formats "-0.0123 +- 0.0004"; "-" if the value is not finite, "+- ?" if the error is not. */
 static const char *with_error(double value, double error, char *text, size_t size) {
   if (!isfinite(value))
     snprintf(text, size, "-");
@@ -47,7 +47,7 @@ static const char *with_error(double value, double error, char *text, size_t siz
   return text;
 }
 
-/* Beyond this many watched disks a table is no longer read: the file has them all. */
+/* Most rows in a table of watched disks; the file has all of them. */
 enum { MOST_ROWS = 24 };
 
 static void report_rotations(FILE *out, const summary *found) {
@@ -70,7 +70,7 @@ static void report_rotations(FILE *out, const summary *found) {
   if (doubtful) fprintf(out, "  * too short a record: the error is not reliable\n");
 }
 
-/* "-" where nothing was asked for. */
+/* Formats the value of a phase at its end; "-" if it had no goal. */
 static const char *if_asked(double value, double goal, char *text, size_t size) {
   if (goal > 0)
     snprintf(text, size, "%.4g", value);
@@ -79,7 +79,7 @@ static const char *if_asked(double value, double goal, char *text, size_t size) 
   return text;
 }
 
-/* Only of runs in which a phase was asked for something. */
+/* Prints the table of phases, if some phase had a goal (to settle or to be compressed). */
 static void report_phases(FILE *out, const summary *found) {
   bool any = false;
   for (size_t k = 0; k < found->n_stages; k++) {
@@ -128,7 +128,8 @@ static void report_until(FILE *out, const summary *found) {
   fputc('\n', out);
 }
 
-/* Means and standard deviations in each configuration. */
+/* Prints means and standard deviations of torque and forces in each sliding configuration of
+ * watched disk w. */
 static void report_configurations(FILE *out, const summary *found, size_t w) {
   static const char *const names[] = {"S++", "S+-", "S-+", "S--", "stick", "open"};
   if (found->n_configurations < SD_CONFIGURATIONS * (w + 1)) return;
@@ -165,7 +166,7 @@ static void report_slides(FILE *out, const summary *found) {
     fprintf(out, "  ... and %zu more, in /summary/slide\n", found->n_slides - n);
 }
 
-/* The file has all. */
+/* Prints the disks with the largest mean |Omega|; the file has those of all disks. */
 static void report_fastest(FILE *out, const summary_disks *p) {
   size_t n = p->n_fastest;
   if (n == 0) return;
@@ -180,7 +181,7 @@ static void report_fastest(FILE *out, const summary_disks *p) {
   }
 }
 
-/* Of a total with an error bar both stand in its line. */
+/* Prints means over all disks. A total with an error bar and its error share a line. */
 static void report_disks(FILE *out, const summary *found) {
   const summary_disks *p = &found->packing;
   if (p->n == 0) return;
@@ -196,7 +197,8 @@ static void report_disks(FILE *out, const summary *found) {
           "\nmeans of %.0f of %zu free disks over time %.6g, %" PRId64 " looks at the contacts\n",
           isnan(p->totals.disks) ? 0.0 : p->totals.disks, p->n, p->measured, p->looks);
   if (!(p->totals.disks > 0)) return;
-  for (size_t k = 1; k < total_observables.n; k++) { /* the first, how many, is said above */
+  /* Observable 0, the number of disks, is printed above */
+  for (size_t k = 1; k < total_observables.n; k++) {
     const observable *o = &total_observables.rows[k],
                      *next = k + 1 < total_observables.n ? o + 1 : o;
     size_t length = strlen(o->name);
@@ -258,7 +260,7 @@ const char *report_of(const summary *found) {
 
 void report_cost(FILE *out, const summary *found, const provenance *origin) {
   char wall[40], cost[40] = "", ranks[40] = "";
-  if (isfinite(found->step_nanoseconds)) /* it is not before the first step */
+  if (isfinite(found->step_nanoseconds)) /* NAN before the first step */
     snprintf(cost, sizeof cost, "%.4g ns per step, ", found->step_nanoseconds);
   if (origin->ranks > 1) snprintf(ranks, sizeof ranks, "%" PRId64 " ranks of ", origin->ranks);
   fprintf(out,

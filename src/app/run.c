@@ -1,4 +1,4 @@
-/* run.c: slipdisk run DECK, and slipdisk resume FILE. */
+/* run.c: `slipdisk run DECK` and `slipdisk resume FILE`. */
 #include <assert.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -100,7 +100,8 @@ const command_line app_resume_line = {
     .examples =
         "slipdisk resume deck.h5                 # without the deck, with all keys that it had\n"};
 
-/* Rank 0 alone looks for the deck of a run. *found: the run is not finished. */
+/* Finds the run called `name` and reads its deck from a checkpoint; on rank 0 only. *found: true
+ * if the run is unfinished, that is, has a folder of parts. */
 static sd_status find_origin(const char *name, place *p, provenance *origin, bool *found,
                              sd_messages *messages) {
   h5_file *file = NULL;

@@ -1,5 +1,5 @@
-/* size.c: how large a result will be, from the deck alone: rows of each table, columns of the state, and what HDF5 and
- * the compression of frames and contact tables make of them. */
+/* size.c: estimates the size of a result from the deck alone: rows of each table, columns of the
+ * state, overhead of HDF5, and compression of frames and contact tables. */
 #include <inttypes.h>
 #include <math.h>
 #include <stddef.h>
@@ -16,21 +16,23 @@
 #include "run/session.h"
 #include "slipdisk/deck.h"
 
-/* HDF5's own: headers and attributes of each dataset, about 640 bytes. */
+/* Overhead of HDF5 in bytes: headers and attributes take about 640 bytes per dataset.
+ * WALLS_BYTES: the same for datasets about walls. */
 static const double FILE_BYTES = 160e3, WALLS_BYTES = 40e3;
-/* Mass, radius, group and the like of a body. */
+/* Bytes of the constants of a body: mass, radius, group and the like. */
 static const double BODY_BYTES = 40;
-/* Fraction of coordinates and forces that compression leaves: their trailing bytes are noise. Of integers in frames
- * next to nothing is left. */
+/* Fractions of coordinates and of contact forces that compression leaves: their trailing bytes
+ * are noise. Integers in frames compress to almost nothing. */
 static const double NOISE_LEFT = 0.88, FORCE_LEFT = 0.85;
-/* Of a packing; each contact belongs to two disks. */
+/* Contacts per free disk assumed for a packing; each contact counts once for its two disks. */
 enum { CONTACTS_PER_DISK = 2 };
 
 typedef struct rows {
   int64_t series, frames, contacts;
 } rows;
 
-/* No pair twice, and none of two bodies that nothing pushes. */
+/* Returns the number of contacts assumed: CONTACTS_PER_DISK for each free disk, but no more than
+ * there are pairs with a free disk. */
 static size_t most_contacts(const sd_model *m) {
   double free = (double)m->n_free,
          pairs = free * ((double)sd_model_bodies(m) - free) + free * (free - 1) / 2;
@@ -38,11 +40,12 @@ static size_t most_contacts(const sd_model *m) {
   return pairs < (double)usual ? (size_t)pairs : usual;
 }
 
-/* Rows of a cadence (session_due): within each phase, where one begins that has rows or one ends with a row, and the first
- * and the last step. */
+/* Returns the number of rows written at a cadence (session_due): rows inside each phase, a row at
+ * the border of two phases if the new one has rows or the old one ends with a row, and the first
+ * and last step. every_offset: offset of the cadence in sd_phase. */
 static int64_t rows_of(const sd_model *m, size_t every_offset) {
   int64_t n = 2;
-  bool ends = false; /* the phase before has a row at its end */
+  bool ends = false; /* True if the previous phase has a row at its end */
   for (size_t k = 0; k < m->n_phases; k++) {
     const sd_phase *p = &m->phases[k];
     int64_t every;
@@ -60,7 +63,8 @@ static rows count_rows(const sd_model *m) {
                 rows_of(m, offsetof(sd_phase, contacts_every))};
 }
 
-/* Bytes of a row; `left` of the reals, nothing of the integers, where the table is compressed. */
+/* Returns the stored bytes of one row. If the table is compressed, the fraction `left` of the
+ * reals counts, and integers count as 0. */
 static double row_bytes(const table *t, double left) {
   double bytes = 0;
   for (size_t k = 0; k < t->n_columns; k++) {
@@ -71,7 +75,8 @@ static double row_bytes(const table *t, double left) {
   return bytes;
 }
 
-/* With the means of every disk that readers compute from its columns. */
+/* Returns bytes of the state with so many contacts, and of the means of every disk that readers
+ * compute from its columns. */
 static double stored_bytes(const sd_model *m, size_t contacts) {
   const size_t means = m->measure_disks ? m->n_free : 0;
   return state_bytes(m, contacts) + (double)(means * disk_observables.n * sizeof(double));
@@ -88,22 +93,24 @@ static double result_bytes(const sd_model *m, const record *r, const rows *n) {
   bytes += stored_bytes(m, contacts) + (double)n->series * row_bytes(&r->series, 1);
   bytes +=
       (double)n->frames * (row_bytes(&r->disks, NOISE_LEFT) + row_bytes(&r->clumps, NOISE_LEFT));
-  /* walls move regularly, or not at all */
+  /* Wall trajectories count as 0: walls move regularly or not at all, which compresses well. */
   bytes += (double)n->contacts * (row_bytes(&r->contact_index, 1) +
                                   (double)contacts * row_bytes(&r->contact_rows, FORCE_LEFT));
   return bytes;
 }
 
-/* Measured from 1e4 to 1e6 disks, in gases and packings: libraries and buffers; lists, forces and
- * rows of a disk, with one frame and contact table; what stands in memory of each byte of rows,
- * as they are and as a part that is written. */
+/* Memory in bytes, measured from 1e4 to 1e6 disks, in gases and packings. PROGRAM_BYTES:
+ * libraries and buffers. WORK_BYTES: lists, forces and rows of a disk, with one frame and one
+ * contact table. ROWS_TWICE: memory per byte of unsaved rows, which are held as rows and, while
+ * it is written, as a part. */
 static const double PROGRAM_BYTES = 25e6, WORK_BYTES = 600, ROWS_TWICE = 1.85;
 
 double size_memory(const sd_model *m) {
   return stored_bytes(m, most_contacts(m)) + (WORK_BYTES + sizeof(sd_disk)) * (double)m->n_disks;
 }
 
-/* Rows that wait for the next part or checkpoint, beside two moments that every run has. */
+/* Returns the memory in bytes of rows that wait for the next part or checkpoint, without the
+ * first and last frame and contact table, which every run has. */
 static double unsaved_bytes(const sd_model *m, const record *r, const rows *n) {
   const double tables = (double)most_contacts(m) * row_bytes(&r->contact_rows, 1);
   const double disk_rows = row_bytes(&r->disks, 1) + row_bytes(&r->clumps, 1);
@@ -150,7 +157,7 @@ sd_status size_refuse(const sd_model *m, const result_size *size, sd_messages *m
   return SD_OK;
 }
 
-/* A result larger than this is seldom meant. */
+/* Bytes above which a result is probably larger than intended. */
 static const double LARGE = 50e9;
 
 void size_warn(const result_size *size, const char *folder, sd_messages *messages) {

@@ -1,4 +1,4 @@
-/* verify.c: slipdisk verify FILE...: does every byte still fit the checksums? */
+/* verify.c: `slipdisk verify FILE...` compares all bytes of files with their checksums. */
 #include <dirent.h>
 #include <errno.h>
 #include <inttypes.h>
@@ -15,7 +15,7 @@
 
 typedef struct verifier {
   bool quiet, seal, unsealed;
-  size_t first; /* operand */
+  size_t first; /* Index in argv of the first file */
   size_t files, damaged;
 } verifier;
 
@@ -37,7 +37,7 @@ const command_line app_verify_line = {
     .more = "Exit status 4 when one is damaged.\n",
     .examples = "slipdisk verify deck.h5 sweep.sweep     # is every byte as it was written?\n"};
 
-/* Prints why, and counts. */
+/* Prints why a file is damaged, and counts it. */
 static void tell_damaged(verifier *v, const char *path, const sd_messages *why) {
   v->damaged++;
   if (sd_messages_count(why) == 0) fprintf(stderr, "error: %s cannot be read\n", path);
@@ -67,7 +67,8 @@ static bool verify_file(verifier *v, const char *path) {
   return status == SD_OK;
 }
 
-/* The parts that the checkpoint counts: all there, whole, in a chain. */
+/* Checks the parts that a checkpoint counts: all are present, undamaged, and linked in a chain
+ * (record_link). */
 static void verify_chain(verifier *v, const char *inside, const char *checkpoint) {
   sd_messages *why = sd_messages_new();
   h5_file *file = NULL, *part = NULL;
@@ -91,7 +92,8 @@ static void verify_chain(verifier *v, const char *inside, const char *checkpoint
   sd_messages_free(why);
 }
 
-/* All that slipdisk seals in a folder of parts, or of points; folders of parts in it, too. */
+/* Verifies all sealed files in a folder of parts or of points, and in folders of parts inside
+ * it. */
 static sd_status verify_folder(verifier *v, const char *inside, sd_messages *messages) {
   DIR *directory = opendir(inside);
   if (!directory)
@@ -114,7 +116,8 @@ static sd_status verify_folder(verifier *v, const char *inside, sd_messages *mes
   return status;
 }
 
-/* A file, a folder of parts, an unfinished run by the name of its result, or a sweep. */
+/* Verifies a file, a folder of parts, an unfinished run given by the name of its result, or a
+ * sweep. */
 static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
   char *points = format_text("%s/points", name), *parts = format_text("%s.parts", name);
   sd_status status = SD_OK;

@@ -1,7 +1,6 @@
-/* check.c: slipdisk check DECK: is the deck right, what does it say in full, and how long will it run?
+/* check.c: `slipdisk check DECK` checks a deck, prints it in full and estimates its run time.
  *
- * The output is a deck again: the full one, followed by the findings as comments.
- */
+ * The output is a deck again: the full one, followed by the findings as comments. */
 #include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stddef.h>
@@ -56,9 +55,9 @@ const command_line app_check_line = {
     .examples = "slipdisk check deck.cfg                 # mistakes, all keys, limits, run time\n"
                 "slipdisk check deck.cfg --brief -D gravity.tilt=0.2\n"};
 
-/* --- speed ----------------------------------------------------------------------------------------------- */
+/* --- speed ------------------------------------------------------------------------------------ */
 
-/* Runs the deck for a moment, the beginning of it at least. */
+/* Measures the speed: runs the deck for about probe_seconds, its first steps in any case. */
 static sd_status probe(check_found *f, sd_messages *messages) {
   sd_simulation *s = NULL;
   sd_status status = sd_simulation_new(f->model, 0, &s, messages);
@@ -83,17 +82,18 @@ static sd_status probe(check_found *f, sd_messages *messages) {
   return status;
 }
 
-/* --- sweep --------------------------------------------------------------------------------------------------- */
+/* --- sweep ------------------------------------------------------------------------------------ */
 
-/* Time that a sweep's points need on this machine. */
+/* Wall time per step on this machine, for the points of a sweep. */
 typedef struct pace {
-  double alone; /* s per step of a system by itself; 0: not known */
-  double
-      together; /* s per step of a group in lanes, however few they are; 0: there are none, or not known */
+  double alone; /* Time of a system by itself, s; 0: not known */
+  /* Time of a group in lanes, s, however few systems it has; 0: no lanes, or not known */
+  double together;
   size_t width;
 } pace;
 
-/* The speed in lanes, measured with the deck as it stands in all of them. */
+/* Returns the wall time per step in lanes, s, measured with copies of the deck in all lanes; 0:
+ * not known. */
 static double probe_lanes(const sd_model *m, size_t width) {
   sd_simulation **all = memory_new(width, sizeof *all);
   sd_messages **messages = memory_new(width, sizeof *messages);
@@ -135,7 +135,8 @@ static int by_kind(const void *a, const void *b) {
   return p->steps > q->steps ? -1 : p->steps < q->steps;
 }
 
-/* Time of all points with one worker, in groups as `sweep` makes them: the longest of each counts. */
+/* Returns the wall time of all points with one worker, s. Groups are as `sweep` makes them; a
+ * group takes as long as its longest point. */
 static double sweep_time(entry *entries, size_t n, const pace *p) {
   double time = 0;
   qsort(entries, n, sizeof *entries, by_kind);
@@ -148,7 +149,7 @@ static double sweep_time(entry *entries, size_t n, const pace *p) {
   return time;
 }
 
-/* Points, and what they need. */
+/* Fills the number of points, their steps and their wall time. */
 static void note_sweep(const sweep *s, entry *entries, const pace *p, check_sweep *found) {
   *found = (check_sweep){
       .points = s->deck.n_points, .sets = s->deck.n_sets, .width = p->width, .seconds = NAN};
@@ -211,7 +212,7 @@ static int check(const options *o, sd_messages *messages) {
   return status;
 }
 
-/* --- command line ---------------------------------------------------------------------------------------------- */
+/* --- command line ----------------------------------------------------------------------------- */
 
 int app_check(int argc, char **argv) {
   options o = {0};

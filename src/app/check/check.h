@@ -1,4 +1,4 @@
-/* check.h: what `check` finds about a deck, for its page and for JSON. */
+/* check.h: what `check` finds about a deck, and its output as text and JSON. */
 #ifndef SLIPDISK_APP_CHECK_H
 #define SLIPDISK_APP_CHECK_H
 
@@ -6,33 +6,34 @@
 #include "model/advice.h"
 #include "model/model.h"
 
-/* All points of a sweep. */
+/* Estimates for all points of a sweep. */
 typedef struct check_sweep {
-  size_t points, sets; /* 0 points: the deck has no sweep */
-  size_t together;     /* points that can go in lanes */
-  size_t width;        /* systems side by side */
-  double steps;        /* of all points, at most */
-  double seconds;      /* with one worker; NAN: not known */
-  bool lanes;          /* the time is that in lanes */
+  size_t points, sets; /* Numbers of points and of sets of values; 0 points: no sweep */
+  size_t together;     /* Number of points that can go in lanes */
+  size_t width;        /* Most systems side by side */
+  double steps;        /* Steps of all points, at most */
+  double seconds;      /* Wall time with one worker, s; NAN: not known */
+  bool lanes;          /* True if `seconds` is for systems in lanes */
 } check_sweep;
 
 typedef struct check_found {
   const sd_model *model;
   first_overlap overlap;
   result_size size;
-  bool probed;     /* a simulation was made ... */
-  size_t contacts; /* ... and has these at the start */
-  int64_t tried;   /* steps on which the speed was measured; 0: it was not */
-  double speed;    /* steps per second */
+  bool probed;     /* True if a simulation was made */
+  size_t contacts; /* Number of contacts at the start, if probed */
+  /* Number of steps on which the speed was measured; 0: it was not */
+  int64_t tried;
+  double speed; /* Steps per second of wall time */
   int threads;
-  char path[40]; /* instruction set */
+  char path[40]; /* Instruction set of the kernels, such as "avx2" */
   check_sweep sweep;
 } check_found;
 
-/* --- check_print.c --------------------------------------------------------------------- */
+/* --- check_print.c ---------------------------------------------------------------------------- */
 void check_print(const check_found *found);
-/* model NULL: the deck has mistakes. full: with the full deck. Returns `status`; SD_ERROR_IO: it
- * cannot be printed, which was told. */
+/* Prints the findings as JSON. found->model NULL: the deck has mistakes. full: the full deck is
+ * included. Returns `status`, or SD_ERROR_IO, after a message, if it cannot be printed. */
 int check_print_json(const check_found *found, const char *deck, bool full, int status,
                      const sd_messages *messages);
 

@@ -15,7 +15,8 @@
 
 static const struct format {
   const char *name, *ending;
-  bool single; /* one frame: the last, where none is chosen */
+  /* True: the file takes one frame, by default the last */
+  bool single;
   bool folder;
   export_writer *write;
 } formats[] = {
@@ -64,7 +65,7 @@ const command_line app_export_line = {
                 "ParaView\n"
                 "slipdisk export deck.h5 --to lammps-data -o start.data  # the last frame\n"};
 
-/* --- command --------------------------------------------------------------------------------------------- */
+/* --- command ---------------------------------------------------------------------------------- */
 
 static int parse(int argc, char **argv, arguments *a, const struct format **format) {
   int mistake = options_parse(&app_export_line, argc, argv, a);
@@ -88,7 +89,8 @@ static sd_status check_single(const export_job *job, const char *format, const a
                  job->range.n, format, job->range.first);
 }
 
-/* "r.extxyz" of ".../r.h5" and of ".../r.h5.parts/"; to be freed. */
+/* Returns the default path, "r.extxyz" for ".../r.h5" and for ".../r.h5.parts/"; the caller frees
+ * it. */
 static char *default_output(const char *name, const char *ending) {
   static const char parts[] = ".parts";
   size_t length = strlen(name), tail = sizeof parts - 1;

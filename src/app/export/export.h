@@ -1,53 +1,58 @@
-/* export.h: stored frames in the formats of other programs, one frame in memory at a time. docs/export.md. */
+/* export.h: writes stored frames in the formats of other programs, with one frame in memory at a
+ * time. See docs/export.md. */
 #ifndef SLIPDISK_APP_EXPORT_H
 #define SLIPDISK_APP_EXPORT_H
 
 #include "app/options.h"
 #include "io/results/frames.h"
 
-/* Disks of one material, in one group or none, prescribed or not: a particle type, numbered from 1 on as they come. */
+/* Particle type: disks of one material, in one group (negative: in none), all prescribed or all
+ * free. Files number the types from 1, in the order of their first disks. */
 typedef struct export_type {
   int material, group;
   bool driven;
 } export_type;
 
 typedef struct export_job {
-  const char *source; /* as it was named */
-  const char *out;    /* a file, or a folder */
+  const char *source; /* Name of the result, as on the command line */
+  const char *out;    /* Path of the output, a file or a folder */
   const frames *f;
-  const sd_model *m; /* constants */
+  const sd_model *m; /* Constants of the run: disks, walls, box */
   option_range range;
-  double depth;      /* along z: the largest diameter */
-  uint32_t *type_of; /* [n_disks] from 0 on */
+  double depth;      /* Extent along z: the largest diameter */
+  uint32_t *type_of; /* [n_disks] indices into types */
   size_t n_types;
   export_type *types;
   sd_messages *messages;
 } export_job;
 
-/* Writes all chosen frames. The file or folder gets its name when all is written. */
+/* Writes all selected frames. The file or folder gets its name only when it is complete. */
 typedef sd_status export_writer(const export_job *job);
 export_writer export_h5md, export_dump, export_data, export_xyz, export_vtk, export_csv;
 
-/* Number k of the chosen frames; frame_data_free also when it fails. */
+/* Reads selected frame k, 0 <= k < range.n. Call frame_data_free also after an error. */
 sd_status export_frame(const export_job *job, size_t k, frame_data *frame);
-/* Is the disk there: neither waiting nor removed? */
+/* True if the disk is in the frame: neither waiting for its release nor removed. */
 static inline bool export_has(const export_job *job, const frame_data *frame, size_t disk) {
   return job->m->disks[disk].driven || configuration_in_play(frame->activity[disk]);
 }
 size_t export_count(const export_job *job, const frame_data *frame);
 
-/* The periodic box of a frame; along open directions what holds region, disks and walls with ends. */
+/* Box around a frame. Periodic directions: edges of the periodic box. Open directions: the
+ * smallest interval with all disks, circles and end points of walls. z: -depth/2 to depth/2. */
 typedef struct export_space {
   double lower[3], upper[3];
-  double offset; /* of the upper edge along x, where the box deforms */
+  /* Shift of the upper edge along x if the box is sheared; 0: rectangular */
+  double offset;
 } export_space;
 export_space export_space_of(const export_job *job, const frame_data *frame);
 
-/* Numbers the types of all disks, and finds the depth; SD_ERROR_IO: no memory. */
+/* Fills types, type_of and depth of the job; the caller frees the arrays. SD_ERROR_IO: no
+ * memory. */
 sd_status export_find_types(export_job *job);
-/* "grain, group lid, fixed"; to be freed. */
+/* Returns "material grain, group lid, fixed or driven" for a type; the caller frees it. */
 char *export_type_text(const export_job *job, size_t type);
-/* Words of the deck, "" when there is none. */
+/* Return the deck's name of a material or of a group; "" if it has none. */
 const char *export_material(const export_job *job, int material);
 const char *export_group(const export_job *job, int group);
 

@@ -1,4 +1,5 @@
-/* export_csv.c: tables of disks, contacts and series, and their units, as RFC 4180 has them. See export.h. */
+/* export_csv.c: writes CSV tables (RFC 4180) of disks, contacts and series, and a table of their
+ * units. See export.h. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +14,7 @@
 enum { DISKS, CONTACTS, SERIES, UNITS, TABLES };
 static const char *const names[TABLES] = {"disks.csv", "contacts.csv", "series.csv", "units.csv"};
 
-/* --- units ----------------------------------------------------------------------------------------------- */
+/* --- units ------------------------------------------------------------------------------------ */
 
 static const struct column {
   const char *name, *unit, *meaning;
@@ -80,7 +81,7 @@ static void put_units(FILE *out) {
              contact_columns[k].meaning);
 }
 
-/* --- disks ----------------------------------------------------------------------------------------------- */
+/* --- disks ------------------------------------------------------------------------------------ */
 
 static void put_disks(const export_job *job, const frame_data *f, FILE *out) {
   const sd_model *m = job->m;
@@ -106,7 +107,7 @@ static sd_status put_contacts(const export_job *job, const frame_data *f, FILE *
   return status;
 }
 
-/* --- series ---------------------------------------------------------------------------------------------- */
+/* --- series ----------------------------------------------------------------------------------- */
 
 #define SERIES_CLOCK "/observables/kinetic_translation"
 enum { BLOCK = 4096, MOST_SERIES = 128 };
@@ -115,10 +116,10 @@ typedef struct series {
   const observable *row[MOST_SERIES];
   char *path[MOST_SERIES];
   size_t width[MOST_SERIES], n;
-  double *value[MOST_SERIES]; /* [BLOCK][width] */
+  double *value[MOST_SERIES]; /* [BLOCK][width] values, read block by block */
 } series;
 
-/* The columns that the first file has. */
+/* Finds the columns of the series in the first file that has any, and allocates their buffers. */
 static sd_status series_find(series *s, const h5_file *file, sd_messages *messages) {
   const observable_list *lists[] = {&energy_observables, &series_observables};
   for (size_t l = 0; l < 2; l++)
@@ -148,7 +149,8 @@ static void series_free(series *s) {
   *s = (series){0};
 }
 
-/* "angle[upper]": of which disk, wall or group element k is; to be freed. */
+/* Returns the name of a column, such as "angle[upper]": the quantity, and the disk, wall or group
+ * of element k; the caller frees it. */
 static char *element_name(const export_job *job, const observable *o, size_t k) {
   const sd_model *m = job->m;
   char text[32];
@@ -179,7 +181,7 @@ static void series_head(const export_job *job, const series *s, FILE *out, FILE 
   fputc('\n', out);
 }
 
-/* Rows of one file, in blocks. */
+/* Writes all rows of one file, a block at a time. */
 static sd_status series_rows(const series *s, const h5_file *file, FILE *out,
                              sd_messages *messages) {
   int rank;
@@ -227,7 +229,7 @@ static sd_status put_series(const export_job *job, FILE *out, FILE *units) {
   return status;
 }
 
-/* --- all ------------------------------------------------------------------------------------------------- */
+/* --- all tables ------------------------------------------------------------------------------- */
 
 static void put_heads(FILE *const *out) {
   for (int k = 0; k < DISK_COLUMNS; k++)

@@ -1,4 +1,4 @@
-/* export_frame.c: what all formats need of a frame; see export.h. */
+/* export_frame.c: frames, boxes and particle types for all formats; see export.h. */
 #include "app/export/export.h"
 
 #include <math.h>
@@ -46,12 +46,13 @@ export_space export_space_of(const export_job *job, const frame_data *f) {
       s.lower[c] = m->lower[c];
       s.upper[c] = m->lower[c] + f->scale * f->stretch[c] * (m->upper[c] - m->lower[c]);
     }
-    if (!(s.lower[c] < s.upper[c])) s.lower[c] = 0.0, s.upper[c] = 1.0; /* nothing is there */
+    /* Empty interval: no body, open box */
+    if (!(s.lower[c] < s.upper[c])) s.lower[c] = 0.0, s.upper[c] = 1.0;
   }
   return s;
 }
 
-/* --- types ----------------------------------------------------------------------------------------------- */
+/* --- types ------------------------------------------------------------------------------------ */
 
 const char *export_material(const export_job *job, int material) {
   const char *name = job->m->materials[material].name;

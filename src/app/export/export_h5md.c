@@ -1,9 +1,11 @@
-/* export_h5md.c: H5MD 1.1 with three dimensions, for programs that know no others. See export.h.
+/* export_h5md.c: writes H5MD 1.1 in three dimensions, for programs that read no other. See
+ * export.h.
  *
- * One group of particles, `trajectory`, whose name MDAnalysis wants, with a row per disk of the deck in every frame: who
- * waits or was removed has activity 1, 2. Positions are in the box, edges a matrix per frame; both as MDAnalysis wants
- * them. Elements that it reads have no attribute `unit`, since it refuses units that it cannot translate.
- */
+ * The only group of particles is `trajectory`, the name that MDAnalysis expects. Each frame has a
+ * row for each disk of the deck; disks that wait or were removed have activity 1 or 2. Positions
+ * are wrapped into the box, and the edges of the box are a matrix per frame, as MDAnalysis
+ * expects. Elements that it reads have no attribute `unit`, since it refuses units that it cannot
+ * translate. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,7 +18,7 @@
 typedef struct element {
   const char *name;
   sd_type type;
-  size_t width; /* 0: a number per disk */
+  size_t width; /* Components per disk: 3 for a vector, 0 for a scalar */
   const char *unit, *meaning;
 } element;
 
@@ -42,7 +44,8 @@ static void describe(h5_file *file, const char *path, const char *unit, const ch
   h5_attr_text(file, path, "description", meaning);
 }
 
-/* Empty datasets of all frames; step and time are those of the positions. */
+/* Makes datasets with room for all frames. Elements share the step and time of the positions
+ * through links. */
 static void make_elements(const export_job *job, h5_file *file) {
   char path[96], clock[96];
   size_t dims[3] = {job->range.n, job->m->n_disks, 3};
@@ -68,7 +71,7 @@ static void make_elements(const export_job *job, h5_file *file) {
     h5_link(file, path_of(clock, "position", "step"), path_of(path, name, "step"));
     h5_link(file, path_of(clock, "position", "time"), path_of(path, name, "time"));
   }
-  /* MDAnalysis reads three elements of particles, and all observables, into Timestep.data */
+  /* MDAnalysis reads three elements of particles, but all observables, into Timestep.data. */
   h5_link(file, GROUP "/angle", "/observables/angle");
   h5_link(file, GROUP "/angular_velocity", "/observables/angular_velocity");
   h5_link(file, GROUP "/activity", "/observables/activity");
@@ -82,7 +85,7 @@ static void put_column(h5_file *file, const char *name, sd_type type, size_t n, 
   describe(file, path, unit, meaning);
 }
 
-/* room: of three numbers per disk. */
+/* Writes the columns that do not change. room: buffer for three doubles per disk. */
 static void put_constants(const export_job *job, h5_file *file, void *room) {
   const sd_model *m = job->m;
   size_t n = m->n_disks;
@@ -134,7 +137,7 @@ static void put_head(const export_job *job, h5_file *file) {
   free(deck);
 }
 
-/* --- frames ---------------------------------------------------------------------------------------------- */
+/* --- frames ----------------------------------------------------------------------------------- */
 
 static void put_row(h5_file *file, int which, size_t row, const void *data) {
   char path[96];
@@ -184,8 +187,8 @@ sd_status export_h5md(const export_job *job) {
   file_draft draft;
   h5_file *file = NULL;
   void *room = NULL;
-  const double each =
-      3 * 8 + 3 * 8 + 3 * 4 + 8 + 8 + 4; /* bytes of a disk in a frame, about what is stored */
+  /* Bytes of a disk in a frame before compression */
+  const double each = 3 * 8 + 3 * 8 + 3 * 4 + 8 + 8 + 4;
   double bytes = 0.6 * each * (double)job->m->n_disks * (double)job->range.n;
   sd_status status = file_draft_new(-1, job->out, &draft, job->messages);
   if (status == SD_OK) status = h5_create(&draft, (uint64_t)bytes, &file, job->messages);

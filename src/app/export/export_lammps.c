@@ -1,4 +1,4 @@
-/* export_lammps.c: text dump and data file of LAMMPS, and extended XYZ. See export.h. */
+/* export_lammps.c: writes text dumps and data files of LAMMPS, and extended XYZ. See export.h. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,9 +9,10 @@
 
 static const double SPHERE = 4.0 / 3.0 * 3.14159265358979323846;
 
-/* --- dump ------------------------------------------------------------------------------------------------ */
+/* --- dump ------------------------------------------------------------------------------------- */
 
-/* Columns "mol" and "molecule": 1 + number of the clump in a model with clumps, else of the group. */
+/* True if the model has clumps. Columns "mol" and "molecule" then hold 1 + index of the clump,
+ * else 1 + index of the group; 0: none. */
 static bool has_clumps(const sd_model *m) {
   for (size_t i = 0; i < m->n_disks; i++)
     if (m->disks[i].clump > 0) return true;
@@ -27,7 +28,7 @@ static void dump_frame(const export_job *job, const frame_data *f, FILE *out) {
           "ITEM: TIMESTEP\n%" PRId64 "\nITEM: NUMBER OF ATOMS\n%zu\nITEM: BOX BOUNDS %s%s %s pp\n",
           f->step, export_count(job, f), tilted ? "xy xz yz " : "", m->periodic[0] ? "pp" : "ff",
           m->periodic[1] ? "pp" : "ff");
-  for (int c = 0; c < 3; c++) { /* of a tilted box the rectangle around it */
+  for (int c = 0; c < 3; c++) { /* Bounds of a tilted box: those of the rectangle around it */
     const double low = c == 0 ? fmin(s.offset, 0.0) : 0.0,
                  high = c == 0 ? fmax(s.offset, 0.0) : 0.0;
     fprintf(out, "%.17g %.17g", s.lower[c] + low, s.upper[c] + high);
@@ -45,9 +46,10 @@ static void dump_frame(const export_job *job, const frame_data *f, FILE *out) {
   }
 }
 
-/* --- extended XYZ ---------------------------------------------------------------------------------------- */
+/* --- extended XYZ ----------------------------------------------------------------------------- */
 
-/* Names are those of OVITO. "X" is an element to ASE; OVITO would take "type" for the species. */
+/* Writes a frame with the property names of OVITO. The species is "X", which ASE accepts as an
+ * element; the type is called "kind", since OVITO would take "type" for the species. */
 static void xyz_frame(const export_job *job, const frame_data *f, FILE *out) {
   const sd_model *m = job->m;
   const bool clumps = has_clumps(m);
@@ -90,9 +92,10 @@ sd_status export_dump(const export_job *job) { return write_text(job, dump_frame
 
 sd_status export_xyz(const export_job *job) { return write_text(job, xyz_frame); }
 
-/* --- data ------------------------------------------------------------------------------------------------ */
+/* --- data ------------------------------------------------------------------------------------- */
 
-/* Comments, which LAMMPS skips: walls have no place in a data file, and groups belong to the input. */
+/* Writes walls as comments, which LAMMPS skips: a data file cannot hold walls. Groups are
+ * comments, too, since they belong to the input script. */
 static void data_walls(const export_job *job, const frame_data *f, FILE *out) {
   static const char *const kinds[] = {"line", "segment", "polyline", "circle", "arc"};
   const sd_model *m = job->m;
@@ -106,7 +109,7 @@ static void data_walls(const export_job *job, const frame_data *f, FILE *out) {
       fprintf(out, ", disks %s, centre %.17g %.17g, radius %.17g",
               wall->inside ? "inside" : "outside", f->position[body][0], f->position[body][1],
               wall->radius);
-    /* a line of the file may have 255 bytes: a point has its own */
+    /* Each point has a line of its own: a line of the file may have 255 bytes. */
     for (size_t k = 0; wall->kind != SD_WALL_CIRCLE && k < wall->n_points && k < MOST_POINTS; k++) {
       double at[2];
       configuration_wall_point(wall, f, body, k, at);

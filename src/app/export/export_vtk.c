@@ -1,6 +1,6 @@
-/* export_vtk.c: disks, contacts and walls as polygonal data of VTK, a file each per frame, and lists of them in time. See
- * export.h. Arrays stand behind the XML, as the memory has them.
- */
+/* export_vtk.c: writes disks, contacts and walls as polygonal data of VTK (.vtp), a file of each
+ * per frame, and lists of these files in time (.pvd). Arrays follow the XML as raw bytes in
+ * native order. See export.h. */
 #include <assert.h>
 #include <inttypes.h>
 #include <math.h>
@@ -15,8 +15,8 @@ typedef enum place { OF_POINT, OF_CELL, POINTS, VERTS, LINES } place;
 
 typedef struct array {
   const char *name;
-  size_t width, n; /* n rows of `width` numbers */
-  bool whole;      /* int64_t; else double */
+  size_t width, n; /* Shape: n rows of `width` numbers */
+  bool whole;      /* True: int64_t; false: double */
   place place;
   void *data;
 } array;
@@ -25,10 +25,10 @@ enum { MOST_ARRAYS = 20 };
 typedef struct piece {
   size_t points, verts, lines, n;
   array arrays[MOST_ARRAYS];
-  bool failed; /* no memory */
+  bool failed; /* True: no memory for an array */
 } piece;
 
-/* An array of the piece; NULL: it has failed. */
+/* Adds an array to the piece, which frees it. Returns its data; NULL: no memory (p->failed). */
 static void *add(piece *p, place where, const char *name, bool whole, size_t width, size_t n) {
   void *data;
   assert(p->n < MOST_ARRAYS);
@@ -43,7 +43,7 @@ static void piece_free(piece *p) {
   *p = (piece){0};
 }
 
-/* --- files ----------------------------------------------------------------------------------------------- */
+/* --- files ------------------------------------------------------------------------------------ */
 
 static void put_section(const piece *p, const char *name, place where, FILE *out) {
   uint64_t offset = 0;
@@ -87,7 +87,7 @@ static void put_piece(const piece *p, double time, FILE *out) {
   fprintf(out, "\n</AppendedData>\n</VTKFile>\n");
 }
 
-/* --- disks ----------------------------------------------------------------------------------------------- */
+/* --- disks ------------------------------------------------------------------------------------ */
 
 static void fill_disks(const export_job *job, const frame_data *f, piece *p) {
   const sd_model *m = job->m;
@@ -116,9 +116,10 @@ static void fill_disks(const export_job *job, const frame_data *f, piece *p) {
   }
 }
 
-/* --- contacts -------------------------------------------------------------------------------------------- */
+/* --- contacts --------------------------------------------------------------------------------- */
 
-/* A line from the centre of a to that of b, or to the surface of a wall or prescribed disk. */
+/* Makes a line for each contact, from the centre of a to the centre of b, or to the surface of b
+ * if b is a wall or a prescribed disk. */
 static sd_status fill_contacts(const export_job *job, const frame_data *f, piece *p) {
   configuration c = {0};
   sd_status status = configuration_new(&c, job->m, f, job->messages);
@@ -150,7 +151,7 @@ static sd_status fill_contacts(const export_job *job, const frame_data *f, piece
   return status;
 }
 
-/* --- walls ----------------------------------------------------------------------------------------------- */
+/* --- walls ------------------------------------------------------------------------------------ */
 
 enum { ARCS = 128 };
 
@@ -159,7 +160,7 @@ static size_t wall_points(const sd_wall *w) {
                                    : w->n_points + (w->kind == SD_WALL_POLYLINE && w->closed);
 }
 
-/* A line has no ends: it is drawn as far as the box goes. */
+/* Extends an infinite line, given by its points at[0] and at[1], to the length of the box. */
 static void stretch(const export_space *s, double (*at)[3]) {
   double x = at[0][0], y = at[0][1], tx = at[1][0] - x, ty = at[1][1] - y,
          square = tx * tx + ty * ty;
@@ -201,7 +202,7 @@ static void fill_walls(const export_job *job, const frame_data *f, piece *p) {
   }
 }
 
-/* --- all ------------------------------------------------------------------------------------------------- */
+/* --- files of all frames ---------------------------------------------------------------------- */
 
 enum { DISKS, CONTACTS, WALLS, KINDS };
 static const char *const kinds[KINDS] = {"disks", "contacts", "walls"};

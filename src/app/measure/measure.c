@@ -1,4 +1,4 @@
-/* measure.c: slipdisk measure FILE: configurational observables of stored frames. See docs/measure.md. */
+/* measure.c: `slipdisk measure FILE` measures packings in stored frames. See docs/measure.md. */
 #include "app/measure/measure.h"
 
 #include <stddef.h>
@@ -13,11 +13,12 @@
 #include "slipdisk/deck.h"
 
 typedef struct arguments {
-  const char *name, *csv, *output, *wanted; /* NULL: not asked for */
+  /* Operand FILE, and texts of --csv, --output and --region; NULL: not given */
+  const char *name, *csv, *output, *wanted;
   bool json, all;
-  long frame; /* -1: not asked for */
+  long frame; /* Number of --frame; -1: not given */
   option_real time;
-  double region[4]; /* wanted */
+  double region[4]; /* x0, x1, y0, y1 of --region */
   long bins;
   option_list bodies;
 } arguments;
@@ -70,9 +71,9 @@ static int parse(int argc, char **argv, arguments *a) {
   return 0;
 }
 
-/* --- which frames ------------------------------------------------------------------------------------- */
+/* --- choice of frames ------------------------------------------------------------------------- */
 
-/* Numbers first ... last - 1; frames.n is the state. */
+/* Selects frames first ... last - 1; frame f->n is the state. */
 static sd_status choose(const arguments *a, const frames *f, bool alone, size_t *first,
                         size_t *last, sd_messages *messages) {
   bool wanted = a->frame >= 0 || a->time.given || a->all;
@@ -93,9 +94,10 @@ static sd_status choose(const arguments *a, const frames *f, bool alone, size_t 
   return status;
 }
 
-/* --- which bodies ------------------------------------------------------------------------------------- */
+/* --- choice of bodies ------------------------------------------------------------------------- */
 
-/* By name, else by number: disks, then walls. */
+/* Marks in wanted[] all bodies of this name; if there are none, the body of this number: disks
+ * first, then walls. */
 static sd_status choose_body(const char *word, const sd_model *m, bool *wanted,
                              sd_messages *messages) {
   guess near = guess_start(word);
@@ -120,7 +122,7 @@ static sd_status choose_body(const char *word, const sd_model *m, bool *wanted,
       near.best ? " (did you mean " : "", near.best ? near.best : "", near.best ? "?)" : "", n - 1);
 }
 
-/* *wanted is NULL when all are. */
+/* Allocates *wanted for the bodies of --body; *wanted = NULL: all bodies. The caller frees it. */
 static sd_status choose_bodies(const arguments *a, const sd_model *m, bool **wanted,
                                sd_messages *messages) {
   *wanted = NULL;
@@ -133,11 +135,11 @@ static sd_status choose_bodies(const arguments *a, const sd_model *m, bool **wan
   return status;
 }
 
-/* --- all frames --------------------------------------------------------------------------------------- */
+/* --- output of frames ------------------------------------------------------------------------- */
 
 typedef struct sinks {
   bool page, rows, recomputed;
-  measure_list *list; /* NULL: not asked for */
+  measure_list *list; /* JSON output; NULL: not wanted */
   measure_tables *tables;
 } sinks;
 
@@ -171,7 +173,7 @@ static sd_status measure_frames(const arguments *a, const frames *f, size_t firs
   return status;
 }
 
-/* Means over time, which are those of the run whatever frame is measured. */
+/* Writes time averages of the run, which are the same whatever frame is measured. */
 static sd_status write_means(const arguments *a, const frames *f, const bool *wanted,
                              sd_messages *messages) {
   summary s;

@@ -1,4 +1,4 @@
-/* measure.h: what slipdisk measure has found of one frame, and the forms in which it is told. */
+/* measure.h: output of `slipdisk measure` for each frame, as text, JSON and CSV. */
 #ifndef SLIPDISK_APP_MEASURE_H
 #define SLIPDISK_APP_MEASURE_H
 
@@ -9,32 +9,34 @@
 #include "io/store/file.h"
 #include "measure/measurement.h"
 
-/* --- measure_page.c ---------------------------------------------------------------------------------- */
+/* --- measure_page.c: text, and JSON of one frame ---------------------------------------------- */
 void measure_page(FILE *out, const measurement *m);
-/* A row per frame. */
+/* Print a table with a row per frame. */
 void measure_rows_head(FILE *out);
 void measure_row(FILE *out, const measurement *m);
 json_t *measure_json(const measurement *m);
 
-/* --- measure_page.c: all frames as JSON, one after the other ---------------------------------- */
+/* --- measure_page.c: JSON of all frames ------------------------------------------------------- */
 typedef struct measure_list {
-  FILE *out; /* of `file`, else the screen */
+  FILE *out; /* Stream of `file`, or the standard output */
   char *name;
   file_stream file;
-  size_t stored, n; /* frames in the file, and here */
+  size_t stored, n; /* Number of frames in the result, and written so far */
 } measure_list;
 
-/* path (NULL: the screen): of the file, which gets its name when all is written.
- * measure_list_close also when it fails. */
+/* Opens the list. name, stored: the result and its number of frames. path: the output, which gets
+ * its name when it is complete; NULL: the standard output. Call measure_list_close also after an
+ * error. */
 sd_status measure_list_open(measure_list *l, const char *name, size_t stored, const char *path,
                             sd_messages *messages);
 void measure_list_add(measure_list *l, const measurement *m);
 sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *messages);
 
-/* --- measure_page.c: one file per table in a folder ------------------------------------------- */
+/* --- measure_page.c: CSV tables in a folder --------------------------------------------------- */
 #define MEASURE_CONTACT_COLUMNS                                                                    \
   "step,a,b,part,x,y,nx,ny,overlap,force,tau,mobilised,sliding,force_x,force_y,zeta"
-/* Rows of these columns: contacts of a frame in which one of the bodies is wanted; NULL: all. */
+/* Writes a row of these columns for each contact of a frame. wanted: [bodies of the deck], only
+ * contacts of one of these bodies; NULL: all. */
 void measure_contacts(FILE *out, const configuration *c, const bool *wanted);
 enum {
   MEASURE_FRAMES,
@@ -46,14 +48,18 @@ enum {
 };
 typedef struct measure_tables {
   file_stream file[MEASURE_TABLES];
-  FILE *out[MEASURE_TABLES]; /* of these */
-  const bool *wanted;        /* [bodies of the deck] rows of disks and contacts; NULL: all */
+  FILE *out[MEASURE_TABLES]; /* Streams of these files */
+  /* [bodies of the deck]: true for bodies with rows in the tables of disks and contacts; NULL:
+   * all */
+  const bool *wanted;
 } measure_tables;
 
-/* measure_tables_close also when it fails. Files get their names when all is written. */
+/* Opens the tables; makes the folder if necessary. Files get their names when they are complete.
+ * Call measure_tables_close also after an error. */
 sd_status measure_tables_open(measure_tables *t, const char *folder, const bool *wanted,
                               sd_messages *messages);
-/* Means of the run, over time: rotation.csv of the watched disks, means.csv of every disk, where there are any. */
+/* Writes time averages of the run, if it has any: rotation.csv for the watched disks, means.csv
+ * for every disk. */
 sd_status measure_tables_means(const char *folder, size_t n_disks, const bool *wanted,
                                const summary *s, sd_messages *messages);
 void measure_tables_add(const measure_tables *t, const measurement *m);

@@ -1,4 +1,5 @@
-/* measure_page.c: what slipdisk measure has found, for people and for programs. Names and definitions: docs/measure.md. */
+/* measure_page.c: prints what `slipdisk measure` has found, as text, JSON and CSV. Names and
+ * definitions: docs/measure.md. */
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -12,14 +13,14 @@
 
 static const double DEGREES = 180.0 / M_PI;
 
-static const char *const sides[] = {"left", "right", "bottom",
-                                    "top"}; /* bits of measurement.open */
+/* Names of the bits of measurement.open */
+static const char *const sides[] = {"left", "right", "bottom", "top"};
 
 static double ratio(double a, double b) { return b != 0.0 ? a / b : NAN; }
 
-/* --- for people --------------------------------------------------------------------------------------- */
+/* --- text output ------------------------------------------------------------------------------ */
 
-/* "-" for what is not known. */
+/* Formats a value; "-" if it is not finite. */
 static const char *shown(double value, int digits, char text[32]) {
   if (isfinite(value))
     snprintf(text, 32, "%.*g", digits, value);
@@ -28,7 +29,7 @@ static const char *shown(double value, int digits, char text[32]) {
   return text;
 }
 
-/* name, value, unit or remark; "-" for what is not known. */
+/* Prints a line with name, value and unit or remark; "-" if the value is not finite. */
 static void line(FILE *out, const char *name, double value, const char *format, ...)
     SD_PRINTF(4, 5);
 static void line(FILE *out, const char *name, double value, const char *format, ...) {
@@ -45,7 +46,8 @@ static void line(FILE *out, const char *name, double value, const char *format, 
 
 static const char *body_word(const stress *s) { return s->clumps > 0 ? "body" : "disk"; }
 
-/* Nothing ends an open region but the deck: there the closed cells tell how dense a packing is. */
+/* Prints packing fractions. An open region may contain empty space beyond the packing; there the
+ * closed cells tell how dense the packing is. */
 static void page_packing(FILE *out, const measurement *m) {
   const cells *t = &m->cells;
   char local[3][32];
@@ -190,7 +192,7 @@ void measure_row(FILE *out, const measurement *m) {
           shown(s->unbalanced, 3, text[5]), m->c.recomputed ? " *" : "");
 }
 
-/* --- for programs ------------------------------------------------------------------------------------- */
+/* --- JSON output ------------------------------------------------------------------------------ */
 
 static json_t *tensor(const double t[4]) {
   return json_pack("[o, o]", json_numbers(2, t), json_numbers(2, t + 2));
@@ -212,7 +214,8 @@ static json_t *distribution_json(const distribution *d) {
   return object;
 }
 
-/* The numbers of measurement_observables, and what is none: tensors, curves, ranges. */
+/* Returns the numbers of measurement_observables, and values of other types: tensors, curves,
+ * ranges. */
 json_t *measure_json(const measurement *m) {
   const stress *s = &m->s;
   const correlation *g = &m->pairs;
@@ -247,7 +250,7 @@ json_t *measure_json(const measurement *m) {
   return frame;
 }
 
-/* --- the JSON of slipdisk measure, frame by frame: memory does not grow with their number ----- */
+/* --- JSON of all frames, one after the other: memory does not grow with their number ---------- */
 
 sd_status measure_list_open(measure_list *l, const char *name, size_t stored, const char *path,
                             sd_messages *messages) {
@@ -257,7 +260,7 @@ sd_status measure_list_open(measure_list *l, const char *name, size_t stored, co
   *l = (measure_list){.out = stdout, .stored = stored, .name = json_dumps(text, JSON_ENCODE_ANY)};
   json_decref(text);
   if (!path) return SD_OK;
-  /* else it is refused when all is done */
+  /* Refuse a device or a pipe now, and not when everything is measured. */
   if (file_is_special(path))
     return sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
   sd_status status = file_stream_open(path, &l->file, messages);
@@ -265,7 +268,8 @@ sd_status measure_list_open(measure_list *l, const char *name, size_t stored, co
   return status;
 }
 
-/* Nothing is written before there is something to tell. */
+/* Writes the beginning of the JSON. Called with the first frame, so that an early error leaves no
+ * output. */
 static void put_head(const measure_list *l) {
   fprintf(l->out, "{\n  \"file\": %s,\n  \"stored\": %zu,\n  \"frames\": [", l->name, l->stored);
 }
@@ -295,12 +299,12 @@ sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *mes
   return status;
 }
 
-/* --- CSV of slipdisk measure; columns: docs/measure.md ---------------------------------------- */
+/* --- CSV tables; columns: docs/measure.md ----------------------------------------------------- */
 
 static const struct table {
   const char *name, *head;
 } tables[MEASURE_TABLES] = {
-    [MEASURE_FRAMES] = {"frames.csv", NULL}, /* measurement_observables */
+    [MEASURE_FRAMES] = {"frames.csv", NULL}, /* Columns of measurement_observables */
     [MEASURE_DISKS] =
         {"disks.csv",
          "step,disk,x,y,radius,prescribed,rattler,contacts,bearing,pressure,cell,closed,"
@@ -339,9 +343,9 @@ sd_status measure_tables_close(measure_tables *t, sd_status status, sd_messages 
   return status;
 }
 
-/* --- rows --------------------------------------------------------------------------------------------- */
+/* --- rows ------------------------------------------------------------------------------------- */
 
-/* Unknown values are empty cells. */
+/* Writes a cell; it is empty if the value is not finite. */
 static void number(FILE *out, double value) {
   if (isfinite(value))
     fprintf(out, ",%.15g", value);
@@ -351,7 +355,7 @@ static void number(FILE *out, double value) {
 
 static void add_frame(FILE *out, const measurement *m) {
   fprintf(out, "%" PRId64, m->c.step);
-  for (size_t k = 1; k < measurement_observables.n; k++) { /* the first is the step */
+  for (size_t k = 1; k < measurement_observables.n; k++) { /* Observable 0 is the step */
     const observable *o = &measurement_observables.rows[k];
     if (o->column) number(out, observable_value(o, m, 0));
   }
@@ -434,9 +438,11 @@ void measure_tables_add(const measure_tables *t, const measurement *m) {
   add_forces(t->out[MEASURE_FORCES], m);
 }
 
-/* --- means of the run --------------------------------------------------------------------------------- */
+/* --- means of the run ------------------------------------------------------------------------- */
 
-/* names (may be NULL): a column of them behind the number of the disk, the first row of the list. */
+/* Writes a CSV file with a row for each of n elements of `first`, `stride` bytes apart; columns
+ * are the observables of the list, of which the first is the number of the disk. names: a column
+ * of names behind it; NULL: none. */
 static sd_status write_means(const char *folder, const char *file, size_t n_disks,
                              const bool *wanted, const observable_list *list, const void *first,
                              size_t stride, size_t n, char *const *names, sd_messages *messages) {

@@ -1,4 +1,5 @@
-/* sweep.c: slipdisk sweep DECK: arguments, and what a sweep's folder holds. It is run in sweep_run.c. */
+/* sweep.c: `slipdisk sweep DECK`: its arguments, lists and tables, and single points. sweep_run.c
+ * runs all points. */
 #include <assert.h>
 #include <limits.h>
 #include <stddef.h>
@@ -11,7 +12,7 @@
 #include "base/text.h"
 #include "io/store/file.h"
 
-/* How long --table waits for another process that is writing the tables, s. */
+/* Longest time that --table waits for another process that is writing the tables, s. */
 static const double TABLE_PATIENCE = 600;
 static const option_limits whole = {1, 4096, " is no whole number from 1 to 4096"};
 static const option_row rows[] = {
@@ -70,7 +71,8 @@ static int parse(int argc, char **argv, sweep_command *c) {
   return mistake;
 }
 
-/* "17", or "16-23", of which points beyond the last one are left out: lists of tasks are made in blocks. */
+/* Reads "17" or "16-23" of --point. Points beyond the last one are left out, since job arrays
+ * often come in blocks of equal size. */
 static int parse_range(const sweep *s, sweep_command *c) {
   long last = (long)s->deck.n_points - 1;
   const char *text = c->range, *dash = text ? strchr(text, '-') : NULL;
@@ -93,9 +95,9 @@ static int parse_range(const sweep *s, sweep_command *c) {
   return 0;
 }
 
-/* --- what there is ----------------------------------------------------------------------------------------- */
+/* --- state of the points ---------------------------------------------------------------------- */
 
-/* True: with a star at an error bar. */
+/* Prints a line about a point. Returns true if its error bar has a star (not reliable). */
 static bool print_point(const sweep *s, size_t k, const sweep_result *r) {
   char finding[200] = "", part[24] = "";
   bool told = r->status == SWEEP_DONE || !*r->message;
@@ -107,7 +109,7 @@ static bool print_point(const sweep *s, size_t k, const sweep_result *r) {
   return strchr(finding, '*');
 }
 
-/* In what points differ from this deck, once for all. */
+/* Prints how the decks of existing results differ from this deck, each difference once. */
 static void print_tally(const sweep_tally *t) {
   for (size_t k = 0; k < t->n; k++) {
     char *line = sweep_tally_text(t, k);
@@ -128,8 +130,8 @@ static void print_counts(const sweep *s, const size_t *count) {
   printf("\n");
 }
 
-/* list: all points; else how many of each kind, and those of which there is more to tell: not of those that are done without
- * doubts, that are waiting, that are another deck's. */
+/* Prints the points. list: all of them; else the number of each status, and only points with
+ * something to report, not those that are done without doubts, waiting, or of another deck. */
 static void print_points(const sweep *s, bool list) {
   size_t count[SWEEP_STATUSES] = {0}, doubted[DOUBT_KINDS] = {0};
   bool stars = false;
@@ -153,20 +155,21 @@ static void print_points(const sweep *s, bool list) {
   sweep_tally_free(&others);
 }
 
-/* --- one point --------------------------------------------------------------------------------------------- */
+/* --- one point -------------------------------------------------------------------------------- */
 
 typedef struct note {
   const sweep *s;
   size_t point;
 } note;
 
-/* Why it failed; a point that another process runs has not failed. */
+/* Stores why the run of a point failed. A point that another process is running has not failed. */
 static void keep_note(void *user, const sd_messages *messages) {
   const note *n = user;
   if (sweep_peek(n->s, n->point) != SWEEP_RUNNING) sweep_note_messages(n->s, n->point, messages);
 }
 
-/* Is there anything to run? Tells of a finished result (SD_DOUBTFUL: it is in doubt), and refuses one of another deck. */
+/* Reads the state of a point. *done: true if it is finished (SD_DOUBTFUL: its result is in
+ * doubt). SD_ERROR_USER: its result is damaged or of another deck. */
 static sd_status look_first(const sweep *s, size_t point, bool quiet, bool *done,
                             sd_messages *messages) {
   sweep_result r;
@@ -217,7 +220,7 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
   return status;
 }
 
-/* --- command ----------------------------------------------------------------------------------------------- */
+/* --- command ---------------------------------------------------------------------------------- */
 
 static sd_status write_table(const sweep *s, bool mix, sd_messages *messages) {
   sweep_contents there;
@@ -236,13 +239,13 @@ static sd_status write_table(const sweep *s, bool mix, sd_messages *messages) {
   return status;
 }
 
-/* A user who counts or lists points is about to run them: mistakes are told now. */
+/* Reports mistakes of all points. A user who counts or lists points is about to run them. */
 static sd_status check_points(const sweep *s, sd_messages *messages) {
   size_t usable;
   return sweep_check(s, NULL, NULL, &usable, messages);
 }
 
-/* Without running any. */
+/* Prints what --table, --status, --list or --count ask for, without running points. */
 static sd_status tell(const sweep *s, const sweep_command *c, sd_messages *messages) {
   sd_status status = SD_OK, told = SD_OK;
   if (c->table) return write_table(s, c->mix, messages);

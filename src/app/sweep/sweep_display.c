@@ -1,4 +1,4 @@
-/* sweep_display.c: what the user sees of a sweep that is being run. */
+/* sweep_display.c: text on the screen while a sweep runs, and its progress as JSON. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,7 +70,9 @@ void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *t
   }
 }
 
-/* "  #17 45 %", "  8 points 45 %"; steps that the worker has done and those that it did not have to do. */
+/* Writes the progress of a worker, "  #17 45 %" or "  8 points 45 %", and returns the length of the
+ * text. Adds the steps that the worker has done to *done, and those that were done before this
+ * call, which it is spared, to *spared. */
 static int show_worker(const scheduler *w, const worker *one, char *text, size_t size, double *done,
                        double *spared) {
   size_t running = 0, last = 0;
@@ -148,9 +150,9 @@ void sweep_show_end(scheduler *w) {
     fprintf(stderr, "stopped, everything is saved: give the command again to continue\n");
 }
 
-/* --- how far a sweep is, for programs --------------------------------------------------------- */
+/* --- progress of a sweep as JSON -------------------------------------------------------------- */
 
-/* Part of the steps that are done; null: nothing is known. */
+/* Returns the fraction of steps that are done; null if it is not known. */
 static json_t *progress_json(const sweep_result *r) {
   if (r->status == SWEEP_DONE) return json_real(1);
   if (!r->has_found || r->status == SWEEP_OTHER || r->found.steps <= 0) return json_null();
@@ -172,7 +174,7 @@ static json_t *point_json(const sweep *s, size_t k, const sweep_result *r) {
                    r->has_found ? json_rotations(&r->found) : json_array());
 }
 
-/* Differences between the decks of results, a text each. */
+/* Returns the differences between the decks of results and this deck, a text each. */
 static json_t *others_json(const sweep_tally *t) {
   json_t *list = json_array();
   for (size_t k = 0; k < t->n; k++) {

@@ -1,14 +1,14 @@
 /* sweep_run.c: runs the points of a sweep.
  *
- * Points go in groups whose systems are advanced side by side. With -j N each group is run by a process
- * of its own (sweep_workers.c): what goes wrong in one, even a crash, does not touch the others. Without
- * -j groups are run one after the other here, or shared among the ranks of an MPI job. All else goes
- * through the folder.
+ * Points run in groups, whose systems are advanced side by side. With -j N each group has a
+ * process of its own (sweep_workers.c), so that a failure or even a crash of one group does not
+ * touch the others. Without -j this process runs the groups one after the other, or the ranks of
+ * an MPI job share them. Everything else is exchanged through files in the folder.
  *
- * Ctrl-C and its like go to all workers, which stop at checkpoints. A signal may come at any moment: before the
- * folder is touched it ends the process (drive.c); a worker inherits app_stop, so one that came before the fork
- * stops it too, and one that comes after is passed on. A worker whose parent is gone gets SIGTERM from the kernel.
- */
+ * Ctrl-C and other signals go to all workers, which stop at checkpoints. A signal may come at any
+ * moment: before the folder is touched it ends the process (drive.c); a worker inherits app_stop,
+ * so a signal before the fork stops it, too, and a later one is passed on. A worker whose parent
+ * has died gets SIGTERM from the kernel. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,7 +24,7 @@
 #include "model/state.h"
 #include "run/ensemble.h"
 
-/* --- here, or in ranks ------------------------------------------------------------------------------------- */
+/* --- groups in this process or in MPI ranks --------------------------------------------------- */
 
 static void serve(void *user, size_t k, const session_progress *p) {
   scheduler *w = user;
@@ -70,9 +70,9 @@ static void run_ranks(scheduler *w) {
   comm_queue_end(&w->queue);
 }
 
-/* --- all points -------------------------------------------------------------------------------------------- */
+/* --- all points ------------------------------------------------------------------------------- */
 
-/* Nothing is to be run in this folder; of find_todo. */
+/* Return value of find_todo: no point may be run in this folder. */
 static const size_t REFUSED = SIZE_MAX;
 
 static size_t refuse(const sd_messages *messages) {
@@ -80,8 +80,9 @@ static size_t refuse(const sd_messages *messages) {
   return REFUSED;
 }
 
-/* Points to be run, in order; those that are done are counted, and damaged ones told. Those of another deck stop everything,
- * unless they are let be. */
+/* Fills todo[] with the points to be run, in order, and returns their number. Counts finished
+ * points and shows damaged ones. Returns REFUSED if points belong to another deck, unless --mix
+ * is given. */
 static size_t find_todo(scheduler *w, size_t *todo, sd_messages *messages) {
   size_t n = 0;
   sweep_tally others = {0};
@@ -107,7 +108,8 @@ static size_t find_todo(scheduler *w, size_t *todo, sd_messages *messages) {
   return status == SD_OK ? n : refuse(messages);
 }
 
-/* Ranks must agree on the list, and the folder may change between their looks at it: the first one looks. */
+/* Rank 0 makes the list and broadcasts it: all ranks must have the same, and the folder may
+ * change between their looks at it. */
 static size_t agree_on_todo(scheduler *w, size_t *todo) {
   size_t places = w->s->deck.n_points + 1;
   sd_messages *messages = sd_messages_new();
@@ -117,7 +119,8 @@ static size_t agree_on_todo(scheduler *w, size_t *todo) {
   return todo[places - 1];
 }
 
-/* Points that another process was running and has left unfinished since, and those of groups that crashed. */
+/* Fills todo[] with points that another process was running and has left unfinished, and with
+ * points of crashed groups. Returns their number. */
 static size_t find_abandoned(scheduler *w, size_t *todo) {
   size_t n = 0;
   for (size_t k = w->first; k < w->end; k++) {
@@ -129,10 +132,11 @@ static size_t find_abandoned(scheduler *w, size_t *todo) {
   return n;
 }
 
-/* The status of a point in the end. Results that this process has read are not read again; a failure whose reason could
- * not be stored is known to this process alone. After a signal, points that were not run (again) are waiting. */
+/* Returns the final status of a point. Results that this process has read are not read again. A
+ * failure whose reason could not be stored is known to this process alone. After a signal, points
+ * that were not run (again) count as waiting. */
 static sweep_status final_status(scheduler *w, size_t k) {
-  int seen = (int)w->seen[k] - 1; /* negative: it was not looked at */
+  int seen = (int)w->seen[k] - 1; /* Status when it was last read; negative: not read */
   sweep_status now = sweep_peek(w->s, k);
   if (now == SWEEP_RUNNING) return now;
   if (app_stop && w->tried[k] == UNTRIED && (now == SWEEP_FAILED || w->c->force))
@@ -148,7 +152,7 @@ static sweep_status final_status(scheduler *w, size_t k) {
   return now;
 }
 
-/* Counts all points by the folder, also those that other processes ran. */
+/* Counts all points by the state of the folder, including points that other processes ran. */
 static void count_all(scheduler *w) {
   size_t count[SWEEP_STATUSES] = {0};
   for (size_t k = w->first; k < w->end; k++) {
@@ -190,7 +194,7 @@ static int run_all(scheduler *w, size_t *todo) {
     run_round(w, todo, n);
     n = comm_world() || app_stop || w->worst == SD_ERROR_IO ? 0 : find_abandoned(w, todo);
   } while (n > 0);
-  /* one rank judges: the others may see the files of their neighbours late */
+  /* Rank 0 alone judges: on a shared file system the others may see new files late. */
   if (comm_rank(comm_world()) != 0) return w->worst;
   sweep_make_tables(w, true);
   count_all(w);
@@ -198,7 +202,7 @@ static int run_all(scheduler *w, size_t *todo) {
   return w->left > 0 && w->worst != SD_ERROR_IO ? SD_INTERRUPTED : w->worst;
 }
 
-/* Mistakes of some points keep the others from being run, unless these are to be skipped. */
+/* Checks all points. Mistakes in some of them stop the sweep, unless --skip is given. */
 static int check(scheduler *w) {
   sd_messages *messages = sd_messages_new();
   size_t usable = 0;
@@ -263,7 +267,8 @@ static void free_scheduler(scheduler *w) {
   sweep_groups_free(&w->groups);
 }
 
-/* Lanes are for systems of one thread. */
+/* Returns the most points in a group; 1 with --no-lanes, or with several threads, since a system
+ * in lanes has one thread. */
 static size_t choose_width(const sweep_command *c) {
   size_t width = ensemble_width();
   return c->no_lanes || c->threads > 1 || width < 1 ? 1 : width;
@@ -275,7 +280,8 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
   if (status != SD_OK) return status;
-  if (comm_world()) app_begin_saving(); /* a rank that is gone would be waited for */
+  /* A signal must not end one rank at once: the others would wait for it. */
+  if (comm_world()) app_begin_saving();
   scheduler w = {.s = s,
                  .c = c,
                  .end = s->deck.n_points,
@@ -300,28 +306,29 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   return status == SD_OK && w.in_doubt ? SD_DOUBTFUL : status;
 }
 
-/* What can be said of a sweep's points before any of them runs: mistakes, lengths, time steps, columns
- * of the table that there will not be. */
+/* --- checks before any point runs: mistakes, lengths, memory, columns of the table ----------- */
 
-/* More kinds of systems than this in one sweep are not looked for: what comes later runs alone. */
+/* Most kinds of systems told apart in one sweep; points of further kinds run alone. */
 enum { MOST_KINDS = 64 };
-/* Points that --point K looks at besides its own. */
+/* Number of points outside --point that are checked for another deck. */
 enum { SAMPLE = 8 };
 
-/* Messages of one check about the points. */
+/* Warnings of one advice check about the points. */
 typedef struct advice {
-  size_t n, point; /* sets of values with a warning, a point of the worst */
+  size_t n, point; /* Number of sets of values with a warning; point with the worst */
   double worst;
   char *warning;
 } advice;
 
-/* Bytes of memory that points need. */
+/* Memory that points need, bytes. */
 typedef struct needs {
-  double least, most; /* of any, in any case; of the largest, by the estimate */
-  size_t largest;     /* this point */
-  size_t refused;     /* sets of values that one process has no memory for */
-  size_t first;       /* a point of these, ... */
-  char *why;          /* ... and its message */
+  /* Smallest lower bound of any point; largest estimate of any point */
+  double least, most;
+  size_t largest; /* Point with the largest estimate */
+  /* Number of sets of values that one process has no memory for */
+  size_t refused;
+  size_t first; /* First point of these sets */
+  char *why;    /* Message about that point */
 } needs;
 
 typedef struct precheck {
@@ -329,13 +336,13 @@ typedef struct precheck {
   int64_t *steps;
   int *kinds;
   int n_kinds;
-  sd_model *models[MOST_KINDS]; /* one of each */
-  advice *advice;               /* [advice_count] */
+  sd_model *models[MOST_KINDS]; /* First model of each kind */
+  advice *advice;               /* [advice_count], one for each check */
   needs needs;
-  bool *collected; /* [n_collect]: the pattern is a column of some point */
+  bool *collected; /* [n_collect]: true if the pattern is a column of some point */
 } precheck;
 
-/* --- points -------------------------------------------------------------------------------------------------- */
+/* --- points ----------------------------------------------------------------------------------- */
 
 static bool is_told(const sd_messages *messages, const char *text) {
   for (size_t k = 0; k < sd_messages_count(messages); k++)
@@ -343,7 +350,8 @@ static bool is_told(const sd_messages *messages, const char *text) {
   return false;
 }
 
-/* True: the model is kept, as the first of its kind. */
+/* Finds the kind of a model, or begins a new one; *kind = SWEEP_ALONE: it cannot share lanes.
+ * Returns true if the model is kept as the first of its kind. */
 static bool find_kind(precheck *v, sd_model *model, int *kind) {
   *kind = SWEEP_ALONE;
   if (!ensemble_takes(model)) return false;
@@ -357,7 +365,7 @@ static bool find_kind(precheck *v, sd_model *model, int *kind) {
   return true;
 }
 
-/* One warning of a kind for all points is enough, that of the worst. */
+/* Keeps one warning of each check for all points, that about the worst point. */
 static void look_at_advice(precheck *v, size_t point, const sd_model *model) {
   for (size_t k = 0; k < advice_count; k++) {
     advice *a = &v->advice[k];
@@ -395,7 +403,7 @@ static bool visit(void *user, size_t point, sd_model *model) {
   return find_kind(v, model, &v->kinds[point]);
 }
 
-/* Warnings after all points have been checked. all: none of them has mistakes. */
+/* Adds the warnings about all points. all: true if no point has mistakes. */
 static void conclude(const precheck *v, bool all, sd_messages *messages) {
   const deck_sweep *d = &v->s->deck;
   if (!d->written)
@@ -412,7 +420,8 @@ static void conclude(const precheck *v, bool all, sd_messages *messages) {
       sd_warn(messages, "collect: \"%s\" will be no column of the table", d->collect[k]);
 }
 
-/* Points that run side by side share the memory of the machine. */
+/* Checks that points that run side by side fit into the memory of the machine together.
+ * SD_ERROR_IO: they do not; a warning if only the estimate is too large. */
 static sd_status conclude_memory(const needs *n, const sweep *s, size_t workers,
                                  sd_messages *messages) {
   const deck_sweep *d = &s->deck;
@@ -461,7 +470,7 @@ sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *ki
     kinds[k] = SWEEP_ALONE;
   }
   sd_status status = sweep_check(s, visit, &v, usable, messages);
-  /* points of one set are equally long and of one kind, and the first of them was visited */
+  /* Points of one set have the same length and kind, and the first of them was visited. */
   for (size_t k = 0; k < s->deck.n_points; k++) {
     size_t *mine = &first[s->deck.points[k].set];
     if (*mine == SIZE_MAX) *mine = k;
@@ -471,7 +480,7 @@ sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *ki
   conclude(&v, status == SD_OK, messages);
   *usable -= v.needs.refused;
   const sd_status room = conclude_memory(&v.needs, s, workers, messages);
-  if (room != SD_OK && v.needs.refused == 0) *usable = 0; /* of all together */
+  if (room != SD_OK && v.needs.refused == 0) *usable = 0; /* The workers together lack memory */
   if (status == SD_OK) status = room;
   free(v.needs.why);
   for (int k = 0; k < v.n_kinds; k++) sd_model_free(v.models[k]);
@@ -482,9 +491,10 @@ sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *ki
   return status;
 }
 
-/* --- the folder -------------------------------------------------------------------------------------------- */
+/* --- checks of the folder --------------------------------------------------------------------- */
 
-/* Points of another deck among some of those outside [first, end) that are there. */
+/* Refuses the folder if points of another deck are among a sample of those outside [first, end)
+ * that have files. */
 static sd_status look_at_sample(const sweep *s, const sweep_contents *there, size_t first,
                                 size_t end, sd_messages *messages) {
   sweep_tally others = {0};

@@ -1,4 +1,4 @@
-/* sweep_workers.c: groups of points, their order, and the processes that run them, for -j; see
+/* sweep_workers.c: groups of points, their order, and the processes that run them (-j). See
  * sweep_run.c. */
 #include <errno.h>
 #include <math.h>
@@ -17,20 +17,18 @@
 
 /* --- groups ----------------------------------------------------------------------------------- */
 
-/* Groups are the points of a sweep that run side by side.
- *
- * A group takes about as long as its longest point, however few it has. So points of one kind go together, those of
- * equal length next to each other, in groups as large as the machine likes; when that leaves workers idle the
- * largest groups are halved until each has one.
- */
+/* The points of a group run side by side. A group takes about as long as its longest point,
+ * however few points it has. So points of one kind are sorted by length and put into groups as
+ * large as the machine likes; if workers would be idle, the largest groups are halved until each
+ * worker has one. */
 
 typedef struct entry {
-  size_t kind; /* point with which its kind begins; its own: alone */
+  size_t kind; /* First point of its kind; a point that runs alone: itself */
   int64_t steps;
   size_t point;
 } entry;
 
-/* Kinds as they appear, the longest first, in the order of the deck. */
+/* Orders by kind (in order of appearance), longest first, then by number. */
 static int compare(const void *a, const void *b) {
   const entry *p = a, *q = b;
   if (p->kind != q->kind) return p->kind < q->kind ? -1 : 1;
@@ -112,7 +110,7 @@ static void tell_left(void *user, size_t k, const sweep_end *end) {
   sweep_tell_left(&me->cells[k], end);
 }
 
-/* In the worker; never returns. */
+/* Runs the points of a worker in its process. Never returns. */
 static void work(const scheduler *w, worker *me, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(SD_INTERRUPTED);
@@ -126,7 +124,7 @@ static void work(const scheduler *w, worker *me, pid_t parent) {
   _exit(SD_OK);
 }
 
-/* False with errno: no process could be started. */
+/* Starts a process for n points of a worker. Returns false, with errno, if that fails. */
 static bool start(scheduler *w, worker *one, size_t n) {
   sweep_assign(one, n);
   fflush(NULL);
@@ -136,7 +134,7 @@ static bool start(scheduler *w, worker *one, size_t n) {
   return pid > 0;
 }
 
-/* Points of which it has said that it left them. */
+/* Accounts for the points that a worker reports as ended. Returns their number. */
 static size_t hear(scheduler *w, worker *one) {
   size_t n = 0;
   for (size_t i = 0; i < one->n; i++) {
@@ -150,14 +148,14 @@ static size_t hear(scheduler *w, worker *one) {
   return n;
 }
 
-/* How it died; "" when it ended by itself, with *status. */
+/* Describes in `text` how a process died; "" if it ended by itself, with *status. */
 static void describe_end(int ended, sd_status *status, char *text, size_t size) {
   *text = 0;
   *status = SD_ERROR_NUMERIC;
   int code = WIFEXITED(ended) ? WEXITSTATUS(ended) : -1;
   if (code == SD_OK || code == SD_INTERRUPTED)
     *status = (sd_status)code;
-  else if (code == SD_ERROR_IO) /* memory_lacks has told of it */
+  else if (code == SD_ERROR_IO) /* memory_lacks has printed why */
     *status = SD_ERROR_IO;
   else if (WIFSIGNALED(ended) && app_stop)
     *status = SD_INTERRUPTED;
@@ -168,7 +166,8 @@ static void describe_end(int ended, sd_status *status, char *text, size_t size) 
     snprintf(text, size, "ended with status %d", code);
 }
 
-/* Which point of a group is to blame is not known: each is run again, by itself. */
+/* Marks the unfinished points of a crashed group as CRASHED: it is not known which of them caused
+ * the crash, so each is run again by itself. */
 static void try_again(scheduler *w, const worker *one, const char *how) {
   size_t n = 0;
   for (size_t i = 0; i < one->n; i++) {
@@ -206,7 +205,7 @@ static void finish(scheduler *w, worker *one, int ended) {
   for (size_t i = 0; i < one->n; i++) {
     if (one->told[i]) continue;
     size_t point = one->points[i];
-    /* it may have ended after its result was complete */
+    /* The process may have died after it had completed the result. */
     bool done = sweep_peek(w->s, point) == SWEEP_DONE;
     if (*text && !done) sweep_note(w->s, point, text);
     sweep_account(w, point, done ? SD_OK : status, done ? "" : text, &one->cells[i],
@@ -214,7 +213,7 @@ static void finish(scheduler *w, worker *one, int ended) {
   }
 }
 
-/* Takes up what workers have left, and those who have ended; how many points and workers. */
+/* Accounts for points and processes that have ended. Returns their number. */
 static size_t reap(scheduler *w) {
   size_t n = 0;
   for (size_t k = 0; k < w->n_workers; k++) {
@@ -243,8 +242,8 @@ static void pass_stop_on(scheduler *w, bool *told) {
   *told = true;
 }
 
-/* Gives work to whoever is idle, until there is none: *more. Returns errno when no process can be started; the points
- * then wait with their worker. */
+/* Starts a process for each idle worker while groups are left; *more: false when none is. Returns
+ * errno if a process cannot be started; its points then stay with the worker. */
 static int start_idle(scheduler *w, bool *more) {
   for (size_t k = 0; k < w->n_workers && !app_stop; k++) {
     worker *one = &w->workers[k];
@@ -263,7 +262,8 @@ static int start_idle(scheduler *w, bool *more) {
 void sweep_run_workers(scheduler *w) {
   bool more = true, told_to_stop = false;
   int error;
-  long pause = 1000000; /* ns; grows to 20 ms while nothing happens */
+  /* Pause between checks of the workers, ns; grows to 20 ms while nothing happens */
+  long pause = 1000000;
   do {
     error = app_stop ? 0 : start_idle(w, &more);
     if (error && count_running(w) == 0) {
@@ -279,23 +279,26 @@ void sweep_run_workers(scheduler *w) {
   } while (count_running(w) > 0 || ((more || error) && !app_stop));
 }
 
-/* --- which points of a sweep are run next, and what became of those that were ----------------- */
+/* --- order of the points, and their outcomes -------------------------------------------------- */
 
-/* Between tables while points are run: at least so long, and a multiple of what the last ones took. */
+/* Least time between tables while points run: TABLE_SECONDS in s, and TABLE_SHARE times what the
+ * last tables took. */
 static const double TABLE_SECONDS = 15, TABLE_SHARE = 20;
-/* How long the last tables wait for another process that is writing them. */
+/* Longest time, in s, that the last tables wait for another process that is writing them;
+ * PATIENCE_STOPPED: after a stop signal. */
 static const double PATIENCE = 600, PATIENCE_STOPPED = 10;
 
 void sweep_worsen(scheduler *w, int status) {
   if (w->worst < status) w->worst = status;
 }
 
-/* --- results ----------------------------------------------------------------------------------------------- */
+/* --- results ---------------------------------------------------------------------------------- */
 
-/* Those in between are left to another process that is writing them. */
+/* Writes tables. Between points it does not wait for another process that is writing them. */
 void sweep_make_tables(scheduler *w, bool last) {
   double start = clock_seconds();
-  if (sweep_is_part(w->c)) return; /* others make the rest */
+  /* Other processes run the points outside --point, and --table then writes the tables. */
+  if (sweep_is_part(w->c)) return;
   if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
   sd_messages *messages = sd_messages_new();
   sd_status status = sweep_write_tables(w->s,
@@ -314,7 +317,7 @@ void sweep_make_tables(scheduler *w, bool last) {
   w->table_cost = w->tabled - start;
 }
 
-/* Counts what was seen of a point. */
+/* Counts a point by its status as read from the folder. */
 void sweep_remember(scheduler *w, size_t point, const sweep_result *r) {
   w->seen[point] = (unsigned char)(1 + r->status);
   w->doubts[point] = (unsigned char)r->doubts;
@@ -329,7 +332,7 @@ void sweep_account(scheduler *w, size_t point, sd_status status, const char *tex
   sweep_result r;
   sweep_look(w->s, point, &r);
   if ((r.status == SWEEP_WAITING || r.status == SWEEP_STOPPED) && status != SD_INTERRUPTED) {
-    /* not even the reason could be kept */
+    /* The folder does not show the failure: not even its reason could be stored. */
     r.status = SWEEP_FAILED;
     free(r.message);
     static const char prefix[] = "error: ";
@@ -352,7 +355,8 @@ void sweep_account(scheduler *w, size_t point, sd_status status, const char *tex
   sweep_make_tables(w, false);
 }
 
-/* Another process runs this point, or has finished it since the list was made. */
+/* True if another process runs this point, or has finished it since the list was made. The point
+ * then does not count as work of this process. */
 static bool is_taken(scheduler *w, size_t point) {
   sweep_status status = sweep_peek(w->s, point);
   bool finished = status == SWEEP_DONE && !w->c->force;
@@ -363,7 +367,8 @@ static bool is_taken(scheduler *w, size_t point) {
   return true;
 }
 
-/* A line each, "error: " or "warning: " before it, as many as there is room for. */
+/* Writes messages into text[size], a line each with "error: " or "warning: " in front, as many as
+ * fit. */
 static void write_messages(const sd_messages *messages, char *text, size_t size) {
   *text = 0;
   FILE *out = fmemopen(text, size - 1, "w");
@@ -373,9 +378,9 @@ static void write_messages(const sd_messages *messages, char *text, size_t size)
   text[size - 1] = 0;
 }
 
-/* --- who runs what ----------------------------------------------------------------------------------------- */
+/* --- assignment of points --------------------------------------------------------------------- */
 
-/* Those of a group that are still to be run. */
+/* Fills points[] with those points of a group that are still to be run. */
 size_t sweep_sift(scheduler *w, sweep_group one, size_t *points) {
   size_t n = 0;
   for (size_t k = 0; k < one.n; k++) {
@@ -389,7 +394,8 @@ size_t sweep_next(scheduler *w, size_t *points) {
   sweep_groups *g = &w->groups;
   while (g->next < g->n) {
     sweep_group one = g->list[g->next++];
-    /* another process has begun with it: it will take the rest, too, unless there is nothing else to do */
+    /* Another process has begun this group and will take the rest, too: put the group off until
+     * nothing else is left. */
     bool begun = false;
     for (size_t k = 0; one.n > 1 && !one.late && k < one.n; k++)
       begun = begun || sweep_peek(w->s, g->order[one.first + k]) == SWEEP_RUNNING;

@@ -1,4 +1,5 @@
-/* theory.c: slipdisk theory DECK: what the theory says of the three disks of a deck. See docs/theory.md. */
+/* theory.c: `slipdisk theory DECK` prints what the theory gives for the three disks of a deck.
+ * See docs/theory.md. */
 #include "app/theory/theory.h"
 
 #include <assert.h>
@@ -17,7 +18,7 @@
 #include "slipdisk/deck.h"
 
 typedef struct arguments {
-  const char *deck, *csv, *wave; /* NULL: not asked for */
+  const char *deck, *csv, *wave; /* Paths csv and wave: NULL if not given */
   bool json;
   option_list overrides;
 } arguments;
@@ -53,9 +54,9 @@ static int parse(int argc, char **argv, arguments *a) {
   return 0;
 }
 
-/* --- tables in files ------------------------------------------------------------------------------------ */
+/* --- tables in files -------------------------------------------------------------------------- */
 
-/* A table is made in memory and then written as a whole. */
+/* Table that is built in memory and then written as a whole. */
 typedef struct table {
   FILE *out;
   char *text;
@@ -68,7 +69,8 @@ static void table_open(table *t) {
   if (!t->out) memory_lacks(0);
 }
 
-/* Into what is no file of its own: a device, a pipe, the standard output (path NULL). */
+/* Writes a table to a device, a pipe or the standard output (path NULL), which cannot be replaced
+ * as regular files are. */
 static sd_status pour(const table *t, const char *path, sd_messages *messages) {
   FILE *out = path ? fopen(path, "w") : stdout;
   bool good = out && fwrite(t->text, 1, t->size, out) == t->size && fflush(out) == 0;
@@ -79,7 +81,8 @@ static sd_status pour(const table *t, const char *path, sd_messages *messages) {
                  path ? path : "the standard output", strerror(why));
 }
 
-/* Writes it to path, "-" being the standard output, unless something has failed already. */
+/* Frees a table after writing it to `path` ("-": the standard output), unless `status` is an
+ * error. Returns the first error. */
 static sd_status table_close(table *t, const char *path, sd_status status, sd_messages *messages) {
   if (!t->out) return status;
   if (fclose(t->out) != 0) memory_lacks(t->size);
@@ -95,7 +98,8 @@ static sd_status table_close(table *t, const char *path, sd_status status, sd_me
   return status;
 }
 
-/* A point without a periodic state has empty cells, and says why. */
+/* Writes the row of a point. Without a periodic state its cells are empty, and a warning says
+ * why. */
 static sd_status add_row(const deck_sweep *s, size_t point, FILE *out, sd_messages *messages) {
   theory_case c;
   theory_result r;
@@ -117,7 +121,7 @@ static sd_status add_row(const deck_sweep *s, size_t point, FILE *out, sd_messag
   return status;
 }
 
-/* A row per set of the sweep, from its first point. */
+/* Writes a row for each set of values of the sweep, computed for its first point. */
 static sd_status write_csv(const arguments *a, sd_messages *messages) {
   deck_sweep s = {0};
   table t = {0};
@@ -129,7 +133,7 @@ static sd_status write_csv(const arguments *a, sd_messages *messages) {
   size_t sets = 0;
   for (size_t k = 0; status == SD_OK && k < s.n_points; k++) {
     if (s.points[k].set != sets)
-      continue; /* sets are numbered in the order of their first points */
+      continue; /* Sets are numbered in the order of their first points */
     status = add_row(&s, k, t.out, messages);
     sets++;
   }
@@ -151,9 +155,9 @@ static sd_status write_wave(const arguments *a, const theory_result *r, sd_messa
   return table_close(&t, a->wave, SD_OK, messages);
 }
 
-/* --- the command ------------------------------------------------------------------------------------------ */
+/* --- command ---------------------------------------------------------------------------------- */
 
-/* The page, the same for programs, or the wave: of the deck as it stands. */
+/* Prints the page or the JSON, or writes the wave, for the deck without its sweep. */
 static sd_status tell(const arguments *a, sd_messages *messages) {
   theory_case c;
   theory_result r;
@@ -162,7 +166,7 @@ static sd_status tell(const arguments *a, sd_messages *messages) {
   if (status == SD_OK) status = theory_case_read(model, &c, messages);
   if (status == SD_OK) {
     status = theory_case_solve(&c, &r, messages);
-    /* without a periodic state the rest is still good */
+    /* Without a periodic state the other results still hold. */
     if (a->json && !theory_json(stdout, model, &c, &r))
       status = sd_fail(messages, SD_ERROR_IO, "cannot write to the standard output");
     if (!a->json && !a->wave) theory_page(stdout, model, &c, &r);
@@ -188,12 +192,13 @@ int app_theory(int argc, char **argv) {
   return status;
 }
 
-/* What the theory says of a deck, for people. Formulas carry the paper's equation labels;
- * docs/theory.md explains the lines, docs/physics.md derives them. */
+/* --- text output ------------------------------------------------------------------------------ */
 
-/* A labelled line: "  theta_T              0.125664   (0.04 pi)". */
+/* Prints a line with a label: "  theta_T              0.125664   (0.04 pi)". Labels such as (15)
+ * are equations of the paper; docs/theory.md explains the lines, docs/physics.md derives them. */
 static void line(FILE *out, const char *label, double value, const char *note) {
-  fprintf(out, "  %-34s %14.8g%s%s\n", label, value + 0.0, *note ? "   " : "", note); /* no -0 */
+  /* + 0.0 avoids -0 */
+  fprintf(out, "  %-34s %14.8g%s%s\n", label, value + 0.0, *note ? "   " : "", note);
 }
 
 static void angle_line(FILE *out, const char *label, double value) {
@@ -288,9 +293,9 @@ static void print_steady(FILE *out, const theory_case *c, const theory_result *r
             "  between the velocities of the supports there is no torque: any of these remains\n");
 }
 
-/* --- periodic drive ------------------------------------------------------------------------------------ */
+/* --- periodic drive --------------------------------------------------------------------------- */
 
-/* Meaning of the ratio of torques. */
+/* Returns the value of torque/(I Theta_b w_b^2) below which no contact sticks, as text. */
 static const char *sticking(const theory_case *c, const theory_result *r) {
   if (r->even && c->drive.waveform == SD_PARABOLA)
     return "no contact ever sticks below 8/pi^2 = 0.811";
@@ -334,7 +339,8 @@ static void print_drive(FILE *out, const theory_case *c, const theory_result *r)
   }
 }
 
-/* A velocity: as it is, in units of Theta_b w_b, in units of 1/t_g. */
+/* Prints a velocity three times: as it is, divided by Theta_b w_b, and times t_g; nothing if it
+ * is NAN. */
 static void velocity(FILE *out, const theory_case *c, const theory_result *r, const char *label,
                      double value, const char *note) {
   if (isnan(value)) return;
@@ -428,7 +434,7 @@ void theory_page(FILE *out, const sd_model *m, const theory_case *c, const theor
   }
 }
 
-/* --- what the theory says of a deck, for programs. Names and units: docs/theory.md ------------ */
+/* --- JSON output; names and units: docs/theory.md --------------------------------------------- */
 
 static const char *const relations[] = {
     [THEORY_OTHER_PHASE] = "other", [THEORY_IN_PHASE] = "in phase", [THEORY_OPPOSITE] = "opposite"};

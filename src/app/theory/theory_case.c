@@ -1,7 +1,7 @@
-/* theory_case.c: the three disks of a deck: which they are, and their angles, as the theory wants them.
+/* theory_case.c: finds the three disks of a deck, their angles and their drive for the theory.
  *
- * The angles are those of the three disks where the upper one just touches both supports, seen with the
- * weight pointing down: alpha_1 = theta_h - theta_T on the left, alpha_2 = theta_h + theta_T on the right. */
+ * Angles are taken where the upper disk just touches both supports, seen with the weight pointing
+ * down: alpha_1 = theta_h - theta_T on the left, alpha_2 = theta_h + theta_T on the right. */
 #include <math.h>
 
 #include "app/theory/theory.h"
@@ -9,9 +9,10 @@
 #include "model/motions.h"
 #include "slipdisk/deck.h"
 
-/* Disks nearer than this part of the upper disk's radius count as touching it. */
+/* Disks closer to the upper disk than this fraction of its radius count as touching it. */
 static const double NEAR = 0.01;
-/* The deck may put the upper disk as far from its place on the supports. */
+/* Largest distance allowed between the position of the upper disk in the deck and its place on the
+ * supports, as a fraction of its radius. */
 static const double AWAY = 0.25;
 
 static sd_status fail_disk(const sd_model *m, sd_messages *messages, uint32_t body,
@@ -21,7 +22,7 @@ static sd_status fail_disk(const sd_model *m, sd_messages *messages, uint32_t bo
                  sd_model_body_name(m, body, name, sizeof name), what);
 }
 
-/* Vector from body a to point p, to its nearest image in a periodic box. */
+/* Computes out = to - from, with the nearest periodic image of `to`. */
 static void towards(const sd_model *m, const double from[2], const double to[2], double out[2]) {
   for (int c = 0; c < 2; c++) {
     out[c] = to[c] - from[c];
@@ -36,7 +37,7 @@ static double gap(const sd_model *m, uint32_t a, uint32_t b) {
   return hypot(d[0], d[1]) - m->disks[a].radius - m->disks[b].radius;
 }
 
-/* --- which disks ------------------------------------------------------------------------------------- */
+/* --- choice of the disks ---------------------------------------------------------------------- */
 
 static sd_status find_upper(const sd_model *m, uint32_t *upper, sd_messages *messages) {
   if (m->n_slides > 1)
@@ -56,7 +57,8 @@ static sd_status find_upper(const sd_model *m, uint32_t *upper, sd_messages *mes
       sd_model_deck(m)->path, m->n_free);
 }
 
-/* Without measure.sliding: the two driven disks there are, or the two that touch. */
+/* Finds the supports if the deck has no measure.sliding: the two driven disks if there are just
+ * two, else the two that touch the upper disk. */
 static sd_status find_supports(const sd_model *m, uint32_t upper, uint32_t support[2],
                                sd_messages *messages) {
   size_t n_driven = m->n_disks - m->n_free, n = 0;
@@ -90,9 +92,10 @@ static sd_status find_disks(const sd_model *m, uint32_t *upper, uint32_t support
   return status;
 }
 
-/* --- geometry ------------------------------------------------------------------------------------------ */
+/* --- geometry --------------------------------------------------------------------------------- */
 
-/* Centre of the upper disk where it just touches both supports, from its place in the deck. */
+/* Computes where the upper disk just touches both supports, relative to its position in the
+ * deck. */
 static sd_status touch(const sd_model *m, uint32_t upper, const uint32_t support[2], double out[2],
                        sd_messages *messages) {
   const sd_disk *disk = &m->disks[upper];
@@ -109,7 +112,8 @@ static sd_status touch(const sd_model *m, uint32_t upper, const uint32_t support
     return fail_disk(m, messages, upper,
                      "cannot touch both supports; expected them to stand beside each other");
 
-  /* along the line of the supports, and away from it to the side on which the deck has the disk */
+  /* along: coordinate along the line between the supports; away: distance from that line, on the
+   * side on which the deck has the disk. */
   double along = (r[0] * r[0] - r[1] * r[1] + far * far) / (2 * far);
   double away = sqrt((r[0] - along) * (r[0] + along));
   double e[2] = {between[0] / far, between[1] / far};
@@ -122,7 +126,7 @@ static sd_status touch(const sd_model *m, uint32_t upper, const uint32_t support
   return SD_OK;
 }
 
-/* Distance of a point from a wall's surface. */
+/* Returns the distance of a point from the surface of a wall, >= 0. */
 static double wall_gap(const sd_model *m, const sd_wall *w, const double at[2]) {
   double d[2];
   if (w->kind == SD_WALL_CIRCLE) {
@@ -145,7 +149,7 @@ static double wall_gap(const sd_model *m, const sd_wall *w, const double at[2]) 
   return least;
 }
 
-/* Nothing else may touch the upper disk. */
+/* Checks that only the supports touch the upper disk, with its centre at `at`. */
 static sd_status check_alone(const sd_model *m, uint32_t upper, const uint32_t support[2],
                              const double at[2], sd_messages *messages) {
   sd_status status = SD_OK;
@@ -167,7 +171,8 @@ static sd_status check_alone(const sd_model *m, uint32_t upper, const uint32_t s
   return status;
 }
 
-/* The angles, with the left support first; up is against the weight. */
+/* Sets the angles from the vectors `to` from the upper disk to its supports. If the deck names
+ * the right support first, swaps support[]. */
 static void set_angles(theory_case *c, uint32_t support[2], double to[2][2],
                        const double weight[2]) {
   double down[2] = {weight[0] / c->disk.weight, weight[1] / c->disk.weight};
@@ -213,9 +218,10 @@ static sd_status set_geometry(const sd_model *m, theory_case *c, uint32_t upper,
   return check_alone(m, upper, support, at, messages);
 }
 
-/* --- contacts and bonds --------------------------------------------------------------------------------- */
+/* --- contact laws and constraints ------------------------------------------------------------- */
 
-/* The key of a law beyond linear elastic contacts with friction mu; NULL: none. */
+/* Returns the key of a contact law that goes beyond linear elastic contacts with friction mu;
+ * NULL: none does. */
 static const char *beyond_theory(const sd_contact_law *law) {
   const unsigned features = law_features(law);
   return law->normal != SD_NORMAL_LINEAR ? "law"
@@ -258,7 +264,7 @@ static sd_status set_contacts(const sd_model *m, theory_case *c, uint32_t upper,
   return SD_OK;
 }
 
-/* Nothing but its weight and its supports may hold or turn the upper disk. */
+/* Checks that only weight and supports hold or turn the upper disk. */
 static sd_status check_bonds(const sd_model *m, theory_case *c, uint32_t upper,
                              sd_messages *messages) {
   const sd_disk *disk = &m->disks[upper];
@@ -288,7 +294,7 @@ sd_status theory_case_read(const sd_model *m, theory_case *c, sd_messages *messa
   sd_model_body_name(m, upper, c->upper, sizeof c->upper);
   status = check_bonds(m, c, upper, messages);
   found = set_geometry(m, c, upper, support, messages);
-  if (found) return found; /* what follows wants to know which one is left */
+  if (found) return found; /* The following needs to know which support is the left one */
   for (int k = 0; k < 2; k++)
     sd_model_body_name(m, support[k], c->support[k], sizeof c->support[k]);
   found = set_contacts(m, c, upper, support, messages);
@@ -297,15 +303,14 @@ sd_status theory_case_read(const sd_model *m, theory_case *c, sd_messages *messa
   return found ? found : status;
 }
 
-/* How the supports are driven in the phases that measure.
- *
- * The theory knows supports that turn: steadily, or to and fro by (20) or (21) with one frequency; and, for
- * torques and the sense of rotation alone, random vibration (52). A motion of amplitude or velocity 0 is none.
- */
+/* --- drive of the supports in phases that measure --------------------------------------------- */
 
 static const char *const coordinate_names[SD_MOVED] = {"x", "y", "theta", "surface"};
 
-/* Active drive: the motion of each support's angle, if any, and whether others shake it at random. */
+/* Motions of the supports that are on: the motion of each angle (NULL: none) and its index, and
+ * whether random motions shake its other coordinates. The theory covers steady turning, and
+ * oscillation by (20) or (21) with one frequency; for torques and the sense of rotation alone
+ * also random vibration (52). A motion of amplitude or velocity 0 does not count. */
 typedef struct drivers {
   const sd_motion *turn[2];
   size_t number[2];
@@ -323,13 +328,13 @@ static bool rests(const sd_motion *motion) {
   return motion->kind == SD_MOTION_VELOCITY ? motion->velocity == 0 : motion->amplitude == 0;
 }
 
-/* The theory knows these motions of the angle of a support. */
+/* True if the theory covers this motion of the angle of a support. */
 static bool is_known(const sd_motion *motion) {
   return motion->kind == SD_MOTION_HARMONIC || motion->kind == SD_MOTION_PARABOLIC ||
          motion->kind == SD_MOTION_VELOCITY || motion->kind == SD_MOTION_RANDOM;
 }
 
-/* 'motion "turn" (harmonic)' */
+/* Formats 'motion "turn" (harmonic)' into text[size] and returns it. */
 static const char *motion_name(const sd_motion *motion, char *text, size_t size) {
   if (motion->name)
     snprintf(text, size, "motion \"%s\" (%s)", motion->name, motion_kinds[motion->kind].name);
@@ -347,7 +352,8 @@ static sd_status fail_motion(const sd_model *m, sd_messages *messages, const sd_
                  sd_model_body_name(m, body, whom, sizeof whom), expected);
 }
 
-/* The first phase that measures, else the last; all that measure must have the same motions on. */
+/* Finds the first phase that measures, else the last phase. SD_ERROR_USER: two phases that
+ * measure have different motions on. */
 static sd_status find_phase(const sd_model *m, size_t *phase, sd_messages *messages) {
   size_t first = m->n_phases;
   for (size_t p = 0; p < m->n_phases; p++) {
@@ -364,7 +370,7 @@ static sd_status find_phase(const sd_model *m, size_t *phase, sd_messages *messa
   return SD_OK;
 }
 
-/* Time at which a motion that is on in this phase was switched on. */
+/* Returns the time at which a motion that is on in this phase was switched on. */
 static double begin(const sd_model *m, size_t motion, size_t phase) {
   int64_t steps = 0;
   while (phase > 0 && m->phases[phase - 1].active[motion]) phase--;
@@ -407,7 +413,7 @@ static sd_status gather(const sd_model *m, size_t phase, uint32_t upper, const u
   return status;
 }
 
-/* Kinds of both supports must go together. */
+/* Checks that the motions of both supports are of the same kind and frequency. */
 static sd_status check_pair(const sd_model *m, const drivers *on, const uint32_t support[2],
                             sd_messages *messages) {
   const sd_motion *a = on->turn[0], *b = on->turn[1];

@@ -1,4 +1,5 @@
-/* theory_solve.c: which formulas apply to the three disks of a deck, and their values. */
+/* theory_solve.c: selects the formulas that apply to the three disks of a deck, evaluates them,
+ * and writes them as CSV. */
 #include <math.h>
 #include <string.h>
 
@@ -11,13 +12,13 @@ const char *const theory_configurations[4] = {
 static const int signs[4][2] = {
     [SD_PP] = {1, 1}, [SD_PM] = {1, -1}, [SD_MP] = {-1, 1}, [SD_MM] = {-1, -1}};
 
-/* Phases nearer than this are the same. */
+/* Phases that differ by less than this, in rad, count as equal. */
 static const double SAME = 1e-9;
 
 static int sign(double x) { return (x > 0) - (x < 0); }
 
-/* Torques fall with Omega from T++ > 0 below both supports to T-- < 0 above both; a free disk ends with the
- * support at which they change sign. */
+/* Solves steady drive. The torque falls with Omega from T++ > 0 below both supports' velocities
+ * to T-- < 0 above both; a free disk ends at the velocity at which the torque changes sign. */
 static void solve_steady(const theory_case *c, theory_result *r) {
   double w[2];
   for (int i = 0; i < 2; i++) {
@@ -34,7 +35,8 @@ static void solve_closed(const theory_case *c, theory_result *r) {
   const sd_drive *d = &c->drive;
   const sd_three_disk *disk = &c->disk;
   bool sine = d->waveform == SD_SINE;
-  double slope = sine ? M_PI * M_PI / 8 : 1; /* of a sine against its parabola, at zero velocity */
+  /* Acceleration of a sine over that of its parabola, where the velocity is 0 */
+  double slope = sine ? M_PI * M_PI / 8 : 1;
   if (!r->even) return;
   if (r->relation == THEORY_IN_PHASE) {
     if (sine)
@@ -67,7 +69,7 @@ static sd_status solve_periodic(const theory_case *c, theory_result *r, sd_messa
   r->ratio = largest / (c->disk.inertia * r->amplitude * d->omega * d->omega);
   sd_status status = sd_sliding_solve(&c->disk, d, &r->solution, messages);
   r->solved = status == SD_OK;
-  if (status) return status; /* where a configuration has no equilibrium no formula holds */
+  if (status) return status; /* No formula holds if a configuration has no equilibrium */
   solve_closed(c, r);
   return sd_sliding_limit(&c->disk, d, &r->limit, messages);
 }
@@ -91,16 +93,15 @@ sd_status theory_case_solve(const theory_case *c, theory_result *r, sd_messages 
   return c->kind == THEORY_PERIODIC ? solve_periodic(c, r, messages) : SD_OK;
 }
 
-/* --- the theory as CSV: a row per set of a sweep, and the curves of one period ---------------- */
+/* --- CSV: a row per set of a sweep ------------------------------------------------------------ */
 
-/* --- a row per set ------------------------------------------------------------------------------------- */
-
-/* Values that do not apply are empty cells. */
+/* Writes a value; an empty cell if it is not finite. */
 static void number_cell(FILE *out, double value) {
-  if (isfinite(value)) fprintf(out, "%.15g", value + 0.0); /* no -0 */
+  if (isfinite(value)) fprintf(out, "%.15g", value + 0.0); /* + 0.0 avoids -0 */
 }
 
-/* A column whose name the sweep uses already is told apart. */
+/* Writes the name of a column, with the prefix "theory_" if a parameter of the sweep has the same
+ * name. */
 static void head_cell(FILE *out, const deck_sweep *s, const char *name) {
   fputc(',', out);
   for (size_t k = 0; k < s->n_parameters; k++)
@@ -117,10 +118,11 @@ typedef struct cell {
 } cell;
 enum { MOST_CELLS = 32 };
 
-/* The columns: names, and the values of a case; returns how many. */
+/* Fills out[] with names and values of all columns, and returns their number. */
 static size_t list_cells(const theory_case *c, const theory_result *r, cell out[MOST_CELLS]) {
   const sd_sliding *x = &r->solution;
-  double unknown = r->solved ? 0 : NAN; /* added to what only a solution has */
+  /* 0, or NAN without a solution; added to values that need one */
+  double unknown = r->solved ? 0 : NAN;
   double period = r->solved ? x->period : NAN;
   const cell cells[] = {{"tilt", c->disk.tilt},
                         {"half_aperture", c->disk.half_aperture},
@@ -192,7 +194,7 @@ void theory_table_row(FILE *out, const deck_sweep *s, size_t point, const theory
   fputc('\n', out);
 }
 
-/* --- one period ------------------------------------------------------------------------------------------ */
+/* --- CSV: curves of one period ---------------------------------------------------------------- */
 
 enum { WAVE_ROWS = 2001 };
 
@@ -206,7 +208,8 @@ static void wave_row(FILE *out, const sd_sliding *s, double t, size_t piece) {
           slides ? theory_configurations[2 * (p->sign[0] < 0) + (p->sign[1] < 0)] : "stuck");
 }
 
-/* Evenly spaced rows, and between them one for each corner, with the configuration that begins there. */
+/* Writes evenly spaced rows, and between them a row where a new configuration begins, labelled
+ * with that one. */
 void theory_wave(FILE *out, const theory_result *r) {
   const sd_sliding *s = &r->solution;
   size_t piece = 0;

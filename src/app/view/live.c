@@ -1,4 +1,5 @@
-/* live.c: see view.h. A thread steps and puts down copies; a thread of the server answers from them. */
+/* live.c: see view.h. The stepping thread makes copies of the state; the thread of the server
+ * answers requests from them. */
 #include "app/view/view.h"
 
 #include <math.h>
@@ -23,7 +24,7 @@
 #include "measure/configuration.h"
 #include "run/simulation_private.h"
 
-/* A copy of the state that is never changed. */
+/* Copy of the state that never changes, with a count of its users. */
 typedef struct live_frame {
   frame_data data;
   atomic_int users;
@@ -31,37 +32,41 @@ typedef struct live_frame {
 
 typedef struct live_status {
   int64_t step, steps, phase;
-  double time, rate;      /* steps per second, lately */
-  bool finished, stopped; /* before its end */
+  double time, rate;      /* Model time; steps per second of wall time, recently */
+  bool finished, stopped; /* stopped: the run ended before its last step */
 } live_status;
 
-enum { LIVE_TOKEN = 32 }; /* hexadecimal digits */
+enum { LIVE_TOKEN = 32 }; /* Number of hexadecimal digits */
 
 struct live {
   const sd_model *model;
-  json_t *meta; /* not changed after live_open, like what is above */
+  json_t *meta; /* Constant after live_open, like `model` */
   char token[LIVE_TOKEN + 1], address[96];
   struct live_server *server;
-  struct stranger *oldest,
-      *newest; /* connections that have not shown the key; of the server's thread */
+  /* List of connections that have not shown the token; used by the server's thread only */
+  struct stranger *oldest, *newest;
   size_t strangers;
 
-  atomic_bool wanted;   /* a newer frame */
-  _Atomic double asked; /* when something was last asked for; clock_seconds */
-  atomic_bool told_end; /* a page knows that the run is over */
+  atomic_bool wanted;   /* True: a page wants a newer frame */
+  _Atomic double asked; /* Clock reading of the last request, s */
+  atomic_bool told_end; /* True: a page knows that the run is over */
 
-  pthread_mutex_t lock; /* of what follows */
-  live_frame *frame;    /* newest; NULL: none yet */
-  record rows;          /* its series */
+  pthread_mutex_t lock; /* Lock of frame, rows and status */
+  live_frame *frame;    /* Newest frame; NULL: none yet */
+  record rows;          /* Series of the run so far */
   live_status status;
 
-  double next_frame, next_row, rate_at; /* of the stepping thread */
+  /* Clock readings in s, used by the stepping thread only: when the next frame and the next row
+   * are due, and when the rate was computed */
+  double next_frame, next_row, rate_at;
   int64_t rate_step;
 };
 
-/* Between two copies: so long, or so many times what the last one took. */
+/* Least time between two copies, s; ROW_SECONDS_ALONE: while no page is open. COST: least time
+ * between two copies over the time that the last one took. */
 static const double FRAME_SECONDS = 0.1, ROW_SECONDS = 0.2, ROW_SECONDS_ALONE = 1, COST = 300;
-/* A page asks several times a second. */
+/* Times in s. PRESENT_SECONDS: a page counts as open for this time after a request (it asks
+ * several times a second). LINGER_SECONDS: longest wait for a page at the end. */
 static const double PRESENT_SECONDS = 3, LINGER_SECONDS = 2;
 static const double RATE_SECONDS = 0.5;
 
@@ -75,7 +80,7 @@ static bool is_present(live *l) {
   return clock_seconds() - atomic_load(&l->asked) < PRESENT_SECONDS;
 }
 
-/* --- stepping thread -------------------------------------------------------------------------------- */
+/* --- stepping thread -------------------------------------------------------------------------- */
 
 static void put_frame(live *l, const sd_state *state) {
   live_frame *f = memory_new(1, sizeof *f);
@@ -91,7 +96,7 @@ static void put_frame(live *l, const sd_state *state) {
   atomic_store(&l->wanted, false);
 }
 
-/* Every second row goes when there are many. */
+/* Removes every second row of a table. */
 static void thin(table *t) {
   for (size_t c = 0; c < t->n_columns; c++) {
     size_t size = t->columns[c].width * sd_type_size(t->columns[c].type);
@@ -124,7 +129,8 @@ static void put_status(live *l, sd_simulation *s, double now) {
   l->rate_step = stage.step;
 }
 
-/* The stepping thread does not wait for the other one, except at the end. */
+/* Takes the lock. Without `wait` returns false if the server's thread holds it; the stepping
+ * thread waits only at the end. */
 static bool lock(live *l, bool wait) {
   return wait ? pthread_mutex_lock(&l->lock) == 0 : pthread_mutex_trylock(&l->lock) == 0;
 }
@@ -143,7 +149,7 @@ void live_look(live *l, sd_simulation *s) {
   if (state && row) put_row(l, s, state);
   pthread_mutex_unlock(&l->lock);
   double done = clock_seconds();
-  /* the contacts of the state are part of both */
+  /* The time to get the state, with its contacts, counts for both copies. */
   if (frame) l->next_frame = done + fmax(FRAME_SECONDS, COST * (between - now));
   if (row)
     l->next_row = done + fmax(is_present(l) ? ROW_SECONDS : ROW_SECONDS_ALONE,
@@ -152,9 +158,10 @@ void live_look(live *l, sd_simulation *s) {
 
 #ifdef SD_HAVE_MICROHTTPD
 
-/* --- server's thread -------------------------------------------------------------------------------- */
+/* --- thread of the server --------------------------------------------------------------------- */
 
-/* The newest frame, if its step is after this one; NULL: none is newer. */
+/* Returns the newest frame, with one more user (live_frame_release), if its step is greater than
+ * `after`; else NULL. */
 static live_frame *live_frame_take(live *l, int64_t after) {
   pthread_mutex_lock(&l->lock);
   live_frame *f = l->frame && l->frame->data.step > after ? l->frame : NULL;
@@ -184,7 +191,8 @@ static void add_series(void *user, const observable *o, size_t column, size_t k,
   view_chunk_add(p->c, name, VIEW_EXACT, c->type, data, p->t->n_rows - p->from, c->width);
 }
 
-/* Rows from number *from on, or from 0 if these are gone, in a chunk; false: there are none. */
+/* Makes a chunk of the rows from number *from on; sets *from = 0 if these are gone. Returns false
+ * if there are no rows. */
 static bool live_rows(live *l, int64_t *from, view_chunk *c) {
   pthread_mutex_lock(&l->lock);
   teller p = {.t = &l->rows.series, .c = c};
@@ -203,18 +211,19 @@ static bool live_rows(live *l, int64_t *from, view_chunk *c) {
 
 typedef struct MHD_Connection connection;
 
-/* An answer; bytes NULL: nothing but the status. */
+/* HTTP answer; bytes NULL: a status only. */
 typedef struct answer {
   unsigned status;
   const char *type;
-  unsigned char *bytes; /* to be freed */
+  unsigned char *bytes; /* Body; the server's library frees it */
   size_t size;
 } answer;
 
 static const char binary[] = "application/octet-stream", text[] = "application/json",
                   page[] = "text/html; charset=utf-8";
 
-/* The page speaks with this server alone, and no other page may show it or learn its address. */
+/* HTTP headers of all answers: the page may talk to this server alone, and no other page may show
+ * it or learn its address. */
 static const struct {
   const char *name, *value;
 } headers[] = {
@@ -229,7 +238,7 @@ static const struct {
      "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
 };
 
-/* --- what is asked for ------------------------------------------------------------------------------ */
+/* --- requests --------------------------------------------------------------------------------- */
 
 static int64_t argument(connection *c, const char *name, int64_t otherwise) {
   const char *value = MHD_lookup_connection_value(c, MHD_GET_ARGUMENT_KIND, name);
@@ -240,7 +249,7 @@ static int64_t argument(connection *c, const char *name, int64_t otherwise) {
   return errno == 0 && end != value && !*end ? number : otherwise;
 }
 
-/* Nothing is packed: it goes to this machine. */
+/* Makes an answer from a chunk, uncompressed: it stays on this machine. */
 static answer of_chunk(view_chunk *c) {
   answer a = {.status = MHD_HTTP_OK, .type = binary};
   if (view_chunk_end(c, 0, &a.bytes, &a.size, NULL) != SD_OK)
@@ -315,10 +324,11 @@ static const struct resource {
 } resources[] = {{"", get_page},         {"meta", get_meta},   {"static", get_static},
                  {"series", get_series}, {"frame", get_frame}, {"status", get_status}};
 
-/* --- connections that have not shown the key ---------------------------------------------------------- */
+/* --- connections that have not shown the token ------------------------------------------------ */
 
-/* So many may wait with half a request, for so many seconds. A further one takes the place of the oldest, so that they
- * never keep out who has the key. With it a connection may rest for longer. */
+/* Limits for connections that have not shown the token: STRANGERS of them may wait, for
+ * SECONDS_WITHOUT seconds each. A further one replaces the oldest, so that they never keep out a
+ * client with the token. A connection with the token may be idle for SECONDS_WITH seconds. */
 enum { STRANGERS = 16, CONNECTIONS = 64, SECONDS_WITHOUT = 2, SECONDS_WITH = 10 };
 
 typedef struct stranger {
@@ -341,7 +351,8 @@ static void list(live *l, stranger *s) {
   l->newest = s;
   s->listed = true;
   if (++l->strangers <= STRANGERS) return;
-  shutdown(l->oldest->socket, SHUT_RDWR); /* the server sees its end, and closes it */
+  /* The server sees the end of the connection and closes it */
+  shutdown(l->oldest->socket, SHUT_RDWR);
   unlist(l, l->oldest);
 }
 
@@ -372,9 +383,10 @@ static void key_was_shown(live *l, connection *c) {
   MHD_set_connection_option(c, MHD_CONNECTION_OPTION_TIMEOUT, (unsigned)SECONDS_WITH);
 }
 
-/* --- who asks --------------------------------------------------------------------------------------- */
+/* --- authorisation ---------------------------------------------------------------------------- */
 
-/* A name that is not this machine's own leads here only by a trick (DNS rebinding). Another port is that of a tunnel. */
+/* True if the host is this machine by its own names. Another name leads here only by a trick (DNS
+ * rebinding). The port may be another one, that of a tunnel. */
 static bool is_own_host(const char *host) {
   static const char *const own[] = {"127.0.0.1", "localhost"};
   for (size_t k = 0; host && k < 2; k++) {
@@ -384,7 +396,7 @@ static bool is_own_host(const char *host) {
   return false;
 }
 
-/* Takes as long whatever is wrong. */
+/* Compares a word with the token. The time does not depend on which digit differs. */
 static bool is_token(const live *l, const char *word) {
   unsigned char different = 0;
   for (size_t k = 0; k < LIVE_TOKEN; k++) {
@@ -394,7 +406,7 @@ static bool is_token(const live *l, const char *word) {
   return different == 0;
 }
 
-/* "/TOKEN/NAME" */
+/* Finds the resource of a path "/TOKEN/NAME"; NULL: the token or the name is wrong. */
 static const struct resource *find(const live *l, const char *url) {
   if (url[0] != '/' || !is_token(l, url + 1) || url[1 + LIVE_TOKEN] != '/') return NULL;
   for (size_t k = 0; k < sizeof resources / sizeof *resources; k++)
@@ -421,11 +433,11 @@ static enum MHD_Result serve(void *user, connection *c, const char *url, const c
                              void **state) {
   live *l = user;
   (void)version, (void)upload;
-  if (!*state) { /* the head has come; an answer now would end the connection */
+  if (!*state) { /* Only the head has arrived; an answer now would end the connection */
     *state = l;
     return MHD_YES;
   }
-  if (*upload_size > 0) { /* a body is not read */
+  if (*upload_size > 0) { /* The body of a request is not read */
     *upload_size = 0;
     return MHD_YES;
   }
@@ -440,7 +452,7 @@ static enum MHD_Result serve(void *user, connection *c, const char *url, const c
   return send_answer(c, one->get(l, c));
 }
 
-/* --- start and stop of the server ------------------------------------------------------------------------------ */
+/* --- start and stop of the server ------------------------------------------------------------- */
 
 static bool make_token(live *l) {
   unsigned char bytes[LIVE_TOKEN / 2];
@@ -449,7 +461,7 @@ static bool make_token(live *l) {
   return true;
 }
 
-/* Signals are for the thread that steps. */
+/* Starts the thread of the server with all signals blocked: they are for the thread that steps. */
 static struct MHD_Daemon *start(live *l, const struct sockaddr_in *at) {
   sigset_t all, before;
   sigfillset(&all);
@@ -501,7 +513,7 @@ static void live_server_stop(live *l) { (void)l; }
 
 #endif
 
-/* --- beginning and end ---------------------------------------------------------------------------- */
+/* --- beginning and end ------------------------------------------------------------------------ */
 
 static void prepare(live *l, const char *source) {
   const sd_model *m = l->model;

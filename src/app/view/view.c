@@ -1,4 +1,4 @@
-/* view.c: slipdisk view FILE|DECK: a page that shows a run. */
+/* view.c: `slipdisk view FILE|DECK` makes a page that shows a run. */
 #include "app/view/view.h"
 
 #include <inttypes.h>
@@ -46,7 +46,7 @@ const command_line app_view_line = {
                 "slipdisk view deck.h5 --open   # in the browser\n"
                 "slipdisk view deck.cfg --live   # runs it, and shows it as it goes\n"};
 
-/* A result, its folder or a checkpoint; anything else is read as a deck. */
+/* True for a result, its folder of parts or a checkpoint; anything else is read as a deck. */
 static bool is_result(const char *name) {
   char *parts = format_text("%s.parts", name);
   const bool folder = file_is_folder(name) || file_is_folder(parts);
@@ -60,13 +60,14 @@ static bool is_same(const char *a, const char *b) {
          one.st_ino == two.st_ino;
 }
 
-/* --- slipdisk view DECK --live: runs a deck in memory and shows it. Nothing is written -------- */
+/* --- slipdisk view DECK --live: runs a deck in memory and shows it, without files ------------- */
 
-/* Steps are taken in pieces of about this much time. */
+/* Approximate wall time of one piece of steps, s. */
 static const double PIECE_SECONDS = 0.03;
 
-/* A page that leads to the address, for the eyes of this user alone: others can read command lines. To be removed and freed;
- * NULL: there is none. */
+/* Writes a page that redirects to the address. Only this user can read it, whereas command lines,
+ * and so an address given to the browser, are visible to others. Returns its path, to be removed
+ * and freed; NULL: it could not be written. */
 static char *make_page(const char *address, sd_messages *messages) {
   const char *folder = getenv("XDG_RUNTIME_DIR");
   char *path = format_text("%s/slipdisk-XXXXXX.html", folder && *folder ? folder : "/tmp");
@@ -136,7 +137,7 @@ static sd_status view_live(const view_options *o, sd_messages *messages) {
     sd_model_advise(model, messages);
     status = sd_simulation_new(model, (int)o->threads, &s, messages);
   }
-  app_begin_saving(); /* from here on a signal ends it in order */
+  app_begin_saving(); /* A signal now only sets app_stop */
   if (status == SD_OK) status = show(o, model, s, messages);
   sd_simulation_free(s);
   sd_model_free(model);
@@ -177,7 +178,7 @@ static sd_status view(const view_options *o, sd_messages *messages) {
 int app_view(int argc, char **argv) {
   view_options o = {0};
   sd_messages *messages = sd_messages_new();
-  signal(SIGXFSZ, SIG_IGN); /* a limit of file sizes is an error of a write */
+  signal(SIGXFSZ, SIG_IGN); /* Makes a file-size limit an error of write */
   int status = options_parse(&app_view_line, argc, argv, &o);
   if (status == SD_OK) status = (int)view(&o, messages);
   fflush(stdout);

@@ -12,14 +12,14 @@
 #include "base/text.h"
 #include "version.h"
 
-/* --- about the run ---------------------------------------------------------------------------------- */
+/* --- the run ---------------------------------------------------------------------------------- */
 
 static json_t *pair(double a, double b) {
   const double values[2] = {a, b};
   return json_numbers(2, values);
 }
 
-/* NULL stands for all of them when none has a name. */
+/* Returns an array of n names; null if none of them has a name. */
 static json_t *names_of(size_t n, const char *(*name)(const sd_model *m, size_t k),
                         const sd_model *m) {
   json_t *list = json_array();
@@ -38,7 +38,7 @@ static const char *disk_name(const sd_model *m, size_t k) { return m->disks[k].n
 static const char *group_name(const sd_model *m, size_t k) { return m->groups[k]; }
 static const char *material_name(const sd_model *m, size_t k) { return m->materials[k].name; }
 
-/* As it stood at angle 0, from its pivot. */
+/* Returns a wall as JSON, with its points at angle 0, relative to its pivot. */
 static json_t *wall_json(const sd_wall *w) {
   static const char *const kinds[] = {[SD_WALL_LINE] = "line",
                                       [SD_WALL_SEGMENT] = "segment",
@@ -55,7 +55,8 @@ static json_t *wall_json(const sd_wall *w) {
                    "material", w->material, "points", points);
 }
 
-/* k_n, k_t, gamma_n, mu of each pair of materials; null where none is given. */
+/* Returns a matrix of [k_n, k_t, gamma_n, mu] for each pair of materials; null if the pair has no
+ * law. */
 static json_t *laws_json(const sd_model *m) {
   json_t *list = json_array();
   for (size_t a = 0; a < m->n_materials; a++) {
@@ -70,7 +71,7 @@ static json_t *laws_json(const sd_model *m) {
   return list;
 }
 
-/* Of the periodic box: its lower corner, which stays where it is, and its lengths; 0 where it is open. */
+/* Returns the lower corner of the periodic box, which does not move; 0 along open directions. */
 static json_t *lower_json(const sd_model *m) {
   return pair(m->periodic[0] ? m->lower[0] : 0, m->periodic[1] ? m->lower[1] : 0);
 }
@@ -142,9 +143,10 @@ void view_meta_summary(json_t *meta, const summary *s) {
   json_object_set_new(object, "rotation", means);
 }
 
-/* --- numbers ---------------------------------------------------------------------------------------- */
+/* --- columns ---------------------------------------------------------------------------------- */
 
-/* Places are told to a ten thousandth of the smallest radius. */
+/* Returns the rounding of positions, a power of two near 1e-4 of the smallest radius; 0, no
+ * rounding, for few disks. */
 static double grain(const sd_model *m) {
   double least = HUGE_VAL;
   for (size_t k = 0; k < m->n_disks; k++) least = fmin(least, m->disks[k].radius);
@@ -152,7 +154,8 @@ static double grain(const sd_model *m) {
                                                                : 0;
 }
 
-/* omega, error: room for a number per disk. */
+/* Adds the mean angular velocity of each disk and its error. omega, error: buffers for n
+ * numbers. */
 static void add_means(view_chunk *c, size_t n, const summary_disks *found, double *omega,
                       double *error) {
   for (size_t k = 0; k < n; k++) omega[k] = error[k] = NAN;
@@ -192,7 +195,7 @@ void view_static(view_chunk *c, const sd_model *m, const double *first, const su
     else
       view_chunk_add(c, names[column], VIEW_WHOLE, SD_I32, whole, n, 1);
   }
-  /* the mark of a disk stands where it does after whole turns */
+  /* Angles without whole turns: the mark on a disk looks the same. */
   for (size_t k = 0; k < n; k++) real[k] = remainder(first_angle(m, first, k), 2 * M_PI);
   view_chunk_add(c, "angle", VIEW_REAL, SD_F64, real, n, 1);
   if (found && found->n > 0 && found->disks) add_means(c, n, found, real, error);
@@ -228,7 +231,7 @@ void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, bool shuf
   c->grain = grain(m);
   view_chunk_add(c, "x", VIEW_REAL, SD_F64, &f->position[0][0], n, 2);
   view_chunk_add(c, "y", VIEW_REAL, SD_F64, &f->position[0][1], n, 2);
-  /* a thousandth of a radian can be seen */
+  /* Rounding of angles, rad: a thousandth can be seen. */
   c->grain = n > VIEW_FEW ? 0x1p-10 : 0;
   view_chunk_add(c, "turned", VIEW_REAL, SD_F64, f->angle, n, 1);
   c->grain = 0;
@@ -247,13 +250,14 @@ void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, bool shuf
 }
 
 #define CLOCK "/observables/kinetic_translation/time"
-enum { MOST_ELEMENTS = 32, BLOCK = 1 << 16 }; /* of one quantity; numbers read at once */
+/* Most elements of one quantity; most numbers read at once */
+enum { MOST_ELEMENTS = 32, BLOCK = 1 << 16 };
 
-/* Rows of all files, every `every`-th of which is told. */
+/* Reader of the series in all files: n rows, of which each `every`-th and the last one are kept. */
 typedef struct reader {
   const frames *f;
   size_t n, every, kept;
-  size_t rows[2]; /* scratch */
+  size_t rows[2]; /* Not used */
   sd_status status;
   sd_messages *messages;
 } reader;
@@ -266,14 +270,16 @@ static size_t rows_of(const h5_file *file, const char *path, size_t *width) {
   return dims[0];
 }
 
-/* File k of those with series; NULL: it cannot be opened. To be released. */
+/* Opens file k of those with series; close it with stored_release. NULL: it cannot be opened
+ * (r->status). */
 static h5_file *open_source(reader *r, size_t k) {
   h5_file *file;
   r->status = stored_source(r->f, k, &file, r->messages);
   return file;
 }
 
-/* Rows first ... of one file into values[kept][width], from place `at` on; where the next file goes on. */
+/* Reads the n rows of one file and copies those that are kept to values[kept][width], from row
+ * `at` on. before: rows of earlier files. Returns the row at which the next file goes on. */
 static size_t read_rows(reader *r, const h5_file *file, const char *path, size_t before, size_t n,
                         size_t width, size_t at, double *values) {
   size_t block = BLOCK / width > 0 ? BLOCK / width : 1;
@@ -291,7 +297,8 @@ static size_t read_rows(reader *r, const h5_file *file, const char *path, size_t
   return at;
 }
 
-/* All kept rows of a dataset, to be freed. */
+/* Returns all kept rows of a dataset, which the caller frees; NAN for rows that are missing.
+ * NULL: no memory. */
 static double *read_all(reader *r, const char *path, size_t width) {
   double *values;
   if (!memory_row(&values, r->kept * width, sizeof *values)) {
@@ -331,7 +338,8 @@ static void describe(json_t *meta, const observable *o, bool energy, const char 
                                   "description", o->meaning, "section", section_of(o, energy)));
 }
 
-/* "contacts", "angle[upper]", "wall_force_x[3]"; to be freed. */
+/* Returns the name of a series, such as "contacts", "angle[upper]", "wall_force_x[3]"; the caller
+ * frees it. */
 static char *series_name(const sd_model *m, const h5_file *file, const observable *o, size_t k) {
   if (o->width == 1) return memory_text(o->name);
   uint32_t body = stored_body(m, file, o, k);
@@ -345,7 +353,7 @@ static char *series_name(const sd_model *m, const h5_file *file, const observabl
 
 void view_series_each(const sd_model *m, json_t *meta, view_series_visitor *visit, void *user) {
   const observable_list *lists[] = {&energy_observables, &series_observables};
-  size_t column = 2; /* behind step and time */
+  size_t column = 2; /* Columns 0 and 1 are step and time */
   for (size_t l = 0; l < 2; l++)
     for (const observable *o = lists[l]->rows; o < lists[l]->rows + lists[l]->n; o++) {
       if (o->when && !o->when(m)) continue;

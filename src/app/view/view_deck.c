@@ -1,4 +1,5 @@
-/* view_deck.c: a page that shows how a deck begins: one frame, with all pairs that overlap. */
+/* view_deck.c: writes the page that shows how a deck begins: one frame, with all pairs that
+ * overlap. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,21 +12,22 @@
 #include "model/normal_laws.h"
 #include "model/overlaps.h"
 
-/* Of one disk so many are shown: where all lie in one place there would be n^2/2. */
+/* Most overlaps recorded of one disk: n disks in one place would give n^2/2. */
 enum { MOST_OF_A_DISK = 32 };
-/* Disks of a lattice touch as nearly as numbers allow. */
-static const double ROUNDING = 1e-9; /* of the radius */
+/* Overlaps below this fraction of the radius of the smaller disk do not count: disks of a lattice
+ * touch up to rounding. */
+static const double ROUNDING = 1e-9;
 
-/* Overlaps are found twice: first to be counted, then to be noted. */
+/* Search for overlaps. It runs twice: first to count them, then to record them. */
 typedef struct start {
   const sd_model *m;
   frame_data *f;
   bool counting;
   size_t n, too_deep;
-  uint32_t last; /* disk, and how many were found of it */
+  uint32_t last; /* Disk of the last overlap; of_last: number of its overlaps so far */
   int of_last;
   overlap worst;
-  double relative; /* its depth over the radius of the smaller disk */
+  double relative; /* Depth of the worst overlap over the radius of the smaller disk */
 } start;
 
 static bool is_driven(const sd_model *m, uint32_t body) {
@@ -77,7 +79,7 @@ static double in_box(const sd_model *m, double x, int c) {
   return m->periodic[c] && length > 0 ? x - floor((x - m->lower[c]) / length) * length : x;
 }
 
-/* As the deck puts them. */
+/* Fills a frame with positions and velocities of the deck. */
 static void place_bodies(const sd_model *m, frame_data *f) {
   for (size_t k = 0; k < m->n_disks; k++) {
     const sd_disk *d = &m->disks[k];
@@ -105,7 +107,7 @@ static sd_status make_frame(start *s, frame_data *f, sd_messages *messages) {
   return status == SD_OK ? find_overlaps(s, messages) : status;
 }
 
-/* --- page ---------------------------------------------------------------------------------------------- */
+/* --- page ------------------------------------------------------------------------------------- */
 
 static void tell(json_t *meta, const char *level, const char *text, json_t *disks) {
   json_array_append_new(
@@ -129,7 +131,7 @@ static void tell_overlaps(json_t *meta, const start *s) {
   free(text);
 }
 
-/* To be freed; NULL: none waits. */
+/* Returns a text about disks that wait for their release; the caller frees it. NULL: none waits. */
 static char *waiting_text(const sd_model *m) {
   size_t n = 0;
   for (size_t k = 0; k < m->n_disks; k++) n += m->disks[k].waiting;

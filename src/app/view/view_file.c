@@ -1,4 +1,4 @@
-/* view_file.c: a page with the frames of a result, of an unfinished run, or of a checkpoint. */
+/* view_file.c: writes the page with the frames of a result, an unfinished run or a checkpoint. */
 #include <inttypes.h>
 #include <stdlib.h>
 
@@ -7,20 +7,21 @@
 #include "io/results/checkpoint.h"
 #include "slipdisk/deck.h"
 
-enum { MOST_FRAMES = 501 }; /* when none are asked for: 500 and the end */
-enum { FEW_FRAMES = 200 };  /* suggested */
+enum { MOST_FRAMES = 501 }; /* Most frames by default: 500 and the last one */
+enum { FEW_FRAMES = 200 };  /* Number of frames that a hint suggests */
 
 typedef struct job {
   const view_options *options;
   frames f;
-  size_t count; /* frames with the state, which is the last one */
+  size_t count; /* Number of frames, the state included, which is the last one */
   option_range wanted;
-  double *first; /* angles of all bodies in the first frame that is told */
+  double *first; /* Angles of all bodies in the first selected frame */
   summary found;
   json_t *meta;
 } job;
 
-/* All, or at most so many that lie evenly; the last one in any case. */
+/* Selects frames: those of --frames; by default all, or at most MOST_FRAMES evenly spaced ones,
+ * the last one included. */
 static sd_status choose(job *j, bool alone, sd_messages *messages) {
   const view_options *o = j->options;
   sd_status status = stored_count(&j->f, alone, &j->count, messages);
@@ -32,7 +33,7 @@ static sd_status choose(job *j, bool alone, sd_messages *messages) {
   return SD_OK;
 }
 
-/* Frame k of those that are told; frame_data_free also when it fails. */
+/* Reads selected frame k. Call frame_data_free also after an error. */
 static sd_status read_wanted(const job *j, size_t k, frame_data *frame, sd_messages *messages) {
   sd_status status = frames_read(&j->f, j->wanted.first + k * j->wanted.step, frame, messages);
   for (size_t c = 0; status == SD_OK && c < frame->n_contacts; c++)
@@ -43,7 +44,7 @@ static sd_status read_wanted(const job *j, size_t k, frame_data *frame, sd_messa
   return status;
 }
 
-/* Turns are counted from the first frame. */
+/* Keeps the angles of the first frame, from which turns are counted. */
 static sd_status note_first(job *j, sd_messages *messages) {
   frame_data frame;
   sd_status status = read_wanted(j, 0, &frame, messages);
@@ -140,7 +141,8 @@ sd_status view_file(const view_options *o, char **path, bool *made, sd_messages 
   if (status == SD_OK) status = note_first(&j, messages);
   if (status == SD_OK) status = describe(&j, messages);
   app_catch_signals();
-  app_begin_saving(); /* a page that is not complete goes */
+  /* A signal now only sets app_stop, so that an incomplete page is removed */
+  app_begin_saving();
   if (status == SD_OK) status = write_page(&j, *path, messages);
   if (status == SD_INTERRUPTED) fprintf(stderr, "stopped: no page is written\n");
   *made = status == SD_OK;

@@ -13,9 +13,10 @@
 #include "measure/observable.h"
 
 static const char place_of_numbers[] = "<!-- slipdisk-data -->";
-enum { LEVEL = 6 }; /* of zlib */
+enum { LEVEL = 6 }; /* Compression level of zlib */
 
-/* Within a page "<" could end the script that it stands in; in JSON it is only found in texts. */
+/* Writes JSON with "<" as \u003c: in a page, "<" could end the script element that holds the
+ * JSON. JSON has "<" in strings only. */
 static int write_json(const char *text, size_t n, void *user) {
   FILE *out = user;
   for (size_t k = 0; k < n; k++)
@@ -121,7 +122,7 @@ sd_status view_open(const char *path, sd_messages *messages) {
 static const struct stored {
   const char *name;
   size_t size;
-  double least, most; /* of whole numbers */
+  double least, most; /* Range of an integer type; 0 for floats */
 } stored_types[] = {{"u8", 1, 0, 255},
                     {"i8", 1, -128, 127},
                     {"u16", 2, 0, 65535},
@@ -136,7 +137,7 @@ void view_chunk_begin(view_chunk *c, bool shuffle) {
   *c = (view_chunk){.head = json_pack("{s:[]}", "columns"), .shuffle = shuffle};
 }
 
-/* Bytes for n more, from a multiple of 8 on; NULL: no memory. */
+/* Appends n bytes that begin at a multiple of 8, and returns them; NULL: no memory. */
 static unsigned char *more(view_chunk *c, size_t n) {
   size_t at = (c->size + 7) / 8 * 8, size = at + n;
   if (c->failed) return NULL;
@@ -151,7 +152,7 @@ static unsigned char *more(view_chunk *c, size_t n) {
   return c->bytes + at;
 }
 
-/* Which type takes the values. */
+/* Returns the index of the stored type that holds all values. */
 static int choose(view_form form, sd_type type, const void *values, size_t n, size_t stride) {
   if (form == VIEW_EXACT) return F64;
   if (form != VIEW_WHOLE) return F32;
@@ -166,7 +167,7 @@ static int choose(view_form form, sd_type type, const void *values, size_t n, si
   return t;
 }
 
-/* Little endian, byte `b` of element k at its place. */
+/* Stores element k of n in little endian. shuffle: byte b of all elements lies together. */
 static void put(unsigned char *out, size_t n, size_t k, size_t size, bool shuffle, uint64_t bits) {
   for (size_t b = 0; b < size; b++)
     out[shuffle ? b * n + k : k * size + b] = (unsigned char)(bits >> (8 * b));
@@ -208,7 +209,8 @@ void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type typ
   json_array_append_new(json_object_get(c->head, "columns"), column);
 }
 
-/* zlib in one call takes 4 GiB at most. */
+/* Compresses head and columns. One call of zlib takes 4 GiB at most, hence the loop. Returns
+ * false without memory. */
 static bool deflate_all(const unsigned char *head, size_t n_head, const view_chunk *c, int level,
                         unsigned char **stream, size_t *size) {
   z_stream z = {0};
