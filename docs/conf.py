@@ -22,7 +22,8 @@ KATEX_LICENCE = pathlib.Path("/usr/share/doc/libjs-katex/copyright")
 NORMALIZE_IMPORT = "@import url(/javascript/normalize.css/normalize.css);"
 GUMSHOE_IMPORT = 'import Gumshoe from "./gumshoe-patched.js";'
 DARK_COLOURS = re.compile(r'body\[data-theme="dark"\] \{([^}]*)\}')
-sys.path.insert(0, str(ROOT / "tools/python"))
+sys.path[:0] = [str(ROOT / "tools/python"), str(ROOT / "tools/docs")]
+import names  # noqa: E402
 
 project = "slipdisk"
 author = "the slipdisk authors"
@@ -96,6 +97,12 @@ def name_pages(app, doctree, docname):
             link.children = [nodes.inline(text=app.env.titles[page].astext())]
 
 
+def fill_names(app, docname, source):
+    """The lists of names.md, from the program."""
+    if docname == "names":
+        source[0] = names.fill(source[0])
+
+
 def note_keys(app, doctree):
     """Every key in the tables of deck.md is something that the search finds by itself: "materials.k_n (deck key)"."""
     if app.env.docname != "deck":
@@ -164,6 +171,7 @@ def complete(app, exception):
 def setup(app):
     app.add_lexer("lammps", TextLexer)
     app.add_object_type("key", "key", objname="deck key")
+    app.connect("source-read", fill_names)
     app.connect("doctree-read", note_keys)
     app.connect("missing-reference", resolve_header)
     app.connect("doctree-resolved", name_pages)

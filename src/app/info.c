@@ -352,7 +352,7 @@ const command_line app_info_line = {
     .examples = "slipdisk info deck.h5                   # means with error bars, energy budget\n"
                 "slipdisk info deck.h5 --json\n"};
 
-/* All observables: the tables of docs/names.md. */
+/* All observables: the tables of the site's page docs/names.md (tools/docs/names.py). */
 static int print_names(void) {
   const observable_list *const lists[] = {
       &energy_observables,        &series_observables,   &frame_observables,
