@@ -9,9 +9,9 @@
 #include "base/memory.h"
 #include "physics/system/bodies.h"
 
-/* Chosen by measurement (tests/bench/README.md): a larger factor tests more disks of the same level, a smaller one
- * searches more levels. Cells have CELL_SIZE times the reach of a pair of largest disks; where disks are sparse, larger
- * ones: at most CELLS_PER_DISK of them. */
+/* Chosen by measurement (tests/bench/README.md): a larger factor tests more disks of the same
+ * level, a smaller one searches more levels. Cells have CELL_SIZE times the reach of a pair of
+ * largest disks; where disks are sparse, larger ones: at most CELLS_PER_DISK of them. */
 static const double LEVEL_FACTOR = 2.5, CELL_SIZE = 1.0, CELLS_PER_DISK = 4.0;
 
 /* --- levels ---------------------------------------------------------------------------------------------- */
