@@ -12,6 +12,7 @@ import sys
 
 from docutils import nodes
 from pygments.lexers.special import TextLexer
+from sphinx import addnodes
 from sphinx.util.nodes import make_refnode
 
 DOCS = pathlib.Path(__file__).resolve().parent
@@ -22,7 +23,8 @@ KATEX_LICENCE = pathlib.Path("/usr/share/doc/libjs-katex/copyright")
 NORMALIZE_IMPORT = "@import url(/javascript/normalize.css/normalize.css);"
 GUMSHOE_IMPORT = 'import Gumshoe from "./gumshoe-patched.js";'
 DARK_COLOURS = re.compile(r'body\[data-theme="dark"\] \{([^}]*)\}')
-sys.path.insert(0, str(ROOT / "tools/python"))
+sys.path[:0] = [str(ROOT / "tools/python"), str(ROOT / "tools/docs")]
+import names  # noqa: E402
 
 project = "slipdisk"
 author = "the slipdisk authors"
@@ -96,6 +98,12 @@ def name_pages(app, doctree, docname):
             link.children = [nodes.inline(text=app.env.titles[page].astext())]
 
 
+def fill_names(app, docname, source):
+    """The lists of names.md, from the program."""
+    if docname == "names":
+        source[0] = names.fill(source[0])
+
+
 def note_keys(app, doctree):
     """Every key in the tables of deck.md is something that the search finds by itself: "materials.k_n (deck key)"."""
     if app.env.docname != "deck":
@@ -110,6 +118,41 @@ def note_keys(app, doctree):
             name = cell.astext() if group == "deck" else f"{group}.{cell.astext()}"
             cell["ids"].append(f"key-{name}")
             app.env.get_domain("std").note_object("key", name, f"key-{name}", location=cell)
+
+
+def note_words(app, doctree):
+    """Every word in the tables of the glossary, too: "rattler (word)" leads to its row."""
+    if app.env.docname != "glossary":
+        return
+    for table in doctree.findall(nodes.table):
+        rows = list(table.findall(nodes.row))
+        if rows[0].next_node(nodes.entry).astext() != "word":
+            continue
+        for row in rows[1:]:
+            cell = row.next_node(nodes.paragraph)
+            for word in cell.astext().split(", "):
+                place = "word-" + re.sub(r"\W+", "-", word.lower())
+                cell["ids"].append(place)
+                app.env.get_domain("std").note_object("word", word, place, location=cell)
+
+
+def other_words():
+    """{page: [(word, anchor)]} of the table "Other words" of the glossary: the first link of a row is where its words lead."""
+    found = {}
+    section = (DOCS / "glossary.md").read_text().split("\n## Other words\n")[1].split("\n## ")[0]
+    for words, page, anchor in re.findall(r"^\| ([^|]+) \|.*?\]\(([\w/]+)\.md(?:#([\w-]+))?\)", section, re.M):
+        found.setdefault(page, []).extend((word, anchor) for word in words.split(", "))
+    return found
+
+
+OTHER_WORDS = other_words()
+
+
+def note_other_words(app, doctree):
+    """The search finds the page of such a word first, whatever words the page itself uses."""
+    entries = [("single", word, anchor, "", None) for word, anchor in OTHER_WORDS.get(app.env.docname, [])]
+    if entries:
+        doctree.insert(0, addnodes.index(entries=entries))
 
 
 def columns_to_fields(app, what, name, thing, options, lines):
@@ -164,7 +207,11 @@ def complete(app, exception):
 def setup(app):
     app.add_lexer("lammps", TextLexer)
     app.add_object_type("key", "key", objname="deck key")
+    app.add_object_type("word", "word", objname="word")
+    app.connect("source-read", fill_names)
     app.connect("doctree-read", note_keys)
+    app.connect("doctree-read", note_words)
+    app.connect("doctree-read", note_other_words)
     app.connect("missing-reference", resolve_header)
     app.connect("doctree-resolved", name_pages)
     app.connect("autodoc-process-docstring", columns_to_fields)

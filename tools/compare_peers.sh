@@ -9,8 +9,8 @@
 #   tools/compare_peers.sh --help                     all options: -o DIR, --repeats N, --only NAME, --keep DIR, ...
 # Installs what is missing of the Debian packages lammps and liggghts (never needed by slipdisk itself) when it is root
 # or can become so, else says which to install and goes on with what is there. --no-install installs and builds nothing. Numbers are worth
-# something on a quiet machine only. LAMMPS_NATIVE=/path/of/lmp: one built for this machine is timed besides. docs/peers.md
-# says more.
+# something on a quiet machine only. LAMMPS_NATIVE=/path/of/lmp: one built for this machine is timed besides.
+# docs/performance.md says more.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 

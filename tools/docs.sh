@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds the documentation site: pages of docs/, the C interface from the headers, the Python interface from its docstrings.
-# It needs no network and no server: open build/site/index.html. A broken link or reference is an error.
+# It needs no network and no server: open build/site/index.html. A broken link or reference is an error. Names of results are asked of
+# the program, build/release/slipdisk or SLIPDISK_PROGRAM; without one their page has no lists.
 #   tools/docs.sh                 installs what is missing, builds into build/site
 #   tools/docs.sh --no-install    without the packages
 #   tools/docs.sh --output DIR    builds into DIR

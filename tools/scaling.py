@@ -53,7 +53,7 @@ def seconds_a_step(arguments, folder, width, steps, ranks, threads):
 
 # --- model of a step ----------------------------------------------------------------------------------------------------
 
-BYTES = 542  # a disk-step moves, to and from memory (docs/performance.md, Limits)
+BYTES = 542  # a disk-step moves, to and from memory (tests/bench/README.md)
 HEIGHT = 0.866  # of the box, over its width
 GHOSTS = 1.6, 80  # disks per diameter of border, and bytes of each
 

@@ -363,7 +363,7 @@ const command_line app_info_line = {
     .examples = "slipdisk info deck.h5                   # means with error bars, energy budget\n"
                 "slipdisk info deck.h5 --json\n"};
 
-/* Prints the tables of all observables, as in docs/names.md. */
+/* Prints the tables of all observables; tools/docs/names.py puts them into docs/names.md. */
 static int print_names(void) {
   const observable_list *const lists[] = {
       &energy_observables,        &series_observables,   &frame_observables,

@@ -2,8 +2,8 @@
  * quantity, and the structure member or the function that holds its value.
  *
  * All writers and lists loop over these tables: columns of the series and of frames, datasets and
- * attributes of /summary, `info --json`, the tables of sweeps, `measure`, and docs/names.md, which
- * tests/docs/test_results_reference.py compares with them. */
+ * attributes of /summary, `info --json`, the tables of sweeps, `measure`, and the tables that
+ * tools/docs/names.py puts into the site's page docs/names.md. */
 #ifndef MEASURE_OBSERVABLE_H
 #define MEASURE_OBSERVABLE_H
 

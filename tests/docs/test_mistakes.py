@@ -1,5 +1,5 @@
-"""docs/messages.md: each mistake of its tables gets the message that stands there, and no other. After a message was
-changed on purpose, `tests/docs/test_mistakes.py --write` writes the page anew.
+"""messages.md beside this file: each mistake of its tables gets the message that stands there, and no other. After a
+message was changed on purpose, `tests/docs/test_mistakes.py --write` writes the tables anew.
 """
 import gzip
 import os
@@ -12,7 +12,7 @@ import unittest
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", ROOT / "build/release/slipdisk")
-PAGE = ROOT / "docs/messages.md"
+KEPT = ROOT / "tests/docs/messages.md"
 
 DECK = """dt = 1e-5;
 time = 2;
@@ -268,9 +268,8 @@ TABLES = {
 
 HEAD = """# Messages
 
-A message names the file, the line, the key with its value, and what was expected: look your mistake up on the left, or search
-the page for the message. All mistakes of a deck come at once; of several wrong brackets or commas only the first, since the
-others follow from it. Messages begin with `error:` (left out here) or `warning:`. The deck of the examples is a ball over a floor.
+Each row is a mistake in a deck, a file or a command, and the message that the program gives for it; test_mistakes.py compares
+them, and writes this file with --write. Messages begin with `error:` (left out here) or `warning:`.
 
 A value with a unit behind it (`"1 mm"`, `1e4 N/m`, `1e-5f`) gets this message, cut to "..." in the tables:
 
@@ -303,9 +302,9 @@ def shown(lines):
 
 
 def rows():
-    """{mistake: message} of the page."""
+    """{mistake: message} of the tables."""
     found = {}
-    for line in PAGE.read_text().splitlines():
+    for line in KEPT.read_text().splitlines():
         parts = line.split(" | ")
         if line.startswith("| ") and len(parts) == 2:
             found[parts[0][2:].replace("&#42;", "*")] = parts[1].removesuffix(" |")
@@ -318,7 +317,7 @@ def write():
         text += f"\n## {title}\n\n| mistake | message |\n|---|---|\n"
         for mistake, files, arguments in mistakes:
             text += f"| {mistake} | {shown(said(PROGRAM, files, arguments))} |\n"
-    PAGE.write_text(text)
+    KEPT.write_text(text)
 
 
 class Mistakes(unittest.TestCase):
@@ -334,9 +333,9 @@ class Mistakes(unittest.TestCase):
                     self.assertEqual(shown(said(PROGRAM, files, arguments)), there[mistake])
 
     def test_units(self):
-        """The page has the message that its tables cut short."""
+        """The file has the message that its tables cut short."""
         deck = DECK.replace("radius = 0.02", 'radius = "1 mm"')
-        self.assertIn(f"> {shown_cell(said(PROGRAM, {'d.cfg': deck}, []))}\n", PAGE.read_text())
+        self.assertIn(f"> {shown_cell(said(PROGRAM, {'d.cfg': deck}, []))}\n", KEPT.read_text())
 
     def test_deck(self):
         """Without a mistake it is right."""

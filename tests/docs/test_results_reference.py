@@ -1,14 +1,21 @@
-"""docs/names.md against the lists of what is measured, both ways; and names of format 4, which are still read."""
+"""Lists of what is measured, and the page that the site makes of them; and names of format 4, which are still read."""
+import io
 import json
 import pathlib
 import re
+import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import h5py
 import numpy
 
 from results_common import ROOT, deck_arguments, run
+
+sys.path.insert(0, str(ROOT / "tools/docs"))
+sys.dont_write_bytecode = True
+import names  # noqa: E402
 
 RENAMED = (("elastic_skin", "elastic_tangential"), ("variant", "nonconservative_work"))
 
@@ -17,12 +24,31 @@ class Names(unittest.TestCase):
     def test_the_page_has_what_the_program_prints(self):
         status, out, err = run("info", "--names")
         self.assertEqual((status, err), (0, ""))
-        page = (ROOT / "docs/names.md").read_text()
-        block = re.search(r"<!-- names: slipdisk info --names -->\n(.*?)<!-- end of names -->", page, re.S).group(1)
-        said, written = out.splitlines(), block.splitlines()
-        missing = [line for line in said if line and line not in written]
-        stale = [line for line in written if line and line not in said]
-        self.assertEqual((missing, stale), ([], []), "put the output of `slipdisk info --names` into docs/names.md")
+        kept = (ROOT / "docs/names.md").read_text()
+        before, after = kept.split(names.MARK)
+        self.assertNotIn("|---", before + after)
+        self.assertEqual(names.fill(kept), before + out + after)
+
+    def test_every_name_has_a_unit_and_a_meaning(self):
+        lists = re.split(r"^\*\*(\w+)\*\*: \S.*\n", names.tables(), flags=re.M)
+        self.assertEqual(lists[0], "")
+        self.assertGreater(len(lists[1::2]), 15)
+        self.assertEqual(len(set(lists[1::2])), len(lists[1::2]))
+        for title, text in zip(lists[1::2], lists[2::2]):
+            rows = [re.split(r" (?<!\\)\| ?", line.strip("| ")) for line in text.splitlines() if line.startswith("| `")]
+            self.assertTrue(rows, title)
+            self.assertEqual(len({row[0] for row in rows}), len(rows), title)
+            for row in rows:
+                self.assertRegex(row[0], r"^`\w+`$", title)
+                self.assertTrue(row[1] and row[-1] and not row[-1].startswith("`"), (title, row))
+                self.assertNotIn(row[1], ("", "?"), title)
+
+    def test_a_site_without_the_program(self):
+        text = f"before\n{names.MARK}after\n"
+        with unittest.mock.patch.object(names, "program", lambda: names.ROOT / "nowhere"), \
+                unittest.mock.patch("sys.stderr", io.StringIO()) as told:
+            self.assertEqual(names.fill(text), text)
+        self.assertIn("is missing", told.getvalue())
 
     def test_columns_of_measure_are_on_its_page(self):
         page = (ROOT / "docs/measure.md").read_text()

@@ -2,8 +2,10 @@
 
 - `tools/docs.sh` builds it: no broken link, reference, toctree or docstring.
 - Every page of docs/ is in the navigation and in the search index; nothing is loaded from elsewhere.
+- Names of results are on their page, as the program prints them.
 - In headless Chromium, from file://: pages load all that they ask for and report no error, formulas are set, a search finds the page
-  with the word, wide pages scroll inside their tables on a narrow screen, dark pages are dark.
+  with the word, among the first three for words that users type (WORDS), wide pages scroll inside their tables on a narrow screen, dark
+  pages are dark.
 
 77: Sphinx, Doxygen or one of their packages is missing (tools/install_deps.sh --docs). Without Chromium and selenium the tests in a
 browser are left out. SLIPDISK_SCREENSHOTS=FOLDER keeps pictures of the pages.
@@ -24,6 +26,11 @@ ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__)
 DOCS = ROOT / "docs"
 SHOTS = os.environ.get("SLIPDISK_SCREENSHOTS")
 MODULES = ("sphinx", "myst_parser", "breathe", "furo", "sphinx_copybutton", "numpy", "h5py", "matplotlib")
+# Words that users type, and a page that they find among the first three.
+WORDS = {"silo": "packings", "hopper": "packings", "pip": "install", "conda": "install", "jupyter": "python", "notebook": "python",
+         "angle of repose": "gallery", "avalanche": "deck_tasks", "drum": "packings", "restart": "results", "benchmark": "performance",
+         "GPU": "performance", "periodic": "deck", "biaxial": "cookbook/shear", "shear": "cookbook/shear", "cohesion": "laws",
+         "polydisperse": "packings", "rattler": "glossary", "messages": "deck", "omega_error": "names"}
 PAGES = ("index", "physics", "deck", "deck_tasks", "units", "glossary", "api/simulation", "api_python", "gallery", "measure")
 
 
@@ -73,6 +80,17 @@ class Site(unittest.TestCase):
             found = index["terms"].get(word, [])
             self.assertIn(index["docnames"].index(page), found if isinstance(found, list) else [found], word)
 
+    def test_names_of_results(self):
+        program = pathlib.Path(os.environ.get("SLIPDISK_PROGRAM", ROOT / "build/release/slipdisk"))
+        if not program.exists():
+            self.skipTest(f"{program} is missing")
+        said = subprocess.run([program, "info", "--names"], capture_output=True, text=True, check=True).stdout
+        cells = re.findall(r"<code[^>]*><span class=\"pre\">(\w+)</span></code>", (self.site / "names.html").read_text())
+        names = re.findall(r"^\| `(\w+)`", said, re.M)
+        self.assertGreater(len(names), 200)
+        for name in set(names):
+            self.assertGreaterEqual(cells.count(name), names.count(name), name)
+
     def test_nothing_is_loaded_from_elsewhere(self):
         for path in self.site.rglob("*.html"):
             for tag in re.findall(r"<(?:script|link|img|source|iframe)\b[^>]*>", path.read_text()):
@@ -117,25 +135,33 @@ class Site(unittest.TestCase):
             pathlib.Path(SHOTS).mkdir(parents=True, exist_ok=True)
             driver.save_screenshot(os.path.join(SHOTS, f"{page.replace('/', '-')}-{width}-{scheme}.png"))
 
-    def search(self, driver):
+    def found(self, driver, word):
+        """Addresses that a search shows, the best first."""
         from selenium.webdriver.common.by import By
         from selenium.webdriver.common.keys import Keys
+        driver.get((self.site / "index.html").as_uri())
+        driver.find_element(By.CSS_SELECTOR, "input.sidebar-search").send_keys(word, Keys.ENTER)
+        until = time.monotonic() + 20
+        summary = "return document.querySelector('#search-results .search-summary')?.textContent ?? ''"
+        while "Search finished" not in driver.execute_script(summary) and time.monotonic() < until:
+            time.sleep(0.1)
+        return driver.execute_script("return [...document.querySelectorAll('#search-results li a')].map(a => a.href)")
+
+    def search(self, driver):
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                               {"width": 1300, "height": 1000, "deviceScaleFactor": 1, "mobile": False})
         for word, page in (("Hertz", "physics"), ("restitution", "deck"), ("gravity.tilt", "deck"), ("sd_simulation_clone", "api/simulation"),
                            ("add_force", "api_python")):
-            driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                                   {"width": 1300, "height": 1000, "deviceScaleFactor": 1, "mobile": False})
-            driver.get((self.site / "index.html").as_uri())
-            box = driver.find_element(By.CSS_SELECTOR, "input.sidebar-search")
-            box.send_keys(word, Keys.ENTER)
-            found, until = [], time.monotonic() + 20
-            while f"{page}.html" not in str(found) and time.monotonic() < until:
-                time.sleep(0.1)
-                found = driver.execute_script("return [...document.querySelectorAll('#search-results li a')].map(a => a.href)")
+            found = self.found(driver, word)
             self.assertTrue(any(f"/{page}.html" in address for address in found), f"{word}: {found}")
             if page == "deck":
                 self.assertTrue(any("#key-" in address for address in found), f"{word}: {found}")
             if SHOTS:
                 driver.save_screenshot(os.path.join(SHOTS, f"search-{word}.png"))
+        for word, page in WORDS.items():
+            with self.subTest(word):
+                found = self.found(driver, word)
+                self.assertTrue(any(f"/{page}.html" in address for address in found[:3]), found[:3])
 
 
 if __name__ == "__main__":

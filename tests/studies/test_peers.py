@@ -185,8 +185,8 @@ class Page(unittest.TestCase):
     def test_fill(self):
         """Of the page that ships only the tables that there are results of change."""
         with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "peers.md"
-            shutil.copy(ROOT / "docs/peers.md", path)
+            path = pathlib.Path(folder) / "performance.md"
+            shutil.copy(ROOT / "docs/performance.md", path)
             before = path.read_text()
             page.fill(str(path), self.results())
             after = path.read_text()

@@ -143,14 +143,27 @@ class Page(unittest.TestCase):
         self.assertNotIn("Largest difference", text)
 
     def test_page_that_ships(self):
-        """Laws of the page are laws of the table; each has a row in all tables, and no cell is cut by a stroke."""
-        text = (ROOT / "docs/peers.md").read_text().split("<!-- laws -->\n")[1].split("<!-- end of laws -->")[0]
-        rows = [line.split(" | ") for line in text.splitlines() if line.startswith("| ")]
-        shown = {row[0][2:] for row in rows} & set(laws.LAWS)
-        self.assertIn("hooke", shown)
-        for name in shown:
-            self.assertEqual([len(row) for row in rows if row[0] == "| " + name], [5, 6, 7, 7], name)
+        """Laws of the pages are laws of the table; each has a row in all tables, and no cell is cut by a stroke."""
+        for path, cells in (("tools/peers/laws.md", [5, 6, 7, 7]), ("docs/performance.md", [5])):
+            text = (ROOT / path).read_text().split("<!-- laws -->\n")[1].split("<!-- end of laws -->")[0]
+            rows = [line.split(" | ") for line in text.splitlines() if line.startswith("| ")]
+            shown = {row[0][2:] for row in rows} & set(laws.LAWS)
+            self.assertIn("hooke", shown)
+            for name in shown:
+                self.assertEqual([len(row) for row in rows if row[0] == "| " + name], cells, name)
         self.assertIn("laws", page.PARTS)
+
+    def test_both_pages_say_the_same(self):
+        """The page has the first table and that of the time steps; numbers are those of all tables."""
+        whole, brief = ((ROOT / path).read_text().split("<!-- laws -->\n")[1].split("<!-- end of laws -->")[0]
+                        for path in ("tools/peers/laws.md", "docs/performance.md"))
+        self.assertGreater(brief.count("\n| "), 10)
+        for line in brief.splitlines():
+            self.assertIn(line + "\n", whole)
+        text = "\n".join(law_page.brief(self.found(True)))
+        self.assertIn("| rolling sds | +1.0e-03 |", text)
+        self.assertIn("| 1e-06 | +1.0e-03 | +1.0e-03 |", text)
+        self.assertNotIn("100.000", text)
 
 
 class Own(unittest.TestCase):

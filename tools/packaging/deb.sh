@@ -20,11 +20,12 @@ done
 cd "$(dirname "$0")/../.."
 if [ $install = yes ]; then tools/install_deps.sh --docs --deb; fi
 
-if [ $site != none ]; then tools/docs.sh --no-install; fi
 cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON \
   -DCMAKE_INSTALL_LIBDIR="lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)" -DSLIPDISK_TESTS=OFF -DCMAKE_INSTALL_RPATH_USE_LINK_PATH=OFF \
   -DSLIPDISK_SITE="$PWD/$site" -DCMAKE_PROJECT_INCLUDE="$PWD/tools/packaging/reproducible.cmake" >/dev/null
 cmake --build build/deb
+# The site asks the program for the names of results.
+if [ $site != none ]; then SLIPDISK_PROGRAM=$PWD/build/deb/slipdisk tools/docs.sh --no-install; fi
 SOURCE_DATE_EPOCH=$(date -u -d "$(sed -n 's/.*SD_VERSION_DATE "\(.*\)".*/\1/p' include/slipdisk/version.h)" +%s)
 export SOURCE_DATE_EPOCH
 rm -rf build/deb/packages; mkdir -p "$output"

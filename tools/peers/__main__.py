@@ -44,7 +44,7 @@ def options(words=None):
     parser.add_argument("-o", dest="folder", default=os.path.join(ROOT, "build", "peers"), metavar="DIR",
                         help="where inputs and results go (build/peers)")
     parser.add_argument("--program", default=os.path.join(ROOT, "build", "release", "slipdisk"), metavar="FILE")
-    parser.add_argument("--keep", metavar="DIR", help="put the tables into DIR/peers.md (docs)")
+    parser.add_argument("--keep", metavar="DIR", help="put the tables into DIR/performance.md (docs), all of --laws into tools/peers/laws.md")
     parser.set_defaults(what="packings")
     return parser.parse_args(words)
 
@@ -104,7 +104,9 @@ def main():
     for name in shown:
         print("\n".join(page.part(name, shown)))
     if args.keep:
-        page.fill(os.path.join(args.keep, "peers.md"), shown)
+        page.fill(os.path.join(args.keep, "performance.md"), shown)
+        if "laws" in shown and os.path.samefile(args.keep, os.path.join(ROOT, "docs")):
+            page.fill(os.path.join(ROOT, "tools", "peers", "laws.md"), {"laws": shown["laws"]}, brief=False)
 
 
 if __name__ == "__main__":

@@ -31,16 +31,19 @@ def both(found, text, *shown):
     return " / ".join(format(shown[0](found[who]), text) for who in ("slipdisk", "LAMMPS") if who in found)
 
 
-def render(found):
-    rows = found["laws"]
-    out, compared = [], {name: it for name, it in rows.items() if "LAMMPS" in it["collisions"]}
-    if compared:
-        out += ["Largest difference LAMMPS - slipdisk over all collisions: restitution, angle of rebound "
-                "of the surfaces, R omega of the smaller disk over the speed:", "",
-                *table(["law of LAMMPS", "e", "angle, degrees", "spin", "what is left of a difference"],
-                       [[name, *(f"{value:+.1e}" for value in differences(it)), laws.LAWS[name].why]
-                        for name, it in compared.items()]), ""]
-    out += [f"Restitution of two disks of radius {laws.RADII['a']:g}, slipdisk / LAMMPS:", "",
+def largest(rows):
+    compared = {name: it for name, it in rows.items() if "LAMMPS" in it["collisions"]}
+    if not compared:
+        return []
+    return ["Largest difference LAMMPS - slipdisk over all collisions: restitution, angle of rebound "
+            "of the surfaces, R omega of the smaller disk over the speed:", "",
+            *table(["law of LAMMPS", "e", "angle, degrees", "spin", "what is left of a difference"],
+                   [[name, *(f"{value:+.1e}" for value in differences(it)), laws.LAWS[name].why]
+                    for name, it in compared.items()]), ""]
+
+
+def collisions(rows):
+    out = [f"Restitution of two disks of radius {laws.RADII['a']:g}, slipdisk / LAMMPS:", "",
             *table(["law", *(f"{speed:g} m/s" for speed in law_runs.SPEEDS)],
                    [[name, *(both(it["collisions"], ".4f", lambda one, k=k: one[0][k])
                              for k in range(len(law_runs.SPEEDS)))]
@@ -59,22 +62,37 @@ def render(found):
                            [[f"{speed:g} m/s", f"{law_runs.expected_rolling(speed):.6f}",
                              *(f"{distances[k]:.6f}" for distances in it["rolling"].values())]
                             for k, speed in enumerate(law_runs.ROLL_SPEEDS)]), ""]
-    it = found["steps"]
+    return out
+
+
+def steps(it):
     names = list(it["rows"][0][1])
-    out += [f"Smaller time steps (hooke): e - {it['e']:.7f}, which is exact, and the angle of rebound at "
+    return [f"Smaller time steps (hooke): e - {it['e']:.7f}, which is exact, and the angle of rebound at "
             f"{law_runs.ANGLES[0]} and {law_runs.ANGLES[3]} degrees:", "",
             *table(["dt", *(f"{what}, {who}" for what in ("e", *(f"{law_runs.ANGLES[k]} degrees" for k in (0, 3)))
                             for who in names)],
                    [[f"{dt:g}", *(f"{row[who][0] - it['e']:+.1e}" for who in names),
                      *(f"{row[who][1][k]:.3f}" for k in (0, 3) for who in names)] for dt, row in it["rows"]]), ""]
-    out += [f"{law_runs.COUNT} disks of both sizes fall into a box {law_runs.WIDTH:g} wide, {found['seeds']} "
+
+
+def packings(rows, seeds):
+    return [f"{law_runs.COUNT} disks of both sizes fall into a box {law_runs.WIDTH:g} wide, {seeds} "
             "starts; slipdisk / LAMMPS, and the difference in standard errors. Contacts are those with walls, too; the "
             "elastic energy is that of the normal forces:", "",
             *table(["law", "mean height, mm", "", "contacts per disk", "", "elastic energy per disk, uJ", ""],
                    [[name, *(cell for k, scale in ((0, 1e3), (1, 1), (2, 1e6))
                              for cell in packing_cells(it["packing"], k, scale))]
                     for name, it in rows.items()]), ""]
-    return out
+
+
+def render(found):
+    rows = found["laws"]
+    return [*largest(rows), *collisions(rows), *steps(found["steps"]), *packings(rows, found["seeds"])]
+
+
+def brief(found):
+    """Of all tables the two on docs/performance.md."""
+    return [*largest(found["laws"]), *steps(found["steps"])]
 
 
 def packing_cells(found, k, scale):

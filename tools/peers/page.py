@@ -1,4 +1,4 @@
-"""Results as Markdown: tables, and the parts of docs/peers.md that they fill."""
+"""Results as Markdown: tables, and the parts of docs/performance.md that they fill."""
 import os
 import re
 
@@ -64,11 +64,12 @@ def times_of(sizes, cores):
         columns += [power(int(count)), "ratio"]
         for name in names_in(times):
             rows.setdefault(name, {})[count] = time_cells(times[name], times["slipdisk"])
-    title = "one core" if cores == "1" else "two cores (slipdisk: two threads; LAMMPS, LIGGGHTS: two ranks)"
+    title = ("Time, one core, ns per disk-step and ratio to slipdisk; in parentheses the quartiles' distance over the median, the "
+             "least and largest ratio of neighbouring repeats; ") if cores == "1" else (
+                 "The same, two cores (slipdisk: two threads; LAMMPS, LIGGGHTS: two ranks), ")
     repeats = ", ".join(f"{len(found['times'][cores]['slipdisk'])} repeats of {found['steps']} steps ({power(int(count))})"
                         for count, found in sizes)
-    return [f"Time, {title}, ns per disk-step and ratio to slipdisk; in parentheses the quartiles' distance over the median, the "
-            f"least and largest ratio of neighbouring repeats. {repeats}:", "",
+    return [f"{title}{repeats}:", "",
             *table(columns, [[name, *(cell for count, _ in sizes for cell in rows[name].get(count, ["", ""]))]
                              for name in names_in(rows)]), ""]
 
@@ -107,18 +108,19 @@ def accuracy(found):
 PARTS = {"packings": packings, "three": three, "accuracy": accuracy, "laws": law_page.render}
 
 
-def part(name, results):
-    """Markdown of one comparison, with where and when it was made."""
+def part(name, results, brief=False):
+    """Markdown of one comparison, with where and when it was made; brief: as docs/performance.md has it."""
     found = results[name]
     made = found["made"]
     lines = [f"{made['machine']}. " + ", ".join(f"{key} {value}" for key, value in made["versions"].items()) + "."]
     if made["load"] > BUSY and name in ("packings", "three"):
         lines += [f"**The machine was not quiet** (load {made['load']:.1f} before the start): times are not worth "
                   "much."]
-    return [*lines, "", *PARTS[name](found["data"])]
+    render = law_page.brief if brief and name == "laws" else PARTS[name]
+    return [*lines, "", *render(found["data"])]
 
 
-def fill(path, results):
+def fill(path, results, brief=True):
     """Puts the tables between the comments `<!-- NAME -->` and `<!-- end of NAME -->` of a page."""
     with open(path) as file:
         text = file.read()
@@ -128,7 +130,7 @@ def fill(path, results):
         mark = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end of {name} -->)", re.S)
         if not mark.search(text):
             raise ValueError(f"{path}: no <!-- {name} --> ... <!-- end of {name} -->")
-        body = "\n".join(part(name, results)).rstrip() + "\n"
+        body = "\n".join(part(name, results, brief)).rstrip() + "\n"
         text = mark.sub(lambda found, body=body: found.group(1) + body + found.group(2), text)
     with open(path + ".new", "w") as file:
         file.write(text)

@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "physics/system/bodies.h"
 
-/* Found by measurement (docs/performance.md): a larger LEVEL_FACTOR tests more disks of the same
+/* Found by measurement (tests/bench/README.md): a larger LEVEL_FACTOR tests more disks of the same
  * level, a smaller one searches more levels. The side of a cell is CELL_SIZE times the largest
  * distance of a pair of the level's largest disks; where disks are sparse it is larger, so that
  * there are at most CELLS_PER_DISK cells per disk. */
