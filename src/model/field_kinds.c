@@ -18,16 +18,15 @@ static const deck_shape per_words[] = {WORD("disk", SD_FIELD_PER_DISK),
                                        WORD("mass", SD_FIELD_PER_MASS), LAST_WORD};
 
 static const deck_key field_keys[] = {
-    {"name", TEXT, "-", NULL, "name by which phases refer to it", SETS(sd_body_force, name)},
-    {"type", CHOICE, "required", kinds, "kind of field, see below", SETS(sd_body_force, kind)},
-    {"disk", BODIES, "(all)", NULL, "disks on which it acts, by name or number"},
-    {"group", NAMES, "(all)", NULL, "groups of disks on which it acts"},
+    {"name", TEXT, "-", NULL, "name for phases", SETS(sd_body_force, name)},
+    {"type", CHOICE, "required", kinds, "see below", SETS(sd_body_force, kind)},
+    {"disk", BODIES, "(all)", NULL, "disks"},
+    {"group", NAMES, "(all)", NULL, "groups of disks"},
     {"gamma", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "-", NULL,
-     "drag: coefficient f; per radius: over R, per mass: over m (the rate at which velocities "
-     "decay)",
+     "drag: coefficient f; per radius: f/R; per mass: f/m, the rate at which velocities decay",
      SETS(sd_body_force, gamma)},
     {"gamma_rotation", NUMBER(DECK_NOT_NEGATIVE, "force length time"), "0.0", NULL,
-     "drag: torque over angular velocity; per radius: over R^3, per mass: over the moment of "
+     "drag: torque over angular velocity; per radius: this over R^3; per mass: this over the "
      "inertia",
      SETS(sd_body_force, gamma_rotation)},
     {"per", CHOICE, "\"disk\"", per_words,
@@ -40,8 +39,8 @@ static const deck_key field_keys[] = {
     {"shear_rate", NUMBER(DECK_ANY, "1/time"), "0.0", NULL,
      "drag: du_x/dy of the fluid; it turns disks at -shear_rate/2",
      SETS(sd_body_force, shear_rate)},
-    {"swirl", ANGLE("rad/time"), "0.0", NULL,
-     "drag: the fluid turns about `centre`, and disks with it", SETS(sd_body_force, swirl)},
+    {"swirl", ANGLE("rad/time"), "0.0", NULL, "drag: the fluid turns about `centre`, disks with it",
+     SETS(sd_body_force, swirl)},
     {"alpha", NUMBER(DECK_NOT_NEGATIVE, "-"), "-", NULL, "damping: fraction of the force, below 1",
      SETS(sd_body_force, alpha)},
     {"alpha_rotation", NUMBER(DECK_NOT_NEGATIVE, "-"), "(as alpha)", NULL,
@@ -58,11 +57,7 @@ static const deck_key field_keys[] = {
      SETS(sd_body_force, omega)},
 };
 TABLE(deck_fields, "fields", false,
-      "A force on free disks that follows from their place and velocity. Fields add up; without "
-      "`disk` and "
-      "`group` "
-      "one acts on all disks.",
-      field_keys);
+      "A force on free disks that depends on position and velocity. Fields add up.", field_keys);
 
 /* --- active fields and their strength ------------------------------------------------------- */
 

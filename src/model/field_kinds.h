@@ -15,9 +15,8 @@
   ROW(SD_FIELD_DRAG, drag, "gamma* gamma_rotation per centre flow shear_rate swirl",               \
       "viscous drag: gamma (u - v), u the velocity of the fluid where the disk is")                \
   ROW(SD_FIELD_DAMPING, damping, "alpha* alpha_rotation",                                          \
-      "Cundall's non-viscous damping: each coordinate loses alpha of the sum of all other "        \
-      "forces, against "                                                                           \
-      "its velocity")                                                                              \
+      "Cundall's non-viscous damping: alpha times the sum of all other forces on a coordinate, "   \
+      "against its velocity")                                                                      \
   ROW(SD_FIELD_CENTRAL, central, "strength* power softening per centre",                           \
       "towards a point: strength times the distance to this power")                                \
   ROW(SD_FIELD_ROTATION, rotation, "omega* centre",                                                \

@@ -25,44 +25,41 @@ static const deck_key top_keys[] = {
     {"seed", INTEGER(DECK_NOT_NEGATIVE, "-"), "1", NULL, "seed of all random streams",
      SETS(sd_model, seed)},
     {"integrator", CHOICE, "\"gear5\"", integrators,
-     "Gear predictor-corrector of fifth order, or velocity Verlet", SETS(sd_model, integrator)},
+     "fifth-order Gear predictor-corrector, or velocity Verlet", SETS(sd_model, integrator)},
     {"dt", NUMBER(DECK_POSITIVE, "time"), "required", NULL, "time step", SETS(sd_model, dt)},
     {"contact_variant", CHOICE, "\"paper\"", variants,
-     "tangential force on the centres: tau (paper), or tau (R_a+R_b)/r, which conserves energy",
+     "tangential force on the centres: tau (paper), tau (R_a+R_b)/r (conservative)",
      SETS(sd_model, variant)},
     {"skin", NUMBER(DECK_NOT_NEGATIVE, "length"), "0.0", NULL,
-     "margin of the neighbour list; 0: chosen as the run goes", SETS(sd_model, skin)},
+     "margin of the neighbour list; 0: automatic", SETS(sd_model, skin)},
     {"max_overlap", NUMBER(DECK_UP_TO_1, "-"), "0.5", NULL,
-     "a run stops when an overlap exceeds this fraction of the smaller radius",
-     SETS(sd_model, max_overlap)},
+     "largest overlap over the smaller radius; else the run stops", SETS(sd_model, max_overlap)},
     {"checkpoint", NUMBER(DECK_POSITIVE, "s"), "60.0", NULL, "wall time between checkpoints"},
-    {"steps", INTEGER(DECK_AT_LEAST_1, "steps"), "-", NULL,
-     "length of the run when there are no phases"},
-    {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL,
-     "the same as a time, rounded to whole steps"},
-    {"constants", GROUP, "-", NULL, "named numbers, for arithmetic in the other values"},
-    {"gravity", GROUP, "-", NULL, "strength and direction of gravity"},
+    {"steps", INTEGER(DECK_AT_LEAST_1, "steps"), "-", NULL, "length of a run without phases"},
+    {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "the same in time, rounded to whole steps"},
+    {"constants", GROUP, "-", NULL, "named numbers for arithmetic"},
+    {"gravity", GROUP, "-", NULL, "strength and direction"},
     {"box", GROUP, "-", NULL, "periodic directions"},
-    {"materials", GROUPS, "required", NULL, "contact law of each material with itself"},
-    {"material_pairs", GROUPS, "-", NULL, "contact law between two different materials"},
-    {"container", GROUP, "-", NULL, "a box, a bed, a hopper or a drum, made of walls"},
+    {"materials", GROUPS, "required", NULL, "contact laws"},
+    {"material_pairs", GROUPS, "-", NULL, "contact laws of different materials"},
+    {"container", GROUP, "-", NULL, "box, bed, hopper or drum made of walls"},
     {"disks", GROUPS, "-", NULL, "disks, one by one"},
     {"disk_rows", GROUPS, "-", NULL, "disks, a row each"},
     {"disk_files", GROUPS, "-", NULL, "disks, from files"},
     {"packings", GROUPS, "-", NULL, "disks, placed by a generator"},
-    {"bounds", GROUP, "-", NULL, "where the disks belong; what leaves is reported"},
+    {"bounds", GROUP, "-", NULL, "region of the disks"},
     {"forces", GROUPS, "-", NULL, "constant forces and torques"},
     {"locks", GROUPS, "-", NULL, "coordinates that never change"},
     {"clumps", GROUPS, "-", NULL, "rigid bodies of several disks"},
     {"walls", GROUPS, "-", NULL, "walls"},
-    {"motions", GROUPS, "-", NULL, "prescribed motions of disks and walls"},
-    {"fields", GROUPS, "-", NULL, "drag, damping, and forces that follow from place and velocity"},
-    {"phases", GROUPS, "-", NULL, "parts of the run, one after the other"},
+    {"motions", GROUPS, "-", NULL, "prescribed motions"},
+    {"fields", GROUPS, "-", NULL, "drag, damping, forces by position and velocity"},
+    {"phases", GROUPS, "-", NULL, "parts of the run"},
     {"output", GROUP, "-", NULL, "how often results are stored"},
     {"measure", GROUP, "-", NULL, "what is measured"},
-    {"until", GROUP, "-", NULL, "error bar at which the last phase ends"},
-    {"limits", GROUP, "-", NULL, "beyond which a finished run is in doubt"},
-    {"sweep", GROUPS, "-", NULL, "points that `slipdisk sweep` runs: this deck with some keys set"},
+    {"until", GROUP, "-", NULL, "error bar that ends the last phase"},
+    {"limits", GROUP, "-", NULL, "limits beyond which a run is in doubt"},
+    {"sweep", GROUPS, "-", NULL, "variations of this deck for `slipdisk sweep`"},
 };
 TABLE_EITHER(deck_top, "deck", true, "Keys of the deck itself, outside any group.", top_keys,
              "steps/time");
@@ -71,21 +68,18 @@ static const deck_key gravity_keys[] = {
     {"g", NUMBER(DECK_NOT_NEGATIVE, "length/time^2"), "0.0", NULL, "strength"},
     {"tilt", ANGLE("rad"), "0.0", NULL, "the acceleration is -g (sin tilt, cos tilt)"},
 };
-TABLE(deck_gravity, "gravity", true, "Gravity; without this group there is none.", gravity_keys);
+TABLE(deck_gravity, "gravity", true, "Without this group there is no gravity.", gravity_keys);
 
 static const deck_key box_keys[] = {
     {"x", NUMBERS(DECK_ANY, "length"), "-", NULL,
      "[lower, upper] edge; required when periodic in x"},
     {"y", NUMBERS(DECK_ANY, "length"), "-", NULL,
      "[lower, upper] edge; required when periodic in y"},
-    {"periodic", CHOICE, "\"none\"", periodic_directions,
-     "directions in which the box repeats; its edges are no walls"},
+    {"periodic", CHOICE, "\"none\"", periodic_directions, "periodic directions"},
     {"file", TEXT, "-", NULL,
-     "result of a run, H5MD or LAMMPS data file that gives the periodic edges not given here; of "
-     "the last "
-     "frame"},
+     "result, H5MD or LAMMPS data file whose last frame gives the periodic edges missing here"},
 };
-TABLE(deck_box, "box", true, "The periodic box; without this group space is open.", box_keys);
+TABLE(deck_box, "box", true, "Without this group space is open.", box_keys);
 
 static const deck_key bounds_keys[] = {
     {"x", NUMBERS(DECK_ANY, "length"), "(of the container, else far out)", NULL,
@@ -93,84 +87,77 @@ static const deck_key bounds_keys[] = {
     {"y", NUMBERS(DECK_ANY, "length"), "(of the container, else far out)", NULL,
      "[lower, upper] limit of the centres"},
     {"outside", CHOICE, "\"report\"", outside_words,
-     "a disk that leaves: tell and go on, end the run, or tell and take it out",
-     SETS(sd_bounds, outside)},
+     "when a disk leaves: warn, end the run, or warn and remove it", SETS(sd_bounds, outside)},
 };
-TABLE(deck_bounds, "bounds", true,
-      "Where the disks belong. Disks that leave are counted, and named with place and step.",
-      bounds_keys);
+TABLE(
+    deck_bounds, "bounds", true,
+    "The region of the disks. Those that leave it are counted and reported with position and step.",
+    bounds_keys);
 
 static const deck_key limits_keys[] = {
     {"residual", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.01", NULL,
-     "of the residual of the energy budget, over its scale; 0: none", SETS(sd_limits, residual)},
+     "residual of the energy budget over its scale; 0: no limit", SETS(sd_limits, residual)},
     {"open", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.99", NULL,
-     "of the fraction of the measured time in which a watched contact is open; 0: none",
+     "fraction of the measured time in which a watched contact is open; 0: no limit",
      SETS(sd_limits, open)},
     {"displacement", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.1", NULL,
-     "of what a disk or a wall moves by in one step, over the radius; 0: none",
+     "displacement of a disk or wall in one step, over the radius; 0: no limit",
      SETS(sd_limits, displacement)},
     {"unstable_step", BOOL, "(false)", NULL,
-     "dt may be beyond the limit of stability (`slipdisk check` prints it)",
+     "allow dt beyond the limit of stability (`slipdisk check` prints it)",
      SETS(sd_limits, unstable_step)},
 };
 TABLE(deck_limits, "limits", true,
-      "Limits beyond which a finished run is in doubt: it is told, and the exit status is 5.",
-      limits_keys);
+      "A finished run beyond a limit is in doubt: it warns, with exit status 5.", limits_keys);
 
 static const deck_key phase_keys[] = {
     {"name", TEXT, "-", NULL, "name in messages and results", SETS(sd_phase, name)},
     {"steps", INTEGER(DECK_AT_LEAST_1, "steps"), "-", NULL, "length; either this or time"},
-    {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "length as a time, rounded to whole steps"},
-    {"motions", BODIES, "(all)", NULL, "motions that are on, by name or number; () for none"},
-    {"fields", BODIES, "(all)", NULL, "fields that are on, by name or number; () for none"},
-    {"measure", BOOL, "(true in the last phase)", NULL, "statistics are gathered",
+    {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "the same in time, rounded to whole steps"},
+    {"motions", BODIES, "(all)", NULL, "active motions; () for none"},
+    {"fields", BODIES, "(all)", NULL, "active fields; () for none"},
+    {"measure", BOOL, "(true in the last phase)", NULL, "gather statistics",
      SETS(sd_phase, measure)},
-    {"settle", GROUP, "-", NULL, "criterion at which the phase ends before its length"},
-    {"relax", BOOL, "false", NULL,
-     "seek equilibrium: not dynamics, but velocities steered downhill (FIRE)",
+    {"settle", GROUP, "-", NULL, "criterion that ends the phase early"},
+    {"relax", BOOL, "false", NULL, "seek equilibrium by FIRE, which is no dynamics",
      SETS(sd_phase, relax)},
-    {"compress", GROUP, "-", NULL,
-     "shrink the periodic box, or the container, with all that is in it"},
-    {"cell", GROUP, "-", NULL,
-     "deform the periodic box: shear, extension, at given rates or stresses"},
+    {"compress", GROUP, "-", NULL, "shrink the periodic box or container with its contents"},
+    {"cell", GROUP, "-", NULL, "shear or stretch the periodic box at given rates or stresses"},
     {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
-     "steps between rows of the time series; 0: none", SETS(sd_phase, series_every)},
+     "steps between rows of the series; 0: none", SETS(sd_phase, series_every)},
     {"frames", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
-     "steps between stored frames of all bodies; 0: none", SETS(sd_phase, frames_every)},
+     "steps between stored frames; 0: none", SETS(sd_phase, frames_every)},
     {"contacts", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
-     "steps between stored contact tables; 0: none", SETS(sd_phase, contacts_every)},
+     "steps between contact tables; 0: none", SETS(sd_phase, contacts_every)},
 };
 TABLE_EITHER(deck_phases, "phases", false, "A part of the run.", phase_keys, "steps/time");
 
 static const deck_key settle_keys[] = {
-    {"kinetic", NUMBER(DECK_POSITIVE, "energy"), "-", NULL,
-     "kinetic energy per free disk at most this", SETS(sd_settle, kinetic)},
+    {"kinetic", NUMBER(DECK_POSITIVE, "energy"), "-", NULL, "largest kinetic energy per free disk",
+     SETS(sd_settle, kinetic)},
     {"unbalanced", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
-     "mean resultant force on a disk over mean contact force at most this",
-     SETS(sd_settle, unbalanced)},
-    {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1000", NULL, "steps from one look to the next",
+     "largest mean resultant force on a disk over mean contact force", SETS(sd_settle, unbalanced)},
+    {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1000", NULL, "steps between checks",
      SETS(sd_settle, every)},
 };
 TABLE(deck_settle, "phases.settle", true,
-      "The phase ends at the first look at which all that is given here holds; its length is the "
-      "most it may "
-      "take.",
+      "The phase ends at the first check at which all given conditions hold, at the latest after "
+      "its full length.",
       settle_keys);
 
 static const deck_key compress_keys[] = {
     {"pressure", NUMBER(DECK_POSITIVE, "force/length"), "-", NULL,
-     "to be reached; either this or fraction", SETS(sd_compress, pressure)},
-    {"fraction", NUMBER(DECK_UP_TO_1, "-"), "-", NULL, "packing fraction to be reached",
+     "target pressure; either this or fraction", SETS(sd_compress, pressure)},
+    {"fraction", NUMBER(DECK_UP_TO_1, "-"), "-", NULL, "target packing fraction",
      SETS(sd_compress, fraction)},
     {"rate", NUMBER(DECK_POSITIVE, "1/time"), "required", NULL,
      "largest relative change of the lengths per time", SETS(sd_compress, rate)},
     {"tolerance", NUMBER(DECK_POSITIVE, "-"), "1e-3", NULL,
-     "relative distance from the target that is near enough", SETS(sd_compress, tolerance)},
+     "accepted relative distance from the target", SETS(sd_compress, tolerance)},
 };
 TABLE_EITHER(deck_compress, "phases.compress", true,
-             "Lengths of the box or container and all positions change by the same factor. With "
-             "`settle` the "
-             "phase ends when the target is reached, too.",
+             "The box or container and all positions change by the same factor. With `settle` the "
+             "phase ends once the target is reached and `settle` holds.",
              compress_keys, "pressure/fraction");
 
 #define CELL_RATE(name, component, meaning)                                                        \
@@ -178,88 +165,83 @@ TABLE_EITHER(deck_compress, "phases.compress", true,
 #define CELL_STRESS(name, component, meaning)                                                      \
   { name, NUMBER(DECK_ANY, "force/length"), "-", NULL, meaning, SETS(sd_cell, stress[component]) }
 static const deck_key cell_keys[] = {
-    CELL_RATE("rate_xx", SD_CELL_XX,
-              "rate at which the box becomes longer in x, over its length; without it 0"),
+    CELL_RATE("rate_xx", SD_CELL_XX, "rate of elongation in x over the length; without it 0"),
     CELL_RATE("rate_yy", SD_CELL_YY, "the same in y"),
-    CELL_RATE("rate_xy", SD_CELL_XY, "shear rate: how vx grows along y (Lees-Edwards)"),
+    CELL_RATE("rate_xy", SD_CELL_XY, "shear rate dvx/dy (Lees-Edwards)"),
     CELL_STRESS("stress_xx", SD_CELL_XX,
-                "stress that the length in x follows, compression positive"),
+                "stress that the length in x is controlled to, compression positive"),
     CELL_STRESS("stress_yy", SD_CELL_YY, "the same in y"),
     CELL_STRESS("stress_xy", SD_CELL_XY,
-                "shear stress that the shear follows; a positive rate makes it negative"),
+                "shear stress that the shear is controlled to; a positive rate makes it negative"),
     {"response", NUMBER(DECK_POSITIVE, "time"), "-", NULL,
-     "time in which a controlled stress comes to its value; without it 4 sqrt(mean mass/largest "
-     "stress)",
+     "response time of controlled stresses; without it 4 sqrt(mean mass/largest stress)",
      SETS(sd_cell, response)},
     {"max_rate", NUMBER(DECK_NOT_NEGATIVE, "1/time"), "0", NULL,
-     "largest rate of controlled components; 0: any", SETS(sd_cell, max_rate)},
+     "largest rate of controlled components; 0: no limit", SETS(sd_cell, max_rate)},
     {"boundary", BOOL, "false", NULL,
-     "a change of the rates moves the periodic images only; otherwise all disks take it up at once",
+     "true: a change of the rates moves the periodic images only; false: all disks at once",
      SETS(sd_cell, boundary)},
 };
 TABLE(deck_cell, "phases.cell", true,
-      "The periodic box deforms with all that is in it. Of each component either the rate or the "
-      "stress is "
-      "given; "
-      "what is not given stays as it is.",
+      "The periodic box deforms with its contents. Give the rate or the stress of a component; "
+      "without either it does not change.",
       cell_keys);
 
 static const deck_key output_keys[] = {
     {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(a thousandth of each phase)", NULL,
-     "steps between rows of the time series; 0: none"},
+     "steps between rows of the series; 0: none"},
     {"frames", INTEGER(DECK_NOT_NEGATIVE, "steps"), "0", NULL,
-     "steps between stored frames of all bodies; 0: none"},
+     "steps between stored frames; 0: none"},
     {"contacts", INTEGER(DECK_NOT_NEGATIVE, "steps"), "0", NULL,
-     "steps between stored contact tables; 0: none"},
+     "steps between contact tables; 0: none"},
 };
-TABLE(deck_output, "output", true,
-      "How often results are stored, where a phase does not say otherwise.", output_keys);
+TABLE(deck_output, "output", true, "How often results are stored, unless a phase says otherwise.",
+      output_keys);
 
 static const deck_key measure_keys[] = {
     {"rotation", BODIES, "(all free disks when at most 16, else none)", NULL,
-     "disks whose mean angular velocity is measured; () for none"},
-    {"sliding", GROUPS, "-", NULL, "pairs of contacts whose sliding configurations are counted"},
+     "disks with a mean angular velocity; () for none"},
+    {"sliding", GROUPS, "-", NULL, "pairs of watched contacts"},
     {"configurations", BOOL, "false", NULL,
-     "sliding: torque, normal forces and duration of the visits in each configuration",
+     "sliding: also torque, normal forces and duration of visits of each configuration",
      SETS(sd_model, measure_configurations)},
     {"disks", BOOL, "false", NULL,
-     "means of every free disk, and of all: rotation, position, contacts, powers",
+     "means of each free disk and of all: rotation, position, contacts, powers",
      SETS(sd_model, measure_disks)},
     {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL,
-     "disks: steps between looks at the contacts", SETS(sd_model, measure_every)},
-    {"walls", BOOL, "-", NULL, "series: force and torque on every wall, its contacts",
+     "disks: steps between samples of the contacts", SETS(sd_model, measure_every)},
+    {"walls", BOOL, "-", NULL, "series: force and torque on each wall, its contacts",
      SETS(sd_model, measure_walls)},
-    {"groups", BOOL, "-", NULL, "series: the same of every group of disks",
+    {"groups", BOOL, "-", NULL, "series: the same for each group of disks",
      SETS(sd_model, measure_groups)},
-    {"contacts", BODIES, "-", NULL, "series: the same of these disks, by name or number"},
+    {"contacts", BODIES, "-", NULL, "series: the same for these disks"},
     {"box", BOOL, "-", NULL, "series: width and height of the region", SETS(sd_model, measure_box)},
-    {"stress", BOOL, "-", NULL, "series: stress of the region, of contacts and kinetic",
+    {"stress", BOOL, "-", NULL, "series: contact and kinetic stress of the region",
      SETS(sd_model, measure_stress)},
 };
 TABLE(deck_measure, "measure", true,
-      "What is measured: means in the phases that measure, series in all of them.", measure_keys);
+      "Means are taken in phases that measure, series in all phases.", measure_keys);
 
 static const deck_key sliding_keys[] = {
-    {"disk", BODIES, "required", NULL, "the disk, by name or number"},
+    {"disk", BODIES, "required", NULL, "the disk"},
     {"partners", BODIES, "required", NULL,
-     "the two disks or walls that it touches, first and second sign of S++"},
+     "its two partners, disks or walls: first and second sign of S++"},
 };
-TABLE(deck_sliding, "measure.sliding", false,
-      "A disk and the two partners whose contacts are watched.", sliding_keys);
+TABLE(deck_sliding, "measure.sliding", false, "A disk with two watched contacts.", sliding_keys);
 
 static const deck_key until_keys[] = {
     {"observable", TEXT, "(omega of the first watched disk)", NULL,
-     "\"NAME.omega\" or \"NAME.scaled\": Omega or t_g Omega of a watched disk, by name or number"},
+     "\"NAME.omega\" or \"NAME.scaled\": Omega or t_g Omega of a watched disk (name or number)"},
     {"error", NUMBER(DECK_POSITIVE, "rad/time or rad"), "-", NULL,
-     "standard error to be reached; either this or relative", SETS(sd_until, error)},
+     "target standard error; either this or relative", SETS(sd_until, error)},
     {"relative", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
-     "standard error as a fraction of the size of the mean", SETS(sd_until, relative)},
+     "target standard error over the size of the mean", SETS(sd_until, relative)},
     {"max_time", NUMBER(DECK_POSITIVE, "time"), "required", NULL,
-     "the last phase ends after this time at the latest, goal reached or not"},
+     "longest duration of the last phase"},
 };
 TABLE_EITHER(deck_until, "until", true,
-             "The last phase goes on beyond its own length until an error bar is small enough.",
-             until_keys, "error/relative");
+             "The last phase is extended until an error bar is small enough.", until_keys,
+             "error/relative");
 
 const deck_key *deck_key_at(const deck_table *table, size_t k) {
   if (k < table->n) return &table->key[k];

@@ -13,16 +13,16 @@
 #include "model/motions.h"
 
 static const deck_key material_keys[] = {
-    {"name", TEXT, "required", NULL, "name by which disks and walls refer to it"},
+    {"name", TEXT, "required", NULL, "name for disks and walls"},
 };
-TABLE_WITH(deck_materials, "materials", false,
-           "A material, with the law of its contacts with itself.", material_keys, law_table);
+TABLE_WITH(deck_materials, "materials", false, "A material and its contact law with itself.",
+           material_keys, law_table);
 
 static const deck_key pair_keys[] = {
-    {"materials", NAMES, "required", NULL, "the names of the two materials"},
+    {"materials", NAMES, "required", NULL, "the two materials"},
 };
-TABLE_WITH(deck_pairs, "material_pairs", false,
-           "The law of contacts between two different materials.", pair_keys, law_table);
+TABLE_WITH(deck_pairs, "material_pairs", false, "The contact law between two different materials.",
+           pair_keys, law_table);
 
 /* Keys of a disk. place: default of x, y and radius, "required" for a single disk, "-" if
  * columns may give them. */
@@ -39,74 +39,66 @@ TABLE_WITH(deck_pairs, "material_pairs", false,
        "mass per area: mass = density pi R^2"},                                                    \
       {"inertia", NUMBER(DECK_NOT_NEGATIVE, "mass length^2"), "0.0", NULL,                         \
        "moment of inertia; 0: m R^2/2"},                                                           \
-      {"material", TEXT, "(the only one)", NULL, "name of the material"},                          \
-      {"group", TEXT, "-", NULL, "name of a group of disks, made by being used"},                  \
-      {"fixed", BOOL, "false", NULL, "held still, or moved by motions only, whatever pushes"},     \
+      {"material", TEXT, "(the only one)", NULL, "its material"},                                  \
+      {"group", TEXT, "-", NULL, "group of disks that it joins"},                                  \
+      {"fixed", BOOL, "false", NULL, "moved by motions only, not by forces"},                      \
       {"locked", COORDINATES, "()", NULL, "coordinates that never change"},                        \
       {"force", NUMBERS(DECK_ANY, "force"), "(0.0, 0.0)", NULL,                                    \
        "constant force (f_x, f_y) on the centre"},                                                 \
       {"torque", NUMBER(DECK_ANY, "force length"), "0.0", NULL, "constant torque"},
 
-static const deck_key disk_keys[] = {
-    {"name", TEXT, "-", NULL, "name by which other groups refer to it"}, DISK("required")};
+static const deck_key disk_keys[] = {{"name", TEXT, "-", NULL, "name for other groups"},
+                                     DISK("required")};
 TABLE_EITHER(deck_disks, "disks", false, "One disk.", disk_keys, "mass/density");
 
 static const deck_key row_keys[] = {
     {"columns", NAMES, "required", NULL,
-     "keys of `disks` that the rows give, in order (not locked, force or torque)"},
-    {"rows", ROWS, "required", NULL, "a list of values for each disk, in the order of the columns"},
+     "keys that the rows give, in order (not locked, force, torque)"},
+    {"rows", ROWS, "required", NULL, "one list of values per disk, in that order"},
     DISK("-")};
 TABLE_EITHER(deck_disk_rows, "disk_rows", false,
-             "Many disks, a row each; keys of `disks` that are not columns hold for all rows.",
-             row_keys, "mass/density");
+             "Many disks, one per row; other keys of `disks` hold for all rows.", row_keys,
+             "mass/density");
 
 static const deck_shape formats[] = {WORD("csv", DECK_CSV), WORD("hdf5", DECK_HDF5),
                                      WORD("lammps", DECK_LAMMPS), LAST_WORD};
 
 static const deck_key file_keys[] = {
-    {"file", TEXT, "required", NULL, "file, seen from the deck's folder"},
-    {"format", CHOICE, "(by the file)", formats,
-     "CSV with a line of names at the top, HDF5, or a LAMMPS data file"},
+    {"file", TEXT, "required", NULL, "path from the deck's folder"},
+    {"format", CHOICE, "(by the file)", formats, "CSV with a line of names, HDF5, LAMMPS data"},
     {"dataset", TEXT, "(/particles/disks of a result, the only group of H5MD)", NULL,
      "HDF5: the dataset"},
     {"columns", NAMES, "(all of CSV, LAMMPS and a result; else x, y, radius)", NULL,
      "columns to take: \"radius\", or \"radius = name in the file\""},
     {"contacts", BOOL, "false", NULL,
-     "result or checkpoint of a run: take its contacts over too, so that the packing stays exactly "
-     "as it "
-     "was"},
+     "also take the contacts of a result or checkpoint, so that the packing is unchanged"},
     DISK("-")};
 TABLE_EITHER(deck_disk_files, "disk_files", false,
-             "Many disks from a file; keys of `disks` that are not columns hold for all rows.",
-             file_keys, "mass/density");
+             "Many disks from a file; other keys of `disks` hold for all rows.", file_keys,
+             "mass/density");
 
 static const deck_key force_keys[] = {
-    {"disk", BODIES, "-", NULL, "disks, by name or number"},
+    {"disk", BODIES, "-", NULL, "disks"},
     {"group", NAMES, "-", NULL, "groups of disks"},
-    {"force", NUMBERS(DECK_ANY, "force"), "(0.0, 0.0)", NULL,
-     "constant force (f_x, f_y), added on each disk"},
-    {"torque", NUMBER(DECK_ANY, "force length"), "0.0", NULL,
-     "constant torque, added on each disk"},
+    {"force", NUMBERS(DECK_ANY, "force"), "(0.0, 0.0)", NULL, "(f_x, f_y), added on each disk"},
+    {"torque", NUMBER(DECK_ANY, "force length"), "0.0", NULL, "added on each disk"},
 };
 TABLE(deck_forces, "forces", false, "A constant force on disks, besides gravity.", force_keys);
 
 static const deck_key lock_keys[] = {
-    {"disk", BODIES, "-", NULL, "disks, by name or number"},
+    {"disk", BODIES, "-", NULL, "disks"},
     {"group", NAMES, "-", NULL, "groups of disks"},
     {"coordinates", COORDINATES, "required", NULL, "what never changes"},
 };
-TABLE(deck_locks, "locks", false, "Coordinates of disks that never change, whatever pushes.",
-      lock_keys);
+TABLE(deck_locks, "locks", false, "Coordinates of disks that never change.", lock_keys);
 
 static const deck_key clump_keys[] = {
-    {"name", TEXT, "-", NULL, "name by which motions refer to it"},
-    {"disk", BODIES, "-", NULL, "its disks, by name or number"},
-    {"group", NAMES, "-", NULL, "groups of disks that belong to it"},
-    {"mass", NUMBER(DECK_POSITIVE, "mass"), "(of its disks)", NULL, "mass of the whole"},
+    {"name", TEXT, "-", NULL, "name for motions"},
+    {"disk", BODIES, "-", NULL, "its disks"},
+    {"group", NAMES, "-", NULL, "groups of its disks"},
+    {"mass", NUMBER(DECK_POSITIVE, "mass"), "(of its disks)", NULL, "its mass"},
     {"inertia", NUMBER(DECK_POSITIVE, "mass length^2"), "(of its disks)", NULL,
-     "moment of inertia about the centre of mass; of its disks: sum of I + m d^2, times mass over "
-     "the sum of "
-     "m"},
+     "about the centre of mass; of its disks: sum of I + m d^2, times mass over the sum of m"},
     {"velocity", NUMBERS(DECK_ANY, "length/time"), "(0.0, 0.0)", NULL,
      "of the centre at the start"},
     {"omega", ANGLE("rad/time"), "0.0", NULL, "angular velocity at the start"},
@@ -116,8 +108,7 @@ static const deck_key clump_keys[] = {
     {"locked", COORDINATES, "()", NULL, "coordinates of the clump that never change"},
 };
 TABLE(deck_clumps, "clumps", false,
-      "Disks that move as one rigid body about their centre of mass. They may overlap one another.",
-      clump_keys);
+      "Disks that move as one rigid body; they may overlap one another.", clump_keys);
 
 static const deck_shape sides[] = {WORD("inside", true), WORD("outside", false), LAST_WORD};
 
@@ -134,9 +125,9 @@ static const deck_shape wall_kinds[] = {
 };
 
 static const deck_key wall_keys[] = {
-    {"name", TEXT, "-", NULL, "name by which other groups refer to it", SETS(sd_wall, name)},
-    {"type", CHOICE, "required", wall_kinds, "shape, see below", SETS(sd_wall, kind)},
-    {"material", TEXT, "(the only one)", NULL, "name of the material"},
+    {"name", TEXT, "-", NULL, "name for other groups", SETS(sd_wall, name)},
+    {"type", CHOICE, "required", wall_kinds, "see below", SETS(sd_wall, kind)},
+    {"material", TEXT, "(the only one)", NULL, "its material"},
     {"points", POINTS, "-", NULL, "list of (x, y)"},
     {"pivot", NUMBERS(DECK_ANY, "length"), "(mean of the points; arc: its centre)", NULL,
      "(x, y) about which it turns", SETS(sd_wall, pivot)},
@@ -152,7 +143,7 @@ static const deck_key wall_keys[] = {
      SETS(sd_wall, to)},
     {"side", CHOICE, "-", sides, "circle: where the disks are", SETS(sd_wall, inside)},
 };
-TABLE(deck_walls, "walls", false, "A wall. It stands still unless motions move it.", wall_keys);
+TABLE(deck_walls, "walls", false, "A wall stands still unless motions move it.", wall_keys);
 
 static const deck_shape container_kinds[] = {
     {"box", SD_CONTAINER_BOX, "width* height* open",
@@ -168,51 +159,45 @@ static const deck_shape container_kinds[] = {
 };
 
 static const deck_key container_keys[] = {
-    {"type", CHOICE, "required", container_kinds, "kind of container, see below",
-     SETS(deck_container_values, kind)},
+    {"type", CHOICE, "required", container_kinds, "see below", SETS(deck_container_values, kind)},
     {"width", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "inner width",
      SETS(deck_container_values, width)},
     {"height", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "inner height",
      SETS(deck_container_values, height)},
-    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL,
-     "drum: its own; bed: of the disks of the floor", SETS(deck_container_values, radius)},
+    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "of a drum; of the floor disks of a bed",
+     SETS(deck_container_values, radius)},
     {"spacing", NUMBER(DECK_POSITIVE, "length"), "(twice the radius)", NULL,
-     "bed: distance of the disks of the floor, fitted to the width"},
+     "bed: distance of floor disks, fitted to the width"},
     {"outlet", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "hopper: width of its opening",
      SETS(deck_container_values, outlet)},
     {"angle", ANGLE("rad"), "-", NULL, "hopper: inclination of its lower walls, 0: a flat bottom",
      SETS(deck_container_values, angle)},
     {"origin", NUMBERS(DECK_ANY, "length"), "(0.0, 0.0)", NULL,
-     "middle of the floor or of the outlet; centre of a drum; lower left corner of a periodic box",
+     "middle of floor or outlet; centre of a drum; lower left corner of a periodic box",
      SETS(deck_container_values, origin)},
     {"open", BOOL, "true", NULL, "box: without a lid", SETS(deck_container_values, open)},
-    {"material", TEXT, "(the only one)", NULL, "name of the material of its walls"},
+    {"material", TEXT, "(the only one)", NULL, "material of its walls"},
 };
 TABLE(deck_container, "container", true,
-      "Walls that hold the disks, with names that motions can use; the region that packings fill "
-      "and in "
-      "which disks belong.",
-      container_keys);
+      "Walls around the disks; also the region of `packings` and `bounds`.", container_keys);
 
 static const deck_shape packing_kinds[] = {
     {"triangular", SD_PACKING_TRIANGULAR, "count spacing jitter tiles",
-     "triangular lattice, from below; fills the region unless count is given"},
+     "triangular lattice from below; without count fills the region"},
     {"square", SD_PACKING_SQUARE, "count spacing jitter tiles", "square lattice, likewise"},
     {"random", SD_PACKING_RANDOM, "count/fraction* tiles",
-     "at random, without overlap; up to a fraction of about 0.5"},
+     "at random, up to a fraction of about 0.5"},
     {"front", SD_PACKING_FRONT, "count tiles",
-     "advancing front: each disk touches two, dense and without overlap; fills the region unless "
-     "count is "
-     "given"},
+     "advancing front: dense, each disk touches two; without count fills the region"},
     {"rain", SD_PACKING_RAIN, "count* rows interval gap speed tiles",
-     "disks wait and fall in batches from just above those that are there"},
+     "disks wait and fall in batches from just above the others"},
     LAST_WORD,
 };
 
 static const deck_shape size_kinds[] = {
     {"mono", SD_SIZES_MONO, "radius*", "all equal"},
     {"list", SD_SIZES_LIST, "radii* weights",
-     "some radii, each as often as its weight says, in random order"},
+     "given radii in proportion to their weights, in random order"},
     {"uniform", SD_SIZES_UNIFORM, "lower* upper*", "evenly between two radii"},
     {"gaussian", SD_SIZES_GAUSSIAN, "radius* deviation* lower upper",
      "normal distribution, cut at lower and upper (3 deviations unless given)"},
@@ -224,41 +209,39 @@ static const deck_shape size_kinds[] = {
 };
 
 static const deck_key packing_keys[] = {
-    {"type", CHOICE, "required", packing_kinds, "generator, see below",
-     SETS(deck_packing_values, kind)},
+    {"type", CHOICE, "required", packing_kinds, "see below", SETS(deck_packing_values, kind)},
     {"count", INTEGER(DECK_AT_LEAST_1, "disks"), "-", NULL, "number of disks",
      SETS(deck_packing_values, count)},
     {"fraction", NUMBER(DECK_UP_TO_1, "-"), "-", NULL, "area of the disks over that of the region",
      SETS(deck_packing_values, fraction)},
     {"x", NUMBERS(DECK_ANY, "length"), "(of the container)", NULL,
-     "[lower, upper] edge of the region"},
+     "[lower, upper] edge of its region"},
     {"y", NUMBERS(DECK_ANY, "length"), "(of the container)", NULL,
-     "[lower, upper] edge of the region"},
+     "[lower, upper] edge of its region"},
     {"spacing", NUMBER(DECK_POSITIVE, "length"), "(largest diameter)", NULL,
      "lattices: distance of neighbouring sites"},
     {"jitter", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL,
-     "lattices: largest random displacement over the room that a disk has; 1: they may touch",
+     "lattices: largest random displacement over the free distance; 1: disks may touch",
      SETS(deck_packing_values, jitter)},
     {"tiles", INTEGER(DECK_AT_LEAST_1, "-"), "-", NULL,
-     "slabs side by side along x (rain: runs of disks), each made by itself with its part of "
-     "count: over MPI "
-     "ranks each rank makes its own",
+     "independent slabs along x (rain: runs of disks) with their share of count; each MPI rank "
+     "makes its own",
      SETS(deck_packing_values, tiles)},
     {"rows", INTEGER(DECK_AT_LEAST_1, "-"), "4", NULL, "rain: rows of disks in a batch",
      SETS(deck_packing_values, rows)},
     {"interval", NUMBER(DECK_POSITIVE, "time"), "(the fall through a batch's height)", NULL,
      "rain: time between batches"},
     {"gap", NUMBER(DECK_NOT_NEGATIVE, "length"), "(largest radius)", NULL,
-     "rain: from the highest disk so far to a new batch"},
+     "rain: distance of a new batch from the highest disk"},
     {"speed", NUMBER(DECK_NOT_NEGATIVE, "length/time"), "0.0", NULL,
-     "rain: with which they set out downwards", SETS(deck_packing_values, speed)},
-    {"sizes", CHOICE, "\"mono\"", size_kinds, "distribution of the radii, see below",
+     "rain: initial speed downwards", SETS(deck_packing_values, speed)},
+    {"sizes", CHOICE, "\"mono\"", size_kinds, "radii, see below",
      SETS(deck_packing_values, sizes.kind)},
     {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL,
      "radius; gaussian: mean; lognormal: median", SETS(deck_packing_values, sizes.radius)},
     {"radii", NUMBERS(DECK_POSITIVE, "length"), "-", NULL, "list: the radii"},
     {"weights", NUMBERS(DECK_NOT_NEGATIVE, "-"), "(all equal)", NULL,
-     "list: how frequent each radius is"},
+     "list: frequency of each radius"},
     {"deviation", NUMBER(DECK_POSITIVE, "length or -"), "-", NULL,
      "gaussian: standard deviation; lognormal: that of ln(radius)",
      SETS(deck_packing_values, sizes.deviation)},
@@ -273,28 +256,23 @@ static const deck_key packing_keys[] = {
     {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "mass of every disk or clump",
      SETS(deck_packing_values, mass)},
     {"clump", GROUP, "-", NULL,
-     "clumps in place of disks; then radius is that of the template, count and fraction are of "
-     "clumps and of "
-     "the "
-     "circles around them"},
-    {"material", TEXT, "(the only one)", NULL, "name of the material"},
-    {"group", TEXT, "-", NULL, "name of a group of disks, made by being used"},
+     "clumps instead of disks: count is of clumps, fraction of the circles around them, radius of "
+     "the template"},
+    {"material", TEXT, "(the only one)", NULL, "its material"},
+    {"group", TEXT, "-", NULL, "group of disks that it joins"},
 };
 static const deck_key packing_clump_keys[] = {
-    {"at", POINTS, "required", NULL, "centres of its disks, in units of the radius that is drawn"},
+    {"at", POINTS, "required", NULL, "centres of its disks over the drawn radius"},
     {"radii", NUMBERS(DECK_POSITIVE, "radius"), "1.0", NULL,
-     "their radii in these units, or one for all"},
+     "their radii over the drawn one, or one for all"},
 };
 TABLE(deck_packing_clump, "packings.clump", true,
-      "What each grain of a packing is, in place of a disk: disks that move as one body, turned by "
-      "a random "
-      "angle.",
+      "Each grain of the packing is this rigid body of disks, at a random angle.",
       packing_clump_keys);
 
 TABLE_EITHER(
     deck_packings, "packings", false,
-    "Disks that a generator places; random numbers follow from the deck's seed and the packing's "
-    "place in the deck.",
+    "Generated disks; random numbers follow from `seed` and the packing's number in the deck.",
     packing_keys, "mass/density");
 
 #define SHAPE(kind, word, source, amplitude, check, keys, meaning) {#word, kind, keys, meaning},
@@ -305,21 +283,18 @@ const deck_shape deck_motion_kinds[] = {
 #define KEY(member, type, range, unit, initial, meaning)                                           \
   {#member, KEY_TYPE(type, range, unit), initial, NULL, meaning, SETS(sd_motion, member)},
 static const deck_key motion_keys[] = {
-    {"name", TEXT, "-", NULL, "name by which phases refer to it"},
-    {"disk", BODIES, "-", NULL, "disks, by name or number"},
+    {"name", TEXT, "-", NULL, "name for phases"},
+    {"disk", BODIES, "-", NULL, "disks"},
     {"group", NAMES, "-", NULL, "groups of disks"},
-    {"wall", BODIES, "-", NULL, "walls, by name or number"},
-    {"clump", BODIES, "-", NULL, "clumps, by name or number"},
+    {"wall", BODIES, "-", NULL, "walls"},
+    {"clump", BODIES, "-", NULL, "clumps"},
     {"coordinate", COORDINATES, "required", NULL,
-     "what moves; theta of a group turns each disk about its own centre; surface of a wall: it "
-     "runs along "
-     "the wall, "
-     "which stays"},
-    {"type", CHOICE, "required", deck_motion_kinds, "kind of motion, see below"},
+     "theta of a group turns each disk about its own centre; surface: a wall's surface runs along "
+     "it, the wall stays"},
+    {"type", CHOICE, "required", deck_motion_kinds, "see below"},
     {"amplitude", ANGLE("length or rad"), "-", NULL, "amplitude; random: rms displacement"},
     {"acceleration", NUMBER(DECK_POSITIVE, "g"), "-", NULL,
-     "in place of amplitude: peak acceleration in units of g; random: omega^2 times the rms "
-     "displacement"},
+     "instead of amplitude: peak acceleration; random: omega^2 times the rms displacement"},
     {"frequency", NUMBER(DECK_POSITIVE, "1/time"), "-", NULL,
      "cycles per time; either this or omega"},
     {"omega", ANGLE("rad/time"), "-", NULL, "angular frequency, > 0"},
@@ -328,30 +303,27 @@ static const deck_key motion_keys[] = {
     {"interval", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL,
      "random: steps between draws of the noise"},
     {"independent", BOOL, "(false with `group`, else true)", NULL,
-     "random: each body has its own signal, or all share one"},
-    {"ramp", NUMBER(DECK_NOT_NEGATIVE, "time"), "0.0", NULL,
-     "time over which the motion is faded in"},
-    {"file", TEXT, "-", NULL, "table: CSV file, seen from the deck's folder"},
-    {"columns", NAMES, "(\"time\", \"value\")", NULL, "table: the two columns of the file"},
-    {"times", NUMBERS(DECK_ANY, "time"), "-", NULL, "table: times, in place of a file"},
+     "random: one signal per body, not one for all"},
+    {"ramp", NUMBER(DECK_NOT_NEGATIVE, "time"), "0.0", NULL, "time over which the motion fades in"},
+    {"file", TEXT, "-", NULL, "table: CSV file, path from the deck's folder"},
+    {"columns", NAMES, "(\"time\", \"value\")", NULL, "table: two columns of the file"},
+    {"times", NUMBERS(DECK_ANY, "time"), "-", NULL, "table: times, instead of a file"},
     {"values", NUMBERS(DECK_ANY, "length or rad"), "-", NULL,
      "table: displacements at these times"},
-    {"factor", NUMBER(DECK_ANY, "-"), "1.0", NULL, "table: the values are multiplied by this"},
+    {"factor", NUMBER(DECK_ANY, "-"), "1.0", NULL, "table: multiplies the values"},
     {"periodic", BOOL, "false", NULL, "table: repeat it; the last value must equal the first"},
-    {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL,
-     "load: mass of the wall, which gravity pulls too"},
+    {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "load: mass of the wall, with weight"},
     {"force", NUMBER(DECK_ANY, "force"), "(0.0 of a load)", NULL,
-     "along the coordinate: on a load, besides its weight; by a servo on the disks"},
+     "along the coordinate: on a load besides its weight; of a servo on the disks"},
     {"pressure", NUMBER(DECK_POSITIVE, "force/length"), "-", NULL,
      "servo: force over the length of the wall, > 0 when it presses"},
     {"length", NUMBER(DECK_POSITIVE, "length"), "(of the segment, box or container)", NULL,
-     "servo: length of the wall that the pressure acts on"},
+     "servo: length that the pressure acts on"},
     {"speed", NUMBER(DECK_POSITIVE, "length/time"), "-", NULL, "servo: largest speed"},
 };
 TABLE(deck_motions, "motions", false,
-      "A prescribed displacement u(t), added to one or more coordinates of each body it names. "
-      "Several "
-      "motions on the same coordinate add up. t counts from the moment the motion is switched on.",
+      "A displacement u(t), added to coordinates of the named bodies. Motions on one coordinate "
+      "add up. t counts from when the motion is switched on.",
       motion_keys);
 
 static const deck_key sweep_keys[] = {
@@ -361,20 +333,16 @@ static const deck_key sweep_keys[] = {
     {"collect", NAMES, "(all)", NULL, "columns of the table of results; * stands for any letters"},
 };
 TABLE(deck_sweeps, "sweep", false,
-      "A grid of points. `sweep = { ... }` without a list is one grid; of several, equal points "
-      "are run once.",
-      sweep_keys);
+      "A grid of points, or a list of grids, whose equal points are run once.", sweep_keys);
 
 static const deck_key sweep_parameter_keys[] = {
-    {"path", NAMES, "required", NULL,
-     "the key that is set, as after -D; several are set to the same value"},
+    {"path", NAMES, "required", NULL, "the key to set, as after -D; several get the same value"},
     {"name", TEXT, "(last words of the path)", NULL, "name in the table and in file names"},
     {"values", VALUES, "-", NULL, "list of values"},
     {"linspace", NUMBERS(DECK_ANY, "-"), "-", NULL, "(first, last, count): evenly spaced"},
     {"logspace", NUMBERS(DECK_ANY, "-"), "-", NULL,
      "(first, last, count): evenly spaced logarithms"},
-    {"zip", TEXT, "-", NULL,
-     "parameters with the same word here advance together; all others are crossed"},
+    {"zip", TEXT, "-", NULL, "parameters with the same word advance together; others are crossed"},
 };
 TABLE_EITHER(deck_sweep_parameters, "sweep.parameters", false, "A parameter and its values.",
              sweep_parameter_keys, "values/linspace/logspace");
