@@ -1,4 +1,5 @@
-/* candidates.c: the search for candidate pairs, candidates_find of neighbours.h. */
+/* candidates.c: searches for the candidate pairs of the neighbour list; implements candidates_find
+ * of neighbours.h. */
 #include "physics/neighbours/neighbours.h"
 
 #include <assert.h>
@@ -15,14 +16,14 @@
 
 /* --- criteria for a candidate ----------------------------------------------------------------- */
 
-/* Returns true if the body in this slot can have contacts: all bodies but free disks that are not
- * in the simulation (waiting or taken out). */
+/* Returns true if the body in this slot can have contacts. Only free disks that were not added yet
+ * (waiting) or were removed cannot. */
 static bool in_play(const sd_state *s, size_t slot) {
   return slot >= s->n_free || body_in_play(s, slot);
 }
 
 /* Returns the largest gap between the surfaces of a candidate pair: Verlet margin plus the largest
- * gap at which a contact begins or ends. */
+ * gap at which a cohesive contact begins or ends. */
 static double largest_margin(const engine *e) { return e->work.skin + e->work.margin; }
 
 static inline bool near(const engine *e, uint32_t i, uint32_t j, double skin) {
@@ -34,8 +35,9 @@ static inline bool near(const engine *e, uint32_t i, uint32_t j, double skin) {
   return dx * dx + dy * dy < reach * reach;
 }
 
-/* Returns true if disk i is a candidate for the round wall b: its overlap is above -largest_margin.
- * In a drum (R_b < 0) the overlap is R_i - |R_b| plus the distance of the centres. */
+/* Returns true if disk i is a candidate for the round wall b, that is, if their overlap is above
+ * -largest_margin. In a drum (disk inside, R_b < 0) the overlap is R_i - |R_b| plus the distance of
+ * the centres. */
 static bool near_round_wall(const engine *e, uint32_t i, uint32_t b) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -51,8 +53,8 @@ static bool near_image(const engine *e, uint32_t i, const placed_segment *g) {
   return hypot(q.dx, q.dy) < e->state->radius[i] + largest_margin(e);
 }
 
-/* Returns true if disk i is near any periodic image of a wall segment: while the list is in use,
- * another image than the one nearest now may come to be touched. */
+/* Returns true if disk i is near any periodic image of a wall segment. All images are tested, since
+ * the disk may come to touch another image than the one nearest now before the list is rebuilt. */
 static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
   if (!(g->image[0] || g->image[1])) return near_image(e, i, g);
   bool near = false;
@@ -74,8 +76,8 @@ static int ascending(const void *one, const void *two) {
   return *p < *q ? -1 : *p > *q;
 }
 
-/* Lists up to this length are sorted by insertion, since most are short and nearly sorted; a large
- * disk may have thousands of candidates. */
+/* Lists up to this length are sorted by insertion, which is fast since most lists are short and
+ * nearly sorted; longer ones (a large disk may have thousands of candidates) by qsort. */
 enum { FEW = 48 };
 static void sort(numbers *list) {
   if (list->n > FEW) {
@@ -92,11 +94,11 @@ static void sort(numbers *list) {
 
 /* --- candidates of walls ---------------------------------------------------------------------- */
 
-/* Candidates of walls: each round wall, or wall segment, searches the cells for disks near it. `of`
- * lists the walls (or segments) of disk i at [start[i], start[i + 1]), ascending; both are NULL if
- * nothing was found. */
+/* Candidate pairs of walls. Each round wall, or each wall segment, searches the cells for disks
+ * near it. `of` has the walls (or segments) of disk i at indices start[i] to start[i + 1] - 1,
+ * ascending; `start` and `of` are NULL if no pair was found. */
 typedef struct wall_lists {
-  numbers disk, wall; /* pairs found, in the order of walls */
+  numbers disk, wall; /* disk and wall (or segment) of each pair found, in the order of walls */
   uint32_t *start, *of;
 } wall_lists;
 
@@ -115,7 +117,7 @@ static void add_wall(wall_lists *l, uint32_t disk, uint32_t wall) {
 /* Returns true if memory ran out, so that some pairs are missing. */
 static bool is_short(const wall_lists *l) { return l->disk.failed || l->wall.failed; }
 
-/* Sorts the pairs by disk (counting sort); the walls of a disk stay in order. */
+/* Sorts the pairs by disk (counting sort); the walls of each disk stay in ascending order. */
 static sd_status by_disks(wall_lists *l, size_t n_free) {
   if (is_short(l)) return SD_ERROR_IO;
   if (l->disk.n == 0) return SD_OK;
@@ -154,8 +156,9 @@ static sd_status find_round_walls(const engine *e, const grid *g, wall_lists *l)
   return by_disks(l, s->n_free);
 }
 
-/* Returns a line along the segment, and in *beside how far the segment extends to either side of
- * it. For an arc it is the horizontal middle line of the arc's bounding box. */
+/* Returns a line that runs along the segment, and sets *beside to how far the segment extends to
+ * either side of this line: 0 for a straight one. For an arc the line is the horizontal middle line
+ * of the arc's bounding box. */
 static grid_line line_along(const placed_segment *p, double *beside) {
   double lower[2], upper[2];
   *beside = 0.0;
@@ -166,7 +169,8 @@ static grid_line line_along(const placed_segment *p, double *beside) {
   return (grid_line){lower[0], 0.5 * (lower[1] + upper[1]), 1.0, 0.0, 0.0, upper[0] - lower[0]};
 }
 
-/* Adds the disks near one image of segment m; a disk may be added again for another image. */
+/* Adds pairs of segment m with the disks near `image`, one of its periodic images; a disk that is
+ * near several images is added several times. */
 static void find_image(const engine *e, const grid *g, uint32_t m, const placed_segment *image,
                        grid_runs *runs, wall_lists *l) {
   double beside;
@@ -182,8 +186,8 @@ static void find_image(const engine *e, const grid *g, uint32_t m, const placed_
   }
 }
 
-/* Finds which periodic images of a segment can be near a disk: images *first to *last along
- * direction c, in box lengths. */
+/* Finds which periodic images of a segment can be near a disk: those displaced by *first to *last
+ * box lengths along direction c. */
 static void find_range(const engine *e, const grid *g, const placed_segment *p, int c,
                        double *first, double *last) {
   const work *w = &e->work;
@@ -235,12 +239,12 @@ static void find_partners(const engine *e, const grid *g, uint32_t i, grid_runs 
   }
 }
 
-/* Pairs of the old list whose first disk is the present one. Closed contacts stay candidates until
- * the step opens them, however far one step moved their bodies, since the energy that they drop is
- * booked then. The old list is sorted by the first disk, so the pairs of disk i follow those of
+/* Pairs of the old list whose first disk is i, the disk that is searched for now. A closed contact
+ * stays a candidate, even if one step moved its bodies far apart, until the step opens it and books
+ * the energy lost. The old list is sorted by the first disk, so the pairs of disk i follow those of
  * disk i - 1. */
 typedef struct closed_before {
-  size_t from, to; /* range of the present disk's pairs in the old list */
+  size_t from, to; /* these pairs have indices from, ..., to - 1 in the old list */
 } closed_before;
 
 static void next_disk(const pairs *old, size_t end, uint32_t i, closed_before *c) {
@@ -277,20 +281,21 @@ static void add_walls(const wall_lists *l, uint32_t i, numbers *found) {
 
 /* --- search by all threads -------------------------------------------------------------------- */
 
-/* Candidate pairs found by one thread: (slot a, slot b), or (slot a, segment). pairs[0]: without
- * ghosts; pairs[1]: with a ghost. */
+/* Candidate pairs found by one thread. a: slot of the disk; b: slot of its partner, or index of the
+ * wall segment. pairs[0] has the pairs without ghosts, pairs[1] those with a ghost. */
 typedef struct share {
   _Alignas(64) struct {
     numbers a, b;
-    size_t at; /* index in the list of all threads at which these pairs go */
+    size_t at; /* index in the joint list at which the pairs of this thread begin */
   } pairs[2];
-  bool failed; /* memory ran out; some pairs are missing */
+  bool failed; /* true: memory ran out, so that some pairs are missing */
 } share;
 
 typedef struct search {
   const engine *e;
   const grid *g;
-  /* true: search for pairs of disks with wall segments; false: with disks and round walls */
+  /* true: searches for pairs of disks with wall segments; false: for pairs of disks with disks or
+   * round walls */
   bool pieces;
   wall_lists walls;
   pairs *to;
@@ -341,8 +346,8 @@ static void find_share(const search *q, size_t begin, size_t end, share *mine) {
   free(runs.run);
 }
 
-/* Finds where the pairs of each of n threads go in the list: one thread after the other, hence in
- * the order of slots. */
+/* Finds at which index of the list the pairs of each of n threads begin. Threads have ascending
+ * ranges of slots, so the list is sorted by slots. ghosts: 1 for the pairs with ghosts, else 0. */
 static void place_list(search *q, int n, int ghosts) {
   size_t count = q->to->count;
   for (int k = 0; k < n; k++) {

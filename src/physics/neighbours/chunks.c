@@ -9,12 +9,13 @@
 
 #include "base/memory.h"
 
-/* Numbers of disks per chunk, and of chunks per thread: chunks fit into the cache, and each thread
- * has several, so that few of them must wait for other threads. */
+/* Largest and smallest number of disks in a chunk, and number of chunks per thread. Chunks of this
+ * size fit into the cache; each thread has several, so that few of its chunks must wait for other
+ * threads. */
 enum { CHUNK_MOST = 2048, CHUNK_LEAST = 256, CHUNKS_PER_THREAD = 8 };
 
-/* Costs in units of one round pair: of a pair with a wall segment, and of a disk without
- * contacts. */
+/* Computing costs of a pair with a wall segment, and of a disk without contacts, in units of the
+ * cost of a pair of round bodies. */
 enum { SEGMENT_COST = 4, DISK_COST = 1 };
 
 static size_t rounded(size_t n) { return (n + CHUNK_STEP - 1) / CHUNK_STEP * CHUNK_STEP; }
@@ -64,8 +65,8 @@ static sd_status reserve(chunks *c, size_t count, size_t n_free) {
   return SD_OK;
 }
 
-/* Finds the first pair of each chunk: among the round pairs, rounded up to a whole block, and among
- * those with wall segments. Pairs with ghosts belong to no chunk. */
+/* Finds the first pair of each chunk, in the list of pairs of round bodies (rounded up to a whole
+ * block) and in the list of pairs with wall segments. Pairs with ghosts belong to no chunk. */
 static void find_pairs(chunks *c, const pairs *p) {
   for (size_t n = 0; n <= c->count; n++) {
     const size_t k = n < c->count ? pairs_from(p, 0, p->n_round, c->begin[n]) : p->n_round;
@@ -78,8 +79,8 @@ static void find_pairs(chunks *c, const pairs *p) {
   }
 }
 
-/* Chunks whose disks the pairs of each chunk read, itself always included; found by one thread for
- * its chunks. */
+/* For each chunk of one thread, the chunks whose disks its pairs read, the chunk itself included.
+ * Each thread fills one such list. */
 typedef struct needs_share {
   uint32_t *need;
   size_t n, capacity;
@@ -100,8 +101,8 @@ static void add_need(needs_share *l, size_t chunk) {
   l->need[l->n++] = (uint32_t)chunk;
 }
 
-/* Adds to `mine` the chunks that the pairs of chunk k read. found_for[j]: the last chunk whose list
- * got chunk j, so that no list gets it twice. */
+/* Adds to `mine` the chunks whose disks the pairs of chunk k read. found_for[j] is the last chunk
+ * to whose list chunk j was added, so that j is not added twice to one list. */
 static void find_needs_of(const needs_task *f, size_t k, size_t *found_for, needs_share *mine) {
   const chunks *c = f->c;
   const pairs *p = f->p;
@@ -118,8 +119,8 @@ static void find_needs_of(const needs_task *f, size_t k, size_t *found_for, need
     }
 }
 
-/* Finds the needs of this thread's chunks. need_start[k] is an index into the list of the thread
- * here; join_needs adds the thread's offset. */
+/* Finds which chunks the pairs of this thread's chunks read. At first need_start[k] is an index
+ * into this thread's own list; join_needs then adds the number of entries of the threads before. */
 static void needs_together(const team *t, void *with) {
   needs_task *f = with;
   const chunks *c = f->c;
@@ -135,8 +136,8 @@ static void needs_together(const team *t, void *with) {
   free(found_for);
 }
 
-/* Joins the lists of all threads. The list of each chunk k begins with k itself, which shows the
- * thread it came from. */
+/* Joins the lists of all threads. Each chunk's entries begin with the chunk itself; this shows
+ * which thread's list they are in. */
 static void join_needs(needs_task *f) {
   chunks *c = f->c;
   size_t n = 0, k = 0;
@@ -182,15 +183,15 @@ static void find_boundary_first(chunks *c, int threads) {
           c->any_boundary_first = c->boundary_first[c->need[n]] = true;
 }
 
-/* Returns the cost of all disks in slots before this one, with their pairs. */
+/* Returns the computing cost of all disks in lower slots than `disk`, including their pairs. */
 static size_t cost_before(const pairs *p, size_t disk) {
   const size_t k = pairs_from(p, 0, p->n_round, disk),
                piece = pairs_from(p, p->first_segment, p->count, disk);
   return k + SEGMENT_COST * (piece - p->first_segment) + DISK_COST * disk;
 }
 
-/* Finds the first slot of each thread, disk[0 ... threads], so that all threads have equal
- * costs. */
+/* Finds the first disk of each thread, so that the costs of all threads are about equal. The disks
+ * of thread t are in slots disk[t] to disk[t + 1] - 1. */
 static void share_disks(const pairs *p, size_t n_free, size_t threads, size_t *disk) {
   const size_t all = p->n_round + SEGMENT_COST * (p->count - p->first_segment) + DISK_COST * n_free;
   disk[0] = 0;
@@ -226,8 +227,8 @@ static void cut_shares(chunks *c, const size_t *disk) {
   assert(k == c->count && c->begin[0] == 0);
 }
 
-/* Marks chunks with disks that are ghosts on other ranks as boundary_first: those ranks wait for
- * their predicted coordinates. */
+/* Marks chunks with disks that are ghosts on other ranks as boundary_first, to be predicted before
+ * all others, since the other ranks wait for the predicted coordinates of these disks. */
 static void find_sent(const halo *h, chunks *c) {
   for (size_t k = 0; k < h->n_send; k++)
     c->boundary_first[chunks_of_disk(c, h->send_slot[k])] = true;
@@ -277,15 +278,18 @@ int chunks_thread_of_pair(const engine *e, size_t pair) {
 
 /* --- rows of chunks --------------------------------------------------------------------------- */
 
-/* Pages: a page is a set of rows for the disks of one chunk. */
+/* Pages of the table of packed bodies and force sums. A page is a range of rows with room for the
+ * disks of one chunk. */
 typedef struct page_list {
-  size_t *until; /* [n] last chunk that reads each page; SIZE_MAX: never free */
+  /* [n] index of the last chunk that uses each page; SIZE_MAX: the page is never free again */
+  size_t *until;
   size_t n;
 } page_list;
 
-/* Returns a page that is free from chunk k on; there are few pages to search. Rows that are kept
- * (until = SIZE_MAX) get a new page: they may be written before the thread's first chunk, when
- * earlier chunks still read all other pages. */
+/* Returns a page that is free from chunk k on, and reserves it up to chunk `until`; there are few
+ * pages, so they are searched one by one. Rows that are kept to the end of the step (until =
+ * SIZE_MAX) get a new page, since they may be written before the thread's first chunk is evaluated,
+ * when all pages may be in use. */
 static size_t take_page(page_list *l, size_t first, size_t k, size_t until) {
   size_t page = until == SIZE_MAX ? l->n : first;
   while (page < l->n && l->until[page] >= k) page++;
@@ -294,8 +298,8 @@ static size_t take_page(page_list *l, size_t first, size_t k, size_t until) {
   return page;
 }
 
-/* Finds the last chunk of the same thread that reads the rows of each chunk; SIZE_MAX if the chunk
- * keeps its rows. */
+/* Sets until[k] to the last chunk that reads the rows of chunk k; SIZE_MAX if chunk k keeps its
+ * rows for the whole step. */
 static void find_ends(chunks *c, size_t *until) {
   for (size_t k = 0; k < c->count; k++)
     until[k] = c->boundary_first[k] || c->boundary_last[k] ? SIZE_MAX : k;
@@ -307,7 +311,7 @@ static void find_ends(chunks *c, size_t *until) {
 static void give_rows(chunks *c, const size_t *until, page_list *pages) {
   for (size_t k = 0; k < c->count; k++) c->row[k] = SIZE_MAX;
   for (int t = 0; t < c->n_threads; t++) {
-    const size_t first = pages->n; /* pages of other threads are in use at any time */
+    const size_t first = pages->n; /* pages before this one are used by other threads at any time */
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++)
       for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) {
         const size_t seen = c->need[n];
@@ -325,7 +329,7 @@ void chunks_plan_rows(chunks *c, size_t n_free) {
   give_rows(c, until, &pages);
   assert(pages.n <= c->count);
   for (size_t k = 0; k < c->count; k++)
-    assert(c->row[k] != SIZE_MAX); /* every chunk has a row, since its own pairs read it */
+    assert(c->row[k] != SIZE_MAX); /* every chunk has got rows, since its own pairs read them */
   c->rows = pages.n * c->size;
   c->shares = pages.n < c->count;
   if (!c->shares) {

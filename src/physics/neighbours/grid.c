@@ -9,10 +9,11 @@
 #include "base/memory.h"
 #include "physics/system/bodies.h"
 
-/* Found by measurement (tests/bench/README.md): a larger LEVEL_FACTOR tests more disks of the same
- * level, a smaller one searches more levels. The side of a cell is CELL_SIZE times the largest
- * distance of a pair of the level's largest disks; where disks are sparse it is larger, so that
- * there are at most CELLS_PER_DISK cells per disk. */
+/* Constants of the grid, chosen by measurement (tests/bench/README.md). LEVEL_FACTOR: ratio of the
+ * largest to the smallest radius on a level; with a larger ratio a search tests more disks of each
+ * level, with a smaller one it searches more levels. CELL_SIZE: side of a cell divided by the
+ * largest distance at which two of the level's largest disks form a pair; where disks are sparse,
+ * cells are larger. CELLS_PER_DISK: largest number of cells per disk. */
 static const double LEVEL_FACTOR = 2.5, CELL_SIZE = 1.0, CELLS_PER_DISK = 4.0;
 
 /* --- levels ----------------------------------------------------------------------------------- */
@@ -45,8 +46,9 @@ static size_t level_of(const grid *g, double radius) {
 
 /* --- cells ------------------------------------------------------------------------------------ */
 
-/* Returns the cell index of a coordinate along direction c. In an open direction the first and the
- * last cell extend to infinity; in a periodic one disks lie inside the box, up to the overhang. */
+/* Returns the index of the cell that contains coordinate `at` along direction c. Along an open
+ * direction the first and last cell extend to infinity; along a periodic one disks lie inside the
+ * box, except for a small distance (grid.overhang). */
 static int64_t cell_of(const grid_level *l, int c, double at) {
   double k = fmin((at - l->lower[c]) * l->per_cell[c], (double)(l->cells[c] - 1));
   return k > 0.0 ? (int64_t)k : 0;
@@ -56,8 +58,8 @@ static size_t cell_index(const grid_level *l, double x, double y) {
   return (size_t)(cell_of(l, 1, y) * l->cells[0] + cell_of(l, 0, x));
 }
 
-/* Returns true if the body in this slot can have contacts: all bodies but free disks that are not
- * in the simulation (waiting or taken out). */
+/* Returns true if the body in this slot can have contacts. Only free disks that were not added yet
+ * (waiting) or were removed cannot. */
 static bool in_play(const sd_state *s, size_t slot) {
   return slot >= s->n_free || body_in_play(s, slot);
 }
@@ -75,9 +77,9 @@ static void choose_cells(grid_level *l, const double low[2], const double high[2
   }
 }
 
-/* Results of one thread, for its range of disks. */
+/* Results of one thread, for the disks that it counts. */
 typedef struct grid_share {
-  /* bounding box of disk centres; low > high if there are none */
+  /* bounding box of the centres of these disks; low > high if there are none */
   _Alignas(64) double low[2], high[2];
   double overhang;
   size_t count[GRID_LEVELS];
@@ -88,14 +90,14 @@ typedef struct grid_task {
   const engine *e;
   grid *g;
   double margin;
-  uint32_t *cell; /* [n_disks] cell index of each disk on its level */
+  uint32_t *cell; /* [n_disks] index of the cell of each disk, on the disk's level */
   sd_status status;
   grid_share share[WORK_MAX_THREADS];
 } grid_task;
 
-/* Extends the bounding box to a point. The caller leaves out disks beyond the bounds of the run
- * (SD_OUTSIDE), since a disk lost far away would make all cells large; points outside the grid
- * belong to the nearest cell. */
+/* Extends the bounding box to a point, the centre of a disk. Disks that have left the bounds of the
+ * run (SD_OUTSIDE) are not passed to this function: one disk lost far away would make all cells
+ * large. Points outside the grid belong to the nearest cell. */
 static void find_extent(grid_share *mine, const double at[2]) {
   for (int c = 0; c < 2; c++) {
     if (at[c] < mine->low[c]) mine->low[c] = at[c];
@@ -103,8 +105,8 @@ static void find_extent(grid_share *mine, const double at[2]) {
   }
 }
 
-/* Counts the disks of each level in [begin, end), and finds their bounding box and how far they lie
- * outside a periodic box. */
+/* Counts the disks of each level in slots [begin, end), and finds their bounding box and the
+ * largest distance by which one lies outside a periodic box. */
 static void count_disks(const grid_task *f, size_t begin, size_t end, grid_share *mine) {
   const sd_state *s = f->e->state;
   const work *w = &f->e->work;
@@ -178,7 +180,7 @@ static sd_status make_cells(grid_task *f, int threads) {
   return SD_OK;
 }
 
-/* Returns *count and increments it, atomically if several threads fill the cells. */
+/* Returns *count, then adds 1 to it; atomically unless the caller is the only thread (alone). */
 static uint32_t next_of(uint32_t *count, bool alone) {
   return alone ? (*count)++ : __atomic_fetch_add(count, 1, __ATOMIC_RELAXED);
 }
@@ -216,7 +218,7 @@ static int ascending(const void *one, const void *two) {
   return *p < *q ? -1 : *p > *q;
 }
 
-/* Sorts the disks of each cell by slot, since threads fill cells in any order. */
+/* Sorts the disks of each cell by slot: several threads fill the cells, in no fixed order. */
 static void sort_cells(const grid *g, const team *t) {
   for (size_t k = 0; k < g->count; k++) {
     const grid_level *l = &g->level[k];
@@ -231,7 +233,7 @@ static void sort_cells(const grid *g, const team *t) {
   }
 }
 
-/* Sorts the disks by level, cell and slot; runs on all threads. */
+/* Sorts all disks into the grid: by level, cell and slot. All threads call it together. */
 static void grid_together(const team *t, void *with) {
   grid_task *f = with;
   const bool alone = t->size == 1;
@@ -270,8 +272,8 @@ void grid_free(grid *g) {
 
 /* --- search ----------------------------------------------------------------------------------- */
 
-/* Cells first ... last along one direction. In a periodic direction they may lie outside [0, number
- * of cells), but each cell occurs once. */
+/* Range of cells from `first` to `last` along one direction. Along a periodic direction the indices
+ * may lie outside [0, number of cells), but no cell occurs twice. */
 typedef struct range {
   int64_t first, last;
 } range;
@@ -313,8 +315,8 @@ static int64_t wrapped(int64_t k, int64_t n) {
   return k < n ? k : k % n;
 }
 
-/* Adds the cells u of a row inside the grid; a range across a periodic edge gives up to two
- * runs. */
+/* Adds the cells u.first to u.last of a row, which must lie inside the grid. If u crosses a
+ * periodic edge of the box, the cells form two ranges. */
 static void add_columns(const grid_level *l, int64_t row, range u, grid_runs *found) {
   const int64_t n = l->cells[0];
   assert(row >= 0 && row < l->cells[1] && u.first <= u.last);
@@ -332,9 +334,9 @@ static void add_columns(const grid_level *l, int64_t row, range u, grid_runs *fo
   add_run(l, row, 0, last, found);
 }
 
-/* Adds the cells of row v between x = low and high. A row above or below a periodic box is an image
- * of a row in it, shifted along x by `offset` per box height; only this function applies the
- * shift. */
+/* Adds the cells of row v between x = low and x = high. A row above or below a periodic box is the
+ * image of a row inside, which in a sheared box is shifted along x by `offset` for each box height;
+ * the shift is applied here and nowhere else. */
 static void add_row(const grid_level *l, int64_t v, double low, double high, grid_runs *found) {
   assert(l->cells[1] > 0);
   const int64_t row = l->periodic[1] ? wrapped(v, l->cells[1]) : v, image = (v - row) / l->cells[1];
@@ -342,7 +344,8 @@ static void add_row(const grid_level *l, int64_t v, double low, double high, gri
   add_columns(l, row, range_of(l, 0, low - shift, high - shift), found);
 }
 
-/* Finds the lower and upper y of a row; the outer rows of an open grid extend to infinity. */
+/* Sets *low and *high to the lower and upper y of a row of cells. The first and last row of an open
+ * grid extend to infinity. */
 static void row_edges(const grid_level *l, int64_t v, double *low, double *high) {
   const double height = l->per_cell[1] > 0.0 ? 1.0 / l->per_cell[1] : 0.0;
   const bool open = !l->periodic[1];
@@ -350,10 +353,12 @@ static void row_edges(const grid_level *l, int64_t v, double *low, double *high)
   *high = open && v >= l->cells[1] - 1 ? HUGE_VAL : l->lower[1] + height * (double)(v + 1);
 }
 
-/* Enlarges a search radius by the rounding errors of cell edges near coordinate `at`. */
+/* Enlarges the search radius `reach` a little, to allow for the rounding errors of cell edges near
+ * coordinate `at`. */
 static double slack(double reach, double at) { return reach * (1.0 + 1e-9) + 1e-14 * at; }
 
-/* Adds the cells of rows v that a circle of radius r around a point overlaps. */
+/* Adds the cells that a circle of radius r around point `at` overlaps, in the rows v.first to
+ * v.last. */
 static void add_circle(const grid_level *l, range v, const double at[2], double r,
                        grid_runs *found) {
   for (int64_t k = v.first; k <= v.last; k++) {
@@ -365,9 +370,9 @@ static void add_circle(const grid_level *l, range v, const double at[2], double 
   }
 }
 
-/* Up to this many rows are searched over the full width of the circle. If all rows of a periodic
- * box are searched, a row stands for several of its images, so its whole width around the point (in
- * a sheared box, all cells) is searched. */
+/* Up to this number of rows, each row is searched over the whole width of the circle, without
+ * computing the chord. This is also done if all rows of a periodic box are searched, since a row
+ * then stands for several of its images; in a sheared box all cells are searched. */
 enum { FEW_ROWS = 4 };
 void grid_around(const grid *g, const grid_level *l, const double at[2], double reach,
                  grid_runs *found) {
@@ -388,8 +393,8 @@ void grid_around(const grid *g, const grid_level *l, const double at[2], double 
   for (int64_t k = v.first; k <= v.last; k++) add_columns(l, k, u, found);
 }
 
-/* Finds the x range [*left, *right] of the part of the line between two heights, widened by `reach`
- * on all sides. Returns false if there is none. */
+/* Finds the part of the line between two heights, both widened by `reach`, and sets [*left, *right]
+ * to its range of x, widened by `reach`. Returns false if no part of the line lies between them. */
 static bool chord(const grid_line *line, double reach, double low, double high, double *left,
                   double *right) {
   double from = -line->back, to = line->length;
@@ -415,7 +420,7 @@ void grid_along(const grid_level *l, const grid_line *line, double reach, grid_r
   const double end = line->ty != 0.0 ? line->length * line->ty : 0.0;
   const double low = line->y + fmin(back, end) - r, high = line->y + fmax(back, end) + r;
   found->count = 0;
-  /* treat the grid as open: disks outside the box are in the outer cells */
+  /* treat the grid as open: disks outside the box are in its outermost cells */
   grid_level open = *l;
   open.periodic[0] = open.periodic[1] = false;
   const range v = range_of(&open, 1, low, high);

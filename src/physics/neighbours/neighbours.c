@@ -20,18 +20,18 @@ void neighbours_free(engine *e) {
   pairs_list_free(e);
 }
 
-/* Returns true if the body in this slot can have contacts: all bodies but free disks that are not
- * in the simulation (waiting or taken out). */
+/* Returns true if the body in this slot can have contacts. Only free disks that were not added yet
+ * (waiting) or were removed cannot. */
 static bool in_play(const sd_state *s, size_t slot) {
   return slot >= s->n_free || body_in_play(s, slot);
 }
 
 /* Returns the largest gap between the surfaces of a candidate pair: Verlet margin plus the largest
- * gap at which a contact begins or ends. */
+ * gap at which a cohesive contact begins or ends. */
 static double largest_margin(const engine *e) { return e->work.skin + e->work.margin; }
 
-/* Lists the wall segments that occur in candidate pairs, ascending; only these are updated in every
- * step. */
+/* Lists the wall segments that occur in candidate pairs, ascending. Only these segments are moved
+ * in every step. */
 static void find_pieces(engine *e) {
   work *w = &e->work;
   const pairs *p = &w->pairs;
@@ -53,8 +53,8 @@ static void find_watched(engine *e) {
     for (size_t at = n->start[d]; at < n->start[d + 1]; at++) {
       size_t pair = n->entry[at] / 2;
       if (p->a[pair] + p->b[pair] == d + q && (p->a[pair] == d || p->b[pair] == d)) {
-        /* take the first of several segments of one wall: they are consecutive, and which one is
-         * closed changes */
+        /* If a wall has several segments near the disk, take the pair with the first: their pairs
+         * are consecutive in the list, and which of them is closed changes. */
         if (e->work.watched[k] < 0 || (int64_t)pair < e->work.watched[k])
           e->work.watched[k] = (int64_t)pair;
       }
@@ -99,8 +99,8 @@ sd_status neighbours_check_next(const engine *e, sd_messages *messages) {
   return SD_OK;
 }
 
-/* Returns an upper bound for the distance between a wall's pivot and the points of disks, from
- * their bounding box. */
+/* Returns an upper bound of the distance between a wall's pivot and any point of a disk. low, high:
+ * bounding box of the disks. */
 static double farthest_disk(const engine *e, const double pivot[2], const double low[2],
                             const double high[2]) {
   const double dx = fmax(high[0] - pivot[0], pivot[0] - low[0]),
@@ -108,9 +108,10 @@ static double farthest_disk(const engine *e, const double pivot[2], const double
   return hypot(dx, dy) + largest_margin(e);
 }
 
-/* Finds for each wall the largest distance from its pivot to a point that may touch a disk: the
- * angle by which the wall turns times this distance bounds the displacement of its surface. Points
- * farther away than all disks do not matter, and a round wall turns into itself (distance 0). */
+/* Finds for each wall the largest distance from its pivot to a point of the wall that may touch a
+ * disk. This distance times the angle by which the wall turns is an upper bound of the displacement
+ * of its surface. Points farther from the pivot than all disks do not count; for a round wall the
+ * distance is 0, since turning does not displace its surface. */
 static void note_reaches(const engine *e, const double low[2], const double high[2]) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -128,13 +129,13 @@ static void note_reaches(const engine *e, const double low[2], const double high
   for (size_t b = s->n_disks; b < s->n_bodies; b++) {
     const double pivot[2] = {s->x[b], s->y[b]};
     double *reach = &w->reach[b - s->n_disks];
-    /* a disk in a periodic box may be near an image of the wall that is far from the pivot. */
+    /* in a periodic box a disk may touch an image of the wall, far from the pivot */
     const bool images = w->periodic[0] || w->periodic[1];
     if (!images || !isfinite(*reach)) *reach = fmin(*reach, farthest_disk(e, pivot, low, high));
   }
 }
 
-/* Bounding box of the free disks, for the range of each thread. */
+/* Bounding box of the free disks that each thread treats. */
 typedef struct note_task {
   const engine *e;
   struct {
@@ -187,8 +188,8 @@ static double largest_radius(const sd_state *s) {
   return largest;
 }
 
-/* Returns the smallest factor by which the deforming box stretches any length since the lists were
- * built: the smaller singular value of its linear map. */
+/* Returns the smallest factor by which the deforming box has stretched a length, of any direction,
+ * since the lists were built: the smaller singular value of the map of positions. */
 static double least_stretch(const work_cell *c) {
   const double x = 1.0 + c->map[0], y = 1.0 + c->map[1],
                sum = x * x + y * y + c->map[2] * c->map[2],
@@ -196,9 +197,9 @@ static double least_stretch(const work_cell *c) {
   return sqrt(fmax(0.5 * (sum - root), 0.0));
 }
 
-/* Returns how far a body may move until the lists are stale. Each of two bodies may use 0.45 of the
- * Verlet margin; the rest covers the difference between trial and corrected positions. If all
- * lengths shrink, surfaces approach even at rest, so the limit is reduced by that. */
+/* Returns how far a body may move before the lists are stale. Each of two bodies may use up 0.45 of
+ * the Verlet margin; the rest covers the difference between predicted and corrected positions. If
+ * the box shrinks, surfaces approach even without motion, and the limit is reduced by that. */
 static double limit_of(const engine *e) {
   const work *w = &e->work;
   double shrunk = fmax(1.0 - e->state->box_scale / w->list_scale, 0.0);
@@ -236,9 +237,9 @@ void neighbours_follow(engine *e) {
   c->list_step = c->step = e->state->step;
 }
 
-/* Makes the present shape of the box the reference of new lists. The mean velocity of the disks
- * relative to the box flow is stored, since a displacement that all disks share does not make the
- * lists stale. */
+/* Makes the present shape of the box the reference of new lists. Stores the mean velocity of the
+ * disks relative to the flow of the deforming box: a displacement that all disks have in common
+ * does not make the lists stale. */
 static void note_cell(engine *e) {
   const sd_state *s = e->state;
   work *w = &e->work;
@@ -278,11 +279,12 @@ bool neighbours_rescale(engine *e, double f) {
   return !stale;
 }
 
-/* A wide Verlet margin adds candidates to every step, a narrow one adds rebuilds. A rebuild costs,
- * per disk, as much as the candidates that a margin of one mean radius adds in TUNE_BALANCE steps.
- * If disks move by k per step, lists last skin/k steps, and the total cost is least where skin (in
- * mean radii) times steps is TUNE_BALANCE. TUNE_LEAST, TUNE_MOST: bounds of the margin, in mean
- * radii; TUNE_STEP: largest factor of one change. */
+/* Constants of the choice of the Verlet margin. A wide margin adds candidates to every step, a
+ * narrow one adds rebuilds of the lists. One rebuild costs as much as the candidates that a margin
+ * of one mean radius adds in TUNE_BALANCE steps. If disks move by k per step, lists last skin/k
+ * steps, and the total cost is least if skin (in mean radii) times the number of steps equals
+ * TUNE_BALANCE. TUNE_LEAST, TUNE_MOST: smallest and largest margin, in mean radii; TUNE_STEP:
+ * largest factor of one change. */
 static const double TUNE_BALANCE = 27.0, TUNE_LEAST = 0.03, TUNE_MOST = 0.4, TUNE_STEP = 1.4;
 
 void neighbours_tune(engine *e) {

@@ -1,4 +1,4 @@
-/* order.c: implements neighbours.h. */
+/* order.c: sorts disks and contacts in memory; implements order_... of neighbours.h. */
 #include "physics/neighbours/neighbours.h"
 
 #include <assert.h>
@@ -41,9 +41,9 @@ static range range_of(const sd_state *s, const double *at, const comm *c) {
   return x;
 }
 
-/* Returns the number of the strip, of this width, in which a coordinate lies. If the side is folded
- * (periodic), strips are numbered first, last, second, last but one, ... so that neighbours across
- * the edge have close numbers. */
+/* Returns the number of the strip that contains coordinate `at`. x: range of the coordinates of all
+ * disks; width: of a strip. If `folded` (for a periodic side), strips are numbered first, last,
+ * second, last but one, ... so that neighbours across the edge have close numbers. */
 static uint64_t strip_of(double at, range x, double width, bool folded) {
   /* limits the number of strips if a disk is lost far away */
   width = fmax(width, (x.high - x.low) * 1e-9);
@@ -54,9 +54,9 @@ static uint64_t strip_of(double at, range x, double width, bool folded) {
   return (uint64_t)(k < 0.5 * count ? 2.0 * k : 2.0 * (count - 1.0 - k) + 1.0);
 }
 
-/* Largest ratio of radii on one level of size. The disks of a level are sorted together, in strips
- * as wide as the largest disk; levels of small disks come first. So the partners of a disk are near
- * it in memory, except larger ones, which are few and last. */
+/* Largest ratio of radii on one level of size. The disks of a level are sorted in strips as wide as
+ * the diameter of its largest disk; levels of small disks come first. So the partners of a disk are
+ * near it in memory, except larger partners, which are few and come last. */
 static const double LEVEL_FACTOR = 4.0;
 
 static void fill_places(const sd_model *m, const sd_state *s, const comm *c, order_place *list) {
@@ -80,7 +80,7 @@ static void fill_places(const sd_model *m, const sd_state *s, const comm *c, ord
 
 /* Reorders the rows of a column: the new row k is the old row from[k]. */
 static void permute(char *column, size_t row, size_t n, const uint32_t *from, char *scratch) {
-  /* skip columns of zeros, of which a new state has many: they take no memory until they are
+  /* skip columns of zeros, of which a new state has many: their pages take no memory until they are
    * written */
   if (n == 0 || (column[0] == 0 && memcmp(column, column + 1, n * row - 1) == 0)) return;
   for (size_t k = 0; k < n; k++) memcpy(scratch + k * row, column + from[k] * row, row);
@@ -107,7 +107,8 @@ static void permute_all(sd_state *s, bool contacts, const uint32_t *from, void *
 /* --- order of the contacts -------------------------------------------------------------------- */
 
 typedef struct contact_place {
-  int list; /* 0: round pairs, 1: pairs with ghosts, 2: wall segments, as in the lists of pairs */
+  /* list that the pair belongs to; 0: round bodies, 1: with ghosts, 2: with wall segments */
+  int list;
   uint32_t a, b, part, from;
 } contact_place;
 
@@ -119,8 +120,8 @@ static int by_slots(const void *one, const void *two) {
   return p->part < q->part ? -1 : p->part > q->part;
 }
 
-/* Swaps the bodies of contact k so that the disk in the lower slot is a; seen from the other disk
- * the contact's direction is reversed. */
+/* Swaps the bodies of contact k if needed, so that a is the disk in the lower slot. Seen from the
+ * other disk, the direction and the rolling variables of the contact have the opposite sign. */
 static void turn_contact(const sd_model *m, sd_state *s, size_t k, const slot_table *slots) {
   uint32_t a = s->contact_a[k], b = s->contact_b[k];
   assert(a < m->n_disks && b < sd_model_bodies(m) && a != b);
@@ -135,9 +136,9 @@ static void turn_contact(const sd_model *m, sd_state *s, size_t k, const slot_ta
   s->contact_roll[k] = -s->contact_roll[k];
 }
 
-/* Lists the contacts for sorting and returns their number. A contact from a packing may be with a
- * disk that this rank does not have, not even as a ghost: such contacts are not listed, and their
- * indices go to the end of from[]. */
+/* Lists the contacts for sorting, and returns their number. A contact from an input packing may be
+ * with a disk that this rank does not have, not even as a ghost; such contacts are left out, and
+ * their indices are written to the end of from[]. */
 static size_t list_contacts(const sd_model *m, sd_state *s, const slot_table *slots,
                             contact_place *list, uint32_t *from) {
   size_t n = 0, last = s->n_contacts;

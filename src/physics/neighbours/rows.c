@@ -1,4 +1,5 @@
-/* rows.c: implements neighbours.h. */
+/* rows.c: builds the tables that follow from a list of pairs; implements pairs_list,
+ * pairs_clear_... and sums_add_listed of neighbours.h. */
 #include "physics/neighbours/neighbours.h"
 
 #include <assert.h>
@@ -17,8 +18,8 @@ static size_t partner_of(const pairs *p, uint32_t entry) {
   return (size_t)(entry & 1 ? p->a[entry / 2] : p->b[entry / 2]);
 }
 
-/* Sorts the round contacts of a disk of this rank by the slots that the partners have in the whole
- * system, the order of a run on one rank. */
+/* Sorts the contacts of a disk of this rank with round bodies by the global slots of the partners,
+ * the slots that they would have in a run on one rank. */
 static void order_partners(const engine *e, size_t slot) {
   const incidence *n = &e->work.incidence;
   const pairs *p = &e->work.pairs;
@@ -34,15 +35,16 @@ static void order_partners(const engine *e, size_t slot) {
   }
 }
 
-/* Part of the incidence lists that one thread builds: those of the free disks [begin, end); rank 0
- * also builds those of all other bodies. The first body of each of the thread's pairs is in this
- * range; the second may be in another thread's range, and such pairs are passed on in `away`. */
+/* Part of the lists of contacts of each body that one thread builds: those of the free disks in
+ * slots [begin, end); thread 0 also builds those of all other bodies. The thread treats the pairs
+ * whose first body is in this range. If the second body belongs to another thread, the pair is
+ * listed in `away`, for that thread. */
 typedef struct incidence_share {
-  size_t begin, end;       /* slots of free disks */
-  size_t pair, pair_end;   /* range of round pairs */
+  size_t begin, end;       /* range of slots, all of free disks */
+  size_t pair, pair_end;   /* range of pairs of round bodies */
   size_t ghost, ghost_end; /* range of pairs with ghosts */
   size_t piece, piece_end; /* range of pairs with wall segments */
-  numbers away;            /* pairs whose second body is another thread's, ascending */
+  numbers away;            /* pairs whose second body belongs to another thread, ascending */
   size_t entries;
 } incidence_share;
 
@@ -56,8 +58,8 @@ static bool stands_here(const incidence_task *f, const incidence_share *mine, in
   return (b >= mine->begin && b < mine->end) || (mine == &f->share[0] && b >= f->e->state->n_free);
 }
 
-/* Adds the contacts that other threads found for bodies of this one, either of round pairs or of
- * wall segments (pieces); with `fill` it stores them, else it only counts them. */
+/* Adds the contacts that other threads found for bodies of this thread: those with wall segments if
+ * `pieces`, else those of round bodies. fill: true stores the contacts, false only counts them. */
 static void take_away(const incidence_task *f, const team *t, bool pieces, bool fill) {
   incidence *n = &f->e->work.incidence;
   const pairs *p = &f->e->work.pairs;
@@ -117,7 +119,7 @@ static void clear_counts(const incidence_task *f, const incidence_share *mine) {
   memset(start + n_free + 2, 0, others * sizeof *start);
 }
 
-/* Turns the numbers of contacts per body into start indices (prefix sum). */
+/* Turns the number of contacts of each body into the index of its first contact (prefix sum). */
 static void add_up(const incidence_task *f, const team *t) {
   size_t *start = f->e->work.incidence.start, before = 0;
   const size_t n_free = f->e->state->n_free;
@@ -159,7 +161,7 @@ static void incidence_together(const team *t, void *with) {
   for (size_t i = mine->begin; e->halo && i < mine->end; i++) order_partners(e, i);
 }
 
-/* Enlarges the tables that have a row per body or per contact of a body, if they are too small. */
+/* Enlarges the tables with a row per body, or per contact of a body, if they are too small. */
 static sd_status reserve_tables(engine *e) {
   work *w = &e->work;
   incidence *n = &w->incidence;
@@ -193,8 +195,8 @@ static sd_status list_incidence(engine *e) {
 
 /* --- rows of packed bodies and force sums ----------------------------------------------------- */
 
-/* Returns the number of rows of packed bodies: of free disks, of other bodies, and one for
- * padding. */
+/* Returns the number of rows of packed bodies: those of free disks, of all other bodies, and one
+ * row for padding (pairs that fill up a block). */
 static size_t count_rows(const engine *e) {
   return e->work.chunks.rows + e->state->n_bodies - e->state->n_free + 1;
 }
@@ -209,7 +211,8 @@ static sd_status reserve_rows(engine *e) {
   return w->packed ? SD_OK : SD_ERROR_IO;
 }
 
-/* Assigns rows to the free disks, and stores in each pair the offsets of its bodies' rows. */
+/* Assigns rows to the free disks, and stores in each pair the offsets of the rows of its two
+ * bodies. */
 static void rows_together(const team *t, void *with) {
   engine *e = with;
   const size_t n_bodies = e->state->n_bodies, size = (size_t)t->size, rank = (size_t)t->rank;
@@ -233,8 +236,8 @@ static void rows_together(const team *t, void *with) {
   }
 }
 
-/* Assigns rows to all bodies and to padding, which stands at (0, 0) with radius 0, where it touches
- * nothing. */
+/* Assigns rows to all bodies. Padding pairs get a row of their own, with position (0, 0) and radius
+ * 0, so that they are never in contact. */
 static sd_status list_rows(engine *e) {
   const size_t n_bodies = e->state->n_bodies, n_free = e->state->n_free;
   work *w = &e->work;
@@ -243,15 +246,15 @@ static sd_status list_rows(engine *e) {
   assert(count_rows(e) <= INT32_MAX / PACKED_ROW && count_rows(e) <= w->packed_capacity);
   for (size_t slot = n_free; slot <= n_bodies; slot++)
     w->row[slot] = (int32_t)(c->rows + slot - n_free);
-  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* padding has the last row */
+  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* the last row is that of padding */
   memset(w->packed + PACKED_ROW * (size_t)w->row[n_bodies], 0, PACKED_ROW * sizeof *w->packed);
   pool_run(work_pool(e), rows_together, e);
   return SD_OK;
 }
 
-/* Returns true if each contact of this body needs a row of forces of its own: prescribed bodies,
- * disks with a held coordinate, disks with a contact that another thread evaluates or that is with
- * a ghost. */
+/* Returns true if each contact of this body needs its own row of forces. This holds for prescribed
+ * bodies, for disks with a held coordinate, and for disks with a contact that another thread
+ * evaluates or that is with a ghost. */
 static bool is_listed(const engine *e, size_t slot) {
   const work *w = &e->work;
   const incidence *n = &w->incidence;
@@ -280,7 +283,8 @@ static void listed_together(const team *t, void *with) {
     if (is_listed(f->e, slot)) numbers_add(&f->found[t->rank], slot);
 }
 
-/* Joins the lists of all threads, and allocates the column of first rows as well. */
+/* Joins the lists of all threads into m->listed, and makes room for as many entries in
+ * m->single. */
 static sd_status join_listed(const listed_task *f, sums *m) {
   size_t n = 0;
   for (size_t t = 0; t < WORK_MAX_THREADS; t++) {
@@ -300,7 +304,7 @@ static sd_status join_listed(const listed_task *f, sums *m) {
   return SD_OK;
 }
 
-/* Lists the bodies whose contacts have rows of forces of their own, and marks the chunks of such
+/* Lists the bodies for which each contact has its own row of forces, and marks the chunks of such
  * disks as boundary_last. */
 static sd_status list_listed(engine *e) {
   work *w = &e->work;
@@ -346,7 +350,7 @@ static sd_status list_sums(engine *e) {
   }
   m->single[m->n_listed] = m->end;
   assert(m->end <= m->capacity && m->end <= INT32_MAX / SUM_ROW);
-  pairs_clear_single(e); /* rows of earlier lists held other data here */
+  pairs_clear_single(e); /* clears what the rows held for earlier lists */
   return SD_OK;
 }
 

@@ -21,15 +21,15 @@ static bool in_play(const sd_state *s, size_t slot) {
   return slot >= s->n_free || body_in_play(s, slot);
 }
 
-/* Returns the number of rows of packed bodies, including that of padding. */
+/* Returns the number of rows of packed bodies, including the row of padding. */
 static size_t count_rows(const engine *e) {
   return e->work.chunks.rows + e->state->n_bodies - e->state->n_free + 1;
 }
 
 /* --- slots ------------------------------------------------------------------------------------ */
 
-/* Checks that slots are a permutation of body numbers: free disks (on a rank: its own and ghosts),
- * then driven disks, then walls. */
+/* Checks that every body has one slot: free disks first (with several ranks: own disks, then
+ * ghosts), then driven disks, then walls. */
 static void check_slots(const engine *e) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
@@ -99,8 +99,9 @@ static bool is_zero(const sd_contact_record *r) {
 #undef ZERO
 }
 
-/* Checks the records that lists carry over: a unit direction for closed contacts, zeros for open
- * ones. Before the first step the direction may come from a file and is not checked. */
+/* Checks the contact records that were carried over from the old list: the direction of a closed
+ * contact is a unit vector, the record of an open pair is zero. Before the first step the direction
+ * may come from a file and is not checked. */
 static void check_memory(const engine *e) {
   const pairs *p = &e->work.pairs;
   for (size_t k = 0; k < p->count; k++) {
@@ -123,7 +124,7 @@ static bool is_listed_pair(const engine *e, size_t i, size_t j) {
   return false;
 }
 
-/* Checks that all other disks within the Verlet margin of this one are its candidates. */
+/* Checks that all disks within the Verlet margin of disk i are in the list of candidates. */
 static void check_near(const engine *e, size_t i) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -137,8 +138,8 @@ static void check_near(const engine *e, size_t i) {
   }
 }
 
-/* Numbers of disks: fewer than NEAR_ALL are all checked, of more only NEAR_SOME, different ones for
- * each list. */
+/* Limits of the check for missing candidates. All disks are checked if there are fewer than
+ * NEAR_ALL; otherwise only NEAR_SOME, different ones for each new list. */
 enum { NEAR_ALL = 64, NEAR_SOME = 8 };
 static void check_candidates(const engine *e) {
   const size_t n = e->state->n_free, some = n < NEAR_ALL ? n : NEAR_SOME;
@@ -148,9 +149,9 @@ static void check_candidates(const engine *e) {
 
 /* --- contacts of each body -------------------------------------------------------------------- */
 
-/* Returns true if two consecutive contacts of a body are in order: on a rank, round contacts of a
- * free disk in the order that the partners have in the whole system, all others in the order of
- * pairs. */
+/* Returns true if two consecutive contacts of a body are in order. With several ranks, contacts of
+ * a free disk with round bodies are sorted by the global slots of the partners, those of a run on
+ * one rank; all others are in the order of pairs. */
 static bool follows(const engine *e, size_t slot, uint32_t first, uint32_t second) {
   const pairs *p = &e->work.pairs;
   const size_t one = (size_t)(first & 1 ? p->a[first / 2] : p->b[first / 2]);
@@ -160,8 +161,8 @@ static bool follows(const engine *e, size_t slot, uint32_t first, uint32_t secon
   return halo_order(e, one) < halo_order(e, two);
 }
 
-/* Checks that the contacts of each body are in order, and that each pair occurs once for each of
- * its bodies. */
+/* Checks that the contacts of each body are in order, and that each pair occurs once in the
+ * contacts of each of its two bodies. */
 static void check_incidence(const engine *e) {
   const incidence *n = &e->work.incidence;
   const pairs *p = &e->work.pairs;
@@ -217,9 +218,9 @@ static bool needs(const chunks *c, size_t k, size_t other) {
   return false;
 }
 
-/* Checks a pair that chunk k evaluates; the chunks of the same thread end before `end`. Both disks
- * must be complete when their chunks are corrected: those of another thread's chunks at the end of
- * the step, those of this thread not before chunk k. */
+/* Checks a pair that chunk k evaluates; `end` is the end of the thread's range of chunks. All
+ * forces on both disks must be known when they are corrected: disks in chunks of other threads are
+ * corrected at the end of the step, disks of the same thread not before chunk k. */
 static void check_reader(const engine *e, size_t k, size_t end, size_t pair) {
   const chunks *c = &e->work.chunks;
   const pairs *p = &e->work.pairs;
@@ -233,7 +234,7 @@ static void check_reader(const engine *e, size_t k, size_t end, size_t pair) {
     assert(of >= k && needs(c, k, of));
     if (of < end) continue;
     assert(c->boundary_last[of] && c->boundary_first[of] && c->any_boundary_first);
-    assert((size_t)sum / SUM_ROW >= count_rows(e)); /* the force goes to a row of its own */
+    assert((size_t)sum / SUM_ROW >= count_rows(e)); /* the contact has its own row of forces */
   }
 }
 
@@ -253,8 +254,8 @@ static void check_readers(const engine *e) {
 
 /* --- rows ------------------------------------------------------------------------------------- */
 
-/* Checks that chunks which use the same rows never need them at the same time. Chunk k needs its
- * rows while the chunks from[k] ... to[k] are evaluated. */
+/* Checks that chunks which share rows never need them at the same time. Chunk k needs its rows
+ * while chunks from[k] to to[k] are evaluated; both arrays are filled here. */
 static void check_lifetimes(const chunks *c, size_t *from, size_t *to) {
   for (size_t k = 0; k < c->count; k++) {
     const bool kept = c->boundary_first[k] || c->boundary_last[k];
@@ -284,7 +285,8 @@ static void check_chunk_rows(const engine *e) {
   free(life);
 }
 
-/* Checks that every body's row is in the table, and that every pair has the rows of its bodies. */
+/* Checks that the row of every body is in the table, and that every pair has the offsets of the
+ * rows of its two bodies. */
 static void check_rows(const engine *e) {
   const work *w = &e->work;
   const chunks *c = &w->chunks;
@@ -297,7 +299,7 @@ static void check_rows(const engine *e) {
       assert((size_t)w->row[slot] == c->row[k] + slot - c->begin[k]);
   for (size_t slot = n_free; slot <= n_bodies; slot++)
     assert((size_t)w->row[slot] == c->rows + slot - n_free);
-  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* padding has the last row */
+  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* the last row is that of padding */
   for (size_t k = 0; k < p->count; k++) {
     const bool padding = p->a[k] == PAIR_PADDING;
     const int32_t a = w->row[padding ? n_bodies : (size_t)p->a[k]];
@@ -309,8 +311,8 @@ static void check_rows(const engine *e) {
     assert(w->packed[PACKED_ROW * (size_t)w->row[n_bodies] + (size_t)r] == 0.0);
 }
 
-/* Checks that forces on the body in this slot go to its row or, if it is listed, to one row per
- * contact from row `single` on. */
+/* Checks that forces on the body in this slot are added to the body's row or, if the body is
+ * listed, to one row per contact, beginning with row `single`. */
 static void check_sum_rows(const engine *e, size_t slot, bool listed, size_t single) {
   const incidence *n = &e->work.incidence;
   for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++) {
@@ -329,7 +331,7 @@ static void check_sums(const engine *e) {
   size_t k = 0;
   for (size_t slot = 0; slot < e->state->n_bodies; slot++) {
     const bool listed = k < m->n_listed && m->listed[k] == slot;
-    /* prescribed bodies have a row of forces per contact */
+    /* prescribed bodies have one row of forces per contact */
     assert(listed || slot < e->state->n_free);
     check_sum_rows(e, slot, listed, listed ? m->single[k] : 0);
     if (!listed) continue;
@@ -360,8 +362,8 @@ static const double ROUNDING = 1e-9;
 
 /* --- state ------------------------------------------------------------------------------------ */
 
-/* Returns true if a pose or velocity is not a number or beyond 1e100: the run has blown up, and the
- * next neighbours_check_finite reports it. */
+/* Returns true if a pose or velocity is not a number, or beyond 1e100: the run has blown up. The
+ * next call of neighbours_check_finite reports it. */
 static bool has_blown_up(const sd_state *s) {
   for (size_t i = 0; i < s->n_bodies; i++) {
     const double at[] = {s->x[i], s->y[i], s->theta[i], s->vx[i], s->vy[i], s->omega[i]};
@@ -371,9 +373,10 @@ static bool has_blown_up(const sd_state *s) {
   return false;
 }
 
-/* Checks that the columns of the run, of bodies, disks and motions are finite; the assertion states
- * the order of extents that this relies on. Measured columns may be infinite if nothing was
- * measured, and columns of contacts are only filled when the state is asked for. */
+/* Checks that columns of the run, of bodies, of disks and of motions are finite; the static
+ * assertion is about the order of enum values that the check uses. Columns of measured data are
+ * left out, as they may be infinite if nothing was measured; columns of contacts, too, as they are
+ * only filled when the state is requested. */
 _Static_assert(SD_PER_FREE<SD_PER_MOTION && SD_PER_PHASE> SD_PER_MOTION, "extents");
 static void check_numbers(const sd_state *s) {
   for (size_t k = 0; k < sd_field_count; k++) {
@@ -402,8 +405,8 @@ static void check_run(const engine *e) {
     assert(s->motion_start[k] >= -1 && s->motion_start[k] <= s->step);
 }
 
-/* Checks that angles are in [-4, 4] rad, positions in the periodic box, and that disks which are
- * not in the simulation are at rest. */
+/* Checks that angles are in [-4, 4] rad, that positions are in the periodic box, and that disks
+ * which are not in the simulation are at rest. */
 static void check_poses(const engine *e) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -433,9 +436,9 @@ static void check_energies(const engine *e) {
 
 /* --- contacts --------------------------------------------------------------------------------- */
 
-/* Checks a closed contact: a unit direction, a force that does not pull, an overlap within the
- * limit, and a tangential displacement zeta within Coulomb's limit, which it equals if the contact
- * slides. */
+/* Checks a closed contact: its direction is a unit vector, its force does not pull, its overlap is
+ * within the limit, and its tangential displacement zeta is within Coulomb's limit, and equal to it
+ * if the contact slides. */
 static void check_closed(const engine *e, size_t k) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -459,7 +462,8 @@ static void check_closed(const engine *e, size_t k) {
   } else {
     assert(r.force >= 0.0 && r.overlap > 0.0 && r.pull == 0.0 && r.roll == 0.0);
     assert(fabs(r.zeta) <= cap * (1.0 + ROUNDING));
-    assert(sign == 0 || fabs(r.zeta + sign * cap) <= cap * ROUNDING); /* the torque is -k_t zeta */
+    /* zeta and the torque -k_t zeta have opposite signs */
+    assert(sign == 0 || fabs(r.zeta + sign * cap) <= cap * ROUNDING);
   }
   assert(fabs(r.turned) < 0.1 && (!w->conservative || r.turned == 0.0));
   assert(!w->conservative || r.nonconservative_work == 0.0);
@@ -508,9 +512,10 @@ static bool is_candidate(const engine *e, size_t i, size_t j) {
   return false;
 }
 
-/* Checks, for a few disks, that pairs which are no candidates do not touch. Not with Gear: its
- * lists are valid for the predicted positions, where forces are evaluated, not for the corrected
- * ones. Ghosts are left out, since their positions in the state are older. */
+/* Checks, for a few disks, that pairs which are not candidates do not touch. With Gear's integrator
+ * this is not checked: its lists are valid for the predicted positions, at which forces are
+ * evaluated, not for the corrected ones. Ghosts are left out, since their positions in the state
+ * are from before the step. */
 static void check_gaps(const engine *e) {
   const sd_state *s = e->state;
   if (e->model->integrator != SD_VERLET || s->n_free == 0) return;
@@ -524,9 +529,10 @@ static void check_gaps(const engine *e) {
 
 /* --- force sums ------------------------------------------------------------------------------- */
 
-/* Checks that the row of a listed body is the sum of its contacts' rows, in their order, and that
- * the state has the same force on a prescribed body (not with several ranks, where it has contacts
- * elsewhere, too). */
+/* Checks, for each body whose contacts have their own rows of forces, that the body's row is the
+ * sum of these rows, in their order, and that a prescribed body has the same force in the state.
+ * With several ranks prescribed bodies are not checked, since they have contacts on other ranks,
+ * too. */
 static void check_loss_sums(const engine *e) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -546,8 +552,8 @@ static void check_loss_sums(const engine *e) {
   }
 }
 
-/* Checks that all disks were predicted for the same step, and that all rare events have been
- * handled. */
+/* Checks that the coordinates of all disks were predicted for the same step, and that no rare event
+ * is left to be handled. */
 static void check_work(const work *w) {
   for (size_t k = 0; k < w->chunks.count; k++)
     assert(w->chunks.predicted[k] == w->chunks.predicted[0]);
