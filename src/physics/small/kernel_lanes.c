@@ -1,9 +1,9 @@
 /* kernel_lanes.c: steps of small systems in SIMD lanes (lanes.h); compiled once per instruction
  * set.
  *
- * A system that runs alone fills both lanes of a vector of two: scalar code would branch where
- * vectors use masks. Builds with address sanitizer compile only the general variant (KNOWN_SHAPES
- * 0), since the others would take minutes to compile.
+ * A single system uses vectors of two lanes, both with the same numbers, since scalar code would
+ * branch where vectors use masks. Builds with address sanitizer compile only the general variant
+ * (KNOWN_SHAPES 0), since the others would take minutes to compile.
  */
 #include <assert.h>
 

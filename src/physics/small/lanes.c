@@ -1,5 +1,5 @@
-/* lanes.c: copies small systems between their states and the rows of lanes.h, and handles rare
- * events. */
+/* lanes.c: small systems in SIMD lanes: copies them between their states and the arrays of lanes.h,
+ * and handles their rare events (contacts that begin or end, angles to be wrapped). */
 #include "physics/small/lanes.h"
 
 #include <assert.h>
@@ -29,8 +29,8 @@ static size_t find_pair(const lanes *l, uint32_t one, uint32_t two) {
   return 0;
 }
 
-/* Lists all pairs in the order of slots, as the lists of pairs do, and the pairs of each body in
- * the same order. */
+/* Lists all pairs of a free disk and another body, in the order of slots, as the neighbour list
+ * does; then lists the pairs of each body, in the order of the partners' slots. */
 static void list_pairs(lanes *l) {
   for (uint32_t i = 0; i < l->n_free; i++)
     for (uint32_t j = i + 1; j < l->n_bodies; j++) {
@@ -112,8 +112,9 @@ void lanes_free(lanes *l) {
 
 /* --- poses ------------------------------------------------------------------------------------ */
 
-/* Finds the poses of prescribed bodies: in the batch of poses; for a single system in the batch of
- * its motions, or as in the state where no motion runs. */
+/* Finds where the poses of prescribed bodies are read from: several systems use their common batch
+ * of poses; a single system uses the values that its motions computed ahead or, for coordinates
+ * that do not move, copies of the state's values. */
 static void find_poses(lanes *l) {
   engine *e = l->system[0];
   const sd_state *s = e->state;
@@ -152,7 +153,8 @@ static double *cell(const lanes *l, double *rows, size_t row, size_t lane) {
   return rows + row * l->width + lane;
 }
 
-/* Copies the poses of the last completed step to the rows, since the next batch overwrites them. */
+/* Copies the prescribed poses of the last completed step to the rows, since the next batch of poses
+ * overwrites them. */
 static void keep_poses(lanes *l) {
   double *p = l->place;
   for (size_t i = l->n_free; i < l->n_bodies; i++)
@@ -214,8 +216,8 @@ static void load_memory(lanes *l, size_t lane) {
   }
 }
 
-/* Loads the constants of a straight wall that does not turn, for pair k; they are rounded as in the
- * pass over segments. */
+/* Loads the constants of pair k if its second body is a straight wall that does not turn. They are
+ * computed with the same rounding as in segment_pass.h. */
 static void load_straight(lanes *l, size_t k, size_t lane) {
   const engine *e = l->system[lane];
   const sd_state *s = e->state;
@@ -260,7 +262,7 @@ static void load_constants(lanes *l, size_t lane) {
     *cell(l, p, PAIR_GAMMA, lane) = law->gamma_n;
     *cell(l, p, PAIR_CAP, lane) = law->cap;
     *cell(l, p, PAIR_NORMAL, lane) = law->normal;
-    /* rounded as in the pass over pairs */
+    /* the same rounding as in pair_pass.h */
     double inverse = 1.0 / s->mass[l->a[k]] + (l->b[k] < l->n_free ? 1.0 / s->mass[l->b[k]] : 0.0);
     *cell(l, p, PAIR_TSUJI, lane) = law->tsuji * sqrt(law->k_n / inverse);
     for (size_t r = 0; r < LAW_MORE; r++) *cell(l, p, PAIR_LAW + r, lane) = (&law->pulls)[r];
@@ -335,7 +337,8 @@ void lanes_load(lanes *l) {
   for (size_t lane = 0; lane < l->width; lane++) load_lane(l, lane);
 }
 
-/* Stores poses in the state of one lane, and rebuilds its lists if they are stale. */
+/* Stores the poses of one lane in the state of its system, and rebuilds the system's neighbour
+ * lists if they are stale. */
 static sd_status store_poses(const lanes *l, size_t lane) {
   engine *e = l->system[lane];
   sd_state *s = e->state;
@@ -373,7 +376,7 @@ static void store_memory(const lanes *l, size_t lane) {
     const double slip = *cell(l, l->pair[k], PAIR_SLIP, lane);
     const bool closed = *cell(l, l->pair[k], PAIR_CLOSED, lane) > 0.0;
     assert(n != SIZE_MAX || !closed);
-    if (n == SIZE_MAX) continue; /* the bodies are too far apart to touch */
+    if (n == SIZE_MAX) continue; /* not in the neighbour list, so the bodies cannot touch */
     for (size_t r = 0; r < SD_CONTACT_COLUMNS; r++)
       PAIR(p, n, record[r]) = *cell(l, l->pair[k], r, lane);
     for (size_t r = 0; p->more && r < SD_CONTACT_EXTRA; r++)
@@ -500,7 +503,7 @@ static void list_events(const lanes *l, size_t lane) {
     double *p = l->pair[k];
     if (n == SIZE_MAX) continue;
     event *v = event_add(&mine->events, (uint32_t)n);
-    if (!v) return; /* the list remembers that memory ran out */
+    if (!v) return; /* no memory; event_add has set events.failed */
     v->was_closed = *cell(l, p, PAIR_WAS_CLOSED, lane) > 0.0;
     v->dropped = *cell(l, p, PAIR_DROPPED, lane);
   }
@@ -516,7 +519,7 @@ static void treat_lane(lanes *l, size_t lane) {
   sd_status status = store_lane(l, lane);
   if (status == SD_OK) {
     list_events(l, lane);
-    s->step--; /* messages of contacts_events name step + 1 */
+    s->step--; /* error messages of contacts_events name the step after s->step */
     status = contacts_events(e, e->work.messages);
     s->step++;
   }
@@ -543,7 +546,8 @@ void lanes_events(lanes *l) {
   l->fast = 0;
 }
 
-/* Lanes beyond `count` repeat system 0, whose state must be updated only once. */
+/* Updates only lanes below `count`: the lanes above repeat system 0, whose state must be updated
+ * only once. */
 void lanes_visits(lanes *l, size_t w, unsigned bits) {
   double *rows = visit_rows(l, w);
   for (; bits; bits &= bits - 1) {
@@ -556,8 +560,8 @@ void lanes_visits(lanes *l, size_t w, unsigned bits) {
   }
 }
 
-/* Tells which systems can run in SIMD lanes, and which of them side by side; see
- * lanes.h. */
+/* The functions below tell which systems can run in SIMD lanes, and which of these can share a
+ * vector; see lanes.h. */
 
 /* --- which systems suit lanes ----------------------------------------------------------------- */
 
@@ -566,8 +570,8 @@ static size_t count_pairs(const sd_model *m) {
   return m->n_free * (bodies - m->n_free) + m->n_free * (m->n_free - 1) / 2;
 }
 
-/* Returns true if all walls are round or straight; round ones must come first, as contacts do in
- * the lists of pairs. */
+/* Returns true if all walls are circles or straight, with all circles before all straight walls,
+ * the order of contacts in the neighbour list. */
 static bool suits_walls(const sd_model *m) {
   bool suits = true;
   for (size_t w = 0; w < m->n_walls; w++) {
@@ -578,7 +582,8 @@ static bool suits_walls(const sd_model *m) {
   return suits;
 }
 
-/* Returns true if two walls meet at a joint: only the pass over segments handles joints. */
+/* Returns true if two walls meet at a joint. Such systems cannot run in lanes, since only
+ * segment_pass.h handles joints. */
 static bool walls_meet(const sd_model *m) {
   for (size_t k = 0; k < m->n_segments; k++)
     if (m->segments[k].meets[0] || m->segments[k].meets[1]) return true;
@@ -597,7 +602,8 @@ static bool suits_motion(const sd_model *m, const sd_motion *motion) {
   return true;
 }
 
-/* Returns true if the watched disk is free and both of its contacts are with other bodies. */
+/* Returns true if the watched disk is free, and neither of its two watched partners is the disk
+ * itself. */
 static bool suits_watch(const sd_model *m, const sd_slide_watch *w) {
   return !m->disks[w->disk].driven && w->partner[0] != w->disk && w->partner[1] != w->disk;
 }
@@ -618,7 +624,7 @@ bool lanes_suit(const sd_model *m) {
   return suits;
 }
 
-/* Empty arrays compare equal, whatever their pointers are. */
+/* Compares n bytes; with n = 0 returns true, whatever the pointers are. */
 static bool same_bytes(const void *a, const void *b, size_t n) {
   return n == 0 || memcmp(a, b, n) == 0;
 }

@@ -1,5 +1,5 @@
 /* lanes_geometry.h: geometry of the pairs of small systems; included by lanes_pass.h. Free disks
- * are at their predicted positions, prescribed bodies at those of their motions. */
+ * are at their predicted positions, prescribed bodies where their motions put them. */
 
 LANE_INLINE LANE(real)
     PASS(prescribed)(const lanes *l, const PASS(shape) * s, size_t slot, int which, int64_t at) {
@@ -8,7 +8,8 @@ LANE_INLINE LANE(real)
   return PASS(row)(l->poses + stretch * POSE_STEPS * LANE_WIDTH, (size_t)at);
 }
 
-/* Returns a pose component: of a free disk as predicted, of a prescribed body at step `at`. */
+/* Returns one component of a body's pose or velocity: the predicted one of a free disk, that at
+ * index `at` of the batch for a prescribed body. */
 LANE_INLINE LANE(real)
     PASS(pose)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, size_t slot,
                int which, int64_t at) {
@@ -17,8 +18,8 @@ LANE_INLINE LANE(real)
   return which < SD_COORDINATES ? c->q : c->v;
 }
 
-/* Computes, as pair_pass.h does, the tangential velocity dlambda/dt of pair k and, if laws need it,
- * its rolling velocity. */
+/* Computes the tangential velocity dlambda/dt of pair k and, if laws need it, the rolling velocity,
+ * with the formulas of pair_pass.h. */
 LANE_INLINE void PASS(turning)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                                int64_t at, size_t k, const LANE(pair_input) * in) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
@@ -37,8 +38,8 @@ LANE_INLINE void PASS(turning)(const lanes *l, const PASS(shape) * s, PASS(step_
    g);
 }
 
-/* Finds the nearest point of a line or segment that does not turn, with the same bits as
- * walls_nearest. *flat: lanes in which it is between the ends. */
+/* Finds the point of a straight wall (line or segment, not turning) nearest to the disk, with the
+ * same bits as walls_nearest. *flat: lanes in which this point is between the ends of the wall. */
 LANE_INLINE LANE(pair_input)
     PASS(straight)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
                    size_t k, size_t a, size_t b, LANE(mask) * flat) {
@@ -92,7 +93,8 @@ LANE_INLINE LANE(pair_input)
   return in;
 }
 
-/* Computes the geometry of pair k. With one free disk, pair k is that of slots 0 and k + 1. */
+/* Computes the geometry of pair k (distance, overlap, normal, velocities). With one free disk, pair
+ * k is that of slots 0 and k + 1. */
 LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                                 int64_t at, size_t k) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
@@ -108,8 +110,8 @@ LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step
   if (s->features & (LAW_DASHPOT | LAW_ROLLING)) PASS(turning)(l, s, f, at, k, &in);
 }
 
-/* Computes dlambda/dt for contacts that begin: as slide_on of segment_pass.h for straight walls,
- * else as PASS(turning). */
+/* Computes dlambda/dt of contacts that begin, for pair k: for straight walls with the formula of
+ * slide_on in segment_pass.h, else with PASS(turning). */
 LANE_INLINE void PASS(slide)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                              int64_t at, size_t k) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];

@@ -1,10 +1,11 @@
 /* lanes_pass.h: the step of small systems in lanes (lanes.h); included after contact_step.h and
- * integrate_pass.h, once per width and variant (LANES_TEXT): `three` with LANES_KNOWN = 2 pairs for
- * a disk on two supports, `wall` with 1 for a disk on a straight wall, `any` for all systems that
- * suit lanes. LANES_STRAIGHT tells whether none, some or all pairs have straight walls.
+ * integrate_pass.h, once per vector width and variant. LANES_TEXT is the name of the variant:
+ * `three` for a disk on two supports (LANES_KNOWN = 2 pairs), `wall` for a disk on a straight wall
+ * (LANES_KNOWN = 1), `any` for all systems that can run in lanes (LANES_KNOWN = 0). LANES_STRAIGHT
+ * tells whether none, some or all pairs have straight walls.
  *
- * Numbers that are carried from step to step are in struct step_registers. In the variants with
- * known pairs the macros EACH_... unroll the loops, so that this struct is kept in registers; the
+ * Numbers that are carried from step to step are in struct step_registers. If the number of pairs
+ * is known, the macros EACH_... unroll the loops, so that this struct is kept in registers; the
  * general variant has loops.
  */
 #ifndef LANES_PASS_COMMON
@@ -33,7 +34,7 @@ enum { WALLS_NONE, WALLS_SOME, WALLS_ALL };
 #undef EACH_PAIR
 #undef EACH_DISK
 #if LANES_KNOWN
-/* one free disk, with one or two pairs */
+/* variants for one free disk with one or two pairs: the loops are unrolled */
 #define EACH_DISK(i, n, statement)                                                                 \
   do {                                                                                             \
     (void)(n);                                                                                     \
@@ -63,7 +64,7 @@ typedef struct PASS(shape) {
   size_t n_free, n_pairs;
   bool gear, conservative;
   unsigned features;
-  bool single; /* one system in all lanes: its poses are not interleaved */
+  bool single; /* true: all lanes have the same system, and its poses are not interleaved */
 } PASS(shape);
 
 typedef struct PASS(step_registers) {
@@ -72,13 +73,13 @@ typedef struct PASS(step_registers) {
   LANE(mask) closed[LANES_PAIRS];
   LANE(pair_geometry) geometry[LANES_PAIRS];
   LANE(contact_output) out[LANES_PAIRS];
-  LANE(mask) rare[LANES_PAIRS]; /* lanes in which a rare event happened, for each contact */
-  /* Pairs with straight walls: remembered side of the disk (0 when open), lever of the tangential
-   * force, vector from the wall's pivot to the disk; lanes in which the disk has crossed to the
-   * other side. */
+  LANE(mask) rare[LANES_PAIRS]; /* for each pair, the lanes in which a rare event happened */
+  /* For pairs with straight walls. side: side of the wall on which the contact began, 0 if it is
+   * open; lever: lever of the tangential force; arm_x, arm_y: vector from the wall's pivot to the
+   * disk. crossed: lanes in which the disk has crossed to the other side. */
   LANE(real) side[LANES_PAIRS], lever[LANES_PAIRS], arm_x[LANES_PAIRS], arm_y[LANES_PAIRS];
   LANE(mask) crossed[LANES_PAIRS];
-  LANE(mask) returns; /* lanes in which an angle must be wrapped or a disk is too fast */
+  LANE(mask) returns; /* lanes in which an angle must be wrapped, or a disk is too fast */
 } PASS(step_registers);
 
 LANE_INLINE double *PASS(rows_at)(const lanes *l, size_t row) {
@@ -94,7 +95,7 @@ LANE_INLINE void PASS(set_row)(double *rows, size_t k, LANE(real) a) {
   LANE(store)(rows + k * LANE_WIDTH, a);
 }
 
-/* Returns true if the partner of pair k is a straight wall. */
+/* Returns true if the second body of pair k is a straight wall. */
 LANE_INLINE bool PASS(is_straight)(const lanes *l, size_t k) {
   return LANES_STRAIGHT == WALLS_ALL || (LANES_STRAIGHT == WALLS_SOME && l->straight[k]);
 }
@@ -226,8 +227,8 @@ LANE_INLINE LANE(mask)
   return (touching ^ was_closed) | deep;
 }
 
-/* Evaluates the contact law of pair k. On straight walls the force is the one that derives from the
- * tangential energy, in both variants of the model. */
+/* Evaluates the contact law of pair k. On straight walls the tangential force always derives from
+ * the tangential energy; for other pairs this depends on the variant of the model. */
 LANE_INLINE void PASS(contact)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                                size_t k, const LANE(contact_constants) * c, LANE(mask) touching,
                                LANE(mask) closed) {
@@ -240,7 +241,8 @@ LANE_INLINE void PASS(contact)(const lanes *l, const PASS(shape) * s, PASS(step_
    s->features, &f->m[k], &f->out[k]);
 }
 
-/* Evaluates pair k again, in vectors in which contacts begin, end, turn far or overlap deeply. */
+/* Evaluates pair k again with the code for rare events, if in some lane the contact begins, ends,
+ * turns far or overlaps deeply. */
 LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s,
                                      PASS(step_registers) * f, int64_t at, size_t k,
                                      LANE(mask) was_closed, const LANE(contact_memory) * before) {
@@ -308,8 +310,9 @@ LANE_INLINE LANE(real)
   return c == SD_THETA || on_b ? sum + part : sum - part;
 }
 
-/* Adds the couple of rolling resistance on the body in this slot; for a round wall it is part of
- * the torque that turns the wall (pair_pass.h). */
+/* Adds to `sum` the torque (couple) of rolling resistance in one contact on the body in this slot.
+ * For a wall it adds the whole torque of the contact instead, divided by the wall's radius
+ * (pair_pass.h). */
 LANE_INLINE LANE(real) PASS(add_couple)(const lanes *l, LANE(real) sum,
                                         const LANE(contact_output) * out, size_t slot, bool on_b) {
   if (slot < l->n_disks) return on_b ? sum - out->couple : sum + out->couple;
@@ -317,8 +320,9 @@ LANE_INLINE LANE(real) PASS(add_couple)(const lanes *l, LANE(real) sum,
   return sum + (out->tau - out->couple / radius);
 }
 
-/* Returns the torque by couples on a body: for a disk it is added to the torque of tangential
- * forces, for a wall it includes it. */
+/* Returns the torque of rolling resistance on the body in this slot. For a disk the torque of
+ * tangential forces must be added to it; for a wall the result includes that torque, and is divided
+ * by the wall's radius. */
 LANE_INLINE LANE(real) PASS(couples_on)(const lanes *l, const PASS(shape) * s,
                                         const PASS(step_registers) * f, size_t slot) {
   LANE(real) sum = LANE(splat)(0.0);
@@ -331,7 +335,8 @@ LANE_INLINE LANE(real) PASS(couples_on)(const lanes *l, const PASS(shape) * s,
   return sum;
 }
 
-/* Returns the sum of the contact forces on a body along coordinate c, or their torque. */
+/* Returns the sum of all contact forces along coordinate c on the body in this slot; for c =
+ * SD_THETA their torque. */
 LANE_INLINE LANE(real) PASS(force_on)(const lanes *l, const PASS(shape) * s,
                                       const PASS(step_registers) * f, size_t slot, int c) {
   LANE(real) sum = LANE(splat)(0.0);
@@ -382,9 +387,9 @@ LANE_INLINE LANE(mask) PASS(too_fast)(const lanes *l, const PASS(step_registers)
   return LANE(is_fast)(f->c[i][SD_X].v, f->c[i][SD_Y].v, PASS(row)(PASS(rows_at)(l, ROWS_FAST), i));
 }
 
-/* Adds (F_before + F_now) (x_now - x_before) to *done, for the contact force F along a prescribed
- * coordinate x in the step to `at`: minus twice the work of the motion. Returns the rows of the
- * next coordinate. */
+/* Adds (F_before + F_now) (x_now - x_before) to *done, for a prescribed coordinate x and the
+ * contact force F along it, in the step that ends at index `at`. The sum is minus twice the work
+ * that the motion does. p: rows of this coordinate; returns the rows of the next one. */
 LANE_INLINE double *PASS(work_of)(const lanes *l, const PASS(shape) * s,
                                   const PASS(step_registers) * f, int64_t at, size_t slot, int c,
                                   double *p, LANE(real) * done) {
@@ -408,8 +413,8 @@ LANE_INLINE void PASS(book_work)(const lanes *l, const PASS(shape) * s,
 
 /* --- sampling --------------------------------------------------------------------------------- */
 
-/* Returns the state of a contact as a number: sliding with positive torque 0, with negative torque
- * 1, stuck 2, open 3, as in sd_state. */
+/* Returns the state of contact k as a number, as in sd_state: 0 sliding with positive torque, 1
+ * sliding with negative torque, 2 stuck, 3 open. */
 LANE_INLINE LANE(real) PASS(configuration)(const PASS(step_registers) * f, size_t k) {
   const LANE(real) zero = LANE(splat)(0.0), slip = f->out[k].slip;
   return LANE(mask_zero)(LANE(greater)(slip, zero) | LANE(not )(f->closed[k]), LANE(splat)(1.0)) +
@@ -431,8 +436,8 @@ LANE_INLINE void PASS(add_to_row)(double *rows, size_t k, LANE(real) a) {
   PASS(set_row)(rows, k, PASS(row)(rows, k) + a);
 }
 
-/* Adds the present step to the sums of the visit of watched pair w (model/state.h), and ends the
- * visit's part if its class changes or its age is reached. */
+/* Adds the present step to the sums over the visit of watched pair w. Ends the present part of the
+ * visit if its class changes or it has reached its age (model/state.h). */
 LANE_INLINE void PASS(sum_visits)(lanes *l, size_t w, const PASS(contact_sample) two[2]) {
   double *v = PASS(rows_at)(l, ROWS_VISIT + VISIT_ROWS * w);
   LANE(real)
@@ -462,16 +467,16 @@ LANE_INLINE void PASS(sum_visits)(lanes *l, size_t w, const PASS(contact_sample)
   }
 }
 
-/* Counts the configuration of the two watched contacts of disk w. */
+/* Counts the present configuration of the two watched contacts of watched disk w. */
 LANE_INLINE void PASS(count)(lanes *l, const PASS(shape) * s, const PASS(step_registers) * f,
                              size_t w) {
   PASS(contact_sample) two[2] = {0};
   for (size_t side = 0; side < 2; side++)
-    /* comparing with k makes the index of the contact a constant */
+    /* the loop with a comparison makes k, the index of the contact, a constant for the compiler */
     EACH_PAIR(k, s->n_pairs,
               if (l->watched[2 * w + side] == k)
                   PASS(sample_contact)(l, f, 2 * w + side, k, &two[side]));
-  /* adding 2^52 puts these small integers into the low bits */
+  /* adding 2^52 to a small integer puts it into the low bits of the double */
   uint64_t index[LANE_WIDTH];
   LANE(bits) bits = LANE(as_bits)((4.0 * two[0].configuration + two[1].configuration) + 0x1p52);
   memcpy(index, &bits, sizeof index);
@@ -492,8 +497,8 @@ LANE_INLINE void PASS(store)(lanes *l, const PASS(shape) * s, const PASS(step_re
   l->at = at;
 }
 
-/* Handles the rare events of the step: stores the rows, lets the systems handle them, and loads
- * what they changed. */
+/* Handles the rare events of the step: stores the registers in the rows, lets lanes_events handle
+ * them in each system, and loads what may have changed. */
 LANE_INLINE void PASS(events)(lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                               int64_t at) {
   EACH_PAIR(k, s->n_pairs, l->rare[k] = LANE(bits_of)(f->rare[k]));
@@ -521,7 +526,7 @@ LANE_INLINE void PASS(step)(lanes *l, const PASS(shape) * s, PASS(step_registers
   if (l->measure) PASS(sample)(l, s, f);
 }
 
-/* Takes n steps, or fewer if an error occurs in a lane. */
+/* Takes n steps; ends earlier if there is an error in a lane. */
 LANE_INLINE void PASS(steps)(lanes *l, int64_t n, const PASS(shape) s) {
   PASS(step_registers) f = {0};
   int64_t at = l->at;

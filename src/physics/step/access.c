@@ -1,4 +1,4 @@
-/* access.c: implements access.h. */
+/* access.c: read access to a system; implements access.h. */
 #include "physics/step/access.h"
 
 #include "physics/contact/walls.h"
@@ -33,5 +33,6 @@ double engine_outrun_skin(const engine *e) {
                  dy = s->y[i] + (s->vy[i] * w->dt + s->y2[i]) - w->y0[i];
     most = fmax(most, hypot(dx, dy));
   }
-  return most / 0.44; /* slightly less than the 0.45 of limit_of */
+  /* a margin of most/0.45 would just do (limit_of), so this one leaves a little room */
+  return most / 0.44;
 }

@@ -1,17 +1,16 @@
-/* cell.c: implements cell.h.
+/* cell.c: implements cell.h, a deforming periodic box.
  *
- * Work of the box: with f the force on disk b of a contact, whose image n cells away moves with h'
- * n, the power is
- *   P = sum f . h' n = T : h',   T = sum f (x) n,
- * integrated by the trapezoidal rule over the step. A disk that is wrapped by n cells changes its
- * kinetic energy, and T by the forces on it. The virial of all contacts, S V = sum f (x) (r_b - r_a
- * - h n) = sum_i F_i (x) r_i - T h^T, needs sums over disks only.
+ * Work of the box. Let f be the force on disk b of a contact that touches the image of b n cells
+ * away; the image moves with h' n. The power is P = sum f . h' n = T : h', with T = sum f (x) n; it
+ * is integrated over the step by the trapezoidal rule. A disk that is wrapped by n cells changes
+ * its kinetic energy, and T by the forces on it. The virial of all contacts, S V = sum f (x) (r_b -
+ * r_a - h n) = sum_i F_i (x) r_i - T h^T, needs sums over disks only.
  *
- * Stress control of a component: rate' = (stress - wanted)/(p t^2) - 2 (rate - mean)/t, with p the
- * largest of the wanted stresses and t the response time: the box has an inertia p t^2, and is
- * critically damped if the stiffness of the packing is p. The running mean of the rate over
- * MEAN_TIMES t keeps steady flows undamped, so that the time average of the stress is the wanted
- * one.
+ * Stress control of a component: rate' = (stress - wanted)/(p t^2) - 2 (rate - mean)/t, where p is
+ * the largest of the wanted stresses and t the response time. So the box has an inertia p t^2, and
+ * is critically damped if the stiffness of the packing is p. Only the deviation of the rate from
+ * its running mean (over MEAN_TIMES t) is damped: steady flows are not slowed, and the time average
+ * of the stress is the wanted one.
  */
 #include "physics/step/cell.h"
 
@@ -44,8 +43,8 @@ void cell_pose(engine *e, int64_t step) {
   neighbours_deform(e, step);
 }
 
-/* Returns the unit of shape column k: the undeformed box length along y for CELL_Y, along x for
- * CELL_X and CELL_OFFSET (an offset is stored as a fraction of the x length). */
+/* Returns the unit of shape column k, a length: the undeformed box length along y for CELL_Y, along
+ * x for CELL_X and CELL_OFFSET (the offset is stored in units of the x length). */
 static double unit_of(const engine *e, int k) {
   const sd_model *m = e->model;
   const int c = k == CELL_Y ? SD_Y : SD_X;
@@ -61,9 +60,9 @@ void cell_gradient(const engine *e, double g[SD_CELL_COMPONENTS]) {
   g[SD_CELL_XY] = (w->cell.speed[CELL_OFFSET] - g[SD_CELL_XX] * w->offset) / w->length[1];
 }
 
-/* Changes the velocity of disk i by (x, y) at once; returns the kinetic energy that it gains.
- * Powers of force fields change with it, since the next step's trapezoid begins with the new
- * velocity. */
+/* Adds (x, y) to the velocity of disk i, and returns the kinetic energy that the disk gains. The
+ * powers of force fields are updated, too, since their trapezoidal sum over the next step begins
+ * with the new velocity. */
 static double jump(engine *e, size_t i, double x, double y) {
   sd_state *s = e->state;
   const double gained = s->mass[i] * (s->vx[i] * x + s->vy[i] * y + 0.5 * (x * x + y * y));
@@ -74,9 +73,9 @@ static double jump(engine *e, size_t i, double x, double y) {
   return gained;
 }
 
-/* Adds the change of the velocity gradient times position to the velocity of each disk: positions
- * from the lower corner for xx and yy, from mid-height for shear, so that a uniform packing gets no
- * momentum. */
+/* Changes the velocity of each disk by (change of the velocity gradient) times (position). The
+ * position is measured from the lower corner for xx and yy, and from mid-height for shear, so that
+ * a uniform packing gets no momentum from shear. */
 static void take_up(engine *e, const double change[SD_CELL_COMPONENTS]) {
   sd_state *s = e->state;
   const work *w = &e->work;
@@ -89,11 +88,13 @@ static void take_up(engine *e, const double change[SD_CELL_COMPONENTS]) {
                  y = change[SD_CELL_YY] * (s->y[i] - w->lower[1]);
     done += jump(e, i, x, y);
   }
-  if (s->step > 0) s->work_driven += done; /* before step 0 it is part of the initial energy */
+  /* before step 0 this energy is part of the initial energy */
+  if (s->step > 0) s->work_driven += done;
 }
 
-/* Sets the rate of change of shape column k from the present step on. An unchanged rate keeps its
- * old starting point, so that rounding does not change either. */
+/* Sets the rate of change of shape column k, from the present step on. If the rate is the same as
+ * before, the starting point of the linear motion is kept, too, so that rounding errors do not
+ * change. */
 static void set_speed(engine *e, int k, double speed) {
   sd_state *s = e->state;
   if (speed == s->cell_speed[k]) return;
@@ -103,8 +104,8 @@ static void set_speed(engine *e, int k, double speed) {
   if (k != CELL_SHEAR) e->work.cell.speed[k] = speed * unit_of(e, k);
 }
 
-/* Sets the velocity gradient of the box from the present step on. over: time for which it will
- * stand; box lengths then change by exactly exp(rate * over). boundary: disks keep their
+/* Sets the velocity gradient of the box from the present step on. over: time until the next change;
+ * in this time box lengths change by exactly exp(rate * over). boundary: true if disks keep their
  * velocities. */
 static void set_gradient(engine *e, const double rate[SD_CELL_COMPONENTS], double over,
                          bool boundary) {
@@ -127,8 +128,8 @@ static void set_gradient(engine *e, const double rate[SD_CELL_COMPONENTS], doubl
 
 /* --- stress ----------------------------------------------------------------------------------- */
 
-/* Measures the stress in the box from contacts and velocity fluctuations about the flow,
- * compression positive: xx, yy, xy components, force/length. */
+/* Measures the stress in the box, from contacts and velocity fluctuations about the mean flow:
+ * components xx, yy and xy, positive in compression, unit: force/length. */
 static void measure_stress(const engine *e, double stress[SD_CELL_COMPONENTS]) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -160,9 +161,9 @@ static void measure_stress(const engine *e, double stress[SD_CELL_COMPONENTS]) {
   stress[SD_CELL_XY] = of[XY] / area;
 }
 
-/* Response time of the stress control in units of sqrt(mean mass/stress), the time in which a disk
- * crosses about its own size under this stress; and averaging time of the mean rate in response
- * times. */
+/* Constants of the stress control. RESPONSE: response time in units of sqrt(mean mass/stress),
+ * about the time in which this stress moves a disk by its own size. MEAN_TIMES: averaging time of
+ * the mean rate, in response times. */
 static const double RESPONSE = 4.0, MEAN_TIMES = 4.0;
 static double response_of(const engine *e, const sd_cell *c, double stress) {
   double mass = 0.0;
@@ -183,8 +184,9 @@ bool cell_near(const engine *e, double part) {
   return off <= part * scale;
 }
 
-/* Chooses the rates for the time `over` until the next change: given rates as they are, controlled
- * ones from the measured stress (equation at the top of this file). */
+/* Chooses the deformation rates for the time `over` until the next change: given rates are taken
+ * from the model, controlled ones follow from the measured stress (equation at the top of this
+ * file). */
 static void choose_rates(const engine *e, const sd_cell *c, double over,
                          double rate[SD_CELL_COMPONENTS]) {
   double stress[SD_CELL_COMPONENTS], now[SD_CELL_COMPONENTS], scale = 0.0;
@@ -222,9 +224,9 @@ static void note_places(engine *e) {
   for (uint32_t i = 0; i < e->state->n_free; i++) cell_enter(e, i);
 }
 
-/* Adds each disk's displacement relative to the box since the last call, `since` steps ago: h du,
- * with u the position in units of the box vectors and h their matrix in the middle of these
- * steps. */
+/* Adds to each disk's nonaffine displacement what it has moved relative to the box since the last
+ * call, `since` steps ago. This is h du, where u is the position in units of the box vectors, and h
+ * their matrix in the middle of these steps. */
 static void add_displacements(engine *e, int64_t since) {
   sd_state *s = e->state;
   const work *w = &e->work;
@@ -242,9 +244,9 @@ static void add_displacements(engine *e, int64_t since) {
   }
 }
 
-/* Reduces the offset to at most half a box length by a whole number of lengths. The lattice of
- * images stays the same, but the cell numbers of images change, and with them all that is counted
- * by cells. */
+/* Subtracts a whole number of box lengths from the offset, so that it is at most half a box length.
+ * The lattice of periodic images stays the same, but images get other cell numbers, so all
+ * quantities that use cell numbers are converted. */
 static void flip_offset(engine *e) {
   sd_state *s = e->state;
   work *w = &e->work;
@@ -271,7 +273,8 @@ static double power_of(const engine *e) {
   return t[T_XX] * speed[CELL_X] + t[T_XY] * speed[CELL_OFFSET] + t[T_YY] * speed[CELL_Y];
 }
 
-/* Recomputes the tensor T (top of this file) from the present contacts. */
+/* Recomputes the tensor T, the forces across the box edges (top of this file), from the present
+ * contacts. */
 static void sum_forces(engine *e) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
@@ -294,7 +297,8 @@ void cell_renew(engine *e) {
   if (e->state->n_cell) sum_forces(e);
 }
 
-/* Sums the forces in the order of pairs, since threads have ascending ranges of pairs. */
+/* Adds up the forces thread by thread; threads have ascending ranges of pairs, so this is the order
+ * of pairs. */
 sd_status cell_work(engine *e, bool start) {
   work *w = &e->work;
   if (!w->cell.on) return SD_OK;
@@ -329,7 +333,7 @@ void cell_wrap(engine *e, uint32_t i, double nx, double ny) {
     const size_t k = n->entry[at] / 2;
     if (!pairs_closed(p, k)) continue;
     const contact_reaction f = contact_reaction_of(e, k);
-    /* f is the force on b; the sign gives the force on this disk */
+    /* f is the force on body b; sign: +1 if disk i is b, -1 if it is a */
     const double sign = n->entry[at] & 1 ? 1.0 : -1.0;
     s->cell_force[T_XX] -= sign * f.fx * nx;
     s->cell_force[T_XY] -= sign * f.fx * ny;
@@ -343,7 +347,7 @@ void cell_wrap(engine *e, uint32_t i, double nx, double ny) {
 
 /* --- phases ----------------------------------------------------------------------------------- */
 
-/* Returns true if images are shifted or move, or will do so in this phase. */
+/* Returns true if periodic images are shifted, or if they move or will do so in this phase. */
 static bool matters(const engine *e) {
   const sd_state *s = e->state;
   bool on = s->phase < (int64_t)e->model->n_phases && e->model->phases[s->phase].cell.asked;
@@ -371,7 +375,8 @@ void cell_begin(engine *e) {
   double rate[SD_CELL_COMPONENTS];
   sum_forces(e);
   cell_gradient(e, rate);
-  for (int k = 0; k < SD_CELL_COMPONENTS; k++) /* controlled components keep their present rates */
+  /* controlled components begin with their present rates */
+  for (int k = 0; k < SD_CELL_COMPONENTS; k++)
     if (!c->controlled[k]) rate[k] = c->rate[k];
   memcpy(s->cell_mean, rate, sizeof rate);
   const bool was_on = e->work.cell.on;
@@ -379,15 +384,15 @@ void cell_begin(engine *e) {
   e->work.cell.on |= c->asked;
   set_gradient(e, rate, over, c->boundary);
   e->work.cell.on = matters(e);
-  /* force a rebuild: until now the lists have followed the deformation */
+  /* force a rebuild of the lists, which have followed the deformation until now */
   if (was_on && !e->work.cell.on) e->work.moved_limit2 = -1.0;
   if (c == &still) return;
   for (size_t i = 0; i < s->n_free; i++) s->nonaffine_x[i] = s->nonaffine_y[i] = 0.0;
   note_places(e);
 }
 
-/* Checks that the box is still so wide that the nearest image is unique; the start of a run has the
- * same check. */
+/* Checks that the box is still so wide that the nearest image is unique. Returns SD_ERROR_NUMERIC
+ * with a message if it is not. The same is checked at the start of a run. */
 static sd_status check_width(const engine *e, sd_messages *messages) {
   const double least = cell_least_length(e->model, NULL);
   for (int c = 0; c < 2; c++)

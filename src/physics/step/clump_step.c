@@ -1,4 +1,4 @@
-/* clump_step.c: implements step.h. */
+/* clump_step.c: predictor and corrector of clumps; implements clumps_... of step.h. */
 #include "physics/step/step.h"
 
 #include "model/field_kinds.h"
@@ -48,14 +48,17 @@ static bool out_of(const work *w, double x, double y, double theta) {
 
 /* --- force fields ----------------------------------------------------------------------------- */
 
-/* Linear system a u = r for the corrected velocity u = (V_x, V_y, Omega) of a clump: u + gain *
- * (minus the velocity-dependent part of the field forces at u, summed over its disks) = r. */
+/* Linear system a u = r for the corrected velocity u = (V_x, V_y, Omega) of a clump. Field forces
+ * depend on this velocity: row q of the system is u[q] - gain[q] F_q(u) = r[q], where F(u) is the
+ * velocity-dependent part of the field forces and torque at u, summed over the disks of the
+ * clump. */
 typedef struct field_system {
   double a[SD_COORDINATES][SD_COORDINATES], r[SD_COORDINATES];
 } field_system;
 
-/* Adds the terms of one disk to the matrix: drag coefficients f and f_r, Coriolis coefficient b, at
- * arm (x, y) from the clump's centre, where the velocity is V + Omega x arm. */
+/* Adds the terms of one disk to the matrix. The disk is at (x, y) from the clump's centre, where
+ * the velocity is V + Omega x (x, y). Its drag coefficients f and f_r and Coriolis coefficient b
+ * are in s (f = drag[0], f_r = drag[1], b = turn). */
 static void add_disk(field_system *m, const double gain[SD_COORDINATES], const field_sum_w1 *s,
                      double x, double y) {
   const double f = s->drag[0], b = s->turn;
@@ -67,8 +70,8 @@ static void add_disk(field_system *m, const double gain[SD_COORDINATES], const f
     for (int c = 0; c < SD_COORDINATES; c++) m->a[q][c] += gain[q] * taken[q][c];
 }
 
-/* Solves the system by elimination without pivoting: the diagonal elements are at least 1, since
- * the terms added to the unit matrix are dissipative or only rotate. */
+/* Solves the system by Gaussian elimination without pivoting. Pivots are at least 1, since the
+ * terms added to the unit matrix are dissipative or rotate only. The solution replaces m->r. */
 static void solve(field_system *m) {
   for (int q = 0; q < SD_COORDINATES; q++)
     for (int below = q + 1; below < SD_COORDINATES; below++) {
@@ -82,8 +85,9 @@ static void solve(field_system *m) {
   }
 }
 
-/* Computes the velocity u that the corrector will give to clump k, without non-viscous damping, as
- * field_forces does for single disks. */
+/* Computes the velocity u that the corrector would give to clump k without non-viscous damping.
+ * Field forces are evaluated at this velocity, as field_forces (field_pass.h) does for single
+ * disks. */
 static void field_speed(const engine *e, const view *v, size_t k, double u[SD_COORDINATES]) {
   const work *w = &e->work;
   const clumps *c = &w->clumps;
@@ -113,8 +117,9 @@ static void field_speed(const engine *e, const view *v, size_t k, double u[SD_CO
   for (int q = 0; q < SD_COORDINATES; q++) u[q] = m.r[q];
 }
 
-/* Recomputes the forces and powers of fields on the disks of clump k at the clump's corrected
- * velocity, since the corrector of the disks evaluated them at the predicted one. */
+/* Recomputes forces and powers of fields on the disks of clump k, at the clump's corrected
+ * velocity. The corrector of the disks has evaluated them at the predicted velocity, which is not
+ * exact for disks in clumps. */
 static void correct_fields(engine *e, size_t k) {
   const work *w = &e->work;
   const clumps *c = &w->clumps;
@@ -143,8 +148,8 @@ static void correct_fields(engine *e, size_t k) {
 
 /* --- corrector -------------------------------------------------------------------------------- */
 
-/* Corrects the coordinates of clump k, and returns the non-viscous damping forces that acted on
- * it. */
+/* Corrects the coordinates of clump k. Returns the non-viscous damping forces and torque on it,
+ * which are needed for the energy balance. */
 static clump_load correct(const engine *e, size_t k) {
   const work *w = &e->work;
   clump_load constant = clump_constant(e, k), all = constant;
@@ -190,7 +195,8 @@ void clumps_correct(engine *e, const team *t) {
     for (size_t n = w->clumps.start[k]; n < w->clumps.start[k + 1]; n++) {
       const uint32_t i = w->clumps.member[n];
       if (out_of(w, s->x[i], s->y[i], s->theta[i]))
-        event_add(returns, i); /* the corrector of the disks may have added it already */
+        /* a repetition does no harm: the corrector of the disks may have added this disk already */
+        event_add(returns, i);
     }
   }
 }

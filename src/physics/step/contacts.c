@@ -1,4 +1,5 @@
-/* contacts.c: implements contacts.h. */
+/* contacts.c: rare events of contacts, and the copy of contact records to and from the state;
+ * implements contacts.h. */
 #include "physics/step/cell.h"
 #include "physics/step/step.h"
 #include "physics/step/contacts.h"
@@ -32,7 +33,8 @@ static nearest_point nearest_on_piece(const engine *e, size_t k) {
   return walls_nearest(walls_image(w->length, &w->segments[w->pairs.part[k]], x, y, &image), x, y);
 }
 
-/* Computes the unit normal of pair k, from disk a to the surface of b, as the contact law does. */
+/* Computes the unit normal of pair k, which points from disk a to the surface of b, as in the
+ * contact law. */
 static void normal(const engine *e, size_t k, double *nx, double *ny) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -54,8 +56,8 @@ static void normal(const engine *e, size_t k, double *nx, double *ny) {
 }
 
 /* Makes the present normal of closed pair k its reference direction, and changes lambda_ref so that
- * the tangential displacement stays the same; on a straight wall the present side becomes the
- * reference as well. */
+ * the tangential displacement stays the same. If the nearest point is an end of a wall segment, the
+ * side of the wall on which the disk is now is stored as well. */
 static void rebase(engine *e, size_t k) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
@@ -121,8 +123,8 @@ static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
   return check_overlap(e, k, messages);
 }
 
-/* Wraps the surface displacement of a moving wall surface into its range; returns the length that
- * was subtracted. */
+/* Reduces the displacement of a wall's moving surface (a conveyor) to its standard range, and
+ * returns the length that was subtracted; 0 for bodies without one. i: slot. */
 static double wrap_surface(engine *e, uint32_t i) {
   sd_state *s = e->state;
   if (i < s->n_disks || s->n_surfaces == 0) return 0.0;
@@ -134,7 +136,7 @@ static double wrap_surface(engine *e, uint32_t i) {
 }
 
 /* Adjusts the reference rolling displacement of pair k after the angle of body i was reduced by
- * `turn`, and the surface of a round wall by the length `slid`. */
+ * `turn`, and the surface displacement of a round wall by the length `slid`. */
 static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double slid) {
   if (!(e->work.features & LAW_ROLLING)) return;
   pairs *p = &e->work.pairs;
@@ -145,8 +147,9 @@ static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double sl
     MORE(p, k, rho_ref) += (rb > 0.0 ? 1.0 : -1.0) * slid * (ra / (ra + rb));
 }
 
-/* Wraps theta of body i into [-4, 4] and its position into the box, and adjusts lambda_ref of its
- * contacts. */
+/* Wraps the angle theta of body i into [-4, 4] and its position into the box, and adjusts
+ * lambda_ref of its contacts so that their tangential displacements do not change. i: slot, or
+ * number of bodies + k for clump k. */
 static void wrap(engine *e, uint32_t i) {
   sd_state *s = e->state;
   work *w = &e->work;
@@ -158,7 +161,8 @@ static void wrap(engine *e, uint32_t i) {
   assert(remainder(s->turn[i], 8.0) == 0.0);
   double turn = s->theta[i] > 4.0 ? 8.0 : s->theta[i] < -4.0 ? -8.0 : 0.0;
   const double ny = s->y[i] < w->lower[1] ? -1.0 : s->y[i] >= w->upper[1] ? 1.0 : 0.0;
-  const double across = s->x[i] - ny * w->offset; /* rows of cells above are shifted along x */
+  /* in a sheared box the row of images above is shifted along x by `offset` */
+  const double across = s->x[i] - ny * w->offset;
   const double nx = across < w->lower[0] ? -1.0 : across >= w->upper[0] ? 1.0 : 0.0;
   const double shift[2] = {-nx * w->length[0] - ny * w->offset, -ny * w->length[1]};
   if ((nx != 0.0 || ny != 0.0) && e->halo && i < s->n_free && e->halo->sent[i] &&
@@ -191,8 +195,8 @@ static void wrap(engine *e, uint32_t i) {
     if (slid != 0.0) PAIR(p, k, lambda_ref) -= (s->radius[i] > 0.0 ? 1.0 : -1.0) * slid;
     if (p->more) wrap_rolling(e, k, i, turn, slid);
     if (pairs_is_segment(p, k)) {
-      /* The arc length of the nearest point on a segment changes when disk or wall is wrapped,
-       * except along directions in which the segment has images. */
+      /* When the disk or the wall is wrapped, the arc length of the nearest point changes, except
+       * along directions in which the segment has periodic images. */
       const placed_segment *g = &w->segments[p->part[k]];
       double way = (g->image[0] ? 0.0 : shift[0] * g->tx) + (g->image[1] ? 0.0 : shift[1] * g->ty);
       PAIR(p, k, lambda_ref) += i < s->n_disks ? p->side[k] * way : -(p->side[k] * way);
@@ -205,8 +209,9 @@ static int by_place(const void *one, const void *two) {
   return p->at < q->at ? -1 : p->at > q->at;
 }
 
-/* Sets the sort keys of pair events: the order of pairs, or on a rank the order that pairs have in
- * the whole system: lower disk, other body, with wall segments last. */
+/* Sets the sort keys of pair events. In a run on one rank events are in the order of pairs; with
+ * several ranks they are sorted by the global slots of the two bodies, the lower one first, and
+ * those with wall segments come last. */
 static void place_events(const engine *e, event_list *list) {
   const pairs *p = &e->work.pairs;
   for (size_t n = 0; n < list->count; n++) {
@@ -296,7 +301,7 @@ static void follow_wrap(engine *e, size_t i, double turn) {
   for (size_t at = n->start[i]; at < n->start[i + 1]; at++) {
     const size_t k = n->entry[at] / 2;
     if (!pairs_closed(p, k) || !halo_is_ghost(e, (size_t)p->b[k]))
-      continue; /* contacts with other bodies have followed in wrap() */
+      continue; /* wrap() has adjusted the contacts with other bodies already */
     PAIR(p, k, lambda_ref) -= s->radius[i] * turn;
     if (p->more) wrap_rolling(e, k, (uint32_t)i, turn, 0.0);
   }
@@ -307,7 +312,8 @@ static int by_order(const void *one, const void *two) {
   return p < q ? -1 : p > q;
 }
 
-/* Swaps the position of a disk with the one that it had before it was wrapped around the box. */
+/* Swaps the present position of a disk with the one in *w, which it had before it was wrapped
+ * around the box. */
 static void exchange_place(const sd_state *s, halo_wait *w) {
   const double x = s->x[w->index], y = s->y[w->index];
   s->x[w->index] = w->x;
@@ -322,15 +328,17 @@ static void exchange_places(const engine *e, halo_wait *ghosts) {
   for (size_t g = 0; g < e->state->n_ghosts; g++) exchange_place(e->state, &ghosts[g]);
 }
 
-/* Follows the order of a run on one rank: first references are renewed, at the positions before
- * wraps; then wraps are applied, in the order of slots in the whole system. */
+/* Updates contacts with ghosts in the same order as a run on one rank does: first reference
+ * directions are renewed, at the positions before disks were wrapped; then wraps are applied, in
+ * the order of global slots. */
 sd_status contacts_follow(engine *e) {
   halo *h = e->halo;
   halo_waits *wrapped = &h->wrapped;
   const sd_state *s = e->state;
   halo_wait *ghosts;
   if (!memory_row(&ghosts, s->n_ghosts, sizeof *ghosts)) {
-    /* too late for a status: the ranks have already agreed on how to go on */
+    /* a status cannot be returned to all ranks any more, since they have already agreed on the next
+     * step; so the run ends here */
     comm_fail(e->halo->comm, "no memory");
     return SD_ERROR_IO;
   }
@@ -361,7 +369,8 @@ size_t contacts_count(const engine *e) {
   return n;
 }
 
-/* Describes the overlap of two disks; the disk with the smaller radius is the first. */
+/* Describes the overlap of the disks in slots a and b, for a message; the smaller disk is named
+ * first. depth: overlap, a length. */
 static first_overlap overlap_of(const engine *e, size_t a, size_t b, double depth) {
   const sd_state *s = e->state;
   const double *g = e->model->gravity;
@@ -406,8 +415,8 @@ sd_status contacts_check_start(const engine *e, first_overlap *deepest, sd_messa
   return SD_OK;
 }
 
-/* A contact that ends because a disk is taken out, with its sort key: first and second body in the
- * order of the whole system. */
+/* Contact that ends because one of its disks is removed. first, second: keys by which such contacts
+ * are sorted, the global slots of the two bodies, the lower one first. */
 typedef struct ending {
   uint64_t first, second;
   uint32_t part, k;
@@ -457,7 +466,7 @@ sd_status contacts_store_rows(engine *e) {
   sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const size_t n = contacts_count(e);
-  s->n_contacts = 0; /* old contacts need not be copied when the arrays grow */
+  s->n_contacts = 0; /* with this count, old contacts are not copied when the arrays grow */
   if (sd_state_reserve_contacts(s, n) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < p->count; k++) {
     if (!pairs_closed(p, k) || !halo_counts(e, k)) continue;
@@ -475,8 +484,8 @@ sd_status contacts_store_rows(engine *e) {
   return SD_OK;
 }
 
-/* Returns true if stored contact c comes before pair k; both are sorted: round pairs, pairs with
- * ghosts, wall segments, each by slots. */
+/* Returns true if stored contact c comes before pair k in the order of the lists of pairs: round
+ * bodies, then pairs with ghosts, then wall segments, each sorted by slots. */
 static bool stands_before(const engine *e, size_t c, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
@@ -491,14 +500,15 @@ static bool stands_before(const engine *e, size_t c, size_t k) {
   return s->contact_part[c] < (uint32_t)p->part[k];
 }
 
-/* Finds the next pair, from *k on, that has a stored contact, from *c on; returns false if there is
- * none. Start with 0, 0; add 1 to both before the next call. */
+/* Finds the next pair that has a stored contact: pair *k and stored contact *c, searched from the
+ * given values on. Returns false if there is none. Start with 0 and 0, and add 1 to both before the
+ * next call. */
 static bool next_stored(const engine *e, size_t *k, size_t *c) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   for (; *k < p->count; (*k)++) {
     if (p->a[*k] < 0) continue;
-    /* skip a contact of a packing whose bodies are too far apart here to be a candidate */
+    /* skip contacts of an input packing whose bodies are too far apart here to be candidates */
     while (*c < s->n_contacts && stands_before(e, *c, *k)) (*c)++;
     if (*c == s->n_contacts) return false;
     if (s->contact_a[*c] == s->id[p->a[*k]] && s->contact_b[*c] == s->id[p->b[*k]] &&
@@ -508,8 +518,9 @@ static bool next_stored(const engine *e, size_t *k, size_t *c) {
   return false;
 }
 
-/* Returns the sign of the torque with which stored contact c slid, 0 if it was stuck. *carried: its
- * force is to be taken from the file (SD_FORCE_CARRIED). */
+/* Returns the sign of the torque that stored contact c had while it slid, 0 if it was stuck.
+ * *carried: true if the contact's force is to be taken from the file (SD_FORCE_CARRIED), not
+ * computed anew. */
 static int slide_of_stored(const sd_state *s, size_t c, bool *carried) {
   *carried = s->contact_slide[c] > 1;
   const int slide = s->contact_slide[c] - (*carried ? SD_FORCE_CARRIED : 0);
@@ -531,8 +542,8 @@ void contacts_load(engine *e) {
   for (size_t k = 0, c = 0; next_stored(e, &k, &c); k++, c++) load_one(e, k, c);
 }
 
-/* Tells for a contact that slid in its last step, according to the file, whether it slid already in
- * the step before: true if its force is within the limit of mu_kinetic. */
+/* For a contact that slid in its last step, according to the file: returns true if it slid in the
+ * step before, too. This is so if its tangential force is within the limit with mu_kinetic. */
 static bool slid_before(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const law_row *l = &e->work.laws[PAIR(p, k, law)];
@@ -544,15 +555,16 @@ void contacts_recall(engine *e) {
   pairs *p = &e->work.pairs;
   for (size_t k = 0, c = 0; p->more && next_stored(e, &k, &c); k++, c++) {
     if (pairs_slide_sign(p, k) != 0 && !slid_before(e, k)) pairs_set_flags(p, k, true, 0);
-    /* the evaluation sets these; they must be 0 if the deck has no law that does */
+    /* the evaluation of step 0 sets these; it does not if the deck has no law with them, and then
+     * they must be 0 */
     MORE(p, k, tau) = MORE(p, k, pull) = 0.0;
     if (isnan(MORE(p, k, rho_ref))) MORE(p, k, rho_ref) = contact_rho_of(e, k);
   }
 }
 
-/* Returns true if pair k has the overlap that the file has for stored contact c; false, for
- * instance, in a box of another size. The tolerance of 1e-5 R allows for Gear, which evaluates
- * contacts at predicted positions. */
+/* Returns true if pair k has the same overlap as stored contact c in the file; it has not, for
+ * example, in a box of another size. The tolerance of 1e-5 radii allows for Gear's integrator,
+ * which evaluates contacts at predicted positions. */
 static bool is_in_place(const engine *e, size_t k, size_t c) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;

@@ -1,18 +1,19 @@
-/* contacts.h: the records of contacts between steps: rare events, and conversion from and to the
- * state. */
+/* contacts.h: contacts between steps: rare events (contacts that begin or end, angles and positions
+ * that must be wrapped), and the copy of contact records to and from the state. */
 #ifndef PHYSICS_CONTACTS_H
 #define PHYSICS_CONTACTS_H
 
 #include "model/advice.h"
 #include "physics/system/work.h"
 
-/* Handles the rare events of a step: books the energy that contacts dropped when they opened,
- * renews reference directions, wraps angles and positions, notes a disk that is too fast. Runs on
- * one thread; the order does not depend on the number of threads. Returns SD_ERROR_NUMERIC if an
- * overlap is beyond the limit, SD_ERROR_IO if memory runs out. */
+/* Handles the rare events of a step: adds the energy lost in contacts that opened to the energy
+ * balance, renews reference directions of contacts, wraps angles and positions, and notes the
+ * fastest disk if one exceeds the displacement limit. Runs on one thread, in an order that does not
+ * depend on the number of threads. Returns SD_ERROR_NUMERIC if an overlap is beyond the limit,
+ * SD_ERROR_IO if memory runs out. */
 sd_status contacts_events(engine *e, sd_messages *messages);
 
-/* Returns true if there are events to handle, or memory for them ran out. */
+/* Returns true if there are rare events to handle, or if memory for some of them ran out. */
 static inline bool contacts_any_event(const work *w) {
   for (int t = 0; t < w->n_threads; t++) {
     const event_list *events = &w->threads[t].events, *returns = &w->threads[t].returns;
@@ -22,33 +23,36 @@ static inline bool contacts_any_event(const work *w) {
   return false;
 }
 
-/* Exchanges the poses of ghosts between steps, then updates the reference values of contacts with
- * ghosts that waited for them. Collective. Returns SD_ERROR_IO if memory runs out. */
+/* Updates the poses of ghosts between steps, then the reference values of contacts with ghosts,
+ * whose change had to wait for these poses. Collective. Returns SD_ERROR_IO if memory runs out. */
 sd_status contacts_follow(engine *e);
 
-/* Checks the pairs of disks in the lists before the first step. *deepest: the largest overlap among
- * pairs that are not contacts already at the start (see advice_overlap). Returns SD_ERROR_USER if a
- * pair overlaps by more than max_overlap. */
+/* Checks pairs of disks before the first step. *deepest: the largest overlap (relative to the
+ * smaller radius) among pairs that are not contacts of the input packing; it is used for advice to
+ * the user (advice_overlap). Returns SD_ERROR_USER with a message if a pair overlaps by more than
+ * max_overlap. */
 sd_status contacts_check_start(const engine *e, first_overlap *deepest, sd_messages *messages);
-/* Ends the closed contacts of the free disks and ghosts with gone[slot] set, in the order of pairs
- * in the whole system; a rebuild of the lists uses the same order. Returns SD_ERROR_IO if memory
- * runs out. */
+/* Ends the closed contacts of all free disks and ghosts for which gone[slot] is true, in the order
+ * of the pairs' global slots; a rebuild of the lists ends contacts in the same order. Returns
+ * SD_ERROR_IO if memory runs out. */
 sd_status contacts_end(engine *e, const bool *gone);
 
-/* Returns the number of closed contacts that this rank counts (halo_counts). */
+/* Returns the number of closed contacts that this rank counts; a contact across two ranks is
+ * counted by one of them (halo_counts). */
 size_t contacts_count(const engine *e);
-/* contacts_store writes the closed contacts of the pairs to the state's columns, and updates the
- * sums of losses of the bodies; returns SD_ERROR_IO if memory runs out. */
+/* Copies the records of closed contacts to the state's columns, and updates the sums of energy
+ * losses of the bodies in the state. Returns SD_ERROR_IO if memory runs out. */
 sd_status contacts_store(engine *e);
-/* contacts_store_rows does the same without the sums of losses (energy.h), for callers that only
- * read contacts. contacts_load copies stored contacts to the pairs, which must be open; a stored
- * contact that is no candidate is left out. */
+/* contacts_store_rows copies only the records, without the sums of losses (energy.h), for callers
+ * that only read contacts. contacts_load copies the stored contacts back to the pairs, all of which
+ * must be open; a stored contact whose bodies are too far apart to be a candidate is left out. */
 sd_status contacts_store_rows(engine *e);
 void contacts_load(engine *e);
-/* Restore contacts that come from a file: contacts_recall before the evaluation of step 0,
- * contacts_remember after it. Contacts with a carried force (SD_FORCE_CARRIED) get the file's
- * record back; forces must then be summed again (SWEEP_SUM). Others keep whether they slide, which
- * selects the friction limit; a rolling spring that the file does not have begins relaxed. */
+/* Restore contacts that come from a file: call contacts_recall before contacts are evaluated for
+ * step 0, contacts_remember after it. A contact whose force is to be taken from the file
+ * (SD_FORCE_CARRIED) gets the file's record back; forces must then be summed again (SWEEP_SUM). Any
+ * other contact keeps only whether it slides, which selects the static or kinetic friction limit.
+ * If the file has no rolling spring for a contact, the spring begins without deformation. */
 void contacts_recall(engine *e);
 void contacts_remember(engine *e);
 

@@ -1,4 +1,4 @@
-/* engine.c: implements engine.h. */
+/* engine.c: creates, starts and frees the work of a system; implements engine.h. */
 #include "physics/step/engine.h"
 #include "physics/system/bodies.h"
 #include "physics/system/clumps.h"
@@ -27,8 +27,8 @@
 
 /* --- state of step 0 -------------------------------------------------------------------------- */
 
-/* Sets an element of a new, zeroed column. Zeros are not written, so that pages of zeros take no
- * memory. */
+/* Sets one number in a new column, in which all numbers are zero. Zeros are not written, so that
+ * pages with zeros only take no memory. */
 static void set(double *at, double value) {
   if (value != 0.0 || signbit(value)) *at = value;
 }
@@ -260,7 +260,7 @@ static sd_status allocate(engine *e, int threads) {
   return slot_table_new(&w->slots, s, sd_model_bodies(m)) ? columns_new(e) : SD_ERROR_IO;
 }
 
-/* Number of columns of work with an element for each free disk. */
+/* Number of columns of `work` with one number per free disk. */
 enum { FREE_COLUMNS = 8 };
 static void free_columns(const work *w, double *column[FREE_COLUMNS]) {
   double *all[FREE_COLUMNS] = {w->inverse_mass_x,
@@ -274,8 +274,8 @@ static void free_columns(const work *w, double *column[FREE_COLUMNS]) {
   memcpy(column, all, sizeof all);
 }
 
-/* Writes zeros to this thread's range of new columns: a memory page is placed near the thread that
- * writes it first. */
+/* Writes zeros to this thread's part of new columns, so that the operating system places each
+ * memory page near the thread that will use it. */
 static void touch_first(const team *t, void *with) {
   const engine *e = with;
   const work *w = &e->work;
@@ -289,7 +289,8 @@ static void touch_first(const team *t, void *with) {
 
 void engine_find_slots(engine *e) { slot_table_fill(&e->work.slots, e->state); }
 
-/* Builds all work except lists, contacts and constants of bodies. */
+/* Builds all members of `work` except the neighbour lists, the contacts and the constants of
+ * bodies. */
 static sd_status build_bodies(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
   assert(threads >= 1 && threads <= WORK_MAX_THREADS && !w->slots.slot && e->model->dt > 0.0);
@@ -315,8 +316,8 @@ static sd_status build_bodies(engine *e, int threads, sd_messages *messages) {
   return status;
 }
 
-/* Most bodies in one process: offsets of rows are 32-bit integers, and each body has a few rows of
- * force sums. */
+/* Largest number of bodies in one process: offsets of rows are 32-bit integers, and each body has
+ * several rows of force sums. */
 enum { MOST_BODIES = 50000000 };
 
 static sd_status build_lists(engine *e, sd_messages *messages) {
@@ -367,8 +368,9 @@ void engine_free(engine *e) {
 
 /* --- step 0 ----------------------------------------------------------------------------------- */
 
-/* Marks contacts of the packing that do not touch, after the first evaluation: they did not open,
- * so no energy is booked. Returns how many there are. */
+/* Marks contacts of the input packing that turn out not to touch in the first evaluation: they are
+ * dropped without counting their elastic energy as lost. Returns the number of these contacts that
+ * this rank counts. */
 static size_t drop_apart(engine *e) {
   work *w = &e->work;
   size_t dropped = 0;
@@ -391,8 +393,8 @@ static void warn_of_dropped(const sd_model *model, size_t kept, sd_messages *mes
             n - kept, n);
 }
 
-/* Starts the part of the system that this rank has. *kept: number of contacts of the packing that
- * continue. */
+/* Evaluates step 0 for the bodies of this rank. *kept: number of contacts of the input packing that
+ * are still closed. */
 static sd_status start_part(engine *e, size_t *kept, sd_messages *messages) {
   sd_state *s = e->state;
   work *w = &e->work;
@@ -405,7 +407,7 @@ static sd_status start_part(engine *e, size_t *kept, sd_messages *messages) {
   contacts_remember(e);
   if (e->model->forces_carried) sweep_forces(e, SWEEP_SUM);
   if (cell_work(e, true) != SD_OK) return SD_ERROR_IO;
-  /* evaluations before step 0 must not book losses */
+  /* evaluations at step 0 must not count as energy losses */
   for (size_t k = 0; k < w->pairs.count; k++) losses_forget(&w->pairs, k);
   *kept -= drop_apart(e);
   sd_status status = contacts_events(e, messages);
@@ -422,7 +424,7 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   size_t kept;
   sd_status status = comm_agree(e->comm, start_part(e, &kept, messages));
   if (e->halo && status == SD_OK) {
-    step_agree(e, false); /* contacts with ghosts are updated here */
+    step_agree(e, false); /* this also updates contacts with ghosts */
     status = comm_agree(e->comm, engine_status(e));
   }
   if (status != SD_OK) return status;

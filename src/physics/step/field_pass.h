@@ -1,31 +1,32 @@
-/* field_pass.h: forces of the model's fields on LANE_WIDTH disks, at the coordinates of one step;
- * included once per width after integrate_pass.h.
+/* field_pass.h: forces of the model's force fields on LANE_WIDTH disks, at the coordinates of one
+ * step; included once per width after integrate_pass.h.
  *
- * Every field is a sum of a force that depends on position and one that is linear in velocity: (X,
- * Y) - f (v - u) + b (v_y, -v_x), with torque -f_r (omega - w); f, f_r: drag coefficients, u, w:
- * velocity and rotation of the flow, b: Coriolis coefficient. Both integrators correct v =
- * v_predicted + kappa (a(v) dt^2/2 - q2); the velocity in a(v) is this corrected one, found from
- * two linear equations. So Coriolis forces do no work, and strong drag is stable. Cundall's damping
- * is a fraction of the sum of all other forces, contacts and gravity included, against the
- * direction of this velocity (P. A. Cundall, in: Analytical and Computational Methods in
- * Engineering Rock Mechanics, ed. E. T. Brown, 1987, p. 129).
+ * Every field is the sum of a force that depends on position and one that is linear in velocity:
+ * (X, Y) - f (v - u) + b (v_y, -v_x), with torque -f_r (omega - w). f, f_r: drag coefficients; u,
+ * w: velocity and rotation of the flow; b: Coriolis coefficient. Both integrators correct the
+ * velocity to v = v_predicted + kappa (a(v) dt^2/2 - q2); the v in a(v) is this corrected velocity,
+ * found from two linear equations. So Coriolis forces do no work, and strong drag is stable.
+ * Cundall's damping is a fraction alpha of the sum of all other forces, contacts and gravity
+ * included, against the direction of this velocity (P. A. Cundall, in: Analytical and Computational
+ * Methods in Engineering Rock Mechanics, ed. E. T. Brown, 1987, p. 129).
  */
 
-/* Sums over all fields: place: forces that depend on position; drag: f, f_r; flow: f u, f_r w;
- * flow2: f u^2, f_r w^2; turn: b; alpha: fractions of Cundall's damping. */
+/* Coefficients of the equations above for a disk, summed over all fields. place: (X, Y); drag: f,
+ * f_r; flow: f u_x, f u_y, f_r w; flow2: f u_x^2, f u_y^2, f_r w^2; turn: b; alpha: fractions of
+ * Cundall's damping, for forces and torque. */
 typedef struct LANE(field_sum) {
   LANE(real) place[2], drag[2], flow[SD_COORDINATES], flow2[SD_COORDINATES], turn, alpha[2];
 } LANE(field_sum);
 
-/* Field forces on a disk: force without damping, damping (damped), and total, which includes
- * constant forces. */
+/* Force (x, y) and torque of all fields on a disk. force: without Cundall's damping; damped:
+ * Cundall's damping; total: both, plus the constant forces. */
 typedef struct LANE(field_force) {
   LANE(field_sum) s;
   LANE(real) force[SD_COORDINATES], damped[SD_COORDINATES], total[SD_COORDINATES];
 } LANE(field_force);
 
-/* Position of a disk relative to the centre of a field, and the weights with which the field acts
- * on it. */
+/* Position of a disk relative to the centre of a field, and the factors by which the field's force
+ * and torque on this disk are multiplied. */
 typedef struct LANE(field_place) {
   LANE(real) x, y, weight, turn_weight;
 } LANE(field_place);
@@ -50,7 +51,8 @@ LANE_INLINE void LANE(damping_field)(const sd_body_force *f, const LANE(field_pl
   s->alpha[1] = s->alpha[1] + f->alpha_rotation * p->weight;
 }
 
-/* A disk exactly at the centre gets no force. */
+/* Force towards a centre, strength (r^2 + softening^2)^((power - 1)/2) times the vector to it. A
+ * disk exactly at the centre gets no force. */
 LANE_INLINE void LANE(central_field)(const sd_body_force *f, const LANE(field_place) * p,
                                      LANE(field_sum) * s) {
   const int n = (int)f->power - 1, times = n < 0 ? -n : n;
@@ -92,8 +94,9 @@ LANE_INLINE void LANE(field_sums)(const body_forces *f, const view *v, size_t i,
   }
 }
 
-/* Computes the field forces on disks i, i + 1, ... and stores them. kappa: factor in the corrector
- * from acceleration dt^2/2 to velocity; 0: use the present velocities. sum: contact forces. */
+/* Computes the field forces on disks i, i + 1, ... and stores them. kappa: factor by which the
+ * corrector turns dt^2/2 times an acceleration into a change of velocity; 0: forces are those at
+ * the present velocities. sum: contact forces and torque. */
 LANE_INLINE void LANE(field_forces)(const body_forces *f, const view *v, size_t i, double kappa,
                                     const LANE(real) sum[SD_COORDINATES], LANE(field_force) * o) {
   LANE(real) base[SD_COORDINATES], gain[SD_COORDINATES], u[SD_COORDINATES], r[SD_COORDINATES];
@@ -128,9 +131,10 @@ LANE_INLINE void LANE(field_forces)(const body_forces *f, const view *v, size_t 
   }
 }
 
-/* Computes the powers of the fields at the corrected velocities, and adds their trapezoid over the
- * step to the sums; dt = 0: only the powers. The work is F v + f (v - u)^2, the part that is not
- * lost by drag. Held or prescribed coordinates contribute nothing. */
+/* Computes the powers of the fields at the corrected velocities (speed), and adds 0.5 dt (old + new
+ * power) to the sums over time; with dt = 0 only the powers are stored. The power of work is F v +
+ * f (v - u)^2, the part that is not lost by drag. Coordinates that are held or prescribed
+ * contribute nothing. */
 LANE_INLINE void LANE(field_book)(const body_forces *f, const view *v, size_t i, double dt,
                                   const LANE(field_force) * o,
                                   const LANE(real) speed[SD_COORDINATES]) {
@@ -153,7 +157,8 @@ LANE_INLINE void LANE(field_book)(const body_forces *f, const view *v, size_t i,
   }
 }
 
-/* Recomputes field forces and powers from the coordinates and contact forces in the state. */
+/* Recomputes field forces and powers of disks i, i + 1, ... from coordinates and contact forces in
+ * the state. */
 LANE_INLINE void LANE(field_renew)(const body_forces *f, const view *v, size_t i) {
   LANE(real) sum[SD_COORDINATES], speed[SD_COORDINATES];
   for (int n = 0; n < SD_COORDINATES; n++) {
@@ -165,9 +170,9 @@ LANE_INLINE void LANE(field_renew)(const body_forces *f, const view *v, size_t i
   LANE(field_book)(f, v, i, 0.0, &o, speed);
 }
 
-/* Corrects the coordinates of disks i, i + 1, ... with their force sums. Returns nonzero if an
- * angle or position must be wrapped, or a disk is too fast. *stale is set if the next step would
- * make the lists stale. */
+/* Corrects the coordinates of disks i, i + 1, ... with the sums of forces on them. Returns nonzero
+ * if an angle or position of a disk must be wrapped, or a disk is too fast. *stale is set if the
+ * next step would make the neighbour lists stale. */
 LANE_INLINE int LANE(correct_at)(const view *v, size_t i, const int gear, const body_forces *acting,
                                  int *stale) {
   LANE(real) sum[SD_COORDINATES], q[SD_COORDINATES], speed[SD_COORDINATES], next[SD_COORDINATES];

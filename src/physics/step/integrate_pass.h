@@ -1,9 +1,10 @@
 /* integrate_pass.h: predictor and corrector for LANE_WIDTH disks, one coordinate at a time;
  * included once per width after base/lane.h.
  *
- * Gear's fifth-order method in Nordsieck form for second-order equations (physics.md 5): column k
- * holds dt^k/k! times the k-th derivative; velocities are stored without such a factor. Velocity
- * Verlet uses column 2 only; its forces see the velocity predicted with the old acceleration.
+ * Gear's fifth-order method for second-order equations, in Nordsieck form (docs/physics.md, section
+ * 5): q2 to q5 hold dt^k/k! times the k-th derivative of q; v is the velocity itself. Velocity
+ * Verlet uses q, v and q2 only; its forces are evaluated at the velocity predicted with the old
+ * acceleration.
  */
 #ifndef INTEGRATE_COMMON
 #define INTEGRATE_COMMON
@@ -20,21 +21,21 @@ typedef struct LANE(nordsieck) {
   LANE(real) q, v, q2, q3, q4, q5;
 } LANE(nordsieck);
 
-/* Predicts all derivatives by Taylor's formula; binomial coefficients arise from repeated
- * addition. */
+/* Predicts the coordinate and its derivatives by Taylor's formula. The binomial coefficients arise
+ * from repeated additions. */
 LANE_INLINE void LANE(gear_predict)(LANE(nordsieck) * c, LANE(real) dt, LANE(real) per_dt) {
   LANE(real) q1 = c->v * dt, q5 = c->q5;
   LANE(real) a4 = c->q4 + q5, a3 = c->q3 + a4, a2 = c->q2 + a3, a1 = q1 + a2;
   LANE(real) b4 = a4 + q5, b3 = a3 + b4, b2 = a2 + b3, b1 = a1 + b2;
   LANE(real) c4 = b4 + q5, c3 = b3 + c4, d4 = c4 + q5;
-  c->q = c->q + a1; /* one rounding: small terms added one by one would be lost */
+  c->q = c->q + a1; /* q is rounded once: small terms added to it one by one would be lost */
   c->v = b1 * per_dt;
   c->q2 = b2 + c3;
   c->q3 = c3 + d4;
   c->q4 = d4 + q5;
 }
 
-/* Corrects with the new acceleration, given as dt^2/2 times it. */
+/* Corrects the coordinate and its derivatives. acceleration: dt^2/2 times the new acceleration. */
 LANE_INLINE void LANE(gear_correct)(LANE(nordsieck) * c, LANE(real) acceleration,
                                     LANE(real) per_dt) {
   LANE(real) error = acceleration - c->q2;
@@ -57,8 +58,8 @@ LANE_INLINE void LANE(verlet_correct)(LANE(nordsieck) * c, LANE(real) accelerati
   c->q2 = acceleration;
 }
 
-/* Returns dt^2/2 times the acceleration. inverse: inverse mass, 0 for coordinates that do not
- * move. */
+/* Returns dt^2/2 times the acceleration by two forces. inverse: inverse mass, 0 for coordinates
+ * that are held or prescribed. */
 LANE_INLINE LANE(real) LANE(accelerate)(LANE(real) force, LANE(real) constant, LANE(real) inverse,
                                         LANE(real) half_dt2) {
   return force * (half_dt2 * inverse) + constant * (half_dt2 * inverse);
@@ -70,19 +71,21 @@ LANE_INLINE LANE(real) LANE(accelerate)(LANE(real) force, LANE(real) constant, L
 #define INTEGRATE_VIEW
 #include "model/model.h"
 
-/* Pointers and constants of an engine that the loops need, copied so that the compiler need not
- * reload them after every store. Valid for slots from `begin` on whose rows are consecutive. */
+/* Pointers and constants of an engine that the loops need, copied so that the compiler does not
+ * reload them after every store. view_of makes one for slots from `begin` on, as far as these slots
+ * have consecutive rows. */
 typedef struct view {
   columns k[SD_COORDINATES];
-  /* mass, omega: NULL if no contact law needs them */
+  /* mass, omega: NULL if no contact law needs them. x0, y0: positions when the lists were built */
   const double *radius, *mass, *omega, *x0, *y0;
   double *packed, *sums;
-  size_t shift; /* row = slot + shift, in packed and sums */
+  size_t shift; /* slot + shift is the row of a disk in `packed` and `sums` */
   double dt, per_dt, half_dt2, moved_limit2, speed_limit2, lower[2], upper[2];
   bool periodic[2];
   const work_cell *cell; /* NULL: the box does not deform */
-  bool show;             /* true: store contact forces in the state */
-  size_t couples;        /* slots below this get torques from rolling resistance */
+  bool show;             /* true: contact forces are also stored in the state */
+  /* bodies in slots below this number have torques by rolling resistance (SUM_COUPLE) */
+  size_t couples;
 } view;
 
 static inline view view_of(const engine *e, size_t begin) {
@@ -129,7 +132,7 @@ LANE_INLINE void LANE(gear_predict_at)(const columns *k, size_t i, LANE(real) dt
   LANE(store)(k->q4 + i, c->q4);
 }
 
-/* Writes the packed bodies (rows of PACKED_ROW numbers) of disks i, i + 1, ... */
+/* Writes the rows of packed bodies (PACKED_ROW numbers each) of disks i, i + 1, ... */
 LANE_INLINE void LANE(store_packed)(const view *v, size_t i, LANE(real) x, LANE(real) y,
                                     LANE(real) theta, LANE(real) vx, LANE(real) vy) {
   LANE(real) radius = LANE(load)(v->radius + i), zero = LANE(splat)(0.0);
@@ -150,11 +153,11 @@ LANE_INLINE void LANE(pack_at)(const view *v, size_t i) {
    LANE(load)(x->v + i), LANE(load)(y->v + i));
 }
 
-/* Returns nonzero if a disk has moved beyond the limit since the lists were built, or a coordinate
- * is NaN. */
+/* Returns nonzero if a disk at (x, y) is farther than the limit from its position when the lists
+ * were built, or if a coordinate is not a number. */
 LANE_INLINE int LANE(is_stale)(const view *v, size_t i, LANE(real) x, LANE(real) y) {
   LANE(real) x0 = LANE(load)(v->x0 + i), y0 = LANE(load)(v->y0 + i), dx = x - x0, dy = y - y0;
-  if (v->cell) { /* subtract the displacement by the deforming box */
+  if (v->cell) { /* subtract the displacement of this point with the deforming box */
     x0 = x0 - v->lower[0];
     y0 = y0 - v->lower[1];
     dx = dx - (v->cell->shift[0] + (v->cell->map[0] * x0 + v->cell->map[2] * y0));
@@ -170,8 +173,8 @@ LANE_INLINE void LANE(clear_sum)(const view *v, size_t i) {
   for (size_t k = 0; k < SUM_ROW; k++) LANE(store)(sum + LANE_WIDTH * k, zero);
 }
 
-/* Predicts the coordinates, stores them in the state and the packed bodies, and clears the force
- * sums. */
+/* Predicts the coordinates of disks i, i + 1, ..., stores them in the state and in the packed
+ * bodies, and clears the disks' force sums. */
 LANE_INLINE void LANE(predict_at)(const view *v, size_t i, const int gear) {
   LANE(nordsieck) c[SD_COORDINATES];
   LANE(real) dt = LANE(splat)(v->dt), per_dt = LANE(splat)(v->per_dt);
@@ -203,7 +206,8 @@ LANE_INLINE LANE(mask)
   return out;
 }
 
-/* Returns lanes with v^2 > limit^2 R^2, the displacement limit of step.h. */
+/* Returns the lanes in which a disk exceeds the displacement limit (step.h): v^2 > limit2, with
+ * limit2 = speed_limit2 R^2. */
 LANE_INLINE LANE(mask) LANE(is_fast)(LANE(real) vx, LANE(real) vy, LANE(real) limit2) {
   return LANE(greater)(vx * vx + vy * vy, limit2);
 }
@@ -212,7 +216,8 @@ LANE_INLINE LANE(mask) LANE(is_fast_at)(const view *v, size_t i, LANE(real) vx, 
   return LANE(is_fast)(vx, vy, radius * radius * LANE(splat)(v->speed_limit2));
 }
 
-/* Reads the contact forces on disks from their sums: to sum[] and, if v->show, to the state. */
+/* Reads the contact forces and torques on disks i, i + 1, ... from the force sums; stores them in
+ * sum[] and, if v->show is set, in the state. */
 LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORDINATES]) {
   LANE(real) row[SUM_ROW];
   LANE(load4)(v->sums + SUM_ROW * (i + v->shift), SUM_ROW, row);
@@ -223,8 +228,8 @@ LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORD
   for (int n = 0; v->show && n < SD_COORDINATES; n++) LANE(store)(v->k[n].force + i, sum[n]);
 }
 
-/* Returns nonzero if disks have moved beyond the limit of the lists, or (ahead) will have after the
- * next step. */
+/* Returns nonzero if one of disks i, i + 1, ... has moved too far for the neighbour lists or, with
+ * `ahead`, will have done so after the next step. */
 LANE_INLINE int LANE(stale_at)(const view *v, size_t i, const int ahead) {
   const columns *x = &v->k[SD_X], *y = &v->k[SD_Y];
   LANE(real) qx = LANE(load)(x->q + i), qy = LANE(load)(y->q + i), dt = LANE(splat)(v->dt);

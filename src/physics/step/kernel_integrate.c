@@ -18,7 +18,8 @@
 #include "physics/step/integrate_pass.h"
 #include "physics/step/field_pass.h"
 
-/* Runs `vector` for all full vectors of [begin, end), then `single` for the remaining elements. */
+/* Runs `vector` for every full vector of slots in [begin, end), then `single` for each remaining
+ * slot. */
 #define FOR_LANES(vector, single)                                                                  \
   do {                                                                                             \
     size_t i = begin;                                                                              \
@@ -33,8 +34,8 @@ static void pack_alike(engine *e, size_t begin, size_t end, bool prescribed) {
             (pack_at_w1(&v, i), clear_sum_w1(&v, i)));
 }
 
-/* Writes the packed bodies in slots [begin, end). Prescribed bodies get an infinite mass (inverse
- * 0), ghosts their own. */
+/* Writes the rows of packed bodies in slots [begin, end). Prescribed bodies get the inverse mass 0
+ * (an infinite mass), ghosts that of their own mass. */
 static void pack(engine *e, size_t begin, size_t end) {
   const sd_state *s = e->state;
   const size_t first = s->n_free + s->n_ghosts, middle = begin > first ? begin
@@ -62,8 +63,8 @@ LANE_INLINE void predict(const engine *e, size_t begin, size_t end, const int ge
   FOR_LANES(LANE(predict_at)(&v, i, gear), predict_at_w1(&v, i, gear));
 }
 
-/* Corrects free disks; notes disks whose angle or position must be wrapped, and whether one is too
- * fast. */
+/* Corrects free disks in slots [begin, end). Lists disks whose angle or position must be wrapped in
+ * mine->returns, and sets mine->fast if a disk is too fast. */
 LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, const int gear,
                          const body_forces *acting) {
   const view v = view_of(e, begin);
@@ -94,15 +95,16 @@ static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t en
     correct(e, mine, begin, end, 0, NULL);
 }
 
-/* Recomputes field forces on free disks from the contact forces in the state. */
+/* Recomputes the field forces on free disks in slots [begin, end) from the contact forces in the
+ * state. */
 static void renew_fields(engine *e, size_t begin, size_t end) {
   const view v = view_of(e, begin);
   FOR_LANES(LANE(field_renew)(e->work.body_forces, &v, i),
             field_renew_w1(e->work.body_forces, &v, i));
 }
 
-/* Adds up contact forces on any bodies, and stores them in the state. Works on one body at a time,
- * since prescribed bodies are few. */
+/* Adds up the contact forces on bodies in slots [begin, end), of any kind, and stores them in the
+ * state. Treats one body at a time, without vectors, since prescribed bodies are few. */
 static void gather(engine *e, size_t begin, size_t end) {
   view v = view_of(e, begin);
   v.show = true;

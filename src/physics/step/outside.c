@@ -1,4 +1,4 @@
-/* outside.c: implements outside.h. */
+/* outside.c: disks that leave the bounds of the run; implements outside.h. */
 #include "physics/system/bodies.h"
 #include "physics/step/outside.h"
 
@@ -13,15 +13,15 @@
 #include "physics/system/halo.h"
 #include "physics/system/list.h"
 
-/* A disk that has left the bounds: its slot in the whole system (order), body number, slot on its
- * own rank, and position. */
+/* Disk that has left the bounds. order: its global slot, which it would have in a run on one rank;
+ * disk: number of the body; slot: its slot on the rank that owns it; x, y: its position. */
 typedef struct outside_left {
   uint32_t order, disk, slot;
   double x, y;
 } outside_left;
 
-/* Returns true if free disk i is outside the bounds; all disks of a clump go by the clump's centre.
- * Infinite bounds stay infinite when scaled. */
+/* Returns true if free disk i is outside the bounds. For a disk of a clump the position of the
+ * clump's centre counts. Bounds are scaled with the box; infinite ones stay infinite. */
 static bool beyond(const engine *e, size_t i) {
   const sd_bounds *b = &e->model->bounds;
   const sd_state *s = e->state;
@@ -53,8 +53,8 @@ static void take_out(engine *e, size_t i) {
   }
 }
 
-/* Sets disks that have come back to SD_IN_PLAY, and lists those that have left since the last check
- * in *list, which the caller frees. Returns SD_ERROR_IO if memory runs out. */
+/* Sets disks that have come back into the bounds to SD_IN_PLAY. Lists the disks that have left
+ * since the last check in *list, which the caller frees. Returns SD_ERROR_IO if memory runs out. */
 static sd_status find_left(engine *e, outside_left **list, size_t *n) {
   sd_state *s = e->state;
   size_t capacity = 0;
@@ -76,14 +76,14 @@ static sd_status find_left(engine *e, outside_left **list, size_t *n) {
   return SD_OK;
 }
 
-/* Counts the disks of all ranks that have left, in the order of the whole system, and warns of
- * them. Returns SD_ERROR_NUMERIC if the run is to stop. */
+/* Counts the disks of all ranks that have left, and warns of them, in the order of their global
+ * slots. Returns SD_ERROR_NUMERIC if such disks are to stop the run. */
 static sd_status tell_left(engine *e, const outside_left *list, size_t n, sd_messages *messages) {
   sd_state *s = e->state;
   const sd_outside how = e->model->bounds.outside;
   const long long step = (long long)s->step;
-  /* disks that are meant to be removed give one warning; the end of the run reports how many left,
-   * and which */
+  /* If disks that leave are to be removed, warn only once; the end of the run reports their number,
+   * and the first ones. */
   const int64_t told = how == SD_OUTSIDE_REMOVE ? 1 : OUTSIDE_TOLD;
   assert(e->model->bounds.given);
   for (const outside_left *d = list; d < list + n; d++) {
@@ -104,7 +104,8 @@ static sd_status tell_left(engine *e, const outside_left *list, size_t n, sd_mes
   return SD_OK;
 }
 
-/* Marks this rank's disks that have left as SD_OUTSIDE, or takes them out. */
+/* Marks the disks of this rank in the list, which have left, as SD_OUTSIDE, or removes them from
+ * the simulation if the model says so. */
 static void mark_left(engine *e, const outside_left *list, size_t n) {
   for (size_t k = 0; k < n; k++) {
     e->state->activity[list[k].slot] = SD_OUTSIDE;
@@ -117,8 +118,8 @@ static int by_order(const void *one, const void *two) {
   return p->order < q->order ? -1 : p->order > q->order;
 }
 
-/* Gathers the disks of all ranks on every rank, sorted by their order in the whole system; the
- * caller frees *list. */
+/* Gathers the lists of all ranks in *list on every rank, sorted by global slots; the caller frees
+ * *list. *all: number of disks in it. */
 static sd_status gather_left(const comm *c, const outside_left *mine, size_t n, outside_left **list,
                              size_t *all) {
   int *counts = memory_new((size_t)comm_size(c), sizeof *counts);
@@ -133,7 +134,7 @@ static sd_status gather_left(const comm *c, const outside_left *mine, size_t n, 
   return status;
 }
 
-/* Ends the contacts of disks that are taken out, also where they are ghosts on this rank. */
+/* Ends the contacts of all disks that are removed; they may be disks of this rank or ghosts. */
 static sd_status end_contacts(engine *e, const outside_left *list, size_t n) {
   const size_t slots = e->state->n_free + e->state->n_ghosts;
   bool *gone;
@@ -147,7 +148,9 @@ static sd_status end_contacts(engine *e, const outside_left *list, size_t n) {
   return status;
 }
 
-/* Takes the disks out, rebuilds the lists, and books the energy that the disks take along. */
+/* Removes the disks from the simulation and rebuilds the neighbour lists. The change of energy is
+ * added to state->energy_start, so that the energy balance stays as it was. mine: disks of this
+ * rank; all: disks of all ranks. */
 static sd_status remove_left(engine *e, const outside_left *mine, size_t n, const outside_left *all,
                              size_t n_all, sd_messages *messages) {
   const sd_energy before = energy_of(e);

@@ -1,9 +1,10 @@
-/* rescale.c: implements step.h.
+/* rescale.c: multiplies all lengths of the region by a factor; implements rescale() of step.h.
  *
- * A change multiplies positions by the factor; velocities and angles stay. Round pairs keep their
- * direction, hence lambda; along a wall the arc length of the nearest point changes, and lambda_ref
- * changes by the same amount. So every tangential displacement stays as it was, and only overlaps
- * change. Contacts, forces and accelerations are then evaluated in the new state, as at step 0.
+ * Positions are multiplied by the factor; velocities and angles stay. The direction of a contact
+ * between round bodies stays the same, and so does lambda. Along a wall the arc length of the
+ * nearest point changes, and lambda_ref is changed by the same amount. So every tangential
+ * displacement stays as it was, and only overlaps change. Contacts, forces and accelerations are
+ * then evaluated in the new state, as at step 0.
  */
 
 #include <assert.h>
@@ -30,8 +31,8 @@ static void scale_column(double *x, size_t n, double corner, double f) {
   for (size_t i = 0; i < n; i++) x[i] = corner + f * (x[i] - corner);
 }
 
-/* Changes lambda_ref of contacts with wall segments: the arc length of the nearest point is
- * multiplied by f, too. */
+/* Changes lambda_ref of contacts with wall segments, in which the arc length of the nearest point
+ * is multiplied by f: the tangential displacement stays the same. */
 static void scale_arcs(engine *e, double f) {
   pairs *p = &e->work.pairs;
   for (size_t k = p->first_segment; k < p->count; k++) {
@@ -42,20 +43,22 @@ static void scale_arcs(engine *e, double f) {
   }
 }
 
-/* Sets the stored overlaps of closed contacts to those of the new lengths, so that the change is
- * not taken for a motion. */
+/* Sets the overlaps in the records of closed contacts to those with the new lengths, so that the
+ * contact law does not take the change for a motion. */
 static void renew_overlaps(engine *e) {
   pairs *p = &e->work.pairs;
   for (size_t k = 0; k < p->count; k++) {
     if (!pairs_closed(p, k)) continue;
-    /* a contact stays closed until the next evaluation */
+    /* an overlap that was positive may become 0 but not negative, since the contact counts as
+     * closed until the next evaluation */
     const double overlap = contact_geometry_of(e, k).overlap;
     PAIR(p, k, overlap) = PAIR(p, k, overlap) > 0.0 ? fmax(overlap, 0.0) : overlap;
   }
 }
 
-/* Evaluates all contacts with the new overlaps: they open, close and slide; accelerations follow.
- * Viscous loss and nonconservative work are restored, so that only sliding loses energy. */
+/* Evaluates all contacts with their new overlaps; they may open, begin or slide. Accelerations
+ * follow. Viscous losses and nonconservative work are set back to the values before, so that only
+ * sliding loses energy. */
 static sd_status renew_contacts(engine *e, sd_messages *messages) {
   work *w = &e->work;
   const sd_state *s = e->state;
@@ -107,7 +110,7 @@ sd_status rescale(engine *e, double f, sd_messages *messages) {
   scale_column(s->clump_base_y, s->n_clumps, corner[SD_Y], f);
   s->box_scale *= f;
   box_update(e);
-  clumps_place_all(e); /* clumps move but keep their size */
+  clumps_place_all(e); /* clumps move, but their size stays the same */
   walls_pose(e);
   const bool stale = comm_or(e->comm, !neighbours_rescale(e, f)) != 0;
   sd_status status = stale ? engine_renew(e, messages) : SD_OK;

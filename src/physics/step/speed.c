@@ -1,4 +1,4 @@
-/* speed.c: implements step.h. */
+/* speed.c: the displacement limit; implements speed_begin and speed_check of step.h. */
 #include "physics/step/step.h"
 
 #include <assert.h>
@@ -15,15 +15,16 @@ void speed_begin(engine *e) {
   w->compare_motions = compare && strides_are_long(e->model);
 }
 
-/* Finds the fastest free disk beyond the limit. Returns its displacement per step over its radius;
- * 0 if there is none. */
+/* Finds the fastest free disk that exceeds the displacement limit, and sets *disk to its slot.
+ * Returns its displacement per step divided by its radius; 0 if there is no such disk. */
 static double fastest_disk(const engine *e, size_t *disk) {
   const sd_state *s = e->state;
   double fastest = 0.0;
   for (size_t i = 0; i < s->n_free; i++) {
     double v2 = s->vx[i] * s->vx[i] + s->vy[i] * s->vy[i], r2 = s->radius[i] * s->radius[i];
     if (!(v2 > r2 * e->work.speed_limit2)) continue;
-    if (!(v2 / r2 > fastest)) continue; /* among equals the lowest slot counts */
+    /* of disks with equal speed, take the one in the lowest slot */
+    if (!(v2 / r2 > fastest)) continue;
     fastest = v2 / r2;
     *disk = i;
   }

@@ -1,13 +1,14 @@
-/* step.c: one time step.
+/* step.c: one time step, in these stages:
  *
- * Set prescribed bodies and the box at t + dt -> force fields of the program -> rebuild the lists
- * if they are stale, carrying contacts over -> chunk by chunk: predict the free disks of its pairs,
- * evaluate each contact once (force, lambda_ref, losses), correct the disks -> contacts with
- * ghosts, whose messages travel meanwhile -> chunks that wait for these or for other threads ->
- * rare events.
+ * 1. Set prescribed bodies and the box at t + dt; call the force fields of the program. 2. If the
+ * neighbour lists are stale, rebuild them; contact records are carried over. 3. Chunk by chunk:
+ * predict the free disks in the chunk's pairs, evaluate each contact once (force, lambda_ref,
+ * losses), correct the disks of the chunk; with several ranks, messages with ghosts travel
+ * meanwhile. 4. Evaluate contacts with ghosts. 5. Correct chunks that had to wait for contacts with
+ * ghosts or for other threads. 6. Handle rare events.
  *
- * Every loop writes only its own indices; each wait makes previous writes visible to the whole
- * team.
+ * Every loop writes only at its own indices; each wait makes all writes before it visible to the
+ * whole team of threads.
  */
 #include "physics/step/step.h"
 
@@ -31,8 +32,8 @@ static bool any_stale(const work *w) {
 
 /* --- step ------------------------------------------------------------------------------------- */
 
-/* Loop over ranges: the chunks are divided into n_threads ranges; a team with fewer threads takes
- * several each. */
+/* Loop of one thread over its ranges of chunks. The chunks are divided into n_threads ranges; if
+ * the team has fewer threads, each takes several ranges. */
 #define FOR_SHARES(t, share, w)                                                                    \
   for (int share = (t)->rank; share < (w)->n_threads; share += (t)->size)
 #define FOR_CHUNKS(k, w, share)                                                                    \
@@ -42,8 +43,8 @@ static void predict_all(engine *e, const team *t) {
   FOR_SHARES(t, share, &e->work) FOR_CHUNKS(k, &e->work, share) sweep_predict(e, k);
 }
 
-/* Marks every chunk as predicted for the coming step, or none. A rebuild of the lists clears these
- * marks. */
+/* Marks every chunk (all) or no chunk as predicted for the coming step. After a rebuild of the
+ * lists the marks are lost and must be set again. */
 static void note_predicted(engine *e, bool all) {
   chunks *c = &e->work.chunks;
   for (size_t k = 0; k < c->count; k++) {
@@ -52,8 +53,8 @@ static void note_predicted(engine *e, bool all) {
   }
 }
 
-/* Rebuilds the lists for the coming step. If a disk outruns the new lists within one step, they are
- * rebuilt at the predicted positions. */
+/* Rebuilds the lists for the coming step. If a disk moves so far in this step that even the new
+ * lists would be stale, they are built again at the predicted positions. */
 static sd_status renew_lists(engine *e) {
   work *w = &e->work;
   const team alone = {.size = 1};
@@ -70,7 +71,8 @@ static sd_status renew_lists(engine *e) {
   return status;
 }
 
-/* Rebuilds the lists: the first thread leads, the others help with long lists. */
+/* Rebuilds the lists: the first thread runs renew_lists, the others help it in loops over long
+ * lists. */
 static void renew_together(engine *e, const team *t) {
   if (t->rank > 0) {
     team_help(t);
@@ -95,8 +97,9 @@ void step_begin(engine *e, int64_t n) {
   note_predicted(e, false);
 }
 
-/* Predicts all disks first, then checks whether the lists are stale: needed if velocities change
- * between steps, or single predicted coordinates are overwritten. */
+/* Predicts all disks, then checks whether the lists are stale. Without this order the check comes
+ * at the end of the step before; that is not enough if velocities change between steps, or if
+ * predicted coordinates are overwritten (prescribed ones, clumps). */
 static void predict_and_check(engine *e, const team *t) {
   work *w = &e->work;
   predict_all(e, t);
@@ -116,7 +119,7 @@ static void predict_and_check(engine *e, const team *t) {
 unsigned step_agree(engine *e, bool stop) {
   work *w = &e->work;
   halo *h = e->halo;
-  /* velocities may have changed since the corrector checked this, so check again */
+  /* check again, since velocities may have changed after the corrector's check */
   if (w->status == SD_OK && (any_stale(w) || motion_outruns(e) ||
                              (w->predict_all && w->kernels->stale(e, 0, e->state->n_free, true))))
     h->bits |= HALO_STALE;
@@ -129,8 +132,8 @@ unsigned step_agree(engine *e, bool stop) {
   return all;
 }
 
-/* Stores the contact forces on prescribed bodies, of all ranks. Ranks skip this in steps in which
- * nothing depends on it. */
+/* Stores the contact forces on prescribed bodies in the state, summed over all ranks. With several
+ * ranks this is skipped in steps after which the forces are not needed. */
 static void gather_prescribed(engine *e) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -151,9 +154,10 @@ void step_once(engine *e, const team *t) {
     motion_pose(e, &w->threads[0]);
     fields_apply(e);
     if (motion_moves_walls(e)) walls_pose_listed(e);
-    w->stale = !e->halo && any_stale(w); /* with a halo, step_agree has asked all ranks */
+    /* with several ranks, step_agree has asked for the flags of all of them */
+    w->stale = !e->halo && any_stale(w);
     if (w->predict_all || !w->stale)
-      cell_pose(e, e->state->step + 1); /* otherwise renew_lists does this */
+      cell_pose(e, e->state->step + 1); /* else renew_lists calls cell_pose */
     pairs_clear_single(e);
   }
   team_wait(t);
@@ -193,8 +197,8 @@ void step_once(engine *e, const team *t) {
     fields_work(e);
     w->status = cell_work(e, false);
     if (w->status == SD_OK && contacts_any_event(w)) w->status = contacts_events(e, w->messages);
-    /* Store forces now, since no further step will; impossible if chunks share rows, which are
-     * overwritten then. */
+    /* Store the forces now, since no further step will follow. This is impossible if later chunks
+     * reuse rows of earlier ones: the force sums are then overwritten. */
     if (w->status != SD_OK && !w->chunks.shares) w->kernels->gather(e, 0, e->state->n_free);
     e->state->step++;
     if (validity_due(e->state->step) && w->status == SD_OK) validity_check_step(e);

@@ -1,50 +1,51 @@
-/* step.h: one time step of one system. */
+/* step.h: one time step of one system, its parts, and the displacement limit. */
 #ifndef PHYSICS_STEP_H
 #define PHYSICS_STEP_H
 
 #include "physics/system/clumps.h"
 #include "physics/system/work.h"
 
-/* Advances the system by one step. Every thread of the team calls it, and must wait once more
- * (team_wait) before it reads the state or work.status, or takes the next step. */
+/* Advances the system by one step. Every thread of the team calls it. After the call threads must
+ * wait once more (team_wait) before they read the state or work.status, or take the next step. */
 void step_once(engine *e, const team *t);
-/* Prepares for n steps, after bodies may have been changed; call it on one thread. Contact forces
- * on free disks are stored in the state after the last of these steps (after every step while
- * velocities are changed between steps), but not if a step fails in a large system. */
+/* Prepares for n steps, also after bodies were changed; call it on one thread. Contact forces on
+ * free disks are stored in the state only after the last of these steps (in phases that change
+ * velocities between steps, after each). They are not stored if a step fails in a system with so
+ * many disks that chunks reuse rows. */
 void step_begin(engine *e, int64_t n);
 
-/* Exchanges flags between ranks: returns the bits HALO_STALE ... that any rank has set. Collective;
- * one thread of an engine with a halo calls it before each step and after the last. After
- * HALO_STALE lists must be rebuilt before the next step. stop: this rank wants all ranks to
- * stop. */
+/* Exchanges flags between ranks. Returns the bits (HALO_STALE, ...) that at least one rank has set;
+ * HALO_STALE means that the lists must be rebuilt before the next step. stop: true if this rank
+ * wants all ranks to stop. Collective; one thread of each rank calls it before each step and after
+ * the last. */
 unsigned step_agree(engine *e, bool stop);
 
-/* Prediction, evaluation of contacts and correction, chunk by chunk, while the data of a
- * chunk are in the cache. Used by the step, by step 0 and by compression.
- */
+/* Prediction, evaluation of contacts and correction, chunk by chunk, while the data of a chunk are
+ * in the cache. Step 0 and the compression of a packing use these functions, too. */
 
-/* Predicts the disks of chunk k at t + dt, once per step. */
+/* Predicts the free disks of chunk k at t + dt; only the first call in a step has an effect. */
 void sweep_predict(engine *e, size_t k);
-/* Predicts chunk k unless that has been done, packs its bodies, and clears their force sums. */
+/* Predicts the disks of chunk k, unless this was done in this step already. Copies the predicted
+ * coordinates to the rows of packed bodies, which pairs read, and clears the disks' force sums. */
 void sweep_pack(engine *e, size_t k);
 void sweep_correct(engine *e, thread_work *mine, size_t k);
-/* Treats the chunks of thread range t, except corrections that must wait for other threads. */
+/* Predicts, evaluates and corrects the chunks of thread t. Chunks marked boundary_last are
+ * corrected later, after the other threads. */
 void sweep_share(engine *e, int t);
-/* Evaluates range t of the contacts with ghosts, after halo_finish; the disks are corrected
- * later. */
+/* Evaluates the contacts with ghosts of thread t, after halo_finish has received the poses of the
+ * ghosts. The disks are corrected later. */
 void sweep_ghosts(engine *e, int t);
 /* Computes the contact forces on all bodies at the present coordinates, and stores them in the
  * state; call it on one thread, between steps. SWEEP_EVALUATE evaluates each contact and updates
- * its record; SWEEP_SUM adds up the forces in the records. */
+ * its record; SWEEP_SUM only adds up the forces that follow from the records. */
 typedef enum sweep_kind { SWEEP_EVALUATE, SWEEP_SUM } sweep_kind;
 void sweep_forces(engine *e, sweep_kind kind);
 
-/* Predictor and corrector of clumps (physics/system/clumps.h), called before and
- * after those of the disks. */
+/* Predictor and corrector of clumps (physics/system/clumps.h), called after those of the disks. */
 
-/* Predicts the clumps: coordinates that are not prescribed by the predictor; the first thread also
- * sets the prescribed ones. Every thread of the team calls this and the next two functions for its
- * range of the clumps; the team must wait between the calls. */
+/* Predicts the coordinates of clumps; the first thread then sets the prescribed ones from their
+ * motions. Every thread of the team calls this and the next two functions for its range of clumps,
+ * and the team must wait between the calls. */
 void clumps_predict(engine *e, const team *t);
 /* Places the disks of the clumps at the clumps' predicted poses. */
 void clumps_place(engine *e, const team *t);
