@@ -1,4 +1,5 @@
-/* contact_step.h: one contact in one step (eqs. 2, 4, tau, 36), branch-free over lanes.
+/* contact_step.h: one contact in one step, without branches: each lane of a vector is one
+ * contact. Equations 2, 4, tau and 36 of the paper (docs/physics.md, sections 2 and 3).
  *
  * Included once per LANE_WIDTH after base/lane.h. Round pairs, wall segments and small systems all
  * use this code; the bits of a lane's result do not depend on LANE_WIDTH.
@@ -16,9 +17,9 @@
  * CONTACT_REBASE the contact gets a new e, so the terms of the series of asin(e x n) that are used
  * below are exact to rounding.
  *
- * History is committed in the one evaluation whose forces act: with velocity Verlet at the new
- * positions, with Gear at the predicted ones (PEC). The losses of a step are the trapezoidal work
- * between the previous evaluation and this one (docs/physics.md, section 8).
+ * Each step evaluates a contact once and changes its history there: with velocity Verlet at the new
+ * positions, with Gear at the predicted ones (predict, evaluate, correct). The losses of a step are
+ * the trapezoidal work between the previous evaluation and this one (docs/physics.md, section 8).
  */
 #include "model/law_cohesion.h"
 #include "model/normal_laws.h"
@@ -32,45 +33,53 @@
 
 /* --- geometry --------------------------------------------------------------------------------- */
 
-/* Positions, velocities and angles of a pair of bodies a and b, from which its geometry follows. */
+/* Input of the geometry of a pair of bodies a and b: their relative position and velocity, radii
+ * and angles. */
 typedef struct LANE(pair_input) {
-  LANE(real) dx, dy;   /* vector from a's centre to b's centre or nearest surface point */
-  LANE(real) dvx, dvy; /* velocity of that point of b relative to a's centre */
-  LANE(real) sum;      /* R_a + R_b; negative inside a round container */
-  LANE(real) arc;      /* R_a theta_a + R_b theta_b */
-  LANE(real) ex, ey;   /* reference direction of the contact, a unit vector; (0, 0): open */
+  /* vector from a's centre to b's centre, or to the nearest point of a wall segment */
+  LANE(real) dx, dy;
+  LANE(real) dvx, dvy; /* velocity of this point of b (material of b) relative to a's centre */
+  /* R_a + R_b, where R_b < 0 for a round wall around the disk; R_a for a wall segment */
+  LANE(real) sum;
+  LANE(real) arc;    /* R_a theta_a + R_b theta_b, a length */
+  LANE(real) ex, ey; /* reference direction of the contact, a unit vector; (0, 0): open */
 } LANE(pair_input);
 
-/* First part of a pair's geometry. It is a struct of its own so that other instructions can run
- * while its square root and division are under way. */
+/* First part of a pair's geometry, with a square root and a division. It has its own struct so that
+ * the processor can execute other instructions until these two are completed. */
 typedef struct LANE(pair_distance) {
   LANE(real) dx, dy, sum, arc; /* copies of the members of pair_input */
-  LANE(real) dot;              /* scalar product of (dx, dy) and the relative velocity */
-  LANE(real) cross;            /* cross product of the reference direction and (dx, dy) */
-  LANE(real) r;                /* distance, with the sign of sum */
+  LANE(real) dot;              /* scalar product of (dx, dy) and (dvx, dvy) */
+  LANE(real) cross;            /* cross product of the reference direction (ex, ey) and (dx, dy) */
+  LANE(real) r;                /* length of (dx, dy), with the sign of `sum` */
   LANE(real) inverse_r;        /* 1/r */
-  LANE(real) away;  /* nx^2 + ny^2 for image (nx, ny) of b; only set in a box that deforms */
-  LANE(real) swing; /* cross product of (dx, dy) and the relative velocity; only for PASS_GENERAL */
+  /* nx^2 + ny^2, if the nearest image of b is (nx, ny) cells away; only set in a deforming box */
+  LANE(real) away;
+  /* cross product of (dx, dy) and (dvx, dvy); only set in passes of kind PASS_GENERAL */
+  LANE(real) swing;
 } LANE(pair_distance);
 
 /* Geometry and relative motion of a pair of bodies a and b. */
 typedef struct LANE(pair_geometry) {
-  LANE(real) nx, ny;        /* unit normal, from a towards b's surface */
-  LANE(real) reach;         /* overlap, negative for a gap */
-  LANE(real) approach;      /* normal relative velocity u_n, positive when the bodies separate */
-  LANE(real) arc;           /* R_a theta_a + R_b theta_b */
-  LANE(real) lambda;        /* tangential coordinate, measured from the reference direction e */
-  LANE(real) turned, sine2; /* angle from e to n in rad, and its squared sine */
-  LANE(real) lever;         /* lever of the tangential force, (R_a + R_b)/r */
-  LANE(real) slide; /* dlambda/dt; only set for tangential dashpots and when a contact begins */
-  /* Rolling displacement R_eff (theta_a - theta_b), its time derivative, and R_eff (arm); only set
-   * for laws with rolling resistance. */
+  LANE(real) nx, ny;   /* unit normal, from a's centre towards the surface of b */
+  LANE(real) reach;    /* overlap, negative for a gap */
+  LANE(real) approach; /* normal relative velocity u_n, positive while the bodies separate */
+  LANE(real) arc;      /* R_a theta_a + R_b theta_b, a length */
+  /* tangential coordinate lambda, a length, measured from the reference direction e of the
+   * contact */
+  LANE(real) lambda;
+  LANE(real) turned, sine2; /* angle from e to the normal, rad; square of its sine */
+  LANE(real) lever;         /* lever of the tangential force, (R_a + R_b)/r; 1 at zero overlap */
+  /* dlambda/dt; only set if laws have tangential dashpots, and when a contact begins */
+  LANE(real) slide;
+  /* rho: rolling displacement R_eff (theta_a - theta_b); rolls: its time derivative; arm: R_eff.
+   * All are only set for laws with rolling resistance. */
   LANE(real) rho, rolls;
   LANE(real) arm;
 } LANE(pair_geometry);
 
-/* Computes the part of the geometry up to 1/r. Members are copied one by one, since compilers do
- * poorly with a copy of the whole struct. */
+/* Computes the first part of a pair's geometry, up to 1/r. Members are copied one by one, since
+ * compilers translate a copy of the whole struct poorly. */
 LANE_INLINE void LANE(pair_distance_of)(const LANE(pair_input) * in, LANE(pair_distance) * d) {
   d->dx = in->dx;
   d->dy = in->dy;
@@ -78,14 +87,16 @@ LANE_INLINE void LANE(pair_distance_of)(const LANE(pair_input) * in, LANE(pair_d
   d->arc = in->arc;
   d->dot = in->dvx * in->dx + in->dvy * in->dy;
   d->cross = in->ex * in->dy - in->ey * in->dx;
-  /* The lower bound of r^2 keeps results finite for coincident centres. It also turns a pose that
-   * is NaN into a contact, so the step in which it appears is examined. */
+  /* The lower bound of r^2 keeps results finite if the centres coincide. It also makes the pair
+   * count as a contact if a coordinate is not a number, so that the step in which this happens is
+   * examined. */
   LANE(real) r = LANE(sqrt)(LANE(max)(in->dx * in->dx + in->dy * in->dy, LANE(splat)(1e-280)));
   d->r = LANE(as_real)(LANE(as_bits)(r) | (LANE(as_bits)(in->sum) & CONTACT_SIGN));
   d->inverse_r = 1.0 / d->r;
 }
 
-/* Completes the geometry from the distance; slide, rho, rolls and arm are left to the caller. */
+/* Completes the geometry from its first part. The caller must set slide, rho, rolls and arm if they
+ * are needed. */
 LANE_INLINE void LANE(pair_geometry_at)(const LANE(pair_distance) * d, LANE(pair_geometry) * g) {
   LANE(real) inverse_r = d->inverse_r;
   g->nx = d->dx * inverse_r;
@@ -93,7 +104,7 @@ LANE_INLINE void LANE(pair_geometry_at)(const LANE(pair_distance) * d, LANE(pair
   g->reach = d->sum - d->r;
   g->approach = d->dot * inverse_r;
   g->lever = d->sum * inverse_r;
-  /* angle from the reference direction to n: series of asin(s) */
+  /* angle from the reference direction to the normal: first terms of the series of asin(s) */
   LANE(real) s = d->cross * inverse_r, z = s * s;
   LANE(real) turned = s + (s * z) * (((15.0 / 336.0) * z + 3.0 / 40.0) * z + 1.0 / 6.0);
   g->sine2 = z;
@@ -124,8 +135,8 @@ typedef struct LANE(contact_constants) {
   LANE(cohesion) cohesion;      /* constants of the attraction; LAW_COHESION */
 } LANE(contact_constants);
 
-/* Returns the elastic normal force at overlap delta >= 0. Without LAW_NORMAL in `features` all
- * contacts have the linear law, here and in the two functions below. */
+/* Returns the elastic normal force at overlap delta >= 0. Without LAW_NORMAL in `features` the law
+ * is linear; this holds for the two functions below, too. */
 LANE_INLINE LANE(real) LANE(law_elastic)(const LANE(contact_constants) * k, LANE(real) delta,
                                          const unsigned features) {
   const int mixed = (features & LAW_NORMAL) != 0;
@@ -139,7 +150,8 @@ LANE_INLINE LANE(real) LANE(law_elastic)(const LANE(contact_constants) * k, LANE
   return force;
 }
 
-/* Returns the coefficient of normal damping, force over velocity, at overlap delta >= 0. */
+/* Returns the coefficient of normal damping (force divided by normal velocity) at overlap delta >=
+ * 0. */
 LANE_INLINE LANE(real) LANE(law_damping)(const LANE(contact_constants) * k, LANE(real) delta,
                                          const unsigned features) {
   const int mixed = (features & LAW_NORMAL) != 0;
@@ -153,7 +165,7 @@ LANE_INLINE LANE(real) LANE(law_damping)(const LANE(contact_constants) * k, LANE
   return gamma;
 }
 
-/* Returns the elastic energy stored at overlap delta >= 0. */
+/* Returns the elastic energy of the normal force at overlap delta >= 0. */
 LANE_INLINE LANE(real)
     LANE(law_stored)(const LANE(contact_constants) * k, LANE(real) delta, const unsigned features) {
   LANE(real) energy = LANE(linear_stored)(k->k_n, delta);
@@ -166,45 +178,50 @@ LANE_INLINE LANE(real)
   return energy;
 }
 
-/* Record of a contact (sd_contact_record) without the accumulated losses. slid: the contact slid in
- * the previous step; the second and third line are only used with general laws. */
+/* Record of a contact (sd_contact_record), without the accumulated losses, and whether the contact
+ * slid in the previous step (slid). Members from `tau` on are only used with general laws. */
 typedef struct LANE(contact_memory) {
   LANE(real) lambda_ref, ex, ey, force, overlap, zeta, turned;
   LANE(real) tau, pull, rho_ref, rho, roll;
   LANE(mask) slid;
 } LANE(contact_memory);
 
-/* Lanes whose contact is closed before the step, and after it. */
+/* Masks of the lanes whose contact is closed before the step (before), and after it (now). */
 typedef struct LANE(contact_closed) {
   LANE(mask) before, now;
 } LANE(contact_closed);
 
-/* Results of one step of a contact. */
+/* Forces and energies of one contact in one step. */
 typedef struct LANE(contact_output) {
-  LANE(real) fx, fy, tau; /* force on b (a gets the opposite); tangential force tau */
-  /* Energies of the step: losses by viscosity and by sliding, and the nonconservative work that the
-   * paper's tangential force puts in. */
+  LANE(real) fx, fy, tau; /* force on b (a gets the opposite force); tangential force tau */
+  /* Energies of this step: losses by viscosity and by sliding, and the nonconservative work of the
+   * tangential force in the paper's variant. */
   LANE(real) viscous, friction, work;
-  LANE(real) dropped; /* energy left in the springs of a contact that opened */
-  LANE(real) slip;    /* length by which lambda* was shifted; its sign is opposite to tau's */
-  LANE(real) couple;  /* torque of rolling resistance on a (b gets the opposite) */
-  LANE(real) rolling, bridge; /* energies lost in the step by rolling and by forming a bridge */
+  /* elastic energy left in the tangential and rolling springs of a contact that opened */
+  LANE(real) dropped;
+  /* length by which lambda* was shifted when the contact slid; its sign is opposite to that of
+   * tau */
+  LANE(real) slip;
+  LANE(real) couple; /* torque of rolling resistance on a (b gets the opposite torque) */
+  /* energies lost in this step by rolling, and by forming a capillary bridge */
+  LANE(real) rolling, bridge;
 } LANE(contact_output);
 
 #include "physics/contact/law_rolling.h"
 #include "physics/contact/law_tangential.h"
 
 /* True for contacts that the slow path must handle: the normal has turned by more than
- * CONTACT_REBASE from the reference direction, or the overlap exceeds `limit`. With the limit of
- * the smallest body the test is conservative: it flags a superset of the contacts that exceed their
- * own limit. */
+ * CONTACT_REBASE from the reference direction, or the overlap exceeds `limit`. If `limit` is that
+ * of the smallest body, the test is also true for some contacts that do not exceed their own limit,
+ * but it misses none. */
 LANE_INLINE LANE(mask) LANE(contact_is_deep)(const LANE(pair_geometry) * g, LANE(real) limit) {
   return LANE(greater)(g->sine2, LANE(splat)(CONTACT_REBASE * CONTACT_REBASE)) |
          LANE(greater)(g->reach, limit);
 }
 
-/* True for contacts that are closed after the step. With cohesion a contact begins and ends at a
- * gap between the surfaces, cohesion.begins and cohesion.ends; else at zero overlap. */
+/* True for contacts that are closed after the step. With cohesion a contact begins at the gap
+ * cohesion.begins and ends at the gap cohesion.ends; without, it begins and ends at zero
+ * overlap. */
 LANE_INLINE LANE(mask)
     LANE(contact_touches)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                           LANE(mask) was_closed, const unsigned features) {
@@ -213,13 +230,13 @@ LANE_INLINE LANE(mask)
   return LANE(greater)(g->reach, -gap);
 }
 
-/* False for coincident centres: they define no normal, so the pair is treated as open. */
+/* False if the two centres coincide: there is then no normal, and the pair is treated as open. */
 LANE_INLINE LANE(mask) LANE(has_direction)(const LANE(pair_geometry) * g) {
   const LANE(real) zero = LANE(splat)(0.0);
   return LANE(not )(LANE(equal)(g->nx, zero) & LANE(equal)(g->ny, zero));
 }
 
-/* Returns the potential energy of the normal force: elastic energy and energy of the attraction.
+/* Returns the potential energy of the normal force: the elastic energy plus that of the attraction.
  * reach: overlap, negative for a gap. */
 LANE_INLINE LANE(real) LANE(normal_energy)(const LANE(contact_constants) * k, LANE(real) reach,
                                            const unsigned features) {
@@ -227,11 +244,11 @@ LANE_INLINE LANE(real) LANE(normal_energy)(const LANE(contact_constants) * k, LA
          LANE(cohesion_energy)(&k->cohesion, reach);
 }
 
-/* Computes the normal force of contacts, some of which may be held at a gap by cohesion: updates
- * m->force, m->pull and m->overlap, and sets out->viscous. *limit: the force that friction is
- * limited by, that is the normal force without attraction, at least 0. If the overlap of a closed
+/* Computes the normal force of contacts, some of which may be held at a gap by cohesion. Updates
+ * m->force, m->pull and m->overlap, and sets out->viscous. *limit: set to the force that, times mu,
+ * limits friction: the normal force without attraction, at least 0. If the overlap of a closed
  * contact changes sign within the step, the trapezoidal work is inexact; its difference from the
- * change of stored energy is booked as a loss. */
+ * change of the stored energy is counted as viscous loss. */
 LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g,
                                       const LANE(contact_constants) * k, LANE(mask) touching,
                                       LANE(mask) closed, const unsigned features,
@@ -272,8 +289,8 @@ LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g,
   m->overlap = now;
 }
 
-/* Advances the history of contacts by one step, with any features of the law. Arguments as in
- * contact_history. */
+/* Advances the history of contacts by one step, for laws with any of the features. Arguments are as
+ * in contact_history. */
 LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g,
                                        const LANE(contact_constants) * k, LANE(mask) touching,
                                        LANE(mask) closed, const int paper, const unsigned features,
@@ -288,17 +305,18 @@ LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g,
   m->overlap = now;
   out->work = paper ? half * (torn + m->tau * m->overlap) * (g->turned - m->turned) : zero;
   m->turned = paper ? g->turned : zero;
-  /* surfaces at a gap do not slide: mu, not mu_kinetic, holds in the next step */
+  /* surfaces at a gap do not slide, so the next step uses the static mu, not mu_kinetic */
   if (features & LAW_COHESION) out->slip = LANE(mask_zero)(LANE(greater)(now, zero), out->slip);
   if (!(features & LAW_ROLLING)) return;
   LANE(rolling_history)(g, k, touching, limit, m, out);
   out->couple = m->roll * g->arm;
 }
 
-/* Advances the history of contacts by one step: updates the record *m and sets all of *out except
- * fx, fy, tau and dropped. touching: contacts closed after the step, including those that
- * contact_begin has initialised; closed: those of them that were closed before, too. paper: not 0
- * for the paper's tangential force, tau instead of tau (R_a + R_b)/r. */
+/* Advances the history of contacts by one step: updates the record *m and sets all members of *out
+ * except fx, fy, tau and dropped. touching: lanes whose contact is closed after the step; records
+ * of new contacts must have been initialised by contact_begin. closed: those of these lanes whose
+ * contact was closed before, too. paper: not 0 for the paper's tangential force, which is tau
+ * instead of tau (R_a + R_b)/r. */
 LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g,
                                        const LANE(contact_constants) * k, LANE(mask) touching,
                                        LANE(mask) closed, const int paper, const unsigned features,
@@ -318,7 +336,8 @@ LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g,
   force = LANE(mask_zero)(
       touching, LANE(max)(elastic - LANE(law_damping)(k, delta, features) * g->approach, zero));
 
-  /* tangential displacement zeta, limited to +-mu F_n/k_t (Amontons' law) */
+  /* tangential displacement zeta, limited to the range from -mu F_n/k_t to mu F_n/k_t (Amontons'
+   * law) */
   LANE(real) zeta = LANE(mask_zero)(touching, g->lambda - m->lambda_ref), cap = k->cap * force;
   LANE(real) capped = LANE(max)(LANE(min)(zeta, cap), -cap), slip = zeta - capped;
 
@@ -335,8 +354,8 @@ LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g,
   m->turned = paper ? g->turned : zero;
 }
 
-/* Sets the force on b, F_n n - lever tau t with t = (-n_y, n_x), and tau in *out. lever:
- * (R_a + R_b)/r, or 1 with the paper's force. */
+/* Sets the force on b in *out to F_n n - lever tau t, with t = (-n_y, n_x), and sets tau. lever:
+ * (R_a + R_b)/r, or 1 for the paper's force. */
 LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g,
                                      const LANE(contact_constants) * k, LANE(real) lever,
                                      const unsigned features, const LANE(contact_memory) * m,
@@ -347,8 +366,8 @@ LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g,
   out->tau = tau;
 }
 
-/* Advances the history of contacts by one step and computes their forces. (The pass over round
- * pairs calls the two functions itself, to do other work between them.) */
+/* Advances the history of contacts by one step and computes their forces. (pair_pass.h calls the
+ * two functions itself, with other work between them.) */
 LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g,
                                     const LANE(contact_constants) * k, LANE(mask) touching,
                                     LANE(mask) closed, LANE(real) lever, const int paper,
@@ -360,9 +379,9 @@ LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g,
 
 /* --- contacts that begin and end -------------------------------------------------------------- */
 
-/* Returns the time since the surfaces touched, delta/(-u_n), at most dt. Returns 0 if they cannot
- * have touched within this step, as at the start of a run, or if attraction closes the contact at a
- * gap. */
+/* Returns the time since the surfaces touched, delta/(-u_n), at most dt. The result is 0 if they
+ * cannot have touched within this step, as at the start of a run, and if attraction closes the
+ * contact at a gap. */
 LANE_INLINE LANE(real) LANE(since_touch)(const LANE(pair_geometry) * g, LANE(real) dt) {
   const LANE(real) zero = LANE(splat)(0.0), closing = -g->approach;
   const LANE(real) since = LANE(max)(g->reach, zero) / LANE(max)(closing, LANE(splat)(1e-290));
@@ -370,8 +389,8 @@ LANE_INLINE LANE(real) LANE(since_touch)(const LANE(pair_geometry) * g, LANE(rea
   return LANE(mask_zero)(within, LANE(min)(since, dt));
 }
 
-/* True for contacts that begin in this step, and for those that attraction had closed at a gap and
- * whose surfaces touch in this step. was: overlap before the step. */
+/* True for contacts that begin in this step, and for contacts that were closed at a gap by
+ * attraction and whose surfaces touch in this step. was: overlap before the step. */
 LANE_INLINE LANE(mask)
     LANE(surfaces_meet)(const LANE(pair_geometry) * g, LANE(real) was, LANE(mask) touching,
                         LANE(mask) was_closed, const unsigned features) {
@@ -382,12 +401,12 @@ LANE_INLINE LANE(mask)
                   LANE(greater)(g->reach, zero));
 }
 
-/* Initialises contacts whose surfaces touch in this step (`meet`), before contact_step. lambda* and
- * rho* are set to lambda and rho at the moment of touch, extrapolated back with the present
- * velocities (docs/physics.md, section 3): their values at the end of the step would omit the
- * displacement since then. With Mindlin's law the stiffness has grown in proportion to sqrt(t)
- * since the touch, so sqrt(K) zeta should be 4/5 of sqrt(K) times the displacement; the trapezoid
- * gives 1/2, hence the factor 1.6. */
+/* Initialises the contacts whose surfaces touch in this step (mask `meet`); call it before
+ * contact_step. lambda* and rho* are set to lambda and rho at the moment of touch, extrapolated
+ * back with the present velocities (docs/physics.md, section 3). With lambda and rho at the end of
+ * the step, the displacement since that moment would be lost. With Mindlin's law the stiffness K
+ * has grown in proportion to sqrt(t) since then, so sqrt(K) zeta should be 4/5 of sqrt(K) times the
+ * displacement; the trapezoidal rule gives 1/2, hence the factor 1.6. */
 LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g,
                                      const LANE(contact_constants) * k, LANE(mask) meet,
                                      LANE(real) dt, const unsigned features,
@@ -401,19 +420,19 @@ LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g,
     m->rho_ref = LANE(select)(meet, g->rho - g->rolls * since, m->rho_ref);
 }
 
-/* Tangential or rolling spring with its dashpot, in the step in which the contact begins or
- * ends. */
+/* Tangential or rolling spring and its dashpot, in the first or last step of a contact. */
 typedef struct LANE(edge_spring) {
-  /* q: displacement of the spring; force = -(stiffness q + dashpot force). Both are taken after the
-   * step if the contact begins, before it if the contact ends. */
+  /* q: displacement of the spring; force: total force, -(stiffness q + dashpot force). Both are
+   * values after the step if the contact begins, before it if the contact ends. */
   LANE(real) stiffness, q, force;
   LANE(real) way; /* relative displacement of the surfaces in the whole step */
 } LANE(edge_spring);
 
 /* Computes the losses of a spring and its dashpot in the first or last step of a contact. The
- * trapezoidal work covers the whole step, though the contact was closed for part of it only. The
- * part of this work that the spring does not store is booked as sliding loss (*sliding); most of it
- * is balanced at the other end of the contact. Returns the loss of the dashpot. */
+ * trapezoidal work is that of the whole step, though the contact was closed for only a part of it.
+ * *sliding: set to the part of this work that the spring does not store, which counts as sliding
+ * loss; most of it is compensated between the first and the last step of the contact. Returns the
+ * loss of the dashpot. */
 LANE_INLINE LANE(real)
     LANE(edge_losses)(const LANE(edge_spring) * s, LANE(mask) begun, LANE(real) * sliding) {
   const LANE(real) half = LANE(splat)(0.5), pull = s->stiffness * s->q;
@@ -421,14 +440,15 @@ LANE_INLINE LANE(real)
   return -half * (s->force + pull) * s->way;
 }
 
-/* Returns the energy stored in the spring. */
+/* Returns the energy stored in the spring, stiffness q^2/2. */
 LANE_INLINE LANE(real) LANE(edge_stored)(const LANE(edge_spring) * s) {
   return 0.5 * s->stiffness * s->q * s->q;
 }
 
-/* Part of contact_begin_end for the tangential and the rolling spring: in lanes `edge`, whose
- * contacts begin (`begun`) or end, adds the losses of the dashpots to out->viscous and replaces
- * out->friction and out->rolling. Sets out->dropped to the energy left in the springs. */
+/* Does the part of contact_begin_end that concerns the tangential and the rolling spring. edge:
+ * lanes in which contacts begin or end; begun: those in which they begin. In lanes `edge` the
+ * losses of the dashpots are added to out->viscous, and out->friction and out->rolling are
+ * replaced. out->dropped is set to the energy in the springs. */
 LANE_INLINE void LANE(springs_begin_end)(const LANE(pair_geometry) * g,
                                          const LANE(contact_constants) * k, LANE(mask) begun,
                                          LANE(mask) edge, LANE(real) dt, const unsigned features,
@@ -464,13 +484,14 @@ LANE_INLINE void LANE(springs_begin_end)(const LANE(pair_geometry) * g,
 }
 
 /* Completes a step in which contacts begin or end. before: record before the step; bent: dt^2/2
- * times the relative acceleration of the centres along n before the step, so the surfaces approach
- * by bent - u_n dt in this step.
+ * times the acceleration of b relative to a along the normal before the step, so that the surfaces
+ * approach by bent - u_n dt in this step.
  *
- * The first force of a contact works over the whole approach in its step, not only over the part in
- * which the disks overlap; so does its last force. The losses booked for the two steps balance each
- * other, so the energy budget of elastic contacts does not drift. The energy left in the springs of
- * a contact that opens is returned in out->dropped. */
+ * The first force of a contact is taken to act over the whole approach in its step, not only over
+ * the part in which the disks overlap, and so is the last force. The errors of the losses in these
+ * two steps compensate each other, so that the energy budget of elastic contacts does not drift.
+ * out->dropped is set to the energy left in the springs of a contact that opens.
+ */
 LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
                                          const LANE(contact_constants) * k, LANE(mask) touching,
                                          LANE(mask) was_closed, LANE(real) dt, LANE(real) bent,
@@ -491,7 +512,7 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
       half * LANE(select)(begun, m->force * way, before->force * (before->overlap - g->reach));
   out->viscous =
       LANE(select)(begun, done - stored, LANE(select)(opened, stored - done, out->viscous));
-  /* replaces out->viscous, to which the dashpots' losses have not been added yet */
+  /* this replaces out->viscous; the losses of the dashpots are added to it below */
   if (features & LAW_COHESION) {
     const LANE(real) met = half * (before->force + m->force) * (m->overlap - before->overlap) -
                            (LANE(normal_energy)(k, m->overlap, features) - stored);
@@ -501,7 +522,8 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
   out->viscous = LANE(mask_zero)(was_closed | touching, out->viscous);
   out->friction = LANE(mask_zero)(was_closed | touching, out->friction);
   out->dropped = LANE(mask_zero)(opened, out->dropped);
-  /* e = n in contacts that begin; all history is 0 in open ones */
+  /* in a contact that begins the reference direction is the normal; the record of an open pair is
+   * 0 */
   m->lambda_ref = LANE(mask_zero)(touching, m->lambda_ref);
   m->turned = LANE(mask_zero)(touching, m->turned);
   m->ex = LANE(mask_zero)(touching, LANE(select)(begun, g->nx, before->ex));

@@ -1,4 +1,4 @@
-/* energy.c: sums of the energy budget; see energy.h and sd_energy. */
+/* energy.c: the energy budget, and energy losses of contacts; implements energy.h. */
 #include "physics/contact/energy.h"
 
 #include <assert.h>
@@ -13,19 +13,21 @@
 #include "physics/system/clumps.h"
 #include "physics/system/halo.h"
 
-/* One exact sum over disks and contacts for each member of sd_energy. Exact sums do not depend on
- * the order, so the total over ranks has the bits of a run in one process. */
+/* Exact sums over disks and contacts, one for each member of sd_energy. Exact sums do not depend on
+ * the order of their terms, so that the total over ranks has the same bits as in a run in one
+ * process. */
 enum { ENERGY_SUMS = sizeof(sd_energy) / sizeof(double) };
 typedef struct energy_sums {
   exact_sum of[ENERGY_SUMS];
 } energy_sums;
 
-/* Adds x to the exact sum of a member of sd_energy. */
+/* Adds x to the exact sum of this member of sd_energy. */
 #define ADD(sum, member, x)                                                                        \
   exact_sum_add(&(sum)->of[offsetof(sd_energy, member) / sizeof(double)], x)
 
-/* Adds the energies and past losses of the free disks. Coordinates that are locked or prescribed
- * (inverse mass 0) are left out: the work done by them is counted instead. */
+/* Adds the energies of the free disks, and the losses in contacts that have ended. Coordinates that
+ * are locked or prescribed (inverse mass 0) have no energy here: the work that they do is counted
+ * instead. */
 static void add_disks(const engine *e, energy_sums *sum) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -84,7 +86,7 @@ static void add_up(const engine *e, energy_sums *sum) {
   for (size_t k = 0; k < ENERGY_SUMS; k++) exact_sum_add(&sum->of[k], ((const double *)&rigid)[k]);
 }
 
-/* Rounds the exact sums, and computes the residual and its scale. */
+/* Rounds the exact sums to an sd_energy, and computes its residual and the residual's scale. */
 static sd_energy budget_of(const sd_state *s, const energy_sums *exact) {
   sd_energy sum = {0};
   for (size_t k = 0; k < ENERGY_SUMS; k++) ((double *)&sum)[k] = exact_sum_value(&exact->of[k]);
@@ -93,8 +95,9 @@ static sd_energy budget_of(const sd_state *s, const energy_sums *exact) {
   sum.relaxed = s->relaxed;
   sum.residual =
       (energy_total(&sum) - sum.start) - (sum.work + sum.nonconservative_work) + energy_lost(&sum);
-  /* The scale of the residual is work plus losses; if these vanish, as in a conservative collision,
-   * the kinetic energy; at rest, the rounding error of the stored energies. */
+  /* The residual is compared with work plus losses; if these vanish, as in a conservative
+   * collision, with the kinetic energy; for a system at rest, with the rounding error of the stored
+   * energies. */
   double done = fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.rolling) +
                 fabs(sum.bridge) + fabs(sum.opening) + fabs(sum.drag) + fabs(sum.damping) +
                 fabs(sum.relaxed);
@@ -130,15 +133,15 @@ void losses_end(engine *e, pairs *p, size_t k) {
   losses_forget(p, k);
 }
 
-/* losses_end_all divides the list into PIECES ranges. All threads search for ranges with losses;
- * then one thread adds these losses in the order of the pairs. */
+/* Number of ranges into which losses_end_all divides the list of pairs. All threads search for
+ * ranges with losses; then one thread adds these losses in the order of the pairs. */
 enum { PIECES = 256 };
 typedef struct look_task {
   const pairs *p;
-  bool any[PIECES]; /* true for ranges in which some pair has a loss */
+  bool any[PIECES]; /* true for each range in which at least one pair has a loss */
 } look_task;
 
-/* Returns the first block of a range. */
+/* Returns the first block of pairs in range `piece`. */
 static size_t piece_begin(const pairs *p, size_t piece) {
   return (p->count + PAIR_BLOCK - 1) / PAIR_BLOCK * piece / PIECES;
 }
@@ -171,8 +174,8 @@ void losses_end_all(engine *e, pairs *p) {
         if (p->a[k] >= 0) losses_end(e, p, k);
 }
 
-/* Adds the losses of each disk's contacts in the order of the pairs, so the bits do not depend on
- * threads. */
+/* Adds the losses of each disk's contacts in the order of the pairs, so that the bits of the sums
+ * do not depend on the number of threads. */
 void losses_show(engine *e) {
   sd_state *s = e->state;
   const incidence *n = &e->work.incidence;

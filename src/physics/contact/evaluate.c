@@ -1,4 +1,4 @@
-/* evaluate.c: geometry, force and energy of single contacts; see evaluate.h. */
+/* evaluate.c: geometry, force and energy of single contacts; implements evaluate.h. */
 #include "physics/system/halo.h"
 #include "physics/contact/evaluate.h"
 
@@ -14,8 +14,8 @@
 #include "physics/contact/pair_pass.h"
 #include "physics/contact/segment_pass.h"
 
-/* Collects the geometry input of a round pair from the state, as pair_pass.h does from packed
- * bodies. */
+/* Collects the input of the geometry of a pair of round bodies from the state. (In steps
+ * pair_pass.h takes it from packed bodies.) */
 static pair_input_w1 round_input(const engine *e, size_t k) {
   const sd_state *s = e->state;
   const work *w = &e->work;
@@ -34,8 +34,8 @@ static pair_input_w1 round_input(const engine *e, size_t k) {
   return in;
 }
 
-/* Returns the geometry of pair k at the present coordinates, and its input *in; for a wall segment
- * also the nearest point *found. */
+/* Returns the geometry of pair k at the present coordinates, and the input of this geometry in *in.
+ * For a wall segment the nearest point is stored in *found, too. */
 static pair_geometry_w1 present(const engine *e, size_t k, nearest_points_w1 *found,
                                 pair_input_w1 *in) {
   assert(k < e->work.pairs.count && e->work.pairs.a[k] != PAIR_PADDING);
@@ -53,9 +53,9 @@ contact_geometry contact_geometry_of(const engine *e, size_t k) {
   return (contact_geometry){g.nx, g.ny, g.reach, g.lambda, g.turned};
 }
 
-/* Sets the energies of a contact with a general law: cohesion, rolling, and the tangential energy
- * with Mindlin's law. delta, lambda, rho: values at the corrected coordinates; with Gear they
- * differ from those at which the forces were evaluated. */
+/* Sets the energies in *u that only general laws have: cohesion, rolling, and the tangential energy
+ * with Mindlin's law. delta, lambda, rho: values at the corrected coordinates; with Gear's
+ * integrator forces were evaluated at other coordinates, the predicted ones. */
 static void energies_of_general(const engine *e, size_t k, double delta, double lambda, double rho,
                                 contact_energies *u) {
   const pairs *p = &e->work.pairs;
@@ -68,8 +68,8 @@ static void energies_of_general(const engine *e, size_t k, double delta, double 
   u->cohesion = cohesion_energy_w1(&c, delta);
   u->rolling = 0.5 * l->k_r * rho * rho;
   if (l->mindlin == 0.0) return;
-  /* y = sqrt(K) zeta at the coordinates of the forces, plus its change since then
-   * (law_tangential.h) */
+  /* y = sqrt(K) zeta, where the tangential energy is y^2/2 (law_tangential.h): the value when
+   * forces were evaluated, plus its change since then */
   const double was = sqrt(l->k_t * sqrt(fmax(PAIR(p, k, overlap), 0.0))),
                now = sqrt(l->k_t * sqrt(fmax(delta, 0.0)));
   const double y = was * PAIR(p, k, zeta) +
@@ -92,7 +92,8 @@ contact_energies contact_energies_of(const engine *e, size_t k) {
   const sd_contact_law *law = &e->model->laws[PAIR(p, k, law)];
   double delta = PAIR(p, k, overlap), zeta = PAIR(p, k, zeta),
          rho = p->more ? MORE(p, k, rho) : 0.0;
-  /* Gear records values at the predicted coordinates; energy is stored at the corrected ones. */
+  /* With Gear's integrator the record has values at the predicted coordinates, but the energy is
+   * that at the corrected ones. */
   if (e->model->integrator == SD_GEAR5) {
     const contact_geometry g = contact_geometry_of(e, k);
     delta = g.overlap;
@@ -105,8 +106,8 @@ contact_energies contact_energies_of(const engine *e, size_t k) {
   return u;
 }
 
-/* Returns the lever of tau that the passes use: (R_a + R_b)/r, or 1 for a straight wall segment and
- * for the paper's force. */
+/* Returns the lever of the tangential force: 1 for a straight wall segment and for the paper's
+ * force, else (R_a + R_b)/r. */
 static double lever_at(const contact_place *at, const pair_geometry_w1 *g) {
   if (!at->piece) return at->conservative ? g->lever : 1.0;
   return at->nearest.flat ? walls_lever(at->piece, &at->nearest, at->ra) : g->lever;
@@ -133,14 +134,14 @@ contact_reaction contact_reaction_at(const contact_place *at, double force, doub
                             .couple = couple};
 }
 
-/* Returns the tangential force of contact k from its record. */
+/* Returns the tangential force tau of contact k, from its record. */
 static double tau_of(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   return p->more ? MORE(p, k, tau) : -(e->work.laws[PAIR(p, k, law)].k_t * PAIR(p, k, zeta));
 }
 
-/* Returns the force and torques of contact k. *found: set to the nearest point if k is a wall
- * segment. */
+/* Returns the force and torques of contact k. If k is with a wall segment, the nearest point is
+ * stored in *found. */
 static contact_reaction reaction_of(const engine *e, size_t k, nearest_points_w1 *found) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;

@@ -1,7 +1,7 @@
 /* kernel_pairs.c: one evaluation of all candidate pairs; compiled once per instruction set.
  *
- * Round pairs (disks, round walls) are evaluated in whole blocks, wall segments in vectors or one
- * by one.
+ * Pairs of round bodies (disks and round walls) are evaluated in whole blocks, pairs with wall
+ * segments in vectors or one by one.
  */
 #include <stddef.h>
 
@@ -28,17 +28,18 @@
 
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end);
 
-/* Number of vectors in a block of round pairs. The distances of the next block, with square root
- * and division, are computed beside the contact law of this one: processors look only some hundred
- * instructions ahead, so they would not overlap the two by themselves. */
+/* Number of vectors in a block of pairs. While the contact law of one block is evaluated, the
+ * distances of the next block (with square root and division) are computed. The code does this
+ * explicitly, since processors look only some hundred instructions ahead and would not overlap the
+ * two by themselves. */
 enum { BLOCK_VECTORS = PAIR_BLOCK / VECTOR_WIDTH };
 #define AT(block, v) ((LANE(location)){(block), (v)*VECTOR_WIDTH})
 
-/* Prefetching of a later block, AHEAD blocks on. Hardware prefetchers do not foresee its columns,
- * and only some twenty cache lines can be in flight at a time, so each vector requests a part of
- * the lines. PAPER_LINES: cache lines before the column law; LINES: those before the last two
- * columns of the record, which only the paper's variant uses. FETCH is a macro because compilers
- * remove a function that only prefetches. */
+/* Constants for prefetching the pairs that are AHEAD blocks later; hardware prefetchers do not
+ * foresee them. Only some twenty cache lines can be in flight at a time, so each vector requests a
+ * part of the lines. PAPER_LINES: number of cache lines of a block before its column `law`; LINES:
+ * number of those before the last two columns of the record, which only the paper's variant uses.
+ * FETCH is a macro, because compilers remove a function that does nothing but prefetch. */
 enum {
   AHEAD = 9,
   PAPER_LINES = offsetof(pair_block, law) / 64,
@@ -49,7 +50,7 @@ enum {
        line++)                                                                                     \
   __builtin_prefetch((const char *)(block) + 64 * line, 0, 3)
 
-/* Evaluates `blocks` blocks of round pairs from block b on. */
+/* Evaluates `blocks` blocks of pairs of round bodies, beginning with block *b. */
 LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t blocks,
                              const int kind) {
   const LANE(pass_constants) constants = LANE(pass_constants_of)(&e->work);
@@ -68,9 +69,9 @@ LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t
   }
 }
 
-/* Evaluates wall segments [begin, end). Vectors start at multiples of VECTOR_WIDTH; pairs before
- * and after whole vectors are evaluated one by one, since their neighbours may belong to another
- * thread. */
+/* Evaluates the pairs with wall segments in [begin, end). Vectors start at multiples of
+ * VECTOR_WIDTH. Pairs before the first and after the last whole vector are evaluated one by one,
+ * since other pairs in their vectors may belong to another thread. */
 static __attribute__((noinline)) void segments(engine *e, thread_work *mine, size_t begin,
                                                size_t end) {
   size_t at = begin;
@@ -79,7 +80,7 @@ static __attribute__((noinline)) void segments(engine *e, thread_work *mine, siz
   while (at < end) evaluate_segments_w1(e, mine, at++);
 }
 
-/* Instantiates round_pairs for one kind of pass, so that unused features cost nothing. */
+/* Compiles a copy of round_pairs for one kind of pass, so that unused features cost no time. */
 #define COPY(kind)                                                                                 \
   case kind:                                                                                       \
     round_pairs(e, mine, w->pairs.block + begin / PAIR_BLOCK, (end - begin) / PAIR_BLOCK, kind);   \

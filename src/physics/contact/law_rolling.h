@@ -8,21 +8,22 @@
  * rho, like lambda, is a function of the two angles, so it cannot drift. F and the dashpot are
  * those of law_tangential.h. */
 
-/* Computes the rolling displacement of two round bodies, its rate and R_eff (g->rho, g->rolls,
- * g->arm). ra, rb: radii; arc_a, arc_b: R theta; spin_a, spin_b: R omega. */
+/* Computes for two round bodies the rolling displacement (g->rho), its time derivative (g->rolls)
+ * and R_eff (g->arm). ra, rb: radii; arc_a, arc_b: R theta of each body; spin_a, spin_b: R omega of
+ * each body. */
 LANE_INLINE void LANE(rolled)(LANE(real) ra, LANE(real) rb, LANE(real) arc_a, LANE(real) arc_b,
                               LANE(real) spin_a, LANE(real) spin_b, LANE(pair_geometry) * g) {
   const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0), sum = ra + rb;
-  /* sum is 0 in padding lanes */
+  /* sum is 0 for padding pairs; avoid 1/0 */
   const LANE(real) per_sum = 1.0 / LANE(select)(LANE(equal)(sum, zero), one, sum);
   g->rho = (rb * arc_a - ra * arc_b) * per_sum;
   g->rolls = (rb * spin_a - ra * spin_b) * per_sum;
   g->arm = ra * rb * per_sum;
 }
 
-/* Advances the rolling spring and dashpot by one step: updates m->rho_ref, m->rho and m->roll, sets
- * out->rolling (the loss by rolling), and adds the loss of the dashpot to out->viscous. closed:
- * lanes whose contact is closed; limit: F. */
+/* Advances the rolling spring and its dashpot by one step: updates m->rho_ref, m->rho and m->roll,
+ * sets out->rolling to the loss by rolling, and adds the loss of the dashpot to out->viscous.
+ * closed: lanes whose contact is closed after the step; limit: the force F above. */
 LANE_INLINE void LANE(rolling_history)(const LANE(pair_geometry) * g,
                                        const LANE(contact_constants) * k, LANE(mask) closed,
                                        LANE(real) limit, LANE(contact_memory) * m,

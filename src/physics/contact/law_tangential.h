@@ -14,13 +14,13 @@
  * With Mindlin's law the energy K zeta^2/2 stays constant while only delta changes: it is y^2/2
  * with y = sqrt(K) zeta, and y_new = y + (sqrt(K) + sqrt(K_new))/2 dlambda. */
 
-/* Factor K/k_t in the previous step (before) and in this one (now), and 1/now. */
+/* Factor K/k_t in the previous step (before) and in this step (now), and 1/now (inverse). */
 typedef struct LANE(firmness) {
   LANE(real) before, now, inverse;
 } LANE(firmness);
 
 /* Computes the factor K/k_t: sqrt(overlap) with Mindlin's law, else 1. before: overlap in the
- * previous step; overlap: the present one, not negative. */
+ * previous step; overlap: that in this step, not negative. */
 LANE_INLINE void LANE(firmness_of)(const LANE(contact_constants) * k, LANE(real) before,
                                    LANE(real) overlap, LANE(firmness) * f) {
   const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0);
@@ -30,10 +30,10 @@ LANE_INLINE void LANE(firmness_of)(const LANE(contact_constants) * k, LANE(real)
   f->inverse = 1.0 / LANE(max)(f->now, LANE(splat)(1e-100));
 }
 
-/* Advances the tangential spring and dashpot by one step: updates m->lambda_ref, m->zeta and
+/* Advances the tangential spring and its dashpot by one step: updates m->lambda_ref, m->zeta and
  * m->tau, sets out->friction and out->slip, and adds the loss of the dashpot to out->viscous.
- * limit: the force F that friction is limited by (see the top of this file); overlap: not
- * negative. */
+ * closed: lanes whose contact is closed after the step; limit: the force F that, times mu, limits
+ * friction (see the top of this file); overlap: not negative. */
 LANE_INLINE void LANE(tangential_history)(const LANE(pair_geometry) * g,
                                           const LANE(contact_constants) * k, LANE(mask) closed,
                                           LANE(real) overlap, LANE(real) limit,

@@ -1,29 +1,31 @@
-/* pair_pass.h: one evaluation of LANE_WIDTH round pairs; included once per width after
+/* pair_pass.h: one evaluation of LANE_WIDTH pairs of round bodies; included once per width after
  * physics/contact/contact_step.h.
  *
- * Loads the input of contact_step from packed bodies and columns of pairs, adds the forces to the
- * force sums of the bodies, and writes the history back.
+ * It loads the input of contact_step from packed bodies and from the columns of pairs, adds the
+ * forces to the force sums of the bodies, and writes the contact records back.
  */
 
 #ifndef PAIR_PASS_COMMON
 #define PAIR_PASS_COMMON
 #include <stddef.h>
 
-/* Bit k of the result is set if the contact of lane l + k slid in the previous step. */
+/* Returns bits: bit k is set if the contact in lane l + k of the block slid in the previous
+ * step. */
 static inline unsigned slides_at(const pair_flags *flags, size_t l) {
   return (unsigned)(flags->slides_positive | flags->slides_negative) >> l;
 }
-/* Bits of `kind`; the pass is compiled once for each combination in use. */
+/* Bits of `kind`, the kind of a pass. The pass is compiled once for each combination that is
+ * used. */
 enum {
-  PASS_PAPER = 1 /* tangential force of the paper's variant */,
-  PASS_LAWS = 2 /* laws differ from pair to pair; all are linear with gamma_n */,
-  PASS_MIXED = 4 /* laws differ, and not all are linear with gamma_n */,
-  PASS_CELL = 8 /* the periodic box deforms */,
+  PASS_PAPER = 1 /* the paper's variant of the tangential force */,
+  PASS_LAWS = 2 /* contact laws differ from pair to pair; all are linear with damping gamma_n */,
+  PASS_MIXED = 4 /* contact laws differ, and some are not linear with damping gamma_n */,
+  PASS_CELL = 8 /* the periodic box deforms, so forces across its edges are noted */,
   PASS_GENERAL = 16 /* laws may have any of the features in model/model.h */
 };
 #endif
 
-/* Location of a vector of LANE_WIDTH pairs: pairs l, l + 1, ... of block b. */
+/* Location of a vector of LANE_WIDTH pairs in the list: pairs l, l + 1, ... of block *b. */
 typedef struct LANE(location) {
   pair_block *b;
   size_t l;
@@ -136,7 +138,8 @@ LANE_INLINE LANE(contact_constants)
   return k;
 }
 
-/* Returns the features of a pass: a compile-time constant unless the pass is general. */
+/* Returns the LAW_ bits (model/model.h) that a pass of this kind evaluates. They are a compile-time
+ * constant unless the pass is general. */
 LANE_INLINE unsigned LANE(features_of)(const work *w, const int kind) {
   return kind & PASS_GENERAL ? w->features : kind & PASS_MIXED ? LAW_NORMAL : 0;
 }
@@ -145,8 +148,8 @@ LANE_INLINE pair_more *LANE(more_of)(const work *w, LANE(location) at) {
   return &w->pairs.more[at.b - w->pairs.block];
 }
 
-/* Loads the part of the record that only general laws have, in addition to load_memory. slides:
- * bits of the lanes that slid in the previous step. */
+/* Loads the part of the contact record that only general laws have; load_memory loads the other
+ * part. slides: bit k is set if the contact in lane k slid in the previous step. */
 LANE_INLINE void LANE(load_more)(const pair_more *more, size_t l, const unsigned features,
                                  unsigned slides, LANE(contact_memory) * m) {
   m->slid = LANE(mask_of)(slides);
@@ -175,7 +178,8 @@ LANE_INLINE void LANE(add_loss)(double *sum, LANE(real) loss) {
   LANE(store)(sum, LANE(load)(sum) + loss);
 }
 
-/* Stores the record of LANE_WIDTH pairs, and adds the losses of the step to it. */
+/* Stores the contact records of LANE_WIDTH pairs, and adds the losses of this step to the sums in
+ * the records. */
 LANE_INLINE void LANE(store_memory)(LANE(location) at, const int paper,
                                     const LANE(contact_memory) * m,
                                     const LANE(contact_output) * out) {
@@ -190,7 +194,7 @@ LANE_INLINE void LANE(store_memory)(LANE(location) at, const int paper,
   if (paper) LANE(store)(b->turned + at.l, m->turned);
 }
 
-/* Sets the flags of lanes l ... l + LANE_WIDTH - 1 in *flags to `bits`. */
+/* Sets the flags of lanes l to l + LANE_WIDTH - 1 in *flags to `bits`. */
 LANE_INLINE void LANE(set_flags)(uint8_t *flags, size_t l, unsigned bits) {
   const unsigned all = (1u << LANE_WIDTH) - 1u;
   *flags = (uint8_t)((*flags & ~(all << l)) | bits << l);
@@ -202,16 +206,16 @@ LANE_INLINE void LANE(set_slides)(pair_flags *flags, size_t l, LANE(real) slip) 
   LANE(set_flags)(&flags->slides_negative, l, LANE(bits_of)(LANE(greater)(slip, zero)));
 }
 
-/* Adds the contact forces and torques to the rows of both bodies: the force to b's and its opposite
- * to a's, tau to both. */
+/* Adds the contact forces to the force sums of both bodies: the force to that of b, the opposite
+ * force to that of a, and tau (torque divided by radius) to both. */
 LANE_INLINE void LANE(scatter)(double *sum, LANE(location) at, const LANE(contact_output) * out) {
   const LANE(real) row[SUM_ROW] = {
       [SUM_X] = out->fx, [SUM_Y] = out->fy, [SUM_TURN] = out->tau, [SUM_COUPLE] = LANE(splat)(0.0)};
   LANE(add4)(sum, at.b->sum_b + at.l, at.b->sum_a + at.l, row);
 }
 
-/* Adds the couple of rolling resistance to a's row, and its opposite to b's. For a round wall it
- * goes into the torque sum, divided by the radius as the torques there are. */
+/* Adds the torque of rolling resistance to the force sum of a, and the opposite torque to that of
+ * b. For a round wall it is added to the sum of torques that are divided by the radius. */
 LANE_INLINE void LANE(scatter_couple)(const engine *e, LANE(location) at,
                                       const LANE(contact_output) * out) {
   const pairs *p = &e->work.pairs;
@@ -228,8 +232,8 @@ LANE_INLINE void LANE(scatter_couple)(const engine *e, LANE(location) at,
   }
 }
 
-/* Computes dlambda/dt and the rolling displacement of round pairs, if the laws need them in every
- * step. */
+/* Computes dlambda/dt and the rolling displacement of pairs of round bodies, if their laws need
+ * these in every step. */
 LANE_INLINE void LANE(turning)(const work *w, LANE(location) at, const unsigned features,
                                const LANE(pair_distance) * d, LANE(pair_geometry) * g) {
   LANE(real) spin_a, spin_b;
@@ -245,7 +249,8 @@ LANE_INLINE void LANE(turning)(const work *w, LANE(location) at, const unsigned 
   (of_a[PACKED_RADIUS], of_b[PACKED_RADIUS], of_a[PACKED_ARC], of_b[PACKED_ARC], spin_a, spin_b, g);
 }
 
-/* Appends an event for each pair in the lanes `which`; events are handled after the pass. */
+/* Appends a rare event for each pair in the lanes `which`. Events are handled after all pairs have
+ * been evaluated. */
 LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, LANE(location) at, LANE(mask) which,
                             LANE(mask) was_closed, LANE(real) dropped) {
   double drop[LANE_WIDTH];
@@ -256,8 +261,8 @@ LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, LANE(location) at
                      LANE(lane_is)(was_closed, (int)l), drop[l]);
 }
 
-/* Computes the geometry of a vector of round pairs up to 1/r, with the nearest image of b in a
- * periodic box. */
+/* Computes the first part of the geometry of a vector of pairs of round bodies, up to 1/r. In a
+ * periodic box it uses the nearest image of b. */
 LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind,
                                 LANE(pair_distance) * d) {
   LANE(real) pose[4], speed[2];
@@ -289,8 +294,8 @@ LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind
   if (kind & PASS_GENERAL) d->swing = in.dx * in.dvy - in.dy * in.dvx;
 }
 
-/* Returns R omega of the body in a slot, 0 for padding. Ghosts take it from the packed bodies; for
- * other bodies these have it only with laws that need it in every step, so the state is used. */
+/* Returns R omega of the body in this slot, 0 for padding. It is read from the state; for ghosts
+ * from the packed bodies, since the state does not have their present values. */
 static inline double LANE(spin_in)(const engine *e, int32_t slot) {
   if (slot < 0) return 0.0;
   if (halo_is_ghost(e, (size_t)slot))
@@ -298,7 +303,8 @@ static inline double LANE(spin_in)(const engine *e, int32_t slot) {
   return body_spin(e->state, (size_t)slot);
 }
 
-/* Returns dlambda/dt of round pairs, for the step in which a contact begins. */
+/* Returns dlambda/dt of pairs of round bodies. It is called only when a contact begins; other steps
+ * need it only with a tangential dashpot. */
 LANE_INLINE LANE(real) LANE(slide_of)(const engine *e, LANE(location) at, const int kind,
                                       const LANE(pair_geometry) * g) {
   const pairs *p = &e->work.pairs;
@@ -313,8 +319,8 @@ LANE_INLINE LANE(real) LANE(slide_of)(const engine *e, LANE(location) at, const 
   return (LANE(load)(b) + LANE(load)(a)) - g->lever * (d.swing * d.inverse_r);
 }
 
-/* Returns dt^2/2 times the relative acceleration of b and a along n; prescribed bodies count as
- * unaccelerated. */
+/* Returns dt^2/2 times the acceleration of b relative to a along the normal n. Prescribed bodies
+ * count as not accelerated. */
 LANE_INLINE LANE(real)
     LANE(bent_of)(const engine *e, LANE(location) at, LANE(real) nx, LANE(real) ny) {
   const pairs *p = &e->work.pairs;
@@ -328,7 +334,8 @@ LANE_INLINE LANE(real)
   return nx * LANE(load)(x) + ny * LANE(load)(y);
 }
 
-/* Notes the forces of closed contacts with periodic images, which do work on a deforming box. */
+/* Stores the forces of closed contacts with a periodic image of b, which do work when the box
+ * deforms, in the list of crossings. */
 static __attribute__((noinline)) void LANE(note_crossings)(const work *w, thread_work *mine,
                                                            LANE(location) at,
                                                            const LANE(contact_output) * out) {
@@ -346,8 +353,8 @@ static __attribute__((noinline)) void LANE(note_crossings)(const work *w, thread
   }
 }
 
-/* Evaluates a vector of contacts some of which begin or end, have turned far from their reference
- * direction, or overlap deeply. *g: the geometry of the pairs. */
+/* Evaluates a vector of contacts if some of them begin or end, have turned far from their reference
+ * direction, or overlap deeply. *g: geometry of the pairs, computed by the caller. */
 static __attribute__((noinline, cold)) void
 LANE(contact_evaluate_slow)(engine *e, thread_work *mine, LANE(location) at,
                             LANE(pair_geometry) * g, int kind) {
@@ -408,9 +415,10 @@ LANE_INLINE LANE(pass_constants) LANE(pass_constants_of)(const work *w) {
   return (LANE(pass_constants)){LANE(constants)(w), LANE(splat)(w->least_limit)};
 }
 
-/* Evaluates the pairs `at`, whose distance is *d, and sets *d to the distance of the pairs `next`.
- * The distance is computed between history and force, where, as measured, it delays neither. sum:
- * rows of force sums; kind: bits PASS_..., a compile-time constant. */
+/* Evaluates the pairs at `at`, the first part of whose geometry is *d, and sets *d to that of the
+ * pairs at `next`. The latter is done between history and force of the pairs at `at`, where by
+ * measurement it delays neither. sum: rows of force sums; kind: bits PASS_..., a compile-time
+ * constant. */
 LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(location) at,
                                         LANE(location) next, pair_flags *flags,
                                         LANE(pair_distance) * d,

@@ -1,4 +1,5 @@
-/* pairs.c: memory and records of the list of candidate pairs; see pairs.h. */
+/* pairs.c: memory of the list of candidate pairs, and the contact records in it; implements
+ * pairs.h. */
 #include "physics/contact/pairs.h"
 
 #include <string.h>
@@ -19,7 +20,8 @@ void pairs_free(pairs *p) {
   *p = (pairs){0};
 }
 
-/* Replaces a column by one with the given capacity, and copies its first `count` numbers. */
+/* Replaces a column by one of `capacity` elements of `size` bytes, and copies the first `count`
+ * elements. */
 static sd_status grow(void **column, size_t count, size_t capacity, size_t size) {
   void *more = arena_for(capacity, size);
   if (!more) return SD_ERROR_IO;
@@ -29,8 +31,8 @@ static sd_status grow(void **column, size_t count, size_t capacity, size_t size)
   return SD_OK;
 }
 
-/* Keeps the columns a, b and part. The other columns are replaced without a copy, since they are
- * filled in only after all pairs are known. */
+/* Copies the columns a, b and part when they grow. The other columns are replaced without a copy,
+ * since they are filled in only after all pairs are known. */
 sd_status pairs_reserve(pairs *p, size_t count) {
   if (count <= p->capacity) return SD_OK;
   size_t capacity = (count + 2 * PAIR_BLOCK) / PAIR_BLOCK * PAIR_BLOCK;
@@ -124,16 +126,17 @@ static bool same_pair(const pairs *p, size_t k, const pairs *q, size_t n) {
   return p->a[k] == q->a[n] && p->b[k] == q->b[n] && p->part[k] == q->part[n];
 }
 
-/* True if pair k of p precedes pair n of q in the order of pairs: by slot of a, slot of b,
- * segment. */
+/* Returns true if pair k of p comes before pair n of q in the order of pairs: by slot of a, then
+ * slot of b, then segment. */
 static bool stands_before(const pairs *p, size_t k, const pairs *q, size_t n) {
   if (p->a[k] != q->a[n]) return p->a[k] < q->a[n];
   if (p->b[k] != q->b[n]) return p->b[k] < q->b[n];
   return p->part[k] < q->part[n];
 }
 
-/* Moves the record of pair k in the old list to pair n in the new one. Its losses are set to 0 in
- * the old list, so what remains there in the end belongs to contacts that ended. */
+/* Moves the contact record of pair k in the old list to pair n in the new one. The losses of the
+ * old record are set to 0, so that losses which remain in the old list belong to contacts that
+ * ended. */
 static void carry_pair(pairs *from, size_t k, pairs *to, size_t n) {
   for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) PAIR(to, n, record[c]) = PAIR(from, k, record[c]);
   for (size_t c = 0; from->more && c < SD_CONTACT_EXTRA; c++)
@@ -144,7 +147,7 @@ static void carry_pair(pairs *from, size_t k, pairs *to, size_t n) {
   if (from->more) MORE(from, k, rolling) = 0.0;
 }
 
-/* Returns the first pair in [k, end) of p that does not precede pair n of q; `end` if there is
+/* Returns the first pair in [k, end) of p that does not come before pair n of q; `end` if there is
  * none. */
 static size_t first_from(const pairs *p, size_t k, size_t end, const pairs *q, size_t n) {
   while (k < end) {
@@ -158,7 +161,8 @@ static size_t first_from(const pairs *p, size_t k, size_t end, const pairs *q, s
 }
 
 /* Moves the records of closed contacts in [from_begin, from_end) of the old list to the same pairs
- * in [begin, end) of the new one. Both lists have the same order, so one sweep finds them all. */
+ * in [begin, end) of the new list. Both lists are in the same order, so they are passed through
+ * only once. */
 static void carry(pairs *from, pairs *to, size_t from_begin, size_t from_end, size_t begin,
                   size_t end) {
   if (begin >= end) return;
@@ -170,7 +174,7 @@ static void carry(pairs *from, pairs *to, size_t from_begin, size_t from_end, si
   }
 }
 
-/* Returns the row of the law table for pair k; 0 for padding. */
+/* Returns the row of the table of contact laws for pair k; 0 for padding. */
 static int32_t law_of(const engine *e, const pairs *p, size_t k) {
   const int32_t *material = e->state->material;
   if (p->a[k] < 0) return 0;
@@ -185,8 +189,9 @@ typedef struct finish_task {
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 static size_t most(size_t a, size_t b) { return a > b ? a : b; }
 
-/* Clears the columns of the new list, sets its laws and carries the records over; called by all
- * threads. Threads get ranges of whole blocks, so no two threads write into one block. */
+/* Clears the columns of the new list, sets the law of each pair and moves the contact records;
+ * called by all threads. Each thread has a range of whole blocks, so that no two threads write into
+ * one block. */
 static void finish_together(const team *t, void *with) {
   const finish_task *f = with;
   pairs *from = f->from, *to = f->to;
@@ -207,7 +212,7 @@ static void finish_together(const team *t, void *with) {
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
   assert(from != to && to->first_segment % PAIR_BLOCK == 0);
   assert(to->n_round <= to->first_ghost && to->end_ghost <= to->first_segment);
-  /* an engine of one of several ranks builds only one list */
+  /* with several ranks a new engine is built for each list, so there is no old list */
   assert(!e->halo || from->count == 0);
   if (pairs_reserve(to, to->count + 1) != SD_OK) return SD_ERROR_IO;
   pool_run(work_pool(e), finish_together, &(finish_task){e, from, to});

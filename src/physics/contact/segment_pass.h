@@ -1,25 +1,27 @@
 /* segment_pass.h: one evaluation of LANE_WIDTH pairs of a disk and a wall segment; included once
  * per width after physics/contact/pair_pass.h. The nearest points are found one by one; the contact
- * law is that of round pairs.
- */
+ * law is the same as for round bodies. */
 
-/* Data of LANE_WIDTH pairs that only pairs with wall segments have; arrays by lane. */
+/* Data that only pairs with wall segments have, for LANE_WIDTH pairs; arrays are indexed by
+ * lane. */
 typedef struct LANE(nearest_points) {
   nearest_point q[LANE_WIDTH];
-  /* Lever of the tangential force if the nearest point lies between the ends of its segment (1 on a
-   * straight one); 0 at an end. */
+  /* Lever of the tangential force if the nearest point lies between the ends of the segment (1 on a
+   * straight segment, see walls_lever); 0 if it is an end. */
   double flat[LANE_WIDTH];
-  double side[LANE_WIDTH];  /* side of the wall, +1 or -1 (nearest_point.side) */
-  double slide[LANE_WIDTH]; /* dlambda/dt; 0 if no law has a tangential dashpot */
-  /* Displacement from the wall to its periodic image nearest to the disk; 0 without images. */
+  /* side of the wall, +1 or -1; for a closed contact the side on which it began */
+  double side[LANE_WIDTH];
+  double slide[LANE_WIDTH]; /* dlambda/dt; 0 if no contact law has a tangential dashpot */
+  /* Displacement from the wall to its periodic image nearest to the disk; 0 if it has no images. */
   double shift_x[LANE_WIDTH], shift_y[LANE_WIDTH];
-  bool crossed; /* true if `crossed` is true for the nearest point of some lane */
+  bool crossed; /* true if q[l].crossed is true for some lane l */
 } LANE(nearest_points);
 
-/* Returns dlambda/dt of pair k. lever: of the tangential force, 0 if the nearest point q is an end
- * of the segment. dvx, dvy: velocity of the wall's material at q relative to the disk's centre. At
- * an end the normal turns with the velocity across it. Between the ends q moves along the segment,
- * and the normal turns with q on an arc, with the wall on a straight segment. */
+/* Returns dlambda/dt of pair k. q: nearest point; lever: lever of the tangential force, 0 if q is
+ * an end of the segment; dvx, dvy: velocity of the wall's material at q relative to the disk's
+ * centre. If q is an end of the segment, the normal turns with the component of this velocity
+ * across the normal. Else q moves along the segment; the normal turns with q on an arc, and with
+ * the wall on a straight segment. */
 LANE_INLINE double LANE(slide_on)(const engine *e, size_t k, const nearest_point *q, double lever,
                                   double dvx, double dvy) {
   const sd_state *s = e->state;
@@ -37,10 +39,11 @@ LANE_INLINE double LANE(slide_on)(const engine *e, size_t k, const nearest_point
   return spin - lever * (across - carried) - carried;
 }
 
-/* Finds the nearest points of LANE_WIDTH pairs from pair `at` on, and the input of their geometry.
- * The nearest point is a surface of radius 0, with lambda = R_a (theta_a - turned) + side * (arc
- * length of the point) - (displacement of a moving surface); docs/physics.md, section 4. Returns a
- * mask of the lanes whose segment can touch the disk at this point (nearest_point.active). */
+/* Finds the nearest points of LANE_WIDTH pairs, beginning with pair `at`, and sets *in to the input
+ * of their geometry. The nearest point counts as a body of radius 0, with lambda = R_a (theta_a -
+ * turned) + side * (arc length of the point) - (displacement of a moving surface); docs/physics.md,
+ * section 4. Returns the mask of the lanes whose segment can touch the disk at this point
+ * (nearest_point.active). */
 LANE_INLINE LANE(mask) LANE(nearest_of)(const engine *e, size_t at, LANE(pair_input) * in,
                                         LANE(nearest_points) * found) {
   enum { DX, DY, DVX, DVY, SUM, ARC, ACTIVE, ROWS };
@@ -59,8 +62,8 @@ LANE_INLINE LANE(mask) LANE(nearest_of)(const engine *e, size_t at, LANE(pair_in
     found->shift_y[l] = g->shift_y;
     row[DX][l] = q.dx;
     row[DY][l] = q.dy;
-    /* (lx, ly): vector from the wall's pivot to the nearest point, for the velocity of its
-     * material */
+    /* (lx, ly): vector from the wall's pivot to the nearest point; the velocity of the wall's
+     * material there follows from it */
     double lx = s->x[a] + q.dx - (s->x[b] + g->shift_x),
            ly = s->y[a] + q.dy - (s->y[b] + g->shift_y);
     row[DVX][l] = (s->vx[b] - s->omega[b] * ly) - s->vx[a];
@@ -92,8 +95,9 @@ LANE_INLINE LANE(mask) LANE(nearest_of)(const engine *e, size_t at, LANE(pair_in
   return LANE(greater)(LANE(load)(row[ACTIVE]), LANE(splat)(0.0));
 }
 
-/* Adds the contact forces to the sums of disks and walls. The torque on a wall is about its pivot:
- * -tau R_a plus the moment of the force, with the arm from the pivot to the disk's centre. */
+/* Adds the contact forces to the force sums of disks and walls. The torque on a wall is about its
+ * pivot: -tau R_a plus the moment of the force, which acts at the vector from the pivot to the
+ * disk's centre. */
 LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(nearest_points) * found,
                                         const LANE(contact_output) * out) {
   const sd_state *s = e->state;
@@ -123,8 +127,8 @@ LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(nearest
   }
 }
 
-/* Stores the sides of closed contacts (0 for open ones), and notes an event for each contact whose
- * disk has gone around a free end to the other side of the wall. */
+/* Stores the side of the wall for each closed contact (0 for open ones). Appends a rare event for
+ * each contact whose disk has moved around a free end to the other side of the wall. */
 LANE_INLINE void LANE(store_sides)(pairs *p, thread_work *mine, size_t at, LANE(mask) touching,
                                    LANE(mask) closed, const LANE(nearest_points) * found) {
   LANE(store)(p->side + at, LANE(mask_zero)(touching, LANE(load)(found->side)));
@@ -133,8 +137,8 @@ LANE_INLINE void LANE(store_sides)(pairs *p, thread_work *mine, size_t at, LANE(
       event_add_pair(&mine->events, p, at + l, true, 0.0);
 }
 
-/* Computes the rolling displacement R_eff (theta_a - theta_b) on a wall, its rate and R_eff; an arc
- * counts as a round wall. */
+/* Computes the rolling displacement R_eff (theta_a - theta_b) of disks on walls, its time
+ * derivative, and R_eff. An arc counts as a round wall. */
 LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_points) * found,
                                  LANE(pair_geometry) * g) {
   const sd_state *s = e->state;
@@ -152,9 +156,9 @@ LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_
   g->arm = LANE(load)(arm);
 }
 
-/* Transfers the contacts of disks that move from one wall segment to the next (joints_hand_over).
- * which: bits of the lanes whose contact would begin or end; closed: bits of the lanes that were
- * closed. Returns true if any contact was transferred. */
+/* Moves the contact records of disks that pass from one wall segment to the next
+ * (joints_hand_over). which: bit l is set if the contact in lane l would begin or end; closed: bit
+ * l is set if it was closed before. Returns true if any record was moved. */
 static __attribute__((noinline, cold)) bool LANE(hand_over)(engine *e, size_t at, unsigned which,
                                                             unsigned closed) {
   bool any = false;
@@ -163,14 +167,15 @@ static __attribute__((noinline, cold)) bool LANE(hand_over)(engine *e, size_t at
   return any;
 }
 
-/* Returns a mask of the lanes that were closed at the last evaluation. */
+/* Returns the mask of the lanes whose contact was closed when it was last evaluated. */
 LANE_INLINE LANE(mask) LANE(closed_before)(const pairs *p, size_t at) {
   double row[LANE_WIDTH];
   for (size_t l = 0; l < LANE_WIDTH; l++) row[l] = pairs_closed(p, at + l) ? 1.0 : 0.0;
   return LANE(greater)(LANE(load)(row), LANE(splat)(0.0));
 }
 
-/* Mask of the lanes in which a closed contact would stay closed; the present state is not used. */
+/* Returns the mask of the lanes whose contact would stay closed if it were closed now; whether it
+ * is does not matter here. */
 LANE_INLINE LANE(mask) LANE(lasts)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                                    LANE(mask) active, const unsigned features) {
   return LANE(contact_touches)(g, k, LANE(all_lanes)(1), features) & active &
@@ -190,7 +195,8 @@ LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(locati
   LANE(constants_general)(w, here.b->law + here.l, features, k);
 }
 
-/* Returns dlambda/dt of all lanes; only needed when a contact begins, hence out of line. */
+/* Returns dlambda/dt of all lanes. It is needed only when a contact begins, so it is not
+ * inlined. */
 static __attribute__((noinline, cold)) LANE(real)
     LANE(slide_on_walls)(const engine *e, size_t at, const LANE(pair_input) * in,
                          const LANE(nearest_points) * found) {
@@ -212,8 +218,8 @@ LANE_INLINE void LANE(store_flags_on_walls)(pairs *p, size_t at, LANE(mask) touc
                      .slides_positive = slip[l]<0.0, .slides_negative = slip[l]> 0.0};
 }
 
-/* Evaluates LANE_WIDTH pairs of wall segments, from pair `at` on, once: adds the forces to the sums
- * of the bodies, and writes the history back. */
+/* Evaluates LANE_WIDTH pairs with wall segments, beginning with pair `at`: adds the forces to the
+ * force sums of the bodies, and writes the contact records back. */
 LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at) {
   work *w = &e->work;
   const LANE(location) here = {w->pairs.block + at / PAIR_BLOCK, at % PAIR_BLOCK};
@@ -240,7 +246,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   const LANE(mask) touching =
       LANE(contact_touches)(&g, &k, was_closed, features) & active & LANE(has_direction)(&g);
   const LANE(mask) closed = touching & was_closed;
-  /* Walls use the force that derives from the tangential energy in both variants, since the paper's
+  /* On walls the tangential force always derives from the tangential energy, since the paper's
    * variant is not defined for walls. */
   const LANE(real) lever = LANE(load)(found.flat);
   const LANE(mask) flat = LANE(greater)(lever, LANE(splat)(0.0));

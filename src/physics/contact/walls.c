@@ -1,4 +1,5 @@
-/* walls.c: poses of wall segments, and joints; see walls.h. */
+/* walls.c: wall segments at the present poses of their walls, and joints of segments; implements
+ * walls.h. */
 #include "physics/contact/walls.h"
 
 #include <assert.h>
@@ -8,23 +9,24 @@
 #include "physics/contact/pairs.h"
 #include "physics/system/bodies.h"
 
-/* Pose of one wall. The segments of a wall are consecutive, so it is computed once for all of
- * them. */
+/* Pose of one wall. The segments of a wall have consecutive numbers, so that its pose is computed
+ * once for all of them. */
 typedef struct wall_pose {
-  uint32_t body; /* body number of the wall */
-  bool known;    /* false: nothing below is set */
-  /* pivot; cosine and sine of the angle; lengths over those of the model */
+  uint32_t body; /* number of the wall among all bodies */
+  bool known;    /* false: the members below are not set */
+  /* x, y: pivot; c, i: cosine and sine of the wall's angle; scale: ratio of present lengths to
+   * those in the model */
   double x, y, c, i, scale;
 } wall_pose;
 
-/* Rotates the vector `from` by the angle with cosine c and sine i. */
+/* Sets (*x, *y) to the vector `from`, rotated by the angle with cosine c and sine i. */
 static void turn_by(double c, double i, const double from[2], double *x, double *y) {
   *x = c * from[0] - i * from[1];
   *y = i * from[0] + c * from[1];
 }
 
-/* Sets the members of *g that only arcs and their ends have: radius, and directions of the ends and
- * the middle. g->arc becomes the arc length at the middle. */
+/* Sets the members of *g that only arcs and their end points have: radius, and directions of the
+ * ends and the middle. g->arc becomes the arc length along the wall at the middle of the arc. */
 static void place_arc(const sd_segment *from, double c, double i, placed_segment *g) {
   g->piece = from->piece;
   g->radius = from->radius;
@@ -50,7 +52,9 @@ void walls_bounds(const placed_segment *g, double lower[2], double upper[2]) {
   const double center[2] = {g->x, g->y};
   for (int c = 0; c < 2; c++)
     for (int side = -1; side <= 1; side += 2) {
-      /* the edge is that of the circle if the arc includes this direction, else the farther end */
+      /* (ux, uy): unit vector towards this edge of the bounding box. If the arc contains this
+       * direction, the edge is that of the circle, else the end of the arc that is farther in this
+       * direction. */
       const double ux = c == 0 ? side : 0.0, uy = c == 1 ? side : 0.0;
       const bool curve = g->piece == SD_PIECE_CURVE;
       const nearest_point q = walls_nearest_arc(g, g->x + g->radius * ux, g->y + g->radius * uy);
@@ -67,7 +71,7 @@ void walls_bounds(const placed_segment *g, double lower[2], double upper[2]) {
     }
 }
 
-/* Transforms the point `from`, in the frame of the wall, to space. */
+/* Sets (*x, *y) to the position in space of the point `from`, given in the frame of the wall. */
 static void point_of(const wall_pose *w, const double from[2], double *x, double *y) {
   *x = w->x + w->scale * (w->c * from[0] - w->i * from[1]);
   *y = w->y + w->scale * (w->i * from[0] + w->c * from[1]);
@@ -98,8 +102,8 @@ placed_segment walls_place(const sd_segment *from, double x, double y, double c,
   return place(from, &(wall_pose){.x = x, .y = y, .c = c, .i = i, .scale = scale});
 }
 
-/* Moves segment k to the present pose of its wall. *wall: pose of the last wall, updated when the
- * segment belongs to another one. */
+/* Moves segment k to the present pose of its wall. *wall: pose of the wall of the segment before;
+ * replaced by the pose of this wall if it is another one. */
 static void pose_piece(engine *e, size_t k, wall_pose *wall) {
   const sd_state *s = e->state;
   const sd_segment *from = &e->model->segments[k];
@@ -110,7 +114,7 @@ static void pose_piece(engine *e, size_t k, wall_pose *wall) {
     const double angle = s->theta[b] + s->turn[b];
     *wall = (wall_pose){from->body, true, s->x[b], s->y[b], cos(angle), sin(angle), s->box_scale};
   }
-  /* if the wall has not turned, only the points move */
+  /* if the wall has not turned since, only its points move, not its directions */
   if (g->c == wall->c && g->i == wall->i)
     point_of(wall, from->start, &g->x, &g->y);
   else
@@ -132,7 +136,8 @@ void walls_pose_listed(engine *e) {
 
 /* --- segments that meet ----------------------------------------------------------------------- */
 
-/* Segment of pair k in the model; `placed`: the same in space. */
+/* piece_of returns the segment of pair k as it is in the model, placed() the same segment in
+ * space. */
 static const sd_segment *piece_of(const engine *e, size_t k) {
   return &e->model->segments[e->work.pairs.part[k]];
 }
@@ -141,7 +146,7 @@ static const placed_segment *placed(const engine *e, size_t k) {
   return &e->work.segments[e->work.pairs.part[k]];
 }
 
-/* Returns the point of the segment of pair k nearest to the pair's disk. */
+/* Returns the point of pair k's wall segment that is nearest to the pair's disk. */
 static nearest_point nearest_on(const engine *e, size_t k) {
   const int32_t a = e->work.pairs.a[k];
   const double x = e->state->x[a], y = e->state->y[a];
@@ -149,12 +154,13 @@ static nearest_point nearest_on(const engine *e, size_t k) {
   return walls_nearest(walls_image(e->work.length, placed(e, k), x, y, &image), x, y);
 }
 
-/* Returns the end of a segment that lies at `vertex`: 0 start, 1 far end, -1 neither. */
+/* Returns which end of a segment lies at `vertex`: 0 the start, 1 the far end, -1 neither. */
 static int end_at(const sd_segment *s, uint32_t vertex) {
   return s->vertex[0] == vertex ? 0 : s->vertex[1] == vertex ? 1 : -1;
 }
 
-/* Finds the range [begin, end) of all pairs of wall segments with the disk of pair k. */
+/* Finds the range [begin, end) of all pairs with wall segments that have the same disk as pair
+ * k. */
 static void pairs_beside(const pairs *p, size_t k, size_t *begin, size_t *end) {
   *begin = k;
   *end = k + 1;
@@ -162,13 +168,13 @@ static void pairs_beside(const pairs *p, size_t k, size_t *begin, size_t *end) {
   while (*end < p->count && p->a[*end] == p->a[k]) ++*end;
 }
 
-/* Joint of two segments, whose ends lie at one vertex. */
+/* Joint of two segments (from, to), which have one end each at the same vertex. */
 typedef struct joint {
   const placed_segment *from, *to;
-  int from_end, to_end; /* end of each that lies at the joint: 0 start, 1 far end */
+  int from_end, to_end; /* end of each segment that lies at the joint: 0 the start, 1 the far end */
 } joint;
 
-/* Sets `at` to the position of an end of segment g. */
+/* Sets at[] to the position of an end of segment g: 0 the start, 1 the far end. */
 static void vertex_point(const placed_segment *g, int end, double at[2]) {
   if (g->piece == SD_PIECE_STRAIGHT) {
     at[0] = g->x + (end ? g->length * g->tx : 0.0);
@@ -179,8 +185,9 @@ static void vertex_point(const placed_segment *g, int end, double at[2]) {
   at[1] = g->y + g->radius * (end ? g->ly : g->fy);
 }
 
-/* Finds the joint at which the segments of two pairs of a disk meet; if they meet at both ends, the
- * one nearer to the disk. Returns false if they do not meet. */
+/* Finds the joint of the segments of two pairs (from, to), which have the same disk. If the
+ * segments meet at both ends, the joint nearer to the disk is taken. Returns false if they do not
+ * meet. */
 static bool joint_of(const engine *e, size_t from, size_t to, joint *found) {
   const sd_segment *p = piece_of(e, from), *q = piece_of(e, to);
   const double x = e->state->x[e->work.pairs.a[from]], y = e->state->y[e->work.pairs.a[from]];
@@ -200,16 +207,18 @@ static bool joint_of(const engine *e, size_t from, size_t to, joint *found) {
 
 /* --- ownership of the nearest point ----------------------------------------------------------- */
 
-/* Returns the end (0 start, 1 far end) of segment g at which the nearest point q lies. */
+/* Returns which end of segment g is the nearest point q: 0 the start, 1 the far end. */
 static int end_of(const placed_segment *g, const nearest_point *q) {
   if (g->piece != SD_PIECE_STRAIGHT) return g->piece == SD_PIECE_LAST_END;
   return q->arc - g->arc > 0.5 * g->length;
 }
 
-/* True if the nearest point q, between the ends of its segment, also lies on a segment with an
- * earlier pair; this happens if the two segments continue each other in a straight line. */
+/* Returns true if the nearest point q of pair k, between the ends of the segment, also lies on the
+ * segment of an earlier pair of the same disk. This happens if the two segments form one straight
+ * line. */
 static bool is_of_earlier(const engine *e, size_t k, const nearest_point *q) {
-  enum { SAME = 1000000000 }; /* points within radius/SAME are the same */
+  /* points nearer to each other than radius/SAME count as the same point */
+  enum { SAME = 1000000000 };
   const pairs *p = &e->work.pairs;
   const double near = e->state->radius[p->a[k]] / SAME;
   size_t begin, end;
@@ -223,8 +232,9 @@ static bool is_of_earlier(const engine *e, size_t k, const nearest_point *q) {
   return false;
 }
 
-/* True if the segment of pair k owns the vertex at which its nearest point q lies. If several walls
- * end there, it belongs to the first of them, and only if the disk is beyond the ends of all. */
+/* Returns true if the contact at the vertex at which nearest point q lies belongs to pair k. If the
+ * ends of several walls meet there, it belongs to the first pair, and only if the disk is beyond
+ * the ends of all these walls. */
 static bool owns_vertex(const engine *e, size_t k, const nearest_point *q) {
   const pairs *p = &e->work.pairs;
   const sd_segment *own = piece_of(e, k);
@@ -239,7 +249,7 @@ static bool owns_vertex(const engine *e, size_t k, const nearest_point *q) {
     if (j == k || there < 0) continue;
     const nearest_point other = nearest_on(e, j);
     if (other.flat) return false;
-    if (g->piece == SD_PIECE_CURVE) continue; /* the end of an arc is a segment of its own */
+    if (g->piece == SD_PIECE_CURVE) continue; /* skip the arc: its end is a segment of its own */
     if (g->piece != SD_PIECE_STRAIGHT ? !other.active : end_of(g, &other) != there) return false;
     if (j < k) return false;
   }
@@ -258,8 +268,8 @@ double joints_radius(const engine *e, size_t k) {
                                 : e->state->radius[p->b[k]];
 }
 
-/* True if the contact of pair k would stay closed at the present coordinates; the test is that of
- * contact_touches in contact_step.h. */
+/* Returns true if the contact of pair k would stay closed at the present coordinates, by the same
+ * test as contact_touches in contact_step.h. */
 static bool holds(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const nearest_point q = nearest_on(e, k);
@@ -269,9 +279,9 @@ static bool holds(const engine *e, size_t k) {
 }
 
 /* Moves the record of a closed contact from pair `from` to pair `to`, through joint j. lambda_ref
- * is adjusted so that lambda - lambda* stays the same although the arc length differs on the two
- * segments (its sign changes if they run in opposite directions). rho_ref is adjusted likewise, so
- * the rolling displacement stays the same if R_eff changes. */
+ * is adjusted so that lambda - lambda* stays the same, although the arc length differs on the two
+ * segments (its sign changes if they run in opposite directions). rho_ref is adjusted so that the
+ * rolling displacement stays the same if R_eff changes. */
 static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
@@ -280,7 +290,8 @@ static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
   assert(j->from && j->to);
   sd_contact_record record = pairs_record(p, from);
   const double arm = walls_arm(s->radius[a], joints_radius(e, from));
-  /* an arc and its own end point run in the same direction */
+  /* ahead: the two segments run in the same direction; this holds for an arc and its own end point,
+   * too */
   const bool ahead = j->from_end != j->to_end || (b == c && j->from->piece != j->to->piece);
   const double side = ahead ? p->side[from] : -p->side[from];
   record.lambda_ref +=
@@ -302,7 +313,7 @@ bool joints_hand_over(engine *e, size_t k, bool closed) {
   size_t begin, end;
   joint found = {0};
   if (!placed(e, k)->shared || pairs_closed(p, k) != closed)
-    return false; /* no joint, or the contact has already been transferred */
+    return false; /* the segment has no joint, or the contact has already been moved */
   pairs_beside(p, k, &begin, &end);
   for (size_t j = begin; j < end; j++) {
     if (j == k || pairs_closed(p, j) == closed || PAIR(p, j, law) != PAIR(p, k, law)) continue;

@@ -1,4 +1,4 @@
-/* chunks.c: implements chunks.h. */
+/* chunks.c: divides disks and pairs into chunks and gives them rows; implements chunks.h. */
 #include "physics/system/halo.h"
 #include "physics/neighbours/chunks.h"
 #include "physics/contact/pairs.h"

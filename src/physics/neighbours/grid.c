@@ -1,4 +1,4 @@
-/* grid.c: implements grid.h. */
+/* grid.c: builds the cell grid and searches it; implements grid.h. */
 #include "physics/neighbours/grid.h"
 
 #include <assert.h>

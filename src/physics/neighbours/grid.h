@@ -17,7 +17,7 @@ enum { GRID_LEVELS = 16 };
 
 typedef struct grid_level {
   double largest; /* radius of the largest disk on this level */
-  uint32_t last;  /* highest slot on this level */
+  uint32_t last;  /* highest slot of a disk on this level */
   size_t count;
   bool periodic[2];
   /* lower: lower left corner of the grid; per_cell: 1/(side of a cell); both along x and y. offset:

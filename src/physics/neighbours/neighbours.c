@@ -1,4 +1,5 @@
-/* neighbours.c: builds and maintains the lists of candidate pairs; see neighbours.h. */
+/* neighbours.c: decides when the lists of candidate pairs are stale, builds them, and adapts the
+ * Verlet margin; implements neighbours.h. */
 #include "model/advice.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/system/bodies.h"

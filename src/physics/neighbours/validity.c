@@ -1,4 +1,4 @@
-/* validity.c: implements validity.h. */
+/* validity.c: checks of the neighbour lists and of completed steps; implements validity.h. */
 #include "physics/neighbours/validity.h"
 
 #include <assert.h>

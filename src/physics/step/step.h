@@ -47,36 +47,40 @@ void sweep_forces(engine *e, sweep_kind kind);
  * motions. Every thread of the team calls this and the next two functions for its range of clumps,
  * and the team must wait between the calls. */
 void clumps_predict(engine *e, const team *t);
-/* Places the disks of the clumps at the clumps' predicted poses. */
+/* Moves the disks of the clumps to the clumps' predicted poses. */
 void clumps_place(engine *e, const team *t);
-/* Corrects the clumps with the forces on their disks, and places the disks again. */
+/* Corrects the clumps with the contact forces on their disks, and moves the disks to the corrected
+ * poses. */
 void clumps_correct(engine *e, const team *t);
-/* Wraps angle and position of clump k into their ranges; its disks are wrapped on their own. */
+/* Wraps the angle of clump k into [-4, 4] and its position into the periodic box. The clump's disks
+ * are wrapped one by one by contacts_events. */
 void clumps_wrap(engine *e, size_t k);
 
 /* --- multiplies the lengths of the region by a factor ----------------------------------------- */
 
-/* Multiplies all lengths by f about the region's corner, then evaluates contacts, forces and
- * accelerations of the new state. Collective. Returns SD_ERROR_IO if memory runs out,
+/* Multiplies all lengths by f, about the lower corner of the region, then evaluates contacts,
+ * forces and accelerations of the new state. Collective. Returns SD_ERROR_IO if memory runs out,
  * SD_ERROR_NUMERIC if an overlap is beyond the limit. */
 sd_status rescale(engine *e, double f, sd_messages *messages);
 
-/* The displacement limit: within one step no free disk should move by more than a fraction
- * of its radius, and no prescribed body by more than this fraction of the smallest radius, since
- * bodies might pass through each other (model->limits.displacement). A prescribed body that jumps,
- * moving farther than its velocity explains, is noted from a tenth of the limit on.
+/* The displacement limit (model->limits.displacement), a warning against steps in which bodies
+ * might pass through each other: in one step no free disk should move by more than this fraction of
+ * its radius, and no prescribed body by more than this fraction of the smallest radius. A
+ * prescribed body that jumps, that is, moves farther than its velocity explains, is noted from a
+ * tenth of the limit on.
  *
- * The correctors compare v^2 with speed_limit2 R^2 and set thread_work.fast; the first disk beyond
+ * The correctors compare v^2 with speed_limit2 R^2 and set thread_work.fast. The first disk beyond
  * the limit is noted in the state, and comparisons stop. Each disk is compared at the end of every
- * step with its speed at that time, so that threads, neighbour lists, lanes and restarts make no
- * difference. Prescribed bodies are compared only if a motion may move them far
+ * step, with its velocity at that time, so that the result does not depend on threads, neighbour
+ * lists, SIMD lanes or restarts. Prescribed bodies are compared only if a motion may move them far
  * (model/motions.h).
  */
 
-/* Sets speed_limit2 and compare_motions from model and state. */
+/* Prepares the comparison of speeds with the displacement limit: sets speed_limit2 and
+ * compare_motions from model and state. */
 void speed_begin(engine *e);
-/* Notes the fastest body in the state if it is beyond the limit. step: number of completed steps.
- * Call it on one thread. */
+/* Stores the fastest body in the state (fast_step, fast_disk, fast_displacement) if it exceeds the
+ * displacement limit. step: number of completed steps. Call it on one thread. */
 void speed_check(engine *e, int64_t step);
 
 #endif

@@ -1,4 +1,4 @@
-/* sweep.c: implements step.h. */
+/* sweep.c: prediction, contacts and correction chunk by chunk; implements sweep_... of step.h. */
 #include "physics/step/step.h"
 
 #include <assert.h>
@@ -14,12 +14,14 @@
 void sweep_predict(engine *e, size_t k) {
   chunks *c = &e->work.chunks;
   if (c->predicted[k] == e->state->step + 1) return;
-  assert(k < c->count && c->predicted[k] <= e->state->step); /* at most once per step */
+  /* a chunk is predicted at most once per step */
+  assert(k < c->count && c->predicted[k] <= e->state->step);
   c->predicted[k] = e->state->step + 1;
   e->work.kernels->predict[e->model->integrator](e, c->begin[k], c->begin[k + 1]);
 }
 
-/* Packs the bodies of chunk k, unless its mark shows that this has been done. */
+/* Writes the rows of packed bodies of chunk k, unless `mark` shows that this was done before:
+ * packed[k] == mark. */
 static void pack(engine *e, size_t k, int64_t mark) {
   chunks *c = &e->work.chunks;
   if (c->packed[k] == mark) return;
@@ -27,8 +29,8 @@ static void pack(engine *e, size_t k, int64_t mark) {
   e->work.kernels->pack(e, c->begin[k], c->begin[k + 1]);
 }
 
-/* The predictor packs the bodies, too, so that pack() is called only for a chunk that was predicted
- * before. */
+/* sweep_predict writes the rows of packed bodies, too. So pack() is called only for a chunk that
+ * was predicted earlier. */
 void sweep_pack(engine *e, size_t k) {
   chunks *c = &e->work.chunks;
   const int64_t next = e->state->step + 1;
@@ -57,7 +59,7 @@ static void sum_chunk(engine *e, size_t k) {
   sum_pairs(e, c->segment[k], c->segment[k + 1]);
 }
 
-/* Evaluates the contacts of chunk k once: forces, lambda_ref, losses. */
+/* Evaluates the contacts of chunk k, once per step: forces, lambda_ref, losses. */
 static void evaluate(engine *e, thread_work *mine, size_t k) {
   const work *w = &e->work;
   const chunks *c = &w->chunks;
@@ -75,7 +77,7 @@ void sweep_share(engine *e, int t) {
     for (size_t at = c->need_start[k]; at < c->need_start[k + 1]; at++) {
       const size_t n = c->need[at];
       if (n >= c->share[t] && n < c->share[t + 1]) sweep_pack(e, n);
-      /* packed here or, for boundary_first, by another thread */
+      /* packed just now or, if marked boundary_first, before by another thread */
       assert(c->packed[n] == e->state->step + 1);
     }
     evaluate(e, mine, k);
@@ -93,8 +95,8 @@ void sweep_ghosts(engine *e, int t) {
                     p->first_ghost + PAIR_BLOCK * to);
 }
 
-/* Adds R omega to the packed rows of ghosts. Rows of the simple laws lack it, but contacts that
- * begin with a ghost read it. */
+/* Adds R omega to the rows of packed ghosts. Passes with simple contact laws do not write it, but
+ * contacts that begin with a ghost read it. */
 static void pack_spins(engine *e) {
   const sd_state *s = e->state;
   for (size_t i = s->n_free; i < s->n_free + s->n_ghosts; i++)
