@@ -195,7 +195,7 @@ typedef struct LANE(contact_closed) {
 typedef struct LANE(contact_output) {
   LANE(real) fx, fy, tau; /* force on b (a gets the opposite force); tangential force tau */
   /* Energies of this step: losses by viscosity and by sliding, and the nonconservative work of the
-   * tangential force in the paper's variant. */
+   * tangential force in the paper's variant (docs/physics.md, section 3). */
   LANE(real) viscous, friction, work;
   /* elastic energy left in the tangential and rolling springs of a contact that opened */
   LANE(real) dropped;
@@ -355,7 +355,7 @@ LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g,
 }
 
 /* Sets the force on b in *out to F_n n - lever tau t, with t = (-n_y, n_x), and sets tau. lever:
- * (R_a + R_b)/r, or 1 for the paper's force. */
+ * (R_a + R_b)/r, or 1 in the paper's variant (docs/physics.md, section 3). */
 LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g,
                                      const LANE(contact_constants) * k, LANE(real) lever,
                                      const unsigned features, const LANE(contact_memory) * m,

@@ -106,8 +106,8 @@ contact_energies contact_energies_of(const engine *e, size_t k) {
   return u;
 }
 
-/* Returns the lever of the tangential force: 1 for a straight wall segment and for the paper's
- * force, else (R_a + R_b)/r. */
+/* Returns the lever of the tangential force: 1 between the ends of a straight wall segment and, for
+ * two round bodies, in the paper's variant (docs/physics.md, section 3); else (R_a + R_b)/r. */
 static double lever_at(const contact_place *at, const pair_geometry_w1 *g) {
   if (!at->piece) return at->conservative ? g->lever : 1.0;
   return at->nearest.flat ? walls_lever(at->piece, &at->nearest, at->ra) : g->lever;

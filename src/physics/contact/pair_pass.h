@@ -17,7 +17,7 @@ static inline unsigned slides_at(const pair_flags *flags, size_t l) {
 /* Bits of `kind`, the kind of a pass. The pass is compiled once for each combination that is
  * used. */
 enum {
-  PASS_PAPER = 1 /* the paper's variant of the tangential force */,
+  PASS_PAPER = 1 /* tangential force of the paper's variant (docs/physics.md, section 3) */,
   PASS_LAWS = 2 /* contact laws differ from pair to pair; all are linear with damping gamma_n */,
   PASS_MIXED = 4 /* contact laws differ, and some are not linear with damping gamma_n */,
   PASS_CELL = 8 /* the periodic box deforms, so forces across its edges are noted */,

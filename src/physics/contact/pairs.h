@@ -13,7 +13,7 @@ void pairs_free(pairs *p);
 /* Enlarges the columns, if needed, so that `count` pairs fit in. Records and flags are lost when
  * this happens. */
 sd_status pairs_reserve(pairs *p, size_t count);
-/* slots a and b of padding, pairs without bodies that fill up a block */
+/* value of a and b for padding, entries without bodies that fill up a block of pairs */
 enum { PAIR_PADDING = -1 };
 /* Appends padding up to the end of the block, so that the next list begins with a new block. */
 sd_status pairs_fill_block(pairs *p);

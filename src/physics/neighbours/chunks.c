@@ -329,7 +329,7 @@ void chunks_plan_rows(chunks *c, size_t n_free) {
   give_rows(c, until, &pages);
   assert(pages.n <= c->count);
   for (size_t k = 0; k < c->count; k++)
-    assert(c->row[k] != SIZE_MAX); /* every chunk has got rows, since its own pairs read them */
+    assert(c->row[k] != SIZE_MAX); /* every chunk has got rows, since its own pairs need them */
   c->rows = pages.n * c->size;
   c->shares = pages.n < c->count;
   if (!c->shares) {

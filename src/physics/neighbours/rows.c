@@ -195,8 +195,9 @@ static sd_status list_incidence(engine *e) {
 
 /* --- rows of packed bodies and force sums ----------------------------------------------------- */
 
-/* Returns the number of rows of packed bodies: those of free disks, of all other bodies, and one
- * row for padding (pairs that fill up a block). */
+/* Returns the number of rows in the table of packed bodies (work.packed, the data of bodies that
+ * pairs read): those of free disks, of all other bodies, and one row for padding (pairs that fill
+ * up a block). */
 static size_t count_rows(const engine *e) {
   return e->work.chunks.rows + e->state->n_bodies - e->state->n_free + 1;
 }
@@ -304,8 +305,8 @@ static sd_status join_listed(const listed_task *f, sums *m) {
   return SD_OK;
 }
 
-/* Lists the bodies for which each contact has its own row of forces, and marks the chunks of such
- * disks as boundary_last. */
+/* Lists the bodies for which each contact has its own row of forces. Marks the chunks of such disks
+ * as boundary_last: they are corrected after all threads have evaluated their pairs. */
 static sd_status list_listed(engine *e) {
   work *w = &e->work;
   sums *m = &w->sums;

@@ -21,7 +21,8 @@ static bool in_play(const sd_state *s, size_t slot) {
   return slot >= s->n_free || body_in_play(s, slot);
 }
 
-/* Returns the number of rows of packed bodies, including the row of padding. */
+/* Returns the number of rows in the table of packed bodies (work.packed, the data of bodies that
+ * pairs read), including the row of padding. */
 static size_t count_rows(const engine *e) {
   return e->work.chunks.rows + e->state->n_bodies - e->state->n_free + 1;
 }
@@ -311,8 +312,8 @@ static void check_rows(const engine *e) {
     assert(w->packed[PACKED_ROW * (size_t)w->row[n_bodies] + (size_t)r] == 0.0);
 }
 
-/* Checks that forces on the body in this slot are added to the body's row or, if the body is
- * listed, to one row per contact, beginning with row `single`. */
+/* Checks that the forces of contacts on the body in this slot go to the right rows: all to the row
+ * of the body or, if the body is listed, each to its own row, beginning with row `single`. */
 static void check_sum_rows(const engine *e, size_t slot, bool listed, size_t single) {
   const incidence *n = &e->work.incidence;
   for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++) {

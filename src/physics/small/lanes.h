@@ -143,15 +143,16 @@ typedef struct lanes {
    * is one */
   bool straight[LANES_PAIRS], any_straight;
   bool placed[LANES_BODIES][SD_COORDINATES];
-  /* index of the pair of each watched contact; two per watched disk */
+  /* index of the pair of each watched contact (one whose statistics the model asks for); two per
+   * watched disk */
   uint8_t watched[2 * LANES_SLIDES];
-  uint8_t watching[LANES_SLIDES]; /* slot of each watched disk */
+  uint8_t watching[LANES_SLIDES]; /* slot of each watched disk (one with two watched contacts) */
   bool visits;                    /* true: visits to configurations are measured (model/state.h) */
 
   /* all rows; the pointers below point into it */
   double *memory;
   /* rows of each free disk, of each pair, of each pair with a straight wall, and of the prescribed
-   * coordinates, in order */
+   * coordinates (by slot, then coordinate) */
   double *disk[LANES_FREE], *pair[LANES_PAIRS], *of_straight[LANES_PAIRS], *place;
   double *radius; /* radius of the body in each slot, one row per body */
   /* rows of the time step and its inverse, of the work of prescribed motions, and of the smallest

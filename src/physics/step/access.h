@@ -114,9 +114,9 @@ static inline size_t engine_partner(const engine *e, size_t at) {
   size_t k = engine_candidate(e, at);
   return e->work.incidence.entry[at] & 1 ? engine_contact_a(e, k) : engine_contact_b(e, k);
 }
-/* Returns the candidate pair of watched contact k (each watched disk has two), or -1 if the contact
- * is open. If the partner is a wall of several segments, returns the pair with the largest normal
- * force. */
+/* Returns the candidate pair of watched contact k, or -1 if it is open. (The model names disks to
+ * watch, with two contacts each.) If the partner is a wall of several segments, returns the pair
+ * with the largest normal force. */
 int64_t engine_watched(const engine *e, size_t k);
 
 /* Force and torque of one contact on a body. They are stored singly for all prescribed bodies and

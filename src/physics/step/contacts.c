@@ -555,7 +555,7 @@ void contacts_recall(engine *e) {
   pairs *p = &e->work.pairs;
   for (size_t k = 0, c = 0; p->more && next_stored(e, &k, &c); k++, c++) {
     if (pairs_slide_sign(p, k) != 0 && !slid_before(e, k)) pairs_set_flags(p, k, true, 0);
-    /* the evaluation of step 0 sets these; it does not if the deck has no law with them, and then
+    /* the evaluation of step 0 sets these; it does not if the model has no law with them, and then
      * they must be 0 */
     MORE(p, k, tau) = MORE(p, k, pull) = 0.0;
     if (isnan(MORE(p, k, rho_ref))) MORE(p, k, rho_ref) = contact_rho_of(e, k);

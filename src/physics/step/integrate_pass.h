@@ -132,7 +132,8 @@ LANE_INLINE void LANE(gear_predict_at)(const columns *k, size_t i, LANE(real) dt
   LANE(store)(k->q4 + i, c->q4);
 }
 
-/* Writes the rows of packed bodies (PACKED_ROW numbers each) of disks i, i + 1, ... */
+/* Writes the rows of packed bodies (work.packed: position, velocity and so on, for the pass over
+ * pairs) of disks i, i + 1, ... */
 LANE_INLINE void LANE(store_packed)(const view *v, size_t i, LANE(real) x, LANE(real) y,
                                     LANE(real) theta, LANE(real) vx, LANE(real) vy) {
   LANE(real) radius = LANE(load)(v->radius + i), zero = LANE(splat)(0.0);

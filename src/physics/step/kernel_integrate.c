@@ -34,8 +34,8 @@ static void pack_alike(engine *e, size_t begin, size_t end, bool prescribed) {
             (pack_at_w1(&v, i), clear_sum_w1(&v, i)));
 }
 
-/* Writes the rows of packed bodies in slots [begin, end). Prescribed bodies get the inverse mass 0
- * (an infinite mass), ghosts that of their own mass. */
+/* Writes the rows of packed bodies (work.packed, the data that pairs read) in slots [begin, end).
+ * Prescribed bodies get the inverse mass 0 (an infinite mass), ghosts that of their own mass. */
 static void pack(engine *e, size_t begin, size_t end) {
   const sd_state *s = e->state;
   const size_t first = s->n_free + s->n_ghosts, middle = begin > first ? begin

@@ -20,8 +20,8 @@ void sweep_predict(engine *e, size_t k) {
   e->work.kernels->predict[e->model->integrator](e, c->begin[k], c->begin[k + 1]);
 }
 
-/* Writes the rows of packed bodies of chunk k, unless `mark` shows that this was done before:
- * packed[k] == mark. */
+/* Writes the rows of packed bodies (the data that pairs read) of chunk k, unless `mark` shows that
+ * this was done before: packed[k] == mark. */
 static void pack(engine *e, size_t k, int64_t mark) {
   chunks *c = &e->work.chunks;
   if (c->packed[k] == mark) return;
@@ -77,7 +77,8 @@ void sweep_share(engine *e, int t) {
     for (size_t at = c->need_start[k]; at < c->need_start[k + 1]; at++) {
       const size_t n = c->need[at];
       if (n >= c->share[t] && n < c->share[t + 1]) sweep_pack(e, n);
-      /* packed just now or, if marked boundary_first, before by another thread */
+      /* the rows of chunk n were written just now or, if it is marked boundary_first, before by
+       * another thread */
       assert(c->packed[n] == e->state->step + 1);
     }
     evaluate(e, mine, k);
@@ -95,8 +96,8 @@ void sweep_ghosts(engine *e, int t) {
                     p->first_ghost + PAIR_BLOCK * to);
 }
 
-/* Adds R omega to the rows of packed ghosts. Passes with simple contact laws do not write it, but
- * contacts that begin with a ghost read it. */
+/* Adds R omega to the packed bodies (work.packed) of ghosts. Passes with simple contact laws do not
+ * write it, but contacts that begin with a ghost read it. */
 static void pack_spins(engine *e) {
   const sd_state *s = e->state;
   for (size_t i = s->n_free; i < s->n_free + s->n_ghosts; i++)
