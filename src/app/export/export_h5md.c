@@ -1,9 +1,11 @@
 /* export_h5md.c: writes H5MD 1.1 files in three dimensions, for programs that read no
- * two-dimensional ones. See export.h.  The only group of particles is `trajectory`, the name that
- * MDAnalysis expects. Each frame has a row for each disk of the deck; the column `activity` marks
- * disks that wait for their release or were removed (1 or 2). Positions are wrapped into the box,
- * and the edges of the box are a matrix per frame, as MDAnalysis expects. The datasets that
- * MDAnalysis reads have no attribute `unit`, since it refuses units that it cannot translate. */
+ * two-dimensional ones. See export.h.
+ *
+ * The only group of particles is `trajectory`, the name that MDAnalysis expects. Each frame has a
+ * row for each disk of the deck; the column `activity` marks disks that wait for their release or
+ * were removed (1 or 2). Positions are wrapped into the box, and the edges of the box are a matrix
+ * per frame, as MDAnalysis expects. The datasets that MDAnalysis reads have no attribute `unit`,
+ * since it refuses units that it cannot translate. */
 #include <stdlib.h>
 #include <string.h>
 
