@@ -24,8 +24,8 @@ typedef struct ranks ranks;
 typedef struct ranks_balance {
   /* number of times that the plane was cut into domains, with the first time; 0: not yet */
   int64_t cuts;
-  double
-      excess; /* (busy time of the busiest rank)/(mean of all ranks) - 1; NAN: not measured yet */
+  /* (busy time of the busiest rank)/(mean of all ranks) - 1; NAN: not measured yet */
+  double excess;
   int64_t least, most; /* smallest and largest number of disks that a rank has */
 } ranks_balance;
 

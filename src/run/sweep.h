@@ -1,10 +1,10 @@
-/* sweep.h: runs the points of a deck's sweep in a folder, lists what is there, and writes the
- * tables of results.
+/* sweep.h: runs the points (single runs) of a deck's sweep, reads their state and results from the
+ * sweep's folder, and writes the tables of results.
  *
  *   FOLDER/points/NAME.h5        result of a point; NAME.h5.parts while it is not finished
  *   FOLDER/points/NAME.failed    reason why a point failed; removed when the point is run again
  *   FOLDER/table.csv, table.h5   a row per point, finished or not
- *   FOLDER/means.csv             a row per set of values: means over its replicas
+ *   FOLDER/means.csv             a row per set of parameter values: means over its replicas
  *
  * Processes share only the folder: any number of them, on any number of machines, may run points
  * of the same sweep at the same time, since a point is locked while it is run. This code prints

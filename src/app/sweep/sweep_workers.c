@@ -157,7 +157,7 @@ static void describe_end(int ended, sd_status *status, char *text, size_t size) 
   int code = WIFEXITED(ended) ? WEXITSTATUS(ended) : -1;
   if (code == SD_OK || code == SD_INTERRUPTED)
     *status = (sd_status)code;
-  else if (code == SD_ERROR_IO) /* memory_lacks, in the process, has printed the reason */
+  else if (code == SD_ERROR_IO) /* the process has printed the reason (memory_lacks) */
     *status = SD_ERROR_IO;
   else if (WIFSIGNALED(ended) && app_stop)
     *status = SD_INTERRUPTED;

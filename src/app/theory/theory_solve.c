@@ -18,9 +18,9 @@ static const double SAME = 1e-9;
 static int sign(double x) { return (x > 0) - (x < 0); }
 
 /* Solves the case of steady drive. The torque on the upper disk falls with its angular velocity
- * Omega: it is T++ > 0 when Omega is below the values at which it would roll on either support, and
- * T-- < 0 when it is above both. A disk free to rotate ends at the Omega at which the torque
- * changes sign. */
+ * Omega: it is positive (torque of S++) when Omega is below the values at which the disk would roll
+ * on either support, and negative (S--) when Omega is above both. A disk free to rotate ends at the
+ * Omega at which the torque changes sign. */
 static void solve_steady(const theory_case *c, theory_result *r) {
   double w[2];
   for (int i = 0; i < 2; i++) {
