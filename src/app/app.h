@@ -1,5 +1,5 @@
-/* app.h: the subcommands of the program and the functions that they share. Only this floor prints
- * and sets the exit status; the floors below return statuses and messages. */
+/* app.h: the subcommands of the program and the functions that they share. Only this directory
+ * prints and sets the exit status; the libraries below it return statuses and messages. */
 #ifndef SLIPDISK_APP_APP_H
 #define SLIPDISK_APP_APP_H
 
@@ -50,20 +50,20 @@ void app_tell_no_start(void);
 /* --- drive.c: a run, from the model to the exit status ---------------------------------------- */
 typedef struct drive_options {
   const char *result;
-  /* Command line that continues the run, without the program's name */
+  /* Command line with which the user continues the run, without the program's name */
   const char *again;
   const char *log; /* File to which progress lines are appended; NULL: none */
   long threads;    /* Number of threads; 0: chosen from the size of the system */
   bool force, quiet, verbose;
-  /* True: the run is shown in a browser while it goes */
+  /* True: a browser shows the run while it goes on */
   bool live;
   /* Called with the messages when the run fails; NULL: no call */
   void (*failed)(void *user, const sd_messages *messages);
   void *user;
 } drive_options;
 
-/* Option rows that `run` and `resume` share. drive: member of `arguments`, of type
- * drive_options. */
+/* Option rows that `run` and `resume` share. arguments: struct type of the command's arguments;
+ * drive: name of its member of type drive_options. */
 #define DRIVE_OPTIONS(arguments, drive)                                                            \
   {"quiet",                                                                                        \
    'q',                                                                                            \
@@ -99,17 +99,18 @@ typedef struct drive_options {
   }
 
 /* Both functions are collective. drive_begin starts MPI if the program was built with it, and
- * returns the status; the caller calls comm_end. After all ranks have loaded the model together
- * (ranks_load), drive_agree prints their errors and returns the largest status of all ranks. */
+ * returns the status; the caller ends MPI with comm_end. drive_agree, called after all ranks have
+ * loaded the model together (ranks_load), prints the errors of all ranks and returns the largest of
+ * their statuses. */
 int drive_begin(const drive_options *options, sd_messages *messages);
 int drive_agree(int status, sd_messages *messages);
-/* Collective. Runs the model and returns the exit status. messages: those of the loader, which
- * are printed first. The caller keeps the model and the messages. */
+/* Collective. Runs the model and returns the exit status. messages: messages of the loader, which
+ * are printed first. The caller keeps ownership of the model and the messages. */
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
 
-/* Writes into text[size] what the run of this process has saved: "; everything until step 1000 is
- * saved, continue with: slipdisk ...", or "" if it has saved no step. Returns the length.
- * Allocates nothing; any thread may call it. */
+/* Writes into text[size] up to which step the run of this process is saved: "; everything until
+ * step 1000 is saved, continue with: slipdisk ...", or "" if no step is saved. Returns the length
+ * of the text. Allocates nothing; any thread may call it. */
 int drive_describe_saved(char *text, size_t size);
 
 /* --- report.c: tables and lines of text ------------------------------------------------------- */
@@ -119,74 +120,82 @@ void report_summary(FILE *out, const summary *found);
 void report_lines(FILE *out, const char *before, const char *text);
 /* Replaces the last line of a terminal by `text`, cut to the width of the terminal. */
 void report_bottom(FILE *out, const char *text);
-/* Prints one line on the cost of a run: steps, wall time, ns per step, threads. */
+/* Prints one line on the cost of a run: number of steps, wall time, ns per step, number of
+ * threads. */
 void report_cost(FILE *out, const summary *found, const provenance *origin);
-/* Returns "of at most" if the run can end before its last step, because a phase settles or
- * `until` is met; else "of". */
+/* Returns the words between the current and the last step in "step 5 of at most 9": "of at most" if
+ * the run can end before its last step, because a phase settles or the goal of `until` is met; else
+ * "of". */
 const char *report_of(const summary *found);
 /* Formats a duration as "1:02:03" or "2d 01:02:03" into text[size] and returns it; "?" if it is
  * negative, NAN or beyond 1e9 s. */
 const char *report_duration(double seconds, char *text, size_t size);
 
 /* --- size.c: size of a result and memory of a run --------------------------------------------- */
-/* Estimated size of a result and memory of its run. */
+/* Estimated size of a result file, and memory that its run needs. */
 typedef struct result_size {
-  /* Numbers of rows of the series, of frames and of contact tables */
+  /* Number of rows of the time series, number of frames, number of contact tables */
   int64_t series, frames, contacts;
   /* Number of contacts assumed in the state and in each contact table */
   size_t most_contacts;
-  /* True if the run may end early: the numbers are upper bounds */
+  /* True: the run may end early, and all numbers here are upper bounds */
   bool at_most;
   double bytes;
-  /* Peak memory of a run in one process with most_contacts contacts, bytes; within 25 % */
+  /* Peak memory in bytes of a run in one process with most_contacts contacts; correct within 25
+   * % */
   double memory;
-  /* Largest part of `memory` taken by rows that wait for a checkpoint, bytes */
+  /* Share of `memory` for sampled rows that are not yet written to a file, at most, bytes */
   double unsaved;
 } result_size;
 void size_find(result_size *size, const sd_model *model);
-/* Warns if the disk of `folder` has less free space than twice the result, or if the result is
- * larger than 50 GB. */
+/* Warns if the file system of `folder` has less free space than twice the result, or if the result
+ * is larger than 50 GB. */
 void size_warn(const result_size *size, const char *folder, sd_messages *messages);
-/* Returns the memory of a run in bytes, without the program itself and the rows that wait for a
- * checkpoint. */
+/* Returns the memory of a run in bytes, without the program itself and without sampled rows that
+ * are not yet written to a file. */
 double size_memory(const sd_model *model);
-/* Returns SD_ERROR_IO, with a message, if a run in one process needs more memory than it can get,
- * however few contacts it has (state_refuse). Warns if only the estimate size->memory is too
- * large. */
+/* Returns SD_ERROR_IO, with a message, if a run in one process needs more memory than it can get
+ * even with the smallest possible number of contacts (state_refuse). Only warns if the estimate
+ * size->memory is too large. */
 sd_status size_refuse(const sd_model *model, const result_size *size, sd_messages *messages);
 /* Formats bytes as "1.2 GB" into text[size] and returns it. */
 const char *size_text(double bytes, char *text, size_t size);
 
 /* --- place.c: files that a name on the command line stands for -------------------------------- */
 typedef struct place {
-  char *result;     /* Path of the finished result, whether it exists or not */
-  char *folder;     /* Path of its folder of parts, RESULT.parts */
-  char *checkpoint; /* Path of the checkpoint or part that was named; NULL: none */
+  char *result; /* Path of the finished result file, which need not exist */
+  char *folder; /* Path of the folder of the unfinished run's files, RESULT.parts */
+  /* Path of the checkpoint or part file, if the name stood for one; NULL: it did not */
+  char *checkpoint;
 } place;
 
-/* Returns "NAME.ending", in the current folder, for a deck ".../NAME.cfg"; the caller frees it. */
+/* Returns the name of an output in the current folder, "NAME.ending", for a deck ".../NAME.cfg";
+ * the caller frees it. */
 char *app_default_name(const char *deck, const char *ending);
-/* Fills p from `name`: a result, its folder of parts, or a checkpoint in that folder.
- * SD_ERROR_USER: there is no such run, or `name` is a deck. Call place_free also after an error. */
+/* Fills p from `name`: path of a result file, of its folder of parts (RESULT.parts), or of a
+ * checkpoint in that folder. SD_ERROR_USER: there is no such run, or `name` is a deck. Call
+ * place_free also after an error. */
 sd_status place_find(place *p, const char *name, sd_messages *messages);
 void place_free(place *p);
-/* Opens the checkpoint that was named, else the newest undamaged one. *path is its path, which
- * the caller frees. Needs no lock on the folder. */
+/* Opens p->checkpoint if the user named one, else the newest undamaged checkpoint of the run.
+ * *path: receives its path, which the caller frees. Needs no lock on the folder. */
 sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages);
 
 /* --- place.c: frames of a result or of an unfinished run -------------------------------------- */
-/* Opens the frames of a run. name: as for place_find, or a part. *alone: true if a part was
- * named, which then gives all frames. Call frames_close also after an error. */
+/* Opens the frames of a run. name: as for place_find, or a single part file (some of the frames).
+ * *alone: true if `name` is a part file; then its frames are all. Call frames_close also after an
+ * error. */
 sd_status stored_open(frames *f, const char *name, bool *alone, sd_messages *messages);
-/* Counts the frames into *count. The state is the last of them if it is newer than the newest
- * frame; with `alone` it does not count. */
+/* Counts the frames into *count. The state at the end of the run counts as one more frame if it is
+ * newer than the newest frame and alone is false. */
 sd_status stored_count(const frames *f, bool alone, size_t *count, sd_messages *messages);
-/* Opens file k of the files with rows, f->sources[k]; close it with stored_release. *out is NULL
- * if it cannot be opened. */
+/* Opens file k of the files of a run that have rows, f->sources[k]; close it with stored_release.
+ * *out is NULL if it cannot be opened. */
 sd_status stored_source(const frames *f, size_t k, h5_file **out, sd_messages *messages);
 void stored_release(const frames *f, h5_file *file);
-/* Returns the number of the body (disks first, then walls) that element k of a series is about,
- * as stored in the file, else as in the model. file: may be NULL. UINT32_MAX: none. */
+/* Returns the number of the body (disks first, then walls) to which element k of a time series
+ * belongs, as stored in the file, or as in the model if the file does not say. file: may be NULL.
+ * UINT32_MAX: the element belongs to no body. */
 uint32_t stored_body(const sd_model *m, const h5_file *file, const observable *o, size_t k);
 
 /* --- manual.c: manual pages and completion for bash, made from the option tables -------------- */
@@ -195,7 +204,7 @@ uint32_t stored_body(const sd_model *m, const h5_file *file, const observable *o
 void manual_statuses(FILE *out);
 /* Prints the manual page slipdisk(1): commands, exit statuses, environment, files. */
 void manual_overview(FILE *out, size_t n, const command_line *const *lines);
-/* Prints the manual page slipdisk-COMMAND(1). */
+/* Prints the manual page slipdisk-COMMAND(1) of one subcommand. */
 void manual_command(FILE *out, const command_line *line);
 /* Prints a bash script that completes commands, options, values from closed sets, decks, results
  * and folders. */

@@ -24,19 +24,21 @@
 /* --- progress --------------------------------------------------------------------------------- */
 
 typedef struct teller {
-  FILE *screen; /* Stream for progress lines; NULL: quiet */
+  FILE *screen; /* Output stream for progress lines; NULL: no progress lines (--quiet) */
   bool terminal, line_open;
   FILE *log;
-  /* Clock readings in s: start of the run, last plain progress line */
+  /* Clock readings, s: at the start of the run, and at the last progress line written to the log
+   * or to a screen that is no terminal */
   double began, told_at;
   live *page; /* Page in a browser; NULL: none */
 } teller;
 
-/* Least and largest interval between plain progress lines, s. In between, the interval is a
- * quarter of the time since the start. */
+/* Shortest and longest time between progress lines in the log or on a screen that is no terminal,
+ * s. The time is a quarter of that since the start, within these limits. */
 static const double PLAIN_FIRST = 3, PLAIN_LAST = 60;
 
-/* Appends "  unbalanced 0.02 of 0.001", a value and its goal; nothing without a goal. */
+/* Appends a value and its goal, such as "  unbalanced 0.02 of 0.001"; appends nothing if goal is
+ * 0. */
 static void add_goal(char *text, size_t size, const char *what, double value, double goal) {
   size_t n = strlen(text);
   if (goal > 0 && isfinite(value))
@@ -44,7 +46,8 @@ static void add_goal(char *text, size_t size, const char *what, double value, do
 }
 
 /* Writes the progress line. If a phase may settle early, the time left is an upper bound. While
- * disks wait for their release (rain), steps become dearer and the time left is not known. */
+ * disks wait for their release (rain), the time left is not known, because steps take longer with
+ * every released disk. */
 static void describe(const session_progress *p, char *text, size_t size) {
   char left[40], rate[40] = "-", goal[120] = "", done[40] = "", steps[80];
   bool ended = !p->at_most && p->step >= p->expected, early = p->expected < p->steps;
@@ -163,7 +166,7 @@ static void tell_start(teller *t, const drive_options *options, const sd_model *
   }
 }
 
-/* Prints how evenly the ranks were busy. */
+/* Prints how evenly the work was distributed over the ranks. */
 static void tell_balance(teller *t, const session *s) {
   FILE *outs[2] = {t->screen, t->log};
   if (!session_ranks(s)) return;
@@ -180,7 +183,8 @@ static void tell_balance(teller *t, const session *s) {
                b.cuts == 1 ? "" : "s", busy);
 }
 
-/* Opens the page that shows the run. If that fails, warns and the run goes on without it. */
+/* Opens the page in the browser that shows the run. If that fails, warns, and the run goes on
+ * without it. */
 static void open_page(teller *t, const sd_model *model, const char *result) {
   sd_messages *why = sd_messages_new();
   if (live_open(model, result, &t->page, why) == SD_OK)
@@ -195,7 +199,7 @@ static void look(void *user, sd_simulation *simulation) {
   if (t->page) live_look(t->page, simulation);
 }
 
-/* Warns of each doubt about the result. Returns true if there is one. */
+/* Warns of each reason to doubt the result that the summary has. Returns true if there is one. */
 static bool warn_of_doubts(const session *s, sd_messages *messages) {
   const summary *found = session_summary(s);
   for (size_t k = 0; found && k < DOUBT_KINDS; k++)
@@ -209,8 +213,8 @@ static int cores(void) {
   return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 0;
 }
 
-/* Warns of more threads than cores, since threads that share a core delay all others at every
- * step, and of more threads than the number of disks is worth. */
+/* Warns if there are more threads than cores, since threads that share a core delay all others at
+ * every step, and if there are more threads than are useful for this number of disks. */
 static void warn_of_threads(const sd_model *model, int asked, sd_messages *messages) {
   int most = cores(), best = simulation_threads_for(model, asked);
   if (asked > most && most > 0)
@@ -227,8 +231,8 @@ static void warn_of_threads(const sd_model *model, int asked, sd_messages *messa
             asked, SIMULATION_DISKS_PER_THREAD, model->n_free, best);
 }
 
-/* Checks the memory of the run, and the free space on the disk of the result. Does not check
- * memory with several ranks: each has memory of its own, which rank 0 does not know. */
+/* Checks the memory that the run needs, and the free space for its result. With several ranks the
+ * memory is not checked: rank 0 does not know how much the other ranks' machines have. */
 static sd_status check_size(const sd_model *model, const char *result, sd_messages *messages) {
   result_size size;
   size_find(&size, model);
@@ -240,7 +244,8 @@ static sd_status check_size(const sd_model *model, const char *result, sd_messag
   return SD_OK;
 }
 
-/* Running session (NULL: none) and command line that continues it, for drive_describe_saved. */
+/* Session (run with its files) that is going on, NULL: none; and command line that continues it.
+ * Both are for drive_describe_saved. */
 static const session *_Atomic running;
 static const char *_Atomic continues_with;
 
@@ -255,8 +260,8 @@ int drive_describe_saved(char *text, size_t size) {
   return n < 0 ? 0 : n < (int)size ? n : (int)size - 1;
 }
 
-/* Runs a session, unless `status`, that of the preparations, is an error. Prints start, progress
- * and result. Returns the exit status. */
+/* Runs a session, unless `status`, the outcome of the preparations, is an error. Prints start,
+ * progress and result. Returns the exit status. */
 static int run_session(const sd_model *model, const drive_options *options, teller *t,
                        sd_status status, sd_messages *messages) {
   const bool leads = comm_rank(comm_world()) == 0;
@@ -307,7 +312,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
   return in_doubt ? SD_DOUBTFUL : status;
 }
 
-/* Opens the log file for appending; refuses a symbolic link. */
+/* Opens the log file for appending; refuses a symbolic link as its path. */
 static int open_log(teller *t, const char *path) {
   int fd = file_open_at(AT_FDCWD, path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK);
   if (fd >= 0 && (t->log = fdopen(fd, "a"))) return SD_OK;
@@ -330,7 +335,7 @@ int drive_begin(const drive_options *options, sd_messages *messages) {
         messages, SD_ERROR_USER,
         "--live shows the disks of one process; expected a run without mpirun, or without --live");
   if (status != SD_OK && comm_rank(comm_world()) == 0) sd_messages_print(messages, stderr);
-  /* A signal must not end one rank at once: the others would wait for it. */
+  /* A signal must not end one rank at once, since the other ranks would wait for it for ever. */
   if (comm_world()) app_begin_saving();
   return status;
 }
@@ -368,11 +373,11 @@ static volatile sig_atomic_t begun;
 void app_tell_no_start(void) {
   static const char text[] = "stopped before the first step: there was nothing new to save\n";
   ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
-  (void)told; /* A failure of write cannot be reported */
+  (void)told; /* An error of this write cannot be reported. */
 }
 
-/* Signal handler. Ends the process at once until app_begin_saving is called: nothing has to be
- * saved yet. Later only sets app_stop. */
+/* Signal handler. Until app_begin_saving is called, there is nothing to save, and the handler ends
+ * the process at once. Afterwards it only sets app_stop. */
 static void ask_stop(int number) {
   if (begun) {
     app_stop = number;
@@ -385,15 +390,16 @@ static void ask_stop(int number) {
 void app_catch_signals(void) {
   struct sigaction action = {.sa_handler = ask_stop, .sa_flags = SA_RESTART};
   sigemptyset(&action.sa_mask);
-  /* Batch systems send XCPU, USR1, USR2 and TERM before they kill a job. An alarm set by the
-   * caller survives exec. */
+  /* Batch systems send XCPU, USR1, USR2 and TERM before they kill a job. ALRM is caught too: an
+   * alarm set by the caller survives exec. */
   const int stops[] = {SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGALRM};
   for (size_t k = 0; k < sizeof stops / sizeof *stops; k++) sigaction(stops[k], &action, NULL);
   /* A closed terminal stops a run like Ctrl-C, but not under nohup, which ignores SIGHUP. */
   struct sigaction before;
   if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
     sigaction(SIGHUP, &action, NULL);
-  /* A file-size limit or a closed pipe shall be an error of write and not end the process. */
+  /* Exceeding a file-size limit, or writing to a closed pipe, shall make write fail and not end the
+   * process. */
   struct sigaction ignore = {.sa_handler = SIG_IGN};
   sigemptyset(&ignore.sa_mask);
   sigaction(SIGXFSZ, &ignore, NULL);

@@ -1,6 +1,6 @@
-/* info.c: `slipdisk info FILE` prints the results of a run. It reads attributes and small
- * datasets only, so its time does not depend on the size of the file, except for means of very
- * many disks that a checkpoint leaves to its readers. */
+/* info.c: `slipdisk info FILE` prints the results of a run. It reads only attributes and small
+ * datasets, so its time does not depend on the size of the file; but means of very many disks,
+ * which a checkpoint does not store, are computed here. */
 #include <inttypes.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -17,16 +17,16 @@
 #include "measure/measurement.h"
 #include "slipdisk/deck.h"
 
-/* Everything that info prints about one run. */
+/* All data that info prints about one run. */
 typedef struct facts {
   char *path; /* Path of the file that was read */
   bool finished;
-  int64_t parts; /* Number of parts of an unfinished run; -1: it is finished */
+  int64_t parts; /* Number of part files of an unfinished run; -1: the run is finished */
   int64_t clumps;
   uint64_t bytes;
   provenance origin;
   summary found;
-  json_t *datasets; /* Array of objects {path, type, shape} */
+  json_t *datasets; /* JSON array of the datasets in the file, as objects {path, type, shape} */
 } facts;
 
 static void facts_free(facts *f) {
@@ -48,12 +48,12 @@ static void add_dataset(void *user, const char *path, sd_type type, bool text, i
                                         text ? "text" : names[type], "shape", shape));
 }
 
-/* Selects the means of disks to read: totals and fastest disks as the file has them, enough for
- * the page; or the means of every disk, for JSON. */
+/* Selects which means of disks are read. MEANS_AS_WRITTEN: totals and fastest disks as stored in
+ * the file, enough for the output as text; MEANS_ALL: means of every disk, for JSON. */
 typedef enum wanted_means { MEANS_AS_WRITTEN, MEANS_ALL } wanted_means;
 
-/* Computes the means of every disk if the file leaves that to its readers. If that fails, because
- * the deck's files are missing, warns and drops the means; the rest stays. */
+/* Computes the means of every disk if the file does not store them. If that fails, because files
+ * named in the deck are missing, warns and drops the means; everything else stays. */
 static void complete_means(facts *f, const h5_file *file, sd_messages *messages) {
   sd_messages *own = sd_messages_new();
   if (checkpoint_complete(file, f->path, NULL, sd_deck_load_text, &f->found.packing, own) !=
@@ -66,8 +66,8 @@ static void complete_means(facts *f, const h5_file *file, sd_messages *messages)
   sd_messages_free(own);
 }
 
-/* Reads the finished result if there is one, unless a folder of parts or a checkpoint was named;
- * else a checkpoint. */
+/* Reads the finished result if there is one and the user did not name a folder of parts or a
+ * checkpoint; else reads a checkpoint. */
 static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_means means,
                             sd_messages *messages) {
   h5_file *file = NULL;
@@ -91,7 +91,8 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_m
     f->parts = f->finished ? -1 : checkpoint_get_parts(file);
     f->bytes = file_size(f->path);
     f->clumps = h5_get_attr_i64(file, "/state", "n_clumps", 0);
-    text_clean(f->path); /* The path is only displayed from here on */
+    /* From here on the path is only displayed: replace its control characters */
+    text_clean(f->path);
   }
   h5_close(file, NULL);
   return status;
@@ -99,8 +100,8 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_m
 
 /* --- points of sweeps ------------------------------------------------------------------------- */
 
-/* Returns why a point of a sweep failed, from NAME.failed beside its result; the caller frees it.
- * NULL: it did not fail. */
+/* Returns why a sweep point (one run of a sweep) failed, from the file NAME.failed beside its
+ * result; the caller frees the text. NULL: the point did not fail. */
 static char *failure_of(const place *p) {
   char *path = NULL, *text = NULL;
   unsigned char *bytes = NULL;
@@ -119,8 +120,8 @@ static void print_failure(const char *text) {
   report_lines(stdout, "  ", text);
 }
 
-/* Prints why a point of a sweep failed if it has neither a result nor a checkpoint. Returns true
- * if it has printed that. */
+/* Prints why a sweep point failed if the point has neither a result nor a checkpoint. Returns true
+ * if a reason was printed. */
 static bool tell_failure(const char *name) {
   place p;
   bool told = false;
@@ -189,8 +190,8 @@ static void print_text(const facts *f, const place *p) {
   json_array_foreach(f->datasets, index, set) {
     const char *path = json_string_value(json_object_get(set, "path"));
     const char *last = strrchr(path, '/');
-    /* Leave out columns of the state and the step and time of each element, which would be most
-     * of the list. */
+    /* Leave out columns of the state, and the step and time of each time series, which would be
+     * most of the list. */
     if (strncmp(path, "/state/", 7) == 0 || strcmp(last, "/step") == 0 ||
         strcmp(last, "/time") == 0)
       continue;
@@ -205,8 +206,8 @@ static void print_text(const facts *f, const place *p) {
 
 /* --- JSON output ------------------------------------------------------------------------------ */
 
-/* Returns an array of the two contacts of a watched disk, with their names and their elements of
- * the row. */
+/* Returns an array with an object for each of the two contacts of a watched disk: its name, and its
+ * elements of the row. */
 static json_t *contacts_json(const observable_list *list, const void *row, char *const *names) {
   json_t *contacts = json_array();
   for (size_t c = 0; c < 2; c++) {
@@ -217,7 +218,7 @@ static json_t *contacts_json(const observable_list *list, const void *row, char 
   return contacts;
 }
 
-/* Returns the array `name` of sliding configuration k. */
+/* Returns the quantity `name` of sliding configuration k as an array. */
 static json_t *ages_json(const summary *s, size_t k, const char *name) {
   const observable *o = observable_find(&configuration_observables, name);
   json_t *list = json_array();
@@ -226,7 +227,7 @@ static json_t *ages_json(const summary *s, size_t k, const char *name) {
   return list;
 }
 
-/* Returns the sliding configurations of watched disk w; an empty array if they were not
+/* Returns an array of the sliding configurations of watched disk w; empty if they were not
  * measured. */
 static json_t *configurations_json(const summary *s, size_t w) {
   static const char *const names[] = {"S++", "S+-", "S-+", "S--", "stick", "open"};
@@ -269,8 +270,8 @@ static json_t *until_json(const summary *s) {
   return object;
 }
 
-/* Returns the totals, and for each of the means an array over the disks; null if there are no
- * means. */
+/* Returns an object with the totals over all disks, and for each mean an array with an element per
+ * disk; JSON null if there are no means. */
 static json_t *disks_json(const summary *s) {
   const summary_disks *p = &s->packing;
   if (p->n == 0) return json_null();
@@ -337,7 +338,7 @@ static json_t *facts_json(const facts *f) {
 /* --- command ---------------------------------------------------------------------------------- */
 
 typedef struct arguments {
-  size_t first; /* Index in argv of the first file; 0: none */
+  size_t first; /* Index in argv of the first FILE; 0: none was given */
   bool json, deck, as_read, names;
 } arguments;
 
@@ -363,7 +364,7 @@ const command_line app_info_line = {
     .examples = "slipdisk info deck.h5                   # means with error bars, energy budget\n"
                 "slipdisk info deck.h5 --json\n"};
 
-/* Prints the tables of all observables; tools/docs/names.py puts them into docs/names.md. */
+/* Prints the tables of all observables; tools/docs/names.py copies them into docs/names.md. */
 static int print_names(void) {
   const observable_list *const lists[] = {
       &energy_observables,        &series_observables,   &frame_observables,
@@ -376,7 +377,7 @@ static int print_names(void) {
   return SD_OK;
 }
 
-/* Prints one run as text, or adds it to `into`, an array of JSON objects, if that is not NULL.
+/* Prints one run as text if `into` is NULL; else appends it as an object to the JSON array `into`.
  * Returns the exit status. */
 static int tell_file(const char *name, const arguments *a, json_t *into) {
   bool text = a->deck || a->as_read;
@@ -403,7 +404,7 @@ static int tell_file(const char *name, const arguments *a, json_t *into) {
   return status;
 }
 
-/* Prints an object for one file, an array for several. */
+/* Prints the only element of the list if several is false, else the whole list as an array. */
 static int print_json(json_t *list, bool several) {
   const json_t *root = several ? list : json_array_get(list, 0);
   return root ? json_print(root) : SD_OK;

@@ -1,4 +1,5 @@
-/* json.h: output of results as JSON. JSON has no NaN: unknown values are null. */
+/* json.h: output of results as JSON. JSON has no NaN, so values that are not known are written as
+ * null. */
 #ifndef SLIPDISK_APP_JSON_H
 #define SLIPDISK_APP_JSON_H
 
@@ -14,13 +15,13 @@ json_t *json_numbers(size_t n, const double *values);
 json_t *json_text(const char *text);
 /* Returns an array with an object for each message: {"kind": "error" or "warning", "text": ...}. */
 json_t *json_messages(const sd_messages *messages);
-/* Returns element k of an observable as a JSON boolean, integer or real, by its type; null if it
- * is not finite. */
+/* Returns element k of a quantity of the row as a JSON boolean, integer or real, by the type of the
+ * quantity; null if it is not finite. */
 json_t *json_observable(const observable *o, const void *row, size_t k);
-/* Adds element k of all quantities of this width to `object`, under their JSON names. A name
- * "group.name" puts the value into the member object "group". */
+/* Adds element k of all quantities of the row that have `width` elements to `object`, under their
+ * JSON names. A name "group.name" puts the value into the member object "group". */
 void json_add(json_t *object, const observable_list *list, const void *row, size_t width, size_t k);
-/* Returns a new object with all quantities of width 1 of a row. */
+/* Returns a new object with all quantities of a row that are single numbers (width 1). */
 json_t *json_row(const observable_list *list, const void *row);
 /* Returns an array with the mean rotation of each watched disk. */
 json_t *json_rotations(const summary *found);

@@ -53,8 +53,9 @@ static const command_line help_line = {
 static const struct command {
   const char *name;
   int (*main)(int argc, char **argv);
-  const command_line *line; /* Option table; NULL: it has no options */
-  /* True: the printed text is its result, which a lack of memory may have cut short */
+  const command_line *line; /* Option table of the subcommand; NULL: it has no options */
+  /* True: the subcommand's result is the text that it prints, which may be incomplete if memory ran
+   * out */
   bool prints;
 } commands[] = {
     {"run", app_run, &app_run_line, false},
@@ -164,7 +165,7 @@ static int run_command(int argc, char **argv) {
     options_help(stdout, one->line);
   else
     status = one->main(argc - 1, argv + 1);
-  /* Printing may have failed, for example on a full disk. */
+  /* Printing may have failed, for example because the disk is full. */
   if ((fflush(stdout) != 0 || ferror(stdout)) && status == 0) {
     fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));
     status = SD_ERROR_IO;
@@ -177,10 +178,10 @@ static int run_command(int argc, char **argv) {
   return status;
 }
 
-static bool leaving; /* True once main is about to return, which calls exit */
+static bool leaving; /* True as soon as main is about to return, which calls exit */
 
-/* Ends the process when memory for small objects runs out (sd_on_no_memory). A run loses only the
- * steps since its last checkpoint. Allocates nothing. */
+/* Ends the process when memory for small objects runs out; main sets it as sd_on_no_memory. A run
+ * loses only the steps since its last checkpoint. Allocates nothing. */
 static void end_without_memory(size_t bytes) {
   char text[LIMIT_LINE], rank[40] = "", amount[60] = "";
   if (comm_world()) snprintf(rank, sizeof rank, "rank %d: ", comm_rank(comm_world()));
@@ -189,27 +190,27 @@ static void end_without_memory(size_t bytes) {
   n += drive_describe_saved(text + n, sizeof text - (size_t)n - 1);
   text[n++] = '\n';
   ssize_t told = write(STDERR_FILENO, text, (size_t)n);
-  (void)told; /* A failure of write cannot be reported */
+  (void)told; /* An error of this write cannot be reported. */
   comm_abort(comm_world(), SD_ERROR_IO);
   _exit(SD_ERROR_IO);
 }
 
-/* Called by exit. If main has not returned, a library that ran out of memory has called exit
- * (HDF5, libconfig), some without a message. */
+/* Called by exit. If main has not returned, a library (HDF5, libconfig) has called exit because it
+ * ran out of memory, perhaps without a message. */
 static void end_of_library(void) {
   static const char text[] =
       "error: a library has ended the process, as some do without memory; what was "
       "saved before is not damaged\n";
   if (leaving) return;
   ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
-  (void)told; /* A failure of write cannot be reported */
+  (void)told; /* An error of this write cannot be reported. */
   _exit(SD_ERROR_IO);
 }
 
 static void *json_memory(size_t size) { return memory_new(size, 1); }
 
-/* Returns large freed blocks to the system. By default glibc raises its thresholds with the sizes
- * of freed blocks, and keeps ever larger ones for itself. */
+/* Makes free return large blocks to the system. By default glibc raises its thresholds to the sizes
+ * of freed blocks, and so keeps ever larger blocks for the process. */
 static void return_memory(void) {
 #ifdef M_MMAP_THRESHOLD
   mallopt(M_MMAP_THRESHOLD, 1 << 20);

@@ -1,4 +1,4 @@
-/* manual.c: see app.h. */
+/* manual.c: prints manual pages, and a script for completion in bash; see app.h. */
 #include "app/app.h"
 
 #include <ctype.h>
@@ -67,8 +67,8 @@ void manual_statuses(FILE *out) {
 
 enum { MAN_WIDTH = 68 };
 
-/* Prints n bytes escaped for troff; text between backquotes is bold. *bold: true inside
- * backquotes. */
+/* Prints n bytes of text, escaped for troff. Text between backquotes is printed bold; *bold: true
+ * if the position is inside backquotes, kept between calls. */
 static void man_bytes(FILE *out, const char *text, size_t n, bool *bold) {
   for (size_t k = 0; k < n; k++) switch (text[k]) {
       case '\\': fputs("\\e", out); break;
@@ -96,7 +96,7 @@ static void man_text(FILE *out, const char *text) {
   fputc('\n', out);
 }
 
-/* Prints text as filled paragraphs; indented lines stay as they are. */
+/* Prints text for troff as filled paragraphs; indented lines keep their line breaks. */
 static void man_lines(FILE *out, const char *text) {
   bool bold = false, table = false;
   char *prose = NULL;
@@ -121,7 +121,7 @@ static void man_lines(FILE *out, const char *text) {
   free(prose);
 }
 
-/* Prints a paragraph (.TP): the head in bold, then the text. */
+/* Prints a tagged paragraph of troff (.TP): `head` in bold, then the text. */
 static void man_entry(FILE *out, const char *head, const char *text) {
   bool bold = false;
   fputs(".TP\n\\fB", out);
@@ -135,8 +135,8 @@ static void man_rows(FILE *out, const char *title, size_t n, const manual_row *r
   for (size_t k = 0; k < n; k++) man_entry(out, rows[k].name, rows[k].text);
 }
 
-/* Prints an option (.TP), with the name of its value in italics or the words of a choice in
- * bold. */
+/* Prints an option as a tagged paragraph of troff (.TP), with the name of its value in italics, or
+ * with the words of a choice in bold. */
 static void man_option(FILE *out, const option_row *row) {
   bool bold = false;
   fputs(".TP\n", out);
@@ -165,8 +165,8 @@ static void man_examples(FILE *out, const char *examples) {
   fputs(".fi\n", out);
 }
 
-/* Prints the head of a page. command: "" for slipdisk(1). line: the summary, whose first letter
- * becomes lower case. */
+/* Prints the head of a manual page. command: name of the subcommand, "" for slipdisk(1). line: its
+ * summary, whose first letter is printed in lower case. */
 static void man_head(FILE *out, const char *command, const char *line) {
   char title[64], name[64];
   bool bold = false;
@@ -227,8 +227,8 @@ void manual_overview(FILE *out, size_t n, const command_line *const *lines) {
 
 /* --- bash completion -------------------------------------------------------------------------- */
 
-/* Prints which value an option takes, for the script below: "file", "folder", "text", or the
- * words of a choice as "csv,vtk". */
+/* Prints for the completion script which value an option takes: "file", "folder", "text", or the
+ * words of a choice, such as "csv,vtk". */
 static void bash_kind(FILE *out, const option_row *row) {
   if (row->kind == OPTION_CHOICE)
     for (const char *c = row->value; *c; c++) fputc(*c == '|' ? ',' : *c, out);

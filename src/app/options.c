@@ -1,4 +1,4 @@
-/* options.c: see options.h. */
+/* options.c: parses command lines and prints the help of commands; see options.h. */
 #include "app/options.h"
 
 #include <assert.h>
@@ -64,9 +64,9 @@ bool options_reals(const char *text, size_t n, double *value) {
   return true;
 }
 
-/* Reads up to three integers separated by colons into `value`, which keeps its entries where a
- * number is left out; given[k]: number k is there. Returns the number of colons; -1: not a
- * range. */
+/* Reads up to three integers separated by colons from `text` into `value`; a number left out leaves
+ * its entry unchanged. given[k]: set to true if number k is there. Returns the number of colons;
+ * -1: the text is not a range. */
 static int read_slice(const char *text, long value[3], bool given[3]) {
   int colons = 0;
   for (;; text++) {
@@ -131,7 +131,7 @@ static int refuse_unknown(const command_line *line, const char *given) {
   return app_misuse(line->name, "unknown option %s", given);
 }
 
-/* True if `text` is one of the words "a|b|c". */
+/* True if `text` is one of the words in `words`, which has the form "a|b|c". */
 static bool is_choice(const char *words, const char *text) {
   for (size_t n; *words; words += n + (words[n] == '|')) {
     n = strcspn(words, "|");
@@ -144,10 +144,11 @@ static bool is_deck(const char *path) {
   return (text_ends(path, ".cfg") || text_ends(path, ".inc")) && file_exists(path);
 }
 
-/* True for an HDF5 file that is not an H5MD export. */
+/* True if the file is HDF5 and its name does not end in .h5md, as those of exports do. */
 static bool is_result(const char *path) { return !text_ends(path, ".h5md") && h5_is_file(path); }
 
-/* Stores an option with its value in `arguments`. Returns 0, or the exit status of a mistake. */
+/* Stores the value of an option in `arguments`. Returns 0; if the value is wrong, prints why and
+ * returns the exit status. */
 static int take(const command_line *line, const option_row *row, const char *value,
                 void *arguments) {
   void *field = (char *)arguments + row->offset;
@@ -257,8 +258,8 @@ int options_parse(const command_line *line, int argc, char **argv, void *argumen
 
 enum { HELP_COLUMN = 25, HELP_WIDTH = 100 };
 
-/* Prints words from this column on, broken at blanks. at: number of characters already on the
- * line. */
+/* Prints the words of `text`, with line breaks at blanks; all lines begin at column `column`. at:
+ * number of characters that the line has already. */
 static void print_words(FILE *out, const char *text, size_t at, size_t column) {
   for (const char *next; *text; text = next) {
     size_t n = strcspn(text, " ");

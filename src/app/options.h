@@ -9,17 +9,23 @@
 
 #include "slipdisk/status.h"
 
-/* Kind of an option: the value that it takes, and the C type of the field that receives it. */
+/* Kind of an option: whether it takes a value and of which form, and the C type of the field that
+ * receives the value. */
 typedef enum option_kind {
-  OPTION_FLAG,   /* No value; bool */
-  OPTION_NUMBER, /* Integer from `least` to `most`; long */
-  OPTION_REAL,   /* Finite number; option_real */
-  OPTION_TEXT,   /* Any text, given at most once; const char * */
-  OPTION_CHOICE, /* One of the words of `value`, such as "csv|vtk"; const char * */
-  OPTION_PATH,   /* File or folder to be written, not an existing deck or result; const char * */
-  OPTION_RESULT, /* Result to be written, not an existing deck; const char * */
-  OPTION_STREAM, /* Like OPTION_PATH, or - for the standard output; const char * */
-  OPTION_LIST    /* Any text, may be given several times; option_list */
+  OPTION_FLAG,   /* No value; the field is a bool */
+  OPTION_NUMBER, /* Integer between limits->least and limits->most; the field is a long */
+  OPTION_REAL,   /* Finite number; the field is an option_real */
+  OPTION_TEXT,   /* Any text, given at most once; the field is a const char * */
+  /* One of the words in option_row.value, such as "csv|vtk"; the field is a const char * */
+  OPTION_CHOICE,
+  /* Path of a file or folder to be written, not that of an existing deck or result; the field is a
+   * const char * */
+  OPTION_PATH,
+  /* Path of a result to be written, not that of an existing deck; the field is a const char * */
+  OPTION_RESULT,
+  /* Same as OPTION_PATH, or "-" for the standard output; the field is a const char * */
+  OPTION_STREAM,
+  OPTION_LIST /* Any text; the option may be given several times; the field is an option_list */
 } option_kind;
 
 typedef struct option_real {
@@ -29,31 +35,32 @@ typedef struct option_real {
 
 typedef struct option_list {
   size_t n;
-  const char **item; /* [n] texts of argv; the caller frees the array */
+  const char **item; /* [n] pointers into argv; the caller frees the array */
 } option_list;
 
-/* Limits of a number; least and most apply to integers only. */
+/* Limits of the number that an option takes; least and most apply to integers only. */
 typedef struct option_limits {
   long least, most;
-  /* Text of the error message behind "--name VALUE": what was expected */
+  /* End of the error message after "--name VALUE": what was expected */
   const char *wrong;
 } option_limits;
 
 typedef struct option_row {
-  const char *name; /* Long name, as in --name */
-  /* Short name, as in -l, which messages then use; 0: none */
+  const char *name; /* Long name of the option, without "--" */
+  /* Letter of the short form, such as 'l' for -l; messages then use this form; 0: no short form */
   char letter;
   option_kind kind;
-  size_t offset; /* Offset of the field in the arguments of the command */
-  /* Limits of a number; NULL for other kinds */
+  size_t offset; /* Offset of the option's field in the struct of the command's arguments */
+  /* Limits of OPTION_NUMBER and OPTION_REAL; NULL for other kinds */
   const option_limits *limits;
-  /* Name of the value in the help, or the words of a choice; NULL: a flag */
+  /* Name of the option's value in the help, or the words of a choice; NULL: the option takes no
+   * value */
   const char *value;
   const char *help;
 } option_row;
 
-/* Kind of operand of a command. A deck may be -, the standard input. The field behind
- * command_line.offset is a const char *, for OPERAND_RESULTS a size_t: the index in argv of the
+/* Kind of operand that a command takes. A deck may be "-", the standard input. The field at
+ * command_line.offset is a const char *; for OPERAND_RESULTS a size_t, the index in argv of the
  * first result. */
 typedef enum operand_kind {
   OPERAND_DECK,
@@ -63,7 +70,7 @@ typedef enum operand_kind {
 } operand_kind;
 
 typedef struct command_line {
-  const char *name; /* Name of the command */
+  const char *name; /* Name of the subcommand */
   size_t n;
   const option_row *rows;
   operand_kind operand;
@@ -71,37 +78,38 @@ typedef struct command_line {
   /* True: the parser accepts a missing operand, which the command handles */
   bool optional;
   const char *operands; /* Operands in the help, such as "DECK" */
-  const char *summary;  /* Summary for the list of commands, one line */
-  /* Further lines of the help of this command; NULL: none */
+  const char *summary;  /* Summary of the command, one line, for the list of commands */
+  /* Further lines for the help of this command; NULL: none */
   const char *more;
   /* Example command lines, each with a comment: "slipdisk run deck.cfg   # ...\n"; NULL: none */
   const char *examples;
 } command_line;
 
-/* Parses a command line into `arguments`. Returns 0, or the exit status of a mistake, which has
- * been printed. */
+/* Parses a command line into the struct `arguments`. Returns 0; after a mistake of the user, prints
+ * it and returns the exit status. */
 int options_parse(const command_line *line, int argc, char **argv, void *arguments);
 /* Reads an integer from `text` into *out. Returns false if it is no integer or outside [least,
  * most]. */
 bool options_number(const char *text, long least, long most, long *out);
-/* Reads n finite numbers, separated by commas, into value[n]. Returns false if `text` is anything
- * else. */
+/* Reads n finite numbers, separated by commas, into value[n]. Returns false if `text` has another
+ * form. */
 bool options_reals(const char *text, size_t n, double *value);
-/* Frames first, first + step, ...: n of them, n > 0. */
+/* Selection of n > 0 frames: first, first + step, ..., first + (n - 1) step. */
 typedef struct option_range {
   size_t first, step, n;
 } option_range;
-/* Selects frames among `count` by the text of --frames, as Python does: "5" or "-1" one frame,
- * "0:100:10" a slice with a positive step, whose ends may lie outside; NULL: all. count =
- * SIZE_MAX, before a file is open: only checks the syntax. file: its name for the message.
- * SD_ERROR_USER: the text is no range, or selects no frame. */
+/* Selects frames, out of `count`, by the text of the option --frames, which works as in Python: "5"
+ * or "-1" is one frame, "0:100:10" a slice with a positive step, whose ends may lie beyond the
+ * frames; NULL: all frames. count = SIZE_MAX: only checks the syntax, before a file is open. file:
+ * name of the file for the message. SD_ERROR_USER: the text is no range, or selects no frame. */
 sd_status options_range(const char *text, size_t count, const char *file, option_range *out,
                         sd_messages *messages);
-/* Prints `head` and, from this column on, the words of `text`, wrapped; for lists in the help. */
+/* Prints an entry of a list in the help: `head`, then from column `column` on the words of `text`,
+ * with line breaks. */
 void options_entry(FILE *out, const char *head, const char *text, size_t column);
-/* Prints the help of a command from its table. */
+/* Prints the help of a command as described by its table. */
 void options_help(FILE *out, const command_line *line);
-/* Prints one line, with control characters of names and titles shown as \xHH. */
+/* Prints one line as printf does; control characters (in names and titles) are shown as \xHH. */
 void app_line(FILE *out, const char *format, ...) SD_PRINTF(2, 3);
 /* Prints "error: slipdisk COMMAND: ...; see slipdisk COMMAND --help" and returns SD_ERROR_USER. */
 int app_misuse(const char *command, const char *format, ...) SD_PRINTF(2, 3);

@@ -1,4 +1,4 @@
-/* place.c: see app.h. */
+/* place.c: finds the files of a run by the name that the user gives; see app.h. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -65,8 +65,8 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
     *path = memory_text(p->checkpoint);
     return h5_open_sealed(-1, *path, out, NULL, messages);
   }
-  /* A running process may remove a checkpoint between listing and opening; then list the folder
-   * again. */
+  /* Another process that continues the run may remove a checkpoint after it was listed and before
+   * it is opened; then list the folder again. */
   for (int attempt = 0; attempt < 3; attempt++) {
     int64_t *steps;
     size_t n;
@@ -74,7 +74,7 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
     sd_messages *why = sd_messages_new();
     for (size_t k = 0; status == SD_OK && k < n && !*path; k++) {
       char *candidate = folder_checkpoint(p->folder, steps[k]);
-      /* Skip a checkpoint that has vanished since the listing, without a warning. */
+      /* Skip a checkpoint without a warning if it has vanished since it was listed. */
       bool there = file_exists(candidate);
       if (there && h5_open_sealed(-1, candidate, out, NULL, why) == SD_OK)
         *path = candidate;
@@ -92,8 +92,8 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
   return sd_fail(messages, SD_ERROR_IO, "%s has no checkpoint that can be read", p->folder);
 }
 
-/* Opens the frames of the checkpoint `base` and of its parts 1 ... `parts`. Missing parts are
- * left out with a warning. */
+/* Opens the frames of the checkpoint `base` and of the part files 1 ... `parts` of the run. Part
+ * files that are missing are left out with a warning. */
 static sd_status open_parts(frames *f, const place *p, const char *base, int64_t parts,
                             sd_messages *messages) {
   char **list = memory_new(parts > 0 ? (size_t)parts : 0, sizeof *list);
@@ -114,13 +114,14 @@ static sd_status open_parts(frames *f, const place *p, const char *base, int64_t
   return status;
 }
 
-/* Opens the frames of an unfinished run. *alone: true if a part was named, which then gives all
- * frames. */
+/* Opens the frames of an unfinished run. *alone: true if the user named a single part file; then
+ * its frames are all. */
 static sd_status open_unfinished(frames *f, place *p, bool *alone, sd_messages *messages) {
   char *part = NULL, *base = NULL;
   if (p->checkpoint && frames_is_part(p->checkpoint)) {
     part = p->checkpoint;
-    p->checkpoint = NULL; /* Read the constants from the newest checkpoint */
+    /* Read the data that do not change during the run from the newest checkpoint */
+    p->checkpoint = NULL;
   }
   bool named = p->checkpoint;
   h5_file *file = NULL;

@@ -101,8 +101,8 @@ const command_line app_film_line = {
 
 /* --- checks of the options -------------------------------------------------------------------- */
 
-/* Reads two numbers with the character `between` in the middle. missing: true if one or both may
- * be left out. */
+/* Reads two numbers with the character `between` between them. missing: true allows that one or
+ * both are left out. Returns false if the text has another form. */
 static bool two_numbers(const char *text, char between, bool missing, double value[2]) {
   for (int k = 0; k < 2; k++) {
     char *end;
@@ -131,8 +131,8 @@ static int examine(const char *command, const arguments *a) {
 
 /* --- Python interpreter ----------------------------------------------------------------------- */
 
-/* Returns the folder of the Python package in the checkout or installation to which this program
- * belongs; the caller frees it. NULL: not found. */
+/* Returns the folder of the Python package in the checkout or installation of slipdisk to which
+ * this executable belongs; the caller frees it. NULL: not found. */
 static char *package_folder(const char *program) {
   static const char *const places[] = {"tools/python", SD_PYTHON_DIR};
   char up[PATH_MAX];
@@ -155,12 +155,12 @@ static char *package_folder(const char *program) {
 static const char *const modules[] = {"numpy", "h5py", "matplotlib", "slipdisk"};
 enum { MODULES = sizeof modules / sizeof *modules, FOUND = 64 };
 
-/* Removes "", the current folder, from the module path, so that its files are not imported as
- * modules. */
+/* Python code that removes "", the current folder, from the module path, so that no file there is
+ * imported instead of a module. */
 #define SAFE_PATH "import sys\nsys.path[:] = [folder for folder in sys.path if folder]\n"
 
-/* Returns a bit mask of the modules that this interpreter lacks, bit k for modules[k]; -1: it
- * does not run. */
+/* Returns a bit mask of the modules that this Python interpreter lacks: bit k stands for
+ * modules[k]. Returns -1 if the interpreter does not run. */
 static int modules_missing(const char *python) {
   static const char look[] = SAFE_PATH
       "import importlib.util as u\n"
@@ -182,8 +182,8 @@ static int modules_missing(const char *python) {
   return WEXITSTATUS(status) - FOUND;
 }
 
-/* Returns the first interpreter that has all modules; NULL, after an error message, if there is
- * none. */
+/* Returns the first Python interpreter that has all modules; NULL, after an error message, if there
+ * is none. */
 static const char *find_python(const char *command) {
   const char *names[] = {getenv("SLIPDISK_PYTHON"), "/usr/bin/python3", "python3"};
   char told[600] = "";
@@ -207,12 +207,12 @@ static const char *find_python(const char *command) {
   return NULL;
 }
 
-/* Sets PYTHONPATH and SLIPDISK_PROGRAM, so that the interpreter finds the package and this
- * program. */
+/* Sets the environment variables PYTHONPATH and SLIPDISK_PROGRAM, so that the Python interpreter
+ * finds the package and this program. */
 static void prepare_environment(void) {
   char program[PATH_MAX];
   ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
-  if (n < 0) return; /* Python may find both without help */
+  if (n < 0) return; /* Python may find the package and this program without these variables */
   program[n] = 0;
   char *folder = package_folder(program);
   if (!folder) return;
@@ -224,7 +224,7 @@ static void prepare_environment(void) {
   free(path);
 }
 
-/* Command line of the interpreter. */
+/* Command line of the Python interpreter. */
 typedef struct word_list {
   size_t n;
   char **word;
@@ -255,7 +255,8 @@ static void add_all(word_list *list, const arguments *a) {
   if (a->dark) list->word[list->n++] = memory_text("--dark");
 }
 
-/* Replaces this process by the interpreter. Returns, with SD_ERROR_IO, only if that fails. */
+/* Replaces this process by the Python interpreter. Returns, with SD_ERROR_IO, only if that
+ * fails. */
 static int become_python(const char *command, const arguments *a) {
   prepare_environment();
   const char *python = find_python(command);

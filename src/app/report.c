@@ -36,7 +36,8 @@ void report_bottom(FILE *out, const char *text) {
   fflush(out);
 }
 
-/* Formats "-0.0123 +- 0.0004"; "-" if the value is not finite, "+- ?" if the error is not. */
+/* Formats a value with its error, as "-0.0123 +- 0.0004"; "-" if the value is not finite, "+- ?" if
+ * the error is not. */
 static const char *with_error(double value, double error, char *text, size_t size) {
   if (!isfinite(value))
     snprintf(text, size, "-");
@@ -47,7 +48,7 @@ static const char *with_error(double value, double error, char *text, size_t siz
   return text;
 }
 
-/* Most rows in a table of watched disks; the file has all of them. */
+/* Largest number of rows that the table of watched disks prints; the file has all of them. */
 enum { MOST_ROWS = 24 };
 
 static void report_rotations(FILE *out, const summary *found) {
@@ -70,7 +71,7 @@ static void report_rotations(FILE *out, const summary *found) {
   if (doubtful) fprintf(out, "  * too short a record: the error is not reliable\n");
 }
 
-/* Formats the value of a phase at its end; "-" if it had no goal. */
+/* Formats the value of a criterion at the end of a phase; "-" if the phase had no goal for it. */
 static const char *if_asked(double value, double goal, char *text, size_t size) {
   if (goal > 0)
     snprintf(text, size, "%.4g", value);
@@ -79,7 +80,7 @@ static const char *if_asked(double value, double goal, char *text, size_t size) 
   return text;
 }
 
-/* Prints the table of phases, if some phase had a goal (to settle or to be compressed). */
+/* Prints the table of phases, if some phase had a goal to be met (rest, or a stress). */
 static void report_phases(FILE *out, const summary *found) {
   bool any = false;
   for (size_t k = 0; k < found->n_stages; k++) {
@@ -129,7 +130,7 @@ static void report_until(FILE *out, const summary *found) {
 }
 
 /* Prints means and standard deviations of torque and forces in each sliding configuration of
- * watched disk w. */
+ * watched disk w (combination of the sliding directions at its two contacts). */
 static void report_configurations(FILE *out, const summary *found, size_t w) {
   static const char *const names[] = {"S++", "S+-", "S-+", "S--", "stick", "open"};
   if (found->n_configurations < SD_CONFIGURATIONS * (w + 1)) return;
@@ -166,7 +167,8 @@ static void report_slides(FILE *out, const summary *found) {
     fprintf(out, "  ... and %zu more, in /summary/slide\n", found->n_slides - n);
 }
 
-/* Prints the disks with the largest mean |Omega|; the file has those of all disks. */
+/* Prints the free disks with the largest |mean angular velocity|; the result file has the means of
+ * all disks. */
 static void report_fastest(FILE *out, const summary_disks *p) {
   size_t n = p->n_fastest;
   if (n == 0) return;
@@ -181,7 +183,7 @@ static void report_fastest(FILE *out, const summary_disks *p) {
   }
 }
 
-/* Prints means over all disks. A total with an error bar and its error share a line. */
+/* Prints means over all disks. A quantity that has an error bar is printed with it on one line. */
 static void report_disks(FILE *out, const summary *found) {
   const summary_disks *p = &found->packing;
   if (p->n == 0) return;
@@ -197,7 +199,7 @@ static void report_disks(FILE *out, const summary *found) {
           "\nmeans of %.0f of %zu free disks over time %.6g, %" PRId64 " looks at the contacts\n",
           isnan(p->totals.disks) ? 0.0 : p->totals.disks, p->n, p->measured, p->looks);
   if (!(p->totals.disks > 0)) return;
-  /* Observable 0, the number of disks, is printed above */
+  /* Skip observable 0, the number of disks, which is printed above */
   for (size_t k = 1; k < total_observables.n; k++) {
     const observable *o = &total_observables.rows[k],
                      *next = k + 1 < total_observables.n ? o + 1 : o;
@@ -260,7 +262,7 @@ const char *report_of(const summary *found) {
 
 void report_cost(FILE *out, const summary *found, const provenance *origin) {
   char wall[40], cost[40] = "", ranks[40] = "";
-  if (isfinite(found->step_nanoseconds)) /* NAN before the first step */
+  if (isfinite(found->step_nanoseconds)) /* The cost per step is NAN before the first step */
     snprintf(cost, sizeof cost, "%.4g ns per step, ", found->step_nanoseconds);
   if (origin->ranks > 1) snprintf(ranks, sizeof ranks, "%" PRId64 " ranks of ", origin->ranks);
   fprintf(out,

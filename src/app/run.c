@@ -100,8 +100,8 @@ const command_line app_resume_line = {
     .examples =
         "slipdisk resume deck.h5                 # without the deck, with all keys that it had\n"};
 
-/* Finds the run called `name` and reads its deck from a checkpoint; on rank 0 only. *found: true
- * if the run is unfinished, that is, has a folder of parts. */
+/* Finds the run called `name` and reads its deck from a checkpoint; called on rank 0 only. *found:
+ * true if the run is unfinished, that is, its folder RESULT.parts exists. */
 static sd_status find_origin(const char *name, place *p, provenance *origin, bool *found,
                              sd_messages *messages) {
   h5_file *file = NULL;

@@ -1,5 +1,5 @@
 /* size.c: estimates the size of a result from the deck alone: rows of each table, columns of the
- * state, overhead of HDF5, and compression of frames and contact tables. */
+ * state, overhead of HDF5, and the effect of compression. */
 #include <inttypes.h>
 #include <math.h>
 #include <stddef.h>
@@ -16,23 +16,24 @@
 #include "run/session.h"
 #include "slipdisk/deck.h"
 
-/* Overhead of HDF5 in bytes: headers and attributes take about 640 bytes per dataset.
- * WALLS_BYTES: the same for datasets about walls. */
+/* Overhead of HDF5 in bytes, about 640 for each dataset with its header and attributes. FILE_BYTES:
+ * for datasets that every file has; WALLS_BYTES: for those about walls. */
 static const double FILE_BYTES = 160e3, WALLS_BYTES = 40e3;
-/* Bytes of the constants of a body: mass, radius, group and the like. */
+/* Bytes per body for data that do not change during the run: mass, radius, group and the like. */
 static const double BODY_BYTES = 40;
-/* Fractions of coordinates and of contact forces that compression leaves: their trailing bytes
- * are noise. Integers in frames compress to almost nothing. */
+/* Compressed size divided by plain size: of coordinates in frames, of contact forces. The trailing
+ * bytes of the numbers are noise. Integers in frames compress to almost nothing. */
 static const double NOISE_LEFT = 0.88, FORCE_LEFT = 0.85;
-/* Contacts per free disk assumed for a packing; each contact counts once for its two disks. */
+/* Number of contacts per free disk that is assumed for a packing; a contact of two disks counts
+ * once. */
 enum { CONTACTS_PER_DISK = 2 };
 
 typedef struct rows {
   int64_t series, frames, contacts;
 } rows;
 
-/* Returns the number of contacts assumed: CONTACTS_PER_DISK for each free disk, but no more than
- * there are pairs with a free disk. */
+/* Returns the number of contacts that is assumed: CONTACTS_PER_DISK times the number of free disks,
+ * but at most the number of pairs with a free disk. */
 static size_t most_contacts(const sd_model *m) {
   double free = (double)m->n_free,
          pairs = free * ((double)sd_model_bodies(m) - free) + free * (free - 1) / 2;
@@ -40,9 +41,10 @@ static size_t most_contacts(const sd_model *m) {
   return pairs < (double)usual ? (size_t)pairs : usual;
 }
 
-/* Returns the number of rows written at a cadence (session_due): rows inside each phase, a row at
- * the border of two phases if the new one has rows or the old one ends with a row, and the first
- * and last step. every_offset: offset of the cadence in sd_phase. */
+/* Returns the number of rows of a table that is sampled at a fixed interval of steps (session_due):
+ * rows inside each phase; one at the border of two phases if the new phase samples rows or the old
+ * one ends with a row; and one at the first and at the last step. every_offset: offset of the
+ * interval in sd_phase. */
 static int64_t rows_of(const sd_model *m, size_t every_offset) {
   int64_t n = 2;
   bool ends = false; /* True if the previous phase has a row at its end */
@@ -63,8 +65,8 @@ static rows count_rows(const sd_model *m) {
                 rows_of(m, offsetof(sd_phase, contacts_every))};
 }
 
-/* Returns the stored bytes of one row. If the table is compressed, the fraction `left` of the
- * reals counts, and integers count as 0. */
+/* Returns the stored bytes of one row of a table. If the table is compressed, reals count with the
+ * factor `left`, and integers count as 0. */
 static double row_bytes(const table *t, double left) {
   double bytes = 0;
   for (size_t k = 0; k < t->n_columns; k++) {
@@ -75,8 +77,8 @@ static double row_bytes(const table *t, double left) {
   return bytes;
 }
 
-/* Returns bytes of the state with so many contacts, and of the means of every disk that readers
- * compute from its columns. */
+/* Returns the bytes of the state with `contacts` contacts, and of the means of every disk, which
+ * are computed from it. */
 static double stored_bytes(const sd_model *m, size_t contacts) {
   const size_t means = m->measure_disks ? m->n_free : 0;
   return state_bytes(m, contacts) + (double)(means * disk_observables.n * sizeof(double));
@@ -93,16 +95,16 @@ static double result_bytes(const sd_model *m, const record *r, const rows *n) {
   bytes += stored_bytes(m, contacts) + (double)n->series * row_bytes(&r->series, 1);
   bytes +=
       (double)n->frames * (row_bytes(&r->disks, NOISE_LEFT) + row_bytes(&r->clumps, NOISE_LEFT));
-  /* Wall trajectories count as 0: walls move regularly or not at all, which compresses well. */
+  /* Walls are not counted in frames: they move regularly or not at all, which compresses well. */
   bytes += (double)n->contacts * (row_bytes(&r->contact_index, 1) +
                                   (double)contacts * row_bytes(&r->contact_rows, FORCE_LEFT));
   return bytes;
 }
 
-/* Memory in bytes, measured from 1e4 to 1e6 disks, in gases and packings. PROGRAM_BYTES:
- * libraries and buffers. WORK_BYTES: lists, forces and rows of a disk, with one frame and one
- * contact table. ROWS_TWICE: memory per byte of unsaved rows, which are held as rows and, while
- * it is written, as a part. */
+/* Constants of the memory estimate in bytes, measured with gases and packings of 1e4 to 1e6 disks.
+ * PROGRAM_BYTES: libraries and buffers. WORK_BYTES: per disk, for lists, forces, one frame and one
+ * contact table. ROWS_TWICE: per byte of sampled rows that are not yet written; more than 1,
+ * because these rows are in memory twice while their file is being written. */
 static const double PROGRAM_BYTES = 25e6, WORK_BYTES = 600, ROWS_TWICE = 1.85;
 
 double size_memory(const sd_model *m) {
@@ -157,7 +159,7 @@ sd_status size_refuse(const sd_model *m, const result_size *size, sd_messages *m
   return SD_OK;
 }
 
-/* Bytes above which a result is probably larger than intended. */
+/* Size of a result in bytes above which it is probably larger than intended. */
 static const double LARGE = 50e9;
 
 void size_warn(const result_size *size, const char *folder, sd_messages *messages) {

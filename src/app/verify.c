@@ -1,4 +1,5 @@
-/* verify.c: `slipdisk verify FILE...` compares all bytes of files with their checksums. */
+/* verify.c: `slipdisk verify FILE...` checks whether files are unchanged, by the checksums stored
+ * in them. */
 #include <dirent.h>
 #include <errno.h>
 #include <inttypes.h>
@@ -15,7 +16,7 @@
 
 typedef struct verifier {
   bool quiet, seal, unsealed;
-  size_t first; /* Index in argv of the first file */
+  size_t first; /* Index in argv of the first FILE */
   size_t files, damaged;
 } verifier;
 
@@ -37,7 +38,7 @@ const command_line app_verify_line = {
     .more = "Exit status 4 when one is damaged.\n",
     .examples = "slipdisk verify deck.h5 sweep.sweep     # is every byte as it was written?\n"};
 
-/* Prints why a file is damaged, and counts it. */
+/* Prints why a file is damaged, and counts it in v->damaged. */
 static void tell_damaged(verifier *v, const char *path, const sd_messages *why) {
   v->damaged++;
   if (sd_messages_count(why) == 0) fprintf(stderr, "error: %s cannot be read\n", path);
@@ -67,8 +68,8 @@ static bool verify_file(verifier *v, const char *path) {
   return status == SD_OK;
 }
 
-/* Checks the parts that a checkpoint counts: all are present, undamaged, and linked in a chain
- * (record_link). */
+/* Checks the part files of a run that this checkpoint counts: all must be present and undamaged,
+ * and each must have the checksum that the next one stores (record_link). */
 static void verify_chain(verifier *v, const char *inside, const char *checkpoint) {
   sd_messages *why = sd_messages_new();
   h5_file *file = NULL, *part = NULL;
@@ -92,8 +93,8 @@ static void verify_chain(verifier *v, const char *inside, const char *checkpoint
   sd_messages_free(why);
 }
 
-/* Verifies all sealed files in a folder of parts or of points, and in folders of parts inside
- * it. */
+/* Verifies all files with a checksum in a folder: that of the part files of a run, or that of the
+ * points of a sweep with the folders of part files inside it. */
 static sd_status verify_folder(verifier *v, const char *inside, sd_messages *messages) {
   DIR *directory = opendir(inside);
   if (!directory)
@@ -116,8 +117,8 @@ static sd_status verify_folder(verifier *v, const char *inside, sd_messages *mes
   return status;
 }
 
-/* Verifies a file, a folder of parts, an unfinished run given by the name of its result, or a
- * sweep. */
+/* Verifies a file, a folder of part files (RESULT.parts), an unfinished run given by the name of
+ * its result, or the folder of a sweep. */
 static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
   char *points = format_text("%s/points", name), *parts = format_text("%s.parts", name);
   sd_status status = SD_OK;

@@ -1,6 +1,6 @@
-/* deck_diff.c: see deck_diff.h. Equal lines are skipped; at a difference the nearest pair of lines
- * at which the decks agree again is searched. That suffices, because completed decks list their
- * keys in a fixed order. */
+/* deck_diff.c: compares the texts of two completed decks line by line; see deck_diff.h. Equal lines
+ * are skipped; at a difference the nearest pair of lines is searched at which the decks agree
+ * again. That suffices, because completed decks list their keys in a fixed order. */
 #include "run/deck_diff.h"
 
 #include <stdlib.h>
@@ -15,7 +15,7 @@ enum { WINDOW = 200, MOST = 20 };
 
 static size_t length_of(const char *line) { return strcspn(line, "\n"); }
 
-/* Skips the line of the checkpoint interval, which does not affect the result. */
+/* Skips the line with the checkpoint interval, which does not affect the result of a run. */
 static const char *past_ignored(const char *line) {
   static const char ignored[] = "checkpoint = ";
   while (strncmp(line, ignored, sizeof ignored - 1) == 0) {
@@ -30,15 +30,16 @@ static const char *next_of(const char *line) {
   return past_ignored(*line ? line + 1 : line);
 }
 
-/* Returns the length of the line without the remark that the value is the default: such a value may
- * also be given explicitly. */
+/* Returns the length of the line without the remark that its value is the default, since a deck may
+ * also give that value explicitly. */
 static size_t said(const char *line) {
   static const char remark[] = "  # default";
   size_t n = length_of(line), tail = sizeof remark - 1;
   return n >= tail && strncmp(line + n - tail, remark, tail) == 0 ? n - tail : n;
 }
 
-/* Returns true if two lines say the same; false at the end of a text. */
+/* Returns true if two lines are equal apart from the remark that a value is the default; false at
+ * the end of a text. */
 static bool same(const char *a, const char *b) {
   size_t n = said(a);
   return *a && *b && n == said(b) && strncmp(a, b, n) == 0;
@@ -54,7 +55,8 @@ bool deck_same(const char *before, const char *now) {
   return !*before && !*now;
 }
 
-/* Finds how many lines to skip in a and in b until they agree again; the sum of both is minimal. */
+/* Finds how many lines to skip in a and in b until the two texts agree again, with the smallest
+ * possible sum of both numbers. */
 static void resynchronise(const char *a, const char *b, int *skip_a, int *skip_b) {
   *skip_a = *skip_b = WINDOW;
   const char *at_a = a;
@@ -69,8 +71,8 @@ static void resynchronise(const char *a, const char *b, int *skip_a, int *skip_b
   }
 }
 
-/* Adds an error for each of `count` lines, while fewer than MOST were added. Returns the next
- * line. */
+/* Adds an error message for each of `count` lines, until MOST messages were added. Returns the line
+ * after them. */
 static const char *tell(const char *line, int count, const char *whose, int *told,
                         sd_messages *messages) {
   for (int k = 0; k < count && *line; k++, line = next_of(line)) {
@@ -103,10 +105,11 @@ void deck_diff(const char *before, const char *now, sd_messages *messages) {
 
 /* --- Differences between the keys of two decks, for points of a sweep ------------------------- */
 
-/* Largest number of differences kept for a point, and for many points together. */
+/* Largest number of differences stored for one point of a sweep, and for all points together. */
 enum { MOST_KEPT = 20, MOST_TOLD = 20 };
 
-/* Adds a difference; a value that a deck does not have is NULL. */
+/* Adds a difference of key `path`: its values there and here; NULL: that deck does not have the
+ * key. */
 static void add(sweep_result *r, const char *path, const char *there, const char *here) {
   r->differences = memory_grow(r->differences, r->n_differences + 1, sizeof *r->differences);
   r->differences[r->n_differences++] =
@@ -129,7 +132,8 @@ bool sweep_compare(sweep_result *r, const char *there, const char *here, bool an
 
 void sweep_differ(sweep_result *r, const char *why) { add(r, why, NULL, NULL); }
 
-/* Returns a text such as "gravity.tilt: 0.1 there, 0.2 here"; the caller frees it. */
+/* Returns a difference as text, such as "gravity.tilt: 0.1 there, 0.2 here"; the caller frees
+ * it. */
 static char *words(const sweep_difference *d) {
   if (!d->there && !d->here) return memory_text(d->path);
   if (!d->there) return format_text("%s: not there, %s here", d->path, d->here);
@@ -164,7 +168,8 @@ void sweep_differences_free(sweep_result *r) {
 
 static bool same_text(const char *a, const char *b) { return a && b ? strcmp(a, b) == 0 : a == b; }
 
-/* Counts a difference of a point: finds its line in the tally or adds one, which takes over d. */
+/* Counts a difference of a point in the tally: in the line of this difference, or in a new line,
+ * which takes over the contents of d. */
 static void count(sweep_tally *t, sweep_difference *d) {
   for (size_t k = 0; k < t->n; k++) {
     sweep_tally_line *line = &t->list[k];
@@ -180,7 +185,7 @@ static void count(sweep_tally *t, sweep_difference *d) {
   }
   t->list = memory_grow(t->list, t->n + 1, sizeof *t->list);
   t->list[t->n++] = (sweep_tally_line){.first = *d, .points = 1};
-  *d = (sweep_difference){0}; /* now owned by the list */
+  *d = (sweep_difference){0}; /* the tally owns the strings now */
 }
 
 void sweep_tally_add(sweep_tally *t, sweep_result *r) {

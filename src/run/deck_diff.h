@@ -1,5 +1,5 @@
-/* deck_diff.h: compares two completed decks, for the message that refuses to continue a run with
- * another deck. */
+/* deck_diff.h: compares two completed decks. The differences are listed in the message that refuses
+ * to continue a run with another deck. */
 #ifndef SLIPDISK_RUN_DECK_DIFF_H
 #define SLIPDISK_RUN_DECK_DIFF_H
 

@@ -1,8 +1,8 @@
-/* ensemble.c: see ensemble.h.
+/* ensemble.c: advances several simulations (members) together; see ensemble.h.
  *
- * Members at the same step of the same phase go in lanes together, up to the next pause of any
- * of them. After each pause the members are grouped again; the lanes are kept while the group is
- * the same. */
+ * Members at the same step of the same phase advance side by side in the lanes of SIMD vectors, up
+ * to the next step at which one of them has work between steps. Then they are grouped again; the
+ * vectors are rebuilt only if the group has changed. */
 #include "run/ensemble.h"
 
 #include <assert.h>
@@ -21,7 +21,7 @@
 struct ensemble {
   size_t n, in_lanes;
   sd_simulation **members;
-  /* lanes, and the engines in them; NULL: none yet */
+  /* SIMD lanes, and the engines that are in them; NULL: none yet */
   lanes *lanes;
   size_t n_together;
   engine *together[LANES_MOST];
@@ -46,14 +46,16 @@ void ensemble_free(ensemble *e) {
   free(e);
 }
 
-/* Steps that a member still has to take in this call. */
+/* Work that is left for a member of the ensemble in this call. */
 typedef struct share {
-  engine *engine; /* NULL: it has taken its steps, has failed or is finished */
-  int64_t left;   /* steps left in this call */
+  /* engine of the member; NULL: it has taken all steps, has failed or is finished */
+  engine *engine;
+  int64_t left; /* number of steps left in this call */
 } share;
 
-/* Finds the members that can go in lanes with member `first`. who: receives their indices; steps:
- * the number of steps that all of them can take. Returns their number. */
+/* Finds the members that can share SIMD lanes with member `first`. who: receives their indices;
+ * steps: receives the number of steps that all of them can take together. Returns the number of
+ * members found. */
 static size_t find_together(const ensemble *e, const share *shares, size_t first, size_t *who,
                             int64_t *steps) {
   size_t n = 0, most = engine_kernels(shares[first].engine)->lane_width;
@@ -75,7 +77,8 @@ static size_t find_together(const ensemble *e, const share *shares, size_t first
   return n;
 }
 
-/* Returns lanes with these systems; makes new ones unless the systems are the same as before. */
+/* Returns SIMD lanes with these systems; makes new ones unless the present ones have the same
+ * systems. */
 static lanes *lanes_for(ensemble *e, size_t n, engine *const *systems) {
   if (e->lanes && e->n_together == n && memcmp(e->together, systems, n * sizeof(engine *)) == 0)
     return e->lanes;
@@ -90,7 +93,7 @@ static void go_together(ensemble *e, size_t n, engine *const *systems, int64_t s
   const sd_state *s = systems[0]->state;
   bool measure = systems[0]->model->phases[s->phase].measure;
   lanes *l = lanes_for(e, n, systems);
-  /* store the motions of systems that were advanced alone before */
+  /* store the motions of systems that were advanced without lanes before */
   for (size_t k = 0; k < n; k++) motion_store(systems[k]);
   unsigned mode = subnormal_off();
   lanes_loop(l, steps, measure);
@@ -98,8 +101,8 @@ static void go_together(ensemble *e, size_t n, engine *const *systems, int64_t s
   if (n > e->in_lanes) e->in_lanes = n;
 }
 
-/* Advances member `first`, together with all that can go in lanes with it, up to the next pause, or
- * alone if there is no other. */
+/* Advances member `first`, together with all members that can share SIMD lanes with it, up to the
+ * next work between steps of any of them; advances it alone if there is no such member. */
 static void advance_some(ensemble *e, share *shares, size_t first, sd_status *status,
                          sd_messages *const *messages) {
   size_t who[LANES_MOST];

@@ -1,10 +1,10 @@
-/* ensemble.h: advances several simulations together; simulations that are alike go side by side
- * in the lanes of vectors.
+/* ensemble.h: advances several simulations together; simulations that are alike go side by side in
+ * the lanes of SIMD vectors.
  *
- * Each gives the same bits as it does alone, whatever else is in the ensemble and on any
- * machine, since lanes do not mix. Simulations are alike if they have the same bodies, motions,
- * phases and measurements; any number in them may differ. Members that cannot go in lanes are
- * advanced one by one. */
+ * Each simulation gives the same bits as when it is advanced alone, whatever other members the
+ * ensemble has and on any machine, since lanes do not mix. Simulations are alike if they have the
+ * same bodies, motions, phases and measurements; any number in them may differ. Members that cannot
+ * go in lanes are advanced one by one. */
 #ifndef SLIPDISK_RUN_ENSEMBLE_H
 #define SLIPDISK_RUN_ENSEMBLE_H
 
@@ -12,12 +12,12 @@
 
 typedef struct ensemble ensemble;
 
-/* Returns the number of systems that fill the lanes of a vector on this machine. */
+/* Returns the number of systems that fill the lanes of a SIMD vector on this machine. */
 size_t ensemble_width(void);
-/* Returns true if simulations of this model can go in lanes: few bodies, open box, no feature that
- * needs the general step. */
+/* Returns true if simulations of this model can go in SIMD lanes: few bodies, open box, no feature
+ * that only the general step has. */
 bool ensemble_takes(const sd_model *model);
-/* Returns true if simulations of two such models can share lanes. The relation is symmetric and
+/* Returns true if simulations of the two models can share SIMD lanes. The relation is symmetric and
  * transitive. */
 bool ensemble_alike(const sd_model *a, const sd_model *b);
 
@@ -27,13 +27,14 @@ bool ensemble_alike(const sd_model *a, const sd_model *b);
 ensemble *ensemble_new(size_t n, sd_simulation *const *members);
 void ensemble_free(ensemble *e);
 
-/* Advances every member by n steps, as sd_simulation_advance does; each has its own status and
- * messages. A member that is finished, or whose status is not SD_OK on entry, is not advanced. All
- * states are complete afterwards, so that any call of a simulation is allowed between two calls of
- * this function. */
+/* Advances every member by n steps, as sd_simulation_advance does; each member has its own
+ * status[k] and messages[k]. A member that is finished, or whose status is not SD_OK on entry, is
+ * not advanced. On return the states of all members are complete, so that any function may be
+ * called on a simulation between two calls of this function. */
 void ensemble_advance(ensemble *e, int64_t n, sd_status *status, sd_messages *const *messages);
 
-/* Returns the largest number of members that went in lanes together during the last call. */
+/* Returns the largest number of members that shared SIMD lanes during the last call of
+ * ensemble_advance. */
 size_t ensemble_in_lanes(const ensemble *e);
 
 #endif

@@ -1,4 +1,5 @@
-/* loop.c: does what is due between steps: phases, rain, compression, checks; see loop.h. */
+/* loop.c: does the work that is due between steps: phases, rain, compression, checks; see
+ * loop.h. */
 #include "run/loop.h"
 
 #include <assert.h>
@@ -43,8 +44,8 @@ sd_status loop_rebuild(engine *e, bool small, sd_messages *messages) {
   return status;
 }
 
-/* Sorts the disks by where they are now, since they have moved since they were last sorted, and
- * rebuilds the work. */
+/* Sorts the disks again by their present positions, since they have moved since the last sort, and
+ * rebuilds lists and buffers of the engine. */
 static sd_status order_again(engine *e, sd_messages *messages) {
   if (e->comm) return ranks_order_again(e);
   if (e->state->n_free < ORDER_LEAST) return SD_OK;
@@ -55,7 +56,7 @@ static sd_status order_again(engine *e, sd_messages *messages) {
 
 /* --- Phases ----------------------------------------------------------------------------------- */
 
-/* Begins to measure watched disks and means of every disk. */
+/* Begins to measure the watched disks and the means of every disk. */
 static void measure_begin(engine *e) {
   sample_begin(e);
   disks_begin(e);
@@ -67,8 +68,8 @@ static bool settle_is_due(const engine *e) {
   return asked->asked && e->state->phase_step % asked->every == 0;
 }
 
-/* Stores the outcome of the phase in the state: its length, the values of its criteria, and whether
- * they are met. */
+/* Stores the outcome of the phase in the state: number of steps, values of the settle criteria, and
+ * whether they are met. */
 static void note_goals(const engine *e, const settle_measure *rest) {
   sd_state *s = e->state;
   const sd_phase *p = &e->model->phases[s->phase];
@@ -84,8 +85,8 @@ static void note_goals(const engine *e, const settle_measure *rest) {
       (!rest || settle_reached(e, rest)) && (!p->compress.asked || compress_done(e));
 }
 
-/* Ends the phase: stops measuring and stores its outcome. rest: measured rest; NULL: the phase has
- * no settle criteria. */
+/* Ends the phase: stops measuring and stores the outcome of the phase. rest: measured distance from
+ * rest; NULL: the phase has no settle criteria. */
 static void close_phase(engine *e, const settle_measure *rest) {
   sd_state *s = e->state;
   assert(s->phase_step > 0 && s->phase_steps[s->phase] == 0);
@@ -131,7 +132,8 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
 
 /* --- Between steps ---------------------------------------------------------------------------- */
 
-/* Returns true in the last phase of a model with a goal (until). */
+/* Returns true if the model has a goal for its error bar (`until`) and the last phase is
+ * running. */
 static bool has_goal(const engine *e) {
   return e->model->until.asked && e->state->phase + 1 == (int64_t)e->model->n_phases;
 }
@@ -142,15 +144,16 @@ static int64_t nearer(int64_t stop, int64_t step, int64_t every) {
   return next < stop ? next : stop;
 }
 
-/* Returns the next step of the phase after which the loop pauses, because the phase ends there or a
- * check or action between steps is due. */
+/* Returns the next step of the phase (counted from its start) at which the loop must pause, because
+ * the phase ends there, or a check or action between steps is due. */
 static int64_t next_stop(const engine *e) {
   const sd_phase *p = phase_of(e);
   int64_t now = e->state->phase_step, stop = has_goal(e) ? sd_goal_look(e->model, now) : p->steps;
   if (p->settle.asked) stop = nearer(stop, now, p->settle.every);
   if (p->compress.asked) stop = nearer(stop, now, COMPRESS_EVERY);
   if (p->cell.asked) stop = nearer(stop, now, CELL_EVERY);
-  /* Rain and checks of the bounds are due at steps counted from the start of the run. */
+  /* Rain and checks of the bounds are due at steps counted from the start of the run, not of the
+   * phase. */
   int64_t step = e->state->step, next = rain_next(e, step);
   if (e->model->bounds.given) next = nearer(next, step, OUTSIDE_EVERY);
   return next - step < stop - now ? now + (next - step) : stop;
@@ -160,7 +163,8 @@ static bool rain_is_due(const engine *e) {
   return rain_next(e, e->state->step - 1) == e->state->step;
 }
 
-/* Does the actions that are due at this step: bounds, rain, compression, deformation of the box. */
+/* Does the actions that are due at this step: check of the bounds, rain, compression, deformation
+ * of the box. */
 static sd_status between_steps(engine *e, sd_messages *messages) {
   const sd_phase *p = phase_of(e);
   int64_t now = e->state->phase_step;

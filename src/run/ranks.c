@@ -1,4 +1,5 @@
-/* ranks.c: see ranks.h; ranks_move.c moves disks between ranks. */
+/* ranks.c: one simulation over several ranks; see ranks.h. ranks_move.c moves disks between
+ * ranks. */
 #include "run/ranks.h"
 
 #include <math.h>
@@ -20,8 +21,8 @@
 #include "run/ranks_share.h"
 #include "run/steps.h"
 
-/* Collective: takes up to n steps, with the work between steps; fewer if a rank fails or asks to
- * stop. */
+/* Collective: takes up to n steps and does the work between them; stops earlier if a rank fails or
+ * was asked to stop. */
 static sd_status advance(ranks *r, int64_t n) {
   engine *e = r->part;
   sd_status status = SD_OK;
@@ -35,7 +36,8 @@ static sd_status advance(ranks *r, int64_t n) {
   return status;
 }
 
-/* Ends a collective operation: all ranks agree on its status, and rank 0 gets the messages. */
+/* Ends a collective operation: all ranks get the same status, and rank 0 gets the messages of
+ * all. */
 static sd_status tell(ranks *r, sd_status status, sd_messages *messages) {
   return ranks_tell(r->comm, comm_agree(r->comm, status), r->messages,
                     comm_rank(r->comm) == 0 ? messages : NULL);
@@ -43,7 +45,7 @@ static sd_status tell(ranks *r, sd_status status, sd_messages *messages) {
 
 /* --- Beginning and advancing ------------------------------------------------------------------ */
 
-/* Cuts the plane into domains and moves the disks to them. */
+/* Cuts the plane into a domain for each rank and moves the disks to the ranks of their domains. */
 static sd_status spread(ranks *r, sd_state *state, uint32_t *order, int threads) {
   halo unconnected = {.comm = r->comm, .n_own = state->n_free, .order = order};
   const engine first = {.comm = r->comm, .model = r->model, .state = state, .halo = &unconnected};
@@ -65,18 +67,19 @@ static sd_status spread(ranks *r, sd_state *state, uint32_t *order, int threads)
 
 sd_status ranks_spread(ranks *r, sd_state *state, uint32_t *order, int threads,
                        sd_messages *messages) {
-  rows_free(r->model->mine); /* the disks of the checkpoint replace them */
+  rows_free(r->model->mine); /* the disks of the checkpoint replace those of the deck */
   const sd_status status = tell(r, spread(r, state, order, threads), messages);
   sd_state_free(state);
   free(order);
   return status;
 }
 
-/* First body that exceeded the displacement limit, as stored in the state. */
+/* First body that was faster than the displacement limit per step, as stored in the state. */
 typedef struct fast {
   int64_t step, disk;
   double displacement;
-  /* slot of a free disk in the order of all disks; prescribed bodies come after them */
+  /* slot of a free disk in the sorted order of the disks of all ranks; prescribed bodies come after
+   * all free disks */
   uint32_t order;
 } fast;
 
@@ -87,7 +90,8 @@ static fast fast_of(const engine *e) {
                 slot < s->n_free ? e->halo->order[slot] : UINT32_MAX};
 }
 
-/* Returns true if a comes first: earlier step, then larger displacement, then lower slot. */
+/* Returns true if a was first: at an earlier step, or at the same step with the larger
+ * displacement, or at equal displacement with the lower slot. */
 static bool is_before(const fast *a, const fast *b) {
   if (a->step < 0 || b->step < 0) return a->step >= 0 && b->step < 0;
   if (a->step != b->step) return a->step < b->step;
@@ -95,8 +99,8 @@ static bool is_before(const fast *a, const fast *b) {
                                             : a->order < b->order;
 }
 
-/* Stores the first body of all ranks that was too fast on every rank, so that none of them searches
- * for one any more. */
+/* Finds the first body of all ranks that was too fast, and stores it on every rank, so that no rank
+ * searches for one any more. */
 static void share_fast(engine *e) {
   const fast mine = fast_of(e);
   fast *all = memory_new((size_t)comm_size(e->comm), sizeof *all);
@@ -111,11 +115,11 @@ static void share_fast(engine *e) {
   speed_begin(e);
 }
 
-/* Begins the first phase, and does what is done once at step 0. */
+/* Begins the first phase, and does the work that comes once at step 0. */
 static sd_status start_part(ranks *r) {
   engine *e = r->part;
-  /* Disks read from a file in parts are checked for overlaps only now: no rank had all of them
-   * before. */
+  /* If each rank has read some of the disks of a file, overlaps are checked only now: before, no
+   * rank had all neighbours of its disks. */
   if (r->model->tiles.away && r->model->tiles.of_file) {
     first_overlap deepest;
     const sd_status apart = comm_agree(r->comm, contacts_check_start(e, &deepest, r->messages));
@@ -159,8 +163,8 @@ const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
   return tell(r, status, messages) == SD_OK ? &r->sums : NULL;
 }
 
-/* Collective: writes each rank's share of a checkpoint or, if `rows` is true, of a part of the
- * result. */
+/* Collective: each rank writes a file with its own disks: a share (file of one rank) of a
+ * checkpoint or, if `rows` is true, of a part file of the result. */
 static sd_status write_share(ranks *r, bool rows, const char *path, int64_t *seals,
                              sd_messages *messages) {
   int64_t sum = 0;

@@ -1,5 +1,5 @@
-/* ranks_first.c: reads a deck on several ranks and makes the state of each at step 0; see
- * ranks_first.h. */
+/* ranks_first.c: reads a deck on several ranks and makes the state of each rank at step 0; see
+ * ranks.h. */
 #include "run/ranks.h"
 
 #include <assert.h>
@@ -22,7 +22,8 @@
 
 /* --- Deck ------------------------------------------------------------------------------------- */
 
-/* Collective: reads the deck of rank 0 on all ranks; each keeps its part of the disks. */
+/* Collective: reads the deck given on rank 0 on all ranks; each rank keeps only some of the
+ * disks. */
 static sd_status load(const comm *c, const char *text, const char *path, size_t n_overrides,
                       const char *const *overrides, sd_model **out, sd_messages *messages) {
   char *lines = memory_text(""), *all = comm_text(c, text), *name = comm_text(c, path);
@@ -63,13 +64,13 @@ sd_status ranks_load(const comm *c, const char *text, const char *path, size_t n
 
 /* --- Contacts of a file of which each rank has read some rows --------------------------------- */
 
-/* Returns the wall of a contact with a wall of the file; NULL: it is a contact of two disks. */
+/* Returns the wall of a contact that was read from a file; NULL: it is a contact of two disks. */
 static const sd_tile_wall *wall_of(const sd_tiles *t, const sd_contact_memory *c) {
   return c->b < t->count ? NULL : &t->walls[c->b - t->count];
 }
 
-/* Stores radius and angle of this rank's disks of the file in a directory, by their numbers in the
- * file. */
+/* Stores radius and angle of the disks that this rank has read from a file in a distributed table
+ * (directory), by their numbers in the file. */
 static void tell_turned(const comm *c, const sd_model *m, directory *d) {
   const sd_rows *own = m->mine;
   uint32_t *number = route_room(c, own->n, sizeof *number);
@@ -85,13 +86,13 @@ static void tell_turned(const comm *c, const sd_model *m, directory *d) {
   free(turned);
 }
 
-/* Converts this rank's contacts of the file into contacts of the model, and adds them to the
- * state. */
+/* Converts the contacts that this rank has read from a file into contacts of the model, and adds
+ * them to the state. */
 static void fill_contacts(const sd_model *m, const directory *d, sd_state *s) {
   const sd_tiles *t = &m->tiles;
   const sd_contact_memory *list = m->mine->contacts;
   const size_t n = m->mine->n_contacts;
-  /* [2 n] first disks of the contacts, then second disks */
+  /* [2 n] numbers of the first disks of the n contacts, then of the second disks */
   uint32_t *number = route_room(d->comm, 2 * n, sizeof *number);
   deck_turned *turned = route_room(d->comm, 2 * n, sizeof *turned);
   for (size_t k = 0; k < n; k++) {
@@ -123,14 +124,15 @@ static void take_contacts(const comm *c, const sd_model *m, sd_state *s) {
 
 /* --- State ------------------------------------------------------------------------------------ */
 
-/* Sorts the disks. If there are few, they stay in the order of the deck, all on rank 0. */
+/* Sorts the disks of all ranks in space; order: receives the slots of this rank's disks. If there
+ * are few, they stay in the order of the deck, and rank 0 has all of them. */
 static sd_status find_order(const comm *c, const sd_model *m, sd_state *s, uint32_t *order) {
   if (m->n_free >= ORDER_LEAST) return ranks_order(c, m, s, order);
   for (size_t i = 0; i < s->n_free; i++) order[i] = (uint32_t)i;
   return SD_OK;
 }
 
-/* Ends the job of all ranks with this message, and returns SD_ERROR_IO. */
+/* Ends the job on all ranks with the message `why`, and returns SD_ERROR_IO. */
 static sd_status give_up(const comm *c, const char *why) {
   comm_fail(c, why);
   return SD_ERROR_IO;
@@ -156,7 +158,7 @@ sd_status ranks_first_new(const comm *c, const sd_model *m, sd_state **state, ui
   return SD_OK;
 }
 
-/* Returns the first motion that moves a free disk; n_motions: none. */
+/* Returns the index of the first motion that moves a free disk; n_motions: there is none. */
 static size_t moves_free_disk(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {

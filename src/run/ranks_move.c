@@ -1,5 +1,5 @@
-/* ranks_move.c: cuts the plane into domains, moves disks and contacts to their ranks, and chooses
- * ghosts; see ranks_move.h. */
+/* ranks_move.c: cuts the plane into one domain per rank, moves disks and contacts to the ranks of
+ * their domains, and chooses ghosts; see ranks_move.h. */
 #include "run/ranks_move.h"
 
 #include <assert.h>
@@ -16,19 +16,20 @@
 
 /* --- Owners of disks -------------------------------------------------------------------------- */
 
-/* Data of a move: disks of the new domain in their order, and routes on which rows come. */
+/* Data of a move of disks between ranks: order, positions and radii of the disks of the new domain,
+ * and the routes by which disks, ghosts and contacts come to this rank. */
 typedef struct shares {
   const comm *comm;
   const sd_model *model;
   const comm_cuts *cuts;
   const engine *from;
   bool first;
-  int *owner; /* [own disks and ghosts] rank to which each disk goes */
+  int *owner; /* [number of own disks and ghosts before the move] rank to which each disk goes */
   route disks, ghosts, contacts;
-  uint32_t *place; /* slots of the disks that come */
-  /* [own + ghosts] slots in the order of all disks */
+  uint32_t *place; /* [number of disks that come] slot of each in the new state */
+  /* [number of own disks, then of ghosts, after the move] slots in the sorted order of all disks */
   uint32_t *order;
-  uint32_t *ghost_place; /* slots of the ghosts that come */
+  uint32_t *ghost_place; /* [number of ghosts that come] slot of each in the new state */
   double *x, *y, *radius;
   int32_t *activity;
 } shares;
@@ -47,15 +48,15 @@ static void part_free(shares *p) {
   free(p->activity);
 }
 
-/* Ends the job if `memory` is false, since the other ranks wait. */
+/* Ends the job if `memory` is false (an allocation failed), since the other ranks would wait. */
 static sd_status need(const comm *c, bool memory) {
   if (memory) return SD_OK;
   comm_fail(c, "no memory");
   return SD_ERROR_IO;
 }
 
-/* Finds the rank to which each disk goes. Waiting disks are distributed by number, so that the
- * memory of ranks stays even. */
+/* Finds the rank to which each disk goes: that of its domain. Disks that wait for their release are
+ * distributed by number, so that all ranks need about the same memory. */
 static sd_status find_owners(shares *p) {
   double low[2], high[2];
   const sd_state *s = p->from->state;
@@ -74,16 +75,16 @@ static sd_status find_owners(shares *p) {
   return SD_OK;
 }
 
-/* Finds the slots of the rows that come, so that all rows ascend by the column `order`. found:
- * buffer for that column. */
+/* Finds slots for the rows that come from all ranks such that they ascend by the column `order`.
+ * found: scratch buffer for that column. */
 static sd_status come_in_order(route *r, const uint32_t *order, uint32_t *found, uint32_t *place) {
   const sd_status status = route_columns(r, &(route_column){order, found, sizeof *order}, 1, NULL);
   if (status == SD_OK) route_merge(r, found, place);
   return status;
 }
 
-/* Receives the order, position, radius and activity of the disks that come; ghosts are chosen by
- * them. */
+/* Receives the slots in the order of all disks, positions, radii and activity of the disks that
+ * come to this rank; they are needed to choose ghosts. */
 static sd_status call_disks(shares *p) {
   const sd_state *s = p->from->state;
   const uint32_t *order = p->from->halo->order;
@@ -112,7 +113,7 @@ static sd_status call_disks(shares *p) {
 
 /* --- Ghosts ----------------------------------------------------------------------------------- */
 
-/* Growing list of pairs (row, rank). */
+/* Growing list of pairs (row, rank to which the row is sent). */
 typedef struct sends {
   uint32_t *row;
   int *rank;
@@ -132,19 +133,23 @@ static sd_status add_send(sends *l, uint32_t row, int rank) {
   return SD_OK;
 }
 
-/* Rectangle of this rank, cut off at the periodic box, and the box. */
+/* Rectangle of this rank's domain (low, high), cut off at the edges of the periodic box, and the
+ * periodic box (lower, upper, length). */
 typedef struct box {
-  double low[2], high[2], lower[2], upper[2], length[2]; /* length 0: open direction */
+  /* [2]: along x and y; length 0: open direction */
+  double low[2], high[2], lower[2], upper[2], length[2];
 } box;
 
-/* Returns true if an image at `at` lies so far beyond the periodic box that it is near no
- * rectangle. Rectangles at the edge extend to infinity, but their disks lie in the box. */
+/* Returns true if a periodic image with coordinate `at` along direction c is so far outside the
+ * periodic box that no disk is near it. The rectangles at the edges extend to infinity, but their
+ * disks are in the box. */
 static bool is_beyond(const box *b, int c, double at, double beside) {
   return b->length[c] > 0.0 && (at + 2.0 * beside < b->lower[c] || at - 2.0 * beside > b->upper[c]);
 }
 
-/* Adds disk i to the list for each other rank whose rectangle comes within `beside` of the disk or
- * of one of its periodic images. seen: [ranks] all zero on entry and return. */
+/* Adds disk i to the list for each other rank whose rectangle is within distance `beside` of the
+ * disk or of one of its periodic images. seen: [number of ranks] scratch, all zero on entry and on
+ * return. */
 static sd_status add_ghost(const shares *p, sends *l, const box *b, uint32_t i, double beside,
                            int *ranks, uint8_t *seen) {
   const double at[2] = {p->x[i], p->y[i]};
@@ -169,8 +174,8 @@ static sd_status add_ghost(const shares *p, sends *l, const box *b, uint32_t i, 
   return SD_OK;
 }
 
-/* Returns the rectangle of this rank, cut off at the edges of the periodic box: beyond them are
- * images of other rectangles. */
+/* Returns the rectangle of this rank's domain, cut off at the edges of the periodic box, since
+ * beyond them are periodic images of other domains. */
 static box box_of(const shares *p, const sd_state *s) {
   box b = {0};
   comm_cuts_mine(p->cuts, b.low, b.high);
@@ -187,7 +192,7 @@ static box box_of(const shares *p, const sd_state *s) {
   return b;
 }
 
-/* Chooses the disks of this domain that other ranks need as ghosts. */
+/* Chooses the disks of this domain that other ranks need as ghosts; skin: Verlet margin. */
 static sd_status choose_ghosts(shares *p, double skin) {
   sends list = {0};
   const box b = box_of(p, p->from->state);
@@ -208,7 +213,8 @@ static sd_status choose_ghosts(shares *p, double skin) {
   return status;
 }
 
-/* Finds the slots of the ghosts that come, ascending by order. */
+/* Finds the slots of the ghosts that come to this rank, ascending by their slots in the order of
+ * all disks. */
 static sd_status place_ghosts(shares *p) {
   route *r = &p->ghosts;
   const size_t n_own = p->disks.n_receive, n = r->n_receive;
@@ -228,9 +234,10 @@ static sd_status place_ghosts(shares *p) {
 
 /* --- Contacts --------------------------------------------------------------------------------- */
 
-/* Finds the owners of both disks of each contact, [2 n]: first disks, then second disks. A
- * prescribed partner has the owner of the first disk. Asks a directory, because the disks of a
- * contact may be on other ranks. */
+/* Returns the ranks that own the disks of each contact, [2 n]: those of the n first disks, then
+ * those of the second disks. If the second body is prescribed, its entry is the owner of the first
+ * disk. Asks a distributed table (directory), because the disks of a contact may be on other
+ * ranks. */
 static int32_t *look_up_owners(const shares *p) {
   const sd_state *s = p->from->state;
   const size_t n = s->n_contacts, disks = p->model->n_disks;
@@ -257,8 +264,8 @@ static int32_t *look_up_owners(const shares *p) {
   return found;
 }
 
-/* Finds the owners as look_up_owners does, if the disks of all contacts are on this rank, as own
- * disks or ghosts. */
+/* Returns the same array as look_up_owners, without communication, if the disks of all contacts are
+ * on this rank, as own disks or ghosts. */
 static int32_t *find_contact_owners(const shares *p) {
   const sd_state *s = p->from->state;
   const size_t n = s->n_contacts, known = s->n_free + s->n_ghosts;
@@ -273,7 +280,7 @@ static int32_t *find_contact_owners(const shares *p) {
   return found;
 }
 
-/* Makes the route of contacts: each goes to the owners of both disks. */
+/* Makes the route by which contacts are sent: each contact goes to the owners of both its disks. */
 static sd_status call_contacts(shares *p) {
   sends list = {0};
   sd_status status = SD_OK;
@@ -352,7 +359,8 @@ sd_status move_parts(const comm_cuts *cuts, const engine *from, bool first, doub
 
 /* --- Cuts ------------------------------------------------------------------------------------- */
 
-/* Weight of a disk that is not in play, instead of 1: all such disks together count little. */
+/* Weight, for the cut into domains, of a disk that is not in play; others have 1. It is so small
+ * that all such disks together count little. */
 static const float IDLE = 1e-6f;
 
 sd_status move_first_cut(comm_cuts *cuts, const sd_state *s) {
@@ -368,11 +376,11 @@ sd_status move_first_cut(comm_cuts *cuts, const sd_state *s) {
   return status;
 }
 
-/* The rate is limited to a factor MOST of the mean: a rank that had to wait for its processor
- * should not lose all its disks. */
+/* The seconds of work per contact are limited to a factor MOST above and below the mean of all
+ * ranks: a rank that had to wait for its processor should not lose all its disks. */
 sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
   const sd_state *s = e->state;
-  enum { REST = 6 /* cost of a disk without its pairs, in half pairs */, MOST = 2 };
+  enum { REST = 6 /* cost of a disk without its contacts, in units of half a pair */, MOST = 2 };
   const comm *c = comm_cuts_comm(cuts);
   float *weight = NULL;
   const bool there = memory_resize_row(&weight, s->n_free, sizeof *weight);
@@ -389,23 +397,24 @@ sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
   return status;
 }
 
-/* Buckets for a parallel sort: each holds one strip of disks of one size, or several adjacent
- * strips if there are very many. Buckets ascend in the order; the last one has the disks that are
- * not in play. */
+/* Buckets for a parallel sort of the disks: each holds the disks of one size class in one strip of
+ * the plane, or in several adjacent strips if there are very many. Buckets are in the order of the
+ * sort; the last one has the disks that are not in play. */
 typedef struct buckets {
-  uint64_t strips, width; /* buckets of one size; strips per bucket */
-  size_t n, *begin;       /* [n + 1] number of disks of all ranks in the buckets before */
+  uint64_t strips, width; /* number of buckets per size class; number of strips per bucket */
+  /* n: number of buckets; begin: [n + 1] number of disks of all ranks in the buckets before */
+  size_t n, *begin;
 } buckets;
 
 enum { STRIPS = 1 << 16 };
 
-/* Returns the bucket of a disk. */
+/* Returns the number of the bucket to which a disk belongs. */
 static size_t bucket_of(const buckets *b, const order_place *p) {
   if (p->strip == UINT64_MAX) return b->n - 1;
   return (size_t)(p->level * b->strips + p->strip / b->width);
 }
 
-/* Collective: sets the widths of buckets and counts the disks of all ranks in each. */
+/* Collective: sets the widths of the buckets and counts the disks of all ranks in each. */
 static sd_status count_buckets(const comm *c, const order_place *list, size_t n, buckets *b) {
   double strip = 0.0, level = 0.0;
   for (size_t k = 0; k < n; k++) {
@@ -428,30 +437,31 @@ static sd_status count_buckets(const comm *c, const order_place *list, size_t n,
   return SD_OK;
 }
 
-/* Returns the rank that numbers the disks of a bucket. It ascends with the bucket, so that each
- * rank numbers a contiguous range. */
+/* Returns the rank that sorts and numbers the disks of a bucket. The rank ascends with the bucket,
+ * so that each rank numbers a contiguous range. */
 static int keeper_of(const comm *c, const buckets *b, size_t bucket) {
   const size_t all = b->begin[b->n], ranks = (size_t)comm_size(c);
   return (int)(b->begin[bucket] * ranks / all);
 }
 
-/* Returns the first number of this rank: the number of disks in buckets of lower ranks. */
+/* Returns the first slot that this rank gives to a disk: the number of disks in the buckets that
+ * lower ranks number. */
 static size_t first_kept(const comm *c, const buckets *b) {
   size_t k = 0;
   while (k < b->n && (b->begin[k + 1] == b->begin[k] || keeper_of(c, b, k) < comm_rank(c))) k++;
   return b->begin[k];
 }
 
-/* Sorts the n places that came and numbers them from `first` on; number[k] belongs to came[k] as it
- * was on entry. */
+/* Sorts the n sort keys `came` and numbers them from `first` on. number[k]: number of the key that
+ * was came[k] on entry. */
 static void number_places(order_place *came, size_t n, size_t first, uint32_t *number) {
   for (size_t k = 0; k < n; k++) came[k].slot = (uint32_t)k;
   if (n > 1) qsort(came, n, sizeof *came, order_by_place);
   for (size_t k = 0; k < n; k++) number[came[k].slot] = (uint32_t)(first + k);
 }
 
-/* Collective: finds the slots, in the order of all disks, of this rank's n places, which ascend.
- * rank: buffer for n numbers. */
+/* Collective: finds the slots, in the sorted order of the disks of all ranks, of the disks with the
+ * n sort keys in `list`, which ascend. rank: scratch buffer for n numbers. */
 static sd_status find_order(const comm *c, const order_place *list, size_t n, int *rank,
                             uint32_t *order) {
   buckets b = {0};

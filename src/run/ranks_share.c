@@ -1,5 +1,6 @@
-/* ranks_share.c: orders a rank's disks and contacts for its share of a file, adds up sums over
- * ranks, and chooses the columns that move; see ranks_share.h. */
+/* ranks_share.c: sorts a rank's disks and contacts for the file that the rank writes (its share of
+ * a checkpoint or part file), adds up sums over ranks, and selects the columns that are sent when
+ * disks move; see ranks_share.h. */
 #include "run/ranks_share.h"
 
 #include <assert.h>
@@ -13,11 +14,12 @@
 #include "physics/step/access.h"
 #include "physics/system/halo.h"
 
-/* Sort key of a contact in the order of a state: round pairs before wall segments, then by disk,
- * partner and segment. */
+/* Sort key of a contact, in the order in which a state has its contacts: first contacts with disks
+ * and circular walls, then those with walls of segments; within each by disk, partner and
+ * segment. */
 typedef struct pair_place {
-  /* slot of the disk in the order of all disks, plus 2^32 for a wall segment; contacts of equal key
-   * are in one share */
+  /* slot of the first disk in the sorted order of all disks, plus 2^32 if the partner is a wall of
+   * segments; contacts of equal key are on one rank */
   int64_t key;
   uint64_t partner;
   uint32_t part, from;
@@ -30,7 +32,7 @@ static int by_place(const void *one, const void *two) {
   return p->part < q->part ? -1 : p->part > q->part;
 }
 
-/* Returns the sort key of contact c of the state. */
+/* Returns the sort key of contact number c of the state. */
 static pair_place place_of(const engine *e, uint32_t c) {
   const sd_state *s = e->state;
   const uint32_t a = engine_slot(e, s->contact_a[c]), b = engine_slot(e, s->contact_b[c]);
@@ -48,7 +50,7 @@ static void order_free(checkpoint_order *order) {
   free(order->contact);
 }
 
-/* Computes the keys of this rank's disks and contacts. */
+/* Computes the sort keys of this rank's disks and contacts. */
 static sd_status order_new(const engine *e, checkpoint_order *order, sd_messages *messages) {
   const sd_state *s = e->state;
   pair_place *list = NULL;
@@ -82,7 +84,7 @@ sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum,
   return status;
 }
 
-/* Driven disks are on all ranks; rank 0 writes them. */
+/* All ranks have the prescribed disks; only rank 0 writes them. */
 sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame,
                              int64_t moment_number, record *rows, sd_messages *messages) {
   const sd_state *s = part->state;
@@ -114,7 +116,8 @@ static int by_order(const void *one, const void *two) {
   return p->order < q->order ? -1 : p->order > q->order;
 }
 
-/* Collective: adds up the numbers of lost disks, and keeps the first ones of all ranks. */
+/* Collective: adds up the numbers of lost disks of all ranks, and stores the first lost disks of
+ * all. */
 static void add_lost(const engine *part, summary_lost *lost) {
   int *counts = memory_new((size_t)comm_size(part->comm), sizeof *counts);
   struct summary_lost_disk *all =
@@ -148,8 +151,8 @@ summary_sums ranks_summary_sums(const engine *e) {
 
 /* --- Columns that a disk or contact has ------------------------------------------------------- */
 
-/* Returns the bytes of a free disk's row in this column; 0: disks have no row in it. The result is
- * the same on all ranks, including ranks without disks. */
+/* Returns the bytes per free disk in this column of the state; 0: the column has no rows for disks.
+ * The result is the same on all ranks, also on ranks without disks. */
 static size_t disk_row(const sd_model *m, const sd_field *f) {
   const size_t size = sd_type_size(f->type);
   switch (f->extent) {
@@ -164,15 +167,16 @@ static size_t disk_row(const sd_model *m, const sd_field *f) {
   }
 }
 
-/* Returns the bytes of a contact's row in this column; 0: contacts have no row in it. */
+/* Returns the bytes per contact in this column of the state; 0: the column has no rows for
+ * contacts. */
 static size_t contact_row(const sd_state *s, const sd_field *f) {
   const bool there =
       f->extent == SD_PER_CONTACT || (f->extent == SD_PER_LAW_CONTACT && s->law_columns);
   return there ? sd_type_size(f->type) : 0;
 }
 
-/* Finds the part of a column that every rank has: prescribed bodies, motions, numbers of the run.
- * Returns its bytes; at: receives its address. */
+/* Finds the part of a column that all ranks have alike: rows of prescribed bodies, motions, numbers
+ * of the run. Returns the bytes of this part; at: receives its address. */
 static size_t common_part(const sd_state *s, const sd_field *f, char **at) {
   const size_t size = sd_type_size(f->type);
   *at = sd_field_data(s, f);
@@ -195,7 +199,7 @@ void common_take(const sd_state *from, sd_state *to) {
 
 /* --- Sending columns -------------------------------------------------------------------------- */
 
-/* Adds a column to those to be sent, unless it has no rows. */
+/* Adds a column to the columns to be sent, unless its rows have size 0. */
 static void add(moving *m, const sd_field *f, size_t size) {
   if (size == 0) return;
   assert(m->n < MOVING_MOST);
@@ -219,8 +223,8 @@ static bool is_zero(const char *data, size_t bytes) {
   return bytes == 0 || (data[0] == 0 && memcmp(data, data + 1, bytes - 1) == 0);
 }
 
-/* Removes the columns that are zero on all ranks: most are at the start, and columns of a new state
- * are zero anyway. Returns the number of columns left. */
+/* Removes from the list the columns that are zero on all ranks, as most are at the start of a run;
+ * the columns of a new state are zero anyway. Returns the number of columns left. */
 static size_t leave_zeros(const moving *m, size_t n, route_column *list) {
   const size_t rows =
       state_of_contacts(m->field[0]->extent) ? m->from->n_contacts : m->from->n_free;

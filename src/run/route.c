@@ -45,8 +45,8 @@ void route_count(route *r) {
   for (int q = 0; q < comm_size(r->comm); q++) r->n_receive += (size_t)r->from[q];
 }
 
-/* Describes a copy of n rows: row from_row[k] of `from` becomes row to_row[k] of `to`; NULL: row k.
- * Rows are `stride` bytes apart. */
+/* Copy of n rows: row from_row[k] of `from` becomes row to_row[k] of `to`; from_row or to_row NULL:
+ * row k. Rows are from_stride and to_stride bytes apart. */
 typedef struct row_copy {
   char *to;
   size_t to_stride;
@@ -69,26 +69,28 @@ static void copy_rows(const row_copy *r, size_t n, size_t size) {
   }
 }
 
-/* Returns the number of rows before those of this rank, among the rows sent or received. */
+/* Returns the number of rows to or from lower ranks: the index in the buffer at which the rows that
+ * stay on this rank would be. counts: r->to or r->from. */
 static size_t before_own(const route *r, const int *counts) {
   size_t n = 0;
   for (int q = 0; q < comm_rank(r->comm); q++) n += (size_t)counts[q];
   return n;
 }
 
-/* Enlarges a buffer to at least `bytes`; its contents are lost. */
+/* Enlarges a buffer to at least `bytes` bytes; its contents are lost. */
 static sd_status reserve(const comm *c, char **buffer, size_t *capacity, size_t bytes) {
   if (bytes <= *capacity) return SD_OK;
   free(*buffer);
   *buffer = NULL;
   *capacity = bytes;
   if (memory_resize_row(buffer, bytes, 1)) return SD_OK;
-  comm_fail(c, "no memory"); /* ends the job: the other ranks wait */
+  comm_fail(c, "no memory"); /* ends the job, since the other ranks would wait */
   return SD_ERROR_IO;
 }
 
 /* Copies the rows of one column that go to other ranks into the send buffer, whose rows hold all
- * columns. offset: position of this column in such a row; all: bytes of such a row. */
+ * columns one after the other. offset: position of this column in a row of the buffer; all: bytes
+ * of such a row. */
 static void pack(const route *r, const route_column *c, size_t offset, size_t all) {
   const size_t before = before_own(r, r->to), own = (size_t)r->to[comm_rank(r->comm)],
                after = before + own;
@@ -98,7 +100,8 @@ static void pack(const route *r, const route_column *c, size_t offset, size_t al
             r->n_send - after, c->size);
 }
 
-/* Copies one column of the received rows, and of the rows that stay here, to its destination. */
+/* Copies one column of the received rows to its destination, and directly those rows of the column
+ * that stay on this rank. */
 static void unpack(const route *r, const route_column *c, size_t offset, size_t all,
                    const uint32_t *place) {
   const size_t before = before_own(r, r->from), own = (size_t)r->from[comm_rank(r->comm)],
@@ -121,7 +124,7 @@ static void unpack(const route *r, const route_column *c, size_t offset, size_t 
   }
 }
 
-/* All columns for a rank go in one message. */
+/* All columns that go to one rank are sent in one message. */
 sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place) {
   const int here = comm_rank(r->comm);
   const int own = r->to[here];
@@ -149,7 +152,7 @@ void route_answer(const route *r, route_column column) {
   back.row = route_room(r->comm, back.n_send, sizeof *back.row);
   for (size_t k = 0; k < back.n_send; k++) back.row[k] = (uint32_t)k;
   route_columns(&back, &column, 1, r->row);
-  back.to = back.from = NULL; /* r owns these arrays: do not free them */
+  back.to = back.from = NULL; /* r owns these two arrays: do not free them with `back` */
   route_free(&back);
 }
 
@@ -186,8 +189,8 @@ void directory_free(directory *d) {
   *d = (directory){0};
 }
 
-/* Sends the numbers to the ranks that store them. Returns the numbers that this rank receives,
- * which the caller frees. */
+/* Sends the numbers to the ranks that store their rows. Returns the numbers that this rank receives
+ * from others, which the caller frees. */
 static uint32_t *call(const directory *d, route *r, size_t n, const uint32_t *number) {
   int *keeper = route_room(d->comm, n, sizeof *keeper);
   for (size_t k = 0; k < n; k++) keeper[k] = (int)(number[k] / d->width);
@@ -199,7 +202,7 @@ static uint32_t *call(const directory *d, route *r, size_t n, const uint32_t *nu
   return come;
 }
 
-/* Returns the row of a number that this rank stores. */
+/* Returns the address of the row for a number that this rank stores. */
 static char *row_of(const directory *d, uint32_t number) {
   assert(number >= d->first && number < d->first + d->width);
   return d->rows + (number - d->first) * d->size;

@@ -1,5 +1,6 @@
-/* session.c: the work of a session between steps: rows, checkpoints, progress, the end of the run;
- * see session.h. session_begin.c opens a session, session_group.c has the loop. */
+/* session.c: the work of a session (a run with its files) between steps: sampling rows, writing
+ * checkpoints, reporting progress, ending the run; see session.h. session_begin.c opens a session,
+ * session_group.c has the loop over steps. */
 #include "base/text.h"
 #include "run/session.h"
 
@@ -24,14 +25,15 @@
 #include "run/simulation_private.h"
 #include "slipdisk/deck.h"
 
-/* Time between two progress reports, s: at least PROGRESS_SECONDS, and PROGRESS_COST times the
- * duration of the last report (which goes over all disks), but at most PROGRESS_LATEST. */
+/* Limits of the wall time between two progress reports, s: at least PROGRESS_SECONDS, and at least
+ * PROGRESS_COST times the duration of the last report (which goes over all disks), unless that is
+ * more than PROGRESS_LATEST. */
 static const double PROGRESS_SECONDS = 0.2, PROGRESS_COST = 50, PROGRESS_LATEST = 2;
 
 /* --- Cadence ---------------------------------------------------------------------------------- */
 
-/* Returns true if a row is due every `every` steps and `offset` is such a step; every = 0:
- * never. */
+/* Returns true if a row is due at step `offset` of the phase, as rows are sampled every `every`
+ * steps; every = 0: never. */
 static bool hits(int64_t every, int64_t offset) { return every > 0 && offset % every == 0; }
 
 static unsigned phase_due(const sd_phase *phase, int64_t offset) {
@@ -45,10 +47,11 @@ static bool is_over(const sd_model *model, sd_stage now) {
 }
 
 unsigned session_due(const sd_model *model, sd_stage now) {
-  /* The first and the last step of a run are always recorded. */
+  /* At the first and the last step of a run all rows are sampled. */
   if (now.step == 0 || is_over(model, now)) return RECORD_ALL;
   unsigned due = phase_due(&model->phases[now.phase], now.phase_step);
-  /* The last step of a phase is step 0 of the next: the rows of both phases are due. */
+  /* The last step of a phase is also step 0 of the next phase: sample the rows that either phase
+   * wants. */
   if (now.phase_step == 0 && now.phase > 0)
     due |= phase_due(&model->phases[now.phase - 1], now.before);
   return due;
@@ -61,7 +64,7 @@ static int64_t next_of(int64_t every, int64_t offset, int64_t best) {
   return next < best ? next : best;
 }
 
-/* Returns true in the last phase of a deck with `until`. */
+/* Returns true if the deck has a goal for its error bar (`until`) and the last phase is running. */
 static bool has_goal(const sd_model *model, sd_stage now) {
   return model->until.asked && now.phase + 1 == (int64_t)model->n_phases;
 }
@@ -70,7 +73,7 @@ int64_t session_next(const sd_model *model, sd_stage now) {
   assert(now.phase >= 0 && (size_t)now.phase < model->n_phases);
   const sd_phase *phase = &model->phases[now.phase];
   int64_t offset = now.phase_step;
-  /* Stop where the phase may end, since a row may be due there. */
+  /* Stop at the steps at which the phase may end, since rows may be due there. */
   int64_t next = has_goal(model, now) ? sd_goal_look(model, offset) : phase->steps;
   if (phase->settle.asked) next = next_of(phase->settle.every, offset, next);
   next = next_of(phase->series_every, offset, next);
@@ -80,7 +83,7 @@ int64_t session_next(const sd_model *model, sd_stage now) {
   return now.step - offset + next;
 }
 
-/* Returns the step at which the run ends if no phase ends early. */
+/* Returns the step at which the run will end if no phase ends early. */
 static int64_t most_steps(const sd_model *model, sd_stage now) {
   int64_t most = now.step - now.phase_step;
   for (size_t k = (size_t)now.phase; k < model->n_phases; k++) most += model->phases[k].steps;
@@ -91,7 +94,8 @@ static int64_t most_steps(const sd_model *model, sd_stage now) {
 
 bool session_leads(const session *s) { return comm_rank(s->options.comm) == 0; }
 
-/* Ends a section in which only rank 0 works with files: returns its status on all ranks. */
+/* Ends a section in which only rank 0 works with files: returns the status of rank 0 on all
+ * ranks. */
 static sd_status agree(const session *s, sd_status status) {
   return comm_wait(s->options.comm, status);
 }
@@ -100,8 +104,8 @@ static void remove_shares(const session *s, const char *path, size_t n) {
   for (size_t k = 0; k < n; k++) checkpoint_remove_share(s->parts_folder.at, path, k);
 }
 
-/* Seals rows into the next part. rows: rows of rank 0. shared: the part also has shares with rows
- * of all ranks. */
+/* Writes rows from memory to the next part file of the run. rows: rows of rank 0. shared: true if
+ * also each rank writes its rows to a file of its own (share of the part file). */
 static sd_status seal_rows(session *s, record *rows, bool shared, const char *path,
                            sd_messages *messages) {
   const record_link link = {
@@ -118,17 +122,17 @@ static sd_status seal_rows(session *s, record *rows, bool shared, const char *pa
   return agree(s, status);
 }
 
-/* Returns the record of rank 0 that has rows to be sealed; NULL: none. */
+/* Returns the rows of rank 0 that are not yet written to a part file; NULL: there are none. */
 static record *full_rows(session *s) {
   if (!record_empty(&s->shared) && !record_has_shares(&s->shared))
     record_take_series(&s->rows, &s->shared);
   return !record_empty(&s->shared) ? &s->shared : !record_empty(&s->rows) ? &s->rows : NULL;
 }
 
-/* Collective: seals the rows that wait in memory into a part, if there are any. */
+/* Collective: writes the rows that are in memory to a part file, if there are any. */
 static sd_status seal(session *s, sd_messages *messages) {
   record *rows = session_leads(s) ? full_rows(s) : NULL;
-  /* broadcast, so that all ranks seal or none */
+  /* broadcast from rank 0, so that all ranks write a part file or none */
   int32_t what[2] = {rows != NULL, rows == &s->shared};
   comm_share(s->options.comm, what, sizeof what);
   if (!what[0]) return SD_OK;
@@ -150,8 +154,9 @@ static sd_status collect_disks(session *s, sd_messages *messages) {
                                sd_simulation_threads(s->simulation), messages);
 }
 
-/* Updates summary and provenance; the state must be stored. Means of every disk are computed for
- * systems of few disks in one process only; for others they follow when the result is written. */
+/* Updates summary and provenance of the run; the state must have been stored. Means of every disk
+ * are computed only for few disks in one process; in other runs this is left until the result is
+ * written. */
 static sd_status describe(session *s, sd_messages *messages) {
   const sd_energy energy = sd_simulation_energy(s->simulation);
   const summary_sums all = ranks_summary_sums(simulation_engine(s->simulation));
@@ -174,8 +179,8 @@ static sd_status describe(session *s, sd_messages *messages) {
   return status;
 }
 
-/* Writes the checkpoint file, or the head of one with shares. seals: checksums of the shares; NULL:
- * no shares. */
+/* Writes the checkpoint file; in a run over several ranks the head, which names the files of the
+ * ranks (shares). seals: [ranks] checksums of these files; NULL: there are none. */
 static sd_status write_head(session *s, int64_t *seals, const char *path, sd_messages *messages) {
   const checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
   const checkpoint_shares shares = {s->model, (size_t)comm_size(s->options.comm), seals,
@@ -186,8 +191,9 @@ static sd_status write_head(session *s, int64_t *seals, const char *path, sd_mes
                           &s->origin, &s->found, messages);
 }
 
-/* Writes the stored state to a file of the folder: one file in one process; in a run over several
- * ranks first the shares, then a head with the rest. */
+/* Writes the stored state to a file in the folder of the run: in one process a single file; in a
+ * run over several ranks first a file for each rank with its disks and contacts, then a head with
+ * the rest. */
 static sd_status write_state(session *s, const char *path, sd_messages *messages) {
   const bool leads = session_leads(s), shared = simulation_is_spread(s->simulation);
   const size_t n = shared ? (size_t)comm_size(s->options.comm) : 0;
@@ -201,8 +207,8 @@ static sd_status write_state(session *s, const char *path, sd_messages *messages
   return status;
 }
 
-/* The part is sealed before the checkpoint that counts it is written, and older checkpoints are
- * removed last: so the newest checkpoint on disk always has its parts. */
+/* The part file is written before the checkpoint that counts it, and older checkpoints are removed
+ * last: so the newest checkpoint on disk always has its part files. */
 sd_status session_checkpoint(session *s, sd_messages *messages) {
   const bool leads = session_leads(s);
   const int64_t step = sd_simulation_step(s->simulation);
@@ -220,8 +226,8 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
   return status;
 }
 
-/* Removes the emergency file of an earlier attempt, which may have had more ranks and hence more
- * shares. */
+/* Removes the emergency file of an earlier attempt, and the files of its ranks, which may have been
+ * more than now. */
 static void drop_emergency(const session *s, const char *path) {
   bool there = true;
   file_remove(s->parts_folder.at, path);
@@ -234,7 +240,7 @@ static void drop_emergency(const session *s, const char *path) {
 }
 
 /* Writes the state after a numerical error to an emergency file, for inspection; the good
- * checkpoints stay. */
+ * checkpoints are not touched. */
 static void keep_emergency(session *s, sd_messages *messages) {
   if (simulation_store(s->simulation, false, messages) != SD_OK) return;
   const int64_t step = sd_simulation_step(s->simulation);
@@ -247,7 +253,7 @@ static void keep_emergency(session *s, sd_messages *messages) {
   free(path);
 }
 
-/* Adds frames and contacts of each rank's own disks to its rows. */
+/* Adds the disks and contacts of each rank to the rows that this rank will write. */
 static sd_status sample_shares(session *s, unsigned rows, sd_messages *messages) {
   record *r = &s->shared;
   return ranks_sample(s->simulation->ranks, rows, (int64_t)r->disks.n_rows,
@@ -275,8 +281,8 @@ sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
 
 /* --- Progress --------------------------------------------------------------------------------- */
 
-/* Predicts the step at which the run ends: the error falls as 1/sqrt(measured time), and the goal
- * is not checked before the next scheduled check. */
+/* Predicts the step at which the run ends: the error bar falls as 1/sqrt(measured time), and the
+ * goal for it is checked only at certain steps. */
 static int64_t expected_end(const session *s, sd_stage now, const sd_goal *goal) {
   const sd_model *m = s->model;
   int64_t most = most_steps(m, now);
@@ -286,11 +292,12 @@ static int64_t expected_end(const session *s, sd_stage now, const sd_goal *goal)
   double ratio = goal->error / goal->goal;
   double more = goal->measured / m->dt * (ratio * ratio - 1);
   int64_t look = s->step - now.phase_step + sd_goal_look(m, now.phase_step);
-  if (!(more < (double)(most - s->step))) return most; /* also if `more` is NAN */
+  if (!(more < (double)(most - s->step))) return most; /* this is also the case if `more` is NAN */
   return s->step + (int64_t)more > look ? s->step + (int64_t)more : look;
 }
 
-/* Returns true if a phase from the running one on may end early by settling. */
+/* Returns true if the running phase or a later one may end early, because it has settle
+ * criteria. */
 static bool may_settle(const sd_model *m, sd_stage now) {
   bool may = false;
   for (size_t k = (size_t)now.phase; k < m->n_phases; k++) may |= m->phases[k].settle.asked;
@@ -312,7 +319,7 @@ void session_report(session *s, bool always) {
   comm_share(s->options.comm, &tells, sizeof tells);
   if (!tells) return;
 
-  /* rate: running average over about 3 seconds */
+  /* the rate is averaged over about the last 3 seconds */
   if (passed > 0 && s->step > s->told_step) {
     double rate = (double)(s->step - s->told_step) / passed, weight = passed < 3 ? passed / 3 : 1;
     s->rate = s->rate > 0 ? s->rate + weight * (rate - s->rate) : rate;
@@ -363,7 +370,8 @@ sd_status session_stop(session *s, sd_messages *messages) {
   return status == SD_OK ? SD_INTERRUPTED : status;
 }
 
-/* Collective: returns true if the rows of all ranks take more than most_bytes. */
+/* Collective: returns true if the rows in memory of all ranks together take more than
+ * most_bytes. */
 static bool is_full(session *s, size_t most_bytes) {
   int32_t full = session_leads(s) &&
                  record_bytes(&s->rows) + record_bytes(&s->shared) + s->shared_bytes > most_bytes;
@@ -382,7 +390,8 @@ sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messa
   return status;
 }
 
-/* Returns the run_id of a readable result, which the caller frees; NULL: there is none. */
+/* Returns the run_id stored in a result file, which the caller frees; NULL: there is no such file,
+ * or it is not readable. */
 static char *finished_id(const char *result) {
   h5_file *file;
   if (!file_exists(result) || h5_open(result, &file, NULL) != SD_OK) return NULL;
@@ -436,7 +445,8 @@ static sd_status merge_from(session *s, const sd_state *state, const h5_file *ch
   return merge_parts(&job, messages);
 }
 
-/* Merges the parts of a run over several ranks: only the last checkpoint holds the whole state. */
+/* Merges the part files of a run over several ranks into the result. The final state is read from
+ * the last checkpoint, since no rank has it in memory. */
 static sd_status merge_spread(session *s, sd_messages *messages) {
   char *path = folder_checkpoint(s->parts_folder.path, s->saved_step);
   h5_file *file = NULL;
@@ -450,23 +460,23 @@ static sd_status merge_spread(session *s, sd_messages *messages) {
   return status;
 }
 
-/* Merges the parts of a run in one process, whose state is in memory. */
+/* Merges the part files of a run in one process into the result. The final state is in memory. */
 static sd_status merge_here(session *s, sd_messages *messages) {
   sd_status status = SD_OK;
   if (s->found.packing.n > 0 && !s->found.packing.disks) status = collect_disks(s, messages);
   return status == SD_OK ? merge_from(s, state_of(s), NULL, messages) : status;
 }
 
-/* Collective: merges the parts. The last checkpoint holds the finished state, so after an
- * interrupted merge only the merge has to be repeated. */
+/* Collective: merges the part files into the result. The last checkpoint has the final state, so
+ * that after an interruption only the merge has to be repeated. */
 static sd_status merge(session *s, sd_messages *messages) {
-  /* Never write a second checkpoint of the same step: its shares would replace those that the first
-   * one names. */
+  /* Never write a second checkpoint of the same step: the files of its ranks would replace those
+   * that the first one names. */
   sd_status status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
   if (status == SD_OK)
     status = agree(s, session_leads(s) ? session_may_publish(s, SD_ERROR_IO, messages) : SD_OK);
   if (status == SD_OK) status = simulation_store(s->simulation, false, messages);
-  /* A session that begins after the last step has no summary yet. */
+  /* If the session was opened after the last step, its summary is not computed yet. */
   if (status == SD_OK && !s->has_found) status = describe(s, messages);
   if (status == SD_OK && session_leads(s))
     status =
@@ -477,8 +487,8 @@ static sd_status merge(session *s, sd_messages *messages) {
   return status;
 }
 
-/* Warns if a run has ended without meeting the goal of `until`; its result is complete all the
- * same. */
+/* Warns if a run has ended without reaching the goal for its error bar (`until`); the result is
+ * complete all the same. */
 static void warn_of_goal(const session *s, sd_messages *messages) {
   const summary *f = &s->found;
   if (!f->has_until || f->until_step >= 0) return;
@@ -495,14 +505,15 @@ static void warn_of_goal(const session *s, sd_messages *messages) {
 }
 
 /* Appends a text such as "; kinetic energy per disk 1e-3, asked for is 1e-6" if there is a goal
- * that was missed. Returns its length. */
+ * that was not reached. Returns the length of the text. */
 static int tell_goal(char *text, size_t size, const char *what, double value, double goal,
                      bool missed) {
   if (!(goal > 0.0) || !missed) return 0;
   return snprintf(text, size, "; %s %.3g, asked for is %.3g", what, value, goal);
 }
 
-/* Warns of phases that ended without meeting their goals, and of disks that rain never released. */
+/* Warns of phases that ended without reaching their goals, and of disks that rain has not
+ * released. */
 static void warn_of_phases(const session *s, sd_messages *messages) {
   const summary *f = &s->found;
   for (size_t k = 0; k < f->n_stages; k++) {

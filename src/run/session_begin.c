@@ -1,4 +1,5 @@
-/* session_begin.c: opens a session: finds out what exists already and from where to continue. */
+/* session_begin.c: opens a session (a run with its files): finds out which files exist, and at
+ * which step to begin. */
 #include <assert.h>
 #include <errno.h>
 #include <inttypes.h>
@@ -19,12 +20,13 @@
 #include "run/simulation_private.h"
 #include "slipdisk/deck.h"
 
-/* Returns true if the identity is that of a readable result (a run_id) and not of another file. */
+/* Returns true if `identity`, as session_identity returns it, is that of a result (a run_id), and
+ * not that of another file. */
 static bool is_result(const char *identity) {
   return strlen(identity) == 32 && strspn(identity, "0123456789abcdef") == 32;
 }
 
-/* Refuses to run, because only --force replaces an existing file. */
+/* Refuses to run because a file exists at the path of the result, which only --force replaces. */
 static sd_status refuse_existing(const session *s, const char *there, sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_USER,
                  is_result(there)
@@ -33,7 +35,7 @@ static sd_status refuse_existing(const session *s, const char *there, sd_message
                  s->result);
 }
 
-/* Checks that the deck of the checkpoint is the deck of this session. */
+/* Checks that the deck stored in the checkpoint is the deck of this session. */
 static sd_status check_deck(const session *s, sd_messages *messages) {
   const provenance *origin = &s->origin;
   const char *full = sd_model_deck(s->model)->full;
@@ -46,14 +48,14 @@ static sd_status check_deck(const session *s, sd_messages *messages) {
   return SD_ERROR_USER;
 }
 
-/* Columns of some disks of a checkpoint. */
+/* Data of some disks of a checkpoint: number, radius and mass of each. */
 typedef struct some_disks {
   uint32_t *id;
   double *radius, *mass;
 } some_disks;
 
-/* Checks that the disks in slots first ... first + n - 1 of the checkpoint are those of the
- * model. */
+/* Checks that the disks in slots first ... first + n - 1 of the checkpoint have the radii and
+ * masses of the model. */
 static sd_status check_disks(const session *s, const h5_file *file, size_t first, size_t n,
                              some_disks *d, sd_messages *messages) {
   sd_status status = h5_get_values(file, "/state/id", SD_U32, first, n, 1, d->id, messages);
@@ -73,8 +75,8 @@ static sd_status check_disks(const session *s, const h5_file *file, size_t first
   return status;
 }
 
-/* Checks that the files named in the deck have not changed since the run was started: by the disks,
- * and by a checksum. */
+/* Checks that the files which the deck names are the same as when the run began: by comparing the
+ * disks, and by a checksum. */
 static sd_status check_inputs(const session *s, const h5_file *file, sd_messages *messages) {
   enum { AT_ONCE = 1 << 18 };
   const size_t bodies = sd_model_bodies(s->model), most = bodies < AT_ONCE ? bodies : AT_ONCE;
@@ -95,8 +97,8 @@ static sd_status check_inputs(const session *s, const h5_file *file, sd_messages
   return status;
 }
 
-/* Checks deck, state and parts of a checkpoint in an open file, and takes over the number of parts.
- * state: receives the state in a process that is alone. */
+/* Checks deck, state and part files of a checkpoint in an open file, and stores the number of part
+ * files in the session. state: receives the state if the run is in one process. */
 static sd_status read_checkpoint(session *s, const h5_file *file, const char *path,
                                  sd_state **state, sd_messages *messages) {
   sd_status status = check_deck(s, messages);
@@ -115,10 +117,10 @@ static sd_status read_checkpoint(session *s, const h5_file *file, const char *pa
                            messages);
 }
 
-/* Tries to continue from one checkpoint. SD_ERROR_IO: it or one of its parts is damaged.
- * SD_ERROR_USER: it belongs to another deck or format. finished: identity of the file at the path
- * of the result; if it is the result of the same run, the run was killed while it removed the
- * folder (was_finished). */
+/* Tries to continue from one checkpoint. SD_ERROR_IO: the checkpoint or one of its part files is
+ * damaged. SD_ERROR_USER: the checkpoint belongs to another deck or has another format. finished:
+ * identity of the file at the path of the result. If that file is the result of this same run, the
+ * run had finished and was killed while it removed the folder; then was_finished is set. */
 static sd_status try_checkpoint(session *s, int64_t step, const char *finished, sd_state **state,
                                 sd_messages *messages) {
   char *path = folder_checkpoint(s->parts_folder.path, step);
@@ -141,8 +143,8 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
   return status;
 }
 
-/* Renames the n newest checkpoints, which cannot be used, and warns of it. why: the errors found in
- * them. */
+/* Renames the n newest checkpoints, which cannot be used, and warns of that. why: the errors found
+ * in them. */
 static void step_back(session *s, const int64_t *steps, size_t n, const sd_messages *why,
                       sd_messages *messages) {
   for (size_t k = 0; k < sd_messages_count(why); k++)
@@ -153,9 +155,9 @@ static void step_back(session *s, const int64_t *steps, size_t n, const sd_messa
           steps[0], steps[n]);
 }
 
-/* Finds the newest good checkpoint with intact parts. saved_step stays -1 if there is none, or if
- * the run is finished. A damaged checkpoint is only a warning if an older one can be used instead.
- * After a shortage of memory no checkpoint counts as damaged. */
+/* Finds the newest undamaged checkpoint with undamaged part files. saved_step stays -1 if there is
+ * none, or if the run is finished. A damaged checkpoint is only a warning if an older one can be
+ * used. If memory runs out, no checkpoint is taken for damaged. */
 static sd_status find_checkpoint(session *s, const char *finished, sd_state **state,
                                  sd_messages *messages) {
   int64_t *steps;
@@ -187,8 +189,8 @@ static sd_status find_checkpoint(session *s, const char *finished, sd_state **st
   return status;
 }
 
-/* Warns if ranks have so few disks that fewer ranks are faster: two ranks of 1000 disks are as fast
- * as one process (docs/performance.md). */
+/* Warns if ranks have so few disks that fewer ranks would be faster: two ranks with 1000 disks each
+ * are as fast as one process (docs/performance.md). */
 static void warn_of_ranks(const session *s, sd_messages *messages) {
   enum { WORTH = 1000 };
   const size_t n = (size_t)comm_size(s->options.comm), disks = s->model->n_free;
@@ -201,8 +203,8 @@ static void warn_of_ranks(const session *s, sd_messages *messages) {
             n, disks, WORTH);
 }
 
-/* Prepares a run from the start: empties the folder. there: identity of the file that may be
- * replaced in the end; "": none. */
+/* Prepares a run from the start: empties the folder of the run. there: identity of the file that
+ * the result may replace at the end; "": none. */
 static sd_status prepare_fresh(session *s, const char *there, sd_messages *messages) {
   s->fresh = true;
   s->replaces = memory_text(there);
@@ -212,29 +214,30 @@ static sd_status prepare_fresh(session *s, const char *there, sd_messages *messa
   return status;
 }
 
-/* Collective: begins a run at step 0, samples it and writes its first checkpoint. */
+/* Collective: begins a run at step 0, samples rows and writes the first checkpoint. */
 static sd_status begin_fresh(session *s, sd_messages *messages) {
   sd_status status = simulation_new(s->model, s->options.threads, SIMULATION_SUITABLE,
                                     s->options.comm, s->options.stop, &s->simulation, messages);
   if (status != SD_OK) return status;
   if (session_leads(s)) warn_of_ranks(s, messages);
-  /* For a large system the first checkpoint takes long, and a stop before it loses no work. */
+  /* Check for a stop now: the first checkpoint of a large system takes long, and a stop before it
+   * loses no work. */
   if (comm_max(s->options.comm, session_is_stopped(s))) return SD_INTERRUPTED;
   status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
-  /* Write the first checkpoint at once: a full disk or a missing permission shows now, and the deck
-   * is stored. */
+  /* Write the first checkpoint at once: it shows now whether the disk is full or a permission is
+   * missing, and it stores the deck. */
   return status == SD_OK ? session_checkpoint(s, messages) : status;
 }
 
 /* Prepares a run that continues from a checkpoint. */
 static sd_status prepare_again(session *s, sd_messages *messages) {
   s->origin.sessions++;
-  /* Check this now, and not after all steps have been computed. */
+  /* Check now, and not after all steps, whether the result may be written. */
   sd_status status = session_may_publish(s, SD_ERROR_USER, messages);
   return status == SD_OK ? folder_clean(&s->parts_folder, s->parts, messages) : status;
 }
 
-/* Reads this rank's rows of a checkpoint. */
+/* Reads the rows of a checkpoint that this rank is to have. */
 static sd_status read_some(session *s, sd_state **state, uint32_t **order, sd_messages *messages) {
   const comm *c = s->options.comm;
   char *parts = format_text("%s.parts", s->result), *path = folder_checkpoint(parts, s->saved_step);
@@ -252,7 +255,7 @@ static sd_status read_some(session *s, sd_state **state, uint32_t **order, sd_me
   return status;
 }
 
-/* Collective: continues a run from a checkpoint. state: the state, if the process is alone. */
+/* Collective: continues a run from a checkpoint. state: the state, if the run is in one process. */
 static sd_status begin_again(session *s, sd_state *state, sd_messages *messages) {
   uint32_t *order = NULL;
   sd_status status = s->options.comm ? read_some(s, &state, &order, messages) : SD_OK;
@@ -265,7 +268,7 @@ static sd_status begin_again(session *s, sd_state *state, sd_messages *messages)
   return status;
 }
 
-/* Refuses cases that can be refused without changing anything, then locks the folder. there:
+/* Refuses a run that must be refused before it changes any file, then locks its folder. there:
  * receives the identity of the file at the path of the result. */
 static sd_status prepare(session *s, char **there, sd_messages *messages) {
   sd_status status = session_identity(s, there, messages);
@@ -283,7 +286,7 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
   else if (!s->options.force && **there && !file_exists(parts))
     status = refuse_existing(s, *there, messages);
   if (status == SD_OK) status = folder_open(parts, false, &s->parts_folder, messages);
-  /* the parts get the access rights of the result */
+  /* the part files get the access rights of the result */
   if (status == SD_OK) file_keep_mode(s->parts_folder.at, -1, s->result);
   record_new(&s->rows, s->model, RECORD_WHOLE);
   record_new(&s->shared, s->model, RECORD_HEAD);
@@ -291,11 +294,12 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
   return status;
 }
 
-/* Work that is left: FINISHED: none; AGAIN: continue from a checkpoint; FRESH: run from the
- * start. */
+/* Way in which a run begins. FINISHED: no work is left; AGAIN: continue from a checkpoint; FRESH:
+ * run from the start. */
 typedef enum beginning { FINISHED, AGAIN, FRESH } beginning;
 
-/* Does everything that concerns files; called by rank 0. */
+/* Finds out how to begin, and does all work with files for it; called on rank 0 only. how: receives
+ * the way to begin. */
 static sd_status find_beginning(session *s, beginning *how, sd_state **state,
                                 sd_messages *messages) {
   char *there = NULL;
@@ -303,7 +307,7 @@ static sd_status find_beginning(session *s, beginning *how, sd_state **state,
   if (status == SD_OK && !s->options.force) {
     assert(there);
     status = find_checkpoint(s, there, state, messages);
-    /* Without a checkpoint no run was begun: if the result exists, it is finished. */
+    /* Without a checkpoint no run was begun: if there is a result, its run is finished. */
     s->was_finished = s->was_finished || (status == SD_OK && s->saved_step < 0 && is_result(there));
   }
   *how = s->was_finished ? FINISHED : s->saved_step >= 0 ? AGAIN : FRESH;
@@ -316,7 +320,7 @@ static sd_status find_beginning(session *s, beginning *how, sd_state **state,
   return status;
 }
 
-/* Collective: finds out how to begin, on rank 0, and begins on all ranks. */
+/* Collective: rank 0 finds out how to begin, then all ranks begin. */
 static sd_status begin(session *s, sd_messages *messages) {
   sd_state *state = NULL;
   beginning found = FINISHED;
@@ -347,7 +351,7 @@ sd_status session_open(const sd_model *model, const session_options *options, se
   s->saved_step = s->told_phase = -1;
   s->saved_at = s->wall_mark = clock_seconds();
   sd_status status = begin(s, messages);
-  /* Remove the folder of a run that failed before its first checkpoint. */
+  /* Remove the folder of the run if it failed before its first checkpoint. */
   if (status != SD_OK && s->fresh && s->saved_step < 0 && s->parts_folder.lock >= 0)
     folder_remove(&s->parts_folder, NULL);
   if (status == SD_OK)

@@ -1,4 +1,5 @@
-/* session_group.c: the loop of runs, one alone or several side by side; see session.h. */
+/* session_group.c: the loop over steps of one session (run with its files), or of several side by
+ * side; see session.h. */
 #include "run/session.h"
 
 #include <assert.h>
@@ -10,36 +11,36 @@
 #include "run/ensemble.h"
 #include "run/session_private.h"
 
-/* Wall time of a chunk of steps, s, about: between chunks signals are checked and progress is
- * reported. */
+/* Approximate wall time in s of the chunks of steps between which signals are checked and progress
+ * is reported. */
 static const double CHUNK_SECONDS = 0.05;
 
-/* Sessions that run side by side; arrays have an element for each one that still runs. */
+/* Sessions that run side by side; arrays have an element for each session that still runs. */
 typedef struct group {
   session_member *members; /* members as given by the caller */
   size_t n;                /* number of members that still run */
-  size_t *which;           /* [n] indices into members */
+  size_t *which;           /* [n] index into `members` of each member that still runs */
   sd_simulation **simulations;
   sd_messages **messages;
   sd_status *status;
-  bool *waits;     /* true if it waits for others to catch up */
-  ensemble *lanes; /* lanes for the systems; NULL: they are advanced one by one */
+  bool *waits;     /* [n] true if the member waits until others have caught up */
+  ensemble *lanes; /* SIMD lanes for the systems; NULL: they are advanced one by one */
   int64_t chunk;
-  size_t most_bytes; /* largest number of bytes of rows in memory, for each member */
+  size_t most_bytes; /* largest number of bytes of rows that each member may have in memory */
   session_left *left;
   void *user;
 } group;
 
 static session *session_of(const group *g, size_t k) { return g->members[g->which[k]].session; }
 
-/* Returns true if the session has failed, is finished or is to stop. */
+/* Returns true if running member number k has failed, is finished or is to stop. */
 static bool is_leaving(const group *g, size_t k) {
   const session *s = session_of(g, k);
   return g->status[k] != SD_OK || sd_simulation_finished(s->simulation) || s->world.stopped;
 }
 
-/* Ends a session: merges the result of a finished run, or stops at a checkpoint, unless it has
- * failed. */
+/* Ends a member: merges the part files of a finished run, or stops the run at a checkpoint; does
+ * neither if it has failed. */
 static void leave(group *g, size_t member, sd_status status) {
   session_member *m = &g->members[member];
   session *s = m->session;
@@ -61,7 +62,8 @@ static void put_in_lanes(group *g) {
   if (g->n > 1) g->lanes = ensemble_new(g->n, g->simulations);
 }
 
-/* Ends the sessions that are leaving and makes new lanes for the others. */
+/* Ends the members that have failed, finished or are to stop, and makes new SIMD lanes for the
+ * others. */
 static void sort_out(group *g) {
   size_t first = 0, kept = 0;
   while (first < g->n && !is_leaving(g, first)) first++;
@@ -91,10 +93,11 @@ static sd_stage stage_of(const group *g, size_t k) {
   return sd_simulation_stage(g->simulations[k]);
 }
 
-/* Chooses the members that take the next chunk: those that are furthest behind. The others wait,
- * since lanes need systems at the same step of the same phase, and a few systems in lanes take as
- * long as many. Returns the number of members that go; steps: receives the number of steps until a
- * row may be due for one of them or they catch up with another. */
+/* Chooses the members that take the next chunk of steps: those that are furthest behind. The others
+ * wait, since systems must be at the same step of the same phase to share SIMD lanes, and a few
+ * systems in lanes take as long as many. Returns the number of members that go; steps: receives the
+ * number of steps until rows may be due for one of them, or until they catch up with another
+ * member. */
 static size_t find_going(group *g, int64_t *steps) {
   sd_stage last = stage_of(g, 0);
   size_t going = 0;
@@ -113,11 +116,11 @@ static size_t find_going(group *g, int64_t *steps) {
   return going;
 }
 
-/* Advances by one chunk of steps and adapts the length of the next chunk to the measured speed. */
+/* Advances by one chunk of steps, and adapts the length of the next chunk to the measured speed. */
 static void advance(group *g) {
   int64_t n;
   size_t going = find_going(g, &n);
-  /* ensemble_advance skips members with this status */
+  /* ensemble_advance skips members whose status is not SD_OK */
   for (size_t k = 0; k < g->n; k++)
     if (g->waits[k]) g->status[k] = SD_INTERRUPTED;
   assert(n > 0 && going > 0);
@@ -150,8 +153,8 @@ static bool can_be_saved(const group *g, size_t k) {
          !sd_simulation_finished(s->simulation);
 }
 
-/* Writes checkpoints of all members once one of them is due, so that all are at the same step again
- * after a kill. */
+/* Writes checkpoints of all members as soon as one of them is due, so that after a kill all
+ * continue from the same step. */
 static void save(group *g) {
   bool due = false;
   for (size_t k = 0; k < g->n; k++)
@@ -159,11 +162,11 @@ static void save(group *g) {
   if (!due) return;
   for (size_t k = 0; k < g->n; k++)
     if (can_be_saved(g, k)) g->status[k] = session_checkpoint(session_of(g, k), g->messages[k]);
-  /* The time taken by these checkpoints does not count towards the next. */
+  /* The time taken by these checkpoints does not count towards the interval until the next ones. */
   for (size_t k = 0; k < g->n; k++) session_of(g, k)->saved_at = clock_seconds();
 }
 
-/* Checks signals and clock on rank 0, and broadcasts the result. */
+/* Checks signals and the clock on rank 0, and broadcasts the outcome. */
 static void look(group *g) {
   for (size_t k = 0; k < g->n; k++) {
     session_look(session_of(g, k), g->chunk);
@@ -171,7 +174,7 @@ static void look(group *g) {
   }
 }
 
-/* Adds a session to the group; ends it at once if there is no work left. */
+/* Adds a session to the group; if it has no work left, ends it at once. */
 static void enter(group *g, size_t member) {
   session_member *m = &g->members[member];
   session *s = m->session;

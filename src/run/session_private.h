@@ -7,78 +7,81 @@
 #include "io/results/record.h"
 #include "run/session.h"
 
-/* Facts that only rank 0 finds out; it broadcasts them before each chunk of steps. */
+/* Decisions that rank 0 makes and broadcasts before each chunk of steps. */
 typedef struct session_world {
-  int64_t chunk; /* length of the next chunk, steps */
-  /* 1: a signal asks to stop; 1: a checkpoint is due */
+  int64_t chunk; /* length of the next chunk, in steps */
+  /* stopped: 1 if a signal asks to stop, else 0; save: 1 if a checkpoint is due, else 0 */
   int32_t stopped, save;
 } session_world;
 
 struct session {
   const sd_model *model;
-  session_options options; /* options of the caller; strings point to copies */
+  session_options options; /* copy of the caller's options, with copies of the strings */
   char *result;
   sd_simulation *simulation;
-  folder parts_folder; /* open folder of the parts; lock < 0: not open */
-  /* rows sampled in one process, and rows sampled while the disks are distributed over ranks; one
-   * of them is empty */
+  folder parts_folder; /* folder of the run's part files and checkpoints; lock < 0: not open */
+  /* rows in memory that are not yet written: `rows` from a run in one process, `shared` while disks
+   * are distributed over ranks; one of them is empty */
   record rows, shared;
-  size_t shared_bytes; /* bytes of the rows of all ranks that belong to `shared` */
+  size_t shared_bytes; /* bytes of the rows that all ranks have in memory in addition to `shared` */
   provenance origin;
   summary found;
-  bool has_found; /* true if `found` is set */
+  bool has_found; /* true: `found` is set */
   bool was_finished;
-  bool fresh;         /* true if no checkpoint to continue was found */
-  int64_t parts;      /* number of sealed parts */
-  uint64_t last_part; /* checksum in the seal of the last part */
-  /* identity (session_identity) of the result that may be replaced; "": none */
+  bool fresh;         /* true: the session began at step 0, not from a checkpoint */
+  int64_t parts;      /* number of part files written */
+  uint64_t last_part; /* checksum of the last part file */
+  /* identity (session_identity) of the existing result that may be replaced; "": none */
   char *replaces;
-  /* first step of the session, current step, largest number of steps; step of the last checkpoint,
-   * -1: none yet */
+  /* step at which the session began, present step, largest number of steps; step of the last
+   * checkpoint, -1: none yet */
   int64_t began, step, steps, saved_step;
-  /* wall times of the last checkpoint and of the last update of wall_seconds, s */
+  /* clock readings, s: at the last checkpoint, at the last update of origin.wall_seconds */
   double saved_at, wall_mark;
-  double told_at, rate; /* wall time of the last report, s; steps per second */
-  /* shortest time between two reports, s (session_report) */
+  /* clock reading at the last progress report, s; recent number of steps per second */
+  double told_at, rate;
+  /* shortest time until the next progress report, s (session_report) */
   double tell_every;
   int64_t told_step, told_phase;
   session_world world;
 };
 
-/* Returns true on rank 0, or if the process is alone: only it writes files. The functions below
- * that return a status are collective, except session_identity and session_may_publish; so are
- * session_look and session_report. */
+/* Returns true on rank 0, and in a run in one process: there, all files are written.
+ *
+ * Functions below that return a status are collective, except session_identity and
+ * session_may_publish; session_look and session_report are collective, too. */
 bool session_leads(const session *s);
-/* session_due returns the bits of the rows (RECORD_SERIES ...) to be sampled at this stage;
- * session_next the next step at which some may be due, of a run that is not over. */
+/* session_due returns bits (RECORD_SERIES ...) that tell which rows are to be sampled at this stage
+ * of the run; session_next returns the next step at which rows may be due, and must not be called
+ * when the run is over. */
 unsigned session_due(const sd_model *model, sd_stage now);
 int64_t session_next(const sd_model *model, sd_stage now);
-/* Samples the present state into the tables that the bits of `what` select. */
+/* Samples rows of the present state for the tables selected by the bits of `what`. */
 sd_status session_sample(session *s, unsigned what, sd_messages *messages);
-/* Seals the rows into a part, writes a checkpoint and removes older ones. */
+/* Writes the rows in memory to a part file, writes a checkpoint, and removes older checkpoints. */
 sd_status session_checkpoint(session *s, sd_messages *messages);
-/* Identifies the file at the path of the result: run_id of a result, else size and time; "": no
- * file. The caller frees *id. */
+/* Identifies the file at the path of the result: *id is the run_id if it is a result, else a text
+ * with its size and time; "": no file. The caller frees *id. */
 sd_status session_identity(const session *s, char **id, sd_messages *messages);
-/* Checks that the result may get its name: there is no file of this name, or it is the one that may
- * be replaced. kind: status of a refusal. */
+/* Checks that the result may be written: there is no file at its path, or it is the one that may be
+ * replaced. kind: status that is returned if not. */
 sd_status session_may_publish(const session *s, sd_status kind, sd_messages *messages);
-/* Returns true if this rank was asked to stop by a signal. */
+/* Returns true if this rank has received a signal that asks to stop. */
 bool session_is_stopped(const session *s);
-/* Sets s->world on all ranks as on rank 0: whether a signal came, whether a checkpoint is due, and
- * the length of the next chunk of steps. */
+/* Sets s->world on all ranks to the values of rank 0: whether a signal asks to stop, whether a
+ * checkpoint is due, and the length of the next chunk of steps. */
 void session_look(session *s, int64_t chunk);
 /* Reports progress if the time for the next report has come, or if `always` is true. */
 void session_report(session *s, bool always);
 
-/* Does what is due after a chunk of steps that ended with `status`: samples, seals a part if its
- * rows take more than most_bytes, reports progress. SD_ERROR_NUMERIC: the state is kept in an
- * emergency file. */
+/* Does what is due after a chunk of steps that ended with `status`: samples rows, writes a part
+ * file if the rows in memory take more than most_bytes, reports progress. If `status` is
+ * SD_ERROR_NUMERIC, writes the state to an emergency file. */
 sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messages *messages);
-/* Writes a checkpoint if the last one is older than the current step, and returns
- * SD_INTERRUPTED. */
+/* Writes a checkpoint unless the last one is of the present step, and returns SD_INTERRUPTED. */
 sd_status session_stop(session *s, sd_messages *messages);
-/* Merges the parts of a run that is over, and warns of goals that were not met. */
+/* Merges the part files of a run that is over into the result, and warns of goals that were not
+ * reached. */
 sd_status session_finish(session *s, sd_messages *messages);
 
 #endif

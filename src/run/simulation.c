@@ -1,4 +1,5 @@
-/* simulation.c: makes, advances, reads, saves and clones simulations; see slipdisk/simulation.h. */
+/* simulation.c: creates, advances, saves, loads and clones simulations, and reads their state; see
+ * slipdisk/simulation.h. */
 #include <assert.h>
 #include <math.h>
 #include <sched.h>
@@ -44,7 +45,7 @@ static sd_status fail_new(sd_simulation *sim, sd_simulation **out, sd_status sta
   return status;
 }
 
-/* Returns true if no disk was removed: the step of small systems does not handle removed disks. */
+/* Returns true if no disk was removed; the step for small systems cannot handle removed disks. */
 static bool all_in_play(const sd_state *s) {
   for (size_t i = 0; i < s->n_free; i++)
     if (s->activity[i] == SD_REMOVED) return false;
@@ -76,7 +77,8 @@ static sd_status build_work(sd_simulation *sim, bool small, int threads, sd_mess
   return loop_build(e, small, threads, messages);
 }
 
-/* Makes a simulation of a given state, without what is done once at step 0. Takes over `state`. */
+/* Makes a simulation of a given state, without the work that comes once at step 0. Takes over
+ * `state`. */
 static sd_status create(const sd_model *model, sd_state *state, int threads, simulation_step step,
                         sd_simulation **out, sd_messages *messages) {
   sd_simulation *sim = *out = blank(model);
@@ -85,14 +87,15 @@ static sd_status create(const sd_model *model, sd_state *state, int threads, sim
   return build_work(sim, small, small ? 1 : choose_threads(model, threads), messages);
 }
 
-/* Search for two disks with the same centre. */
+/* Search for two disks with the same centre; found: true once a pair was reported. */
 typedef struct coincidence {
   const sd_model *model;
   sd_messages *messages;
   bool found;
 } coincidence;
 
-/* Returns true if a motion moves the centre of the disk, perhaps already in the first step. */
+/* Returns true if a motion is prescribed for the centre of the disk, which may separate it from
+ * another disk in the first step. */
 static bool is_moved(const sd_model *m, uint32_t disk) {
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; m->motions[k].coordinate <= SD_Y && b < m->motions[k].n_bodies; b++)
@@ -100,8 +103,8 @@ static bool is_moved(const sd_model *m, uint32_t disk) {
   return false;
 }
 
-/* Reports the first pair of coincident disks that no motion moves; returns true to end the
- * search. */
+/* Reports the first pair of disks with the same centre that no motion moves; returns true to end
+ * the search. */
 static bool tell_coincident(void *user, const overlap *o) {
   coincidence *c = user;
   char one[96], two[96];
@@ -114,8 +117,8 @@ static bool tell_coincident(void *user, const overlap *o) {
   return true;
 }
 
-/* Refuses disks with the same centre: they have no normal and would never touch. Models read from a
- * deck were checked by the reader. */
+/* Refuses models with two disks at the same centre: their contact has no normal, and they would
+ * never touch. Models from a deck were already checked when it was read. */
 static sd_status refuse_coincident(const sd_model *model, sd_messages *messages) {
   coincidence c = {.model = model, .messages = messages};
   if (model->deck) return SD_OK;
@@ -141,7 +144,7 @@ static sd_status start(const sd_model *model, int threads, simulation_step step,
   return loop_start(&(*out)->engine, messages);
 }
 
-/* Makes the simulation of one of several ranks, without disks. */
+/* Makes the simulation of this rank in a run over several ranks; it has no disks yet. */
 static sd_simulation *join(const sd_model *model, const comm *c, volatile sig_atomic_t *stop) {
   sd_simulation *sim = blank(model);
   sim->ranks = ranks_new(c, &sim->engine, stop);
@@ -226,7 +229,7 @@ int64_t observers_room(const sd_simulation *sim, int64_t most) {
   return most;
 }
 
-/* All observers that are due are called, even if one of them asks to stop. */
+/* Call all observers that are due, even if one of them asks to stop. */
 sd_status observers_call(sd_simulation *sim, sd_messages *messages) {
   const int64_t step = sim->engine.state->step;
   sd_status worst = SD_OK;
@@ -260,12 +263,13 @@ static sd_status advance_all(sd_simulation *sim, int64_t n, sd_messages *message
       status = sd_fail(messages, SD_ERROR_USER,
                        "the process was forked within a force field: its step was not ended");
     if (status == SD_OK) status = observers_call(sim, messages);
-    /* An observer may have called functions with a message list of its own: restore this one. */
+    /* An observer may have called a function that has set another message list: set this one
+     * again. */
     engine_tell(e, messages);
     if (status != SD_OK) return status;
   }
-  /* Rebuilds of the lists check that poses are finite; the steps since the last rebuild are checked
-   * here. */
+  /* Finite poses are checked at every rebuild of the neighbour lists; check here the steps since
+   * the last rebuild. */
   return neighbours_check_finite(e, e->state->step, messages);
 }
 
@@ -294,21 +298,21 @@ sd_status sd_simulation_rebuild(sd_simulation *sim, sd_messages *messages) {
 
 enum { DOOMED = 1 };
 
-/* Its address identifies this thread. */
+/* The address of this variable identifies the thread. */
 static _Thread_local int thread_mark;
 static uintptr_t me(void) { return (uintptr_t)&thread_mark; }
 
 static simulation_door *door_of(const sd_simulation *sim) {
-  /* the cast is safe: reading a number does not change the system */
+  /* the cast is safe: reading a number from outside does not change the system */
   return &((sd_simulation *)(uintptr_t)sim)->door;
 }
 
-/* Returns true while a force field of the program is called. */
+/* Returns true while a force function of the user's program is being called. */
 static bool in_force(const sd_simulation *sim) {
   return sim->engine.fields && sim->engine.fields->calling;
 }
 
-/* Adds an error and returns false. */
+/* Adds an error message that the function `call` is refused, and returns false. */
 static bool refuse(const char *call, const char *why, sd_messages *messages) {
   sd_fail(messages, SD_ERROR_USER, "%s: %s", call, why);
   return false;
@@ -382,7 +386,7 @@ const sd_state *sd_simulation_state(sd_simulation *sim) {
   return state;
 }
 
-/* Returns the state for numbers of the run, which are the same on every rank. */
+/* Returns the state of this rank, for those of its numbers that are the same on every rank. */
 static const sd_state *run_state(const sd_simulation *sim) { return sim->engine.state; }
 
 int64_t sd_simulation_step(const sd_simulation *sim) {
@@ -463,8 +467,8 @@ sd_energy sd_simulation_energy(sd_simulation *sim) {
   return energy;
 }
 
-/* Returns the slot of a body given by its number or as SD_WALL(k); UINT32_MAX: there is no such
- * body. */
+/* Returns the slot of a body in the state, given the number of the disk, or SD_WALL(k) for wall k;
+ * UINT32_MAX: there is no such body. */
 static uint32_t slot_in(const sd_simulation *sim, uint32_t body) {
   const sd_model *m = sim->engine.model;
   if (body >= SD_WALL(0) && body - SD_WALL(0) < m->n_walls)
@@ -504,14 +508,14 @@ const char *sd_simulation_path(const sd_simulation *sim) {
 
 /* --- Saved simulations and clones ------------------------------------------------------------- */
 
-/* A saved simulation has the groups of a checkpoint, /state, /parameters and /summary, and the
- * dataset /model/image with the bytes of the model (model/model.h). A checkpoint of a run has no
- * image; its model is read from the deck in /parameters. */
+/* HDF5 path of the model. A saved simulation has the groups of a checkpoint, /state, /parameters
+ * and /summary, and this dataset with the bytes of the model (model/model.h). A checkpoint of a run
+ * does not have it; its model is read from the deck in /parameters. */
 static const char IMAGE[] = "/model/image";
 
 /* --- Saving ----------------------------------------------------------------------------------- */
 
-/* Stores the bytes of the model, as words of 4 bytes. */
+/* Stores the bytes of the model in the file, as 4-byte words. */
 static void put_image(h5_file *file, const sd_model *model) {
   size_t size = 0;
   void *bytes = image_of_model(model, &size);
@@ -544,7 +548,7 @@ static sd_status put_summary(h5_file *file, sd_simulation *sim, const sd_state *
   return status;
 }
 
-/* Builds the file of a saved simulation in memory; NULL: it failed, with a message. */
+/* Builds the file of a saved simulation in memory; NULL: that failed, and a message was added. */
 static h5_file *file_of(sd_simulation *sim, sd_messages *messages) {
   h5_file *file = NULL;
   const sd_state *state = simulation_state(sim);
@@ -602,7 +606,7 @@ sd_status simulation_model_of(const comm *c, const provenance *origin, sd_model 
   return status;
 }
 
-/* Reads the model from its stored bytes. */
+/* Reads the model from the bytes stored in a saved simulation. */
 static sd_status get_image(const h5_file *file, sd_model **out, sd_messages *messages) {
   const int64_t size = h5_get_attr_i64(file, IMAGE, "bytes", -1);
   sd_status status = SD_OK;
@@ -617,7 +621,8 @@ static sd_status get_image(const h5_file *file, sd_model **out, sd_messages *mes
   return status;
 }
 
-/* Reads the model from the stored deck, and checks that the files it names have not changed. */
+/* Reads the model from the deck stored in the file, and checks that the files which the deck names
+ * have not changed. */
 static sd_status get_deck(const h5_file *file, sd_model **out, sd_messages *messages) {
   provenance origin;
   provenance_read(&origin, file);
@@ -629,7 +634,7 @@ static sd_status get_deck(const h5_file *file, sd_model **out, sd_messages *mess
   return status;
 }
 
-/* Makes a simulation from an open file, which it closes. */
+/* Makes a simulation from an open file; closes the file in any case. */
 static sd_status load(h5_file *file, const char *name, int threads, sd_simulation **out,
                       sd_messages *messages) {
   sd_model *model = NULL;

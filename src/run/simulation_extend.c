@@ -1,4 +1,4 @@
-/* simulation_extend.c: adds force fields and disks to a running simulation and removes disks; see
+/* simulation_extend.c: adds force fields to a running simulation, adds and removes disks; see
  * slipdisk/simulation.h. */
 #include <math.h>
 #include <stdlib.h>
@@ -23,7 +23,8 @@
 
 /* --- Force fields ----------------------------------------------------------------------------- */
 
-/* Stores contacts and motions in the state, from which the work can be rebuilt. */
+/* Stores contacts and motions in the state, which then has all data from which lists and buffers
+ * can be rebuilt. */
 static sd_status store(sd_simulation *sim, sd_messages *messages) {
   return simulation_state(sim) ? SD_OK
                                : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
@@ -34,7 +35,8 @@ static sd_status add_force_field(sd_simulation *sim, sd_force_field *field, void
   engine *e = &sim->engine;
   sd_status status = SD_OK;
   if (!field) return sd_fail(messages, SD_ERROR_USER, "force field: expected a function, not NULL");
-  if (engine_lanes(e)) { /* the step of small systems has no force fields */
+  /* the step for small systems cannot apply force fields: change to the general step */
+  if (engine_lanes(e)) {
     status = store(sim, messages);
     if (status == SD_OK) status = loop_rebuild(e, false, messages);
   }
@@ -55,14 +57,14 @@ sd_status sd_simulation_add_force_field(sd_simulation *sim, sd_force_field *fiel
 
 /* --- Adding and removing disks ---------------------------------------------------------------- */
 
-/* Adds the energy that disks brought or took along to energy_start, so that the residual of the
- * budget does not change. */
+/* Adds the energy of added or removed disks to energy_start, so that the residual of the energy
+ * budget stays as it was. residual: the residual before the change. */
 static void keep_residual(engine *e, double residual) {
   e->state->energy_start += energy_of(e).residual - residual;
 }
 
-/* Subtracts the contact forces of removed disks from their partners: the work of prescribed bodies
- * in the next step begins with these forces. */
+/* Subtracts the contact forces of removed disks from the forces on their partners, because the next
+ * step computes the work on prescribed bodies from these forces. */
 static void take_forces_off(engine *e) {
   sd_state *s = e->state;
   for (size_t k = 0; k < engine_candidates(e); k++) {
@@ -100,7 +102,7 @@ static void drop_contacts_of_removed(sd_state *s, const engine *e) {
   s->n_contacts = kept;
 }
 
-/* Checks that all n disks are free, in play and in no clump. */
+/* Checks that all n disks can be removed: they must be free, in play and in no clump. */
 static sd_status check_removable(const engine *e, size_t n, const uint32_t *disks,
                                  sd_messages *messages) {
   char name[96];
@@ -158,8 +160,8 @@ sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_
   return status;
 }
 
-/* Increases the body numbers of walls by n, in motions and watched contacts. first: number of the
- * first wall. */
+/* Increases the numbers of walls by n in motions and watched contacts, since walls are numbered
+ * after the disks. first: number of the first wall. */
 static void shift_walls(sd_model *m, uint32_t first, uint32_t n) {
   for (size_t k = 0; k < m->n_motions; k++) {
     sd_motion *q = &m->motions[k];
@@ -171,8 +173,8 @@ static void shift_walls(sd_model *m, uint32_t first, uint32_t n) {
       m->slides[k].partner[side] += m->slides[k].partner[side] >= first ? n : 0;
 }
 
-/* Makes the model with n more disks. The contacts and derivatives with which the run began are
- * dropped, since they were used at step 0. */
+/* Makes a copy of the model with n more disks. Contacts and time derivatives with which the run
+ * began are left out: they were needed only at step 0. */
 static sd_status larger_model(const sd_model *old, size_t n, const sd_disk *disks, sd_model **out,
                               sd_messages *messages) {
   sd_model *m = *out = sd_model_clone(old);
@@ -196,7 +198,8 @@ static sd_status larger_model(const sd_model *old, size_t n, const sd_disk *disk
   return status;
 }
 
-/* Makes the state of the larger model: free disks, then the new disks, then the other bodies. */
+/* Makes the state for the larger model: rows of the old free disks, then of the n new disks, then
+ * of the other bodies. */
 static sd_status larger_state(const sd_model *m, const sd_state *old, size_t n, sd_state **out) {
   sd_state *s = *out = sd_state_new(m);
   const uint32_t first = (uint32_t)old->n_disks;
@@ -228,7 +231,7 @@ static sd_status larger_state(const sd_model *m, const sd_state *old, size_t n, 
   return SD_OK;
 }
 
-/* Checks that the new disks lie in the periodic box, which may have been compressed since the model
+/* Checks that the new disks are in the periodic box, which may have been compressed since the model
  * was made. */
 static sd_status check_box(const engine *e, size_t n, const sd_disk *disks, sd_messages *messages) {
   sd_status status = SD_OK;
@@ -242,7 +245,8 @@ static sd_status check_box(const engine *e, size_t n, const sd_disk *disks, sd_m
   return status;
 }
 
-/* Check of new disks: none may overlap another body by more than max_overlap, as in a deck. */
+/* Check that no new disk overlaps another body by more than max_overlap, as for the disks of a
+ * deck. */
 typedef struct overlap_check {
   const sd_model *m; /* model with the bodies at their present positions */
   size_t first;      /* number of the first new disk */
@@ -253,7 +257,8 @@ typedef struct overlap_check {
 static bool check_overlap(void *user, const overlap *o) {
   overlap_check *c = user;
   const sd_model *m = c->m;
-  const double smaller = m->disks[o->a].radius; /* radius of the smaller disk; a wall has none */
+  /* radius of the smaller disk, or of the disk in a pair with a wall */
+  const double smaller = m->disks[o->a].radius;
   if (o->a < c->first && o->b < c->first) return false;
   if (!o->coincident && o->depth <= m->max_overlap * smaller) return false;
   char one[96], two[96];
@@ -269,8 +274,8 @@ static bool check_overlap(void *user, const overlap *o) {
   return true;
 }
 
-/* Checks the new disks against all bodies at their present positions. new_model: model with the new
- * disks; its other bodies are at their positions of step 0. */
+/* Checks the overlaps of the new disks with all bodies at their present positions. new_model: model
+ * with the new disks, in which the other bodies are at their positions of step 0. */
 static sd_status check_overlaps(const engine *e, const sd_model *new_model, sd_messages *messages) {
   const sd_state *s = e->state;
   const size_t first = e->model->n_disks;
@@ -284,7 +289,7 @@ static sd_status check_overlaps(const engine *e, const sd_model *new_model, sd_m
   for (size_t i = 0; i < first; i++) {
     const uint32_t slot = engine_slot(e, (uint32_t)i);
     const bool here = slot >= s->n_free || body_in_play(s, slot);
-    /* NAN: a disk that is not in play touches nothing */
+    /* a disk that is not in play touches nothing: give it no position */
     now.disks[i].position[SD_X] = here ? s->x[slot] : NAN;
     now.disks[i].position[SD_Y] = here ? s->y[slot] : NAN;
   }
@@ -351,7 +356,7 @@ static sd_status add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, u
   for (uint32_t k = 0; k < n; k++) cell_enter(e, engine_slot(e, number + k));
   for (uint32_t k = 0; k < n; k++)
     body_forces_renew(e, engine_slot(e, number + k), engine_slot(e, number + k) + 1);
-  for (uint32_t k = 0; k < n; k++) /* new disks begin with the acceleration of free fall */
+  for (uint32_t k = 0; k < n; k++) /* new disks begin with the acceleration of gravity */
     for (int c = 0; c < SD_COORDINATES; c++)
       engine_accelerate(e, c, engine_slot(e, number + k), 0.0);
   keep_residual(e, residual);

@@ -1,4 +1,5 @@
-/* steps.c: takes steps with threads, over ranks, or with several systems in lanes; see steps.h. */
+/* steps.c: takes steps, with several threads, over several ranks, or with several systems in SIMD
+ * lanes; see steps.h. */
 #include "run/steps.h"
 
 #include <assert.h>
@@ -23,18 +24,19 @@
 #include "physics/system/halo.h"
 #include "run/ranks_move.h"
 
-/* Arguments of the threads that take the steps of one engine. */
+/* Arguments of the threads that take the steps of one engine together. */
 typedef struct steps_task {
   engine *e;
   int64_t until;
   bool measure;
-  /* [threads] sums of the relaxer; NULL: the phase does not relax */
+  /* [number of threads] sums for the relaxation; NULL: the phase does not relax the system */
   relax_sums *sums;
   const volatile sig_atomic_t *stop;
   unsigned *bits;
 } steps_task;
 
-/* Returns true if another step may be taken; in a run over several ranks they agree on it. */
+/* Returns true if another step may be taken; in a run over several ranks all ranks get the same
+ * answer. */
 static bool may_step(const steps_task *a, const team *t) {
   const int64_t step = a->e->state->step;
   if (!a->e->comm) return step < a->until;
@@ -44,8 +46,8 @@ static bool may_step(const steps_task *a, const team *t) {
   return !(*a->bits & HALO_STOP) || step + 1 == a->until;
 }
 
-/* Returns true if the step has failed. If the phase relaxes, all ranks agree on it first, because
- * they steer the velocities together. */
+/* Returns true if the step has failed. In a run over several ranks a failure on any rank counts if
+ * the phase relaxes the system, since relaxation needs sums over all ranks. */
 static bool has_failed(const steps_task *a, const team *t) {
   const bool failed = engine_status(a->e) != SD_OK;
   if (!a->e->comm || !a->sums) return failed;
@@ -54,7 +56,7 @@ static bool has_failed(const steps_task *a, const team *t) {
   return *a->bits != 0;
 }
 
-/* Takes steps as one thread of the team. */
+/* Takes steps in one thread; all threads of the team call it. */
 static void take_steps(const steps_task *a, const team *t) {
   engine *e = a->e;
   const int64_t measured = e->state->measured, from = e->state->step;
@@ -63,7 +65,7 @@ static void take_steps(const steps_task *a, const team *t) {
     team_wait(t);
     const bool failed = has_failed(a, t);
     if (failed && !e->comm) return;
-    if (failed) continue; /* go on to may_step, in which all ranks agree on the failure */
+    if (failed) continue; /* go on to may_step, where all ranks learn of the failure */
     if (a->sums) relax_step(e, t, a->sums);
     if (!a->measure) continue;
     disks_step(e, t, measured + (step - from) + 1);
@@ -93,10 +95,10 @@ void loop_steps(engine *e, pool *threads, int64_t until, const volatile sig_atom
   free(task.sums);
 }
 
-/* The domains are cut again if the busiest rank works longer than the mean by more than this
- * fraction. */
+/* The plane is cut into domains again if the busiest rank works longer than the mean of the ranks
+ * by more than this fraction. */
 static const double IMBALANCE = 0.1;
-enum { CUT_LEAST = 200 }; /* smallest number of steps between two cuts */
+enum { CUT_LEAST = 200 }; /* smallest number of steps between two cuts of the plane into domains */
 
 ranks *ranks_new(const comm *c, engine *part, volatile sig_atomic_t *stop) {
   ranks *r = memory_new(1, sizeof *r);
@@ -111,7 +113,7 @@ ranks *ranks_new(const comm *c, engine *part, volatile sig_atomic_t *stop) {
   return r;
 }
 
-/* Frees the engine, halo and state of this rank. */
+/* Frees the engine, halo and state of this rank's domain. */
 static void drop_part(ranks *r) {
   engine *e = r->part;
   halo *h = e->halo;
@@ -145,7 +147,7 @@ sd_status ranks_take_part(ranks *r, const engine *from, bool first) {
   drop_part(r);
   *r->part = next;
   if (status == SD_OK) status = engine_build(r->part, r->threads, r->messages);
-  /* halo_list_prescribed is collective: all ranks must call it, or none. */
+  /* halo_list_prescribed is collective, so either all ranks call it or none. */
   if (comm_all_well(r->comm, status) && halo_list_prescribed(r->part) != SD_OK)
     status = SD_ERROR_IO;
   if (status != SD_OK && sd_messages_errors(r->messages) == 0)
@@ -164,10 +166,10 @@ sd_status ranks_store_part(ranks *r, bool rows) {
                          : sd_fail(r->messages, SD_ERROR_IO, "out of memory for the contacts");
 }
 
-/* Implements engine_renew for the domain of one rank. */
+/* Rebuilds the neighbour lists of one rank's domain, as its function for engine_renew. */
 static sd_status renew_part(engine *e, sd_messages *messages) {
   ranks *r = e->ranks;
-  (void)messages; /* messages of this rank go to its own list */
+  (void)messages; /* messages of this rank go to r->messages */
   const sd_status status = comm_agree(r->comm, ranks_store_part(r, false));
   return status == SD_OK ? comm_agree(r->comm, ranks_take_part(r, e, false)) : status;
 }
@@ -181,7 +183,7 @@ sd_status ranks_order_again(engine *e) {
   return comm_agree(r->comm, status == SD_OK ? ranks_take_part(r, e, false) : status);
 }
 
-/* Collective: measures how evenly the work is distributed. */
+/* Collective: measures how evenly the work is distributed over the ranks. */
 static void note_balance(ranks *r) {
   const double mean = comm_total(r->comm, r->busy) / comm_size(r->comm),
                disks = (double)r->part->state->n_free;
@@ -190,15 +192,15 @@ static void note_balance(ranks *r) {
   r->balance.least = (int64_t)-comm_largest(r->comm, -disks);
 }
 
-/* Rebuilds the lists: disks that have left the rectangle move to their new ranks, and new ghosts
- * are chosen. Cuts the domains again if the work is unbalanced. */
+/* Rebuilds the neighbour lists: disks that have left the rectangle of their rank move to other
+ * ranks, and new ghosts are chosen. Cuts the plane again if the work is unbalanced. */
 static sd_status renew(ranks *r) {
   engine *e = r->part;
   const int64_t step = e->state->step;
   sd_status status = neighbours_check_finite(e, step, r->messages);
   if (!comm_all_well(r->comm, status)) return status;
   neighbours_tune(e);
-  /* without the widening that a single step has asked for */
+  /* Verlet margin without the widening that a single fast step has needed */
   r->skin = r->model->skin > 0.0 ? r->model->skin : engine_skin(e);
   if (step - r->cut_step >= CUT_LEAST) {
     note_balance(r);
@@ -211,8 +213,8 @@ static sd_status renew(ranks *r) {
     if (!comm_all_well(r->comm, status))
       return sd_fail(r->messages, SD_ERROR_IO, "cannot balance the ranks");
   }
-  /* Widen the margin until no disk or wall outruns the lists in one step. A body that is not finite
-   * outruns any margin. */
+  /* Widen the Verlet margin until no disk or wall can move out of it in one step. If a position is
+   * not finite, no margin is wide enough. */
   for (;;) {
     status = ranks_store_part(r, false);
     if (comm_all_well(r->comm, status)) status = ranks_take_part(r, r->part, false);
@@ -238,8 +240,8 @@ void ranks_steps(engine *e, int64_t n) {
     loop_steps(e, r->pool, until, r->stop, &r->bits);
     r->busy += clock_seconds() - began - e->halo->waited;
     if (r->bits & HALO_STALE && !(r->bits & HALO_FAILED)) {
-      /* Lists serve further steps only: after the last step one process does not rebuild them
-       * either. */
+      /* Neighbour lists serve further steps only: do not rebuild them after the last step, as in a
+       * run in one process. */
       const int64_t step = e->state->step;
       const sd_status status =
           step < until ? renew(r) : neighbours_check_finite(e, step, r->messages);
@@ -251,7 +253,8 @@ void ranks_steps(engine *e, int64_t n) {
   } while (!(r->bits & HALO_FAILED) && e->state->step < until);
 }
 
-/* Returns the number of measured steps until a bin of angles is full in some system. */
+/* Returns the number of measured steps until a bin of recorded angles is full in one of the
+ * systems. */
 static int64_t least_room(const lanes *l) {
   int64_t least = INT64_MAX;
   for (size_t k = 0; k < l->count; k++) {
@@ -261,8 +264,8 @@ static int64_t least_room(const lanes *l) {
   return least;
 }
 
-/* Takes one general step of each system, since an angle leaves its range or a motion cannot be
- * computed ahead. */
+/* Takes one general step of each system, because an angle leaves the range for which the lanes
+ * work, or a motion cannot be computed ahead. */
 static void general_step(lanes *l, bool measure) {
   const team alone = {.size = 1};
   lanes_store(l);
@@ -283,7 +286,7 @@ static bool any_wrong(const lanes *l) {
   return wrong;
 }
 
-/* Closes full bins of angles in all systems. */
+/* Closes the bins of recorded angles that are full, in all systems. */
 static void close_bins(const lanes *l) {
   lanes_show_angles(l);
   for (size_t k = 0; k < l->count; k++)
@@ -312,7 +315,7 @@ void lanes_loop(lanes *l, int64_t n, bool measure) {
   lanes_store(l);
 }
 
-/* Returns the texts of the errors, one after the other, each with its terminating zero. */
+/* Returns the texts of the error messages, one after the other, each with its terminating zero. */
 static char *errors_of(const sd_messages *m, size_t *length) {
   *length = 0;
   for (size_t k = 0; k < sd_messages_count(m); k++) *length += strlen(sd_messages_text(m, k)) + 1;
@@ -333,7 +336,8 @@ static bool is_told(const sd_messages *m, const char *text) {
   return false;
 }
 
-/* Collective: adds the errors of all ranks to `messages` on rank 0, equal ones once. */
+/* Collective: adds the error messages of all ranks to `messages` on rank 0; equal ones are added
+ * once. */
 static void tell_errors(const comm *c, sd_status status, const sd_messages *own,
                         sd_messages *messages) {
   size_t length, bytes = 0;

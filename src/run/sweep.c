@@ -1,4 +1,5 @@
-/* sweep.c: see sweep.h. Runs points and reads their state; sweep_table.c writes the tables. */
+/* sweep.c: runs the points (single runs) of a sweep and reads their state from their files; see
+ * sweep.h. sweep_table.c writes the tables. */
 #include "run/sweep.h"
 
 #include <assert.h>
@@ -30,23 +31,23 @@ void sweep_close(sweep *s) {
 
 /* --- Checks of all points --------------------------------------------------------------------- */
 
-/* Largest number of different mistakes that are reported. A mistake of the deck itself comes up for
- * every point, a mistake of a path for every value. */
+/* Largest number of different mistakes that are reported. A mistake of the deck itself occurs at
+ * every point of the sweep, a mistake in the path of a parameter for every value. */
 enum { MOST_MISTAKES = 40 };
 
 typedef struct mistake {
   char *text;
-  /* first point with this mistake, and number of sets that have it */
+  /* first point with this mistake, number of sets of parameter values that have it */
   size_t point, sets;
 } mistake;
 
 typedef struct mistakes {
-  size_t n, more; /* more: number of further mistakes, which are not kept */
+  size_t n, more; /* more: number of further mistakes, which are not stored */
   mistake list[MOST_MISTAKES];
 } mistakes;
 
-/* Finds the path and the last part of a message "file:line: path = value: what is wrong". Returns
- * false if the message has another form. */
+/* Finds path and last part in a message of the form "file:line: path = value: what is wrong".
+ * Returns false if the message has another form. */
 static bool cut(const char *text, const char **path, size_t *n, const char **wrong) {
   const char *equals = strstr(text, " = ");
   if (!equals) return false;
@@ -56,7 +57,7 @@ static bool cut(const char *text, const char **path, size_t *n, const char **wro
   return *wrong != NULL;
 }
 
-/* Returns true if both messages report the same mistake of the same path, for any value. */
+/* Returns true if both messages report the same mistake about the same path, whatever the value. */
 static bool same_mistake(const char *a, const char *b) {
   const char *path, *other, *wrong, *amiss;
   size_t n, m;
@@ -157,10 +158,10 @@ sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **resu
 
 typedef struct jobs jobs;
 
-/* A point that is being run. */
+/* Point of the sweep that is being run. */
 typedef struct runner {
   jobs *all;
-  size_t k; /* index in the list given to sweep_run */
+  size_t k; /* index of the point in the list given to sweep_run */
   sd_model *model;
   char *result;
 } runner;
@@ -169,8 +170,8 @@ struct jobs {
   const sweep *s;
   const size_t *points;
   const sweep_options *options;
-  runner *runners;         /* [n] points that are run */
-  session_member *members; /* [n] their sessions */
+  runner *runners;         /* [n] points to be run */
+  session_member *members; /* [n] session (run with its files) of each point */
 };
 
 static void tell_progress(void *user, const session_progress *p) {
@@ -179,8 +180,8 @@ static void tell_progress(void *user, const session_progress *p) {
   if (options->progress) options->progress(options->user, r->k, p);
 }
 
-/* Checks a finished result of a point, which stays as it is; a damaged one, or one of another deck,
- * is an error. */
+/* Checks the existing result of a finished point, which is not run again. It is an error if the
+ * result is damaged or was made with another deck. */
 static sd_status leave_finished(const sweep *s, size_t point, sweep_status *status,
                                 sd_messages *messages) {
   sweep_result r;
@@ -197,8 +198,9 @@ static sd_status leave_finished(const sweep *s, size_t point, sweep_status *stat
   return looked;
 }
 
-/* Tries once to open the session of a point; *out stays NULL if there is nothing to run. *again:
- * true if another process may have taken the point in the meantime. */
+/* Tries once to open the session (run with its files) of a point; *out stays NULL if nothing is to
+ * be run. *again: set to true if another process may have taken the point in the meantime, so that
+ * another try makes sense. */
 static sd_status try_to_open(runner *r, session **out, int threads, sweep_status *status,
                              bool *again, sd_messages *messages) {
   const sweep *s = r->all->s;
@@ -228,7 +230,7 @@ static sd_status try_to_open(runner *r, session **out, int threads, sweep_status
   return opened;
 }
 
-/* Opens the session of a point, in up to ATTEMPTS tries. */
+/* Opens the session (run with its files) of a point; tries up to ATTEMPTS times. */
 static sd_status open_point(runner *r, session **out, int threads, sweep_status *status,
                             sd_messages *messages) {
   enum { ATTEMPTS = 3 };
@@ -240,8 +242,8 @@ static sd_status open_point(runner *r, session **out, int threads, sweep_status 
   }
 }
 
-/* Ends a point: keeps or removes NAME.failed and reports to the caller. The session is closed, or
- * there was none. */
+/* Ends a point: writes or removes the file NAME.failed, and reports to the caller. The point's
+ * session must be closed already, if it had one. */
 static void conclude(runner *r, sd_status ran, sweep_status status, sd_messages *messages) {
   const jobs *all = r->all;
   size_t point = all->points[r->k];
@@ -254,7 +256,7 @@ static void conclude(runner *r, sd_status ran, sweep_status status, sd_messages 
   sd_messages_free(messages);
 }
 
-/* Called when the session of a point has ended. */
+/* Called when the session of a point has ended; closes it and ends the point. */
 static void left(void *user, size_t member) {
   const jobs *all = user;
   session_member *m = &all->members[member];
@@ -292,7 +294,7 @@ void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_optio
 
 /* --- Other contents of the folder, and refusals because of them ------------------------------- */
 
-/* Name of a point, for a list sorted by names. */
+/* Name and number of a point, for a list sorted by names. */
 typedef struct named {
   const char *name;
   size_t point;
@@ -303,7 +305,8 @@ static int by_name(const void *a, const void *b) {
   return strcmp(p->name, q->name);
 }
 
-/* Cuts the ending off a name; returns false if the name does not end so or has nothing else. */
+/* Cuts `ending` off a name; returns false if the name does not end in it, or consists of it
+ * alone. */
 static bool take_ending(char *name, const char *ending) {
   size_t n = strlen(name), m = strlen(ending);
   if (n <= m || strcmp(name + n - m, ending) != 0) return false;
@@ -311,7 +314,8 @@ static bool take_ending(char *name, const char *ending) {
   return true;
 }
 
-/* Counts an entry of the folder of points; cuts the ending off its name. */
+/* Counts one file or folder in the folder of points by its name; cuts off the ending of the
+ * name. */
 static void sort_in(sweep_contents *c, char *name, const named *names, size_t n) {
   bool parts = take_ending(name, ".h5.parts"), result = !parts && take_ending(name, ".h5"),
        failure = !parts && !result && take_ending(name, ".failed");
@@ -334,7 +338,7 @@ void sweep_list(const sweep *s, sweep_contents *out) {
   char *path = format_text("%s/points", s->folder);
   named *names = memory_new(n, sizeof *names);
   *out = (sweep_contents){.has = memory_new(n, 1)};
-  DIR *points = opendir(path); /* NULL if the folder does not exist */
+  DIR *points = opendir(path); /* opendir returns NULL if the folder does not exist */
   for (size_t k = 0; k < n; k++) names[k] = (named){s->deck.points[k].name, k};
   qsort(names, n, sizeof *names, by_name);
   for (struct dirent *one; points && (one = readdir(points));) sort_in(out, one->d_name, names, n);
@@ -349,8 +353,8 @@ void sweep_contents_free(sweep_contents *c) {
   *c = (sweep_contents){0};
 }
 
-/* Appends a count, such as "9 results", with a comma before it if the text is not empty; nothing if
- * n = 0. */
+/* Appends a count, such as "9 results", to the text, after a comma if the text is not empty;
+ * appends nothing if n = 0. what, many: the word for one and for several. */
 static char *add_count(char *text, size_t n, const char *what, const char *many) {
   if (n == 0) return text;
   return append_text(text, "%s%zu %s%s", *text ? ", " : "", n, what, n == 1 ? "" : many);
@@ -416,9 +420,9 @@ sweep_status sweep_peek(const sweep *s, size_t point) {
        *parts = sweep_point_path(s, point, ".h5.parts"),
        *failed = sweep_point_path(s, point, ".failed");
   sweep_status status = SWEEP_WAITING;
-  /* A result without a folder of parts is finished. Both exist at the end of a merge, after a kill
-   * at that time (the folder still has to be removed), and while a finished point is run again. The
-   * folder is removed last, so it is checked first. */
+  /* A result without a folder of part files is finished. Both exist after a kill at the end of a
+   * merge, before the folder was removed, and while a finished point is run again. Since the folder
+   * is removed last, check for it first. */
   bool running = folder_is_locked(parts), begun = file_is_folder(parts);
   if (running)
     status = SWEEP_RUNNING;
@@ -434,7 +438,8 @@ sweep_status sweep_peek(const sweep *s, size_t point) {
   return status;
 }
 
-/* Returns true if a result was made with the same text of the deck and the same overrides. */
+/* Returns true if a result was made with the same text of the deck and the same overridden values
+ * as the point has now. */
 static bool same_text(const sweep *s, size_t point, const provenance *origin) {
   const sweep_point *p = &s->deck.points[point];
   const char *rest = origin->deck_overrides;
@@ -449,12 +454,13 @@ static bool same_text(const sweep *s, size_t point, const provenance *origin) {
   return !*rest;
 }
 
-/* Compares the deck of a result or checkpoint with the deck of the point; if they differ, sets the
- * status to SWEEP_OTHER and lists the differences in r. */
+/* Compares the deck with which a result or checkpoint was made with the deck of the point; if they
+ * differ, sets r->status to SWEEP_OTHER and lists the differences in r. */
 static void compare_decks(const sweep *s, size_t point, const provenance *origin, bool finished,
                           sweep_result *r) {
-  /* The text of the deck does not include the files that it names, and it changes with the rest of
-   * the sweep, comments and spelling. Unless the texts are equal, compare the completed decks. */
+  /* If the texts of the decks are equal, and they name no other files, the point is the same. If
+   * the texts differ, this may be due to comments, spelling or other points of the sweep: then
+   * compare the completed decks. */
   if (!s->deck.reads_files && same_text(s, point, origin)) return;
   sd_model *model;
   sd_messages *mine = sd_messages_new();
@@ -473,7 +479,8 @@ static void compare_decks(const sweep *s, size_t point, const provenance *origin
 
 /* --- Results and checkpoints ------------------------------------------------------------------ */
 
-/* Recomputes the means of watched disks of a finished result of this deck (summary_renew). */
+/* Recomputes the means of watched disks in the summary of a finished result, if it was made with
+ * this deck (summary_renew). */
 static void renew(const sweep *s, size_t point, const h5_file *file, sweep_result *r) {
   sd_model *model = NULL;
   sd_messages *mine = sd_messages_new();
@@ -483,14 +490,14 @@ static void renew(const sweep *s, size_t point, const h5_file *file, sweep_resul
   sd_messages_free(mine);
 }
 
-/* Sets doubts and message from the summary. */
+/* Sets doubts about the result, and the message about them, from the summary. */
 static void tell_doubts(sweep_result *r) {
   for (size_t k = 0; k < DOUBT_KINDS; k++)
     if (r->found.doubts[k].text) r->doubts |= 1u << k;
   if (r->doubts) r->message = summary_doubts_text(&r->found);
 }
 
-/* Reads a finished result. */
+/* Reads the summary of a finished point from its result. */
 static void look_at_result(const sweep *s, size_t point, sweep_result *r) {
   char *path = sweep_point_path(s, point, ".h5");
   h5_file *file = NULL;
@@ -515,8 +522,8 @@ static void look_at_result(const sweep *s, size_t point, sweep_result *r) {
   free(path);
 }
 
-/* Reads the summary of the newest checkpoint, if there is one; it may be removed by another process
- * at any time. */
+/* Reads the summary from the newest checkpoint, if there is one; another process may remove it at
+ * any time. */
 static void look_at_checkpoint(const sweep *s, size_t point, sweep_result *r) {
   char *parts = sweep_point_path(s, point, ".h5.parts"), *path = NULL;
   int64_t *steps = NULL;
@@ -539,7 +546,8 @@ static void look_at_checkpoint(const sweep *s, size_t point, sweep_result *r) {
   free(parts);
 }
 
-/* Returns the reason why a point failed, its lines joined by "; "; the caller frees it. */
+/* Returns the reason why a point failed from the file NAME.failed, with its lines joined by "; ";
+ * the caller frees it. */
 static char *read_failure(const sweep *s, size_t point) {
   char *path = sweep_point_path(s, point, ".failed"), *text = memory_text("");
   unsigned char *bytes = NULL;

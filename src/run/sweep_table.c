@@ -1,6 +1,6 @@
-/* sweep_table.c: writes the table of a sweep's results, and the means over replicas; see sweep.h.
- * docs/sweep.md lists the columns. Only finished points have numbers; `--status` shows the results
- * of unfinished ones so far. */
+/* sweep_table.c: writes the table of a sweep's results, with a row per point, and the means over
+ * replicas; see sweep.h. docs/sweep.md lists the columns. Only finished points have numbers;
+ * `--status` shows the results of unfinished points so far. */
 #include <fnmatch.h>
 #include <inttypes.h>
 #include <math.h>
@@ -17,7 +17,7 @@
 
 /* --- One row per point ------------------------------------------------------------------------ */
 
-/* Sets the columns of the parameters that the sweep varies. */
+/* Fills the columns with the values of the parameters that the sweep varies. */
 static void put_parameters(result_table *t, size_t row, const sweep *s, const sweep_point *p) {
   for (size_t j = 0; j < s->deck.n_parameters; j++) {
     const sweep_parameter *a = &s->deck.parameters[j];
@@ -43,8 +43,8 @@ static void put_point(result_table *t, const sweep *s, size_t k, size_t point,
   result_table_text(t, k, "message", "why the point failed, or its result is in doubt", r->message);
 }
 
-/* Sets the columns of element k of all quantities with this width. Names of columns begin with that
- * of the owner (body or contact), unless it is "". */
+/* Fills the columns for element k of all quantities of `list` that have `width` elements. Names of
+ * columns begin with `owner`, the name of a body or contact, unless it is "". */
 static void put_columns(result_table *t, size_t row, const char *owner, const observable_list *list,
                         const void *values, size_t width, size_t k) {
   for (const observable *o = list->rows; o < list->rows + list->n; o++) {
@@ -108,14 +108,15 @@ void sweep_columns(const sweep *s, size_t point, const sd_model *model, bool *co
 
 /* --- One row per set of values ---------------------------------------------------------------- */
 
-/* Sums over the finished replicas of a set. */
+/* Sums over the finished replicas of a set (points with equal parameter values). */
 typedef struct pool {
   double n, sum;
-  double squares, errors; /* sums of squares: of deviations from the mean; of error bars */
+  /* squares: sum of squared deviations from the mean; errors: sum of squared error bars */
+  double squares, errors;
 } pool;
 
-/* Sums the values of a column over the replicas of each set: the means in a first pass, the
- * deviations in a second. */
+/* Sums the values of a column over the replicas of each set of parameter values: in a first pass
+ * for the means, in a second pass the squared deviations from them. */
 static void fill_pools(pool *p, const sweep *s, const result_column *c,
                        const result_column *error) {
   for (size_t pass = 0; pass < 2; pass++)
@@ -133,8 +134,9 @@ static void fill_pools(pool *p, const sweep *s, const result_column *c,
     }
 }
 
-/* Sets the columns of the mean, of its error from the error bars, and of its error from the scatter
- * of replicas. */
+/* Fills the column of the mean over replicas. If the quantity has error bars, also fills the column
+ * of the error of the mean from these error bars, and that of the error from the scatter of the
+ * replicas. */
 static void put_means(result_table *m, const sweep *s, const result_table *t,
                       const result_column *c) {
   char *error_name = format_text("%s_error", c->name),
@@ -243,8 +245,8 @@ static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
   return status;
 }
 
-/* One process writes at a time, so that the remaining table is that of the process that read the
- * folder last. */
+/* Only one process writes at a time, so that the tables that remain are those of the process that
+ * has read the folder last. */
 sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messages *messages) {
   const double pause = 0.05;
   folder lock = {.at = -1, .lock = -1};
@@ -252,10 +254,10 @@ sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messa
   for (; (status = folder_open(s->folder, true, &lock, NULL)) == SD_ERROR_USER && patience > 0;
        patience -= pause)
     nanosleep(&(struct timespec){.tv_nsec = (long)(pause * 1e9)}, NULL);
-  /* Try a last time, with messages: they tell why the folder cannot be locked. */
+  /* Try once more, now with messages: they tell why the folder cannot be locked. */
   if (status != SD_OK) status = folder_open(s->folder, true, &lock, messages);
   if (status != SD_OK) return status;
-  /* remove drafts left by killed processes */
+  /* remove temporary files left by killed processes */
   static const char *const tables[] = {"table.csv", "table.h5", "means.csv"};
   for (size_t k = 0; k < sizeof tables / sizeof *tables; k++)
     file_remove_drafts(s->folder, tables[k], NULL);
@@ -283,8 +285,8 @@ static void allocate(result_column *c, result_kind kind, size_t n) {
   }
 }
 
-/* Returns the column of this name, which is added if there is none; NULL: there is one of another
- * kind. */
+/* Returns the column of this name, which is added if the table has none; NULL: the column exists
+ * with values of another kind. */
 static result_column *column(result_table *s, result_kind kind, const char *name, const char *unit,
                              const char *meaning) {
   result_column *c = result_table_find(s, name);
@@ -357,7 +359,8 @@ void result_table_free(result_table *s) {
 
 /* --- Writing as CSV --------------------------------------------------------------------------- */
 
-/* Writes a number with the fewest digits, at least 6, that restore it; NAN: empty cell. */
+/* Writes a number as text with the fewest digits, but at least 6, from which it can be read back
+ * exactly; NAN: writes an empty cell. */
 static void put_number(FILE *out, double x) {
   char text[40];
   if (isnan(x)) return;

@@ -57,7 +57,7 @@ const command_line app_check_line = {
 
 /* --- speed ------------------------------------------------------------------------------------ */
 
-/* Measures the speed: runs the deck for about probe_seconds, its first steps in any case. */
+/* Measures the speed: runs the deck for about probe_seconds, but at least its first steps. */
 static sd_status probe(check_found *f, sd_messages *messages) {
   sd_simulation *s = NULL;
   sd_status status = sd_simulation_new(f->model, 0, &s, messages);
@@ -84,16 +84,17 @@ static sd_status probe(check_found *f, sd_messages *messages) {
 
 /* --- sweep ------------------------------------------------------------------------------------ */
 
-/* Wall time per step on this machine, for the points of a sweep. */
+/* Wall time per step on this machine, to estimate the wall time of a sweep. */
 typedef struct pace {
-  double alone; /* Time of a system by itself, s; 0: not known */
-  /* Time of a group in lanes, s, however few systems it has; 0: no lanes, or not known */
+  double alone; /* Wall time per step of one system computed by itself, s; 0: not known */
+  /* Wall time per step of a group of systems in the SIMD lanes, s; the same for any number of
+   * systems up to `width`; 0: no SIMD lanes, or not known */
   double together;
   size_t width;
 } pace;
 
-/* Returns the wall time per step in lanes, s, measured with copies of the deck in all lanes; 0:
- * not known. */
+/* Returns the wall time per step of `width` systems in the SIMD lanes, s, measured with copies of
+ * the deck's system in all lanes; 0: not known. */
 static double probe_lanes(const sd_model *m, size_t width) {
   sd_simulation **all = memory_new(width, sizeof *all);
   sd_messages **messages = memory_new(width, sizeof *messages);
@@ -135,8 +136,8 @@ static int by_kind(const void *a, const void *b) {
   return p->steps > q->steps ? -1 : p->steps < q->steps;
 }
 
-/* Returns the wall time of all points with one worker, s. Groups are as `sweep` makes them; a
- * group takes as long as its longest point. */
+/* Returns the wall time of all points (runs) of the sweep with one worker process, s. Points are
+ * put into groups as the command `sweep` does; a group takes as long as its longest point. */
 static double sweep_time(entry *entries, size_t n, const pace *p) {
   double time = 0;
   qsort(entries, n, sizeof *entries, by_kind);
@@ -149,7 +150,8 @@ static double sweep_time(entry *entries, size_t n, const pace *p) {
   return time;
 }
 
-/* Fills the number of points, their steps and their wall time. */
+/* Fills `found` with the number of points (runs) of the sweep, their number of steps and their wall
+ * time. */
 static void note_sweep(const sweep *s, entry *entries, const pace *p, check_sweep *found) {
   *found = (check_sweep){
       .points = s->deck.n_points, .sets = s->deck.n_sets, .width = p->width, .seconds = NAN};

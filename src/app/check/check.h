@@ -6,25 +6,26 @@
 #include "model/advice.h"
 #include "model/model.h"
 
-/* Estimates for all points of a sweep. */
+/* Estimates for all points (runs) of a sweep. */
 typedef struct check_sweep {
-  size_t points, sets; /* Numbers of points and of sets of values; 0 points: no sweep */
-  size_t together;     /* Number of points that can go in lanes */
-  size_t width;        /* Most systems side by side */
-  double steps;        /* Steps of all points, at most */
-  double seconds;      /* Wall time with one worker, s; NAN: not known */
-  bool lanes;          /* True if `seconds` is for systems in lanes */
+  /* Number of points, number of different sets of parameter values; 0 points: no sweep */
+  size_t points, sets;
+  size_t together; /* Number of points that can share SIMD lanes with others */
+  size_t width;    /* Largest number of systems that run side by side in SIMD lanes */
+  double steps;    /* Number of steps of all points together, at most */
+  double seconds;  /* Wall time of the sweep with one worker process, s; NAN: not known */
+  bool lanes;      /* True if `seconds` assumes that systems run side by side in SIMD lanes */
 } check_sweep;
 
 typedef struct check_found {
   const sd_model *model;
   first_overlap overlap;
   result_size size;
-  bool probed;     /* True if a simulation was made */
-  size_t contacts; /* Number of contacts at the start, if probed */
-  /* Number of steps on which the speed was measured; 0: it was not */
+  bool probed;     /* True if a simulation of the deck was made, to count its contacts */
+  size_t contacts; /* Number of contacts at the start, if probed is true */
+  /* Number of steps on which the speed was measured; 0: it was not measured */
   int64_t tried;
-  double speed; /* Steps per second of wall time */
+  double speed; /* Measured number of steps per second of wall time */
   int threads;
   char path[40]; /* Instruction set of the kernels, such as "avx2" */
   check_sweep sweep;

@@ -1,4 +1,5 @@
-/* check_print.c: prints what `check` has found, as text and as JSON; see check.h. */
+/* check_print.c: prints the findings of the subcommand `check`, as text and as JSON; see
+ * check.h. */
 #include <gsl/gsl_sort.h>
 #include <inttypes.h>
 #include <math.h>
@@ -13,15 +14,15 @@
 #include "slipdisk/deck.h"
 #include "slipdisk/theory.h"
 
-/* Names of the bounds of a time step (sd_step_limit.bound), and of the components of the
- * deformation of a box. */
+/* Names of the quantities that bound the time step, indexed by sd_step_limit.bound, and names of
+ * the components of the deformation of a box. */
 static const char *const bound_names[] = {"normal spring", "tangential spring", "viscosity",
                                           "fields"};
 static const char *const components[] = {"xx", "yy", "xy"};
 
 /* --- restitution ------------------------------------------------------------------------------ */
 
-/* Returns the median mass of the free disks of a material; 0: there is none. */
+/* Returns the median mass of the free disks of a material; 0: no free disk is of this material. */
 static double typical_mass(const sd_model *m, int material) {
   double *mass = NULL, middle = 0;
   size_t n = 0;
@@ -37,7 +38,7 @@ static double typical_mass(const sd_model *m, int material) {
   return middle;
 }
 
-/* True if a wall or a prescribed disk is of this material. */
+/* True if a wall or a disk with prescribed motion is of this material. */
 static bool has_still(const sd_model *m, int material) {
   for (size_t w = 0; w < m->n_walls; w++)
     if (m->walls[w].material == material) return true;
@@ -55,20 +56,20 @@ static size_t count_free(const sd_model *m, int material) {
 
 static double restitution_at(const sd_contact_law *law, double mass) {
   const double gamma = law->gamma_n + law_tsuji(law) * sqrt(law->k_n * mass);
-  const double b = 0.5 * gamma / sqrt(law->k_n * mass); /* Fraction of the critical damping */
+  const double b = 0.5 * gamma / sqrt(law->k_n * mass); /* Damping ratio, 1: critical */
   if (law->damping_pulls) return b < 1.0 ? exp(-M_PI * b / sqrt((1.0 - b) * (1.0 + b))) : 0.0;
   return sd_restitution(law->k_n, gamma, mass).restitution;
 }
 
-/* Returns the coefficient of restitution of a nonlinear (Hertz) law, which is that of the deck
- * for all masses; NAN with gamma_n, where it depends on the speed. */
+/* Returns the coefficient of restitution of a nonlinear (Hertz) law, which holds for all masses, as
+ * given in the deck; NAN if the law has gamma_n, since restitution then depends on the speed. */
 static double given_restitution(const sd_contact_law *law) {
   if (law->gamma_n > 0.0) return NAN;
   return law->restitution > 0.0 ? law->restitution : 1.0;
 }
 
-/* Called for each pair of materials that can meet. e: coefficient of restitution, NAN if it
- * depends on the speed; mass: effective mass of these bodies, 0: e holds for any mass. */
+/* Called for each pair of materials a, b whose bodies can touch. e: coefficient of restitution, NAN
+ * if it depends on the speed; mass: effective mass of these bodies, 0: e holds for any mass. */
 typedef void restitution_visitor(void *user, int a, int b, double e, double mass,
                                  const char *bodies);
 
@@ -92,7 +93,7 @@ static void visit_restitutions(const sd_model *m, restitution_visitor *visit, vo
     }
 }
 
-/* Returns the wall time of the whole run, s, of the deck without its sweep. */
+/* Returns the wall time of the whole run, s, for the deck without its sweep. */
 static double run_seconds(const check_found *f) {
   return (double)sd_model_steps(f->model) / f->speed;
 }
@@ -126,8 +127,8 @@ static void print_counts(const sd_model *m) {
   }
 }
 
-/* Prints the deformation of the periodic box: for each component the rate, or the stress to be
- * reached. */
+/* Prints the deformation of the periodic box: for each component its rate, or the stress that is to
+ * be reached. */
 static void print_cell(const sd_cell *c) {
   const char *comma = ", cell";
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
@@ -138,7 +139,8 @@ static void print_cell(const sd_cell *c) {
   }
 }
 
-/* Prints the relaxation or compression of a phase, and goals that may end it early. */
+/* Prints whether a phase relaxes or compresses the system, and the goals that may end the phase
+ * early. */
 static void print_phase_aims(const sd_model *m, size_t k) {
   const sd_phase *p = &m->phases[k];
   const sd_compress *c = &p->compress;
@@ -162,8 +164,8 @@ static void print_rains(const sd_model *m) {
   }
 }
 
-/* Notes that disks can fall off unnoticed. With walls, or a periodic box, there are limits anyway
- * or no way out. */
+/* Prints a note if disks can fall out of the system without a message: there is gravity, but no
+ * bounds, no walls and no periodic direction. */
 static void print_bounds(const sd_model *m) {
   bool falls = m->n_free > 0 && (m->gravity[0] != 0 || m->gravity[1] != 0);
   if (!m->bounds.given && m->n_walls == 0 && falls && !m->periodic[0] && !m->periodic[1])

@@ -1,4 +1,4 @@
-/* export.c: slipdisk export FILE --to FORMAT: see export.h and docs/export.md. */
+/* export.c: the subcommand `slipdisk export FILE --to FORMAT`; see export.h and docs/export.md. */
 #include "app/export/export.h"
 
 #include <assert.h>
@@ -15,7 +15,7 @@
 
 static const struct format {
   const char *name, *ending;
-  /* True: the file takes one frame, by default the last */
+  /* True: the format stores one frame, by default the last one */
   bool single;
   bool folder;
   export_writer *write;
@@ -89,8 +89,8 @@ static sd_status check_single(const export_job *job, const char *format, const a
                  job->range.n, format, job->range.first);
 }
 
-/* Returns the default path, "r.extxyz" for ".../r.h5" and for ".../r.h5.parts/"; the caller frees
- * it. */
+/* Returns the default path of the output, such as "r.extxyz" for the input ".../r.h5" or
+ * ".../r.h5.parts/"; the caller frees it. */
 static char *default_output(const char *name, const char *ending) {
   static const char parts[] = ".parts";
   size_t length = strlen(name), tail = sizeof parts - 1;

@@ -116,10 +116,12 @@ typedef struct series {
   const observable *row[MOST_SERIES];
   char *path[MOST_SERIES];
   size_t width[MOST_SERIES], n;
-  double *value[MOST_SERIES]; /* [BLOCK][width] values, read block by block */
+  /* For each series a buffer of [BLOCK][width] values, as its rows are read BLOCK at a time */
+  double *value[MOST_SERIES];
 } series;
 
-/* Finds the columns of the series in the first file that has any, and allocates their buffers. */
+/* Finds the columns of the time series in the first file that has any, and allocates a buffer for
+ * each column. */
 static sd_status series_find(series *s, const h5_file *file, sd_messages *messages) {
   const observable_list *lists[] = {&energy_observables, &series_observables};
   for (size_t l = 0; l < 2; l++)
@@ -149,8 +151,8 @@ static void series_free(series *s) {
   *s = (series){0};
 }
 
-/* Returns the name of a column, such as "angle[upper]": the quantity, and the disk, wall or group
- * of element k; the caller frees it. */
+/* Returns the name of the CSV column for element k of a quantity, such as "angle[upper]" with the
+ * disk, wall or group of the element in brackets; the caller frees it. */
 static char *element_name(const export_job *job, const observable *o, size_t k) {
   const sd_model *m = job->m;
   char text[32];
@@ -181,7 +183,7 @@ static void series_head(const export_job *job, const series *s, FILE *out, FILE 
   fputc('\n', out);
 }
 
-/* Writes all rows of one file, a block at a time. */
+/* Copies all rows of one result file to the CSV file, a block of rows at a time. */
 static sd_status series_rows(const series *s, const h5_file *file, FILE *out,
                              sd_messages *messages) {
   int rank;

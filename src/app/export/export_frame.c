@@ -1,4 +1,5 @@
-/* export_frame.c: frames, boxes and particle types for all formats; see export.h. */
+/* export_frame.c: frames, boxes around frames, and particle types, used by all export formats; see
+ * export.h. */
 #include "app/export/export.h"
 
 #include <math.h>
@@ -46,7 +47,7 @@ export_space export_space_of(const export_job *job, const frame_data *f) {
       s.lower[c] = m->lower[c];
       s.upper[c] = m->lower[c] + f->scale * f->stretch[c] * (m->upper[c] - m->lower[c]);
     }
-    /* Empty interval: no body, open box */
+    /* The interval is empty if there is no body and the box is open */
     if (!(s.lower[c] < s.upper[c])) s.lower[c] = 0.0, s.upper[c] = 1.0;
   }
   return s;

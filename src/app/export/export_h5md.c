@@ -1,11 +1,11 @@
-/* export_h5md.c: writes H5MD 1.1 in three dimensions, for programs that read no other. See
- * export.h.
+/* export_h5md.c: writes H5MD 1.1 files in three dimensions, for programs that read no
+ * two-dimensional ones. See export.h.
  *
  * The only group of particles is `trajectory`, the name that MDAnalysis expects. Each frame has a
- * row for each disk of the deck; disks that wait or were removed have activity 1 or 2. Positions
- * are wrapped into the box, and the edges of the box are a matrix per frame, as MDAnalysis
- * expects. Elements that it reads have no attribute `unit`, since it refuses units that it cannot
- * translate. */
+ * row for each disk of the deck; the column `activity` marks disks that wait for their release or
+ * were removed (1 or 2). Positions are wrapped into the box, and the edges of the box are a matrix
+ * per frame, as MDAnalysis expects. The datasets that MDAnalysis reads have no attribute `unit`,
+ * since it refuses units that it cannot translate. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,7 +18,7 @@
 typedef struct element {
   const char *name;
   sd_type type;
-  size_t width; /* Components per disk: 3 for a vector, 0 for a scalar */
+  size_t width; /* Number of components per disk: 3 for a vector, 0 for a scalar */
   const char *unit, *meaning;
 } element;
 
@@ -44,7 +44,7 @@ static void describe(h5_file *file, const char *path, const char *unit, const ch
   h5_attr_text(file, path, "description", meaning);
 }
 
-/* Makes datasets with room for all frames. Elements share the step and time of the positions
+/* Makes datasets with space for all frames. All datasets share the steps and times of the positions
  * through links. */
 static void make_elements(const export_job *job, h5_file *file) {
   char path[96], clock[96];
@@ -71,7 +71,8 @@ static void make_elements(const export_job *job, h5_file *file) {
     h5_link(file, path_of(clock, "position", "step"), path_of(path, name, "step"));
     h5_link(file, path_of(clock, "position", "time"), path_of(path, name, "time"));
   }
-  /* MDAnalysis reads three elements of particles, but all observables, into Timestep.data. */
+  /* MDAnalysis reads only three of the quantities of particles, but all observables, which it puts
+   * into Timestep.data: link these as observables. */
   h5_link(file, GROUP "/angle", "/observables/angle");
   h5_link(file, GROUP "/angular_velocity", "/observables/angular_velocity");
   h5_link(file, GROUP "/activity", "/observables/activity");
@@ -85,7 +86,8 @@ static void put_column(h5_file *file, const char *name, sd_type type, size_t n, 
   describe(file, path, unit, meaning);
 }
 
-/* Writes the columns that do not change. room: buffer for three doubles per disk. */
+/* Writes the columns that are the same in all frames. room: scratch buffer of three doubles per
+ * disk. */
 static void put_constants(const export_job *job, h5_file *file, void *room) {
   const sd_model *m = job->m;
   size_t n = m->n_disks;
@@ -187,7 +189,7 @@ sd_status export_h5md(const export_job *job) {
   file_draft draft;
   h5_file *file = NULL;
   void *room = NULL;
-  /* Bytes of a disk in a frame before compression */
+  /* Number of bytes of one disk in one frame before compression */
   const double each = 3 * 8 + 3 * 8 + 3 * 4 + 8 + 8 + 4;
   double bytes = 0.6 * each * (double)job->m->n_disks * (double)job->range.n;
   sd_status status = file_draft_new(-1, job->out, &draft, job->messages);

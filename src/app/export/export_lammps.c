@@ -1,4 +1,5 @@
-/* export_lammps.c: writes text dumps and data files of LAMMPS, and extended XYZ. See export.h. */
+/* export_lammps.c: writes dump files and data files of LAMMPS as text, and extended XYZ files. See
+ * export.h. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,8 +12,8 @@ static const double SPHERE = 4.0 / 3.0 * 3.14159265358979323846;
 
 /* --- dump ------------------------------------------------------------------------------------- */
 
-/* True if the model has clumps. Columns "mol" and "molecule" then hold 1 + index of the clump,
- * else 1 + index of the group; 0: none. */
+/* True if the model has clumps. The columns "mol" and "molecule" then hold 1 + index of the clump,
+ * without clumps 1 + index of the group; 0: no clump or group. */
 static bool has_clumps(const sd_model *m) {
   for (size_t i = 0; i < m->n_disks; i++)
     if (m->disks[i].clump > 0) return true;
@@ -28,7 +29,8 @@ static void dump_frame(const export_job *job, const frame_data *f, FILE *out) {
           "ITEM: TIMESTEP\n%" PRId64 "\nITEM: NUMBER OF ATOMS\n%zu\nITEM: BOX BOUNDS %s%s %s pp\n",
           f->step, export_count(job, f), tilted ? "xy xz yz " : "", m->periodic[0] ? "pp" : "ff",
           m->periodic[1] ? "pp" : "ff");
-  for (int c = 0; c < 3; c++) { /* Bounds of a tilted box: those of the rectangle around it */
+  /* For a tilted box, LAMMPS wants the bounds of the rectangle around the box */
+  for (int c = 0; c < 3; c++) {
     const double low = c == 0 ? fmin(s.offset, 0.0) : 0.0,
                  high = c == 0 ? fmax(s.offset, 0.0) : 0.0;
     fprintf(out, "%.17g %.17g", s.lower[c] + low, s.upper[c] + high);
@@ -48,8 +50,9 @@ static void dump_frame(const export_job *job, const frame_data *f, FILE *out) {
 
 /* --- extended XYZ ----------------------------------------------------------------------------- */
 
-/* Writes a frame with the property names of OVITO. The species is "X", which ASE accepts as an
- * element; the type is called "kind", since OVITO would take "type" for the species. */
+/* Writes a frame as extended XYZ with the property names of OVITO. The species is "X", which ASE
+ * accepts as an element; the type is called "kind", since OVITO would read a property "type" as the
+ * species. */
 static void xyz_frame(const export_job *job, const frame_data *f, FILE *out) {
   const sd_model *m = job->m;
   const bool clumps = has_clumps(m);
@@ -94,8 +97,8 @@ sd_status export_xyz(const export_job *job) { return write_text(job, xyz_frame);
 
 /* --- data ------------------------------------------------------------------------------------- */
 
-/* Writes walls as comments, which LAMMPS skips: a data file cannot hold walls. Groups are
- * comments, too, since they belong to the input script. */
+/* Writes walls and groups as comments, which LAMMPS skips: a data file cannot hold walls, and
+ * groups belong to the input script. */
 static void data_walls(const export_job *job, const frame_data *f, FILE *out) {
   static const char *const kinds[] = {"line", "segment", "polyline", "circle", "arc"};
   const sd_model *m = job->m;
@@ -109,7 +112,7 @@ static void data_walls(const export_job *job, const frame_data *f, FILE *out) {
       fprintf(out, ", disks %s, centre %.17g %.17g, radius %.17g",
               wall->inside ? "inside" : "outside", f->position[body][0], f->position[body][1],
               wall->radius);
-    /* Each point has a line of its own: a line of the file may have 255 bytes. */
+    /* Write each corner of a wall on a line of its own, since a line may have 255 bytes at most. */
     for (size_t k = 0; wall->kind != SD_WALL_CIRCLE && k < wall->n_points && k < MOST_POINTS; k++) {
       double at[2];
       configuration_wall_point(wall, f, body, k, at);

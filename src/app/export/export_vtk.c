@@ -1,6 +1,6 @@
-/* export_vtk.c: writes disks, contacts and walls as polygonal data of VTK (.vtp), a file of each
- * per frame, and lists of these files in time (.pvd). Arrays follow the XML as raw bytes in
- * native order. See export.h. */
+/* export_vtk.c: writes disks, contacts and walls as polygonal data of VTK: for each frame one .vtp
+ * file for each of the three, and a .pvd file that lists the .vtp files with their times. Arrays
+ * follow the XML as raw bytes in native byte order. See export.h. */
 #include <assert.h>
 #include <inttypes.h>
 #include <math.h>
@@ -15,8 +15,8 @@ typedef enum place { OF_POINT, OF_CELL, POINTS, VERTS, LINES } place;
 
 typedef struct array {
   const char *name;
-  size_t width, n; /* Shape: n rows of `width` numbers */
-  bool whole;      /* True: int64_t; false: double */
+  size_t width, n; /* Shape of the array: n rows of `width` numbers */
+  bool whole;      /* True: the numbers are int64_t; false: double */
   place place;
   void *data;
 } array;
@@ -25,10 +25,11 @@ enum { MOST_ARRAYS = 20 };
 typedef struct piece {
   size_t points, verts, lines, n;
   array arrays[MOST_ARRAYS];
-  bool failed; /* True: no memory for an array */
+  bool failed; /* True: out of memory for an array */
 } piece;
 
-/* Adds an array to the piece, which frees it. Returns its data; NULL: no memory (p->failed). */
+/* Adds an array to the piece (a .vtp file), which frees it. Returns the data of the array; NULL:
+ * out of memory, and p->failed is set. */
 static void *add(piece *p, place where, const char *name, bool whole, size_t width, size_t n) {
   void *data;
   assert(p->n < MOST_ARRAYS);
@@ -118,8 +119,8 @@ static void fill_disks(const export_job *job, const frame_data *f, piece *p) {
 
 /* --- contacts --------------------------------------------------------------------------------- */
 
-/* Makes a line for each contact, from the centre of a to the centre of b, or to the surface of b
- * if b is a wall or a prescribed disk. */
+/* Makes a line for each contact of bodies a and b: from the centre of a to the centre of b, or to
+ * the surface of b if b is a wall or a prescribed disk. */
 static sd_status fill_contacts(const export_job *job, const frame_data *f, piece *p) {
   configuration c = {0};
   sd_status status = configuration_new(&c, job->m, f, job->messages);
@@ -160,7 +161,8 @@ static size_t wall_points(const sd_wall *w) {
                                    : w->n_points + (w->kind == SD_WALL_POLYLINE && w->closed);
 }
 
-/* Extends an infinite line, given by its points at[0] and at[1], to the length of the box. */
+/* Extends an infinite line through the points at[0] and at[1] to the length of the box: moves both
+ * points. */
 static void stretch(const export_space *s, double (*at)[3]) {
   double x = at[0][0], y = at[0][1], tx = at[1][0] - x, ty = at[1][1] - y,
          square = tx * tx + ty * ty;

@@ -16,9 +16,9 @@ typedef struct arguments {
   /* Operand FILE, and texts of --csv, --output and --region; NULL: not given */
   const char *name, *csv, *output, *wanted;
   bool json, all;
-  long frame; /* Number of --frame; -1: not given */
+  long frame; /* Value of the option --frame; -1: not given */
   option_real time;
-  double region[4]; /* x0, x1, y0, y1 of --region */
+  double region[4]; /* Values x0, x1, y0, y1 of the option --region */
   long bins;
   option_list bodies;
 } arguments;
@@ -73,7 +73,8 @@ static int parse(int argc, char **argv, arguments *a) {
 
 /* --- choice of frames ------------------------------------------------------------------------- */
 
-/* Selects frames first ... last - 1; frame f->n is the state. */
+/* Selects the frames first ... last - 1 by the options. Frame number f->n stands for the state at
+ * the end of the run. */
 static sd_status choose(const arguments *a, const frames *f, bool alone, size_t *first,
                         size_t *last, sd_messages *messages) {
   bool wanted = a->frame >= 0 || a->time.given || a->all;
@@ -96,8 +97,8 @@ static sd_status choose(const arguments *a, const frames *f, bool alone, size_t 
 
 /* --- choice of bodies ------------------------------------------------------------------------- */
 
-/* Marks in wanted[] all bodies of this name; if there are none, the body of this number: disks
- * first, then walls. */
+/* Sets wanted[] to true for all bodies with the name `word`. If there are none, reads `word` as the
+ * number of a body (disks first, then walls). */
 static sd_status choose_body(const char *word, const sd_model *m, bool *wanted,
                              sd_messages *messages) {
   guess near = guess_start(word);
@@ -122,7 +123,8 @@ static sd_status choose_body(const char *word, const sd_model *m, bool *wanted,
       near.best ? " (did you mean " : "", near.best ? near.best : "", near.best ? "?)" : "", n - 1);
 }
 
-/* Allocates *wanted for the bodies of --body; *wanted = NULL: all bodies. The caller frees it. */
+/* Allocates *wanted, true for the bodies of the options --body; *wanted = NULL: all bodies. The
+ * caller frees it. */
 static sd_status choose_bodies(const arguments *a, const sd_model *m, bool **wanted,
                                sd_messages *messages) {
   *wanted = NULL;
@@ -139,7 +141,7 @@ static sd_status choose_bodies(const arguments *a, const sd_model *m, bool **wan
 
 typedef struct sinks {
   bool page, rows, recomputed;
-  measure_list *list; /* JSON output; NULL: not wanted */
+  measure_list *list; /* Output file for JSON; NULL: no JSON output */
   measure_tables *tables;
 } sinks;
 
@@ -173,7 +175,7 @@ static sd_status measure_frames(const arguments *a, const frames *f, size_t firs
   return status;
 }
 
-/* Writes time averages of the run, which are the same whatever frame is measured. */
+/* Writes time averages over the run to CSV files; they do not depend on the selected frames. */
 static sd_status write_means(const arguments *a, const frames *f, const bool *wanted,
                              sd_messages *messages) {
   summary s;

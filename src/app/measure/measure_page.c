@@ -1,5 +1,5 @@
-/* measure_page.c: prints what `slipdisk measure` has found, as text, JSON and CSV. Names and
- * definitions: docs/measure.md. */
+/* measure_page.c: prints the results of `slipdisk measure` as text, JSON and CSV. Names and
+ * definitions of the quantities: docs/measure.md. */
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@
 
 static const double DEGREES = 180.0 / M_PI;
 
-/* Names of the bits of measurement.open */
+/* Names of the sides of the region, in the order of the bits of measurement.open */
 static const char *const sides[] = {"left", "right", "bottom", "top"};
 
 static double ratio(double a, double b) { return b != 0.0 ? a / b : NAN; }
@@ -29,7 +29,7 @@ static const char *shown(double value, int digits, char text[32]) {
   return text;
 }
 
-/* Prints a line with name, value and unit or remark; "-" if the value is not finite. */
+/* Prints a line with name, value and unit (or a remark); the value is "-" if it is not finite. */
 static void line(FILE *out, const char *name, double value, const char *format, ...)
     SD_PRINTF(4, 5);
 static void line(FILE *out, const char *name, double value, const char *format, ...) {
@@ -46,8 +46,8 @@ static void line(FILE *out, const char *name, double value, const char *format, 
 
 static const char *body_word(const stress *s) { return s->clumps > 0 ? "body" : "disk"; }
 
-/* Prints packing fractions. An open region may contain empty space beyond the packing; there the
- * closed cells tell how dense the packing is. */
+/* Prints packing fractions. If the region is open, it may contain empty space beyond the packing;
+ * then the packing fraction of the closed Voronoi cells tells how dense the packing is. */
 static void page_packing(FILE *out, const measurement *m) {
   const cells *t = &m->cells;
   char local[3][32];
@@ -214,8 +214,8 @@ static json_t *distribution_json(const distribution *d) {
   return object;
 }
 
-/* Returns the numbers of measurement_observables, and values of other types: tensors, curves,
- * ranges. */
+/* Returns one measurement as JSON: the single numbers (measurement_observables), then tensors,
+ * curves and ranges. */
 json_t *measure_json(const measurement *m) {
   const stress *s = &m->s;
   const correlation *g = &m->pairs;
@@ -260,7 +260,7 @@ sd_status measure_list_open(measure_list *l, const char *name, size_t stored, co
   *l = (measure_list){.out = stdout, .stored = stored, .name = json_dumps(text, JSON_ENCODE_ANY)};
   json_decref(text);
   if (!path) return SD_OK;
-  /* Refuse a device or a pipe now, and not when everything is measured. */
+  /* Refuse a device or a pipe as the output now, rather than after everything is measured. */
   if (file_is_special(path))
     return sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
   sd_status status = file_stream_open(path, &l->file, messages);
@@ -268,8 +268,8 @@ sd_status measure_list_open(measure_list *l, const char *name, size_t stored, co
   return status;
 }
 
-/* Writes the beginning of the JSON. Called with the first frame, so that an early error leaves no
- * output. */
+/* Writes the beginning of the JSON output. It is called with the first frame, so that an error
+ * before that leaves no output. */
 static void put_head(const measure_list *l) {
   fprintf(l->out, "{\n  \"file\": %s,\n  \"stored\": %zu,\n  \"frames\": [", l->name, l->stored);
 }
@@ -304,7 +304,7 @@ sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *mes
 static const struct table {
   const char *name, *head;
 } tables[MEASURE_TABLES] = {
-    [MEASURE_FRAMES] = {"frames.csv", NULL}, /* Columns of measurement_observables */
+    [MEASURE_FRAMES] = {"frames.csv", NULL}, /* The columns are those of measurement_observables */
     [MEASURE_DISKS] =
         {"disks.csv",
          "step,disk,x,y,radius,prescribed,rattler,contacts,bearing,pressure,cell,closed,"
@@ -345,7 +345,7 @@ sd_status measure_tables_close(measure_tables *t, sd_status status, sd_messages 
 
 /* --- rows ------------------------------------------------------------------------------------- */
 
-/* Writes a cell; it is empty if the value is not finite. */
+/* Writes a CSV cell; the cell is empty if the value is not finite. */
 static void number(FILE *out, double value) {
   if (isfinite(value))
     fprintf(out, ",%.15g", value);
@@ -355,7 +355,8 @@ static void number(FILE *out, double value) {
 
 static void add_frame(FILE *out, const measurement *m) {
   fprintf(out, "%" PRId64, m->c.step);
-  for (size_t k = 1; k < measurement_observables.n; k++) { /* Observable 0 is the step */
+  /* Skip observable 0, the step, which begins the row */
+  for (size_t k = 1; k < measurement_observables.n; k++) {
     const observable *o = &measurement_observables.rows[k];
     if (o->column) number(out, observable_value(o, m, 0));
   }
@@ -440,9 +441,9 @@ void measure_tables_add(const measure_tables *t, const measurement *m) {
 
 /* --- means of the run ------------------------------------------------------------------------- */
 
-/* Writes a CSV file with a row for each of n elements of `first`, `stride` bytes apart; columns
- * are the observables of the list, of which the first is the number of the disk. names: a column
- * of names behind it; NULL: none. */
+/* Writes a CSV file with a row for each of the n structs at `first`, which are `stride` bytes
+ * apart. Columns are the observables of `list`; the first of them must be the number of the disk.
+ * names: [n] names for a second column; NULL: no such column. */
 static sd_status write_means(const char *folder, const char *file, size_t n_disks,
                              const bool *wanted, const observable_list *list, const void *first,
                              size_t stride, size_t n, char *const *names, sd_messages *messages) {

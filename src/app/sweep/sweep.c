@@ -1,5 +1,5 @@
-/* sweep.c: `slipdisk sweep DECK`: its arguments, lists and tables, and single points. sweep_run.c
- * runs all points. */
+/* sweep.c: the subcommand `slipdisk sweep DECK`: its arguments, its lists and tables of points, and
+ * the run of a single point. sweep_run.c runs all points of a sweep. */
 #include <assert.h>
 #include <limits.h>
 #include <stddef.h>
@@ -12,7 +12,7 @@
 #include "base/text.h"
 #include "io/store/file.h"
 
-/* Longest time that --table waits for another process that is writing the tables, s. */
+/* Longest time in s that the option --table waits while another process writes the same tables. */
 static const double TABLE_PATIENCE = 600;
 static const option_limits whole = {1, 4096, " is no whole number from 1 to 4096"};
 static const option_row rows[] = {
@@ -71,8 +71,8 @@ static int parse(int argc, char **argv, sweep_command *c) {
   return mistake;
 }
 
-/* Reads "17" or "16-23" of --point. Points beyond the last one are left out, since job arrays
- * often come in blocks of equal size. */
+/* Reads the value of the option --point, such as "17" or "16-23". A range may end beyond the last
+ * point, since job arrays often come in blocks of equal size. */
 static int parse_range(const sweep *s, sweep_command *c) {
   long last = (long)s->deck.n_points - 1;
   const char *text = c->range, *dash = text ? strchr(text, '-') : NULL;
@@ -97,7 +97,8 @@ static int parse_range(const sweep *s, sweep_command *c) {
 
 /* --- state of the points ---------------------------------------------------------------------- */
 
-/* Prints a line about a point. Returns true if its error bar has a star (not reliable). */
+/* Prints a line about a sweep point (one run). Returns true if the line has a star, which marks an
+ * error bar as not reliable. */
 static bool print_point(const sweep *s, size_t k, const sweep_result *r) {
   char finding[200] = "", part[24] = "";
   bool told = r->status == SWEEP_DONE || !*r->message;
@@ -109,7 +110,8 @@ static bool print_point(const sweep *s, size_t k, const sweep_result *r) {
   return strchr(finding, '*');
 }
 
-/* Prints how the decks of existing results differ from this deck, each difference once. */
+/* Prints how the decks with which existing results were made differ from this deck, each difference
+ * once. */
 static void print_tally(const sweep_tally *t) {
   for (size_t k = 0; k < t->n; k++) {
     char *line = sweep_tally_text(t, k);
@@ -130,8 +132,9 @@ static void print_counts(const sweep *s, const size_t *count) {
   printf("\n");
 }
 
-/* Prints the points. list: all of them; else the number of each status, and only points with
- * something to report, not those that are done without doubts, waiting, or of another deck. */
+/* Prints the points of the sweep. list true: all points; false: the number of points of each
+ * status, and only those points that have something to report: not those that are finished without
+ * doubts, not begun, or made with another deck. */
 static void print_points(const sweep *s, bool list) {
   size_t count[SWEEP_STATUSES] = {0}, doubted[DOUBT_KINDS] = {0};
   bool stars = false;
@@ -162,14 +165,16 @@ typedef struct note {
   size_t point;
 } note;
 
-/* Stores why the run of a point failed. A point that another process is running has not failed. */
+/* Stores the reason why the run of a point failed. If another process is running the point, that is
+ * not a failure. */
 static void keep_note(void *user, const sd_messages *messages) {
   const note *n = user;
   if (sweep_peek(n->s, n->point) != SWEEP_RUNNING) sweep_note_messages(n->s, n->point, messages);
 }
 
-/* Reads the state of a point. *done: true if it is finished (SD_DOUBTFUL: its result is in
- * doubt). SD_ERROR_USER: its result is damaged or of another deck. */
+/* Reads the state of a point from its files. *done: true if the point is finished; the function
+ * then returns SD_DOUBTFUL if the result is perhaps not reliable. SD_ERROR_USER: the result is
+ * damaged or was made with another deck. */
 static sd_status look_first(const sweep *s, size_t point, bool quiet, bool *done,
                             sd_messages *messages) {
   sweep_result r;
@@ -239,13 +244,14 @@ static sd_status write_table(const sweep *s, bool mix, sd_messages *messages) {
   return status;
 }
 
-/* Reports mistakes of all points. A user who counts or lists points is about to run them. */
+/* Reports the mistakes in the decks of all points, also for --count and --list, since the user is
+ * about to run them. */
 static sd_status check_points(const sweep *s, sd_messages *messages) {
   size_t usable;
   return sweep_check(s, NULL, NULL, &usable, messages);
 }
 
-/* Prints what --table, --status, --list or --count ask for, without running points. */
+/* Does what the options --table, --status, --list or --count ask for, without running points. */
 static sd_status tell(const sweep *s, const sweep_command *c, sd_messages *messages) {
   sd_status status = SD_OK, told = SD_OK;
   if (c->table) return write_table(s, c->mix, messages);

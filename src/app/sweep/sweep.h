@@ -1,4 +1,5 @@
-/* sweep.h: declarations shared by the files of the subcommand `sweep`, and by `check`. */
+/* sweep.h: declarations shared by the source files of the subcommand `sweep`, and used by
+ * `check`. */
 #ifndef SLIPDISK_APP_SWEEP_H
 #define SLIPDISK_APP_SWEEP_H
 
@@ -13,172 +14,180 @@
 typedef struct sweep_command {
   const char *deck, *output;
   option_list overrides;
-  /* Number of worker processes (-j); 0: not given, this process or the ranks of an MPI job run
+  /* Number of worker processes (-j); 0: not given, and this process or the ranks of an MPI job run
    * the points */
   long workers;
-  const char *range; /* Text of --point; NULL: all points */
-  long point, last;  /* First and last point of --point; point -1: all points */
+  const char *range; /* Value of the option --point; NULL: all points */
+  long point, last;  /* First and last point of the option --point; point = -1: all points */
   long threads;
   bool force, quiet, status, list, table, count, no_lanes, json;
-  bool mix;  /* True: the folder may hold results of other decks or sweeps */
-  bool skip; /* True: mistakes in some points do not keep the others from being run */
+  bool mix;  /* True: the folder may also hold results of other decks or other sweeps */
+  bool skip; /* True: points without mistakes are run even if others have mistakes */
 } sweep_command;
 
-/* True if --point selects some of the points. */
+/* True if the option --point selects some of the points. */
 static inline bool sweep_is_part(const sweep_command *c) { return c->point >= 0; }
 
-/* Writes the mean rotation of the first watched disk, "upper: Omega = -3.5e-04 +- 1.7e-05", into
- * text[size] and returns it; "" if no disk is watched. */
+/* Writes the mean angular velocity of the first watched disk, as "upper: Omega = -3.5e-04 +-
+ * 1.7e-05", into text[size] and returns it; "" if no disk is watched. */
 const char *sweep_finding(const sweep_result *r, char *text, size_t size);
 
-/* Checks that this sweep may use its folder. SD_ERROR_USER: the folder has only results of other
- * sweeps, or sampled points belong to another deck. The sample leaves out the points [first,
- * end), which the caller checks. Refuses nothing with --mix. */
+/* Checks that this sweep may write to its folder. SD_ERROR_USER: the folder has results of other
+ * sweeps but none of this one, or a sample of the existing results contains some made with another
+ * deck. The sample leaves out the points [first, end), which the caller checks. With --mix
+ * everything is allowed. */
 sd_status sweep_guard(const sweep *s, const sweep_command *c, size_t first, size_t end,
                       sd_messages *messages);
-/* Prints a line about files in the folder that belong to no point of this sweep, if there are
- * any. */
+/* Prints a line about files in the folder that belong to no point of this sweep; prints nothing if
+ * there are none. */
 void sweep_show_strangers(FILE *out, const sweep *s);
-/* sweep_count_doubts adds bit k of `doubts` to count[k]. sweep_show_doubts prints, for each kind
- * of doubt, how many finished points have it; nothing if none has. */
+/* sweep_count_doubts adds bit k of `doubts` (kinds of doubt about a result) to count[k].
+ * sweep_show_doubts prints, for each kind of doubt, how many finished points have it; it prints
+ * nothing if no point has a doubt. */
 void sweep_count_doubts(unsigned doubts, size_t count[DOUBT_KINDS]);
 void sweep_show_doubts(FILE *out, const size_t count[DOUBT_KINDS]);
 
-/* Prints all points of the folder as JSON. */
+/* Prints the state of all points of the sweep as JSON. */
 sd_status sweep_print_json(const sweep *s);
 
-/* Checks all points before any of them runs: reports mistakes, and warns of time steps that are
- * too long and the like. steps[n_points]: lengths of the points in steps (with `until` the
- * largest), 0 for points with mistakes. kinds[n_points]: points of equal kind can share lanes
- * (ensemble.h), those with SWEEP_ALONE cannot. *usable: number of sets of values without
- * mistakes. SD_ERROR_IO: a point needs more memory than there is, or so many workers side by side
- * do. */
+/* Checks all points of the sweep before any of them runs: reports mistakes, and gives warnings, for
+ * example of too long a time step. steps[n_points]: number of steps of each point (with `until` the
+ * largest possible), 0 for points with mistakes. kinds[n_points]: points of equal kind can share
+ * SIMD lanes (ensemble.h); points of kind SWEEP_ALONE cannot. *usable: number of sets of parameter
+ * values without mistakes. SD_ERROR_IO: a point needs more memory than there is, or `workers`
+ * points side by side do. */
 enum { SWEEP_ALONE = -1 };
 sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *kinds, size_t *usable,
                          sd_messages *messages);
 
-/* Runs the points that are not done yet, and returns the exit status. workers > 0: each group in
- * a process of its own; else in this process or in the ranks of an MPI job. */
+/* Runs the points that are not finished yet, and returns the exit status. With the option -j each
+ * group of points runs in a process of its own; else this process or the ranks of an MPI job run
+ * all groups. */
 int sweep_run_all(const sweep *s, const sweep_command *c);
 
 /* --- scheduler of a sweep that runs: points, workers, display --------------------------------- */
 
-/* Progress and outcome of a point, in shared memory for worker processes. */
+/* Progress and outcome of a point, in memory shared with the worker processes. */
 typedef struct cell {
-  volatile double fraction; /* Fraction of its steps that are done */
-  volatile double began;    /* Fraction at its first report; negative: no report yet */
-  /* 1 + status, set after `text` when the point has ended; 0: it has not */
+  volatile double fraction; /* Fraction of the point's steps that are done */
+  /* The same fraction at the first report of this run; negative: no report yet */
+  volatile double began;
+  /* 1 + status of the point's run, set after `text` when it has ended; 0: it has not ended */
   atomic_int left;
-  char text[1000]; /* Messages of the point, a line each */
+  char text[1000]; /* Messages of the point's run, one per line */
 } cell;
 
 typedef struct worker {
-  pid_t pid; /* Process id; 0: idle */
-  /* Number of points for which no process could be started yet */
+  pid_t pid; /* Process id of the worker; 0: the worker is idle */
+  /* Number of points of this worker whose process could not be started yet */
   size_t waiting;
   size_t n;
-  size_t *points; /* [n] numbers of the points */
-  bool *told;     /* [n]: true if the outcome of the point is accounted for */
-  cell *cells;    /* [n] progress and outcome, in shared memory */
+  size_t *points; /* [n] numbers of the points that this worker runs */
+  bool *told;     /* [n]: true if the outcome of the point is already counted and shown */
+  cell *cells;    /* [n] progress and outcome of the points, in shared memory */
   double started;
 } worker;
 
-/* Points that run side by side: entries first ... first + n - 1 of sweep_groups.order. */
+/* Group of points that run side by side: entries first ... first + n - 1 of sweep_groups.order. */
 typedef struct sweep_group {
   size_t first, n;
-  /* True: put off, since another process was running one of its points */
+  /* True: the group was moved to the end, because another process was running one of its points */
   bool late;
 } sweep_group;
 
 typedef struct sweep_groups {
-  size_t *order;     /* Numbers of the points, group by group */
+  size_t *order;     /* Numbers of the points, ordered by group */
   sweep_group *list; /* Groups in the order in which they run */
   size_t n, next, capacity;
 } sweep_groups;
 
-/* Outcome of a point in this call. SKIPPED: another process was running it at its turn. CRASHED:
- * the process of its group died, so the point is to be run again by itself. */
+/* Outcome of a point in this call of the program. UNTRIED: not begun. SKIPPED: another process was
+ * running the point. CRASHED: the process of its group died, so that the point must be run again
+ * alone. TRIED: it was run here, or is finished. */
 typedef enum attempt { UNTRIED, SKIPPED, CRASHED, TRIED } attempt;
 
 typedef struct scheduler {
   const sweep *s;
   const sweep_command *c;
-  size_t first, end; /* Range [first, end) of the points of this call */
-  int64_t *steps;    /* [n_points] numbers of steps */
-  /* [n_points]: points of one kind share lanes; SWEEP_ALONE: it runs alone */
+  size_t first, end; /* Points first ... end - 1 are run by this call of the program */
+  int64_t *steps;    /* [n_points] number of steps of each point */
+  /* [n_points]: points of equal kind can share SIMD lanes; SWEEP_ALONE: the point runs alone */
   int *kinds;
-  unsigned char *tried; /* [n_points], values of `attempt` */
-  /* [n_points]: 1 + status of the point when it was last read; 0: not read */
+  unsigned char *tried; /* [n_points] outcome in this call, a value of `attempt` */
+  /* [n_points]: 1 + status of the point when its files were last read; 0: not read yet */
   unsigned char *seen;
-  /* [n_points]: bit mask of doubts of a finished point that was read */
+  /* [n_points]: bit mask of doubts about the result of a finished point */
   unsigned char *doubts;
-  size_t width; /* Most points in a group */
+  size_t width; /* Largest number of points in a group */
   size_t done, failed, other, damaged, elsewhere, left;
   size_t doubted[DOUBT_KINDS]; /* Number of finished points with each kind of doubt */
   bool in_doubt;               /* True if any finished point has a doubt */
-  int worst;                   /* Exit status: the worst so far */
+  int worst;                   /* Exit status: the worst of all points so far */
   double began, tabled, table_cost, drawn;
-  /* Steps of the points that this call runs: in all, done */
+  /* Number of steps of all points that this call runs; number of these steps that are done */
   double steps_total, steps_done;
-  /* no_table: the last tables could not be written */
+  /* no_table: true if the last attempt to write the tables failed */
   bool terminal, line_open, stars, no_table;
   size_t n_workers;
   worker *workers;
-  /* Arrays that the workers share out, [n_workers * width] each */
+  /* Arrays of n_workers * width elements; each worker uses `width` of them */
   size_t *points;
   bool *told;
   cell *cells;
-  int round; /* Number of the present round of groups */
+  /* Number of the present round: each round makes and runs groups of the points still to be run */
+  int round;
   sweep_groups groups;
   comm_queue queue;
 } scheduler;
 
-/* Functions of a section call only functions of sections above it. */
+/* Order of the sections below: functions of a section call only functions of sections above it. */
 
 /* --- sweep_display.c -------------------------------------------------------------------------- */
 void sweep_clear_line(scheduler *w);
-/* Prints a line about a point that has ended. text: messages of the process that ran it; seconds:
- * wall time. */
+/* Prints a line about a point whose run has ended. text: messages of the process that ran the
+ * point; seconds: wall time of the run. */
 void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *text,
                 double seconds);
-/* Redraws the line at the bottom of a terminal. */
+/* Redraws the progress line at the bottom of the terminal. */
 void sweep_draw(scheduler *w);
 void sweep_show_start(const scheduler *w);
 void sweep_show_end(scheduler *w);
 
 /* --- sweep_workers.c: groups ------------------------------------------------------------------ */
-/* Puts n points into groups for so many workers. Overwrites *g. */
+/* Puts n points into groups for `workers` workers. Overwrites *g without freeing it. */
 void sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n,
                        size_t workers);
-/* Appends a group to the end of the list, marked as late. */
+/* Appends a group to the end of the list and marks it as late, so that it is not moved again. */
 void sweep_groups_put_off(sweep_groups *g, sweep_group one);
 void sweep_groups_free(sweep_groups *g);
 
 /* --- sweep_workers.c: order of the points ----------------------------------------------------- */
 void sweep_worsen(scheduler *w, int status);
-/* Writes the tables of the sweep: between points if enough time has passed since the last ones;
- * with `last` in any case. */
+/* Writes the tables of the sweep. last false: only if enough time has passed since they were last
+ * written; true: in any case. */
 void sweep_make_tables(scheduler *w, bool last);
-/* Counts a point by its status as read from the folder, and keeps its doubts. */
+/* Counts a point by its status r->status, as read from the folder, and stores its doubts. */
 void sweep_remember(scheduler *w, size_t point, const sweep_result *r);
-/* Accounts for a point that has been left: reads its state from the folder, counts and shows it.
- * status, text: those of the process or call that ran it; ran: its cell; seconds: wall time. */
+/* Counts and shows a point whose run has ended, by its state in the folder. status, text: status
+ * and messages of the process that ran the point; ran: progress and outcome of the run; seconds:
+ * wall time. */
 void sweep_account(scheduler *w, size_t point, sd_status status, const char *text, const cell *ran,
                    double seconds);
-/* Takes the next group, without points that other processes run or have finished. Fills points[]
- * and returns their number; 0: no group is left. */
+/* Takes the next group from the list. Fills points[] with its points, without those that other
+ * processes run or have finished, and returns their number; 0: no group is left. */
 size_t sweep_next(scheduler *w, size_t *points);
-/* Fills points[] with those points of a group that are still to be run, and returns their
+/* Fills points[] with the points of the group that are still to be run, and returns their
  * number. */
 size_t sweep_sift(scheduler *w, sweep_group one, size_t *points);
-/* Write progress and outcome of a point into its cell. */
+/* sweep_tell writes the progress of a point into its cell, sweep_tell_left its outcome. */
 void sweep_tell(cell *mine, const session_progress *p);
 void sweep_tell_left(cell *mine, const sweep_end *end);
-/* Starts work on points [0, n) of a worker: resets their cells and the clock. */
+/* Prepares a worker to run its points 0 ... n - 1: resets their cells (progress, outcome) and the
+ * clock. */
 void sweep_assign(worker *one, size_t n);
 
 /* --- sweep_workers.c: processes --------------------------------------------------------------- */
-/* Runs all groups, each in a process of its own. */
+/* Runs all groups, each in a process of its own, until none is left. */
 void sweep_run_workers(scheduler *w);
 
 #endif

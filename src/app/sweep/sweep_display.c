@@ -1,4 +1,5 @@
-/* sweep_display.c: text on the screen while a sweep runs, and its progress as JSON. */
+/* sweep_display.c: progress lines on the terminal while a sweep runs, and the state of a sweep as
+ * JSON. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,9 +71,9 @@ void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *t
   }
 }
 
-/* Writes the progress of a worker, "  #17 45 %" or "  8 points 45 %", and returns the length of the
- * text. Adds the steps that the worker has done to *done, and those that were done before this
- * call, which it is spared, to *spared. */
+/* Writes the progress of a worker, such as "  #17 45 %" for point 17 or "  8 points 45 %", and
+ * returns the length of the text. Adds the steps that the worker has done in this call to *done,
+ * and the steps that were done by earlier calls to *spared. */
 static int show_worker(const scheduler *w, const worker *one, char *text, size_t size, double *done,
                        double *spared) {
   size_t running = 0, last = 0;
@@ -152,7 +153,7 @@ void sweep_show_end(scheduler *w) {
 
 /* --- progress of a sweep as JSON -------------------------------------------------------------- */
 
-/* Returns the fraction of steps that are done; null if it is not known. */
+/* Returns the fraction of the point's steps that are done; JSON null if it is not known. */
 static json_t *progress_json(const sweep_result *r) {
   if (r->status == SWEEP_DONE) return json_real(1);
   if (!r->has_found || r->status == SWEEP_OTHER || r->found.steps <= 0) return json_null();
@@ -174,7 +175,8 @@ static json_t *point_json(const sweep *s, size_t k, const sweep_result *r) {
                    r->has_found ? json_rotations(&r->found) : json_array());
 }
 
-/* Returns the differences between the decks of results and this deck, a text each. */
+/* Returns an array of texts: the differences between this deck and the decks with which results
+ * were made. */
 static json_t *others_json(const sweep_tally *t) {
   json_t *list = json_array();
   for (size_t k = 0; k < t->n; k++) {

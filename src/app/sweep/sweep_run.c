@@ -72,7 +72,7 @@ static void run_ranks(scheduler *w) {
 
 /* --- all points ------------------------------------------------------------------------------- */
 
-/* Return value of find_todo: no point may be run in this folder. */
+/* Return value of find_todo: this sweep must not run points in its folder. */
 static const size_t REFUSED = SIZE_MAX;
 
 static size_t refuse(const sd_messages *messages) {
@@ -80,9 +80,9 @@ static size_t refuse(const sd_messages *messages) {
   return REFUSED;
 }
 
-/* Fills todo[] with the points to be run, in order, and returns their number. Counts finished
- * points and shows damaged ones. Returns REFUSED if points belong to another deck, unless --mix
- * is given. */
+/* Fills todo[] with the numbers of the points to be run, ascending, and returns how many they are.
+ * Counts finished points and shows damaged ones. Returns REFUSED if some points were made with
+ * another deck, unless --mix is given. */
 static size_t find_todo(scheduler *w, size_t *todo, sd_messages *messages) {
   size_t n = 0;
   sweep_tally others = {0};
@@ -108,8 +108,8 @@ static size_t find_todo(scheduler *w, size_t *todo, sd_messages *messages) {
   return status == SD_OK ? n : refuse(messages);
 }
 
-/* Rank 0 makes the list and broadcasts it: all ranks must have the same, and the folder may
- * change between their looks at it. */
+/* Returns the list of points to be run, on all ranks as found by rank 0: it must be the same on
+ * all, and the folder may change while they read it. */
 static size_t agree_on_todo(scheduler *w, size_t *todo) {
   size_t places = w->s->deck.n_points + 1;
   sd_messages *messages = sd_messages_new();
@@ -119,8 +119,8 @@ static size_t agree_on_todo(scheduler *w, size_t *todo) {
   return todo[places - 1];
 }
 
-/* Fills todo[] with points that another process was running and has left unfinished, and with
- * points of crashed groups. Returns their number. */
+/* Fills todo[] with points that another process was running but left unfinished, and with points of
+ * groups that crashed. Returns how many they are. */
 static size_t find_abandoned(scheduler *w, size_t *todo) {
   size_t n = 0;
   for (size_t k = w->first; k < w->end; k++) {
@@ -132,11 +132,13 @@ static size_t find_abandoned(scheduler *w, size_t *todo) {
   return n;
 }
 
-/* Returns the final status of a point. Results that this process has read are not read again. A
- * failure whose reason could not be stored is known to this process alone. After a signal, points
- * that were not run (again) count as waiting. */
+/* Returns the final status of a point from its files; a result that this process has read already
+ * is not read again. If a point failed here and the reason could not be stored, it counts as failed
+ * all the same. After a stop signal, points that were not run in this call and would have been run
+ * (again) count as waiting. */
 static sweep_status final_status(scheduler *w, size_t k) {
-  int seen = (int)w->seen[k] - 1; /* Status when it was last read; negative: not read */
+  /* Status when the files of the point were last read; negative: they were not read */
+  int seen = (int)w->seen[k] - 1;
   sweep_status now = sweep_peek(w->s, k);
   if (now == SWEEP_RUNNING) return now;
   if (app_stop && w->tried[k] == UNTRIED && (now == SWEEP_FAILED || w->c->force))
@@ -152,7 +154,7 @@ static sweep_status final_status(scheduler *w, size_t k) {
   return now;
 }
 
-/* Counts all points by the state of the folder, including points that other processes ran. */
+/* Counts all points by their state in the folder, including points that other processes ran. */
 static void count_all(scheduler *w) {
   size_t count[SWEEP_STATUSES] = {0};
   for (size_t k = w->first; k < w->end; k++) {
@@ -194,7 +196,8 @@ static int run_all(scheduler *w, size_t *todo) {
     run_round(w, todo, n);
     n = comm_world() || app_stop || w->worst == SD_ERROR_IO ? 0 : find_abandoned(w, todo);
   } while (n > 0);
-  /* Rank 0 alone judges: on a shared file system the others may see new files late. */
+  /* Only rank 0 counts the points: on a shared file system the other ranks may see new files
+   * late. */
   if (comm_rank(comm_world()) != 0) return w->worst;
   sweep_make_tables(w, true);
   count_all(w);
@@ -202,7 +205,8 @@ static int run_all(scheduler *w, size_t *todo) {
   return w->left > 0 && w->worst != SD_ERROR_IO ? SD_INTERRUPTED : w->worst;
 }
 
-/* Checks all points. Mistakes in some of them stop the sweep, unless --skip is given. */
+/* Checks all points before the sweep begins. Mistakes in some points stop the sweep, unless --skip
+ * is given. */
 static int check(scheduler *w) {
   sd_messages *messages = sd_messages_new();
   size_t usable = 0;
@@ -267,8 +271,8 @@ static void free_scheduler(scheduler *w) {
   sweep_groups_free(&w->groups);
 }
 
-/* Returns the most points in a group; 1 with --no-lanes, or with several threads, since a system
- * in lanes has one thread. */
+/* Returns the largest number of points in a group; 1 with the option --no-lanes, or with several
+ * threads, since systems in SIMD lanes are computed by one thread. */
 static size_t choose_width(const sweep_command *c) {
   size_t width = ensemble_width();
   return c->no_lanes || c->threads > 1 || width < 1 ? 1 : width;
@@ -280,7 +284,7 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
   if (status != SD_OK) return status;
-  /* A signal must not end one rank at once: the others would wait for it. */
+  /* A signal must not end one rank at once, since the other ranks would wait for it for ever. */
   if (comm_world()) app_begin_saving();
   scheduler w = {.s = s,
                  .c = c,
@@ -308,27 +312,30 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
 
 /* --- checks before any point runs: mistakes, lengths, memory, columns of the table ----------- */
 
-/* Most kinds of systems told apart in one sweep; points of further kinds run alone. */
+/* Largest number of kinds of systems that are told apart in one sweep; points of further kinds run
+ * alone. */
 enum { MOST_KINDS = 64 };
-/* Number of points outside --point that are checked for another deck. */
+/* Number of points not selected by --point of which the deck is compared with this one. */
 enum { SAMPLE = 8 };
 
-/* Warnings of one advice check about the points. */
+/* Result of one check that gives advice, over all points of the sweep. */
 typedef struct advice {
-  size_t n, point; /* Number of sets of values with a warning; point with the worst */
+  /* Number of sets of parameter values with a warning from this check; number of the point with the
+   * worst warning */
+  size_t n, point;
   double worst;
   char *warning;
 } advice;
 
-/* Memory that points need, bytes. */
+/* Memory that the points of a sweep need, bytes. */
 typedef struct needs {
-  /* Smallest lower bound of any point; largest estimate of any point */
+  /* Smallest lower bound of the memory of any point; largest estimate of the memory of any point */
   double least, most;
-  size_t largest; /* Point with the largest estimate */
-  /* Number of sets of values that one process has no memory for */
+  size_t largest; /* Number of the point with the largest estimate */
+  /* Number of sets of parameter values for which one process has not enough memory */
   size_t refused;
-  size_t first; /* First point of these sets */
-  char *why;    /* Message about that point */
+  size_t first; /* First point for which one process has not enough memory */
+  char *why;    /* Message about point `first` */
 } needs;
 
 typedef struct precheck {
@@ -336,10 +343,11 @@ typedef struct precheck {
   int64_t *steps;
   int *kinds;
   int n_kinds;
-  sd_model *models[MOST_KINDS]; /* First model of each kind */
-  advice *advice;               /* [advice_count], one for each check */
+  sd_model *models[MOST_KINDS]; /* For each kind of system the first model of this kind */
+  advice *advice;               /* [advice_count] results of the checks that give advice */
   needs needs;
-  bool *collected; /* [n_collect]: true if the pattern is a column of some point */
+  /* [n_collect]: true if the pattern of `collect` matches a column of some point */
+  bool *collected;
 } precheck;
 
 /* --- points ----------------------------------------------------------------------------------- */
@@ -350,8 +358,9 @@ static bool is_told(const sd_messages *messages, const char *text) {
   return false;
 }
 
-/* Finds the kind of a model, or begins a new one; *kind = SWEEP_ALONE: it cannot share lanes.
- * Returns true if the model is kept as the first of its kind. */
+/* Finds the kind to which a model belongs; a new kind begins if it matches none. *kind =
+ * SWEEP_ALONE: the model cannot share SIMD lanes. Returns true if the model is now stored as the
+ * first of its kind. */
 static bool find_kind(precheck *v, sd_model *model, int *kind) {
   *kind = SWEEP_ALONE;
   if (!ensemble_takes(model)) return false;
@@ -365,7 +374,8 @@ static bool find_kind(precheck *v, sd_model *model, int *kind) {
   return true;
 }
 
-/* Keeps one warning of each check for all points, that about the worst point. */
+/* Runs all checks that give advice on the model of a point. For each check only the warning about
+ * the worst point is stored. */
 static void look_at_advice(precheck *v, size_t point, const sd_model *model) {
   for (size_t k = 0; k < advice_count; k++) {
     advice *a = &v->advice[k];
@@ -403,7 +413,7 @@ static bool visit(void *user, size_t point, sd_model *model) {
   return find_kind(v, model, &v->kinds[point]);
 }
 
-/* Adds the warnings about all points. all: true if no point has mistakes. */
+/* Adds the stored warnings about the points to the messages. all: true if no point has mistakes. */
 static void conclude(const precheck *v, bool all, sd_messages *messages) {
   const deck_sweep *d = &v->s->deck;
   if (!d->written)
@@ -420,8 +430,8 @@ static void conclude(const precheck *v, bool all, sd_messages *messages) {
       sd_warn(messages, "collect: \"%s\" will be no column of the table", d->collect[k]);
 }
 
-/* Checks that points that run side by side fit into the memory of the machine together.
- * SD_ERROR_IO: they do not; a warning if only the estimate is too large. */
+/* Checks that points that run side by side fit into the memory of the machine together. Returns
+ * SD_ERROR_IO if they do not; only warns if the estimate, but not the lower bound, is too large. */
 static sd_status conclude_memory(const needs *n, const sweep *s, size_t workers,
                                  sd_messages *messages) {
   const deck_sweep *d = &s->deck;
@@ -470,7 +480,8 @@ sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *ki
     kinds[k] = SWEEP_ALONE;
   }
   sd_status status = sweep_check(s, visit, &v, usable, messages);
-  /* Points of one set have the same length and kind, and the first of them was visited. */
+  /* All points of a set of parameter values have the same length and kind as its first point, which
+   * was visited. */
   for (size_t k = 0; k < s->deck.n_points; k++) {
     size_t *mine = &first[s->deck.points[k].set];
     if (*mine == SIZE_MAX) *mine = k;
@@ -480,7 +491,8 @@ sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *ki
   conclude(&v, status == SD_OK, messages);
   *usable -= v.needs.refused;
   const sd_status room = conclude_memory(&v.needs, s, workers, messages);
-  if (room != SD_OK && v.needs.refused == 0) *usable = 0; /* The workers together lack memory */
+  /* The points of all workers together need too much memory */
+  if (room != SD_OK && v.needs.refused == 0) *usable = 0;
   if (status == SD_OK) status = room;
   free(v.needs.why);
   for (int k = 0; k < v.n_kinds; k++) sd_model_free(v.models[k]);
@@ -493,8 +505,8 @@ sd_status sweep_precheck(const sweep *s, size_t workers, int64_t *steps, int *ki
 
 /* --- checks of the folder --------------------------------------------------------------------- */
 
-/* Refuses the folder if points of another deck are among a sample of those outside [first, end)
- * that have files. */
+/* Returns an error if a sample of the points with files shows any made with another deck. Points
+ * first ... end - 1 are not sampled. */
 static sd_status look_at_sample(const sweep *s, const sweep_contents *there, size_t first,
                                 size_t end, sd_messages *messages) {
   sweep_tally others = {0};

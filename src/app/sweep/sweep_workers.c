@@ -1,5 +1,5 @@
-/* sweep_workers.c: groups of points, their order, and the processes that run them (-j). See
- * sweep_run.c. */
+/* sweep_workers.c: makes groups of points, chooses the order in which they run, and starts the
+ * processes that run them (-j). See sweep_run.c. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -17,18 +17,20 @@
 
 /* --- groups ----------------------------------------------------------------------------------- */
 
-/* The points of a group run side by side. A group takes about as long as its longest point,
- * however few points it has. So points of one kind are sorted by length and put into groups as
- * large as the machine likes; if workers would be idle, the largest groups are halved until each
- * worker has one. */
+/* The points of a group run side by side in SIMD lanes. A group takes about as long as its longest
+ * point, whatever the number of its points. So points of one kind are sorted by length and put into
+ * groups as large as the SIMD width allows; if workers would be idle, the largest groups are halved
+ * until each worker has one. */
 
 typedef struct entry {
-  size_t kind; /* First point of its kind; a point that runs alone: itself */
+  /* Number of the first point of the same kind; for a point that runs alone: its own number */
+  size_t kind;
   int64_t steps;
   size_t point;
 } entry;
 
-/* Orders by kind (in order of appearance), longest first, then by number. */
+/* Compares entries for qsort: by kind (in order of appearance), then longest first, then by
+ * number. */
 static int compare(const void *a, const void *b) {
   const entry *p = a, *q = b;
   if (p->kind != q->kind) return p->kind < q->kind ? -1 : 1;
@@ -110,7 +112,7 @@ static void tell_left(void *user, size_t k, const sweep_end *end) {
   sweep_tell_left(&me->cells[k], end);
 }
 
-/* Runs the points of a worker in its process. Never returns. */
+/* Runs the points of a worker, in the process of this worker. Never returns. */
 static void work(const scheduler *w, worker *me, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(SD_INTERRUPTED);
@@ -124,7 +126,7 @@ static void work(const scheduler *w, worker *me, pid_t parent) {
   _exit(SD_OK);
 }
 
-/* Starts a process for n points of a worker. Returns false, with errno, if that fails. */
+/* Starts a process that runs n points of a worker. Returns false, with errno, if that fails. */
 static bool start(scheduler *w, worker *one, size_t n) {
   sweep_assign(one, n);
   fflush(NULL);
@@ -134,7 +136,7 @@ static bool start(scheduler *w, worker *one, size_t n) {
   return pid > 0;
 }
 
-/* Accounts for the points that a worker reports as ended. Returns their number. */
+/* Counts and shows the points that a worker has reported as ended. Returns their number. */
 static size_t hear(scheduler *w, worker *one) {
   size_t n = 0;
   for (size_t i = 0; i < one->n; i++) {
@@ -148,14 +150,14 @@ static size_t hear(scheduler *w, worker *one) {
   return n;
 }
 
-/* Describes in `text` how a process died; "" if it ended by itself, with *status. */
+/* Writes into `text` how a process died; "" if it ended by itself. *status: its status. */
 static void describe_end(int ended, sd_status *status, char *text, size_t size) {
   *text = 0;
   *status = SD_ERROR_NUMERIC;
   int code = WIFEXITED(ended) ? WEXITSTATUS(ended) : -1;
   if (code == SD_OK || code == SD_INTERRUPTED)
     *status = (sd_status)code;
-  else if (code == SD_ERROR_IO) /* memory_lacks has printed why */
+  else if (code == SD_ERROR_IO) /* the process has printed the reason (memory_lacks) */
     *status = SD_ERROR_IO;
   else if (WIFSIGNALED(ended) && app_stop)
     *status = SD_INTERRUPTED;
@@ -166,8 +168,8 @@ static void describe_end(int ended, sd_status *status, char *text, size_t size) 
     snprintf(text, size, "ended with status %d", code);
 }
 
-/* Marks the unfinished points of a crashed group as CRASHED: it is not known which of them caused
- * the crash, so each is run again by itself. */
+/* Marks the points of a crashed group that have not ended as CRASHED: it is not known which of them
+ * caused the crash, so that each is run again alone. */
 static void try_again(scheduler *w, const worker *one, const char *how) {
   size_t n = 0;
   for (size_t i = 0; i < one->n; i++) {
@@ -205,7 +207,7 @@ static void finish(scheduler *w, worker *one, int ended) {
   for (size_t i = 0; i < one->n; i++) {
     if (one->told[i]) continue;
     size_t point = one->points[i];
-    /* The process may have died after it had completed the result. */
+    /* The process may have died after it had completed the result of the point. */
     bool done = sweep_peek(w->s, point) == SWEEP_DONE;
     if (*text && !done) sweep_note(w->s, point, text);
     sweep_account(w, point, done ? SD_OK : status, done ? "" : text, &one->cells[i],
@@ -213,7 +215,8 @@ static void finish(scheduler *w, worker *one, int ended) {
   }
 }
 
-/* Accounts for points and processes that have ended. Returns their number. */
+/* Counts and shows points that have ended, and collects processes that have ended. Returns the
+ * number of both together. */
 static size_t reap(scheduler *w) {
   size_t n = 0;
   for (size_t k = 0; k < w->n_workers; k++) {
@@ -242,8 +245,9 @@ static void pass_stop_on(scheduler *w, bool *told) {
   *told = true;
 }
 
-/* Starts a process for each idle worker while groups are left; *more: false when none is. Returns
- * errno if a process cannot be started; its points then stay with the worker. */
+/* Starts a process for each idle worker while groups are left; *more: set to false when no group is
+ * left. Returns errno if a process cannot be started; its points then wait in the worker
+ * (worker.waiting). */
 static int start_idle(scheduler *w, bool *more) {
   for (size_t k = 0; k < w->n_workers && !app_stop; k++) {
     worker *one = &w->workers[k];
@@ -281,11 +285,11 @@ void sweep_run_workers(scheduler *w) {
 
 /* --- order of the points, and their outcomes -------------------------------------------------- */
 
-/* Least time between tables while points run: TABLE_SECONDS in s, and TABLE_SHARE times what the
- * last tables took. */
+/* Shortest time between two writes of the tables while points run: TABLE_SECONDS in s, and
+ * TABLE_SHARE times the duration of the last write. */
 static const double TABLE_SECONDS = 15, TABLE_SHARE = 20;
-/* Longest time, in s, that the last tables wait for another process that is writing them;
- * PATIENCE_STOPPED: after a stop signal. */
+/* Longest time in s that the tables written at the end wait for another process that is writing
+ * them. PATIENCE: usually; PATIENCE_STOPPED: after a stop signal. */
 static const double PATIENCE = 600, PATIENCE_STOPPED = 10;
 
 void sweep_worsen(scheduler *w, int status) {
@@ -294,10 +298,12 @@ void sweep_worsen(scheduler *w, int status) {
 
 /* --- results ---------------------------------------------------------------------------------- */
 
-/* Writes tables. Between points it does not wait for another process that is writing them. */
+/* Writes the tables. Unless `last` is true, they are left out if another process is writing
+ * them. */
 void sweep_make_tables(scheduler *w, bool last) {
   double start = clock_seconds();
-  /* Other processes run the points outside --point, and --table then writes the tables. */
+  /* With --point other processes run the other points; the user then writes the tables with
+   * --table. */
   if (sweep_is_part(w->c)) return;
   if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
   sd_messages *messages = sd_messages_new();
@@ -317,7 +323,7 @@ void sweep_make_tables(scheduler *w, bool last) {
   w->table_cost = w->tabled - start;
 }
 
-/* Counts a point by its status as read from the folder. */
+/* Counts a point by its status r->status, as read from the folder, and stores its doubts. */
 void sweep_remember(scheduler *w, size_t point, const sweep_result *r) {
   w->seen[point] = (unsigned char)(1 + r->status);
   w->doubts[point] = (unsigned char)r->doubts;
@@ -332,7 +338,7 @@ void sweep_account(scheduler *w, size_t point, sd_status status, const char *tex
   sweep_result r;
   sweep_look(w->s, point, &r);
   if ((r.status == SWEEP_WAITING || r.status == SWEEP_STOPPED) && status != SD_INTERRUPTED) {
-    /* The folder does not show the failure: not even its reason could be stored. */
+    /* The point failed, but its files do not show it: not even the reason could be stored. */
     r.status = SWEEP_FAILED;
     free(r.message);
     static const char prefix[] = "error: ";
@@ -355,8 +361,9 @@ void sweep_account(scheduler *w, size_t point, sd_status status, const char *tex
   sweep_make_tables(w, false);
 }
 
-/* True if another process runs this point, or has finished it since the list was made. The point
- * then does not count as work of this process. */
+/* Returns true if another process runs this point, or has finished it since the list of points was
+ * made; then also stores that in w->tried, and subtracts the point's steps from the steps of this
+ * process. */
 static bool is_taken(scheduler *w, size_t point) {
   sweep_status status = sweep_peek(w->s, point);
   bool finished = status == SWEEP_DONE && !w->c->force;
@@ -367,7 +374,7 @@ static bool is_taken(scheduler *w, size_t point) {
   return true;
 }
 
-/* Writes messages into text[size], a line each with "error: " or "warning: " in front, as many as
+/* Writes messages into text[size], one per line, each after "error: " or "warning: "; as many as
  * fit. */
 static void write_messages(const sd_messages *messages, char *text, size_t size) {
   *text = 0;
@@ -380,7 +387,8 @@ static void write_messages(const sd_messages *messages, char *text, size_t size)
 
 /* --- assignment of points --------------------------------------------------------------------- */
 
-/* Fills points[] with those points of a group that are still to be run. */
+/* Fills points[] with the points of the group that are still to be run, and returns their
+ * number. */
 size_t sweep_sift(scheduler *w, sweep_group one, size_t *points) {
   size_t n = 0;
   for (size_t k = 0; k < one.n; k++) {
@@ -394,8 +402,8 @@ size_t sweep_next(scheduler *w, size_t *points) {
   sweep_groups *g = &w->groups;
   while (g->next < g->n) {
     sweep_group one = g->list[g->next++];
-    /* Another process has begun this group and will take the rest, too: put the group off until
-     * nothing else is left. */
+    /* Another process is running a point of this group and will take the others, too: move the
+     * group to the end of the list. */
     bool begun = false;
     for (size_t k = 0; one.n > 1 && !one.late && k < one.n; k++)
       begun = begun || sweep_peek(w->s, g->order[one.first + k]) == SWEEP_RUNNING;

@@ -1,4 +1,4 @@
-/* theory.c: `slipdisk theory DECK` prints what the theory gives for the three disks of a deck.
+/* theory.c: `slipdisk theory DECK` prints what the theory predicts for the three disks of a deck.
  * See docs/theory.md. */
 #include "app/theory/theory.h"
 
@@ -18,7 +18,8 @@
 #include "slipdisk/deck.h"
 
 typedef struct arguments {
-  const char *deck, *csv, *wave; /* Paths csv and wave: NULL if not given */
+  /* Values of the operand DECK and of the options --csv and --wave; csv, wave: NULL if not given */
+  const char *deck, *csv, *wave;
   bool json;
   option_list overrides;
 } arguments;
@@ -56,7 +57,7 @@ static int parse(int argc, char **argv, arguments *a) {
 
 /* --- tables in files -------------------------------------------------------------------------- */
 
-/* Table that is built in memory and then written as a whole. */
+/* CSV table that is built in memory and written to its file in one piece. */
 typedef struct table {
   FILE *out;
   char *text;
@@ -69,8 +70,8 @@ static void table_open(table *t) {
   if (!t->out) memory_lacks(0);
 }
 
-/* Writes a table to a device, a pipe or the standard output (path NULL), which cannot be replaced
- * as regular files are. */
+/* Writes a table to `path`, a device or a pipe, or to the standard output (path NULL). Regular
+ * files are written in another way: they are replaced. */
 static sd_status pour(const table *t, const char *path, sd_messages *messages) {
   FILE *out = path ? fopen(path, "w") : stdout;
   bool good = out && fwrite(t->text, 1, t->size, out) == t->size && fflush(out) == 0;
@@ -81,8 +82,8 @@ static sd_status pour(const table *t, const char *path, sd_messages *messages) {
                  path ? path : "the standard output", strerror(why));
 }
 
-/* Frees a table after writing it to `path` ("-": the standard output), unless `status` is an
- * error. Returns the first error. */
+/* Writes a table to the file `path` ("-": the standard output), unless `status` is an error, and
+ * frees the table in any case. Returns the first error. */
 static sd_status table_close(table *t, const char *path, sd_status status, sd_messages *messages) {
   if (!t->out) return status;
   if (fclose(t->out) != 0) memory_lacks(t->size);
@@ -98,8 +99,8 @@ static sd_status table_close(table *t, const char *path, sd_status status, sd_me
   return status;
 }
 
-/* Writes the row of a point. Without a periodic state its cells are empty, and a warning says
- * why. */
+/* Writes the CSV row of a point of the sweep. If no periodic state was found, the cells about it
+ * are empty, and a warning says why. */
 static sd_status add_row(const deck_sweep *s, size_t point, FILE *out, sd_messages *messages) {
   theory_case c;
   theory_result r;
@@ -121,7 +122,8 @@ static sd_status add_row(const deck_sweep *s, size_t point, FILE *out, sd_messag
   return status;
 }
 
-/* Writes a row for each set of values of the sweep, computed for its first point. */
+/* Writes a CSV row for each set of parameter values of the sweep, computed with the first point of
+ * the set. */
 static sd_status write_csv(const arguments *a, sd_messages *messages) {
   deck_sweep s = {0};
   table t = {0};
@@ -133,7 +135,9 @@ static sd_status write_csv(const arguments *a, sd_messages *messages) {
   size_t sets = 0;
   for (size_t k = 0; status == SD_OK && k < s.n_points; k++) {
     if (s.points[k].set != sets)
-      continue; /* Sets are numbered in the order of their first points */
+      /* Only the first point of each set gets a row; sets are numbered in the order of these
+       * points */
+      continue;
     status = add_row(&s, k, t.out, messages);
     sets++;
   }
@@ -157,7 +161,8 @@ static sd_status write_wave(const arguments *a, const theory_result *r, sd_messa
 
 /* --- command ---------------------------------------------------------------------------------- */
 
-/* Prints the page or the JSON, or writes the wave, for the deck without its sweep. */
+/* Does what the options --json or --wave ask for, or prints the results as text, for the deck
+ * without its sweep. */
 static sd_status tell(const arguments *a, sd_messages *messages) {
   theory_case c;
   theory_result r;
@@ -166,7 +171,7 @@ static sd_status tell(const arguments *a, sd_messages *messages) {
   if (status == SD_OK) status = theory_case_read(model, &c, messages);
   if (status == SD_OK) {
     status = theory_case_solve(&c, &r, messages);
-    /* Without a periodic state the other results still hold. */
+    /* Print the results also if no periodic state was found, since the other results are valid. */
     if (a->json && !theory_json(stdout, model, &c, &r))
       status = sd_fail(messages, SD_ERROR_IO, "cannot write to the standard output");
     if (!a->json && !a->wave) theory_page(stdout, model, &c, &r);
@@ -194,10 +199,11 @@ int app_theory(int argc, char **argv) {
 
 /* --- text output ------------------------------------------------------------------------------ */
 
-/* Prints a line with a label: "  theta_T              0.125664   (0.04 pi)". Labels such as (15)
- * are equations of the paper; docs/theory.md explains the lines, docs/physics.md derives them. */
+/* Prints a line such as "  theta_T              0.125664   (0.04 pi)": label, value, note. Numbers
+ * in labels, such as (15), are those of equations in the paper; docs/theory.md explains the lines,
+ * docs/physics.md derives the equations. */
 static void line(FILE *out, const char *label, double value, const char *note) {
-  /* + 0.0 avoids -0 */
+  /* Adding 0.0 turns -0 into 0 */
   fprintf(out, "  %-34s %14.8g%s%s\n", label, value + 0.0, *note ? "   " : "", note);
 }
 
@@ -295,7 +301,8 @@ static void print_steady(FILE *out, const theory_case *c, const theory_result *r
 
 /* --- periodic drive --------------------------------------------------------------------------- */
 
-/* Returns the value of torque/(I Theta_b w_b^2) below which no contact sticks, as text. */
+/* Returns as text the value of torque/(I Theta_b w_b^2) below which no contact sticks. I: moment of
+ * inertia of the upper disk; Theta_b, w_b: amplitude and angular frequency of the drive. */
 static const char *sticking(const theory_case *c, const theory_result *r) {
   if (r->even && c->drive.waveform == SD_PARABOLA)
     return "no contact ever sticks below 8/pi^2 = 0.811";
@@ -339,8 +346,8 @@ static void print_drive(FILE *out, const theory_case *c, const theory_result *r)
   }
 }
 
-/* Prints a velocity three times: as it is, divided by Theta_b w_b, and times t_g; nothing if it
- * is NAN. */
+/* Prints a line with an angular velocity three times: as it is, divided by Theta_b w_b (amplitude
+ * times frequency of the drive), and times t_g = sqrt(2 R/g); prints nothing if it is NAN. */
 static void velocity(FILE *out, const theory_case *c, const theory_result *r, const char *label,
                      double value, const char *note) {
   if (isnan(value)) return;

@@ -1,10 +1,10 @@
-/* theory.h: the 3-disk ratchet as found in a deck, and what the theory
- * (include/slipdisk/theory.h) gives for it.
+/* theory.h: the 3-disk ratchet as found in a deck (one free disk on two driven ones, its supports),
+ * and the predictions of the theory (include/slipdisk/theory.h) for it.
  *
- * theory_case_read finds one free disk on two supports, and how the supports are driven in the
+ * theory_case_read finds the free disk and its two supports, and how the supports are driven in the
  * phases that measure; theory_case_solve evaluates the formulas that apply. Contact 1 is the left
- * one, seen with gravity pointing down, contact 2 the right one, whatever their order in the
- * deck. */
+ * one, seen with gravity pointing down, contact 2 the right one, whatever their order in the deck.
+ */
 #ifndef SLIPDISK_APP_THEORY_H
 #define SLIPDISK_APP_THEORY_H
 
@@ -35,75 +35,89 @@ typedef struct theory_case {
   /* Names of the upper disk and of the two supports */
   char upper[64], support[2][64];
   sd_three_disk disk;
-  /* Angles alpha_1 and alpha_2 of the contacts, rad, if the upper disk just touches both
-   * supports */
+  /* Angles alpha_1 and alpha_2 between gravity and the directions to the left and right contact,
+   * rad, at the position where the upper disk just touches both supports */
   double alpha[2];
   double mass;
-  double t_g; /* sqrt(2 R/g), with g = weight/mass */
-  /* Distance of the upper disk in the deck from where it just touches both supports */
+  double t_g; /* Time unit sqrt(2 R/g) of the upper disk, with its radius R and g = weight/mass */
+  /* Distance between the position of the upper disk in the deck and the position where it just
+   * touches both supports */
   double offset;
   double support_radius[2];
-  double k_t[2];    /* Tangential stiffness k_t of each contact */
+  double k_t[2];    /* Tangential stiffness k_t of the left and of the right contact */
   double stiffness; /* Smaller normal stiffness k_n of the two contacts */
-  /* True if the deck names the right support first: its S+- is S-+ here */
+  /* True if the deck names the right support first; then the configuration called S+- in the deck's
+   * order is S-+ here */
   bool swapped;
-  bool locked; /* True if the upper disk cannot turn */
+  bool locked; /* True if the deck forbids the upper disk to rotate */
   double spin; /* Angular velocity of the upper disk at the start */
 
   theory_kind kind;
-  double velocity[2]; /* Steady drive: angular velocities of the supports */
-  /* Random drive: true if one signal turns both supports, and nothing else moves them */
+  double velocity[2]; /* Steady drive: angular velocities of the left and of the right support */
+  /* Random drive: true if one random signal turns both supports, and nothing else moves them */
   bool shared;
-  /* Periodic drive; t = 0 when the motion of the left support begins (of the right one if the
-   * left one is at rest) */
+  /* Periodic drive of both supports; its time t = 0 is when the motion of the left support begins,
+   * or that of the right one if the left one is at rest */
   sd_drive drive;
 } theory_case;
 
 typedef struct theory_result {
-  sd_tep tep[4];    /* Equilibrium points, indexed by SD_PP ... SD_MM */
-  double torque[4]; /* Torques (15)-(18), indexed by SD_PP ... SD_MM */
-  /* Mean torque just after tilting, all four configurations equally long (19) */
+  /* Equilibrium points of the four sliding configurations, indexed by SD_PP ... SD_MM */
+  sd_tep tep[4];
+  /* Torque on the upper disk in each sliding configuration, equations (15)-(18) of the paper,
+   * indexed by SD_PP ... SD_MM */
+  double torque[4];
+  /* Mean torque just after tilting if all four configurations last equally long, equation (19) of
+   * the paper */
   double slight;
-  /* Mean torque just after tilting, S++ and S-- only (31), corrected: mu^2 where the paper has
-   * mu */
+  /* Mean torque just after tilting if only S++ and S-- occur, equation (31) of the paper,
+   * corrected: with mu^2 where the paper has mu */
   double sync;
-  /* Steady drive: signs of the torques at the contacts at the start; 0: the contact sticks */
+  /* Steady drive: at the start, signs of the torques that the left and the right contact exert on
+   * the upper disk; 0: the contact sticks */
   int signs[2];
-  /* Steady drive: final angular velocity of the upper disk; NAN: it cannot turn, or any value of a
-   * range is possible */
+  /* Steady drive: final angular velocity of the upper disk; NAN: the disk cannot rotate, or any
+   * value in a range is possible */
   double final_spin;
 
-  /* Members for periodic drive; NAN if a formula does not apply. */
+  /* All members from here on are for periodic drive; they are NAN if a formula does not apply. */
   theory_relation relation;
-  /* True if the surfaces of both supports move with the same amplitude, so that closed forms
-   * apply */
+  /* True if the surfaces of both supports move with the same amplitude; only then do closed
+   * formulas apply */
   bool even;
-  double apart;     /* Phase of support 2 minus phase of support 1, in (-pi, pi] */
-  double amplitude; /* Theta_b: the larger of Theta_i R_i/R */
-  double ratio;     /* Largest |torque|/(I Theta_b w_b^2) */
-  sd_sync parabola; /* Results of (25)-(29); parabolas in phase only */
-  /* Mean angular velocity: (30) in phase, (35) in opposite phases; times pi^2/8 for sines */
+  double apart; /* Phase of support 2 (right) minus phase of support 1 (left), in (-pi, pi] */
+  /* Amplitude Theta_b: the larger of Theta_i R_i/R for the two supports i, with their amplitudes
+   * Theta_i and radii R_i */
+  double amplitude;
+  /* Largest |torque|/(I Theta_b w_b^2) of the configurations, with the moment of inertia I and the
+   * angular frequency w_b */
+  double ratio;
+  /* Results of equations (25)-(29) of the paper; only for parabolic waves in phase */
+  sd_sync parabola;
+  /* Mean angular velocity to first order: equation (30) of the paper in phase, (35) in opposite
+   * phase; multiplied by pi^2/8 for sines */
   double first_order;
-  /* Mean angular velocity: closed form at this amplitude; sines in phase only */
+  /* Mean angular velocity by a closed formula that holds at this amplitude; only for sines in
+   * phase */
   double sine;
-  double limit;        /* Mean angular velocity for Theta_b -> infinity */
-  bool solved;         /* True if a periodic state was found */
-  sd_sliding solution; /* Periodic state, if solved */
+  double limit;        /* Mean angular velocity in the limit Theta_b -> infinity */
+  bool solved;         /* True if a periodic state was found numerically */
+  sd_sliding solution; /* Periodic state; valid only if `solved` is true */
 } theory_result;
 
-/* Names "++", "+-", "-+", "--", indexed by SD_PP ... SD_MM */
+/* Names "++", "+-", "-+", "--" of the sliding configurations, indexed by SD_PP ... SD_MM */
 extern const char *const theory_configurations[4];
 
 /* --- theory_case.c, theory_solve.c: the case and its solution --------------------------------- */
-/* Reads the case from a model. SD_ERROR_USER: the deck is something else; messages say what it
- * has and what is expected. */
+/* Finds the three disks and their drive in a model. SD_ERROR_USER: the deck is not such a case;
+ * messages say what it has and what is expected. */
 sd_status theory_case_read(const sd_model *m, theory_case *c, sd_messages *messages);
-/* Reads the drive: the part of theory_case_read about the motions of the disks with these
- * numbers. */
+/* Reads the drive of the supports: the part of theory_case_read about motions. upper, support:
+ * numbers of the disks. */
 sd_status theory_drive_read(const sd_model *m, uint32_t upper, const uint32_t support[2],
                             theory_case *c, sd_messages *messages);
-/* Evaluates all formulas that apply. Fills all of r that is known also after an error:
- * SD_ERROR_USER or SD_ERROR_NUMERIC of sd_sliding_solve. */
+/* Evaluates all formulas that apply, and stores the results in r. After an error of
+ * sd_sliding_solve (SD_ERROR_USER, SD_ERROR_NUMERIC) the other results are stored all the same. */
 sd_status theory_case_solve(const theory_case *c, theory_result *r, sd_messages *messages);
 
 /* --- theory.c: output as text and as JSON ----------------------------------------------------- */
@@ -114,7 +128,7 @@ bool theory_json(FILE *out, const sd_model *m, const theory_case *c, const theor
 void theory_table_head(FILE *out, const deck_sweep *s);
 void theory_table_row(FILE *out, const deck_sweep *s, size_t point, const theory_case *c,
                       const theory_result *r);
-/* Writes one period of r->solution as CSV; r->solved must be true. */
+/* Writes one period of the periodic state r->solution as CSV; r->solved must be true. */
 void theory_wave(FILE *out, const theory_result *r);
 
 #endif

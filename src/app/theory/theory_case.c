@@ -1,7 +1,9 @@
-/* theory_case.c: finds the three disks of a deck, their angles and their drive for the theory.
+/* theory_case.c: finds the three disks of a deck, their angles and their drive, as input of the
+ * theory.
  *
- * Angles are taken where the upper disk just touches both supports, seen with the weight pointing
- * down: alpha_1 = theta_h - theta_T on the left, alpha_2 = theta_h + theta_T on the right. */
+ * Angles hold where the upper disk just touches both supports, seen with its weight pointing down:
+ * alpha_1 = theta_h - theta_T on the left, alpha_2 = theta_h + theta_T on the right (theta_h: half
+ * aperture, theta_T: tilt). */
 #include <math.h>
 
 #include "app/theory/theory.h"
@@ -9,10 +11,11 @@
 #include "model/motions.h"
 #include "slipdisk/deck.h"
 
-/* Disks closer to the upper disk than this fraction of its radius count as touching it. */
+/* Disks count as touching the upper disk if the gap between them is less than this fraction of its
+ * radius. */
 static const double NEAR = 0.01;
-/* Largest distance allowed between the position of the upper disk in the deck and its place on the
- * supports, as a fraction of its radius. */
+/* Largest distance allowed between the position of the upper disk in the deck and the position
+ * where it touches both supports, as a fraction of its radius. */
 static const double AWAY = 0.25;
 
 static sd_status fail_disk(const sd_model *m, sd_messages *messages, uint32_t body,
@@ -22,7 +25,8 @@ static sd_status fail_disk(const sd_model *m, sd_messages *messages, uint32_t bo
                  sd_model_body_name(m, body, name, sizeof name), what);
 }
 
-/* Computes out = to - from, with the nearest periodic image of `to`. */
+/* Computes the vector out = to - from, with the periodic image of `to` that is nearest to
+ * `from`. */
 static void towards(const sd_model *m, const double from[2], const double to[2], double out[2]) {
   for (int c = 0; c < 2; c++) {
     out[c] = to[c] - from[c];
@@ -57,8 +61,8 @@ static sd_status find_upper(const sd_model *m, uint32_t *upper, sd_messages *mes
       sd_model_deck(m)->path, m->n_free);
 }
 
-/* Finds the supports if the deck has no measure.sliding: the two driven disks if there are just
- * two, else the two that touch the upper disk. */
+/* Finds the two supports if the deck has no measure.sliding to name them: the two driven disks if
+ * there are just two, else the two disks that touch the upper disk. */
 static sd_status find_supports(const sd_model *m, uint32_t upper, uint32_t support[2],
                                sd_messages *messages) {
   size_t n_driven = m->n_disks - m->n_free, n = 0;
@@ -94,8 +98,8 @@ static sd_status find_disks(const sd_model *m, uint32_t *upper, uint32_t support
 
 /* --- geometry --------------------------------------------------------------------------------- */
 
-/* Computes where the upper disk just touches both supports, relative to its position in the
- * deck. */
+/* Computes the position where the upper disk just touches both supports, relative to its position
+ * in the deck. */
 static sd_status touch(const sd_model *m, uint32_t upper, const uint32_t support[2], double out[2],
                        sd_messages *messages) {
   const sd_disk *disk = &m->disks[upper];
@@ -112,8 +116,8 @@ static sd_status touch(const sd_model *m, uint32_t upper, const uint32_t support
     return fail_disk(m, messages, upper,
                      "cannot touch both supports; expected them to stand beside each other");
 
-  /* along: coordinate along the line between the supports; away: distance from that line, on the
-   * side on which the deck has the disk. */
+  /* Coordinates of that position, relative to the first support. along: along the line to the other
+   * support; away: distance from that line, on the side where the disk is in the deck. */
   double along = (r[0] * r[0] - r[1] * r[1] + far * far) / (2 * far);
   double away = sqrt((r[0] - along) * (r[0] + along));
   double e[2] = {between[0] / far, between[1] / far};
@@ -126,7 +130,7 @@ static sd_status touch(const sd_model *m, uint32_t upper, const uint32_t support
   return SD_OK;
 }
 
-/* Returns the distance of a point from the surface of a wall, >= 0. */
+/* Returns the distance of the point `at` from the nearest point of a wall's surface, >= 0. */
 static double wall_gap(const sd_model *m, const sd_wall *w, const double at[2]) {
   double d[2];
   if (w->kind == SD_WALL_CIRCLE) {
@@ -149,7 +153,8 @@ static double wall_gap(const sd_model *m, const sd_wall *w, const double at[2]) 
   return least;
 }
 
-/* Checks that only the supports touch the upper disk, with its centre at `at`. */
+/* Checks that with its centre at `at` the upper disk touches no bodies other than the two
+ * supports. */
 static sd_status check_alone(const sd_model *m, uint32_t upper, const uint32_t support[2],
                              const double at[2], sd_messages *messages) {
   sd_status status = SD_OK;
@@ -171,8 +176,8 @@ static sd_status check_alone(const sd_model *m, uint32_t upper, const uint32_t s
   return status;
 }
 
-/* Sets the angles from the vectors `to` from the upper disk to its supports. If the deck names
- * the right support first, swaps support[]. */
+/* Sets the angles of the contacts from the vectors to[k] from the upper disk to support[k]. If
+ * support[0] is the right one, swaps the two supports. */
 static void set_angles(theory_case *c, uint32_t support[2], double to[2][2],
                        const double weight[2]) {
   double down[2] = {weight[0] / c->disk.weight, weight[1] / c->disk.weight};
@@ -220,8 +225,8 @@ static sd_status set_geometry(const sd_model *m, theory_case *c, uint32_t upper,
 
 /* --- contact laws and constraints ------------------------------------------------------------- */
 
-/* Returns the key of a contact law that goes beyond linear elastic contacts with friction mu;
- * NULL: none does. */
+/* Returns the first key of a contact law for which the theory does not hold, since it covers only
+ * linear elastic contacts with Coulomb friction mu; NULL: there is no such key. */
 static const char *beyond_theory(const sd_contact_law *law) {
   const unsigned features = law_features(law);
   return law->normal != SD_NORMAL_LINEAR ? "law"
@@ -264,7 +269,7 @@ static sd_status set_contacts(const sd_model *m, theory_case *c, uint32_t upper,
   return SD_OK;
 }
 
-/* Checks that only weight and supports hold or turn the upper disk. */
+/* Checks that apart from weight and contacts nothing constrains or drives the upper disk. */
 static sd_status check_bonds(const sd_model *m, theory_case *c, uint32_t upper,
                              sd_messages *messages) {
   const sd_disk *disk = &m->disks[upper];
@@ -294,7 +299,7 @@ sd_status theory_case_read(const sd_model *m, theory_case *c, sd_messages *messa
   sd_model_body_name(m, upper, c->upper, sizeof c->upper);
   status = check_bonds(m, c, upper, messages);
   found = set_geometry(m, c, upper, support, messages);
-  if (found) return found; /* The following needs to know which support is the left one */
+  if (found) return found; /* The checks below need to know which support is the left one */
   for (int k = 0; k < 2; k++)
     sd_model_body_name(m, support[k], c->support[k], sizeof c->support[k]);
   found = set_contacts(m, c, upper, support, messages);
@@ -307,10 +312,11 @@ sd_status theory_case_read(const sd_model *m, theory_case *c, sd_messages *messa
 
 static const char *const coordinate_names[SD_MOVED] = {"x", "y", "theta", "surface"};
 
-/* Motions of the supports that are on: the motion of each angle (NULL: none) and its index, and
- * whether random motions shake its other coordinates. The theory covers steady turning, and
- * oscillation by (20) or (21) with one frequency; for torques and the sense of rotation alone
- * also random vibration (52). A motion of amplitude or velocity 0 does not count. */
+/* Motions of the two supports (left, right) that are switched on: the motion of the support's angle
+ * (NULL: none), the index of this motion, and whether random motions move other coordinates of the
+ * support. The theory covers steady rotation, and oscillation by equation (20) or (21) of the paper
+ * with one frequency for both; random vibration, equation (52), only for torques and the sense of
+ * rotation. A motion of amplitude or velocity 0 is ignored. */
 typedef struct drivers {
   const sd_motion *turn[2];
   size_t number[2];
@@ -328,13 +334,14 @@ static bool rests(const sd_motion *motion) {
   return motion->kind == SD_MOTION_VELOCITY ? motion->velocity == 0 : motion->amplitude == 0;
 }
 
-/* True if the theory covers this motion of the angle of a support. */
+/* True if the theory covers this kind of motion for the angle of a support. */
 static bool is_known(const sd_motion *motion) {
   return motion->kind == SD_MOTION_HARMONIC || motion->kind == SD_MOTION_PARABOLIC ||
          motion->kind == SD_MOTION_VELOCITY || motion->kind == SD_MOTION_RANDOM;
 }
 
-/* Formats 'motion "turn" (harmonic)' into text[size] and returns it. */
+/* Formats name and kind of a motion, such as 'motion "turn" (harmonic)', into text[size] and
+ * returns it. */
 static const char *motion_name(const sd_motion *motion, char *text, size_t size) {
   if (motion->name)
     snprintf(text, size, "motion \"%s\" (%s)", motion->name, motion_kinds[motion->kind].name);
@@ -352,8 +359,8 @@ static sd_status fail_motion(const sd_model *m, sd_messages *messages, const sd_
                  sd_model_body_name(m, body, whom, sizeof whom), expected);
 }
 
-/* Finds the first phase that measures, else the last phase. SD_ERROR_USER: two phases that
- * measure have different motions on. */
+/* Finds the first phase that measures; if none does, the last phase. SD_ERROR_USER: two phases that
+ * measure have different motions switched on. */
 static sd_status find_phase(const sd_model *m, size_t *phase, sd_messages *messages) {
   size_t first = m->n_phases;
   for (size_t p = 0; p < m->n_phases; p++) {
@@ -370,7 +377,7 @@ static sd_status find_phase(const sd_model *m, size_t *phase, sd_messages *messa
   return SD_OK;
 }
 
-/* Returns the time at which a motion that is on in this phase was switched on. */
+/* Returns the time at which a motion was switched on that is on in phase `phase`. */
 static double begin(const sd_model *m, size_t motion, size_t phase) {
   int64_t steps = 0;
   while (phase > 0 && m->phases[phase - 1].active[motion]) phase--;
@@ -413,7 +420,7 @@ static sd_status gather(const sd_model *m, size_t phase, uint32_t upper, const u
   return status;
 }
 
-/* Checks that the motions of both supports are of the same kind and frequency. */
+/* Checks that the motions of both supports are of the same kind and have the same frequency. */
 static sd_status check_pair(const sd_model *m, const drivers *on, const uint32_t support[2],
                             sd_messages *messages) {
   const sd_motion *a = on->turn[0], *b = on->turn[1];
@@ -453,7 +460,8 @@ static void set_periodic(const sd_model *m, const drivers *on, size_t phase, the
     if (!one) continue;
     c->drive.amplitude[i] = fabs(one->amplitude);
     c->drive.phase[i] = one->phase + one->omega * (began - begin(m, on->number[i], phase));
-    if (one->amplitude < 0) c->drive.phase[i] += M_PI; /* f(u + pi) = -f(u) */
+    /* A negative amplitude is a phase shift by pi, since both waveforms fulfil f(u + pi) = -f(u) */
+    if (one->amplitude < 0) c->drive.phase[i] += M_PI;
   }
 }
 

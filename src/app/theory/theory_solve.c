@@ -12,13 +12,15 @@ const char *const theory_configurations[4] = {
 static const int signs[4][2] = {
     [SD_PP] = {1, 1}, [SD_PM] = {1, -1}, [SD_MP] = {-1, 1}, [SD_MM] = {-1, -1}};
 
-/* Phases that differ by less than this, in rad, count as equal. */
+/* Phases that differ by less than this many rad count as equal. */
 static const double SAME = 1e-9;
 
 static int sign(double x) { return (x > 0) - (x < 0); }
 
-/* Solves steady drive. The torque falls with Omega from T++ > 0 below both supports' velocities
- * to T-- < 0 above both; a free disk ends at the velocity at which the torque changes sign. */
+/* Solves the case of steady drive. The torque on the upper disk falls with its angular velocity
+ * Omega: it is positive (torque of S++) when Omega is below the values at which the disk would roll
+ * on either support, and negative (S--) when Omega is above both. A disk free to rotate ends at the
+ * Omega at which the torque changes sign. */
 static void solve_steady(const theory_case *c, theory_result *r) {
   double w[2];
   for (int i = 0; i < 2; i++) {
@@ -35,7 +37,8 @@ static void solve_closed(const theory_case *c, theory_result *r) {
   const sd_drive *d = &c->drive;
   const sd_three_disk *disk = &c->disk;
   bool sine = d->waveform == SD_SINE;
-  /* Acceleration of a sine over that of its parabola, where the velocity is 0 */
+  /* Acceleration at velocity 0 of a sine divided by that of the parabolic wave with the same
+   * amplitude */
   double slope = sine ? M_PI * M_PI / 8 : 1;
   if (!r->even) return;
   if (r->relation == THEORY_IN_PHASE) {
@@ -69,7 +72,7 @@ static sd_status solve_periodic(const theory_case *c, theory_result *r, sd_messa
   r->ratio = largest / (c->disk.inertia * r->amplitude * d->omega * d->omega);
   sd_status status = sd_sliding_solve(&c->disk, d, &r->solution, messages);
   r->solved = status == SD_OK;
-  if (status) return status; /* No formula holds if a configuration has no equilibrium */
+  if (status) return status; /* No formula applies if a sliding configuration has no equilibrium */
   solve_closed(c, r);
   return sd_sliding_limit(&c->disk, d, &r->limit, messages);
 }
@@ -95,13 +98,13 @@ sd_status theory_case_solve(const theory_case *c, theory_result *r, sd_messages 
 
 /* --- CSV: a row per set of a sweep ------------------------------------------------------------ */
 
-/* Writes a value; an empty cell if it is not finite. */
+/* Writes a CSV cell; the cell is empty if the value is not finite. */
 static void number_cell(FILE *out, double value) {
-  if (isfinite(value)) fprintf(out, "%.15g", value + 0.0); /* + 0.0 avoids -0 */
+  if (isfinite(value)) fprintf(out, "%.15g", value + 0.0); /* Adding 0.0 turns -0 into 0 */
 }
 
-/* Writes the name of a column, with the prefix "theory_" if a parameter of the sweep has the same
- * name. */
+/* Writes the name of a CSV column; adds the prefix "theory_" if a parameter of the sweep has the
+ * same name. */
 static void head_cell(FILE *out, const deck_sweep *s, const char *name) {
   fputc(',', out);
   for (size_t k = 0; k < s->n_parameters; k++)
@@ -118,10 +121,10 @@ typedef struct cell {
 } cell;
 enum { MOST_CELLS = 32 };
 
-/* Fills out[] with names and values of all columns, and returns their number. */
+/* Fills out[] with names and values of all CSV columns, and returns their number. */
 static size_t list_cells(const theory_case *c, const theory_result *r, cell out[MOST_CELLS]) {
   const sd_sliding *x = &r->solution;
-  /* 0, or NAN without a solution; added to values that need one */
+  /* 0 if a periodic state was found, else NAN; added to values that are known only with one */
   double unknown = r->solved ? 0 : NAN;
   double period = r->solved ? x->period : NAN;
   const cell cells[] = {{"tilt", c->disk.tilt},
@@ -208,8 +211,8 @@ static void wave_row(FILE *out, const sd_sliding *s, double t, size_t piece) {
           slides ? theory_configurations[2 * (p->sign[0] < 0) + (p->sign[1] < 0)] : "stuck");
 }
 
-/* Writes evenly spaced rows, and between them a row where a new configuration begins, labelled
- * with that one. */
+/* Writes rows at equal intervals of time, and a further row at each time at which a new sliding
+ * configuration begins, labelled with the new one. */
 void theory_wave(FILE *out, const theory_result *r) {
   const sd_sliding *s = &r->solution;
   size_t piece = 0;

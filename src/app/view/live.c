@@ -1,5 +1,5 @@
-/* live.c: see view.h. The stepping thread makes copies of the state; the thread of the server
- * answers requests from them. */
+/* live.c: a server that shows a running simulation in a browser; see view.h. The stepping thread
+ * copies the state; the server's thread answers requests from these copies. */
 #include "app/view/view.h"
 
 #include <math.h>
@@ -24,7 +24,7 @@
 #include "measure/configuration.h"
 #include "run/simulation_private.h"
 
-/* Copy of the state that never changes, with a count of its users. */
+/* Copy of the state, which is not changed after it is made; users: number of references to it. */
 typedef struct live_frame {
   frame_data data;
   atomic_int users;
@@ -32,41 +32,44 @@ typedef struct live_frame {
 
 typedef struct live_status {
   int64_t step, steps, phase;
-  double time, rate;      /* Model time; steps per second of wall time, recently */
-  bool finished, stopped; /* stopped: the run ended before its last step */
+  double time, rate;      /* Model time; recent number of steps per second of wall time */
+  bool finished, stopped; /* finished: the run is over; stopped: it ended before its last step */
 } live_status;
 
-enum { LIVE_TOKEN = 32 }; /* Number of hexadecimal digits */
+enum { LIVE_TOKEN = 32 }; /* Number of hexadecimal digits of the token */
 
 struct live {
   const sd_model *model;
-  json_t *meta; /* Constant after live_open, like `model` */
+  /* JSON with the data that every run has; like `model` not changed after live_open */
+  json_t *meta;
   char token[LIVE_TOKEN + 1], address[96];
   struct live_server *server;
-  /* List of connections that have not shown the token; used by the server's thread only */
+  /* List of connections that have not sent the token yet; used by the server's thread only */
   struct stranger *oldest, *newest;
   size_t strangers;
 
-  atomic_bool wanted;   /* True: a page wants a newer frame */
-  _Atomic double asked; /* Clock reading of the last request, s */
-  atomic_bool told_end; /* True: a page knows that the run is over */
+  atomic_bool wanted;   /* True: a page has asked for a newer frame */
+  _Atomic double asked; /* Clock reading at the last request of a page, s */
+  atomic_bool told_end; /* True: a page has received the news that the run is over */
 
-  pthread_mutex_t lock; /* Lock of frame, rows and status */
+  pthread_mutex_t lock; /* Lock for the members frame, rows and status */
   live_frame *frame;    /* Newest frame; NULL: none yet */
-  record rows;          /* Series of the run so far */
+  record rows;          /* Rows of the time series since the start of the run */
   live_status status;
 
-  /* Clock readings in s, used by the stepping thread only: when the next frame and the next row
-   * are due, and when the rate was computed */
+  /* Clock readings in s, used by the stepping thread only: time at which the next frame is due,
+   * time at which the next row is due, time at which the rate was last computed */
   double next_frame, next_row, rate_at;
   int64_t rate_step;
 };
 
-/* Least time between two copies, s; ROW_SECONDS_ALONE: while no page is open. COST: least time
- * between two copies over the time that the last one took. */
+/* Limits of the cost of copying. Shortest time between two frames (FRAME_SECONDS) and between two
+ * rows (ROW_SECONDS; ROW_SECONDS_ALONE while no page is open), s. COST: shortest time between two
+ * copies divided by the duration of the last one. */
 static const double FRAME_SECONDS = 0.1, ROW_SECONDS = 0.2, ROW_SECONDS_ALONE = 1, COST = 300;
-/* Times in s. PRESENT_SECONDS: a page counts as open for this time after a request (it asks
- * several times a second). LINGER_SECONDS: longest wait for a page at the end. */
+/* Times in s. PRESENT_SECONDS: a page counts as open for this long after its last request (it sends
+ * several in a second). LINGER_SECONDS: longest wait at the end of the run for a page to fetch the
+ * last state. */
 static const double PRESENT_SECONDS = 3, LINGER_SECONDS = 2;
 static const double RATE_SECONDS = 0.5;
 
@@ -129,8 +132,8 @@ static void put_status(live *l, sd_simulation *s, double now) {
   l->rate_step = stage.step;
 }
 
-/* Takes the lock. Without `wait` returns false if the server's thread holds it; the stepping
- * thread waits only at the end. */
+/* Takes the lock l->lock. Without `wait` returns false if the server's thread holds it. The
+ * stepping thread sets `wait` only at the end of the run. */
 static bool lock(live *l, bool wait) {
   return wait ? pthread_mutex_lock(&l->lock) == 0 : pthread_mutex_trylock(&l->lock) == 0;
 }
@@ -149,7 +152,7 @@ void live_look(live *l, sd_simulation *s) {
   if (state && row) put_row(l, s, state);
   pthread_mutex_unlock(&l->lock);
   double done = clock_seconds();
-  /* The time to get the state, with its contacts, counts for both copies. */
+  /* The time to get the state with its contacts counts for the next frame and for the next row. */
   if (frame) l->next_frame = done + fmax(FRAME_SECONDS, COST * (between - now));
   if (row)
     l->next_row = done + fmax(is_present(l) ? ROW_SECONDS : ROW_SECONDS_ALONE,
@@ -160,8 +163,8 @@ void live_look(live *l, sd_simulation *s) {
 
 /* --- thread of the server --------------------------------------------------------------------- */
 
-/* Returns the newest frame, with one more user (live_frame_release), if its step is greater than
- * `after`; else NULL. */
+/* Returns the newest frame if its step is greater than `after`, else NULL. The caller gives it back
+ * with live_frame_release. */
 static live_frame *live_frame_take(live *l, int64_t after) {
   pthread_mutex_lock(&l->lock);
   live_frame *f = l->frame && l->frame->data.step > after ? l->frame : NULL;
@@ -191,8 +194,8 @@ static void add_series(void *user, const observable *o, size_t column, size_t k,
   view_chunk_add(p->c, name, VIEW_EXACT, c->type, data, p->t->n_rows - p->from, c->width);
 }
 
-/* Makes a chunk of the rows from number *from on; sets *from = 0 if these are gone. Returns false
- * if there are no rows. */
+/* Makes a chunk of the rows from row number *from on. If there are fewer rows, because they were
+ * thinned out, sets *from = 0 and begins there. Returns false if there are no rows. */
 static bool live_rows(live *l, int64_t *from, view_chunk *c) {
   pthread_mutex_lock(&l->lock);
   teller p = {.t = &l->rows.series, .c = c};
@@ -211,19 +214,19 @@ static bool live_rows(live *l, int64_t *from, view_chunk *c) {
 
 typedef struct MHD_Connection connection;
 
-/* HTTP answer; bytes NULL: a status only. */
+/* HTTP answer; bytes = NULL: it consists of a status only. */
 typedef struct answer {
   unsigned status;
   const char *type;
-  unsigned char *bytes; /* Body; the server's library frees it */
+  unsigned char *bytes; /* Body of the answer; libmicrohttpd frees it */
   size_t size;
 } answer;
 
 static const char binary[] = "application/octet-stream", text[] = "application/json",
                   page[] = "text/html; charset=utf-8";
 
-/* HTTP headers of all answers: the page may talk to this server alone, and no other page may show
- * it or learn its address. */
+/* HTTP headers of all answers. They allow the page to send requests to this server only, and forbid
+ * that other pages show it or learn its address. */
 static const struct {
   const char *name, *value;
 } headers[] = {
@@ -249,7 +252,7 @@ static int64_t argument(connection *c, const char *name, int64_t otherwise) {
   return errno == 0 && end != value && !*end ? number : otherwise;
 }
 
-/* Makes an answer from a chunk, uncompressed: it stays on this machine. */
+/* Makes an answer from a chunk of numbers, uncompressed, since it does not leave this machine. */
 static answer of_chunk(view_chunk *c) {
   answer a = {.status = MHD_HTTP_OK, .type = binary};
   if (view_chunk_end(c, 0, &a.bytes, &a.size, NULL) != SD_OK)
@@ -326,9 +329,10 @@ static const struct resource {
 
 /* --- connections that have not shown the token ------------------------------------------------ */
 
-/* Limits for connections that have not shown the token: STRANGERS of them may wait, for
- * SECONDS_WITHOUT seconds each. A further one replaces the oldest, so that they never keep out a
- * client with the token. A connection with the token may be idle for SECONDS_WITH seconds. */
+/* Limits for connections. STRANGERS connections that have not sent the token may wait, for
+ * SECONDS_WITHOUT seconds each; a further one replaces the oldest, so that they can never keep out
+ * a client with the token. A connection that has sent the token may be idle for SECONDS_WITH
+ * seconds. CONNECTIONS: largest number of all connections. */
 enum { STRANGERS = 16, CONNECTIONS = 64, SECONDS_WITHOUT = 2, SECONDS_WITH = 10 };
 
 typedef struct stranger {
@@ -351,7 +355,7 @@ static void list(live *l, stranger *s) {
   l->newest = s;
   s->listed = true;
   if (++l->strangers <= STRANGERS) return;
-  /* The server sees the end of the connection and closes it */
+  /* After shutdown libmicrohttpd sees the end of the connection and closes it */
   shutdown(l->oldest->socket, SHUT_RDWR);
   unlist(l, l->oldest);
 }
@@ -385,8 +389,9 @@ static void key_was_shown(live *l, connection *c) {
 
 /* --- authorisation ---------------------------------------------------------------------------- */
 
-/* True if the host is this machine by its own names. Another name leads here only by a trick (DNS
- * rebinding). The port may be another one, that of a tunnel. */
+/* Returns true if the host name of a request is a name of this machine itself. A request with
+ * another name can reach this server only by DNS rebinding, an attack. Any port is allowed, since a
+ * tunnel may have another one. */
 static bool is_own_host(const char *host) {
   static const char *const own[] = {"127.0.0.1", "localhost"};
   for (size_t k = 0; host && k < 2; k++) {
@@ -396,7 +401,7 @@ static bool is_own_host(const char *host) {
   return false;
 }
 
-/* Compares a word with the token. The time does not depend on which digit differs. */
+/* Compares a word with the token, in a time that does not depend on which digit differs. */
 static bool is_token(const live *l, const char *word) {
   unsigned char different = 0;
   for (size_t k = 0; k < LIVE_TOKEN; k++) {
@@ -406,7 +411,7 @@ static bool is_token(const live *l, const char *word) {
   return different == 0;
 }
 
-/* Finds the resource of a path "/TOKEN/NAME"; NULL: the token or the name is wrong. */
+/* Finds the resource that a path "/TOKEN/NAME" names; NULL: the token or the name is wrong. */
 static const struct resource *find(const live *l, const char *url) {
   if (url[0] != '/' || !is_token(l, url + 1) || url[1 + LIVE_TOKEN] != '/') return NULL;
   for (size_t k = 0; k < sizeof resources / sizeof *resources; k++)
@@ -433,11 +438,12 @@ static enum MHD_Result serve(void *user, connection *c, const char *url, const c
                              void **state) {
   live *l = user;
   (void)version, (void)upload;
-  if (!*state) { /* Only the head has arrived; an answer now would end the connection */
+  /* In the first call only the headers have arrived, and an answer would end the connection */
+  if (!*state) {
     *state = l;
     return MHD_YES;
   }
-  if (*upload_size > 0) { /* The body of a request is not read */
+  if (*upload_size > 0) { /* Skip the body of a request */
     *upload_size = 0;
     return MHD_YES;
   }
@@ -461,7 +467,7 @@ static bool make_token(live *l) {
   return true;
 }
 
-/* Starts the thread of the server with all signals blocked: they are for the thread that steps. */
+/* Starts the server's thread with all signals blocked, so that the stepping thread gets them. */
 static struct MHD_Daemon *start(live *l, const struct sockaddr_in *at) {
   sigset_t all, before;
   sigfillset(&all);

@@ -1,4 +1,4 @@
-/* view.c: `slipdisk view FILE|DECK` makes a page that shows a run. */
+/* view.c: `slipdisk view FILE|DECK` makes an HTML page that shows a run. */
 #include "app/view/view.h"
 
 #include <inttypes.h>
@@ -46,7 +46,8 @@ const command_line app_view_line = {
                 "slipdisk view deck.h5 --open   # in the browser\n"
                 "slipdisk view deck.cfg --live   # runs it, and shows it as it goes\n"};
 
-/* True for a result, its folder of parts or a checkpoint; anything else is read as a deck. */
+/* True if `name` is a result, its folder of part files, or a checkpoint; anything else is read as a
+ * deck. */
 static bool is_result(const char *name) {
   char *parts = format_text("%s.parts", name);
   const bool folder = file_is_folder(name) || file_is_folder(parts);
@@ -62,12 +63,12 @@ static bool is_same(const char *a, const char *b) {
 
 /* --- slipdisk view DECK --live: runs a deck in memory and shows it, without files ------------- */
 
-/* Approximate wall time of one piece of steps, s. */
+/* Approximate wall time in s of the steps between two calls of live_look. */
 static const double PIECE_SECONDS = 0.03;
 
-/* Writes a page that redirects to the address. Only this user can read it, whereas command lines,
- * and so an address given to the browser, are visible to others. Returns its path, to be removed
- * and freed; NULL: it could not be written. */
+/* Writes an HTML page that redirects to `address`. Only this user can read the page; an address on
+ * the command line of the browser would be visible to all. Returns the path of the page, which the
+ * caller removes and frees; NULL: the page could not be written. */
 static char *make_page(const char *address, sd_messages *messages) {
   const char *folder = getenv("XDG_RUNTIME_DIR");
   char *path = format_text("%s/slipdisk-XXXXXX.html", folder && *folder ? folder : "/tmp");
@@ -137,7 +138,7 @@ static sd_status view_live(const view_options *o, sd_messages *messages) {
     sd_model_advise(model, messages);
     status = sd_simulation_new(model, (int)o->threads, &s, messages);
   }
-  app_begin_saving(); /* A signal now only sets app_stop */
+  app_begin_saving(); /* From here on a signal only sets app_stop */
   if (status == SD_OK) status = show(o, model, s, messages);
   sd_simulation_free(s);
   sd_model_free(model);
@@ -178,7 +179,7 @@ static sd_status view(const view_options *o, sd_messages *messages) {
 int app_view(int argc, char **argv) {
   view_options o = {0};
   sd_messages *messages = sd_messages_new();
-  signal(SIGXFSZ, SIG_IGN); /* Makes a file-size limit an error of write */
+  signal(SIGXFSZ, SIG_IGN); /* With SIGXFSZ ignored, exceeding a file-size limit makes write fail */
   int status = options_parse(&app_view_line, argc, argv, &o);
   if (status == SD_OK) status = (int)view(&o, messages);
   fflush(stdout);

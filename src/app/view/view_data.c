@@ -1,4 +1,4 @@
-/* view_data.c: see view.h. */
+/* view_data.c: makes the JSON and the chunks of numbers for a page; see view.h. */
 #include "app/view/view.h"
 
 #include <inttypes.h>
@@ -19,7 +19,7 @@ static json_t *pair(double a, double b) {
   return json_numbers(2, values);
 }
 
-/* Returns an array of n names; null if none of them has a name. */
+/* Returns an array of the names of n things; JSON null if none of them has a name. */
 static json_t *names_of(size_t n, const char *(*name)(const sd_model *m, size_t k),
                         const sd_model *m) {
   json_t *list = json_array();
@@ -38,7 +38,7 @@ static const char *disk_name(const sd_model *m, size_t k) { return m->disks[k].n
 static const char *group_name(const sd_model *m, size_t k) { return m->groups[k]; }
 static const char *material_name(const sd_model *m, size_t k) { return m->materials[k].name; }
 
-/* Returns a wall as JSON, with its points at angle 0, relative to its pivot. */
+/* Returns a wall as JSON, with its points for angle 0, relative to its pivot. */
 static json_t *wall_json(const sd_wall *w) {
   static const char *const kinds[] = {[SD_WALL_LINE] = "line",
                                       [SD_WALL_SEGMENT] = "segment",
@@ -55,8 +55,8 @@ static json_t *wall_json(const sd_wall *w) {
                    "material", w->material, "points", points);
 }
 
-/* Returns a matrix of [k_n, k_t, gamma_n, mu] for each pair of materials; null if the pair has no
- * law. */
+/* Returns a matrix with [k_n, k_t, gamma_n, mu] for each pair of materials, and null for pairs
+ * without a contact law. */
 static json_t *laws_json(const sd_model *m) {
   json_t *list = json_array();
   for (size_t a = 0; a < m->n_materials; a++) {
@@ -71,7 +71,7 @@ static json_t *laws_json(const sd_model *m) {
   return list;
 }
 
-/* Returns the lower corner of the periodic box, which does not move; 0 along open directions. */
+/* Returns the lower corner of the periodic box, which never moves; 0 along open directions. */
 static json_t *lower_json(const sd_model *m) {
   return pair(m->periodic[0] ? m->lower[0] : 0, m->periodic[1] ? m->lower[1] : 0);
 }
@@ -145,8 +145,8 @@ void view_meta_summary(json_t *meta, const summary *s) {
 
 /* --- columns ---------------------------------------------------------------------------------- */
 
-/* Returns the rounding of positions, a power of two near 1e-4 of the smallest radius; 0, no
- * rounding, for few disks. */
+/* Returns the step to whose multiples positions are rounded: a power of two near 1e-4 of the
+ * smallest radius. Returns 0, no rounding, if there are few disks. */
 static double grain(const sd_model *m) {
   double least = HUGE_VAL;
   for (size_t k = 0; k < m->n_disks; k++) least = fmin(least, m->disks[k].radius);
@@ -154,8 +154,8 @@ static double grain(const sd_model *m) {
                                                                : 0;
 }
 
-/* Adds the mean angular velocity of each disk and its error. omega, error: buffers for n
- * numbers. */
+/* Adds the mean angular velocity of each of n disks and its error. omega, error: scratch buffers
+ * for n numbers each. */
 static void add_means(view_chunk *c, size_t n, const summary_disks *found, double *omega,
                       double *error) {
   for (size_t k = 0; k < n; k++) omega[k] = error[k] = NAN;
@@ -195,7 +195,7 @@ void view_static(view_chunk *c, const sd_model *m, const double *first, const su
     else
       view_chunk_add(c, names[column], VIEW_WHOLE, SD_I32, whole, n, 1);
   }
-  /* Angles without whole turns: the mark on a disk looks the same. */
+  /* Subtract whole turns from the angles: the mark on a disk looks the same. */
   for (size_t k = 0; k < n; k++) real[k] = remainder(first_angle(m, first, k), 2 * M_PI);
   view_chunk_add(c, "angle", VIEW_REAL, SD_F64, real, n, 1);
   if (found && found->n > 0 && found->disks) add_means(c, n, found, real, error);
@@ -231,7 +231,7 @@ void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, bool shuf
   c->grain = grain(m);
   view_chunk_add(c, "x", VIEW_REAL, SD_F64, &f->position[0][0], n, 2);
   view_chunk_add(c, "y", VIEW_REAL, SD_F64, &f->position[0][1], n, 2);
-  /* Rounding of angles, rad: a thousandth can be seen. */
+  /* Round angles to about 0.001 rad, the smallest difference that can be seen. */
   c->grain = n > VIEW_FEW ? 0x1p-10 : 0;
   view_chunk_add(c, "turned", VIEW_REAL, SD_F64, f->angle, n, 1);
   c->grain = 0;
@@ -250,10 +250,11 @@ void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, bool shuf
 }
 
 #define CLOCK "/observables/kinetic_translation/time"
-/* Most elements of one quantity; most numbers read at once */
+/* Largest number of elements of one quantity; largest number of values read from a file at once */
 enum { MOST_ELEMENTS = 32, BLOCK = 1 << 16 };
 
-/* Reader of the series in all files: n rows, of which each `every`-th and the last one are kept. */
+/* Reader of the time series in all files of a run, which have n rows together. Rows 0, every, 2
+ * every, ... and the last row are kept. */
 typedef struct reader {
   const frames *f;
   size_t n, every, kept;
@@ -270,16 +271,17 @@ static size_t rows_of(const h5_file *file, const char *path, size_t *width) {
   return dims[0];
 }
 
-/* Opens file k of those with series; close it with stored_release. NULL: it cannot be opened
- * (r->status). */
+/* Opens file k of the files that have time series; close it with stored_release. NULL: the file
+ * cannot be opened, and r->status is set. */
 static h5_file *open_source(reader *r, size_t k) {
   h5_file *file;
   r->status = stored_source(r->f, k, &file, r->messages);
   return file;
 }
 
-/* Reads the n rows of one file and copies those that are kept to values[kept][width], from row
- * `at` on. before: rows of earlier files. Returns the row at which the next file goes on. */
+/* Reads the n rows of one file and copies the kept ones to values[][width], beginning at
+ * values[at]. before: number of rows in earlier files. Returns the index in values[] at which the
+ * rows of the next file begin. */
 static size_t read_rows(reader *r, const h5_file *file, const char *path, size_t before, size_t n,
                         size_t width, size_t at, double *values) {
   size_t block = BLOCK / width > 0 ? BLOCK / width : 1;
@@ -297,8 +299,8 @@ static size_t read_rows(reader *r, const h5_file *file, const char *path, size_t
   return at;
 }
 
-/* Returns all kept rows of a dataset, which the caller frees; NAN for rows that are missing.
- * NULL: no memory. */
+/* Returns the kept rows of a dataset from all files, which the caller frees; rows missing in a file
+ * are NAN. NULL: out of memory. */
 static double *read_all(reader *r, const char *path, size_t width) {
   double *values;
   if (!memory_row(&values, r->kept * width, sizeof *values)) {
@@ -338,8 +340,8 @@ static void describe(json_t *meta, const observable *o, bool energy, const char 
                                   "description", o->meaning, "section", section_of(o, energy)));
 }
 
-/* Returns the name of a series, such as "contacts", "angle[upper]", "wall_force_x[3]"; the caller
- * frees it. */
+/* Returns the name of the time series for element k of quantity `o`, such as "contacts",
+ * "angle[upper]" or "wall_force_x[3]"; the caller frees it. */
 static char *series_name(const sd_model *m, const h5_file *file, const observable *o, size_t k) {
   if (o->width == 1) return memory_text(o->name);
   uint32_t body = stored_body(m, file, o, k);
@@ -353,7 +355,7 @@ static char *series_name(const sd_model *m, const h5_file *file, const observabl
 
 void view_series_each(const sd_model *m, json_t *meta, view_series_visitor *visit, void *user) {
   const observable_list *lists[] = {&energy_observables, &series_observables};
-  size_t column = 2; /* Columns 0 and 1 are step and time */
+  size_t column = 2; /* Skip columns 0 and 1, step and time */
   for (size_t l = 0; l < 2; l++)
     for (const observable *o = lists[l]->rows; o < lists[l]->rows + lists[l]->n; o++) {
       if (o->when && !o->when(m)) continue;

@@ -1,5 +1,5 @@
-/* view_deck.c: writes the page that shows how a deck begins: one frame, with all pairs that
- * overlap. */
+/* view_deck.c: writes the page that shows how the run of a deck would begin: one frame, with all
+ * pairs that overlap. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,22 +12,25 @@
 #include "model/normal_laws.h"
 #include "model/overlaps.h"
 
-/* Most overlaps recorded of one disk: n disks in one place would give n^2/2. */
+/* Largest number of overlaps recorded for one disk: n disks at the same position would give
+ * n^2/2. */
 enum { MOST_OF_A_DISK = 32 };
-/* Overlaps below this fraction of the radius of the smaller disk do not count: disks of a lattice
- * touch up to rounding. */
+/* Overlaps smaller than this fraction of the radius of the smaller disk are ignored: rounding
+ * errors cause them between touching disks of a lattice. */
 static const double ROUNDING = 1e-9;
 
-/* Search for overlaps. It runs twice: first to count them, then to record them. */
+/* Search for overlaps at the start. It runs twice: first to count the overlaps, then to record
+ * them. */
 typedef struct start {
   const sd_model *m;
   frame_data *f;
   bool counting;
   size_t n, too_deep;
-  uint32_t last; /* Disk of the last overlap; of_last: number of its overlaps so far */
+  /* Disk a of the last overlap found; of_last: number of overlaps found of this disk so far */
+  uint32_t last;
   int of_last;
   overlap worst;
-  double relative; /* Depth of the worst overlap over the radius of the smaller disk */
+  double relative; /* Depth of the worst overlap divided by the radius of the smaller disk */
 } start;
 
 static bool is_driven(const sd_model *m, uint32_t body) {
@@ -79,7 +82,7 @@ static double in_box(const sd_model *m, double x, int c) {
   return m->periodic[c] && length > 0 ? x - floor((x - m->lower[c]) / length) * length : x;
 }
 
-/* Fills a frame with positions and velocities of the deck. */
+/* Fills a frame with the positions and velocities that the deck gives. */
 static void place_bodies(const sd_model *m, frame_data *f) {
   for (size_t k = 0; k < m->n_disks; k++) {
     const sd_disk *d = &m->disks[k];
@@ -131,7 +134,8 @@ static void tell_overlaps(json_t *meta, const start *s) {
   free(text);
 }
 
-/* Returns a text about disks that wait for their release; the caller frees it. NULL: none waits. */
+/* Returns a text about disks that rain has not released yet; the caller frees it. NULL: there are
+ * none. */
 static char *waiting_text(const sd_model *m) {
   size_t n = 0;
   for (size_t k = 0; k < m->n_disks; k++) n += m->disks[k].waiting;

@@ -1,4 +1,5 @@
-/* view_file.c: writes the page with the frames of a result, an unfinished run or a checkpoint. */
+/* view_file.c: writes the page that shows the frames of a result, of an unfinished run or of a
+ * checkpoint. */
 #include <inttypes.h>
 #include <stdlib.h>
 
@@ -7,21 +8,22 @@
 #include "io/results/checkpoint.h"
 #include "slipdisk/deck.h"
 
-enum { MOST_FRAMES = 501 }; /* Most frames by default: 500 and the last one */
-enum { FEW_FRAMES = 200 };  /* Number of frames that a hint suggests */
+/* Largest number of frames on a page by default: 500 and the last one */
+enum { MOST_FRAMES = 501 };
+enum { FEW_FRAMES = 200 }; /* Number of frames that the hint to use fewer frames suggests */
 
 typedef struct job {
   const view_options *options;
   frames f;
-  size_t count; /* Number of frames, the state included, which is the last one */
+  size_t count; /* Number of frames, with the state at the end of the run as the last one */
   option_range wanted;
   double *first; /* Angles of all bodies in the first selected frame */
   summary found;
   json_t *meta;
 } job;
 
-/* Selects frames: those of --frames; by default all, or at most MOST_FRAMES evenly spaced ones,
- * the last one included. */
+/* Selects frames: those of the option --frames; without it all frames, or at most MOST_FRAMES
+ * evenly spaced ones with the last frame among them. */
 static sd_status choose(job *j, bool alone, sd_messages *messages) {
   const view_options *o = j->options;
   sd_status status = stored_count(&j->f, alone, &j->count, messages);
@@ -44,7 +46,7 @@ static sd_status read_wanted(const job *j, size_t k, frame_data *frame, sd_messa
   return status;
 }
 
-/* Keeps the angles of the first frame, from which turns are counted. */
+/* Stores the angles of the first selected frame, from which the turns of disks are counted. */
 static sd_status note_first(job *j, sd_messages *messages) {
   frame_data frame;
   sd_status status = read_wanted(j, 0, &frame, messages);
@@ -141,7 +143,7 @@ sd_status view_file(const view_options *o, char **path, bool *made, sd_messages 
   if (status == SD_OK) status = note_first(&j, messages);
   if (status == SD_OK) status = describe(&j, messages);
   app_catch_signals();
-  /* A signal now only sets app_stop, so that an incomplete page is removed */
+  /* From here on a signal only sets app_stop, so that an incomplete page is removed */
   app_begin_saving();
   if (status == SD_OK) status = write_page(&j, *path, messages);
   if (status == SD_INTERRUPTED) fprintf(stderr, "stopped: no page is written\n");

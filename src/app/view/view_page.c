@@ -1,4 +1,4 @@
-/* view_page.c: see view.h. */
+/* view_page.c: writes pages, and packs and compresses chunks of numbers; see view.h. */
 #include <assert.h>
 #include <errno.h>
 #include <math.h>
@@ -15,8 +15,8 @@
 static const char place_of_numbers[] = "<!-- slipdisk-data -->";
 enum { LEVEL = 6 }; /* Compression level of zlib */
 
-/* Writes JSON with "<" as \u003c: in a page, "<" could end the script element that holds the
- * JSON. JSON has "<" in strings only. */
+/* Writes JSON for a script element, with "<" as \u003c, since "<" in a string could end the
+ * element. Outside strings JSON has no "<". */
 static int write_json(const char *text, size_t n, void *user) {
   FILE *out = user;
   for (size_t k = 0; k < n; k++)
@@ -122,7 +122,7 @@ sd_status view_open(const char *path, sd_messages *messages) {
 static const struct stored {
   const char *name;
   size_t size;
-  double least, most; /* Range of an integer type; 0 for floats */
+  double least, most; /* Range of an integer type; both 0 for floating-point types */
 } stored_types[] = {{"u8", 1, 0, 255},
                     {"i8", 1, -128, 127},
                     {"u16", 2, 0, 65535},
@@ -137,7 +137,8 @@ void view_chunk_begin(view_chunk *c, bool shuffle) {
   *c = (view_chunk){.head = json_pack("{s:[]}", "columns"), .shuffle = shuffle};
 }
 
-/* Appends n bytes that begin at a multiple of 8, and returns them; NULL: no memory. */
+/* Appends space for n bytes to the chunk, aligned to a multiple of 8, and returns it; NULL: out of
+ * memory. */
 static unsigned char *more(view_chunk *c, size_t n) {
   size_t at = (c->size + 7) / 8 * 8, size = at + n;
   if (c->failed) return NULL;
@@ -152,7 +153,8 @@ static unsigned char *more(view_chunk *c, size_t n) {
   return c->bytes + at;
 }
 
-/* Returns the index of the stored type that holds all values. */
+/* Returns the index in stored_types[] of the type in which the values are stored: the smallest that
+ * holds them all. */
 static int choose(view_form form, sd_type type, const void *values, size_t n, size_t stride) {
   if (form == VIEW_EXACT) return F64;
   if (form != VIEW_WHOLE) return F32;
@@ -167,7 +169,8 @@ static int choose(view_form form, sd_type type, const void *values, size_t n, si
   return t;
 }
 
-/* Stores element k of n in little endian. shuffle: byte b of all elements lies together. */
+/* Stores element k of n, little endian. shuffle: byte b of all elements lies in one block, so that
+ * byte b of element k is out[b n + k]. */
 static void put(unsigned char *out, size_t n, size_t k, size_t size, bool shuffle, uint64_t bits) {
   for (size_t b = 0; b < size; b++)
     out[shuffle ? b * n + k : k * size + b] = (unsigned char)(bits >> (8 * b));
@@ -209,8 +212,8 @@ void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type typ
   json_array_append_new(json_object_get(c->head, "columns"), column);
 }
 
-/* Compresses head and columns. One call of zlib takes 4 GiB at most, hence the loop. Returns
- * false without memory. */
+/* Compresses the head and the columns of a chunk. One call of zlib takes 4 GiB at most, hence the
+ * loop. Returns false if out of memory. */
 static bool deflate_all(const unsigned char *head, size_t n_head, const view_chunk *c, int level,
                         unsigned char **stream, size_t *size) {
   z_stream z = {0};
