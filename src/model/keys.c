@@ -2,6 +2,7 @@
  * keys.h. */
 #include "model/keys.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -324,14 +325,29 @@ static bool has_sign(deck_range range, double x) {
   return true;
 }
 
+double deck_key_value(const deck_key *key, const void *members) {
+  const void *member = (const char *)members + key->offset;
+  switch (key->target) {
+    case DECK_SETS_NUMBER: return *(const double *)member;
+    case DECK_SETS_INTEGER: return (double)*(const int64_t *)member;
+    case DECK_SETS_UNSIGNED: return (double)*(const uint64_t *)member;
+    case DECK_SETS_BOOL:
+    case DECK_SETS_OFF: return *(const bool *)member;
+    case DECK_SETS_ENUM: return *(const int *)member;
+    case DECK_SETS_NOTHING:
+    case DECK_SETS_PAIR:
+    case DECK_SETS_TEXT: break;
+  }
+  assert(false);
+  return NAN;
+}
+
 void deck_key_check(const deck_table *table, const void *members, const char *place,
                     sd_messages *messages) {
   const deck_key *key;
   for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
-    const void *member = (const char *)members + key->offset;
-    bool number = key->target == DECK_SETS_NUMBER;
-    if (!number && key->target != DECK_SETS_INTEGER) continue;
-    double x = number ? *(const double *)member : (double)*(const int64_t *)member;
+    if (key->target != DECK_SETS_NUMBER && key->target != DECK_SETS_INTEGER) continue;
+    double x = deck_key_value(key, members);
     bool absent = x == 0 && strchr("-(", key->initial[0]);
     if (!absent && !has_sign(key->range, x))
       sd_fail(messages, SD_ERROR_USER, "%s%s%s = %g: expected a number %s", place,

@@ -151,6 +151,9 @@ bool deck_in_range(deck_range range, double x);
  * if x is too large or too small. */
 const char *deck_expected(deck_range range, double x);
 
+/* Returns the member that the key sets as a number: a flag is 0 or 1 and a choice the value of its
+ * enumerator. The key must set one number (not a pair or a text). */
+double deck_key_value(const deck_key *key, const void *members);
 /* Sets the members of a new struct to the defaults of its keys, if these are plain values. */
 void deck_key_defaults(const deck_table *table, void *members);
 /* Reports numbers of the wrong sign as "place.key = value". A 0 is accepted for keys that may be

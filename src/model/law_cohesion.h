@@ -10,7 +10,7 @@
  *
  * Both derive from an energy <= 0, which is 0 beyond the end. sd_cohesion_law has the number of
  * each law; rows are as in normal_laws.h. The lane functions are compiled once per LANE_WIDTH,
- * after base/lane.h, with constants as in law_row.
+ * after base/lane.h, with constants as in law_constants.h.
  */
 #ifndef MODEL_LAW_COHESION_H
 #define MODEL_LAW_COHESION_H
@@ -33,7 +33,6 @@ typedef struct LANE(cohesion) {
   LANE(real) pull_off;
   LANE(real) range, per_range; /* per_range: 1/range, 0 if range is 0 */
   LANE(real) broken;           /* A/pull_off at gap `rupture`: exp(-rupture/range) */
-  LANE(real) begins, ends;     /* gaps at which the attraction begins and ends */
 } LANE(cohesion);
 
 /* Attraction over pull_off, A/pull_off, at overlap delta (< 0: gap); any = 0: no lane has a

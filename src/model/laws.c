@@ -143,25 +143,9 @@ unsigned laws_features(const sd_model *m) {
 }
 
 bool law_is_same(const sd_contact_law *a, const sd_contact_law *b) {
-  const double numbers[][2] = {{a->k_n, b->k_n},
-                               {a->k_t, b->k_t},
-                               {a->gamma_n, b->gamma_n},
-                               {a->mu, b->mu},
-                               {a->normal, b->normal},
-                               {a->restitution, b->restitution},
-                               {a->damping_pulls, b->damping_pulls},
-                               {a->mu_kinetic, b->mu_kinetic},
-                               {a->tangential, b->tangential},
-                               {a->gamma_t, b->gamma_t},
-                               {a->k_r, b->k_r},
-                               {a->gamma_r, b->gamma_r},
-                               {a->mu_r, b->mu_r},
-                               {a->cohesion, b->cohesion},
-                               {a->pull_off, b->pull_off},
-                               {a->range, b->range},
-                               {a->rupture, b->rupture}};
-  for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-    if (numbers[k][0] != numbers[k][1]) return false;
+  const deck_key *key;
+  for (size_t k = 0; (key = deck_key_at(&law_table, k)); k++)
+    if (deck_key_value(key, a) != deck_key_value(key, b)) return false;
   return true;
 }
 

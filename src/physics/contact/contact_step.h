@@ -123,17 +123,24 @@ LANE_INLINE LANE(pair_geometry) LANE(pair_geometry_of)(const LANE(pair_input) * 
 
 /* --- step of a contact ------------------------------------------------------------------------ */
 
+#define LAW_LANES(features, name, value) LANE(real) name;
 typedef struct LANE(contact_constants) {
   LANE(real) k_n, k_t, half_k_t, gamma_n, cap; /* cap: mu/k_t; 0 if k_t is 0 (frictionless) */
   /* Only set with LAW_NORMAL: number of the normal law, and law_tsuji sqrt(m_eff k_n), which scales
    * its damping. */
   LANE(real) normal, tsuji;
-  LANE(mask) pulls; /* true: damping may make the normal force attractive (LAW_PULLS) */
-  /* mu_kinetic/k_t (LAW_KINETIC); 1 for Mindlin's law (LAW_MINDLIN); gamma_t/k_t (LAW_DASHPOT). */
-  LANE(real) cap_kinetic, mindlin, lag;
-  LANE(real) k_r, cap_r, lag_r; /* k_r, mu_r/k_r, gamma_r/k_r; only set with LAW_ROLLING */
-  LANE(cohesion) cohesion;      /* constants of the attraction; LAW_COHESION */
+  LAW_CONSTANTS(LAW_LANES) /* each only set with its features */
 } LANE(contact_constants);
+#undef LAW_LANES
+
+/* Returns the constants of the attraction. */
+LANE_INLINE LANE(cohesion) LANE(cohesion_of)(const LANE(contact_constants) * k) {
+  return (LANE(cohesion)){.bridge = LANE(greater)(k->bridge, LANE(splat)(0.0)),
+                          .pull_off = k->pull_off,
+                          .range = k->range,
+                          .per_range = k->per_range,
+                          .broken = k->broken};
+}
 
 /* Returns the elastic normal force at overlap delta >= 0. Without LAW_NORMAL in `features` the law
  * is linear; this holds for the two functions below, too. */
@@ -219,14 +226,14 @@ LANE_INLINE LANE(mask) LANE(contact_is_deep)(const LANE(pair_geometry) * g, LANE
          LANE(greater)(g->reach, limit);
 }
 
-/* True for contacts that are closed after the step. With cohesion a contact begins at the gap
- * cohesion.begins and ends at the gap cohesion.ends; without, it begins and ends at zero
- * overlap. */
+/* True for contacts that are closed after the step. With cohesion a contact begins when the gap
+ * between the surfaces falls below k->begins and ends when it exceeds k->ends; without, it begins
+ * and ends at zero overlap. */
 LANE_INLINE LANE(mask)
     LANE(contact_touches)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                           LANE(mask) was_closed, const unsigned features) {
   LANE(real) gap = LANE(splat)(0.0);
-  if (features & LAW_COHESION) gap = LANE(select)(was_closed, k->cohesion.ends, k->cohesion.begins);
+  if (features & LAW_COHESION) gap = LANE(select)(was_closed, k->ends, k->begins);
   return LANE(greater)(g->reach, -gap);
 }
 
@@ -240,8 +247,9 @@ LANE_INLINE LANE(mask) LANE(has_direction)(const LANE(pair_geometry) * g) {
  * reach: overlap, negative for a gap. */
 LANE_INLINE LANE(real) LANE(normal_energy)(const LANE(contact_constants) * k, LANE(real) reach,
                                            const unsigned features) {
+  const LANE(cohesion) attraction = LANE(cohesion_of)(k);
   return LANE(law_stored)(k, LANE(max)(reach, LANE(splat)(0.0)), features) +
-         LANE(cohesion_energy)(&k->cohesion, reach);
+         LANE(cohesion_energy)(&attraction, reach);
 }
 
 /* Computes the normal force of contacts, some of which may be held at a gap by cohesion. Updates
@@ -262,16 +270,17 @@ LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g,
   LANE(real) push = elastic - LANE(law_damping)(k, delta, features) * g->approach;
   LANE(real) pushes = LANE(max)(push, zero);
   if (features & LAW_PULLS)
-    push = LANE(select)(k->pulls, push, pushes);
+    push = LANE(select)(LANE(greater)(k->pulls, zero), push, pushes);
   else
     push = pushes;
   push = LANE(mask_zero)(deep, push);
   *limit = LANE(mask_zero)(deep, pushes);
   LANE(real) pull = zero;
+  const LANE(cohesion) attraction = LANE(cohesion_of)(k);
   if (features & LAW_COHESION)
-    pull = LANE(mask_zero)(
-        touching, k->cohesion.pull_off *
-                      LANE(cohesion_part)(&k->cohesion, g->reach, (features & LAW_BRIDGE) != 0));
+    pull =
+        LANE(mask_zero)(touching, k->pull_off * LANE(cohesion_part)(&attraction, g->reach,
+                                                                    (features & LAW_BRIDGE) != 0));
   LANE(real) before_damping = m->force - LANE(law_elastic)(k, was_deep, features);
   if (features & LAW_COHESION) before_damping = before_damping + m->pull;
   out->viscous = half * (before_damping + (push - elastic)) * way;
@@ -505,8 +514,9 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
   const LANE(real) overlap = LANE(select)(begun, m->overlap, before->overlap);
   LANE(real) stored = LANE(law_stored)(k, LANE(max)(overlap, LANE(splat)(0.0)), features);
   if (features & LAW_COHESION) {
-    out->bridge = LANE(mask_zero)(begun, LANE(bridge_energy)(&k->cohesion));
-    stored = stored + LANE(cohesion_energy)(&k->cohesion, overlap) + out->bridge;
+    const LANE(cohesion) attraction = LANE(cohesion_of)(k);
+    out->bridge = LANE(mask_zero)(begun, LANE(bridge_energy)(&attraction));
+    stored = stored + LANE(cohesion_energy)(&attraction, overlap) + out->bridge;
   }
   const LANE(real) done =
       half * LANE(select)(begun, m->force * way, before->force * (before->overlap - g->reach));

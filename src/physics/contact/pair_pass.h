@@ -83,26 +83,9 @@ LANE_INLINE LANE(real) LANE(law_number)(const work *w, const int32_t *law, size_
 LANE_INLINE void LANE(constants_general)(const work *w, const int32_t *law, const unsigned features,
                                          LANE(contact_constants) * k) {
   const LANE(real) zero = LANE(splat)(0.0);
-  k->pulls = LANE(all_lanes)(0);
-  k->cap_kinetic = k->lag = k->k_r = k->cap_r = k->lag_r = zero;
-  k->cohesion = (LANE(cohesion)){LANE(all_lanes)(0), zero, zero, zero, zero, zero, zero};
-  if (features & LAW_PULLS) k->pulls = LANE(greater)(LAW_NUMBER(pulls), zero);
-  if (features & LAW_KINETIC) k->cap_kinetic = LAW_NUMBER(cap_kinetic);
-  k->mindlin = features & LAW_MINDLIN ? LAW_NUMBER(mindlin) : zero;
-  if (features & LAW_DASHPOT) k->lag = LAW_NUMBER(lag);
-  if (features & LAW_ROLLING) {
-    k->k_r = LAW_NUMBER(k_r);
-    k->cap_r = LAW_NUMBER(cap_r);
-    k->lag_r = LAW_NUMBER(lag_r);
-  }
-  if (!(features & LAW_COHESION)) return;
-  k->cohesion = (LANE(cohesion)){.bridge = LANE(greater)(LAW_NUMBER(bridge), zero),
-                                 .pull_off = LAW_NUMBER(pull_off),
-                                 .range = LAW_NUMBER(range),
-                                 .per_range = LAW_NUMBER(per_range),
-                                 .broken = LAW_NUMBER(broken),
-                                 .begins = LAW_NUMBER(begins),
-                                 .ends = LAW_NUMBER(ends)};
+#define LAW_LOAD(bits, name, value) k->name = features & (bits) ? LAW_NUMBER(name) : zero;
+  LAW_CONSTANTS(LAW_LOAD)
+#undef LAW_LOAD
 }
 #undef LAW_NUMBER
 

@@ -190,23 +190,11 @@ LANE_INLINE LANE(contact_constants) PASS(constants)(const double *p) {
 LANE_INLINE LANE(contact_constants) PASS(constants_for)(const double *p, const unsigned features) {
   LANE(contact_constants) k = PASS(constants)(p);
   const LANE(real) zero = LANE(splat)(0.0);
-#define LAW_NUMBER(member) PASS(row)(p, PAIR_LAW + LAW_PLACE(member))
+#define LAW_LOAD(bits, name, value)                                                                \
+  k.name = features & (bits) ? PASS(row)(p, PAIR_LAW + LAW_PLACE(name)) : zero;
   if (!(features & LAW_GENERAL)) return k;
-  k.pulls = LANE(greater)(LAW_NUMBER(pulls), zero);
-  k.cap_kinetic = LAW_NUMBER(cap_kinetic);
-  k.mindlin = LAW_NUMBER(mindlin);
-  k.lag = LAW_NUMBER(lag);
-  k.k_r = LAW_NUMBER(k_r);
-  k.cap_r = LAW_NUMBER(cap_r);
-  k.lag_r = LAW_NUMBER(lag_r);
-  k.cohesion = (LANE(cohesion)){.bridge = LANE(greater)(LAW_NUMBER(bridge), zero),
-                                .pull_off = LAW_NUMBER(pull_off),
-                                .range = LAW_NUMBER(range),
-                                .per_range = LAW_NUMBER(per_range),
-                                .broken = LAW_NUMBER(broken),
-                                .begins = LAW_NUMBER(begins),
-                                .ends = LAW_NUMBER(ends)};
-#undef LAW_NUMBER
+  LAW_CONSTANTS(LAW_LOAD)
+#undef LAW_LOAD
   return k;
 }
 

@@ -117,33 +117,16 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
 
 /* --- creation of the work --------------------------------------------------------------------- */
 
-static double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
-
 static law_row row_of(const sd_contact_law *l) {
-  const bool constant = l->cohesion == SD_COHESION_CONSTANT,
-             bridge = l->cohesion == SD_COHESION_BRIDGE;
-  law_row row = {.k_n = l->k_n,
-                 .k_t = l->k_t,
-                 .gamma_n = l->gamma_n,
-                 .cap = l->k_t > 0.0 ? l->mu / l->k_t : 0.0,
-                 .normal = l->normal,
-                 .tsuji = law_tsuji(l),
-                 .pulls = l->damping_pulls,
-                 .cap_kinetic = ratio(l->mu_kinetic > 0.0 ? l->mu_kinetic : l->mu, l->k_t),
-                 .mindlin = l->tangential == SD_TANGENTIAL_MINDLIN,
-                 .lag = ratio(l->gamma_t, l->k_t),
-                 .k_r = l->k_r,
-                 .cap_r = ratio(l->mu_r, l->k_r),
-                 .lag_r = ratio(l->gamma_r, l->k_r)};
-  if (!constant && !bridge) return row;
-  row.bridge = bridge;
-  row.pull_off = l->pull_off;
-  row.range = l->range;
-  row.per_range = ratio(1.0, l->range);
-  if (bridge) row.broken = exp(-l->rupture * row.per_range);
-  row.begins = constant ? l->range : 0.0;
-  row.ends = constant ? l->range : l->rupture;
-  return row;
+#define LAW_VALUE(features, name, value) .name = value,
+  return (law_row){.k_n = l->k_n,
+                   .k_t = l->k_t,
+                   .gamma_n = l->gamma_n,
+                   .cap = law_ratio(l->mu, l->k_t),
+                   .normal = l->normal,
+                   .tsuji = law_tsuji(l),
+                   LAW_CONSTANTS(LAW_VALUE)};
+#undef LAW_VALUE
 }
 
 /* Compares two rows of the law table, all of whose members are doubles. */

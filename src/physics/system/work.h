@@ -14,22 +14,18 @@
 #include "base/comm.h"
 #include "base/team.h"
 #include "slipdisk/contact.h"
+#include "model/law_constants.h"
 #include "model/model.h"
 #include "model/state.h"
 
 /* Contact constants of one pair of materials, in the form that the contact law uses. */
+#define LAW_MEMBER(features, name, value) double name;
 typedef struct law_row {
   double k_n, k_t, gamma_n, cap; /* cap: mu/k_t; 0 without k_t (frictionless) */
   double normal, tsuji;          /* number of the normal law; factor law_tsuji of its damping */
-  /* The members below are only read if laws are general (LAW_GENERAL in model/model.h). */
-  double pulls; /* 1: damping may make the normal force attractive; 0: it may not */
-  double cap_kinetic, mindlin, lag; /* mu_kinetic/k_t; 1 for Mindlin's law, else 0; gamma_t/k_t */
-  double k_r, cap_r, lag_r;         /* k_r; mu_r/k_r; gamma_r/k_r; the ratios are 0 without k_r */
-  /* bridge: 1 for capillary bridges, 0 for constant or no attraction; per_range: 1/range. */
-  double bridge, pull_off, range, per_range;
-  /* e^(-rupture/range) of a bridge; gaps at which a contact begins, ends */
-  double broken, begins, ends;
+  LAW_CONSTANTS(LAW_MEMBER)      /* only read if laws are general (LAW_GENERAL) */
 } law_row;
+#undef LAW_MEMBER
 /* Number of members of law_row from `pulls` on; LAW_PLACE: index of a member among these. */
 enum { LAW_MORE = (sizeof(law_row) - offsetof(law_row, pulls)) / sizeof(double) };
 #define LAW_PLACE(member) ((offsetof(law_row, member) - offsetof(law_row, pulls)) / sizeof(double))

@@ -1,0 +1,46 @@
+/* law_constants.h: the constants of general contact laws, one row each:
+ *
+ *   ROW(features, name, value)  features: LAW_ bits of the laws that have the constant; name: of the
+ *                               member of law_row and of contact_constants; value: computed once
+ *                               from the law `l` (sd_contact_law) of a pair of materials
+ *
+ * The members, the table of laws, and the loads of the pair pass and of the lanes follow from these
+ * rows. A pass loads 0 for constants whose features no law of the model has. law_ratio(a, b) is a/b,
+ * 0 if b is 0.
+ */
+#ifndef MODEL_LAW_CONSTANTS_H
+#define MODEL_LAW_CONSTANTS_H
+
+#include <math.h>
+
+#include "model/model.h"
+
+static inline double law_ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
+static inline bool law_is_bridge(const sd_contact_law *l) {
+  return l->cohesion == SD_COHESION_BRIDGE;
+}
+static inline bool law_is_constant(const sd_contact_law *l) {
+  return l->cohesion == SD_COHESION_CONSTANT;
+}
+
+#define LAW_CONSTANTS(ROW)                                                                         \
+  /* 1: damping may pull (make the normal force attractive) */                                     \
+  ROW(LAW_PULLS, pulls, l->damping_pulls)                                                          \
+  /* limit of the tangential displacement while the contact slides, over the normal force */       \
+  ROW(LAW_KINETIC, cap_kinetic, law_ratio(l->mu_kinetic > 0.0 ? l->mu_kinetic : l->mu, l->k_t))    \
+  ROW(LAW_MINDLIN, mindlin, l->tangential == SD_TANGENTIAL_MINDLIN)                                \
+  ROW(LAW_DASHPOT, lag, law_ratio(l->gamma_t, l->k_t))                                             \
+  ROW(LAW_ROLLING, k_r, l->k_r)                                                                    \
+  ROW(LAW_ROLLING, cap_r, law_ratio(l->mu_r, l->k_r))                                              \
+  ROW(LAW_ROLLING, lag_r, law_ratio(l->gamma_r, l->k_r))                                           \
+  ROW(LAW_COHESION, bridge, law_is_bridge(l))                                                      \
+  ROW(LAW_COHESION, pull_off, l->cohesion == SD_COHESION_NONE ? 0.0 : l->pull_off)                 \
+  ROW(LAW_COHESION, range, l->cohesion == SD_COHESION_NONE ? 0.0 : l->range)                       \
+  ROW(LAW_COHESION, per_range, l->cohesion == SD_COHESION_NONE ? 0.0 : law_ratio(1.0, l->range))   \
+  /* attraction over pull_off at the gap where a bridge breaks */                                  \
+  ROW(LAW_COHESION, broken, law_is_bridge(l) ? exp(-l->rupture *law_ratio(1.0, l->range)) : 0.0)   \
+  /* gaps at which a contact begins and ends */                                                    \
+  ROW(LAW_COHESION, begins, law_is_constant(l) ? l->range : 0.0)                                   \
+  ROW(LAW_COHESION, ends, law_is_constant(l) ? l->range : law_is_bridge(l) ? l->rupture : 0.0)
+
+#endif
