@@ -24,7 +24,8 @@ enum {
   LIMIT_INCLUDE_DEPTH = 8, /* largest nesting depth of @include in a deck */
   LIMIT_INCLUDES = 1000,   /* largest number of files that a deck includes in all */
   LIMIT_KEYS = 256,        /* largest number of keys in one group of a deck */
-  LIMIT_ENTRIES = 10000,   /* largest length of a list in a deck, except of disks */
+  /* largest number of entries of a list in a deck (walls, motions), except disks */
+  LIMIT_ENTRIES = 10000,
   LIMIT_MATERIALS = 1000,
   LIMIT_PHASES = 1000,
   LIMIT_COLUMNS = 1000, /* largest number of columns in a CSV file */
