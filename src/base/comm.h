@@ -101,8 +101,8 @@ void comm_links_wait(comm_links *links);
 void comm_links_free(comm_links *links);
 
 #ifdef SD_CHECK
-/* Stores the source location at which this thread calls the next collective function; COMM_HERE is
- * put before each such call. */
+/* COMM_HERE stores the source location at which this thread calls the next collective function; the
+ * macros below put it before each call. */
 #define COMM_TEXT(line) #line
 #define COMM_LINE(line) COMM_TEXT(line)
 #define COMM_HERE comm_at(__FILE__ ":" COMM_LINE(__LINE__))

@@ -211,7 +211,7 @@ LANE_INLINE LANE(bits) LANE(multiply32)(LANE(bits) a, LANE(bits) b) {
 #endif
 #endif
 
-/* Returns a where the mask is true, else 0. */
+/* Returns a vector with the number in `a` where the mask is true, and 0 in the other lanes. */
 LANE_INLINE LANE(real) LANE(mask_zero)(LANE(mask) m, LANE(real) a) {
   return LANE(select)(m, a, LANE(splat)(0.0));
 }

@@ -48,8 +48,8 @@ struct pool {
 
 /* --- detection of fork ------------------------------------------------------------------------ */
 
-/* Number of times that fork led to this process. If it differs from the pool's own number, the
- * pool's threads stayed in the parent process. */
+/* Number of forks between the first process and this one. If it differs from the number stored in a
+ * pool, the pool's threads stayed in a parent process. */
 static atomic_uint forks;
 static pthread_once_t counting = PTHREAD_ONCE_INIT;
 static void count_fork(void) { atomic_fetch_add(&forks, 1); }

@@ -518,7 +518,7 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
 /* --- Reading a part of a state, in runs over several ranks ------------------------------------ */
 /* GCOVR_EXCL_START */
 
-/* Counts the rows of a dataset. */
+/* Sets *n to the number of rows of a dataset. */
 static sd_status count_rows(const h5_file *file, const char *path, size_t *n,
                             sd_messages *messages) {
   size_t dims[H5_MAX_RANK] = {0};
@@ -579,8 +579,8 @@ static sd_status order_rows(size_t n_pieces, const piece *list, size_t n, uint32
   return status;
 }
 
-/* Reads those disks of a checkpoint as a state that are in the share files (files of the ranks that
- * wrote it) number rank, rank + ranks, ... */
+/* Reads the disks and contacts in share files rank, rank + ranks, ... of a checkpoint as a state.
+ * Share file k was written by rank k of the earlier run. */
 static sd_status get_shares(const h5_file *head, const char *path, const sd_model *model,
                             size_t rank, size_t ranks, sd_state **out, uint32_t **order,
                             sd_messages *messages) {
@@ -611,8 +611,8 @@ static size_t begin_of(size_t n, size_t rank, size_t ranks) {
   return n / ranks * rank + n % ranks * rank / ranks;
 }
 
-/* Reads range number `rank` of `ranks` equal ranges of a checkpoint's disks as a state. The
- * checkpoint holds all disks in one file. */
+/* Reads one of `ranks` equal ranges of a checkpoint's disks and contacts, that with the number
+ * `rank`, as a state. The checkpoint is a single file. */
 static sd_status get_range(h5_file *file, const sd_model *model, size_t rank, size_t ranks,
                            sd_state **out, uint32_t **order, sd_messages *messages) {
   const size_t disks = model->n_free, contacts = (size_t)checkpoint_count_contacts(file),

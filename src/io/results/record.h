@@ -30,7 +30,7 @@ typedef struct record {
   record_kind kind;
   /* tables of rows; a record of kind RECORD_SHARE uses only disks and contact_rows */
   table series, disks, walls, contact_index, contact_rows, clumps;
-  table *tables[RECORD_TABLES]; /* pointers to the tables above */
+  table *tables[RECORD_TABLES]; /* pointers to the six tables above */
   resultants sums; /* work memory for forces and torques on groups; not used by kind RECORD_SHARE */
   /* in kind RECORD_HEAD: number of contacts of all ranks at the sampled time; set by the caller */
   size_t n_contacts;

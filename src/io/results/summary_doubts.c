@@ -210,8 +210,8 @@ static void judge_finite(summary *s, const sd_state *state, unsigned columns) {
           format_text("a number is not finite (%s): a smaller dt is needed", name));
 }
 
-/* Warns about a time step dt beyond the limit of stability, whatever the other limits. A model can
- * have such a dt only if its deck allows it (limits.unstable_step). */
+/* Warns about a time step dt beyond the limit of stability. A model can have such a dt only if its
+ * deck allows it (limits.unstable_step). */
 static void judge_unstable(summary *s, const sd_model *model) {
   /* Unless the deck sets unstable_step, such a dt is refused before the run. */
   if (!model || !model->limits.unstable_step) return;

@@ -80,7 +80,7 @@ void feedback_end(engine *e, size_t k) {
 
 /* --- servo ------------------------------------------------------------------------------------ */
 
-/* Returns the displacement of a wall along coordinate c since the start, without that by scaling of
+/* Returns how far a wall has moved along coordinate c since the start, apart from the scaling of
  * the region; 0 if `body` is 0, which means that there is no wall. */
 static double displaced(const engine *e, uint32_t body, int c) {
   if (body == 0) return 0.0;

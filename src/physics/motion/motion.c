@@ -28,12 +28,12 @@ struct motions {
    * in the deck */
   addend *addends;
   size_t n_prescribed;
-  prescribed *prescribed; /* coordinates with a running motion */
+  prescribed *prescribed; /* coordinates that a running motion moves */
   /* signals that are added to the prescribed coordinates, those of one coordinate after those of
    * another */
   const signal_values **terms;
   size_t *term_motions; /* index in the model of the motion of each entry of `terms` */
-  feedbacks feedbacks;  /* running loads and servos */
+  feedbacks feedbacks;  /* list of the running loads and servos */
   /* some motion moves a wall; some motion prescribes a coordinate of a free disk */
   bool moves_walls, drives_free;
   /* true: no value computed ahead makes the neighbour lists stale or leaves its coordinate range */
@@ -396,7 +396,7 @@ void motion_pose(engine *e, thread_work *mine) {
   motion_ahead(e);
   int64_t k = motion_index(e);
   for (prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
-    if (p->slot >= s->n_bodies) continue; /* posed by motion_pose_clumps */
+    if (p->slot >= s->n_bodies) continue; /* clumps are posed by motion_pose_clumps */
     p->moved = 0.0;
     /* the free disk waits for its insertion or was removed */
     if (p->slot < s->n_free && !body_in_play(s, p->slot)) continue;

@@ -18,7 +18,7 @@ enum { MOTION_BATCH = 64 };
 
 /* One prescribed coordinate of a body, and its values at the steps computed ahead. */
 typedef struct prescribed {
-  uint32_t slot;  /* slot of the body, or (number of bodies) + clump */
+  uint32_t slot;  /* slot of the body; (number of bodies) + k for clump k */
   int coordinate; /* SD_X, SD_Y, SD_THETA or SD_SURFACE */
   /* first index and number of the signals that are added to it, in motions.terms */
   size_t first, count;

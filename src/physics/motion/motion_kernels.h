@@ -34,7 +34,7 @@ typedef struct oscillators {
   uint64_t seed[OSCILLATORS], stream[OSCILLATORS],
       block[OSCILLATORS];     /* block: number of the Philox block that the next new row uses */
   int64_t start[OSCILLATORS]; /* step at which the motion was switched on, -1: it does not run */
-  /* numbers of the random steps in the first and in the last known row */
+  /* numbers of the random steps that row 0 and the last known row hold */
   int64_t base[OSCILLATORS], known[OSCILLATORS];
   int64_t interval; /* number of time steps in one random step */
   size_t count;
@@ -83,8 +83,9 @@ typedef struct signal_values {
  * step. */
 typedef struct pose_sum {
   const signal_values *const *signals;
-  size_t n_signals; /* at least 1 */
-  double off, base; /* value = ((sum of u - off) + base) + sum of low */
+  size_t n_signals; /* number of signals, at least 1 */
+  /* offset from wrapping, and base pose: value = ((sum of u - off) + base) + sum of low */
+  double off, base;
   double *value, *velocity;
   double low, high; /* smallest and largest of the n values */
 } pose_sum;

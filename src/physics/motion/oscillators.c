@@ -85,14 +85,15 @@ size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t 
       high = (local + n - 1) / interval + 1;
     }
     base[l] = (low > g->base[l] ? low : g->base[l]) & ~(int64_t)1;
-    /* kept: last row that is known in all lanes; the number of its random step is odd */
+    /* kept: last row that is known in all lanes; it holds a random step of odd number */
     if (g->known[l] - base[l] < kept) kept = g->known[l] - base[l];
     if (high - base[l] > needed) needed = high - base[l];
   }
   if (kept == INT64_MAX) return 0;
   assert(kept >= 0);
   size_t rows = (size_t)kept + 1, blocks = needed > kept ? (size_t)(needed - kept + 1) / 2 : 0;
-  /* blocks are rounded up to a multiple of four: the kernel computes four in the time of three */
+  /* The number of Philox blocks is rounded up to a multiple of four, since the kernel computes four
+   * in the time of three. */
   size_t more = (blocks + 3) / 4 * 4;
   if (rows + 2 * more <= OSCILLATOR_ROWS) blocks = more;
   assert(rows + 2 * blocks <= OSCILLATOR_ROWS);
@@ -115,7 +116,8 @@ size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t 
 static void kick(double omega, double c, double t, double *g, double *dg) {
   double w2 = omega * omega * (1.0 - c * c), w = sqrt(fabs(w2)), x = w * t, ratio, cosine;
   double decay = exp(-c * omega * t);
-  if (x < 1e-4) { /* series of sin x / w or sinh x / w; it includes critical damping, w = 0 */
+  /* power series of sin(x)/w or sinh(x)/w, which also holds for critical damping, w = 0 */
+  if (x < 1e-4) {
     double sign = w2 > 0.0 ? -1.0 : 1.0;
     ratio = decay * t * (1.0 + sign * x * x / 6.0);
     cosine = decay * (1.0 + sign * x * x / 2.0);
@@ -141,8 +143,8 @@ random_step random_step_new(double omega, double c, double rms, double h) {
   step.propagator[1][0] = -omega * omega * g;
   step.propagator[1][1] = dg;
 
-  /* covariance = 4 c w^3 rms^2 int_0^h (g, g')(g, g')^T dt, by panels shorter than every time
-   * scale */
+  /* The covariance 4 c w^3 rms^2 int_0^h (g, g')(g, g')^T dt is integrated in panels that are
+   * shorter than every time scale of the oscillator. */
   enum { POINTS = 16 };
   gsl_error_handler_t *handler = gsl_set_error_handler_off();
   gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(POINTS);

@@ -53,7 +53,7 @@ struct lanes_signal {
 struct lanes_pose {
   /* offset from wrapping, and pose without running motions; value = sum of signals - off + base */
   _Alignas(64) double off[SIGNAL_LANES], base[SIGNAL_LANES];
-  /* true if `off` is not 0 in some lane */
+  /* true if the offset `off` is not 0 in some system */
   bool turned;
   uint32_t slot;
   int coordinate;

@@ -77,8 +77,8 @@ LANE_INLINE LANE(real) LANE(fade)(LANE(real) t, LANE(real) ramp, LANE(real) * u,
   return LANE(select)(fading, r, one);
 }
 
-/* Returns the rounding error of product = c * at, so that the exact product is the sum of both
- * (Dekker). */
+/* Returns the rounding error of the number product = c * at (Dekker's algorithm): the exact product
+ * is `product` plus the returned number. */
 LANE_INLINE LANE(real) LANE(product_rest)(LANE(real) c, LANE(real) at, LANE(real) product) {
   LANE(real) p = c * 134217729.0, q = at * 134217729.0;
   LANE(real) c_high = p - (p - c), at_high = q - (q - at);

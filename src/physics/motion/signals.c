@@ -141,7 +141,7 @@ static sd_status spline_new(motion_signal *s, const sd_motion *m, sd_messages *m
   const gsl_interp_type *type = m->periodic ? gsl_interp_cspline_periodic : gsl_interp_cspline;
   s->spline = gsl_spline_alloc(type, m->n_table);
   s->accel = gsl_interp_accel_alloc();
-  assert(m->n_table >= 3); /* the least number of points for both types of spline */
+  assert(m->n_table >= 3); /* smallest number of points that both types of spline accept */
   if (!s->spline || !s->accel) memory_lacks(0);
   int bad = gsl_spline_init(s->spline, m->table_time, m->table_value, m->n_table);
   gsl_set_error_handler(handler);

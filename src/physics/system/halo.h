@@ -119,7 +119,7 @@ static inline double halo_second(const engine *e, int32_t slot, int c) {
   if ((size_t)slot < s->n_free) return (c == SD_X ? s->x2 : s->y2)[slot];
   return (c == SD_X ? e->halo->x2 : e->halo->y2)[(size_t)slot - s->n_free];
 }
-/* Appends a postponed change to a list. SD_ERROR_IO: no memory. */
+/* Appends a postponed change of contact references to a list. SD_ERROR_IO: no memory. */
 sd_status halo_wait_for(halo_waits *list, halo_wait wait);
 
 /* The functions below are called by one thread of each rank. All are collective except

@@ -26,7 +26,7 @@ typedef struct numbers {
   bool failed; /* true: memory ran out, and some numbers are missing */
 } numbers;
 
-/* Appends k; without memory sets l->failed instead. */
+/* Appends k to the list; if memory runs out, sets l->failed instead. */
 static inline void numbers_add(numbers *l, size_t k) {
   l->failed = l->failed || !list_room(&l->at, l->n, &l->capacity, sizeof *l->at);
   if (!l->failed) l->at[l->n++] = (uint32_t)k;

@@ -93,9 +93,11 @@ typedef struct pair_flags {
  * list has a = b = -1 and is never in contact. */
 typedef struct pairs {
   size_t count, n_round, first_ghost, end_ghost, first_segment, capacity;
-  int32_t *a, *b;    /* slots of the two bodies of each pair; set by neighbours_build */
-  int32_t *part;     /* index of the wall segment of each pair; set by neighbours_build */
-  double *side;      /* nearest_point.side of each closed contact with a wall segment; else 0 */
+  int32_t *a, *b; /* slots of the two bodies of each pair; set by neighbours_build */
+  int32_t *part;  /* index of the wall segment of each pair; set by neighbours_build */
+  /* for closed contacts with a wall segment: side of the wall on which the contact began, +1 left
+   * of the tangent, -1 right; else 0 */
+  double *side;
   pair_block *block; /* columns of the pairs; each block has PAIR_BLOCK pairs */
   /* columns that only some contact laws need (LAW_GENERAL); NULL: the laws of this model do not */
   pair_more *more;
@@ -362,7 +364,7 @@ typedef struct work {
   double margin;          /* largest gap at which a contact begins or ends (cohesion) */
   /* skin: Verlet margin; moved_limit2: squared displacement at which the list is stale */
   double skin, moved_limit2;
-  double list_scale; /* state->box_scale when the list was built */
+  double list_scale; /* scale of the box (state->box_scale) when the list was built */
   /* [n_bodies] poses when the list was built; positions are rescaled when the box is */
   double *x0, *y0, *theta0;
   /* [n_walls] distance from a wall's pivot to its farthest point that disks can touch */
