@@ -41,9 +41,9 @@ typedef struct summary_disks {
 /* Smallest number of time bins of a disk's angle from which an error bar is computed. */
 enum { SUMMARY_FEWEST_BINS = 16 };
 
-/* In runs with at least this number of disks, and in runs over several ranks, checkpoints do not
- * store the time averages of disks: readers compute them from the state, since computing takes
- * longer than writing the state. */
+/* Checkpoints of runs with at least this number of disks, or over several ranks, do not store the
+ * time averages of disks: readers compute them from the state, since computing takes longer than
+ * writing the state. */
 enum { SUMMARY_LATER = 16384 };
 
 /* Sets the numbers of disks, of samples and of bins, and the averaging time; computes no time

@@ -15,8 +15,8 @@ typedef struct kernels {
    * updates the contact history. The range consists either of whole blocks of pairs of round
    * bodies, or of pairs with wall segments. */
   void (*pairs)(engine *e, thread_work *mine, size_t begin, size_t end);
-  /* In models with chunks.shares (chunks reuse the rows of packed bodies), each call of gather,
-   * pack, predict, correct or fields for free disks must stay within one chunk. */
+  /* If chunks reuse rows of packed bodies (chunks.shares), each call of gather, pack, predict,
+   * correct or fields for free disks must stay within one chunk. */
   /* Writes the contact forces on bodies [begin, end) from the force sums to force_x, force_y and
    * torque in the state. The torque on a straight wall is about its pivot. */
   void (*gather)(engine *e, size_t begin, size_t end);
