@@ -1,5 +1,5 @@
-/* comm.c: checks its arguments and passes each call of comm.h to the kind of ranks at hand, MPI
- * processes or threads (comm_kind.h). */
+/* comm.c: checks arguments, and passes each call of comm.h to its implementation for MPI processes
+ * or for threads as ranks (comm_kind.h). */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,8 +37,8 @@ static uint64_t hash_of(const char *text) {
   return hash;
 }
 
-/* Checks that all ranks are at the same collective call, by the hash of its source location; a rank
- * that differs from this one ends the job. */
+/* Checks that all ranks are at the same collective call, by a hash of its source location. If a
+ * rank is at another call than this one, the job ends. */
 static void meet(const comm *c) {
   const uint64_t mine = hash_of(here);
   int *ones = memory_new((size_t)c->size, sizeof *ones);
@@ -97,7 +97,8 @@ double comm_largest(const comm *c, double value) {
   return c->kind->largest(c, value);
 }
 
-/* Every rank adds the values in the order of ranks, so that all get the same bits. */
+/* Returns the sum over all ranks. Every rank adds the values in the order of ranks, so that all
+ * ranks get the same bits. */
 double comm_total(const comm *c, double value) {
   if (!c) return value;
   double *all = memory_new((size_t)c->size, sizeof *all), sum = 0.0;

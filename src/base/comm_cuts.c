@@ -14,9 +14,9 @@ typedef struct rectangle {
 
 struct comm_cuts {
   const comm *c;
-  /* Zoltan's division, for an MPI job; NULL: the rectangles are in `of` */
+  /* division made by Zoltan, in an MPI job; NULL: the rectangles are in `of` */
   struct zoltan_cuts *zoltan;
-  rectangle *of; /* [comm_size()] rectangle of each rank; not used with Zoltan */
+  rectangle *of; /* [comm_size()] rectangle of each rank; not used if Zoltan makes the division */
 };
 
 static const rectangle PLANE = {{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};
@@ -73,8 +73,8 @@ static int longer_side(const point *p, size_t n) {
   return high[1] - low[1] > high[0] - low[0];
 }
 
-/* Cuts the rectangle of[0] into `ranks` rectangles of about equal weight, of[0 ... ranks-1]. Sorts
- * the points p. */
+/* Cuts the rectangle of[0] into `ranks` rectangles, of[0 ... ranks-1], in which the points have
+ * about the same total weight. Sorts the points p. */
 static void bisect(point *p, size_t n, rectangle *of, int ranks) {
   if (ranks < 2) return;
   const int side = longer_side(p, n), first = ranks / 2;
@@ -94,8 +94,8 @@ static void bisect(point *p, size_t n, rectangle *of, int ranks) {
   bisect(p + k, n - k, of + first, ranks - first);
 }
 
-/* Gathers the points of all ranks on every rank. Returns [*n_all] points, which the caller frees,
- * or NULL on all ranks if any rank lacks memory. */
+/* Gathers the points of all ranks on every rank. Returns an array of *n_all points, which the
+ * caller frees, or NULL on all ranks if any rank lacks memory. */
 static point *gather_points(const comm *c, size_t n, const double *x, const double *y,
                             const float *weight, size_t *n_all) {
   int *counts = memory_new((size_t)comm_size(c), sizeof *counts);
@@ -142,7 +142,7 @@ int comm_cuts_owner(const comm_cuts *cuts, double x, double y) {
     const rectangle *r = &cuts->of[q];
     if (x >= r->low[0] && x < r->high[0] && y >= r->low[1] && y < r->high[1]) return q;
   }
-  return 0; /* a coordinate is NaN or infinite: rank 0 by convention */
+  return 0; /* A coordinate is NaN or infinite; rank 0 owns such points by convention. */
 }
 
 int comm_cuts_near(const comm_cuts *cuts, const double low[2], const double high[2], int *ranks) {

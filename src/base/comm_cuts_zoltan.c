@@ -1,4 +1,4 @@
-/* comm_cuts_zoltan.c: the division of the plane among the ranks of an MPI job, by Zoltan; see
+/* comm_cuts_zoltan.c: divides the plane among the ranks of an MPI job with the library Zoltan; see
  * comm_cuts.h. Empty in builds without MPI. */
 #ifdef SD_HAVE_MPI
 #include "base/comm_cuts.h"
@@ -14,7 +14,7 @@
 
 struct zoltan_cuts {
   struct Zoltan_Struct *zoltan;
-  /* arguments of zoltan_cuts_make, which Zoltan's callbacks read while it runs */
+  /* arguments of zoltan_cuts_make, which callbacks from Zoltan read while it runs */
   size_t n;
   const double *x, *y;
   const float *weight;
@@ -27,8 +27,8 @@ static int count_points(void *data, int *error) {
   return (int)((const zoltan_cuts *)data)->n;
 }
 
-/* Zoltan callback that lists the points of this rank: an ID is an index into the arrays. The same
- * ID may occur on several ranks, since Zoltan migrates no data here. */
+/* Callback with which Zoltan lists the points of this rank: an ID is an index into the arrays. The
+ * same ID may occur on several ranks, since Zoltan moves no data between ranks here. */
 static void list_points(void *data, int n_global, int n_local, ZOLTAN_ID_PTR global,
                         ZOLTAN_ID_PTR local, int n_weights, float *weight, int *error) {
   const zoltan_cuts *c = data;

@@ -1,5 +1,5 @@
-/* comm_job.c: the ranks of an MPI job, or this process alone; see comm.h. The core library
- * (slipdisk_core) does not contain this file. */
+/* comm_job.c: communication between the ranks of an MPI job, or a single process without MPI; see
+ * comm.h. The core library (slipdisk_core) does not contain this file. */
 #include <assert.h>
 #include <stdlib.h>
 
@@ -109,7 +109,7 @@ typedef struct mpi_links {
 
 static comm_links *links_new(const comm *c, const void *send, const int *to, void *receive,
                              const int *from, size_t size) {
-  enum { TAG = 1 }; /* tag of these messages; comm_queue.c uses tag 0 */
+  enum { TAG = 1 }; /* MPI tag of persistent messages; comm_queue.c uses tag 0 */
   mpi_links *l = memory_new(1, sizeof *l);
   l->base.comm = c;
   l->request = memory_new(2 * (size_t)c->size, sizeof *l->request);
@@ -203,8 +203,9 @@ static void finish_mpi(void) {}
 static const comm *world;
 static bool begun;
 
-/* Returns the number of processes that a launcher says it started, and the environment variable
- * that says so in *name. Returns 0 if no such variable is set; *name is then of no use. */
+/* Returns the number of processes that a launcher has started according to its environment
+ * variable, and sets *name to the name of that variable. Returns 0 if no such variable is set;
+ * *name is then of no use. */
 static int launched(const char **name) {
   static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"};
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
@@ -242,7 +243,7 @@ sd_status comm_begin(sd_messages *messages) {
 
 void comm_end(void) {
   if (!begun) return;
-  /* barrier in which ranks sleep; MPI_Finalize alone would spin while it waits */
+  /* This call is a barrier in which ranks sleep; MPI_Finalize alone would spin while it waits. */
   comm_max(world, 0);
   finish_mpi();
   begun = false;

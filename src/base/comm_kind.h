@@ -1,14 +1,14 @@
-/* comm_kind.h: the table of functions in which MPI processes and threads as ranks differ; for
- * base/comm*.c only.
+/* comm_kind.h: the table of functions that are implemented both for MPI processes and for threads
+ * as ranks; for base/comm*.c only.
  *
- * Each function does what the function of the same name in comm.h does (end: comm_abort, any:
- * comm_or), for two ranks or more.
+ * Each function does what the function of the same name in comm.h does, for two ranks or more.
+ * `end` stands for comm_abort, `any` for comm_or.
  */
 #ifndef BASE_COMM_KIND_H
 #define BASE_COMM_KIND_H
 
-/* The #undef lines remove the macros of checking builds: calls inside base/comm*.c must not
- * overwrite the location that the caller of comm.h has noted. */
+/* The #undef lines remove macros that builds with SD_CHECK define: calls inside base/comm*.c must
+ * not overwrite the source location that the caller of comm.h has stored. */
 #include "base/comm.h"
 #undef comm_max
 #undef comm_share
@@ -50,14 +50,14 @@ struct comm {
   int rank, size;
 };
 
-/* Common first member of the structs that MPI ranks and thread ranks use for persistent
- * messages. */
+/* First member of the structs for persistent messages, that of MPI ranks and that of threads as
+ * ranks. */
 struct comm_links {
   const comm *comm;
 };
 
-/* Returns the index of the first row of each rank in a buffer with counts[comm_size()] rows per
- * rank; the caller frees the array. */
+/* Returns the index of each rank's first row in a buffer with counts[q] rows for each rank q; the
+ * caller frees the array. */
 int *comm_starts(const comm *c, const int *counts);
 
 #endif

@@ -1,7 +1,7 @@
 /* comm_queue.c: implements comm_queue.h.
  *
- * Ranks exchange messages with rank 0 only: integers of 64 bits, all with one tag, so that they
- * arrive in order:
+ * Ranks exchange messages with rank 0 only. A message is one 64-bit integer, a task number or one
+ * of the codes below; all have the same tag, so that they arrive in order:
  *
  *   to rank 0:    ASK -> a task or NONE   STOP   LEAVE (in comm_queue_end, STOP may follow)   END
  *   from rank 0:  STOP                    END (all have left) -> END
@@ -26,7 +26,7 @@ static int ranks(void) { return comm_size(comm_world()); }
 enum { NONE = -1, STOP = -2, ASK = -3, LEAVE = -4, END = -5 };
 
 /* Send buffers for each target rank, one per kind of message, so that messages of all kinds can be
- * in flight at the same time. */
+ * on their way at the same time. */
 enum { ANSWER, SIGNAL, FAREWELL, PLACES };
 
 #ifdef SD_HAVE_MPI
@@ -91,7 +91,8 @@ void comm_queue_begin(comm_queue *q, int64_t n, volatile sig_atomic_t *stop) {
   if (ranks() > 1) begin_letters(q);
 }
 
-/* Stops this rank, sets the caller's flag, and tells rank 0 (on rank 0: all other ranks). */
+/* Stops this rank, sets the stop flag of the caller, and sends STOP to rank 0 (from rank 0: to all
+ * other ranks). */
 static void halt(comm_queue *q) {
   if (q->stopped) return;
   q->stopped = true;
@@ -107,7 +108,7 @@ static void look_for_stop(comm_queue *q) {
 
 static int64_t take(comm_queue *q) { return q->stopped || q->next >= q->n ? NONE : q->next++; }
 
-/* Handles a message from another rank, on rank 0. */
+/* Handles a message (`word`) from another rank; called on rank 0 only. */
 static void hear(comm_queue *q, int from, int64_t word) {
   switch (word) {
     case ASK: post(q, from, ANSWER, take(q)); break;
@@ -132,7 +133,8 @@ void comm_serve(comm_queue *q) {
   }
 }
 
-/* Waits for the next message of rank 0 other than STOP, on the other ranks; a STOP is handled. */
+/* Waits for a message of rank 0 other than STOP and returns it; a STOP that arrives first is
+ * handled. Called on the other ranks only. */
 static int64_t root_word(comm_queue *q) {
   int from;
   int64_t word;
@@ -151,7 +153,7 @@ int64_t comm_next(comm_queue *q) {
   if (rank() == 0) return take(q);
   post(q, 0, ANSWER, ASK);
   int64_t task = root_word(q);
-  /* do not start a task that arrived after a stop */
+  /* A task that arrived after a stop is not started. */
   return q->stopped ? -1 : task;
 }
 

@@ -1,7 +1,7 @@
-/* comm_threads.c: ranks that are threads of this process; see comm.h.
+/* comm_threads.c: implements comm.h for ranks that are threads of this process.
  *
- * Every collective function has the same four steps: each rank publishes a pointer to its data, all
- * wait, each reads the data of the others, all wait.
+ * Every collective function has the same four steps: each rank stores a pointer to its data where
+ * the other ranks see it; all wait; each rank reads the data of the others; all wait.
  */
 #include "base/comm.h"
 
@@ -18,7 +18,7 @@ typedef struct meeting {
   pthread_cond_t complete;
   int here;
   unsigned round;
-  const void **shown; /* [ranks] pointer that each rank has published */
+  const void **shown; /* [ranks] pointer to the data of each rank, set by this rank */
 } meeting;
 
 typedef struct thread_rank {
@@ -43,8 +43,8 @@ static void wait_for_all(const comm *c) {
   pthread_mutex_unlock(&m->lock);
 }
 
-/* Publishes data to the other ranks. Returns the pointers that all ranks have published [ranks],
- * valid until this rank calls wait_for_all. */
+/* Makes `data` visible to the other ranks and waits for them. Returns the array of all ranks'
+ * pointers [ranks], valid until this rank calls wait_for_all. */
 static const void *const *show(const comm *c, const void *data) {
   meeting *m = meeting_of(c);
   m->shown[c->rank] = data;
@@ -80,7 +80,8 @@ static double largest(const comm *c, double value) {
   return most;
 }
 
-/* Goes through double, which holds every int exactly. */
+/* Returns the largest value over all ranks; it is compared as a double, which holds every int
+ * exactly. */
 static int max(const comm *c, int value) { return (int)largest(c, value); }
 
 static void add(const comm *c, int64_t *values, size_t n) {
@@ -97,11 +98,12 @@ static void add(const comm *c, int64_t *values, size_t n) {
 
 typedef struct parcel {
   const char *rows;
-  const int *counts, *starts; /* [ranks] rows for each rank, and the index of the first of them */
+  /* [ranks] number of rows for each rank, and index of the first of them in `rows` */
+  const int *counts, *starts;
 } parcel;
 
-/* Copies the rows for this rank from the parcels that all ranks have published; from: rows of
- * each. */
+/* Copies the rows that are meant for this rank from the buffers (parcels) of all ranks to
+ * `receive`. from: [ranks] numbers of rows. */
 static void take(const comm *c, const void *const *all, char *receive, const int *from,
                  size_t size) {
   for (int q = 0; q < c->size; q++) {
@@ -157,8 +159,7 @@ static comm_links *links_new(const comm *c, const void *send, const int *to, voi
   return &l->base;
 }
 
-/* Does nothing: links_wait does all the work, and until then the caller may not touch the
- * buffers. */
+/* Does nothing: links_wait copies the rows, and until then the caller may not touch the buffers. */
 static void links_start(comm_links *l) { (void)l; }
 
 static void links_wait(comm_links *links) {

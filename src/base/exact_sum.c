@@ -36,7 +36,7 @@ void exact_sum_merge(exact_sum *s, const exact_sum *other) {
   s->infinite_up += more.infinite_up;
 }
 
-/* Returns 64 bits of the sum, from bit number `place` upwards; the sum is positive, with its
+/* Returns 64 bits of the sum, from bit number `place` upwards. The sum must be positive, with its
  * carries propagated. */
 static uint64_t window(const exact_sum *s, int place) {
   const int k = place / 32, shift = place % 32;
@@ -53,8 +53,8 @@ static int any_below(const exact_sum *s, int place) {
   return (s->limb[place / 32] & ((INT64_C(1) << place % 32) - 1)) != 0;
 }
 
-/* Returns the bit pattern of the double nearest to a positive sum, infinity on overflow. Carries
- * are propagated; top: index of the highest limb that is not 0. */
+/* Returns the bit pattern of the double that is nearest to a positive sum; infinity on overflow.
+ * Carries must be propagated. top: index of the highest limb that is not 0. */
 static uint64_t rounded(const exact_sum *s, int top) {
   int place = 32 * top; /* bit number of the lowest bit that the mantissa holds */
   for (uint64_t left = (uint64_t)s->limb[top]; left > 1; left >>= 1) place++;
@@ -62,7 +62,8 @@ static uint64_t rounded(const exact_sum *s, int top) {
   uint64_t mantissa = window(s, place);
   const int half = place > 0 && (window(s, place - 1) & 1);
   mantissa += half && ((mantissa & 1) || any_below(s, place - 1));
-  /* adding the mantissa also adds its leading 1, if the number is normal, to the exponent */
+  /* The sum of shifted exponent and mantissa also adds the mantissa's leading 1, if the number is
+   * normal, to the exponent. */
   const uint64_t bits = ((uint64_t)place << 52) + mantissa, infinite = UINT64_C(2047) << 52;
   return bits < infinite ? bits : infinite;
 }

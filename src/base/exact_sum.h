@@ -1,10 +1,10 @@
 /* exact_sum.h: sums of doubles without rounding, so that the result depends neither on the order of
  * the terms nor on how they are split into partial sums.
  *
- * A sum is one long integer of limbs of 32 bits, in units of the smallest subnormal number (R.
- * Neal, arXiv:1505.05571). A limb is stored in 64 bits, so that carries are propagated only every
- * EXACT_ADDS additions. All members are integers: sums of several processes are combined by adding
- * their members, after exact_sum_carry. Zeroed memory is an empty sum.
+ * A sum is one long integer made of limbs (digits) of 32 bits, in units of the smallest subnormal
+ * number (R. Neal, arXiv:1505.05571). A limb is stored in 64 bits, so that carries are propagated
+ * only every EXACT_ADDS additions. All members are integers: sums of several processes are combined
+ * by adding their members, after exact_sum_carry. Zeroed memory is an empty sum.
  */
 #ifndef BASE_EXACT_SUM_H
 #define BASE_EXACT_SUM_H
@@ -17,8 +17,9 @@ enum { EXACT_LIMBS = 67, EXACT_ADDS = 1024 };
 
 typedef struct exact_sum {
   int64_t limb[EXACT_LIMBS];
-  int64_t adds; /* additions since carries were last propagated */
-  /* numbers of terms that are NaN, infinite of either sign, and +infinity */
+  int64_t adds; /* number of additions since carries were last propagated */
+  /* numbers of added terms that are NaN, that are infinite of either sign, and that are
+   * +infinity */
   int64_t nan, infinite, infinite_up;
 } exact_sum;
 
@@ -42,8 +43,8 @@ static inline void exact_sum_add(exact_sum *s, double x) {
     exact_sum_special(s, x);
     return;
   }
-  /* x = mantissa * 2^place units; the lowest 32 bits of the shifted mantissa go to limb[0], the
-   * rest, with the sign, to limb[1] */
+  /* x is `mantissa` times 2^place, in units of the smallest subnormal number. The lowest 32 bits of
+   * the shifted mantissa go to limb[0], the rest, with the sign, to limb[1]. */
   const unsigned place = exponent ? exponent - 1 : 0, shift = place % 32;
   const uint64_t size = (bits & ((UINT64_C(1) << 52) - 1)) | (uint64_t)(exponent != 0) << 52;
   const int64_t sign = (int64_t)(bits >> 63), mantissa = ((int64_t)size ^ -sign) + sign;

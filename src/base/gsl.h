@@ -1,7 +1,7 @@
-/* gsl.h: includes the parts of the GNU Scientific Library that the core uses, its only dependency
- * besides the C library: cubic splines (motions by a table), quadrature (random vibration, sizes of
- * packings), random numbers and distributions (packings), sorting, statistics and histograms
- * (measuring).
+/* gsl.h: includes those parts of the GNU Scientific Library that the core uses: cubic splines
+ * (motions by a table), quadrature (random vibration, sizes of packings), random numbers and
+ * distributions (packings), sorting, statistics and histograms (measuring). GSL is the core's only
+ * dependency besides the C library.
  *
  * GSL's default error handler ends the process: callers switch it off (gsl_set_error_handler_off)
  * around calls that may fail, which then return a status or NAN.

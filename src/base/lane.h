@@ -1,10 +1,10 @@
 /* lane.h: vectors of LANE_WIDTH doubles, one per lane; the file is included once per width.
  *
- * The same code (contact law, random draws) is compiled for width 1 and for the machine's vectors.
- * Every operation here is an IEEE basic operation or a selection, so a lane's result does not
- * depend on the width. Names carry the width: LANE(real) is real_w1 or real_w8. A mask holds true
- * or false for each lane. Masks are combined with &, | and ^; their representation depends on the
- * machine. bits_of and mask_of convert to and from an integer whose bit k is lane k.
+ * The same code (contact law, random numbers) is compiled for width 1 and for the machine's
+ * vectors. Every operation here is an IEEE basic operation or a selection, so a lane's result does
+ * not depend on the width. Names carry the width: LANE(real) is real_w1 or real_w8. A mask holds
+ * true or false for each lane. Masks are combined with &, | and ^; their representation depends on
+ * the machine. bits_of and mask_of convert to and from an integer whose bit k is lane k.
  */
 #ifndef LANE_WIDTH
 #error "define LANE_WIDTH before including base/lane.h"
@@ -79,8 +79,8 @@ LANE_INLINE void LANE(store)(double *p, LANE(real) a) { memcpy(p, &a, sizeof a);
 LANE_INLINE LANE(bits) LANE(as_bits)(LANE(real) a) { return (LANE(bits))a; }
 LANE_INLINE LANE(real) LANE(as_real)(LANE(bits) a) { return (LANE(real))a; }
 LANE_INLINE LANE(real) LANE(gather)(const double *p, const int32_t *index) {
-  /* scalar loads: faster than the gather instruction on processors that split it, as fast on
-   * others */
+  /* Scalar loads are faster than the gather instruction on some processors (those that split it),
+   * and as fast on others. */
   LANE(real) a = {0};
   for (int k = 0; k < LANE_WIDTH; k++) a[k] = p[index[k]];
   return a;
@@ -88,7 +88,7 @@ LANE_INLINE LANE(real) LANE(gather)(const double *p, const int32_t *index) {
 
 #if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
 
-/* masks are the bits of a mask register */
+/* a mask is a mask register with one bit per lane */
 typedef __mmask8 LANE(mask);
 LANE_INLINE LANE(mask) LANE(all_lanes)(int yes) {
   return (LANE(mask))(yes ? (1u << LANE_WIDTH) - 1u : 0u);
@@ -130,7 +130,7 @@ LANE_INLINE LANE(real) LANE(select)(LANE(mask) m, LANE(real) a, LANE(real) b) {
 
 #else
 
-/* masks are vectors of integers: all bits of a lane are set (true) or none (false) */
+/* a mask is a vector of integers: in each lane all bits are set (true) or none (false) */
 typedef int64_t LANE(mask) __attribute__((vector_size(8 * LANE_WIDTH)));
 LANE_INLINE LANE(mask) LANE(all_lanes)(int yes) { return (LANE(mask)){0} - (int64_t)yes; }
 LANE_INLINE LANE(mask) LANE(not )(LANE(mask) m) { return ~m; }
@@ -211,7 +211,7 @@ LANE_INLINE LANE(bits) LANE(multiply32)(LANE(bits) a, LANE(bits) b) {
 #endif
 #endif
 
-/* Returns a where the mask is true, else 0. */
+/* Returns a vector with the number in `a` where the mask is true, and 0 in the other lanes. */
 LANE_INLINE LANE(real) LANE(mask_zero)(LANE(mask) m, LANE(real) a) {
   return LANE(select)(m, a, LANE(splat)(0.0));
 }
@@ -221,19 +221,21 @@ LANE_INLINE LANE(real) LANE(nearest)(LANE(real) a) { return (a + 0x1.8p52) - 0x1
 
 /* --- rows of two or four numbers, one row per lane -------------------------------------------- */
 
-/* Functions below read or write a row of four numbers per lane; c[k] is the vector of the numbers
- * in column k. Row offsets (at, a, b, to, from, stride) count doubles.
- *   gather4:  reads each lane's row at rows + at[lane]
- *   load4:    reads the rows of consecutive lanes, at distance `stride`; scatter4 writes them
- *   across4:  from two rows per lane, b - a in columns 0 and 2, b + a in columns 1 and 3
- *   across2:  from two rows of two numbers per lane, b - a in both columns
- *   add4:     adds each lane's row to the row at rows + to[lane]; at rows + from[lane] it subtracts
- *             columns 0 and 2 and adds columns 1 and 3; one lane after the other, so lanes may
- *             share rows */
+/* Functions that read or write a row of four numbers for each lane, within an array of doubles;
+ * c[k] is the vector of all lanes' numbers in column k. Positions of rows (at, a, b, to, from,
+ * stride) are counted in doubles.
+ *   gather4:  reads for each lane the row at rows + at[lane]
+ *   load4:    reads for each lane the row at rows + stride * lane; scatter4 writes these rows
+ *   across4:  reads two rows for each lane, and returns b - a in columns 0 and 2, b + a in
+ *             columns 1 and 3
+ *   across2:  reads two rows of two numbers for each lane, and returns b - a in both columns
+ *   add4:     adds each lane's row to the row at rows + to[lane]; in the row at rows + from[lane]
+ *             it subtracts columns 0 and 2 and adds columns 1 and 3; one lane after the other, so
+ *             lanes may use the same rows */
 #if LANE_WIDTH >= 4 && (defined(__clang__) || __GNUC__ >= 12)
 typedef double LANE(four) __attribute__((vector_size(32)));
 typedef double LANE(two) __attribute__((vector_size(16)));
-/* the same vectors in memory, aligned as a double only */
+/* the same vectors when they are in memory, where they are aligned only like a double */
 typedef double LANE(loose_four) __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double LANE(loose_two) __attribute__((vector_size(16), aligned(8), may_alias));
 typedef int64_t LANE(four_bits) __attribute__((vector_size(32)));
@@ -257,7 +259,7 @@ LANE_INLINE LANE(four) LANE(load_four)(const double *p) { return *(const LANE(lo
 LANE_INLINE void LANE(store_four)(double *p, LANE(four) a) { *(LANE(loose_four) *)p = a; }
 LANE_INLINE LANE(two) LANE(load_two)(const double *p) { return *(const LANE(loose_two) *)p; }
 
-/* Returns b - a in elements 0 and 2, b + a in elements 1 and 3. */
+/* Combines two rows of four numbers: returns b - a in columns 0 and 2, b + a in columns 1 and 3. */
 LANE_INLINE LANE(four) LANE(across)(LANE(four) b, LANE(four) a) {
 #if defined(__AVX__)
   return (LANE(four))_mm256_addsub_pd((__m256d)b, (__m256d)a);
@@ -287,7 +289,8 @@ LANE_INLINE LANE(two) LANE(across_two)(const double *rows, int32_t a, int32_t b)
   return LANE(load_two)(rows + b) - LANE(load_two)(rows + a);
 }
 
-/* Does across2 for four lanes: c[k] is column k of the differences of their rows. */
+/* Computes differences of rows of two numbers for four lanes: c[k] has, for each lane, column k of
+ * the row at rows + b[lane] minus the row at rows + a[lane]. */
 LANE_INLINE void LANE(across_half)(const double *rows, const int32_t *a, const int32_t *b,
                                    LANE(four) c[2]) {
   LANE(four)

@@ -16,7 +16,7 @@
 
 #include "slipdisk/status.h"
 
-/* Bytes; smaller arrays are not compared with the available memory. */
+/* Size in bytes from which an allocation is compared with the available memory. */
 static const double LARGE = 1 << 26;
 
 static _Atomic(sd_memory_handler *) handler;
@@ -24,15 +24,15 @@ static atomic_flag called = ATOMIC_FLAG_INIT;
 
 void sd_on_no_memory(sd_memory_handler *call) { atomic_store(&handler, call); }
 
-/* Calls the handler, or prints a message, and ends the process. Other threads that lack memory
- * meanwhile wait for its end. */
+/* Calls the out-of-memory handler, or prints a message, and ends the process. Other threads that
+ * run out of memory meanwhile wait here until the process ends. */
 _Noreturn void memory_lacks(size_t bytes) {
   while (atomic_flag_test_and_set(&called)) pause();
   sd_memory_handler *call = atomic_load(&handler);
   if (call) call(bytes);
   static const char text[] = "slipdisk: no memory\n";
   ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
-  (void)told; /* an error of write() cannot be reported either */
+  (void)told; /* An error of write() cannot be reported either. */
   abort();
 }
 
@@ -73,8 +73,8 @@ char *memory_text(const char *text) { return memory_copy(text, text ? strlen(tex
 
 /* --- limits of the machine and of control groups ---------------------------------------------- */
 
-/* Returns the number in a file of a control group; HUGE_VAL if there is no such file or it holds
- * "max". */
+/* Returns the number in a file of a Linux control group; HUGE_VAL if there is no such file or it
+ * holds "max". */
 static double group_number(const char *root, const char *folder, const char *name) {
   char path[PATH_MAX + 80];
   double number = HUGE_VAL;
@@ -86,8 +86,8 @@ static double group_number(const char *root, const char *folder, const char *nam
   return number;
 }
 
-/* Returns the bytes of memory and swap space that one group may use. Version 1 of control groups
- * also limits the sum of both. */
+/* Returns how many bytes of memory and swap space together one Linux control group may use. Version
+ * 1 of control groups also limits the sum of both. */
 static double group_limit(bool first_version, const char *folder, double swap) {
   static const char root[] = "/sys/fs/cgroup", old_root[] = "/sys/fs/cgroup/memory";
   if (!first_version)
@@ -97,8 +97,8 @@ static double group_limit(bool first_version, const char *folder, double swap) {
               group_number(old_root, folder, "memory.memsw.limit_in_bytes"));
 }
 
-/* Returns the smallest limit of a group and of all groups above it. In a container the paths may
- * not exist; then only the limit at the root counts, which is the container's own. */
+/* Returns the smallest memory limit of a control group and of all groups above it. In a container
+ * the paths may not exist; then only the limit at the root counts, which is the container's own. */
 static double groups_limit(bool first_version, char *folder, double swap) {
   double least = HUGE_VAL;
   for (;;) {
@@ -109,8 +109,8 @@ static double groups_limit(bool first_version, char *folder, double swap) {
   }
 }
 
-/* Returns the smallest limit of all control groups of this process. Lines of the file are
- * "number:controllers:path", in version 2 "0::path". */
+/* Returns the smallest memory limit of all control groups of this process. Lines of
+ * /proc/self/cgroup are "number:controllers:path", in version 2 "0::path". */
 static double control_groups_limit(double swap) {
   char line[PATH_MAX];
   double least = HUGE_VAL;
@@ -147,8 +147,8 @@ double memory_limit(size_t processes) {
               fmin(resource_limit(RLIMIT_AS), resource_limit(RLIMIT_DATA)));
 }
 
-/* This check is needed since Linux overcommits: it grants memory that it does not have, and kills
- * the process that writes to it. */
+/* True if this many bytes fit into memory. The check is needed because Linux overcommits: it grants
+ * memory that it does not have, and kills the process that writes to it. */
 bool memory_fits(double bytes) { return bytes < LARGE || bytes <= memory_limit(1); }
 
 /* --- arrays with a row per element ------------------------------------------------------------ */
@@ -177,7 +177,7 @@ bool memory_rows(size_t n_columns, const memory_column *columns) {
 }
 
 bool memory_resize(size_t n_columns, const memory_column *columns) {
-  /* a caller that doubles the size of an array may need only half of the new size */
+  /* Half the size is checked: a caller that doubles an array may need only half of the new size. */
   if (!memory_fits(bytes_of(n_columns, columns) / 2)) return false;
   for (size_t k = 0; k < n_columns; k++) {
     void *old;
@@ -210,15 +210,17 @@ enum {
   LARGE_ARENA = 2 * LARGE_PAGE
 };
 
-/* Header in the cache line before an arena; the arena itself begins at a multiple of 64 bytes. */
+/* Header in the cache line just before an arena. The arena itself begins at a multiple of 64
+ * bytes. */
 typedef struct header {
   void *memory;
-  size_t bytes; /* size of the mapping for munmap; 0: allocated with aligned_alloc */
+  /* size of the mapping, needed for munmap; 0: the arena was allocated with aligned_alloc */
+  size_t bytes;
 } header;
 
 size_t arena_column(arena_plan *plan, size_t bytes) {
   size_t at = (plan->end + LINE - 1) / LINE * LINE, apart = plan->columns++ * APART % PAGE;
-  /* columns smaller than a page fit into the cache together */
+  /* Columns smaller than a page are not shifted, since they fit into the cache together. */
   if (bytes >= PAGE) at += (apart + PAGE - at % PAGE) % PAGE;
   assert(at % LINE == 0 && at >= plan->end);
   plan->end = at + bytes + LINE;
@@ -230,7 +232,7 @@ static void *new_large(size_t bytes) {
   char *memory = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) return NULL;
   char *room = memory + LINE + (LARGE_PAGE - ((uintptr_t)memory + LINE) % LARGE_PAGE) % LARGE_PAGE;
-  /* a hint; without huge pages it has no effect */
+  /* madvise is only a hint; without huge pages it has no effect. */
   madvise(room, bytes - (size_t)(room - memory), MADV_HUGEPAGE);
   assert(room - memory >= LINE && (uintptr_t)room % LINE == 0);
   ((header *)(void *)(room - LINE))[0] = (header){memory, bytes};

@@ -9,7 +9,7 @@
 #include "slipdisk/status.h"
 
 typedef struct line {
-  sd_status kind; /* error status; SD_OK: a warning */
+  sd_status kind; /* status of an error; SD_OK: a warning */
   char *text;
 } line;
 
@@ -33,8 +33,8 @@ void sd_messages_free(sd_messages *m) {
   free(m);
 }
 
-/* Formats a message. Control characters become \xHH, so that no text from a file can send commands
- * to the terminal. */
+/* Formats a message. Control characters become \xHH, so that a text from a file cannot send
+ * commands to the terminal. */
 static char *words(const char *format, va_list args) {
   char text[LIMIT_LINE + 2];
   return vsnprintf(text, sizeof text, format, args) < 0 ? memory_text("")

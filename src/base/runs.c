@@ -26,7 +26,7 @@ void runs_add(runs *r, size_t run, int64_t key) {
   r->heap[k] = head;
 }
 
-/* Puts `head` at the root of the heap and moves it down to its position. */
+/* Inserts `head` at the root of the heap and moves it down until the heap is in order. */
 static void sink(runs *r, runs_head head) {
   size_t k = 0, next;
   while ((next = 2 * k + 1) < r->n) {

@@ -1,4 +1,4 @@
-/* runs.h: merges several ascending sequences (runs) of keys, by a binary heap of their current
+/* runs.h: merges several ascending sequences ("runs") of keys, by a binary heap of their current
  * keys.
  *
  *   runs_new(&r, n); for each run: runs_add(&r, run, its first key);
@@ -19,17 +19,18 @@ typedef struct runs_head {
 
 typedef struct runs {
   runs_head *heap;
-  size_t n; /* number of runs that have not ended */
+  size_t n; /* number of sequences that have not ended */
 } runs;
 
-/* Creates an empty heap for up to n runs. */
+/* Creates an empty heap for up to n sequences. */
 void runs_new(runs *r, size_t n);
 void runs_free(runs *r);
 void runs_add(runs *r, size_t run, int64_t key);
-/* Returns the run with the smallest current key; among equal keys the run with the lowest
+/* Returns the number of the sequence with the smallest current key; among equal keys the lowest
  * number. */
 static inline size_t runs_least(const runs *r) { return r->heap[0].run; }
-/* Replace the current key of that run by its next one, or remove the run from the heap. */
+/* Both functions act on the sequence that runs_least returns: runs_step replaces its current key by
+ * its next one, runs_end removes the sequence from the heap. */
 void runs_step(runs *r, int64_t key);
 void runs_end(runs *r);
 

@@ -1,4 +1,4 @@
-/* subnormal.h: numbers below 1e-308 count as zero while a system is advanced.
+/* subnormal.h: makes numbers below 1e-308 count as zero while a system is advanced.
  *
  * The derivatives of a disk at rest decay until they are subnormal, and arithmetic on subnormal
  * numbers is many times slower. Results must have the same bits everywhere, so every thread that
@@ -16,7 +16,8 @@
 static inline unsigned subnormal_off(void) {
 #if defined(__SSE2__)
   unsigned before = _mm_getcsr();
-  /* bits of MXCSR: flush results to zero, denormal operands are zero */
+  /* Set two bits of the control register MXCSR: flush results to zero; denormal operands are
+   * zero. */
   _mm_setcsr(before | 0x8040u);
   return before;
 #else

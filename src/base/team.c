@@ -13,33 +13,34 @@
 #include "base/clock.h"
 #include "base/memory.h"
 
-/* Times of the barrier, s. A thread that waits spins, then sleeps. On free cores the threads of a
- * step arrive within LONG_SPIN of each other. If a wait takes longer than SHORT_WAIT, the late
- * thread probably has no core, and a spinning thread may occupy it: waiting threads then spin for
- * SHORT_SPIN only, until `calm` has reached CALM again. With more threads than cores they always
- * spin for SHORT_SPIN. They never yield: that would give other processes with work of their own a
- * whole time slice. */
+/* Times of the barrier, s. A thread that waits spins first, then sleeps. On free cores the threads
+ * of a step arrive within LONG_SPIN of each other. If a wait takes longer than SHORT_WAIT, the late
+ * thread probably has no core, and a spinning thread may occupy the core it needs: waiting threads
+ * then spin for SHORT_SPIN only, until CALM waits in a row were short. With more threads than cores
+ * they always spin for SHORT_SPIN. They never yield: that would give other processes with work of
+ * their own a whole time slice. */
 static const double LONG_SPIN = 200e-6, SHORT_SPIN = 2e-6, SHORT_WAIT = 300e-6;
 enum { SPINS_PER_LOOK = 16, CALM = 2, LINE = 64 };
 
 typedef struct member {
   alignas(LINE) team team;
-  int calm; /* number of short waits in a row, at most CALM */
+  int calm; /* number of waits in a row shorter than SHORT_WAIT, at most CALM */
 } member;
 
 struct pool {
   int size, started;
-  unsigned forks; /* value of the counter `forks` below when the threads were started */
-  bool helping;   /* true while the other threads wait for tasks; only the leader uses it */
-  bool crowded;   /* more threads than cores */
-  int depth;      /* nesting depth of the tasks under way */
+  unsigned forks; /* value of the counter `forks` (below) when the threads were started */
+  bool helping; /* true while the other threads wait for tasks; only the leader (rank 0) uses it */
+  bool crowded; /* true: there are more threads than cores */
+  int depth;    /* nesting depth of the tasks that are running */
   team_task *task;
   void *with;
-  pthread_t *thread; /* [started] threads of ranks 1, 2, ... */
-  member *member;    /* [size] team and count of short waits of each thread */
+  pthread_t *thread; /* [started] the threads, except the leader */
+  member *member;    /* [size] data of each thread */
   pthread_mutex_t lock;
   pthread_cond_t woken;
-  /* state of the barrier */
+  /* state of the barrier: number of threads that have arrived, number of barriers passed, number of
+   * sleeping threads */
   alignas(LINE) atomic_int arrived;
   alignas(LINE) atomic_uint round;
   atomic_int sleepers;
@@ -47,8 +48,8 @@ struct pool {
 
 /* --- detection of fork ------------------------------------------------------------------------ */
 
-/* Number of forks that led to this process: a number other than the pool's means that the pool's
- * threads stayed in the parent. */
+/* Number of forks between the first process and this one. If it differs from the number stored in a
+ * pool, the pool's threads stayed in a parent process. */
 static atomic_uint forks;
 static pthread_once_t counting = PTHREAD_ONCE_INIT;
 static void count_fork(void) { atomic_fetch_add(&forks, 1); }
@@ -76,8 +77,8 @@ static bool spin(const pool *c, unsigned round, double began, double most) {
   return false;
 }
 
-/* Sleeps until the barrier has left this round. Either this thread sees the new round, or the last
- * thread to arrive sees the sleeper and wakes it. */
+/* Sleeps until the barrier has left this round. No wake-up is lost: either this thread sees the new
+ * round, or the last thread to arrive sees the sleeper and wakes it. */
 static void sleep_until(pool *c, unsigned round) {
   pthread_mutex_lock(&c->lock);
   atomic_fetch_add(&c->sleepers, 1);
@@ -97,7 +98,9 @@ void team_wait_all(const team *t) {
   const unsigned round = atomic_load_explicit(&c->round, memory_order_relaxed);
   assert(t->size == c->size);
   if (pool_forked(c))
-    return; /* forked within a task: the other threads are missing and the result is not used */
+    /* The process was forked within a task: the other threads are missing, and the result is not
+     * used. */
+    return;
   if (atomic_fetch_add_explicit(&c->arrived, 1, memory_order_acq_rel) + 1 == c->size) {
     atomic_store_explicit(&c->arrived, 0, memory_order_relaxed);
     atomic_store(&c->round, round + 1);
@@ -171,13 +174,14 @@ static int cores(void) {
 static void *help(void *with) {
   const team *t = with;
   pool *c = t->pool;
-  pthread_mutex_lock(&c->lock); /* wait until all threads have been started */
+  pthread_mutex_lock(&c->lock); /* Wait until all threads have been started. */
   pthread_mutex_unlock(&c->lock);
   team_help(t);
   return NULL;
 }
 
-/* Starts threads up to this number, the caller included, or as many as the system grants. */
+/* Starts threads until there are `threads` of them, the caller included, or as many as the system
+ * grants. */
 static void start_threads(pool *c, int threads) {
   pthread_once(&counting, count_forks);
   c->forks = atomic_load(&forks);
@@ -232,7 +236,7 @@ int pool_most(void) {
 }
 
 void pool_run_once(size_t items, team_task *task, void *with) {
-  enum { FEW = 1024 }; /* items that are not worth starting threads */
+  enum { FEW = 1024 }; /* number of items below which starting threads does not pay */
   pool *c = items > FEW ? pool_new(pool_most()) : NULL;
   pool_run(c, task, with);
   pool_free(c);

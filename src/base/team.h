@@ -22,28 +22,28 @@ typedef struct pool pool;
 
 typedef struct team {
   int rank, size;
-  pool *pool; /* NULL in a team of one */
+  pool *pool; /* pool of threads; NULL in a team of one */
 } team;
 
 typedef void team_task(const team *t, void *with);
 
-/* Creates a pool of this many threads, the caller included, or of fewer if the system does not
+/* Creates a pool of `threads` threads, the caller included, or of fewer if the system does not
  * grant them. Never returns NULL. */
 pool *pool_new(int threads);
 /* Ends the threads, waits for them and frees the pool. In a forked child there are no threads to
  * wait for. */
 void pool_free(pool *c);
 /* Runs the task on all threads, each with its rank in the team; returns when all have finished. If
- * the pool is NULL, or its threads are busy with another task, the caller runs the task alone. */
+ * the pool is NULL or is already running a task, the caller runs the task alone. */
 void pool_run(pool *c, team_task *task, void *with);
-/* Runs the task with a temporary pool of pool_most() threads; with few items, the caller runs it
- * alone. */
+/* Runs the task with a temporary pool of pool_most() threads. With few items (1024 or less) the
+ * caller runs it alone. */
 void pool_run_once(size_t items, team_task *task, void *with);
-/* Returns true if this process was forked from the one that started the pool's threads, so that
- * they do not exist here. pool_run then starts them anew. */
+/* Returns true if this process was forked from the one that started the pool's threads, so that the
+ * threads do not exist here. pool_run then starts them anew. */
 bool pool_forked(const pool *c);
-/* Returns how many threads this process may use at once: OMP_NUM_THREADS, else the number of its
- * cores. */
+/* Returns how many threads this process may use at once: OMP_NUM_THREADS if set, else the number of
+ * its cores. */
 int pool_most(void);
 
 void team_lead(const team *t);
@@ -51,12 +51,13 @@ void team_release(const team *t);
 void team_help(const team *t);
 
 void team_wait_all(const team *t);
-/* Barrier: waits for the whole team. Writes before it are visible to all threads after it. */
+/* Barrier: waits until all threads of the team have called it. Writes before the barrier are
+ * visible to all threads after it. */
 static inline void team_wait(const team *t) {
   if (t->size > 1) team_wait_all(t);
 }
 
-/* Returns this thread's range [*begin, *end) of n items; bounds are multiples of 8 (the last one
+/* Sets [*begin, *end) to this thread's range of n items. Bounds are multiples of 8 (the last one is
  * n), so that vectors are not split. */
 static inline void team_share(const team *t, size_t n, size_t *begin, size_t *end) {
   if (t->size == 1) {

@@ -67,8 +67,8 @@ char *text_escaped(const char *text, size_t most) {
   return out;
 }
 
-/* Writes formatted text behind the first `length` bytes of `text`, which it reallocates; text may
- * be NULL if length is 0. Returns the new block. */
+/* Formats a text and writes it behind the first `length` bytes of `text`, which is reallocated;
+ * text may be NULL if length is 0. Returns the new address. */
 static char *format_behind(char *text, size_t length, const char *format, va_list args) {
   va_list again;
   va_copy(again, args);
@@ -129,8 +129,8 @@ enum { LONGEST_WORD = 63 };
 static size_t min(size_t a, size_t b) { return a < b ? a : b; }
 
 /* Returns the number of insertions, deletions, replacements and swaps of adjacent characters that
- * turn a into b; SIZE_MAX for words longer than LONGEST_WORD. Upper and lower case count as equal,
- * except in swaps. */
+ * turn a into b (edit distance); SIZE_MAX for words longer than LONGEST_WORD. Upper and lower case
+ * count as equal, except in swaps. */
 static size_t edit_distance(const char *a, const char *b) {
   size_t m = strlen(a), n = strlen(b), row[3][LONGEST_WORD + 1];
   if (m > LONGEST_WORD || n > LONGEST_WORD) return SIZE_MAX;
@@ -153,7 +153,7 @@ guess guess_start(const char *word) { return (guess){word, NULL, SIZE_MAX}; }
 void guess_add(guess *g, const char *candidate) {
   if (!candidate) return;
   size_t distance = edit_distance(g->word, candidate), n = strlen(g->word);
-  /* accept "centre" for "center" or "kn" for "k_n", but not any word for any other */
+  /* Accept "centre" for "center" or "kn" for "k_n", but not a word with little in common. */
   size_t allowed = n <= 2 ? 1 : n <= 5 ? 2 : 3;
   if (distance >= strlen(candidate) || distance > allowed || distance >= g->distance) return;
   g->distance = distance;

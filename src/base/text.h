@@ -14,38 +14,39 @@ size_t text_step(const char *p);
 /* Returns true if the text is valid UTF-8 without control characters; line feeds and tabs are
  * allowed. */
 bool text_printable(const char *text);
-/* Replaces, in place, every byte that text_printable does not allow by '?'. Returns the text. */
+/* Replaces every byte that text_printable does not allow by '?', in place. Returns the text. */
 char *text_clean(char *text);
-/* Returns how many of the first n bytes a message quotes: at most LIMIT_QUOTE, and no part of a
- * character. */
+/* Returns how many of the first n bytes of a text a message quotes: at most LIMIT_QUOTE, and no
+ * incomplete character. */
 size_t text_quoted(const char *text, size_t n);
-/* Returns a copy, which the caller frees, with \xHH for control characters and invalid bytes. A
- * text longer than `most` bytes is cut and ends in "...". */
+/* Returns a copy of the text, which the caller frees, with \xHH for control characters and invalid
+ * bytes. A text longer than `most` bytes is cut and ends in "...". */
 char *text_escaped(const char *text, size_t most);
 
 /* Returns a text formatted as by printf; the caller frees it. */
 char *format_text(const char *format, ...) SD_PRINTF(1, 2);
-/* Appends formatted text to `text`, which is freed or reused, and returns the result; NULL if text
- * is NULL. */
+/* Appends formatted text to `text`, which must be allocated and may move, and returns the result;
+ * NULL if text is NULL. */
 char *append_text(char *text, const char *format, ...) SD_PRINTF(2, 3);
 /* Splits a text, in place, into its *n lines, without empty ones. Returns pointers into the text;
  * the caller frees the list. */
 const char **text_lines(char *text, size_t *n);
-/* Writes a cell of a CSV file (RFC 4180), in quotes if it has a comma, a quote or a line break. */
+/* Writes one cell of a CSV file (RFC 4180), in quotes if the text has a comma, a quote or a line
+ * break. */
 void text_cell(FILE *out, const char *text);
 /* Returns true if the text ends with `ending` and is longer than it. */
 bool text_ends(const char *text, const char *ending);
 
 /* --- the best match of a mistyped word among candidates, by edit distance --------------------- */
 
-/* State of a search for the candidate nearest to `word`. best: NULL while no candidate is near
- * enough to be meant. */
+/* State of a search for the word most similar to `word`. best: best candidate so far; NULL while no
+ * candidate is similar enough. */
 typedef struct guess {
   const char *word, *best;
   size_t distance;
 } guess;
 
 guess guess_start(const char *word);
-void guess_add(guess *g, const char *candidate); /* NULL is ignored */
+void guess_add(guess *g, const char *candidate); /* NULL candidates are ignored */
 
 #endif

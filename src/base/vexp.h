@@ -1,8 +1,9 @@
-/* vexp.h: the exponential function over lanes; included once per LANE_WIDTH after base/lane.h.
+/* vexp.h: the exponential function on vectors of LANE_WIDTH doubles; included once per LANE_WIDTH
+ * after base/lane.h.
  *
- * Basic operations only, in a fixed order, as in vmath.h. exp(x) = 2^n exp(r), |r| <= ln 2/2, with
- * ln 2 in two parts (Cody & Waite) and Taylor's polynomial for exp(r), whose remainder is below
- * 5e-18. The error is about one unit in the last place.
+ * Only basic operations are used, in a fixed order, as in vmath.h. exp(x) = 2^n exp(r), |r| <= ln
+ * 2/2, with ln 2 in two parts (Cody & Waite) and Taylor's polynomial for exp(r), whose remainder is
+ * below 5e-18. The error is about one unit in the last place.
  */
 
 /* Returns exp(x) for x <= 0; for x < -700 it returns exp(-700). */
@@ -23,7 +24,8 @@ LANE_INLINE LANE(real) LANE(exponential)(LANE(real) x) {
   p = p * r + 0.5;
   p = 1.0 + (r + r * r * p);
   LANE(bits)
-  /* the low bits of the sum hold n, to which the bias 1023 is added */
+  /* The low bits of the double n + 1.5 2^52 hold the integer n, to which the bias 1023 of the
+   * exponent is added. */
   power = (LANE(as_bits)(n + 0x1.8p52) + 1023u) << 52;
   return p * LANE(as_real)(power);
 }

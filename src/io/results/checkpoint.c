@@ -1,5 +1,6 @@
-/* checkpoint.c: writes and reads the columns of a state in checkpoint files, whole or in shares of
- * ranks; see checkpoint.h. */
+/* checkpoint.c: writes and reads the columns of a state in checkpoint files. In runs over several
+ * ranks (processes) each rank writes a file of its own with its disks and contacts, called a share;
+ * see checkpoint.h. */
 #include "io/results/checkpoint.h"
 
 #include <assert.h>
@@ -43,7 +44,7 @@ size_t checkpoint_extent_of(const sd_state *sizes, size_t k) {
 
 static void put_column(h5_file *file, const sd_field *f, size_t n, const void *data) {
   char *path = format_text("/state/%s", f->name);
-  /* No compression: a checkpoint is written often and read once. */
+  /* The columns are not compressed: a checkpoint is written often and read once. */
   if (f->extent == SD_PER_RUN)
     h5_put(file, path, f->type, 0, &n, data, false);
   else
@@ -53,8 +54,8 @@ static void put_column(h5_file *file, const sd_field *f, size_t n, const void *d
   free(path);
 }
 
-/* Writes all columns of the state. shared: leaves out the rows of free disks and contacts, which
- * the share files hold. */
+/* Writes all columns of the state. shared: true to leave out the rows of free disks and contacts,
+ * because each rank writes its own to a share file. */
 static void put_columns(h5_file *file, const sd_state *state, bool shared) {
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
@@ -79,7 +80,8 @@ int64_t checkpoint_count_contacts(const h5_file *file) {
   return h5_get_attr_i64(file, "/state", "n_contacts", -1);
 }
 
-/* A sum over 64-bit words takes a tenth of the time of the bytewise sd_state_hash. */
+/* Returns a checksum of all columns of the state. A sum over 64-bit words takes a tenth of the time
+ * of the bytewise sd_state_hash. */
 uint64_t checkpoint_sum_of(const sd_state *state) {
   uint64_t sum = FILE_SUM;
   for (size_t k = 0; k < sd_field_count; k++)
@@ -104,8 +106,8 @@ void checkpoint_put_state(h5_file *file, const sd_state *state) {
   h5_attr_text(file, "/state", "hash", checkpoint_hash_of(state, hash));
 }
 
-/* States smaller than this, in bytes, are copied into the file: that costs less than lending their
- * pages to it (h5_new_borrowing). */
+/* Size in bytes below which a state is copied into the file; for larger states the file refers to
+ * the memory of the state (h5_new_borrowing), which costs more for small ones. */
 static const uint64_t BORROWED = 16 << 20;
 
 uint64_t checkpoint_bytes(const sd_state *state) {
@@ -115,7 +117,8 @@ uint64_t checkpoint_bytes(const sd_state *state) {
   return bytes;
 }
 
-/* Makes a new file in memory for this state, which borrows the columns of a large state. */
+/* Makes a new file in memory for this state. If the state is large, the file refers to the state's
+ * columns instead of copying them. */
 static sd_status file_for(const sd_state *state, h5_file **file, sd_messages *messages) {
   const uint64_t bytes = checkpoint_bytes(state);
   return bytes < BORROWED ? h5_new(file, messages) : h5_new_borrowing(bytes, file, messages);
@@ -154,9 +157,9 @@ void checkpoint_remove_share(int folder, const char *path, size_t k) {
   free(name);
 }
 
-/* Writes a column of free disks or contacts into a group of a share. Row k is row from[k] of the
- * state; from NULL: row k. scratch: buffer for n rows of at most 8 bytes, used unless from is
- * NULL. */
+/* Writes a column of free disks or contacts into a group (/disks or /contacts) of a rank's share
+ * file. Row k of the file is row from[k] of the state, or row k if `from` is NULL. scratch: buffer
+ * for n rows of at most 8 bytes; not used if `from` is NULL. */
 static void put_rows(h5_file *file, const char *group, const sd_field *f, const void *data,
                      size_t n, const uint32_t *from, char *scratch) {
   const size_t size = sd_type_size(f->type), dims[2] = {n, SD_MEAN_BINS};
@@ -198,7 +201,7 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state,
   return status;
 }
 
-/* Counts the elements of a column; a number of the run counts as 1. */
+/* Sets *n to the number of values in a stored column; a column with a single number has 1. */
 static sd_status count_stored(const h5_file *checkpoint, const char *path, size_t *n,
                               sd_messages *messages) {
   size_t dims[H5_MAX_RANK] = {0};
@@ -259,7 +262,8 @@ char *checkpoint_get_replaces(const h5_file *file) {
   return h5_get_attr_text(file, "/checkpoint", "replaces");
 }
 
-/* Checks program and format of a file. least: oldest format that is accepted. */
+/* Checks that slipdisk has written a file, in a format that this version can read. least: oldest
+ * format that is accepted. */
 static sd_status check_version(const h5_file *file, const char *path, int64_t least,
                                sd_messages *messages) {
   char *creator = h5_get_attr_text(file, "/h5md/creator", "name");
@@ -328,7 +332,8 @@ sd_status checkpoint_check_state(const h5_file *file, const sd_model *model,
   const sd_state sizes = state_sizes(model);
   sd_status status = check_extents(file, &sizes, messages);
   const int64_t contacts = checkpoint_count_contacts(file);
-  /* A damaged count must not lead to an allocation of all memory: compare it with a column. */
+  /* A damaged count must not lead to an allocation of all memory, so it is compared with the length
+   * of a column. */
   if (status == SD_OK &&
       (contacts < 0 || h5_check(file, "/state/contact_a", (size_t)contacts, NULL) != SD_OK))
     status =
@@ -337,7 +342,8 @@ sd_status checkpoint_check_state(const h5_file *file, const sd_model *model,
 }
 
 /* Verifies the checksum of the state. Checkpoints have the attribute `sum`, results and checkpoints
- * of older versions `hash`; if there are shares, the seal of each share is verified instead. */
+ * of older versions `hash`. If the disks are in share files (one per rank), the checksum at the end
+ * of each share is verified instead. */
 static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messages *messages) {
   if (h5_has_shares(file)) return SD_OK;
   char found[20], *stored = h5_get_attr_text(file, "/state", "hash");
@@ -352,11 +358,12 @@ static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messa
 
 /* --- Columns, read from one file or from several shares --------------------------------------- */
 
-/* Range of rows of free disks and of contacts in one file, which is a whole checkpoint or a
- * share. */
+/* Range of rows of free disks and of contacts in one file: in a checkpoint that holds all disks, or
+ * in the share file of one rank. */
 typedef struct piece {
   h5_file *file;
-  /* groups that hold the columns of disks and of contacts; "" in a whole checkpoint */
+  /* names of the groups with the columns of disks and of contacts in a share file; "" in a
+   * checkpoint that holds all disks */
   const char *disks, *contacts;
   size_t first, n, first_contact, n_contacts;
 } piece;
@@ -365,8 +372,9 @@ static size_t width_of(const sd_field *f) {
   return f->extent == SD_PER_MEAN_BIN ? SD_MEAN_BINS : 1;
 }
 
-/* Reads n rows of a column. In a share, a column with several numbers per row is a two-dimensional
- * dataset; in a whole checkpoint it is one-dimensional, row after row. */
+/* Reads n rows of a column. A column with several numbers per row is a two-dimensional dataset in a
+ * share file (file of one rank); in a checkpoint of all disks it is one-dimensional, row after
+ * row. */
 static sd_status read_rows(const h5_file *file, const char *group, const sd_field *f, size_t first,
                            size_t n, void *rows, sd_messages *messages) {
   size_t dims[H5_MAX_RANK];
@@ -383,9 +391,9 @@ static sd_status read_rows(const h5_file *file, const char *group, const sd_fiel
   return status;
 }
 
-/* Reads a column, or the part of it, that does not belong to free disks or contacts. In a column of
- * bodies, prescribed bodies follow the free disks. before: number of free disks in the columns of
- * `head`; 0 if there are shares. */
+/* Reads those rows of a column that do not belong to free disks or contacts. In a column of bodies,
+ * the rows of prescribed bodies follow those of the free disks. before: number of rows of free
+ * disks in the file `head`; 0 if they are in share files. */
 static sd_status read_common(const h5_file *head, const sd_field *f, size_t before, sd_state *s,
                              sd_messages *messages) {
   const size_t size = sd_type_size(f->type), all = sd_extent_size(s, f->extent);
@@ -398,8 +406,9 @@ static sd_status read_common(const h5_file *head, const sd_field *f, size_t befo
   return status;
 }
 
-/* Reads a column for the disks of one piece. at: number of disks in the pieces before. place: slot
- * in the state of each disk, in the order of the pieces; NULL: slot k for disk k. */
+/* Reads a column for the disks of one piece (a file of one rank, or a range of rows). at: number of
+ * disks in the pieces before this one. place: slot in the state of each disk, in the order of the
+ * pieces; NULL: slot k for disk k. */
 static sd_status read_disks(const piece *p, const sd_field *f, size_t at, const uint32_t *place,
                             sd_state *s, sd_messages *messages) {
   const size_t row = sd_type_size(f->type) * width_of(f);
@@ -414,7 +423,8 @@ static sd_status read_disks(const piece *p, const sd_field *f, size_t at, const 
   return status;
 }
 
-/* Reads a column for the contacts of one piece. at: number of contacts in the pieces before. */
+/* Reads a column for the contacts of one piece (a file of one rank, or a range of rows). at: number
+ * of contacts in the pieces before this one. */
 static sd_status read_contacts(const piece *p, const sd_field *f, size_t at, sd_state *s,
                                sd_messages *messages) {
   if (f->extent == SD_PER_LAW_CONTACT && !s->law_columns) return SD_OK;
@@ -423,8 +433,9 @@ static sd_status read_contacts(const piece *p, const sd_field *f, size_t at, sd_
                    data + at * sd_type_size(f->type), messages);
 }
 
-/* Reads one column of the state from all pieces. head: file with the rows of everything else, which
- * follow `before` rows of free disks. */
+/* Reads one column of the state from all pieces (files of ranks, or ranges of rows). head: file
+ * with the rows of everything but free disks and contacts; they follow `before` rows of free
+ * disks. */
 static sd_status read_column(const h5_file *head, size_t before, size_t n_pieces, const piece *list,
                              const sd_field *f, const uint32_t *place, sd_state *s,
                              sd_messages *messages) {
@@ -441,8 +452,9 @@ static sd_status read_column(const h5_file *head, size_t before, size_t n_pieces
   return status;
 }
 
-/* Makes a state from the disks and contacts of the pieces, and from the rest in `head`. before,
- * place: as in read_column and read_disks. */
+/* Makes a state from the disks and contacts of n pieces (files of ranks, or ranges of rows), and
+ * from all other data in `head`. before: number of rows of free disks in `head`; place: slot in the
+ * state of each disk read, or NULL. */
 static sd_status get_pieces(const h5_file *head, size_t before, const sd_model *model, size_t n,
                             const piece *list, const uint32_t *place, sd_state **out,
                             sd_messages *messages) {
@@ -506,7 +518,7 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
 /* --- Reading a part of a state, in runs over several ranks ------------------------------------ */
 /* GCOVR_EXCL_START */
 
-/* Counts the rows of a dataset. */
+/* Sets *n to the number of rows of a dataset. */
 static sd_status count_rows(const h5_file *file, const char *path, size_t *n,
                             sd_messages *messages) {
   size_t dims[H5_MAX_RANK] = {0};
@@ -516,7 +528,8 @@ static sd_status count_rows(const h5_file *file, const char *path, size_t *n,
   return status;
 }
 
-/* Opens share k of the checkpoint `path` and verifies the checksum in its seal. */
+/* Opens share file k (that of one rank) of the checkpoint `path`, and verifies the checksum at its
+ * end, which must be `sum`. */
 static sd_status open_share(const char *path, size_t k, int64_t sum, piece *p,
                             sd_messages *messages) {
   uint64_t found = 0;
@@ -531,7 +544,8 @@ static sd_status open_share(const char *path, size_t k, int64_t sum, piece *p,
   return status;
 }
 
-/* Key of a disk, its slot in the order of all disks, and index of the row that was read. */
+/* Sort key of a disk, which is its slot in a run on one rank, and index of the row that was read
+ * for it. */
 typedef struct keyed {
   int64_t key;
   uint32_t row;
@@ -542,8 +556,8 @@ static int by_key(const void *one, const void *two) {
   return p < q ? -1 : p > q;
 }
 
-/* Sorts the disks of several shares by key. place: receives the slot in the new state of each row
- * read; order: receives the keys, ascending. */
+/* Sorts the disks of several share files (files of ranks) by key. place: receives, for each row
+ * read, the slot in the new state; order: receives the keys, ascending. */
 static sd_status order_rows(size_t n_pieces, const piece *list, size_t n, uint32_t *place,
                             uint32_t *order, sd_messages *messages) {
   keyed *rows;
@@ -565,7 +579,8 @@ static sd_status order_rows(size_t n_pieces, const piece *list, size_t n, uint32
   return status;
 }
 
-/* Reads the shares rank, rank + ranks, ... of a checkpoint as a state. */
+/* Reads the disks and contacts in share files rank, rank + ranks, ... of a checkpoint as a state.
+ * Share file k was written by rank k of the earlier run. */
 static sd_status get_shares(const h5_file *head, const char *path, const sd_model *model,
                             size_t rank, size_t ranks, sd_state **out, uint32_t **order,
                             sd_messages *messages) {
@@ -590,12 +605,14 @@ static sd_status get_shares(const h5_file *head, const char *path, const sd_mode
   return status;
 }
 
-/* Returns the first of n rows that belong to `rank` when ranks get equal ranges. */
+/* Returns the first of n rows that `rank` gets when all rows are divided into `ranks` equal
+ * ranges. */
 static size_t begin_of(size_t n, size_t rank, size_t ranks) {
   return n / ranks * rank + n % ranks * rank / ranks;
 }
 
-/* Reads one of `ranks` equal ranges of a checkpoint without shares as a state. */
+/* Reads one of `ranks` equal ranges of a checkpoint's disks and contacts, that with the number
+ * `rank`, as a state. The checkpoint is a single file. */
 static sd_status get_range(h5_file *file, const sd_model *model, size_t rank, size_t ranks,
                            sd_state **out, uint32_t **order, sd_messages *messages) {
   const size_t disks = model->n_free, contacts = (size_t)checkpoint_count_contacts(file),
@@ -630,14 +647,14 @@ sd_status checkpoint_get_some(const char *path, const sd_model *model, size_t ra
 /* GCOVR_EXCL_STOP */
 /* --- Means of disks, computed from a stored state --------------------------------------------- */
 
-/* Returns true if all n numbers of the list are below `end`; false also for NULL. */
+/* Returns true if all n numbers of the list are below `end`; false also if the list is NULL. */
 static bool are_below(const uint32_t *list, size_t n, size_t end) {
   bool good = list != NULL;
   for (size_t k = 0; good && k < n; k++) good = list[k] < end;
   return good;
 }
 
-/* Reads the columns that sd_disk_totals_of needs besides the means of disks. */
+/* Reads those columns that sd_disk_totals_of needs besides the means of each disk. */
 static sd_status read_for_totals(const h5_file *file, sd_state *s, sd_messages *messages) {
   sd_status status = SD_OK;
   s->n_contacts = (size_t)checkpoint_count_contacts(file);
@@ -653,8 +670,8 @@ static sd_status read_for_totals(const h5_file *file, sd_state *s, sd_messages *
   return sd_fail(messages, SD_ERROR_IO, "the state is damaged: there is no such body");
 }
 
-/* Computes the means of all disks, AT_ONCE disks at a time. s: receives the numbers of samples,
- * bins and measured steps of the run. */
+/* Computes the time averages of all disks, AT_ONCE disks at a time. s: receives the numbers of
+ * samples, bins and measured steps of the run. */
 static sd_status read_means(const h5_file *file, const sd_model *model, sd_state *s,
                             sd_disk_mean *means, int threads, sd_messages *messages) {
   enum { AT_ONCE = 1 << 16 };
@@ -705,8 +722,8 @@ sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_mo
   if (checkpoint_get_parts(file) < 0)
     return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
   sd_status status = checkpoint_check_format(file, path, messages);
-  /* The whole file is read now, so its seal is verified. Shares were verified when the file was
-   * opened, and the run may have removed the file since. */
+  /* The whole file is read now, so the checksum at its end is verified. Share files (those of
+   * ranks) were verified when the file was opened, and the run may have removed the file since. */
   if (status == SD_OK && !h5_has_shares(file) && file_exists(path))
     status = h5_verify(path, &sealed, &sum, messages);
   if (status == SD_OK && !model) status = constants_read(file, path, read_deck, &own, messages);

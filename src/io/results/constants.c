@@ -20,14 +20,14 @@
 #define WALLS "/particles/walls"
 #define CLUMPS "/particles/clumps"
 
-/* File that is being read, with the status so far. */
+/* File that is being read, and the first error that occurred. */
 typedef struct reader {
   const h5_file *file;
   sd_status status;
   sd_messages *messages;
 } reader;
 
-enum { LAW = 4 }; /* numbers per pair of materials in the dataset `laws` */
+enum { LAW = 4 }; /* number of values per pair of materials in the dataset `laws` */
 
 /* --- Write laws ------------------------------------------------------------------------------- */
 
@@ -51,7 +51,7 @@ static void put_laws(h5_file *file, const sd_model *m) {
   free(laws);
 }
 
-/* Written unless all laws are linear with gamma_n. */
+/* Writes the dataset normal_laws, unless all laws are linear with damping coefficient gamma_n. */
 static void put_normal_laws(h5_file *file, const sd_model *m) {
   size_t n = m->n_materials;
   bool linear = true;
@@ -69,8 +69,8 @@ static void put_normal_laws(h5_file *file, const sd_model *m) {
   free(laws);
 }
 
-/* Members of sd_contact_law beyond the dataset normal_laws, written if any law uses them; one row
- * each. */
+/* Further members of sd_contact_law, which the datasets laws and normal_laws do not hold. They are
+ * written if any law uses them. */
 static const struct law_member {
   const char *name;
   size_t offset;
@@ -87,8 +87,8 @@ static const struct law_member {
                    {"rupture", offsetof(sd_contact_law, rupture)}};
 enum { LAW_MEMBERS = sizeof law_members / sizeof *law_members, LAW_WORDS = 3 };
 
-/* Returns member c of a law as a number; the first LAW_WORDS members are a flag and two
- * enumerators. */
+/* Returns member number c (index in law_members) of a contact law as a number; the first LAW_WORDS
+ * members are a flag and two enumerators. */
 static double get_law_member(const sd_contact_law *law, size_t c) {
   const double words[LAW_WORDS] = {law->damping_pulls, law->tangential, law->cohesion};
   double x;
@@ -156,7 +156,7 @@ static void read_general_laws(reader *r, sd_model *m) {
   free(laws);
 }
 
-/* Reads materials, without names, and their laws. */
+/* Reads the materials, without their names, and the contact laws. */
 static void read_laws(reader *r, sd_model *m) {
   int rank = 0;
   size_t dims[H5_MAX_RANK] = {0};
@@ -272,8 +272,8 @@ static const char *name_of(const sd_model *m, size_t body) {
                            : m->clumps[body - bodies].name;
 }
 
-/* Writes the datasets id (body numbers first ... first + n - 1) and, if the deck names any of these
- * bodies, name. */
+/* Writes the dataset `id`, with body numbers first ... first + n - 1, and, if the deck names any of
+ * these bodies, the dataset `name`. */
 static void put_bodies(h5_file *file, const char *group, const sd_model *m, size_t first, size_t n,
                        const char *meaning) {
   char *path = format_text("%s/name", group), **names;
@@ -285,7 +285,8 @@ static void put_bodies(h5_file *file, const char *group, const sd_model *m, size
     size_t body = first + k;
     id[k] = (uint32_t)body;
     const char *name = name_of(m, body);
-    /* A body without a name keeps NULL: pages that are not written take no memory. */
+    /* The pointer of a body without a name is not written, since it is NULL already: memory pages
+     * that are not written take no memory. */
     if (name) names[k] = (char *)(uintptr_t)name;
     named = named || name;
   }
@@ -299,7 +300,7 @@ static void put_bodies(h5_file *file, const char *group, const sd_model *m, size
   free(path);
 }
 
-/* Writes the periodic box of a group of bodies, as H5MD asks for. */
+/* Writes the periodic box for a group of bodies in the file, as the H5MD standard asks for. */
 static void put_box(h5_file *file, const char *group, const sd_model *m) {
   char *box = format_text("%s/box", group);
   double lengths[2], lower[2];
@@ -321,7 +322,8 @@ static void put_box(h5_file *file, const char *group, const sd_model *m) {
 }
 
 /* Returns column `name` of the state, with n rows in the order of slots. If it is read from a
- * checkpoint, the caller frees *own. NULL: it cannot be read, see *status. */
+ * checkpoint, *own is set to it and the caller frees it. Returns NULL if it cannot be read; *status
+ * gives the error. */
 static const void *state_column(const constants_source *from, const char *name, size_t n,
                                 void **own, sd_status *status, sd_messages *messages) {
   size_t k = 0;
@@ -333,8 +335,8 @@ static const void *state_column(const constants_source *from, const char *name, 
   return *own = h5_column(from->checkpoint, path, sd_fields[k].type, n, status, messages);
 }
 
-/* Writes the constants of disks whose rows are spread over ranks: only the state holds them all.
- * One column at a time is read and sorted by body number. */
+/* Writes the constants of disks in runs where no rank holds those of all disks: they are read from
+ * columns of the state, one column at a time, and sorted by body number. */
 static sd_status put_made(h5_file *file, const sd_model *m, const constants_source *from,
                           sd_messages *messages) {
   static const char *const columns[] = {"radius", "mass", "inertia", "material", "group", NULL};
@@ -445,8 +447,8 @@ sd_status constants_write(h5_file *file, const sd_model *m, const constants_sour
 
 /* --- Read constants --------------------------------------------------------------------------- */
 
-/* Allocates n rows of a size read from the file: a damaged file may ask for more memory than there
- * is. `what` names the rows in the message. */
+/* Allocates n rows, where n is read from the file: a damaged file may ask for more memory than
+ * there is. what: name of the rows in the error message. */
 static void *rows_new(reader *r, size_t n, size_t size, const char *what) {
   void *rows = NULL;
   if (r->status == SD_OK && !memory_row(&rows, n, size))
@@ -454,7 +456,7 @@ static void *rows_new(reader *r, size_t n, size_t size, const char *what) {
   return rows;
 }
 
-/* Returns the number of rows of a dataset; 0 after a failure. */
+/* Returns the number of rows of a dataset; 0 if it cannot be read. */
 static size_t count(reader *r, const char *path) {
   int rank = 0;
   size_t dims[H5_MAX_RANK] = {0};
@@ -462,7 +464,7 @@ static size_t count(reader *r, const char *path) {
   return r->status == SD_OK && rank > 0 ? dims[0] : 0;
 }
 
-/* Reads gravity, box, region and container. */
+/* Reads gravity, periodic box, region and container of the model. */
 static void read_space(reader *r, sd_model *m) {
   double box[4], area[4];
   int32_t periodic[2];
@@ -493,8 +495,8 @@ static void check_species(reader *r, const sd_model *m, int species) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "the materials of the bodies are damaged");
 }
 
-/* Reads the names of n bodies; those without a name are NULL. The caller frees the list and its
- * texts. NULL: no body has a name. */
+/* Reads the names of n bodies; bodies without a name get NULL. The caller frees the list and its
+ * texts. Returns NULL if no body has a name. */
 static char **read_names(reader *r, const char *path, size_t n) {
   if (r->status != SD_OK || !h5_exists(r->file, path)) return NULL;
   char **names = rows_new(r, n, sizeof *names, "names");
@@ -531,7 +533,8 @@ static void read_disks(reader *r, sd_model *m) {
   free(names);
 }
 
-/* Reads the clumps without the lists of their disks: each disk stores the number of its clump. */
+/* Reads the clumps without lists of their disks, which are not stored: each disk stores the number
+ * of its clump. */
 static void read_clumps(reader *r, sd_model *m) {
   if (r->status != SD_OK || !h5_exists(r->file, CLUMPS "/mass")) return;
   const size_t n = count(r, CLUMPS "/mass");
@@ -548,8 +551,8 @@ static void read_clumps(reader *r, sd_model *m) {
   if (r->status == SD_OK) m->n_clumps = n;
 }
 
-/* Gives each wall its n_points points from the list of the points of all walls. Returns false if
- * the list has fewer points. */
+/* Gives each wall its points: the list has the n_points points of the first wall, then those of the
+ * next one. Returns false if the list has too few points. */
 static bool share_points(sd_model *m, size_t total, const double *points) {
   for (size_t k = 0, at = 0; k < m->n_walls; k++) {
     sd_wall *w = &m->walls[k];
@@ -590,8 +593,8 @@ static void read_walls(reader *r, sd_model *m) {
   free(points);
 }
 
-/* Reads the names of materials and groups from the lines of deck_bodies, which
- * io/deck/deck_result.c writes; older files have none. */
+/* Reads the names of materials and groups from the text deck_bodies, which io/deck/deck_result.c
+ * writes; older files have none. */
 static void read_words(reader *r, sd_model *m) {
   char *text = r->status == SD_OK ? h5_get_text(r->file, "/parameters/deck_bodies") : NULL,
        *rest = NULL;
@@ -621,7 +624,8 @@ static sd_status read_file(const h5_file *file, sd_model *m, sd_messages *messag
   return r.status;
 }
 
-/* Rebuilds the model from the completed deck that is stored in the file. */
+/* Rebuilds the model from the completed deck (with all defaults filled in) that is stored in the
+ * file. */
 static sd_status from_deck(const h5_file *file, const char *path, constants_deck_reader *read_deck,
                            sd_model **out, sd_messages *messages) {
   char *full = h5_get_text(file, "/parameters/deck_full");

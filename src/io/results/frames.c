@@ -1,4 +1,5 @@
-/* frames.c: finds stored frames by number or time and reads them; see frames.h. */
+/* frames.c: finds frames (stored configurations of all bodies) by number or time and reads them;
+ * see frames.h. */
 #include "io/results/frames.h"
 
 #include <stdlib.h>
@@ -25,12 +26,12 @@ static size_t rows_of(const h5_file *file, const char *path) {
 
 /* --- Sources and list of frames --------------------------------------------------------------- */
 
-/* Opens the file of a source; call release_source when done with it. */
+/* Opens file number `source` of the files with frames; call release_source when done with it. */
 static sd_status open_source(const frames *f, size_t source, h5_file **out, sd_messages *messages) {
   const char *path = f->sources[source].path;
   *out = f->base;
   if (strcmp(path, f->path) == 0) return SD_OK;
-  /* add_source verifies the checksum of each file once */
+  /* The checksum of each file is verified only the first time, by add_source. */
   return f->sources[source].checked ? h5_open_again(path, out, messages)
                                     : h5_open(path, out, messages);
 }
@@ -39,7 +40,7 @@ static void release_source(const frames *f, h5_file *file) {
   if (file != f->base) h5_close(file, NULL);
 }
 
-/* Appends a file to the sources and counts its frames. */
+/* Appends a file to the list of files with frames, and counts its frames. */
 static sd_status add_source(frames *f, const char *path, sd_messages *messages) {
   size_t k = f->n_sources;
   f->sources = memory_grow(f->sources, k + 1, sizeof *f->sources);
@@ -108,8 +109,8 @@ sd_status frames_entry(const frames *f, size_t k, frame_entry *out, sd_messages 
 }
 
 sd_status frames_nearest(const frames *f, double time, size_t *nearest, sd_messages *messages) {
-  /* Bisection: times ascend. Find the first frame that is not before `time`; the nearest frame is
-   * that one, the one before it, or the state. */
+  /* Bisection, since times ascend: find the first frame that is not before `time`. The nearest
+   * frame is that one, the one before it, or the final state. */
   size_t low = 0, high = f->n;
   frame_entry e;
   sd_status status = SD_OK;
@@ -121,7 +122,7 @@ sd_status frames_nearest(const frames *f, double time, size_t *nearest, sd_messa
     else
       high = middle;
   }
-  *nearest = f->n; /* index of the state */
+  *nearest = f->n; /* index that stands for the final state */
   double off = fabs(f->state_time - time);
   for (size_t k = low < f->n ? low + 1 : f->n; status == SD_OK && k-- > (low > 0 ? low - 1 : 0);) {
     status = frames_entry(f, k, &e, messages);
@@ -134,7 +135,7 @@ sd_status frames_nearest(const frames *f, double time, size_t *nearest, sd_messa
 
 /* --- The state as a frame --------------------------------------------------------------------- */
 
-/* File that is being read, with the status so far. */
+/* File that is being read, and the first error that occurred. */
 typedef struct reader {
   const h5_file *file;
   sd_status status;
@@ -148,7 +149,8 @@ static void *state_column(reader *r, const char *name, sd_type type, size_t n) {
   return h5_column(r->file, path, type, n, &r->status, r->messages);
 }
 
-/* Copies the bodies of the state into a frame, sorted by body number. */
+/* Copies poses and velocities of the bodies from the state of the file into a frame, sorted by body
+ * number. */
 static void state_bodies(reader *r, frame_data *f) {
   size_t n = f->n_bodies, n_free = rows_of(r->file, "/state/activity");
   uint32_t *id = state_column(r, "id", SD_U32, n);
@@ -182,7 +184,8 @@ static void state_bodies(reader *r, frame_data *f) {
   free(id);
 }
 
-/* Reads the shape of a box that deforms. In other states these columns are empty or missing. */
+/* Reads the shape of a deforming periodic box from the state of the file. If the box does not
+ * deform, these columns are empty or missing. */
 static void state_cell(reader *r, const sd_model *m, frame_data *f) {
   double cell[CELL_COLUMNS], speed[CELL_COLUMNS];
   if (!h5_exists(r->file, "/state/cell") || rows_of(r->file, "/state/cell") != CELL_COLUMNS) return;
@@ -197,7 +200,8 @@ static void state_cell(reader *r, const sd_model *m, frame_data *f) {
   cell_gradient_of(m, &s, f->gradient);
 }
 
-/* Reads only the activity of disks from the state, for a frame that does not store it. */
+/* Reads only the activity of the disks (in play, waiting, removed) from the state of the file, for
+ * a frame that does not store it. */
 static void state_activity(reader *r, frame_data *f) {
   size_t n_free = rows_of(r->file, "/state/activity");
   uint32_t *id = state_column(r, "id", SD_U32, f->n_bodies);
@@ -208,8 +212,8 @@ static void state_activity(reader *r, frame_data *f) {
   free(activity);
 }
 
-/* Reads the contacts of the state. If the file does not store the tangential force tau, tau = - k_t
- * zeta. */
+/* Reads the contacts of the file's state into a frame. If the file does not store the tangential
+ * force tau, tau = - k_t zeta. */
 static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   size_t n = rows_of(r->file, "/state/contact_a");
   if (r->status == SD_OK) r->status = h5_check(r->file, "/state/contact_a", n, r->messages);
@@ -264,8 +268,8 @@ static sd_status read_state(const frames *f, frame_data *out, sd_messages *messa
 
 /* --- Stored frames ---------------------------------------------------------------------------- */
 
-/* Reads row `row` of an element such as "position", for disks and then for walls, into `data`,
- * which has `width` numbers for each body. */
+/* Reads row `row` of the stored quantity `name` (such as "position"), for disks and then for walls,
+ * into `data`, which has `width` numbers for each body. */
 static sd_status frame_element(const h5_file *file, const char *name, size_t row, size_t width,
                                frame_data *f, double *data, sd_messages *messages) {
   sd_status status = SD_OK;
@@ -285,8 +289,9 @@ static sd_status frame_element(const h5_file *file, const char *name, size_t row
   return status;
 }
 
-/* Finds the first row of the contacts in row `row` of the index. A result stores it; in a part it
- * is the sum of the counts before. */
+/* Sets *first to the first row, in the long table of contacts, of those that row `row` of the
+ * contact index describes. A finished result stores this number; in a part file it is the sum of
+ * the counts before. */
 static sd_status first_contact(const h5_file *file, size_t row, int64_t *first,
                                sd_messages *messages) {
   if (h5_exists(file, "/contacts/first"))
@@ -303,14 +308,15 @@ static sd_status first_contact(const h5_file *file, size_t row, int64_t *first,
   return status;
 }
 
-/* Finds the rows of the contact table of this step: `rows` rows from row *first on. Steps ascend;
- * if several tables have the same step, takes the last. Returns false if there is no table or after
- * a failure. */
+/* Finds the contacts that were stored at this step: *rows rows of the long table of contacts, from
+ * row *first on. Steps ascend; if contacts were stored several times at one step, the last ones are
+ * taken. Returns false if there are none or after a failure. */
 static bool find_table(const h5_file *file, int64_t step, int64_t *first, int64_t *rows,
                        sd_status *status, sd_messages *messages) {
   size_t low = 0, high = rows_of(file, "/contacts/step");
   int64_t at = -1;
-  while (*status == SD_OK && low < high) { /* bisection: find the first table with a later step */
+  /* Bisection: find the first entry of the contact index with a later step. */
+  while (*status == SD_OK && low < high) {
     size_t middle = low + (high - low) / 2;
     *status = h5_get_values(file, "/contacts/step", SD_I64, middle, 1, 1, &at, messages);
     if (at <= step)
@@ -326,7 +332,7 @@ static bool find_table(const h5_file *file, int64_t step, int64_t *first, int64_
   return *status == SD_OK;
 }
 
-/* Reads the contacts of the frame's step, if a table of that step is stored. */
+/* Reads the contacts at the step of the frame, if contacts were stored at that step. */
 static sd_status frame_contacts(const h5_file *file, frame_data *f, sd_messages *messages) {
   sd_status status = SD_OK;
   int64_t first = 0, n = 0;

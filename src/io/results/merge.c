@@ -1,4 +1,4 @@
-/* merge.c: copies the rows of all parts into the result file; see merge.h. */
+/* merge.c: copies the rows of all part files of a run into the result file; see merge.h. */
 #include "io/results/merge.h"
 
 #include <assert.h>
@@ -15,8 +15,8 @@
 /* Rows are copied in blocks of at most this many bytes. */
 enum { PIECE_BYTES = 32 << 20 };
 
-/* Opens a part and counts the rows of each table. sum: on entry the checksum in the seal of the
- * part before, on return that in its own seal. */
+/* Opens part file number `number` of the result and counts the rows of each table. sum: on entry
+ * the checksum at the end of the part before, on return that at the end of this part. */
 static sd_status open_part(const merge_job *job, int64_t number, h5_file **part,
                            size_t rows[RECORD_TABLES], uint64_t *bytes, uint64_t *sum,
                            sd_messages *messages) {
@@ -36,7 +36,7 @@ static sd_status open_part(const merge_job *job, int64_t number, h5_file **part,
   return status;
 }
 
-/* Checks a part and counts its rows, without keeping it open. */
+/* Checks part file number `number` and counts the rows of its tables, without keeping it open. */
 static sd_status count_rows(const merge_job *job, int64_t number, size_t rows[RECORD_TABLES],
                             uint64_t *bytes, uint64_t *sum, sd_messages *messages) {
   h5_file *part = NULL;
@@ -63,7 +63,7 @@ sd_status merge_check_parts(const folder *f, const record *layout, const char *r
   return status;
 }
 
-/* Copies n rows of a column of a part into the result, from row `first` on. */
+/* Copies n rows of one column from a part file into the result, to rows first ... first + n - 1. */
 static sd_status copy_column(const table_column *c, const h5_file *part, h5_file *out, size_t first,
                              size_t n, sd_messages *messages) {
   size_t row = c->width * sd_type_size(c->type);
@@ -83,8 +83,8 @@ static sd_status copy_column(const table_column *c, const h5_file *part, h5_file
   return status;
 }
 
-/* Copies all rows of a part. The part is opened and verified again, so the copied bytes are
- * verified ones. done: rows of each table copied so far. */
+/* Copies all rows of one part file into the result. The part is opened and verified again, so the
+ * copied bytes are verified ones. done: number of rows of each table copied so far. */
 static sd_status copy_part(const merge_job *job, int64_t number, h5_file *out,
                            size_t done[RECORD_TABLES], uint64_t *sum, sd_messages *messages) {
   h5_file *part = NULL;
@@ -101,8 +101,8 @@ static sd_status copy_part(const merge_job *job, int64_t number, h5_file *out,
   return status;
 }
 
-/* Writes the index column `first`: row of the first contact of each moment, the running sum of the
- * counts. */
+/* Writes the column `first` of the contact index: for each time at which contacts were stored, the
+ * row of the first contact, which is the sum of the counts before. */
 static sd_status write_offsets(h5_file *out, size_t n, sd_messages *messages) {
   enum { BLOCK = 65536 };
   h5_make(out, "/contacts/first", SD_I64, 1, &n, false);
@@ -124,7 +124,7 @@ static sd_status write_offsets(h5_file *out, size_t n, sd_messages *messages) {
   return status;
 }
 
-/* Writes everything except the rows of tables. */
+/* Writes everything into the result except the rows of tables. */
 static sd_status write_rest(const merge_job *job, h5_file *out, sd_messages *messages) {
   sd_status status = SD_OK;
   provenance_write(job->origin, out);
@@ -142,7 +142,8 @@ static sd_status write_rest(const merge_job *job, h5_file *out, sd_messages *mes
 
 static bool stopped(const merge_job *job) { return job->stop && *job->stop; }
 
-/* Fills the draft of the result. total: rows of each table. */
+/* Fills the result file, which is written under a temporary name (draft). total: number of rows of
+ * each table. */
 static sd_status fill(const merge_job *job, h5_file *out, const size_t total[RECORD_TABLES],
                       sd_messages *messages) {
   size_t done[RECORD_TABLES] = {0};
@@ -159,8 +160,8 @@ static sd_status fill(const merge_job *job, h5_file *out, const size_t total[REC
   return status;
 }
 
-/* Writes the result. The draft is in the folder of the parts, so that a killed merge leaves no file
- * beside the result. */
+/* Writes the result. It is first written as a draft in the folder of the parts, so that a merge
+ * that is killed leaves no file beside the result. */
 static sd_status write_result(const merge_job *job, const size_t total[RECORD_TABLES],
                               uint64_t bytes, sd_messages *messages) {
   h5_file *out = NULL;

@@ -1,9 +1,10 @@
-/* merge.h: merges the sealed parts of a finished run into one result file.
+/* merge.h: merges the part files of a finished run into one result file.
  *
  * Parts are read and copied one after the other, a block of rows at a time, so that memory stays
- * bounded for any length of the run. The result is written as a draft in the folder of the parts,
- * read back, compared with what was written, sealed and renamed. Parts are only read, so an
- * interrupted merge can simply be repeated. */
+ * bounded for any length of the run. The result is written under a temporary name in the folder of
+ * the parts, read back, compared with what was written, closed with a checksum and renamed. Part
+ * files are only read, so an interrupted merge can simply be repeated.
+ */
 #ifndef SLIPDISK_IO_MERGE_H
 #define SLIPDISK_IO_MERGE_H
 
@@ -16,24 +17,25 @@
 /* Inputs of a merge. */
 typedef struct merge_job {
   const char *result;   /* path of the result file */
-  file_replace how;     /* FILE_KEEP: it is an error if the result exists */
-  const folder *folder; /* open folder of the parts */
-  int64_t parts;        /* number of parts */
-  const record *layout; /* tables and columns of the result; its rows are ignored */
+  file_replace how;     /* FILE_KEEP: it is an error if the result file already exists */
+  const folder *folder; /* open folder with the part files */
+  int64_t parts;        /* number of part files */
+  /* tables and columns that the result has; rows in this record are ignored */
+  const record *layout;
   const sd_model *model;
   const sd_state *state;     /* final state; NULL: it is copied from `checkpoint` */
   const h5_file *checkpoint; /* source of the final state, column by column, if `state` is NULL */
   const provenance *origin;
-  const summary *found; /* summary to store as /summary */
+  const summary *found; /* summary to be stored as /summary */
   /* merge_parts returns SD_INTERRUPTED soon after this becomes nonzero; may be NULL */
   const volatile sig_atomic_t *stop;
 } merge_job;
 
-/* Merges all parts into the result. */
+/* Merges all part files into the result file. */
 sd_status merge_parts(const merge_job *job, sd_messages *messages);
-/* Checks that parts 1 ... `parts` exist, are intact, belong to this run and follow one another.
- * last: checksum in the seal of the last part, as the checkpoint gives it. SD_ERROR_IO: one does
- * not. */
+/* Checks that part files 1 ... `parts` exist, are intact, belong to this run and follow one
+ * another. last: checksum at the end of the last part, as the checkpoint gives it. SD_ERROR_IO: one
+ * of the checks fails. */
 sd_status merge_check_parts(const folder *f, const record *layout, const char *run_id,
                             int64_t parts, uint64_t last, sd_messages *messages);
 

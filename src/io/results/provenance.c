@@ -43,12 +43,13 @@ static const observable numbers[] = {
 const observable_list provenance_observables =
     OBSERVABLES("parameters", "attributes of /parameters, beside texts, seed and inputs", numbers);
 
-/* Texts of the deck are datasets, since they may be longer than an attribute can be (64 KiB). */
+/* Texts of the deck are stored as datasets, since they may be longer than an attribute can be (64
+ * KiB). */
 static const provenance_text decks[] = {TEXT(deck_text), TEXT(deck_overrides), TEXT(deck_full),
                                         TEXT(deck_bodies)};
 enum { DECKS = sizeof decks / sizeof *decks };
 
-/* Returns the address of the text member at this offset. */
+/* Returns the address of the member (a text, char *) of *p at this offset. */
 static char **place(const provenance *p, size_t offset) {
   return (char **)(void *)((char *)(uintptr_t)p + offset);
 }
@@ -65,7 +66,7 @@ static void set(char **at, const char *text) {
   *at = copy;
 }
 
-/* Writes the time in UTC, ISO 8601. */
+/* Writes the present time, in UTC and ISO 8601 format, into `text`. */
 static void now(char *text, size_t size) {
   time_t t = time(NULL);
   struct tm utc;
@@ -73,8 +74,8 @@ static void now(char *text, size_t size) {
   strftime(text, size, "%Y-%m-%dT%H:%M:%SZ", &utc);
 }
 
-/* Makes an identifier of 128 random bits; of clock and process number if /dev/urandom cannot be
- * read. */
+/* Makes a run identifier of 128 random bits, or of clock and process number if /dev/urandom cannot
+ * be read. */
 static void make_run_id(char text[33]) {
   uint64_t bits[2] = {0, 0};
   int fd = open("/dev/urandom", O_RDONLY | O_CLOEXEC);
@@ -89,8 +90,8 @@ static void make_run_id(char text[33]) {
   snprintf(text, 33, "%016llx%016llx", (unsigned long long)bits[0], (unsigned long long)bits[1]);
 }
 
-/* Finds the author: SLIPDISK_AUTHOR, else full name or login name of the account. "unknown" for
- * root and system accounts, which do not belong to a person. */
+/* Finds the name of the author: environment variable SLIPDISK_AUTHOR, else full name or login name
+ * of the account. "unknown" for root and system accounts, which do not belong to a person. */
 static void author_of(char *text, size_t size) {
   enum { FIRST_PERSON = 1000 };
   struct passwd entry, *found = NULL;
@@ -107,10 +108,10 @@ static void author_of(char *text, size_t size) {
     snprintf(text, size, "%s", found->pw_name);
 }
 
-/* Adds to the checksum the contacts taken from a packing file, and the walls, whose positions then
- * come from that file. */
+/* Returns the checksum `sum` continued over the contacts taken from a packing file, and over the
+ * walls, whose positions then come from that file. */
 static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
-  /* a large file has a checksum of its contacts of its own */
+  /* contacts of a large packing file have a checksum of their own */
   const bool large = model->tiles.n_contacts > 0;
   if (large) sum = file_sum(sum, &model->tiles.contact_inputs, sizeof model->tiles.contact_inputs);
   for (size_t k = 0; !large && k < model->n_memories; k++) {
@@ -130,8 +131,8 @@ static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
 int64_t provenance_inputs(const sd_model *model) {
   uint64_t sum = FILE_SUM;
   if (model->parted) return model->inputs;
-  /* Disks of generated tiles follow from the deck's text, and a large file has a checksum of its
-   * own, so the disks of tiles are skipped below. */
+  /* Disks of a packing generated in tiles (rectangles of the region) follow from the deck's text,
+   * and a large packing file has a checksum of its own, so the disks of tiles are skipped below. */
   const sd_tiles *t = &model->tiles;
   if (t->inputs != 0) sum = file_sum(sum, &t->inputs, sizeof t->inputs);
   for (size_t k = 0; k < model_held(model); k++) {

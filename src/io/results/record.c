@@ -1,4 +1,5 @@
-/* record.c: fills the tables of rows and seals them into parts; see record.h. */
+/* record.c: collects rows of output in memory and writes them to part files of the result; see
+ * record.h. */
 #include "io/results/record.h"
 
 #include <assert.h>
@@ -9,11 +10,11 @@
 #include "base/text.h"
 #include "io/results/trajectory.h"
 
-/* Keys of the contacts of one moment are below this (see checkpoint_order). */
+/* Upper bound of the sort keys of contacts stored at one time (see checkpoint_order). */
 static const int64_t MOMENT = INT64_C(1) << 33;
 
-/* Adds the first column of a share's table, the key: position of the row among the rows of all
- * ranks. */
+/* Adds the first column of a table in a share file (file of one rank): the key, which gives the
+ * position of the row among the rows of all ranks. */
 static table *add_key(table *t) {
   t->compress = true;
   table_add(t, "key", SD_I64, 0, NULL, "1", "order");
@@ -104,7 +105,7 @@ static void put_key(table *t, size_t row, int64_t key) {
   memcpy((int64_t *)table_cell(t, 0) + row, &key, sizeof key);
 }
 
-/* Adds a frame with disks sorted by their number, so that keys ascend. */
+/* Adds a frame, one row per disk, with disks sorted by body number, so that keys ascend. */
 static sd_status put_disks(record *r, const moment *now, size_t driven, int64_t first,
                            sd_messages *messages) {
   const sd_state *s = now->state;

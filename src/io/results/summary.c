@@ -1,5 +1,5 @@
-/* summary.c: collects the summary of a run, writes and reads it; see summary.h. Doubts are in
- * summary_doubts.c. */
+/* summary.c: computes the summary of a run's results, writes and reads it; see summary.h. Warnings
+ * about a result (doubts) are in summary_doubts.c. */
 #include "io/results/summary.h"
 
 #include <math.h>
@@ -100,15 +100,14 @@ static const observable phase_rows[] = {
 const observable_list phase_observables =
     OBSERVABLES("phase", "of each phase, in /summary/phase", phase_rows);
 
-/* Arrays of structures in the summary, stored with the names of the bodies or phases that the rows
- * describe. */
+/* Description of the arrays of structures in the summary. They are stored with the names of the
+ * bodies or phases that the rows describe. */
 static const struct group {
   const char *path, *names_path, *first;
   const observable_list *list;
-  /* offsets in `summary` of the number of rows, of the pointer to them, and of the pointer to
-   * names */
+  /* offsets in struct summary of: number of rows, pointer to the rows, pointer to the names */
   size_t count, rows, names;
-  size_t stride, each; /* bytes of a row; number of names per row */
+  size_t stride, each; /* size of a row in bytes; number of names per row */
 } groups[] = {
     {"/summary/rotation", "/summary/rotation/name", "/summary/rotation/disk", &rotation_observables,
      offsetof(summary, n_rotations), offsetof(summary, rotations),
@@ -168,7 +167,7 @@ static void collect_stages(summary *s, const sd_model *model, const sd_state *st
   }
 }
 
-/* Lists disks that are beyond the bounds or removed. */
+/* Lists the disks that have left the bounds or have been removed. */
 static summary_lost lost_of(const sd_state *state) {
   summary_lost lost = {.n = outside_count(state)};
   for (size_t i = 0; i < state->n_free && lost.told < SUMMARY_LOST; i++)
@@ -178,8 +177,8 @@ static summary_lost lost_of(const sd_state *state) {
   return lost;
 }
 
-/* Sets the numbers of disks outside and waiting, and the text that lists the first disks
- * outside. */
+/* Sets the number of disks outside the bounds, the number of disks that wait for insertion, and the
+ * text that lists the first disks outside. */
 static void collect_lost(summary *s, const sd_model *model, const sd_state *state,
                          const summary_lost *lost) {
   s->outside = lost->n;
@@ -327,8 +326,8 @@ void summary_write(const summary *s, h5_file *file) {
   summary_doubts_write(s, file);
 }
 
-/* Reads the lengths of the arrays and allocates them. A length is compared with its dataset first,
- * since a damaged file may ask for more memory than there is. */
+/* Reads the lengths of the arrays of the summary and allocates them. Each length is first compared
+ * with that of a dataset, since a damaged file may ask for more memory than there is. */
 static sd_status read_counts(summary *s, const h5_file *file, sd_messages *messages) {
   for (const struct group *g = groups; g < groups + GROUPS; g++) {
     int64_t n = h5_exists(file, g->path) ? h5_get_attr_i64(file, g->path, "count", 0) : 0;
@@ -407,10 +406,11 @@ static sd_status no_memory(sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
 }
 
-/* Returns |Omega| of a disk, -1 if it is not known. */
+/* Returns |Omega|, the magnitude of the mean angular velocity of a disk; -1 if it is not known. */
 static double speed_of(const sd_disk_mean *d) { return isnan(d->omega) ? -1 : fabs(d->omega); }
 
-/* Keeps the SUMMARY_FASTEST disks of largest |Omega|, sorted, in s->fastest. */
+/* Stores the SUMMARY_FASTEST disks of largest |Omega| (mean angular velocity) in s->fastest, in
+ * descending order. */
 static void find_fastest(summary_disks *s) {
   sd_disk_mean *list = s->fastest;
   size_t n = 0;
@@ -425,10 +425,12 @@ static void find_fastest(summary_disks *s) {
   s->n_fastest = n;
 }
 
-/* Sorts the means of n disks by body number. place: [n_disks] scratch, all zero on entry. */
+/* Sorts the time averages of n disks by body number. place: [n_disks] work memory, all zero on
+ * entry. */
 static void sort_by_number(const sd_disk_mean *means, size_t n, size_t n_disks, uint32_t *place,
                            sd_disk_mean *sorted) {
-  for (size_t k = 0; k < n; k++) place[means[k].disk] = 1; /* mark the disks that have means */
+  /* mark the disks that have time averages */
+  for (size_t k = 0; k < n; k++) place[means[k].disk] = 1;
   uint32_t before = 0;
   for (size_t i = 0; i < n_disks; i++) {
     const uint32_t there = place[i];
@@ -445,8 +447,8 @@ typedef struct means_task {
   const sd_state *state;
 } means_task;
 
-/* Computes the means of this thread's range of disks. Disks are independent, so results do not
- * depend on the number of threads. */
+/* Computes the time averages of this thread's range of disks. Disks are independent, so results do
+ * not depend on the number of threads. */
 static void means_together(const team *t, void *with) {
   const means_task *f = with;
   size_t begin, end;
@@ -527,7 +529,7 @@ sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages 
   s->later = !h5_exists(file, "/summary/disks/id");
   if (s->later) return SD_OK;
   members_read_attrs(file, group, &total_observables, &s->totals);
-  /* Older files have no list of the fastest disks: find them among all. */
+  /* Older files have no list of the fastest disks, so these are searched among all disks. */
   if (!h5_exists(file, fastest_group)) {
     sd_status status = summary_disks_read_all(s, file, messages);
     if (status == SD_OK) find_fastest(s);

@@ -1,5 +1,5 @@
-/* summary_doubts.c: compares a summary with the limits of its deck and words the doubts; see
- * summary.h. */
+/* summary_doubts.c: compares a summary with the limits of its deck and writes the texts of the
+ * warnings, called doubts; see summary.h. */
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
@@ -28,12 +28,12 @@ const struct doubt_row doubt_kinds[DOUBT_KINDS] = {
                         "whose dt is beyond the limit of stability: results mean nothing"},
 };
 
-/* Gap between two bodies, over the radius, below which they count as touching. */
+/* Gap between two bodies, divided by the radius, below which they count as touching. */
 static const double TOUCHING = 1e-6;
 
 /* --- Comparison with the limits --------------------------------------------------------------- */
 
-/* Records a doubt; takes over `text`. */
+/* Stores a warning (doubt) in the summary, which then owns `text`. */
 static void doubt(summary *s, doubt_kind kind, double value, double limit, char *text) {
   s->doubts[kind] = (summary_doubt){text, value, limit};
 }
@@ -45,8 +45,8 @@ double summary_farthest(const sd_state *state) {
   return farthest;
 }
 
-/* Estimates the error of the elastic energy due to rounding of positions: largest k_n times the sum
- * of overlaps times the rounding error of the largest position. */
+/* Estimates the error of the elastic energy due to rounding of positions: largest stiffness k_n
+ * times the sum of overlaps times the rounding error of the largest position. */
 static double rounding(const sd_model *model, const summary_sums *sums) {
   double stiffest = 0;
   for (size_t k = 0; k < model->n_materials * model->n_materials; k++)
@@ -56,7 +56,7 @@ static double rounding(const sd_model *model, const summary_sums *sums) {
 
 static void judge_residual(summary *s, double limit, double floor, const sd_model *model) {
   const sd_energy *e = &s->energy;
-  /* A residual of NAN is reported, too. */
+  /* A residual of the energy budget that is NAN is reported, too. */
   if (!(limit > 0) || fabs(e->residual) <= fmax(limit * e->scale, floor)) return;
   double part = fabs(e->residual) / e->scale;
   char *first = model ? advice_first_jump(model) : NULL;
@@ -67,7 +67,8 @@ static void judge_residual(summary *s, double limit, double floor, const sd_mode
   free(first);
 }
 
-/* Returns the gap between the surfaces of a disk and its partner now; NAN: not known. */
+/* Returns the present gap between the surfaces of a disk and of the other body of a contact; NAN:
+ * not known. */
 static double gap_now(const sd_model *model, const sd_state *state, uint32_t disk,
                       uint32_t partner) {
   double pose[3] = {NAN, NAN, NAN}, x[2] = {NAN, NAN};
@@ -86,7 +87,8 @@ static double gap_now(const sd_model *model, const sd_state *state, uint32_t dis
 }
 
 /* Explains why a watched contact was open, such as ": it opened 3 times, 0.2 radii apart at the
- * end"; "" without a state. The caller frees the text. one: index of the partner, 0 or 1. */
+ * end"; "" without a state. The caller frees the text. one: 0 or 1, the first or the second watched
+ * contact of the disk. */
 static char *why_open(const sd_slide *w, size_t one, const sd_model *model, const sd_state *state) {
   if (!model || !state) return memory_text("");
   double radius = model->disks[w->disk].radius,
@@ -107,8 +109,8 @@ static char *why_open(const sd_slide *w, size_t one, const sd_model *model, cons
   return text;
 }
 
-/* Reports the first disk whose watched contacts were open too long: one of the two contacts if only
- * that one exceeds the limit, else both together. */
+/* Warns about the first disk whose watched contacts were open too long: about one of the two
+ * contacts if only that one exceeds the limit, else about both together. */
 static void judge_open(summary *s, double limit, const sd_model *model, const sd_state *state) {
   size_t k = 0;
   while (k < s->n_slides && !(s->slides[k].open > limit)) k++;
@@ -136,8 +138,8 @@ static void judge_open(summary *s, double limit, const sd_model *model, const sd
   free(why[1]);
 }
 
-/* Explains the doubt about a prescribed body that moved too far. A body that jumps is reported from
- * STRIDES_JUMP (a tenth) of the limit on; see physics/step/step.h. */
+/* Writes the text of the warning about a prescribed body that moved too far in a step. For a sudden
+ * jump the limit is STRIDES_JUMP (a tenth) of the usual one; see physics/step/step.h. */
 static char *why_far(const sd_model *model, const sd_state *state, const char *name, double limit) {
   char *first = advice_first_jump(model), *text;
   if (state->fast_displacement > limit)
@@ -185,8 +187,9 @@ unsigned summary_not_finite(const sd_state *state) {
   return found;
 }
 
-/* Returns the name of the first number that is not finite; NULL: all are finite. Omega is expected
- * from the first full bin on. columns: bits of summary_not_finite. */
+/* Returns the name of the first quantity that is not finite; NULL: all are finite. Omega is
+ * expected to be finite once the first time bin is full. columns: bits of the columns in which
+ * summary_not_finite has found such a number. */
 static const char *not_finite(const summary *s, const sd_state *state, unsigned columns) {
   for (unsigned c = 0; c < FINITE_COLUMNS; c++)
     if (columns >> c & 1) return finite_columns[c];
@@ -207,10 +210,10 @@ static void judge_finite(summary *s, const sd_state *state, unsigned columns) {
           format_text("a number is not finite (%s): a smaller dt is needed", name));
 }
 
-/* Reports a dt beyond the limit of stability, whatever the other limits. A model can have such a dt
- * only if its deck allows it (limits.unstable_step). */
+/* Warns about a time step dt beyond the limit of stability. A model can have such a dt only if its
+ * deck allows it (limits.unstable_step). */
 static void judge_unstable(summary *s, const sd_model *model) {
-  /* Without unstable_step, such a dt is refused before the run. */
+  /* Unless the deck sets unstable_step, such a dt is refused before the run. */
   if (!model || !model->limits.unstable_step) return;
   const double limit = sd_model_step_limit(model).dt;
   if (model->dt > limit)
@@ -271,7 +274,7 @@ void summary_doubts_write(const summary *s, h5_file *file) {
 }
 
 sd_status summary_doubts_read(summary *s, const h5_file *file, sd_messages *messages) {
-  /* limits of versions that did not store doubts */
+  /* limits of those versions that did not store the warnings */
   const sd_limits before = {.residual = 0.01, .open = 0.99};
   int64_t n = h5_exists(file, "/summary/doubts")
                   ? h5_get_attr_i64(file, "/summary/doubts", "count", -1)

@@ -1,4 +1,4 @@
-/* trajectory.c: defines the columns of frames, contacts and series, and fills their rows; see
+/* trajectory.c: defines the columns of frames, contacts and time series, and fills their rows; see
  * trajectory.h. */
 #include "io/results/trajectory.h"
 
@@ -18,7 +18,8 @@ void trajectory_edges(const sd_model *model, double scale, double edges[2]) {
     edges[c] = model->periodic[c] ? scale * (model->upper[c] - model->lower[c]) : 0;
 }
 
-/* Computes the edge vectors (rows of `edges`) and the velocity gradient of a box that deforms. */
+/* Computes the edge vectors (rows of `edges`) and the velocity gradient of a periodic box that
+ * deforms. */
 static void put_cell(const moment *now, double edges[2][2], double gradient[SD_CELL_COMPONENTS]) {
   const sd_model *m = now->model;
   for (int c = 0; c < 2; c++) edges[c][c] = cell_scale(now->state, c) * (m->upper[c] - m->lower[c]);
@@ -36,8 +37,8 @@ static void add_cell(table *t, bool walls) {
   table_add(t, rate, SD_F64, 1, &three, "1/time", "velocity gradient of the box: xx, yy, xy");
 }
 
-/* Returns true if the table of disks or walls has this column. Columns with a condition exist only
- * for disks: walls neither wait nor leave. */
+/* Returns true if the table of disks (or of walls, if `walls` is true) has this column. Columns
+ * with a condition exist only for disks: walls are neither inserted nor removed. */
 static bool has_row(const observable *o, const sd_model *model, bool walls) {
   return !o->when || (!walls && o->when(model));
 }
@@ -207,7 +208,7 @@ sd_status series_sample(table *t, const moment *now, sd_messages *messages) {
   return SD_OK;
 }
 
-/* Writes a list of body numbers, unless it is empty. */
+/* Writes a list of n body numbers, unless n is 0. */
 static void write_ids(h5_file *file, const char *path, size_t n, const uint32_t *id,
                       const char *meaning) {
   if (n == 0) return;

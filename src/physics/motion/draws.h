@@ -13,14 +13,14 @@
  */
 #ifndef DRAWS_COMMON
 #define DRAWS_COMMON
-/* Largest number of blocks computed at a time, so that their chains of dependent operations
- * overlap; and number of rounds of Philox. */
+/* DRAW_BLOCKS: largest number of Philox blocks computed at a time; several are computed together so
+ * that their chains of dependent operations overlap. DRAW_ROUNDS: number of rounds of Philox. */
 enum { DRAW_BLOCKS = 4, DRAW_ROUNDS = 10 };
 #define EACH_BLOCK for (int n = 0; n < blocks; n++)
 #define EACH_PAIR for (int k = 0; k < 2 * blocks; k++)
 #endif
 
-/* Philox keys of all rounds, which follow from the seed. */
+/* Keys of all rounds of Philox; they follow from the seed. */
 typedef struct LANE(draw_keys) {
   LANE(bits) round[DRAW_ROUNDS][2];
 } LANE(draw_keys);
@@ -35,8 +35,8 @@ LANE_INLINE void LANE(draw_keys_from)(LANE(draw_keys) * keys, LANE(bits) seed) {
   }
 }
 
-/* Performs one of the DRAW_ROUNDS rounds. Words are the low halves of 64-bit lanes; the high halves
- * are not cleared in between, because the multiplication ignores them. */
+/* Performs round number `round` of Philox on all blocks. Each word is in the low half of a 64-bit
+ * lane; the high halves are not cleared between rounds, because the multiplication ignores them. */
 LANE_INLINE void LANE(philox_round)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
                                     const LANE(draw_keys) * keys, int round) {
   const LANE(bits) m0 = LANE(splat_bits)(0xD2511F53u), m1 = LANE(splat_bits)(0xCD9E8D57u);
@@ -49,9 +49,9 @@ LANE_INLINE void LANE(philox_round)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
   }
 }
 
-/* Converts the bits of w selected by the mask `bits` to a number: they are set into the low bits of
- * the double whose bits are `above` (2^52 or 2^20, plus little), and the double `less` is
- * subtracted. */
+/* Converts the bits of w that the mask `bits` selects to a number: they are set into the low bits
+ * of the double with the bit pattern `above` (2^52 or 2^20, plus a small offset), and `less` is
+ * subtracted from this double. */
 LANE_INLINE LANE(real)
     LANE(draw_integer)(LANE(bits) w, uint64_t bits, uint64_t above, double less) {
   return LANE(as_real)((w & bits) | above) - less;
@@ -62,16 +62,16 @@ LANE_INLINE LANE(real) LANE(draw_signed)(LANE(real) a, LANE(bits) sign) {
   return LANE(as_real)(LANE(as_bits)(a) ^ (sign & 0x8000000000000000u));
 }
 
-/* Converts random words to normal numbers: draws 0 and 1 of block n become a[2 n], b[2 n] and a[2 n
- * + 1], b[2 n + 1]. Each stage is done for all pairs before the next one, so that their operations
+/* Converts random words to normal numbers: block n gives the two pairs a[2 n], b[2 n] and a[2 n +
+ * 1], b[2 n + 1]. Each stage is done for all pairs before the next one, so that their operations
  * overlap.
  *
  * Radius sqrt(-2 log u): u = 2^e m with m in [1, 2), log m = log(2)/2 + 2 artanh s, s = (m - sqrt
  * 2)/(m + sqrt 2); the last six bits of the exponent field are turned into the double e + 127.
  *
- * Direction: bits 31 and 0 are the signs of b and a. The other bits are the angle y in the quarter
- * turn, measured from its middle in units of pi/4 2^-30; sin, cos (pi/4 + y) = (cos y +- sin
- * y)/sqrt 2. */
+ * Direction: bits 31 and 0 of the second word are the signs of b and a. The other bits are the
+ * angle y in the quarter turn, measured from its middle in units of pi/4 2^-30; sin, cos (pi/4 + y)
+ * = (cos y +- sin y)/sqrt 2. */
 LANE_INLINE void LANE(draw_pairs)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
                                   LANE(real) a[2 * DRAW_BLOCKS], LANE(real) b[2 * DRAW_BLOCKS]) {
   LANE(real) e[2 * DRAW_BLOCKS], s[2 * DRAW_BLOCKS], z[2 * DRAW_BLOCKS], r[2 * DRAW_BLOCKS];
@@ -110,7 +110,8 @@ LANE_INLINE void LANE(draw_pairs)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
   }
 }
 
-/* Computes the draws of `blocks` blocks. word: counters of the blocks; overwritten. */
+/* Computes the normal numbers of `blocks` blocks: 2 * blocks pairs a, b. word: Philox counters of
+ * the blocks; overwritten. */
 LANE_INLINE void LANE(draw_normals)(LANE(bits) word[DRAW_BLOCKS][4], int blocks,
                                     const LANE(draw_keys) * keys, LANE(real) a[2 * DRAW_BLOCKS],
                                     LANE(real) b[2 * DRAW_BLOCKS]) {

@@ -1,4 +1,4 @@
-/* feedback.c: see signals.h.
+/* feedback.c: walls that are moved by the contact forces on them, loads and servos; see signals.h.
  *
  * Load of mass M: its coordinate is integrated with velocity Verlet, whatever the integrator of the
  * disks:
@@ -80,8 +80,8 @@ void feedback_end(engine *e, size_t k) {
 
 /* --- servo ------------------------------------------------------------------------------------ */
 
-/* Returns the displacement of a wall along c beyond that by scaling of the region; 0 for body 0,
- * which means no wall. */
+/* Returns how far a wall has moved along coordinate c since the start, apart from the scaling of
+ * the region; 0 if `body` is 0, which means that there is no wall. */
 static double displaced(const engine *e, uint32_t body, int c) {
   if (body == 0) return 0.0;
   const sd_model *m = e->model;
@@ -93,8 +93,8 @@ static double displaced(const engine *e, uint32_t body, int c) {
   return at - (corner + s->box_scale * (m->walls[body - m->n_disks].pivot[c] - corner));
 }
 
-/* Returns the present target of the force of the wall on the disks: a given force, or pressure
- * times the distance between the walls beside it. */
+/* Returns the present target of the force of a servo's wall on the disks: the given force, or the
+ * given pressure times the distance between the two walls beside the servo's wall. */
 static double target(const engine *e, const sd_motion *m) {
   if (m->pressure == 0.0) return m->force;
   int across = m->coordinate == SD_X ? SD_Y : SD_X;
@@ -103,19 +103,21 @@ static double target(const engine *e, const sd_motion *m) {
   return m->pressure * fmax(length, 0.0);
 }
 
-/* Updates the averaged force of a servo, and returns its velocity in this step. */
+/* Updates the time-averaged force of a servo's wall on the disks, and returns the velocity of the
+ * wall in this step. */
 static double servo_speed(engine *e, const feedbacks *all, const feedback *f) {
   const sd_motion *m = &e->model->motions[f->motion];
   double *felt = &e->state->motion_u1[f->motion], wanted = target(e, m);
   *felt += all->smoothing * (-*f->force - *felt);
-  if (wanted == 0.0) return 0.0; /* the walls beside it have met: no length is left to push on */
+  /* The two walls beside the servo's wall have met: there is no length left to push on. */
+  if (wanted == 0.0) return 0.0;
   return m->velocity * fmin(fmax((wanted - *felt) / fabs(wanted), -1.0), 1.0);
 }
 
 /* --- loads and servos ------------------------------------------------------------------------- */
 
-/* Returns the acceleration of a load under the contact force `contacts` and its own force, which
- * includes its weight. */
+/* Returns the acceleration of a load under the contact force `contacts` and its constant force
+ * (m->force), which includes its weight. */
 static double acceleration(const engine *e, const feedback *f, double contacts) {
   const sd_motion *m = &e->model->motions[f->motion];
   assert(m->mass > 0.0);
@@ -146,7 +148,7 @@ void feedback_pose(engine *e, feedbacks *all, thread_work *mine) {
   }
 }
 
-/* A servo is tested at its highest speed, in both directions. */
+/* Tests loads at their next position, and servos at their highest speed in both directions. */
 bool feedback_outruns(const engine *e, const feedbacks *all) {
   const work *w = &e->work;
   bool outruns = false;

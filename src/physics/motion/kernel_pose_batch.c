@@ -1,5 +1,5 @@
-/* kernel_pose_batch.c: signals and prescribed poses of several systems, one system per vector lane;
- * compiled once per instruction set.
+/* kernel_pose_batch.c: signals u(t) and prescribed poses of several systems, one system per vector
+ * lane; compiled once per instruction set.
  */
 #include <assert.h>
 
@@ -16,11 +16,12 @@ void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n);
 void KERNEL(kernel_lanes_sum)(const lanes_pose *p, size_t n);
 bool KERNEL(kernel_lanes_beyond)(const lanes_pose *p, size_t n, double limit);
 
-/* Destination of the values of a signal: its own rows, one or two poses that it alone moves, or
- * several of these. */
+/* Destination of the values of a signal: memory of the signal itself, one or two poses that only
+ * this signal moves, or several poses and possibly its own memory, too. */
 typedef enum sink { OWN_ROWS, ONE_POSE, TWO_POSES, MANY } sink;
 
-/* Rows that values and velocities are written to. base: added to the values. */
+/* Memory that values and velocities are written to, `stride` numbers per step. base: number added
+ * to the values. */
 typedef struct target {
   double *value, *velocity;
   size_t stride;
@@ -55,7 +56,8 @@ LANE_INLINE targets targets_of(const lanes_signal *s, sink to) {
   return t;
 }
 
-/* Writes u and v of step k of the batch to all destinations of the signal. */
+/* Writes displacement u and velocity v at step k of the steps computed ahead to all destinations of
+ * the signal. */
 LANE_INLINE void put(const lanes_signal *s, sink to, const targets *t, size_t k, LANE(real) u,
                      LANE(real) v) {
   if (to == ONE_POSE || to == TWO_POSES) put_pose(&t->first, k, u, v);
@@ -67,7 +69,8 @@ LANE_INLINE void put(const lanes_signal *s, sink to, const targets *t, size_t k,
   }
 }
 
-/* Computes the phase at step `from`, a multiple of WAVE_STEPS; angles: also its sine and cosine. */
+/* Computes the phase of a wave at step `from`, a multiple of WAVE_STEPS. angles: true to compute
+ * sine and cosine of the phase, too. */
 LANE_INLINE void set_anchor(lanes_signal *s, int64_t from, bool angles) {
   if (s->anchor == from) return;
   LANE(real)
@@ -82,8 +85,8 @@ LANE_INLINE void set_anchor(lanes_signal *s, int64_t from, bool angles) {
   LANE(store)(s->anchor_cosine, cosine);
 }
 
-/* Computes a harmonic wave: rotates the phasor from the anchor by a multiple of WAVE_FINE steps,
- * then by single steps. */
+/* Computes a harmonic wave: the phase is known exactly every WAVE_STEPS steps; from there sine and
+ * cosine are rotated by a multiple of WAVE_FINE steps, then by single steps. */
 LANE_INLINE void rotated(lanes_signal *s, sink to, int64_t local, int64_t n) {
   const targets where = targets_of(s, to);
   LANE(real) scale_u = LANE(load)(s->shape[0]), scale_v = LANE(load)(s->shape[1]);
@@ -168,7 +171,7 @@ static void fade_in(lanes_signal *s, int64_t local, int64_t n) {
   }
 }
 
-/* Not 0 if the signal still fades in at step `local` in some lane. */
+/* Returns not 0 if the signal still fades in at step `local` in some lane. */
 LANE_INLINE int fades(const lanes_signal *s, int64_t local) {
   LANE(real) t = LANE(splat)((double)local) * LANE(load)(s->dt);
   return s->ramped && LANE(any)(LANE(greater)(LANE(load)(s->ramp), t));
@@ -206,8 +209,8 @@ static void wave_or_cubics_to(lanes_signal *s, int64_t local, int64_t n) {
     wave_or_cubics(s, MANY, local, n);
 }
 
-/* Computes a random signal. If there is a draw per step and no fading, u and v point to the rows of
- * the oscillators, without a copy. */
+/* Computes a random signal. If there is a random step in every time step and no fading, u and v are
+ * not copied but point to the rows of the oscillators. */
 static void draws_or_cubics(lanes_signal *s, bool fading, int64_t local, int64_t n) {
   if (s->interval > 1) {
     s->posed = !fading && s->n_alone > 0;
@@ -244,7 +247,8 @@ void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n) {
   if (fading) fade_in(s, local, (int64_t)n);
 }
 
-/* Adds the signals of a coordinate, in the same order as `sum` in kernel_signals.c. */
+/* Adds the signals of a coordinate. The order of summation is that of `sum` in kernel_signals.c, so
+ * both give the same bits. */
 LANE_INLINE void sum_signals(const lanes_pose *p, size_t n) {
   LANE(real) off = LANE(load)(p->off), base = LANE(load)(p->base);
   const lanes_signal *s = p->signals[0];

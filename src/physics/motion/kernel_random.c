@@ -25,13 +25,15 @@ LANE_INLINE LANE(bits) load_bits(const uint64_t *p) {
   return a;
 }
 
-/* Copies those of the draws index, index + 2, ... in the lanes that lie in [first, first + n). */
+/* Copies those random numbers to `to` whose index lies in [first, first + n). from[l] has the index
+ * `index` + 2 l. */
 static void copy_draws(const double *from, uint64_t index, uint64_t first, size_t n, double *to) {
   for (uint64_t l = 0; l < LANE_WIDTH; l++)
     if (index + 2 * l >= first && index + 2 * l < first + n) to[index + 2 * l - first] = from[l];
 }
 
-/* Consecutive blocks are computed in the lanes. */
+/* Computes n pairs of normal numbers; each lane computes one of LANE_WIDTH consecutive Philox
+ * blocks. */
 void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first,
                             size_t n, double *a, double *b) {
   LANE(draw_keys) keys;
@@ -56,15 +58,20 @@ void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, in
   }
 }
 
-/* State and constants of a vector of oscillators, kept in registers from draw to draw. */
+/* State and constants of LANE_WIDTH oscillators, kept in registers from one random step to the
+ * next. */
 typedef struct swing {
   LANE(draw_keys) keys;
-  LANE(bits) block, high, stream; /* high: high word of the block number, constant in one call */
-  LANE(real) u, v, uu, uv, vu, vv, noise_u, noise_vu, noise_vv; /* copies of oscillators' members */
+  /* block: next block number of the random stream; high: high word of the block number, constant in
+   * one call */
+  LANE(bits) block, high, stream;
+  /* copies of the members of struct oscillators with the same names */
+  LANE(real) u, v, uu, uv, vu, vv, noise_u, noise_vu, noise_vv;
   LANE(real) a[2 * DRAW_BLOCKS], b[2 * DRAW_BLOCKS]; /* normal numbers that are not used yet */
 } swing;
 
-/* Advances the oscillators by one draw, with normal numbers k, and stores the result in row + k. */
+/* Advances the oscillators by one random step with the normal numbers a[k] and b[k], and stores
+ * displacement and velocity in row + k. */
 
 LANE_INLINE void swing_on(swing *s, oscillators *g, size_t l, size_t row, int k) {
   LANE(real) a = s->a[k], b = s->b[k], next = s->uu * s->u + (s->uv * s->v + s->noise_u * a);
@@ -74,10 +81,10 @@ LANE_INLINE void swing_on(swing *s, oscillators *g, size_t l, size_t row, int k)
   LANE(store)(g->v[row + (size_t)k] + l, s->v);
 }
 
-/* Computes the normal numbers of the next `blocks` blocks. Between the rounds of Philox the
- * oscillators are advanced with the 2 * waiting normal numbers computed before, into rows from
- * `row` on. The two are interleaved because the oscillators are a chain of dependent operations,
- * which leaves execution units idle. */
+/* Computes the normal numbers of the next `blocks` Philox blocks. Between the rounds of Philox the
+ * oscillators are advanced with the 2 * waiting pairs of normal numbers computed before, and stored
+ * in rows from `row` on. The two are interleaved because the oscillators are a chain of dependent
+ * operations, which leaves execution units idle. */
 LANE_INLINE void draw_beside(swing *s, oscillators *g, size_t l, size_t row, int waiting,
                              int blocks) {
   LANE(bits) word[DRAW_BLOCKS][4];
@@ -96,12 +103,13 @@ LANE_INLINE void draw_beside(swing *s, oscillators *g, size_t l, size_t row, int
   LANE(draw_pairs)(word, blocks, s->a, s->b);
 }
 
-/* Advances the oscillators with all normal numbers that are not used yet. */
+/* Advances the oscillators with the 2 * waiting pairs of normal numbers that are not used yet. */
 LANE_INLINE void swing_rest(swing *s, oscillators *g, size_t l, size_t row, int waiting) {
   for (int k = 0; k < 2 * waiting; k++) swing_on(s, g, l, row, k);
 }
 
-/* Advances one vector of oscillators by 2 * blocks draws. */
+/* Advances one vector of oscillators by 2 * blocks random steps; each block of random words is
+ * enough for two. */
 static void oscillate(swing *s, oscillators *g, size_t l, size_t row, size_t blocks) {
   if (blocks >= DRAW_BLOCKS) {
     draw_beside(s, g, l, row, 0, DRAW_BLOCKS);
@@ -134,7 +142,8 @@ void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks) {
                .noise_vu = LANE(load)(g->noise_vu + l),
                .noise_vv = LANE(load)(g->noise_vv + l)};
     LANE(draw_keys_from)(&s.keys, load_bits(g->seed + l));
-    /* one block at a time if the high word of the block number changes on the way */
+    /* Compute one block at a time if the high word of the block number changes within the `blocks`
+     * blocks. */
     size_t at_once = blocks;
     for (size_t k = l; k < l + LANE_WIDTH; k++)
       if (g->block[k] >> 32 != (g->block[k] + blocks - 1) >> 32) at_once = 1;
@@ -145,8 +154,8 @@ void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks) {
   }
 }
 
-/* Transposes a square of LANE_WIDTH rows and lanes; each round exchanges one bit of the row index
- * with one of the lane index. */
+/* Transposes a square matrix of LANE_WIDTH vectors; each round exchanges one bit of the row index
+ * with one bit of the lane index. */
 LANE_INLINE void transpose(LANE(real) a[LANE_WIDTH]) {
 #if LANE_WIDTH == 8 && defined(__AVX512F__)
   LANE(real) b[8];
@@ -185,7 +194,8 @@ LANE_INLINE void transpose(LANE(real) a[LANE_WIDTH]) {
 #endif
 }
 
-/* Transposes n rows of lanes l ... l + LANE_WIDTH - 1 to to[lane][row]. */
+/* Transposes the first n rows of lanes l ... l + LANE_WIDTH - 1, and stores them as
+ * to[lane][row]. */
 LANE_INLINE void spread(const double (*rows)[OSCILLATORS], size_t n, size_t l,
                         double (*to)[OSCILLATOR_ROWS]) {
   for (size_t r = 0; r < n; r += LANE_WIDTH) {

@@ -1,8 +1,10 @@
-/* kernel_signals.c: signals and prescribed coordinates of one system, with consecutive steps in the
- * vector lanes; and the table of the kernels of physics/motion. Compiled once per instruction set.
+/* kernel_signals.c: signals u(t) and prescribed coordinates of one system, with consecutive steps
+ * in the vector lanes; and the table of the kernels of physics/motion. Compiled once per
+ * instruction set.
  *
- * The steps of a wave are computed in parts that end where its anchor changes. The last vector of a
- * part may run beyond its end; the next part overwrites these values.
+ * The exact phase of a wave is known at its anchors, WAVE_STEPS apart; the steps between two
+ * anchors are computed as one part. The last vector of a part may write beyond the end of the part;
+ * the next part overwrites these values.
  */
 #include <assert.h>
 
@@ -15,7 +17,7 @@
 #include "model/waveforms.h"
 #include "physics/motion/signal_pass.h"
 
-/* Returns the step numbers at, at + 1, ... in the lanes. */
+/* Returns the vector of step numbers at, at + 1, at + 2, ... */
 LANE_INLINE LANE(real) steps_from(int64_t at) {
   static const double count[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   return LANE(splat)((double)at) + LANE(load)(count);
@@ -23,7 +25,7 @@ LANE_INLINE LANE(real) steps_from(int64_t at) {
 
 /* --- waves ------------------------------------------------------------------------------------ */
 
-/* Computes the phase of the wave at steps from and from + WAVE_STEPS. */
+/* Computes the exact phase of the wave at its two anchors, steps `from` and `from` + WAVE_STEPS. */
 static void set_anchors(wave *w, int64_t from) {
   if (w->from == from) return;
   double turns[LANE_WIDTH], sine[LANE_WIDTH], cosine[LANE_WIDTH];
@@ -38,8 +40,8 @@ static void set_anchors(wave *w, int64_t from) {
   w->from = from;
 }
 
-/* Computes a harmonic wave: rotates the phasor from the anchor by a multiple of WAVE_FINE steps,
- * then by single steps. */
+/* Computes a harmonic wave: from the exact phase at an anchor, sine and cosine are rotated by a
+ * multiple of WAVE_FINE steps, then by single steps. */
 static void rotated(const wave *w, int64_t local, size_t n, double *u, double *v) {
   int64_t from = local & ~(int64_t)(WAVE_FINE - 1), end = local + (int64_t)n;
   for (; from < end; from += WAVE_FINE) {
@@ -58,7 +60,7 @@ static void rotated(const wave *w, int64_t local, size_t n, double *u, double *v
   }
 }
 
-/* Computes a wave of any other form from its phase at each step. */
+/* Computes a wave that is not harmonic (triangle, pulse and others) from its phase at each step. */
 LANE_INLINE void phased(const wave *w, sd_motion_kind form, int64_t local, size_t n, double *u,
                         double *v) {
   LANE(real) shape[WAVE_SHAPE];
@@ -124,8 +126,8 @@ static void fade(double dt, double ramp, int64_t local, size_t n, double *u, dou
 
 /* --- prescribed coordinates ------------------------------------------------------------------- */
 
-/* Adds the signals of a coordinate. Turn or image shift (off) is subtracted before the small parts
- * `low` are added, so these are not lost to rounding. */
+/* Adds the signals of a coordinate. The offset `off` (full turns or periods removed by wrapping) is
+ * subtracted before the rounding errors `low` are added, so that `low` is not lost to rounding. */
 static void sum(pose_sum *p, size_t n) {
   LANE(real) low = LANE(splat)(HUGE_VAL), high = LANE(splat)(-HUGE_VAL);
   for (size_t k = 0; k < n; k += LANE_WIDTH) {

@@ -1,4 +1,5 @@
-/* motion.c: phases, and poses of prescribed bodies; see motion.h. */
+/* motion.c: switches motions on and off at phases, and sets the poses of prescribed bodies; see
+ * motion.h. */
 #include "physics/motion/motion.h"
 
 #include <assert.h>
@@ -13,27 +14,30 @@
 #include "physics/system/bodies.h"
 #include "physics/system/kernels.h"
 
-/* A motion that adds to a coordinate. place: SD_MOVED * slot + coordinate; motion: index in the
- * model. */
+/* One motion that adds to one coordinate of one body. place: SD_MOVED * slot + coordinate, which
+ * identifies the coordinate; motion: index in the model. */
 typedef struct addend {
   size_t place, motion;
 } addend;
 
 struct motions {
   signals signals;
-  int64_t first; /* step of the first value in the batch; < 0: nothing is computed */
+  int64_t first; /* step of the first value computed ahead; < 0: nothing is computed */
   size_t n_addends;
-  /* running motions, also those about to start; by place, then in the deck's order */
+  /* motions that run or are about to start, once per body; ordered by coordinate (place), then as
+   * in the deck */
   addend *addends;
   size_t n_prescribed;
-  prescribed *prescribed; /* coordinates with a running motion */
-  /* signals of the prescribed coordinates, one coordinate after another */
+  prescribed *prescribed; /* coordinates that a running motion moves */
+  /* signals that are added to the prescribed coordinates, those of one coordinate after those of
+   * another */
   const signal_values **terms;
-  size_t *term_motions; /* motion of each term */
-  feedbacks feedbacks;  /* running loads and servos */
-  /* motions move walls; motions prescribe coordinates of free disks */
+  size_t *term_motions; /* index in the model of the motion of each entry of `terms` */
+  feedbacks feedbacks;  /* list of the running loads and servos */
+  /* some motion moves a wall; some motion prescribes a coordinate of a free disk */
   bool moves_walls, drives_free;
-  bool quiet; /* true: no value of the batch can make the lists stale or leave its range */
+  /* true: no value computed ahead makes the neighbour lists stale or leaves its coordinate range */
+  bool quiet;
 };
 
 bool motion_in_range(const engine *e, int coordinate, double at) {
@@ -42,8 +46,9 @@ bool motion_in_range(const engine *e, int coordinate, double at) {
   return at >= e->work.lower[coordinate] && at < e->work.upper[coordinate];
 }
 
-/* Columns of a body or clump that motions move, in the state; NULL for coordinates that it lacks.
- * Slots of clumps follow those of the bodies. */
+/* Pointers to the columns of the state for one body or clump: coordinates, velocities, forces and
+ * base poses (without running motions). NULL for coordinates that it lacks. Slots of clumps follow
+ * those of the bodies. */
 typedef struct mover {
   double *at[SD_MOVED], *speed[SD_MOVED], *force[SD_MOVED], *base[SD_MOVED], *turn, *surface_turn;
   int32_t *image[2];
@@ -89,7 +94,8 @@ void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, 
   *base = *b.base[coordinate];
 }
 
-/* Computes the values of a coordinate over the batch, as the sum of its signals. */
+/* Computes the values of a prescribed coordinate at all MOTION_BATCH steps ahead, as the sum of its
+ * signals. */
 static void fill_one(engine *e, prescribed *p) {
   assert(p->count > 0 && p->slot < movers_of(e->state));
   pose_sum b = {e->work.motions->terms + p->first, p->count, .value = p->value,
@@ -101,13 +107,15 @@ static void fill_one(engine *e, prescribed *p) {
   assert(!(p->low > p->high));
 }
 
-/* True if a prescribed coordinate stays far from its limits in the whole batch. In units of the
- * largest displacement that the lists allow, it may move by 0.24, for walls, which also turn, by
- * 0.14: a list that is built in between can double this, and the Verlet margin may shrink. */
+/* True if a prescribed coordinate stays far from its limits at all steps computed ahead. It may
+ * move by 0.24 of the largest displacement that the neighbour lists allow; for walls, which also
+ * turn, by 0.14. These are below 1/2 because a list that is built in between can double the
+ * displacement, and the Verlet margin may shrink. */
 static bool is_quiet(const engine *e, const prescribed *p) {
   const work *w = &e->work;
   const sd_state *s = e->state;
-  if (p->slot >= s->n_bodies) /* clumps: positions of their disks are checked in every step */
+  /* For clumps only the range is tested: positions of their disks are checked in every step. */
+  if (p->slot >= s->n_bodies)
     return motion_in_range(e, p->coordinate, p->low) && motion_in_range(e, p->coordinate, p->high);
   bool wall = p->slot >= s->n_disks;
   double from = p->coordinate == SD_X       ? w->x0[p->slot]
@@ -124,7 +132,7 @@ static bool is_quiet(const engine *e, const prescribed *p) {
          motion_in_range(e, p->coordinate, p->high);
 }
 
-/* Computes the batch that begins at step `first`. */
+/* Computes MOTION_BATCH steps ahead, from step `first` on. */
 static void fill(engine *e, int64_t first) {
   motions *q = e->work.motions;
   assert(first == e->state->step || first == e->state->step + 1);
@@ -168,7 +176,7 @@ void motion_free(engine *e) {
   e->work.motions = NULL;
 }
 
-/* Returns the place (see addend) that body b of a motion is moved at. */
+/* Returns the number (addend.place) of the coordinate of the motion's b-th body that it moves. */
 static size_t place_of(const engine *e, const sd_motion *m, size_t b) {
   const size_t slot = slot_of(&e->work.slots, m->bodies[b]);
   assert(slot < movers_of(e->state));
@@ -181,8 +189,8 @@ static int by_place(const void *one, const void *two) {
   return p->motion < q->motion ? -1 : p->motion > q->motion;
 }
 
-/* Lists the addends of running motions. begins: [n_motions] motions to be included although they do
- * not run yet; NULL: none. */
+/* Lists the motions that run, once for each of their bodies. begins: [n_motions] true for motions
+ * to be included although they do not run yet; NULL: none. */
 static void list_addends(engine *e, const bool *begins) {
   const sd_model *m = e->model;
   motions *q = e->work.motions;
@@ -209,8 +217,8 @@ static void prescribe(engine *e, prescribed *p, size_t place, size_t first) {
   p->force = b.force[k];
 }
 
-/* Lists the coordinates with a running motion, by slot and coordinate, with their signals in the
- * deck's order, and the running loads and servos. */
+/* Lists the coordinates that a running motion moves, by slot and coordinate, each with its signals
+ * in the order of the deck; and the running loads and servos. */
 static void list_prescribed(engine *e) {
   const sd_state *s = e->state;
   motions *q = e->work.motions;
@@ -233,7 +241,7 @@ static void list_prescribed(engine *e) {
   feedback_list(e, &q->feedbacks);
 }
 
-/* True if a running motion moves this place. */
+/* True if a running motion moves the coordinate with this number (addend.place). */
 static bool is_moved(const engine *e, size_t place) {
   const motions *q = e->work.motions;
   size_t k = 0, end = q->n_addends;
@@ -249,7 +257,7 @@ static bool is_moved(const engine *e, size_t place) {
   return false;
 }
 
-/* Puts a coordinate at rest at its base pose, less its turn or image shift. */
+/* Puts a coordinate at rest at its base pose, minus full turns or periods removed by wrapping. */
 static void rest(engine *e, uint32_t slot, int coordinate) {
   const mover b = mover_of(e->state, slot);
   double off, base;
@@ -258,8 +266,8 @@ static void rest(engine *e, uint32_t slot, int coordinate) {
   *b.speed[coordinate] = 0.0;
 }
 
-/* Switches motion k off. Its last value is added to the base pose of its bodies, unless it has
- * never taken a step. Coordinates that no other motion moves come to rest. */
+/* Switches motion k off. If it has made at least one step, its last value is added to the base pose
+ * of its bodies. Coordinates that no other motion moves come to rest. */
 static void switch_off(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
   const motions *q = e->work.motions;
@@ -294,7 +302,8 @@ void motion_begin_phase(engine *e) {
   motion_store(e);
   const bool *active = m->phases[s->phase].active;
   list_addends(e, active);
-  if (e->work.motions->first < 0) fill(e, s->step); /* switch_off needs the values at this step */
+  /* The values at this step are needed by switch_off. */
+  if (e->work.motions->first < 0) fill(e, s->step);
   for (size_t k = 0; k < m->n_motions; k++) {
     bool on = s->motion_start[k] >= 0;
     if (on && !active[k]) switch_off(e, k);
@@ -306,7 +315,7 @@ void motion_begin_phase(engine *e) {
 void motion_reload(engine *e) {
   motions *q = e->work.motions;
   signals_load(e, &q->signals);
-  q->first = INT64_MIN / 2; /* marks the batch as not computed */
+  q->first = INT64_MIN / 2; /* marks the values ahead as not computed */
   for (size_t k = 0; k < q->n_prescribed; k++) q->prescribed[k].last = *q->prescribed[k].at;
 }
 
@@ -363,7 +372,8 @@ void motion_first_speeds(engine *e) {
   motion_reload(e);
 }
 
-/* Sets a coordinate and its velocity to entry k of the batch, and notes the values before. */
+/* Sets a coordinate and its velocity to entry k of the values computed ahead; notes displacement,
+ * and force and velocity before. */
 static void pose(prescribed *p, int64_t k) {
   const double after = p->value[k];
   p->moved = after - p->last;
@@ -386,9 +396,10 @@ void motion_pose(engine *e, thread_work *mine) {
   motion_ahead(e);
   int64_t k = motion_index(e);
   for (prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
-    if (p->slot >= s->n_bodies) continue; /* posed by motion_pose_clumps */
+    if (p->slot >= s->n_bodies) continue; /* clumps are posed by motion_pose_clumps */
     p->moved = 0.0;
-    if (p->slot < s->n_free && !body_in_play(s, p->slot)) continue; /* it waits or was removed */
+    /* the free disk waits for its insertion or was removed */
+    if (p->slot < s->n_free && !body_in_play(s, p->slot)) continue;
     pose(p, k);
     body_pack(e, p->slot);
   }
@@ -396,7 +407,7 @@ void motion_pose(engine *e, thread_work *mine) {
   feedback_pose(e, &q->feedbacks, mine);
   for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
     if (p->slot < s->n_bodies && neighbours_moved(e, p->slot)) mine->stale = true;
-    /* the corrector checks the range of free disks with a prescribed coordinate */
+    /* For free disks with a prescribed coordinate the corrector checks the range. */
     if (p->slot >= s->n_free && !motion_in_range(e, p->coordinate, *p->at))
       event_add(&mine->returns, p->slot);
   }
@@ -431,9 +442,10 @@ void motion_wrapped(engine *e, uint32_t slot) {
   }
 }
 
-/* Returns the displacement of a body by one of its coordinates in the last step, over its own
- * radius (free disk) or the smallest radius, if it is beyond the displacement limit; else 0. moved:
- * change of the coordinate; speed: the larger of its speeds before and after the step. */
+/* Returns the displacement of a body in the last step through one of its coordinates, if it exceeds
+ * the displacement limit; else 0. It is divided by the body's own radius for a free disk, by the
+ * smallest radius for other bodies. moved: change of the coordinate; speed: the larger of the
+ * speeds before and after the step. */
 static double beyond_limit(const engine *e, uint32_t slot, int coordinate, double moved,
                            double speed) {
   const sd_model *m = e->model;
@@ -446,7 +458,7 @@ static double beyond_limit(const engine *e, uint32_t slot, int coordinate, doubl
   return fmax(way, fmax(steady, jump)) > m->limits.displacement ? fmax(way, steady) : 0.0;
 }
 
-/* Replaces *fastest and *slot if `way` is larger. */
+/* Sets *fastest to `way` and *slot to `body` if `way` is larger than *fastest. */
 static void keep_faster(double way, uint32_t body, double *fastest, size_t *slot) {
   if (!(way > *fastest)) return;
   *fastest = way;

@@ -51,7 +51,8 @@ void oscillators_store(const oscillators *g, size_t lane, sd_state *s, size_t k,
 
 void oscillators_rest(oscillators *g, size_t lane) { g->start[lane] = -1; }
 
-/* Moves `rows` rows of each lane up, so that draw number base[lane] becomes its first row. */
+/* Shifts `rows` rows of each lane to the beginning of the arrays: row 0 becomes random step number
+ * base[lane]. */
 static void move_up(oscillators *g, const int64_t *base, size_t rows) {
   bool alike = true;
   for (size_t l = 0; l < g->count; l++)
@@ -77,21 +78,22 @@ size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t 
   int64_t local = -1, low = 0, high = 0;
   for (size_t l = 0; l < g->count; l++) {
     if (g->start[l] < 0) continue;
-    /* rarely true after the first lane, which saves slow divisions */
+    /* The difference is mostly the same in all lanes; slow divisions are then made only once. */
     if (first[l] - g->start[l] != local) {
       local = first[l] - g->start[l];
       low = (local - 1) / interval;
       high = (local + n - 1) / interval + 1;
     }
     base[l] = (low > g->base[l] ? low : g->base[l]) & ~(int64_t)1;
-    /* kept: last row that is known in all lanes; its draw number is odd */
+    /* kept: last row that is known in all lanes; it holds a random step of odd number */
     if (g->known[l] - base[l] < kept) kept = g->known[l] - base[l];
     if (high - base[l] > needed) needed = high - base[l];
   }
   if (kept == INT64_MAX) return 0;
   assert(kept >= 0);
   size_t rows = (size_t)kept + 1, blocks = needed > kept ? (size_t)(needed - kept + 1) / 2 : 0;
-  /* blocks are rounded up to a multiple of four: the kernel computes four in the time of three */
+  /* The number of Philox blocks is rounded up to a multiple of four, since the kernel computes four
+   * in the time of three. */
   size_t more = (blocks + 3) / 4 * 4;
   if (rows + 2 * more <= OSCILLATOR_ROWS) blocks = more;
   assert(rows + 2 * blocks <= OSCILLATOR_ROWS);
@@ -109,19 +111,20 @@ size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t 
 
 /* --- propagator and noise of the random vibration --------------------------------------------- */
 
-/* Computes the response of the oscillator to a unit change of velocity at t = 0, *g = u(t), and its
- * derivative *dg. */
+/* Computes the motion of the oscillator after a unit change of velocity at t = 0: displacement *g =
+ * u(t), and its derivative *dg. */
 static void kick(double omega, double c, double t, double *g, double *dg) {
   double w2 = omega * omega * (1.0 - c * c), w = sqrt(fabs(w2)), x = w * t, ratio, cosine;
   double decay = exp(-c * omega * t);
-  if (x < 1e-4) { /* series of sin x / w or sinh x / w; it includes critical damping, w = 0 */
+  /* power series of sin(x)/w or sinh(x)/w, which also holds for critical damping, w = 0 */
+  if (x < 1e-4) {
     double sign = w2 > 0.0 ? -1.0 : 1.0;
     ratio = decay * t * (1.0 + sign * x * x / 6.0);
     cosine = decay * (1.0 + sign * x * x / 2.0);
   } else if (w2 > 0.0) {
     ratio = decay * sin(x) / w;
     cosine = decay * cos(x);
-  } else { /* over-damped: each exponential includes its decay, so neither overflows */
+  } else { /* over-damped: the exponentials contain the decay, so neither of them overflows */
     double slow = exp((w - c * omega) * t), fast = exp(-(w + c * omega) * t);
     ratio = 0.5 * (slow - fast) / w;
     cosine = 0.5 * (slow + fast);
@@ -140,8 +143,8 @@ random_step random_step_new(double omega, double c, double rms, double h) {
   step.propagator[1][0] = -omega * omega * g;
   step.propagator[1][1] = dg;
 
-  /* covariance = 4 c w^3 rms^2 int_0^h (g, g')(g, g')^T dt, by panels shorter than every time
-   * scale */
+  /* The covariance 4 c w^3 rms^2 int_0^h (g, g')(g, g')^T dt is integrated in panels that are
+   * shorter than every time scale of the oscillator. */
   enum { POINTS = 16 };
   gsl_error_handler_t *handler = gsl_set_error_handler_off();
   gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(POINTS);
@@ -149,7 +152,8 @@ random_step random_step_new(double omega, double c, double rms, double h) {
   if (!table) memory_lacks(0);
   double fastest = omega * (c + sqrt(fabs(1.0 - c * c)) + 1.0), uu = 0.0, vu = 0.0, vv = 0.0;
   double span = fmin(
-      h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c))); /* g has decayed to e^-50 there */
+      /* At the end of `span` g has decayed to e^-50. */
+      h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c)));
   int panels = 1 + (int)fmin(ceil(span * fastest / 2.0), 1e6);
   for (int k = 0; k < panels; k++)
     for (size_t p = 0; p < POINTS; p++) {

@@ -12,20 +12,23 @@
 enum { BATCH = MOTION_BATCH };
 
 struct pose_batch {
-  size_t width, n, first_slot, n_slots; /* lanes; systems; slots of the prescribed bodies */
-  engine **systems;                     /* [width] system of each lane */
+  /* width: number of vector lanes; n: number of systems; first slot and number of slots of the
+   * prescribed bodies */
+  size_t width, n, first_slot, n_slots;
+  engine **systems; /* [width] system of each lane */
   const motion_kernels *kernels;
   double *poses;         /* [n_slots][POSES][POSE_STEPS][width] poses of the prescribed bodies */
   lanes_signal *signals; /* [n_motions] signal of each motion */
   oscillators *draws;    /* [n_motions] oscillators of each random motion */
-  double *rows;          /* [n_motions][3][BATCH][width] memory of lanes_signal.rows */
+  double *rows;          /* [n_motions][3][BATCH][width] memory that lanes_signal.rows points to */
   size_t n_coordinates, capacity;
   lanes_pose *coordinates;
   const lanes_signal **terms;
-  lanes_pose **alone; /* memory for lanes_signal.alone, one entry per motion and body */
-  int64_t first;      /* last step of system 0 before the batch */
-  bool filled;        /* true if the batch has been computed */
-  int64_t known;      /* index of the last step at which all angles are in their range */
+  /* memory for lanes_signal.alone, one entry per motion and body of the motion */
+  lanes_pose **alone;
+  int64_t first; /* last step of system 0 before the steps computed ahead */
+  bool filled;   /* true if the steps ahead have been computed */
+  int64_t known; /* index of the last computed step at which all angles are in their range */
 };
 
 static double *vectors(size_t n, size_t width) { return memory_lines(n * width * sizeof(double)); }
@@ -42,7 +45,7 @@ static void set_wave(lanes_signal *s, size_t l, const wave *w) {
   }
 }
 
-/* Collects the constants of motion k from all systems. */
+/* Copies the constants of motion k from all systems to the vector lanes. */
 static void set_signal(pose_batch *m, size_t k) {
   lanes_signal *s = &m->signals[k];
   s->form = m->systems[0]->model->motions[k].kind;
@@ -119,15 +122,15 @@ void pose_batch_free(pose_batch *m) {
 
 /* --- load and store --------------------------------------------------------------------------- */
 
-/* Returns the values of a pose component (POSE_X ...) of a slot: rows of m->width numbers, by
- * step. */
+/* Returns the values of one component (`which`: POSE_X ...) of the pose of the body in a slot:
+ * m->width numbers per step. */
 static double *pose_row(const pose_batch *m, uint32_t slot, int which) {
   assert(slot >= m->first_slot && slot < m->first_slot + m->n_slots && which >= 0 && which < POSES);
   return m->poses + ((slot - m->first_slot) * POSES + (size_t)which) * POSE_STEPS * m->width;
 }
 
-/* Sets all steps of all poses to the present ones of the states; running motions overwrite theirs
- * later. */
+/* Sets the poses of all steps to the present poses in the states; poses that running motions move
+ * are overwritten later. */
 static void load_still(pose_batch *m) {
   for (uint32_t i = 0; i < m->n_slots; i++)
     for (size_t l = 0; l < m->width; l++) {
@@ -153,8 +156,8 @@ static void load_signals(pose_batch *m) {
 
 static void add_alone(lanes_signal *s, lanes_pose *p) { s->alone[s->n_alone++] = p; }
 
-/* Sets prescribed coordinate k from that of system 0 (`from`). terms: memory for the list of its
- * signals. */
+/* Sets prescribed coordinate k of all systems from that of system 0 (`from`). terms: memory for the
+ * list of signals that are added to it. */
 static void load_coordinate(pose_batch *m, size_t k, const prescribed *from,
                             const lanes_signal **terms) {
   lanes_pose *p = &m->coordinates[k];
@@ -203,7 +206,7 @@ void pose_batch_store(pose_batch *m) {
 
 /* --- the batch -------------------------------------------------------------------------------- */
 
-/* Computes the batch of a tabulated motion, system by system. */
+/* Computes a tabulated motion for BATCH steps ahead, one system after the other. */
 static void fill_table(pose_batch *m, lanes_signal *s, int64_t local) {
   s->u = s->rows[0];
   s->v = s->rows[1];
@@ -219,8 +222,8 @@ static void fill_table(pose_batch *m, lanes_signal *s, int64_t local) {
   }
 }
 
-/* Returns the index of the last step before the angle p leaves its range in some lane; BATCH if it
- * stays. */
+/* Returns the index of the last step before an angle (coordinate p) leaves its range in some
+ * system; BATCH if all stay in range. */
 static int64_t last_in_range(const pose_batch *m, const lanes_pose *p) {
   if (p->coordinate != SD_THETA || !m->kernels->lanes_beyond(p, BATCH, 4.0)) return BATCH;
   int64_t last = BATCH;
@@ -255,7 +258,7 @@ static void fill(pose_batch *m) {
   m->filled = true;
 }
 
-/* Starts a new batch after step k of the present one, whose poses are copied to index 0. */
+/* Starts new steps ahead after the present step k, whose poses are copied to index 0. */
 static void begin_batch(pose_batch *m, int64_t k) {
   size_t w = m->width;
   for (size_t p = 0; k > 0 && p < m->n_coordinates; p++) {

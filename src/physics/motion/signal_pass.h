@@ -1,14 +1,14 @@
-/* signal_pass.h: parts of the computation of signals that waveforms and draws share; included once
- * per LANE_WIDTH after base/lane.h.
+/* signal_pass.h: steps of the computation of signals that waveforms and random motions share;
+ * included once per LANE_WIDTH after base/lane.h.
  *
  * Vector lanes hold consecutive steps of one system, or one step of several systems; both use this
  * code and give the same bits. A value depends only on the motion's constants and on the number of
- * steps since its start, so batches may begin at any step.
+ * steps since its start, so the steps computed ahead may begin at any step.
  */
 
-/* Returns the phase of a motion in turns after `at` steps, without full turns except in `offset`,
- * the initial phase. The rate in turns per step is high + low; high has so few digits that its
- * product with `at` is exact if `at` is 64 times a number up to 2^27. */
+/* Returns the phase of a wave in turns after `at` steps. Full turns are removed, except those in
+ * `offset`, the initial phase. The frequency in turns per step is high + low; high has so few
+ * digits that its product with `at` is exact if `at` is 64 times a number up to 2^27. */
 LANE_INLINE LANE(real)
     LANE(turns)(LANE(real) high, LANE(real) low, LANE(real) offset, LANE(real) at) {
   LANE(real) t = high * at;
@@ -22,7 +22,8 @@ LANE_INLINE void LANE(rotate)(LANE(real) * sine, LANE(real) * cosine, LANE(real)
   *sine = turned;
 }
 
-/* Sine and cosine of the phase of a harmonic signal, times the amplitude of u and of u'. */
+/* Sine and cosine of the phase of a harmonic signal: multiplied by the amplitude of u (sine_u,
+ * cosine_u), and by that of u' (sine_v, cosine_v). */
 typedef struct LANE(phasor) {
   LANE(real) sine_u, cosine_u, sine_v, cosine_v;
 } LANE(phasor);
@@ -33,16 +34,16 @@ LANE_INLINE LANE(phasor)
   return a;
 }
 
-/* Computes a harmonic motion_signal *u and its derivative *v, after rotation of the phasor by an angle
- * with sine s and cosine c. */
+/* Rotates the phasor by an angle with sine s and cosine c, and sets *u and *v to the harmonic
+ * signal and its time derivative there. */
 LANE_INLINE void LANE(phasor_at)(const LANE(phasor) * a, LANE(real) s, LANE(real) c, LANE(real) * u,
                                  LANE(real) * v) {
   *u = a->sine_u * c + a->cosine_u * s;
   *v = a->cosine_v * c - a->sine_v * s;
 }
 
-/* Coefficients of the cubic between two draws a time h apart, which matches displacement and
- * velocity at both draws, and of its time derivative; both are polynomials in z = time/h. */
+/* Coefficients of a cubic (u) and of its time derivative (v), as polynomials in z = time/h. The
+ * cubic connects two random steps a time h apart, and matches displacement and velocity at both. */
 typedef struct LANE(cubic) {
   LANE(real) u[4], v[3];
 } LANE(cubic);
@@ -56,7 +57,8 @@ LANE_INLINE LANE(cubic) LANE(cubic_between)(LANE(real) u0, LANE(real) v0, LANE(r
   return p;
 }
 
-/* Evaluates the cubic and its derivative at z = (time since the first draw)/h. */
+/* Evaluates the cubic and its derivative at z = (time since the first of the two random
+ * steps)/h. */
 LANE_INLINE void LANE(cubic_at)(const LANE(cubic) * p, LANE(real) z, LANE(real) * u,
                                 LANE(real) * v) {
   *u = p->u[0] + z * (p->u[1] + z * (p->u[2] + z * p->u[3]));
@@ -75,8 +77,8 @@ LANE_INLINE LANE(real) LANE(fade)(LANE(real) t, LANE(real) ramp, LANE(real) * u,
   return LANE(select)(fading, r, one);
 }
 
-/* Returns the rounding error of product = c * at, so that the exact product is the sum of both
- * (Dekker). */
+/* Returns the rounding error of the number product = c * at (Dekker's algorithm): the exact product
+ * is `product` plus the returned number. */
 LANE_INLINE LANE(real) LANE(product_rest)(LANE(real) c, LANE(real) at, LANE(real) product) {
   LANE(real) p = c * 134217729.0, q = at * 134217729.0;
   LANE(real) c_high = p - (p - c), at_high = q - (q - at);

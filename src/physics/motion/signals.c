@@ -17,8 +17,8 @@ typedef struct batch {
   const motion_kernels *k;
   const sd_motion *motion;
   motion_signal *signal;
-  int64_t local;       /* steps from the start of the motion to the batch's first value */
-  double *u, *v, *low; /* memory for the values, unless they exist elsewhere already */
+  int64_t local;       /* number of steps from the start of the motion to the first value */
+  double *u, *v, *low; /* memory that the values are written to; unused if they exist elsewhere */
 } batch;
 
 /* Computes a signal of constant velocity: u = c l for step l, with c = velocity * dt. The product
@@ -49,8 +49,8 @@ static void fill_table(batch *b) {
   }
 }
 
-/* Computes a random signal from its draws: the draws themselves if there is one per step, else
- * cubics between them. */
+/* Computes a random signal from the states of its oscillator: these states themselves if there is a
+ * random step in every time step, else cubics between them. */
 static void fill_random(batch *b, const signals *all) {
   motion_signal *s = b->signal;
   const oscillators *g = &all->groups[s->group];
@@ -68,8 +68,8 @@ static void fill_random(batch *b, const signals *all) {
   b->k->cubics(&d, b->local, MOTION_BATCH, b->u, b->v);
 }
 
-/* Multiplies the values by the fade-in while the ramp lasts, after copying them to the signal's own
- * memory. */
+/* Multiplies the values by the fade-in factor, if the ramp has not ended yet. Values in memory of
+ * the oscillators are copied to memory of the signal first. */
 static void fade_in(batch *b) {
   signal_values *now = &b->signal->now;
   if ((double)b->local * b->e->work.dt >= b->motion->ramp) return;
@@ -83,8 +83,8 @@ static void fade_in(batch *b) {
              now->low ? b->low : NULL);
 }
 
-/* Computes a batch of one signal, from `local` steps after its start on. all: may be NULL unless
- * the signal is random. */
+/* Computes MOTION_BATCH steps of one signal, from `local` steps after its start on. all: may be
+ * NULL unless the signal is random. */
 static void fill(const engine *e, const signals *all, motion_signal *s, size_t motion,
                  int64_t local) {
   const sd_motion *m = &e->model->motions[motion];
@@ -113,7 +113,8 @@ void signals_fill_table(const engine *e, motion_signal *s, size_t motion, int64_
   fill(e, NULL, s, motion, local);
 }
 
-/* Computes the draws of all running random motions, up to the one after the batch's last step. */
+/* Advances the oscillators of all running random motions up to the random step after the last of
+ * the steps computed ahead. */
 static void draw_ahead(const engine *e, signals *all, int64_t first) {
   const motion_kernels *k = e->work.kernels->motion;
   int64_t firsts[OSCILLATORS];
@@ -140,7 +141,7 @@ static sd_status spline_new(motion_signal *s, const sd_motion *m, sd_messages *m
   const gsl_interp_type *type = m->periodic ? gsl_interp_cspline_periodic : gsl_interp_cspline;
   s->spline = gsl_spline_alloc(type, m->n_table);
   s->accel = gsl_interp_accel_alloc();
-  assert(m->n_table >= 3); /* the least number of points for both types of spline */
+  assert(m->n_table >= 3); /* smallest number of points that both types of spline accept */
   if (!s->spline || !s->accel) memory_lacks(0);
   int bad = gsl_spline_init(s->spline, m->table_time, m->table_value, m->n_table);
   gsl_set_error_handler(handler);
@@ -149,14 +150,15 @@ static sd_status spline_new(motion_signal *s, const sd_motion *m, sd_messages *m
                  m->name ? m->name : "?");
 }
 
-/* Sets the constants of a wave, with sine and cosine of the phase of 0 ... 7 steps and of 0, 8, ...
- * 56. */
+/* Sets the constants of a wave, among them sine and cosine of the phase advance in 0, 1, ... 7
+ * steps and in 0, 8, ... 56 steps. */
 static void wave_new(const engine *e, wave *w, const sd_motion *m) {
   const double per_turn = 0.5 / M_PI;
   double t[2 * WAVE_FINE];
   w->form = m->kind;
   w->rate = m->omega * e->model->dt * per_turn;
-  w->rate_high = (double)(float)w->rate; /* 24 binary digits */
+  /* rounded to 24 binary digits, so that products with step numbers are exact */
+  w->rate_high = (double)(float)w->rate;
   w->rate_low = w->rate - w->rate_high;
   w->offset = m->phase * per_turn;
   motion_shape(m, w->shape);
@@ -168,7 +170,8 @@ static void wave_new(const engine *e, wave *w, const sd_motion *m) {
   w->from = -1;
 }
 
-/* Assigns the random motion k to a free lane of a group with the same interval. */
+/* Assigns random motion k to a free vector lane of a group of oscillators with the same interval
+ * between random steps. */
 static void join_group(const engine *e, signals *all, size_t k) {
   motion_signal *s = &all->item[k];
   const sd_motion *m = &e->model->motions[k];
@@ -250,7 +253,7 @@ void signals_start_random(const engine *e, const signals *all, size_t k) {
   s->motion_v0[k] = v;
   e->work.kernels->motion->normals(e->model->seed, m->stream, RANDOM_STEP, 2 * s->step + 1, 1, &a,
                                    &b);
-  /* sums in the same order as in kernel_random.c */
+  /* The order of these sums is that in kernel_random.c, so both give the same bits. */
   s->motion_u1[k] = r->propagator[0][0] * u + (r->propagator[0][1] * v + r->cholesky[0] * a);
   s->motion_v1[k] = r->propagator[1][1] * v +
                     (r->propagator[1][0] * u + (r->cholesky[1] * a + r->cholesky[2] * b));

@@ -9,8 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Notes constants that are the same for all disks, so that loops need not read them disk by disk:
- * equal inverse masses along x and y, and constant forces that are 0. */
+/* Notes values that are the same for all disks, so that loops need not read them disk by disk:
+ * whether inverse masses along x and y are equal, and which constant forces are 0. */
 static void note_sameness(engine *e) {
   work *w = &e->work;
   const size_t n = e->state->n_free;
@@ -57,7 +57,8 @@ void bodies_fill_constants(engine *e) {
       uint32_t slot = slot_of(&w->slots, m->motions[k].bodies[b]);
       assert(slot < s->n_bodies + s->n_clumps && m->motions[k].coordinate >= 0 &&
              m->motions[k].coordinate < SD_MOVED);
-      if (slot >= s->n_free) continue; /* prescribed bodies, and clumps (clumps_fill_constants) */
+      /* Skip prescribed bodies, and clumps: clumps_fill_constants sets their inverse masses. */
+      if (slot >= s->n_free) continue;
       int c = m->motions[k].coordinate;
       (c == SD_X   ? w->inverse_mass_x
        : c == SD_Y ? w->inverse_mass_y

@@ -1,13 +1,13 @@
-/* bodies.h: constants of the bodies, moving surfaces of walls, packed bodies, and the periodic box
- * in work. */
+/* bodies.h: constants of the bodies, displacement of moving wall surfaces, packed bodies (what the
+ * pair loop reads of a body), and the periodic box in work. */
 #ifndef PHYSICS_BODIES_H
 #define PHYSICS_BODIES_H
 
 #include "physics/system/work.h"
 
-/* Sets inverse masses and constant forces in work. Inverse masses are 0 for coordinates that are
- * locked or named by a motion, since forces do not move them; both are 0 for disks that are not in
- * play. */
+/* Sets inverse masses and constant forces of the free disks in work. Inverse masses and moments of
+ * inertia are 0 for coordinates that are locked or moved by a motion, since forces do not move
+ * them. Inverse masses and constant forces are 0 for disks that are not in play. */
 void bodies_fill_constants(engine *e);
 
 /* True if the free disk in this slot takes part in the run: it is not waiting and has not been
@@ -16,17 +16,19 @@ static inline bool body_in_play(const sd_state *s, size_t slot) {
   return s->activity[slot] == SD_IN_PLAY || s->activity[slot] == SD_OUTSIDE;
 }
 
-/* Returns the displacement of a wall's moving surface along the wall, counter-clockwise on a round
- * wall; 0 for disks. It enters lambda. */
+/* Returns the displacement of a wall's moving surface (conveyor belt, rotating drum) along the
+ * wall, counter-clockwise on a round wall; 0 for disks. It enters the tangential displacement
+ * lambda of contacts. */
 static inline double body_surface(const sd_state *s, size_t slot) {
   return slot >= s->n_disks && s->n_surfaces > 0 ? s->surface[slot - s->n_disks] : 0.0;
 }
 
-/* Length of whose multiples part of the displacement is kept in state->surface_turn, so that lambda
- * stays small. */
+/* Unit in which displacements of moving surfaces are wrapped: multiples of this length are kept in
+ * state->surface_turn, so that lambda stays small. */
 static inline double body_surface_turn(const engine *e) { return 8.0 * e->work.surface_unit; }
 
-/* Returns the arc R theta of a body, plus the displacement of a moving surface. */
+/* Returns the arc length R theta of a body, plus the displacement of the moving surface of a
+ * wall. */
 static inline double body_arc(const sd_state *s, size_t slot) {
   const double arc = s->radius[slot] * s->theta[slot];
   return slot >= s->n_disks && s->n_surfaces > 0
@@ -34,7 +36,8 @@ static inline double body_arc(const sd_state *s, size_t slot) {
              : arc;
 }
 
-/* Returns the time derivative of body_arc: R omega, plus the speed of a moving surface. */
+/* Returns the time derivative of body_arc: R omega, plus the speed of the moving surface of a
+ * wall. */
 static inline double body_spin(const sd_state *s, size_t slot) {
   const double spin = s->radius[slot] * s->omega[slot];
   return slot >= s->n_disks && s->n_surfaces > 0
@@ -42,8 +45,8 @@ static inline double body_spin(const sd_state *s, size_t slot) {
              : spin;
 }
 
-/* Updates the packed body of a prescribed body or a ghost from its pose in the state. Free disks
- * are skipped, since they are packed in every step. */
+/* Updates the packed body (what the pair loop reads) of a prescribed body or a ghost from its pose
+ * in the state. Free disks are skipped, since they are packed in every step. */
 static inline void body_pack(const engine *e, size_t slot) {
   const sd_state *s = e->state;
   if (slot < s->n_free) return;
@@ -58,11 +61,11 @@ static inline void body_pack(const engine *e, size_t slot) {
   row[PACKED_SPIN] = body_spin(s, slot);
 }
 
-/* Returns a coordinate of the lower corner of the region, the fixed point when its lengths are
- * scaled. */
+/* Returns one coordinate of the lower corner of the region. This corner stays fixed when the
+ * lengths of the region are scaled. */
 double box_corner(const sd_model *model, int coordinate);
-/* Sets the edges and the offset of the periodic box in work, from the model and the scales in the
- * state. */
+/* Sets the edges of the periodic box and its Lees-Edwards offset in work, from the model and the
+ * scales in the state. */
 void box_update(engine *e);
 
 #endif

@@ -1,6 +1,6 @@
-/* box.h: nearest images in the periodic box. Its lattice vectors are (length[0], 0) and (offset,
- * length[1]): rows of cells can be shifted against each other (Lees-Edwards). The y direction is
- * wrapped first, since it shifts x. */
+/* box.h: nearest images in the periodic box. The lattice vectors of the box are (length[0], 0) and
+ * (offset, length[1]): rows of cells can be shifted against each other (Lees-Edwards). The y
+ * direction is wrapped first, since wrapping it also shifts x. */
 #ifndef PHYSICS_BOX_H
 #define PHYSICS_BOX_H
 
@@ -8,13 +8,13 @@
 
 #include "physics/system/work.h"
 
-/* Number of cells, along x and y, between a body and its periodic image. */
+/* Number of periodic cells, along x and y, between a body and its nearest image. */
 typedef struct box_image {
   double x, y;
 } box_image;
 
-/* Changes the difference of two positions (*dx, *dy) to that of the nearest images; returns the
- * number of cells that were subtracted. */
+/* Changes the difference of two positions (*dx, *dy) to the minimum image; returns the numbers of
+ * periods that were subtracted. */
 static inline box_image box_nearest(const work *w, double *dx, double *dy) {
   box_image n = {0.0, 0.0};
   if (w->periodic[1]) {

@@ -1,4 +1,5 @@
-/* clumps.c: poses, force sums and energies of clumps; see clumps.h. */
+/* clumps.c: poses, force sums and energies of clumps (rigid bodies of several disks); see
+ * clumps.h. */
 #include "physics/system/clumps.h"
 
 #include <assert.h>
@@ -30,7 +31,8 @@ void clumps_fill_state(const sd_model *m, sd_state *s) {
     const sd_clump *c = &m->clumps[d->clump - 1];
     size_t n = (size_t)(c->disks - m->clump_disks);
     while (m->clump_disks[n] != s->id[i]) n++;
-    for (int q = 0; q < 2; q++) { /* unwrapped position: centre plus offset */
+    /* image count such that the unwrapped position is the clump's centre plus the disk's offset */
+    for (int q = 0; q < 2; q++) {
       if (!m->periodic[q]) continue;
       const double away = c->position[q] + m->clump_offsets[n][q] - d->position[q];
       (q ? s->image_y : s->image_x)[i] = (int32_t)lrint(away / (m->upper[q] - m->lower[q]));
@@ -38,8 +40,8 @@ void clumps_fill_state(const sd_model *m, sd_state *s) {
   }
 }
 
-/* Sets the columns of the clumps' coordinates. own: memory for inverse masses and constant
- * forces. */
+/* Sets the pointers to the columns of the clumps' coordinates, most of which are in the state. own:
+ * memory for inverse masses and constant forces. */
 static void fill_columns(const sd_state *s, clumps *c, double *own) {
   double *inverse[SD_COORDINATES], *constant[SD_COORDINATES];
   for (int k = 0; k < SD_COORDINATES; k++) {
@@ -82,7 +84,8 @@ static void fill_members(engine *e) {
   c->start[c->count] = at;
 }
 
-/* Computes the arms of clump k in space, from its present angle. */
+/* Computes arm_x and arm_y, the vectors from the centre of clump k to its disks, from the present
+ * angle of the clump. */
 static void turn(const engine *e, size_t k);
 
 sd_status clumps_new(engine *e) {
@@ -116,7 +119,8 @@ sd_status clumps_new(engine *e) {
 
 void clumps_free(engine *e) {
   clumps *c = &e->work.clumps;
-  /* This column is the first in the memory of all columns of doubles (clumps_new). */
+  /* columns[0].inverse is the start of the memory that clumps_new allocated for all columns of
+   * doubles. */
   if (c->count) free((double *)(uintptr_t)c->columns[0].inverse);
   free(c->start);
   free(c->member);
@@ -175,7 +179,8 @@ static void turn(const engine *e, size_t k) {
   }
 }
 
-/* Disks of one clump may have different image counts in a periodic box. */
+/* Sets poses and velocities of the disks of clump k from those of the clump. Disks of one clump may
+ * have different image counts in a periodic box. */
 void clump_place(engine *e, size_t k) {
   sd_state *s = e->state;
   const work *w = &e->work;
@@ -264,8 +269,8 @@ void clump_sum(engine *e, size_t k) {
   for (int q = 0; q < SD_COORDINATES; q++) e->work.clumps.columns[q].force[k] = contacts.on[q];
 }
 
-/* Returns the power of the model's fields on clump k, summed over coordinates that are not locked
- * or prescribed. */
+/* Returns the power of the deck's force fields on clump k, summed over coordinates that are not
+ * locked or prescribed. */
 static double field_power(const engine *e, size_t k) {
   const sd_state *s = e->state;
   const clump_load load = clumps_load_of(e, k, s->field_x, s->field_y, s->field_torque);

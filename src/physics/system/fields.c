@@ -11,7 +11,7 @@
 #include "physics/system/clumps.h"
 #include "physics/system/kernels.h"
 
-/* Adds constant forces and the fields of the program. */
+/* Sets `total` to the constant forces plus the fields of the calling program. */
 static void sum_up(engine *e) {
   for (int c = 0; c < SD_COORDINATES; c++) {
     const work *w = &e->work;
@@ -60,8 +60,9 @@ static void evaluate(engine *e, int64_t step) {
   f->calling = true;
   for (size_t k = 0; k < f->n; k++) f->item[k].call(&present, f->item[k].user);
   f->calling = false;
-  if (pool_forked(e->pool)) /* the field has forked: the child lacks the threads of the step */
-    e->work.status = SD_ERROR_USER;
+  /* The function of the calling program has forked: the child process lacks the threads of the
+   * step. */
+  if (pool_forked(e->pool)) e->work.status = SD_ERROR_USER;
   sum_up(e);
 }
 
@@ -69,8 +70,8 @@ void fields_apply(engine *e) {
   if (e->fields) evaluate(e, e->state->step + 1);
 }
 
-/* Returns the power of the program's fields on coordinates that are not locked or prescribed,
- * summed in the order of slots. */
+/* Returns the power of the calling program's fields on coordinates that are not locked or
+ * prescribed, summed in the order of slots. */
 static double power(const engine *e) {
   double sum = 0.0;
   for (int c = 0; c < SD_COORDINATES; c++) {
@@ -177,7 +178,8 @@ void body_forces_free(engine *e) {
   e->work.body_forces = NULL;
 }
 
-/* Sets the weights of a field on the free disk in slot i. */
+/* Sets the weights with which a force field acts on the free disk in slot i; 0 if the disk is not
+ * in play. */
 static void weigh(const sd_state *s, body_force_row *r, size_t i) {
   const field_weight w = field_weight_of(r->field, s->radius[i], s->mass[i], s->inertia[i]);
   const bool acts = body_in_play(s, i);
@@ -185,8 +187,9 @@ static void weigh(const sd_state *s, body_force_row *r, size_t i) {
   r->turn_weight[i] = acts ? w.torque : 0.0;
 }
 
-/* Moves the damping of disks in clumps to the clumps, since it acts on a clump as a whole: its
- * coefficients are multiplied by the mean weight of the disks, weighted by mass. */
+/* Moves Cundall's damping from the disks of clumps to the clumps, since it acts on a clump as a
+ * whole: the damping coefficients of a clump are those of the field times the mean weight of the
+ * clump's disks, weighted by mass. */
 static void take_damping(engine *e, body_force_row *r) {
   const clumps *c = &e->work.clumps;
   for (size_t k = 0; k < c->count; k++) {
@@ -207,7 +210,7 @@ void body_forces_fill(engine *e) {
   const sd_state *s = e->state;
   if (!f) return;
   f->phase = s->phase;
-  /* the next trapezoid must not use powers of absent disks */
+  /* The trapezoidal rule of the next step must not use powers of absent disks. */
   for (size_t i = 0; i < s->n_free; i++)
     if (!body_in_play(s, i)) s->power_work[i] = s->power_drag[i] = s->power_damping[i] = 0.0;
   for (size_t k = 0; k < e->work.clumps.count; k++)

@@ -1,4 +1,5 @@
-/* fields.h: force fields of the calling program, and force fields of the model.
+/* fields.h: force fields that functions of the calling program compute, and force fields that the
+ * deck defines.
  *
  * Fields of the calling program (sd_simulation_add_force_field) belong to the engine, not to its
  * work, so they survive a rebuild of work.
@@ -9,10 +10,10 @@
 #include "physics/system/work.h"
 #include "slipdisk/simulation.h"
 
-/* Force fields of the calling program. */
+/* Force fields that functions of the calling program compute. */
 typedef struct fields {
   size_t n;
-  bool calling; /* true while one of the functions is being called */
+  bool calling; /* true while one of the calling program's functions is being called */
   struct {
     sd_force_field *call;
     void *user;
@@ -21,19 +22,19 @@ typedef struct fields {
   double *total[SD_COORDINATES]; /* [n_free] `force` plus constant forces; read by the integrator */
 } fields;
 
-/* Adds a field; at step 0 the accelerations in the state are updated. SD_ERROR_IO: no memory for
- * columns of the disks. */
+/* Adds a force field of the calling program; at step 0 the accelerations in the state are updated.
+ * SD_ERROR_IO: no memory for columns of the disks. */
 sd_status fields_add(engine *e, sd_force_field *call, void *user);
 void fields_free(engine *e);
-/* Resizes the columns to the present number of free disks. SD_ERROR_IO: no memory. */
+/* Resizes the columns of forces to the present number of free disks. SD_ERROR_IO: no memory. */
 sd_status fields_resize(engine *e);
-/* Makes the integrator use the sums of constant forces and fields. To be called after constant
- * forces have changed or have moved in memory. */
+/* Makes the integrator use the sum of constant forces and fields of the calling program. To be
+ * called after constant forces have changed or have moved in memory. */
 void fields_attach(engine *e);
-/* Evaluates the fields at the predicted coordinates of the present step. */
+/* Evaluates the calling program's fields at the predicted coordinates of the present step. */
 void fields_apply(engine *e);
-/* Adds the work of the fields in the step just completed: trapezoid of force times corrected
- * velocity. */
+/* Adds the work of the calling program's fields in the step just completed to the budget:
+ * trapezoidal rule for force times corrected velocity. */
 void fields_work(engine *e);
 
 /* --- force fields of the model (sd_body_force) ---
@@ -42,42 +43,47 @@ void fields_work(engine *e);
  * constant forces. The forces themselves are computed in physics/step/field_pass.h.
  */
 
-/* Weights of one field on the free disks; 0 for disks that it does not act on. */
+/* Weights of one force field on the free disks; 0 for disks that it does not act on. */
 typedef struct body_force_row {
   const sd_body_force *field;
-  /* [n_free] weight of the force: 1, R or m; weight of the torque: 1, R^3 or I. */
+  /* [n_free] weight of the force (1, R or m, by kind of field), and of the torque (1, R^3 or I) */
   double *weight, *turn_weight;
 } body_force_row;
 
-/* Kinds of power of the fields on a disk; their time integrals are work, drag and damping of
- * sd_energy. */
+/* Kinds of power of the force fields on a disk; their time integrals are the members work, drag and
+ * damping of sd_energy. */
 enum { FIELD_WORK, FIELD_DRAG, FIELD_DAMPED, FIELD_POWERS };
 
-/* Force fields of the model. */
+/* Force fields that the deck defines. */
 typedef struct body_forces {
   size_t n;
-  int64_t phase;                 /* phase that the weights are for */
-  double *total[SD_COORDINATES]; /* [n_free] `base` plus forces of the fields in the last step */
-  const double *base[SD_COORDINATES]; /* [n_free] constant forces plus fields of the program */
-  /* [n_free] 1 for disks in clumps: their inverse masses are 0 although they are not locked; 0 for
-   * other disks; NULL: there are no clumps. */
+  int64_t phase; /* phase for which the weights have been computed */
+  /* [n_free] `base` plus forces of the deck's fields in the last step */
+  double *total[SD_COORDINATES];
+  /* [n_free] constant forces plus fields of the calling program */
+  const double *base[SD_COORDINATES];
+  /* [n_free] 1 for disks in clumps, 0 for other disks; NULL: there are no clumps. It marks disks
+   * whose inverse masses are 0 although they are not locked. */
   const double *clumped;
-  /* Columns of the state: forces, powers, and time integrals of the powers. */
+  /* Pointers to columns of the state: forces of the fields, their powers, and the time integrals of
+   * the powers. */
   double *force[SD_COORDINATES], *power[FIELD_POWERS], *sum[FIELD_POWERS];
-  void *arena; /* memory of total and of the weights */
+  void *arena; /* memory of `total` and of the weights */
   body_force_row row[];
 } body_forces;
 
-/* Allocates the model's fields, if it has any. SD_ERROR_IO: no memory for columns of the disks. */
+/* Allocates the force fields of the model, if it has any. SD_ERROR_IO: no memory for columns of the
+ * disks. */
 sd_status body_forces_new(engine *e);
 void body_forces_free(engine *e);
-/* Sets the weights for the present phase; they are 0 for disks that are not in play. */
+/* Sets the weights of the force fields for the present phase; they are 0 for disks that are not in
+ * play. */
 void body_forces_fill(engine *e);
-/* Makes the integrator use the sum of constant forces and fields. To be called after constant
- * forces have changed or have moved in memory. */
+/* Makes the integrator use the sum of constant forces, fields of the calling program and fields of
+ * the deck. To be called after constant forces have changed or have moved in memory. */
 void body_forces_attach(engine *e);
-/* Evaluates the fields on free disks [begin, end) at their present coordinates; the contact forces
- * on them must be in the state. */
+/* Evaluates the deck's force fields on free disks [begin, end) at their present coordinates; the
+ * contact forces on these disks must be in the state. */
 void body_forces_renew(engine *e, size_t begin, size_t end);
 
 #endif

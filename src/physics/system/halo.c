@@ -1,4 +1,4 @@
-/* halo.c: messages between ranks in a step; see halo.h. */
+/* halo.c: messages between ranks (processes) in a step; see halo.h. */
 #include "physics/system/halo.h"
 
 #include <assert.h>
@@ -87,7 +87,8 @@ void halo_start(engine *e) {
     const uint32_t i = h->send_slot[k];
     double *to = h->send + HALO_ROW * k;
     memcpy(to, packed + PACKED_ROW * (size_t)row[i], bytes);
-    to[PACKED_SPIN] = s->radius[i] * s->omega[i]; /* packed bodies lack it with plain laws */
+    /* The packed body lacks the spin if the contact laws do not need it. */
+    to[PACKED_SPIN] = s->radius[i] * s->omega[i];
     to[PACKED_ROW] = s->x2[i];
     to[PACKED_ROW + 1] = s->y2[i];
   }
@@ -109,7 +110,7 @@ void halo_finish(engine *e) {
   }
 }
 
-/* Numbers in a message row of halo_refresh. */
+/* Columns of a message row of halo_refresh. */
 enum {
   POSE_X,
   POSE_Y,
@@ -118,8 +119,9 @@ enum {
   POSE_VX,
   POSE_VY,
   POSE_OMEGA,
-  POSE_IMAGES,   /* image_x and image_y, two 32-bit integers */
-  POSE_BEFORE_X, /* position before the wrap if changes are requested, else accelerations */
+  POSE_IMAGES, /* image_x and image_y, two 32-bit integers in one double */
+  /* position before wrapping if changes are requested (change not NULL), else acceleration */
+  POSE_BEFORE_X,
   POSE_BEFORE_Y,
   POSE_ROW
 };
@@ -178,9 +180,9 @@ void halo_refresh(engine *e, halo_wait *change) {
 
 /* --- forces on prescribed bodies -------------------------------------------------------------- */
 
-/* Sort key of a row of forces on a prescribed body, by body and then in the global order of pairs.
- * body: counted from the first prescribed one; order: of the disk in contact; part: wall segment;
- * from: row number. */
+/* Sort key of one row of forces on a prescribed body: by body, then in the global order of pairs.
+ * body: number of the prescribed body; order: global slot of the disk in contact; part: wall
+ * segment; from: row number in halo_rows.all. */
 typedef struct row_key {
   uint32_t body, order, part, from;
 } row_key;
@@ -195,13 +197,14 @@ static int by_order(const void *one, const void *two) {
 /* Returns the slot of the first prescribed body. */
 static size_t first_of(const engine *e) { return e->halo->n_own + e->halo->n_ghosts; }
 
-/* Returns the number of contacts of this rank with prescribed bodies. */
+/* Returns the number of candidate contacts of this rank's disks with prescribed bodies. */
 static size_t count_rows(const engine *e) {
   const incidence *n = &e->work.incidence;
   return n->start[e->state->n_bodies] - n->start[first_of(e)];
 }
 
-/* Lists the sort keys of this rank's rows, and the rows of work.sums that they are copied from. */
+/* Lists the sort key of each of this rank's rows of forces on prescribed bodies, and the row of
+ * work.sums that it is copied from. */
 static void fill_keys(const engine *e, row_key *key, uint32_t *row) {
   const work *w = &e->work;
   const incidence *n = &w->incidence;

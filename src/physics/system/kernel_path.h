@@ -1,5 +1,5 @@
-/* kernel_path.h: name suffix and vector width of the instruction set that a kernel_*.c is compiled
- * for. */
+/* kernel_path.h: name suffix and vector width of the instruction set for which a kernel_*.c is
+ * compiled. */
 #ifndef PHYSICS_KERNEL_PATH_H
 #define PHYSICS_KERNEL_PATH_H
 

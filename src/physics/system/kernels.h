@@ -11,37 +11,40 @@ typedef struct motion_kernels motion_kernels; /* defined in physics/motion/motio
 
 typedef struct kernels {
   const char *name;
-  /* Evaluates pairs [begin, end) once: adds the forces to the sums, and writes the history. A range
-   * has whole blocks of round pairs, or wall segments, not both. */
+  /* Evaluates the pairs [begin, end) once: adds contact forces to the force sums of the bodies, and
+   * updates the contact history. The range consists either of whole blocks of pairs of round
+   * bodies, or of pairs with wall segments. */
   void (*pairs)(engine *e, thread_work *mine, size_t begin, size_t end);
-  /* If chunks share rows of packed bodies (chunks.shares), a call of gather, pack, predict, correct
-   * or fields for free disks must stay within one chunk. */
-  /* Writes the force sums of bodies [begin, end) to force_x, force_y and torque in the state. The
-   * torque on a straight wall is about its pivot. */
+  /* If chunks reuse rows of packed bodies (chunks.shares), each call of gather, pack, predict,
+   * correct or fields for free disks must stay within one chunk. */
+  /* Writes the contact forces on bodies [begin, end) from the force sums to force_x, force_y and
+   * torque in the state. The torque on a straight wall is about its pivot. */
   void (*gather)(engine *e, size_t begin, size_t end);
-  /* Packs the bodies [begin, end) from their poses, and clears their force sums. */
+  /* Packs bodies [begin, end): copies their poses to the rows that the pair loop reads, and clears
+   * their force sums. */
   void (*pack)(engine *e, size_t begin, size_t end);
   /* True if a free disk in [begin, end) has moved too far since the neighbour list was built.
    * ahead: true to test the position after the next step instead of the present one. */
   bool (*stale)(const engine *e, size_t begin, size_t end, bool ahead);
-  /* Predictor and corrector of free disks [begin, end), indexed by sd_integrator. The predictor
-   * packs the disks; the corrector gathers their force sums first. */
+  /* Predictor and corrector for free disks [begin, end); the index is an sd_integrator. The
+   * predictor also packs the disks; the corrector first gathers their contact forces. */
   void (*predict[2])(engine *e, size_t begin, size_t end);
   void (*correct[2])(engine *e, thread_work *mine, size_t begin, size_t end);
-  /* Evaluates the model's force fields (fields.h) on free disks [begin, end); their contact forces
+  /* Evaluates the deck's force fields (fields.h) on free disks [begin, end); their contact forces
    * must be in the state. */
   void (*fields)(engine *e, size_t begin, size_t end);
-  /* `lanes` makes n steps of small systems side by side (lanes.h), lane_width of them or one. */
+  /* `lanes` makes n steps of one or of lane_width small systems, one system per vector lane
+   * (lanes.h). */
   size_t lane_width;
   void (*lanes)(lanes *l, int64_t n);
   const motion_kernels *motion;
 } kernels;
 
-/* Returns the kernels of the fastest instruction set that this machine supports, or those named by
- * the environment variable SLIPDISK_PATH (baseline, avx2 or avx512) if they can run here. */
+/* Returns the kernels of the fastest instruction set that this machine supports, or of the one that
+ * the environment variable SLIPDISK_PATH names (baseline, avx2 or avx512) if it can run here. */
 const kernels *kernels_choose(void);
-/* Returns the kernels of an instruction set by name; NULL if they were not built or cannot run
- * here. */
+/* Returns the kernels of the instruction set with this name; NULL if they were not built or cannot
+ * run here. */
 const kernels *kernels_named(const char *name);
 
 #endif

@@ -6,8 +6,8 @@
 
 #include "base/memory.h"
 
-/* Makes room for one more element after the n elements of a list, which may move. list: address of
- * the pointer to its first element; size: bytes per element. Returns false if there is no
+/* Makes sure that a list of n elements has memory for one more; the list may move. list: address of
+ * the pointer to the first element; size: bytes per element. Returns false if there is no
  * memory. */
 static inline bool list_room(void *list, size_t n, size_t *capacity, size_t size) {
   if (n < *capacity) return true;
@@ -19,14 +19,14 @@ static inline bool list_room(void *list, size_t n, size_t *capacity, size_t size
 
 /* --- growing lists of bodies or pairs, which may be as long as the system is large ------------ */
 
-/* List of numbers. Initialise it with {0}; release it with free(at). */
+/* Growing list of 32-bit integers. Initialise it with {0}; release it with free(at). */
 typedef struct numbers {
   uint32_t *at;
   size_t n, capacity;
   bool failed; /* true: memory ran out, and some numbers are missing */
 } numbers;
 
-/* Appends k; without memory sets l->failed instead. */
+/* Appends k to the list; if memory runs out, sets l->failed instead. */
 static inline void numbers_add(numbers *l, size_t k) {
   l->failed = l->failed || !list_room(&l->at, l->n, &l->capacity, sizeof *l->at);
   if (!l->failed) l->at[l->n++] = (uint32_t)k;

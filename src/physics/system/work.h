@@ -1,8 +1,9 @@
-/* work.h: data that can be recomputed from model and state.
+/* work.h: data of an engine that can be recomputed from model and state.
  *
  * Rule: discarding the work and rebuilding it must not change any bit of the results. During a run
- * the records of contacts are kept with the candidate pairs (struct pairs); contacts_store copies
- * the records of closed contacts to the state's columns, contacts_load copies them back.
+ * the records of contacts (their history) are kept with the candidate pairs (struct pairs);
+ * contacts_store copies the records of closed contacts to the state's columns, contacts_load copies
+ * them back.
  */
 #ifndef PHYSICS_WORK_H
 #define PHYSICS_WORK_H
@@ -18,27 +19,33 @@
 #include "model/model.h"
 #include "model/state.h"
 
-/* Contact constants of one pair of materials, in the form that the contact law uses. */
+/* Constants of the contact law for one pair of materials, in the form that the pair loop uses. */
 #define LAW_MEMBER(features, name, value) double name;
 typedef struct law_row {
-  double k_n, k_t, gamma_n, cap; /* cap: mu/k_t; 0 without k_t (frictionless) */
-  double normal, tsuji;          /* number of the normal law; factor law_tsuji of its damping */
-  LAW_CONSTANTS(LAW_MEMBER)      /* only read if laws are general (LAW_GENERAL) */
+  /* stiffnesses and normal damping; cap: mu/k_t, 0 if k_t is 0 (frictionless) */
+  double k_n, k_t, gamma_n, cap;
+  /* normal: number of the normal force law; tsuji: factor of its damping by restitution
+   * (law_tsuji) */
+  double normal, tsuji;
+  /* The other members are only read if some law needs them (LAW_GENERAL in model/model.h). */
+  LAW_CONSTANTS(LAW_MEMBER)
 } law_row;
 #undef LAW_MEMBER
-/* Number of members of law_row from `pulls` on; LAW_PLACE: index of a member among these. */
+/* LAW_MORE: number of members of law_row from `pulls` on; LAW_PLACE: index of a member among
+ * these. */
 enum { LAW_MORE = (sizeof(law_row) - offsetof(law_row, pulls)) / sizeof(double) };
 #define LAW_PLACE(member) ((offsetof(law_row, member) - offsetof(law_row, pulls)) / sizeof(double))
 
-/* Block of eight pairs. Each column of doubles is one cache line, so a pass over pairs reads one
- * stream of memory. The record (slipdisk/contact.h) is saved in checkpoints, and carried over when
- * the list is rebuilt; the other columns are written by the functions named beside them. */
+/* Data of eight candidate pairs. Each column of doubles is one cache line, so a loop over pairs
+ * reads one stream of memory. The record (contact history, slipdisk/contact.h) is saved in
+ * checkpoints, and carried over when the neighbour list is rebuilt; the other columns are written
+ * by the functions named beside them. */
 enum { PAIR_BLOCK = 8 };
 #define PAIR_COLUMN(name, unit, meaning) double name[PAIR_BLOCK];
 typedef struct pair_block {
-  /* Offsets of the bodies in work.packed, in doubles; pairs_list. */
+  /* Offsets, in doubles, of bodies a and b in work.packed; set by pairs_list. */
   _Alignas(64) int32_t packed_a[PAIR_BLOCK], packed_b[PAIR_BLOCK];
-  /* offsets in sums.row of their forces; pairs_list */
+  /* offsets, in doubles, of bodies a and b in the force sums (sums.row); set by pairs_list */
   int32_t sum_a[PAIR_BLOCK], sum_b[PAIR_BLOCK];
   union {
     struct {
@@ -46,10 +53,11 @@ typedef struct pair_block {
     };
     double record[SD_CONTACT_COLUMNS][PAIR_BLOCK];
   };
-  int32_t law[PAIR_BLOCK]; /* index in work.laws; neighbours_build */
+  int32_t law[PAIR_BLOCK]; /* index of the contact law in work.laws; set by neighbours_build */
 } pair_block;
 
-/* Further columns of the record of the same eight pairs, for models with general laws. */
+/* Further columns of the contact history of the same eight pairs; only for models that need them
+ * (LAW_GENERAL). */
 typedef struct pair_more {
   union {
     struct {
@@ -60,91 +68,102 @@ typedef struct pair_more {
 } pair_more;
 #undef PAIR_COLUMN
 
-/* Value of pair k in a column of pair_block (PAIR) or pair_more (MORE). */
+/* PAIR and MORE give the value of pair k in a column: of pair_block, of pair_more. */
 #define PAIR(pairs, k, column)                                                                     \
   ((pairs)->block[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
 #define MORE(pairs, k, column)                                                                     \
   ((pairs)->more[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
 
-/* Flags of the contacts of a block, one bit each (for a wall segment, bit 0 only): closed at the
- * last evaluation; sliding there with positive or negative torque on both disks. Like the record,
- * they are carried over when the list is rebuilt. */
+/* Flags of the contacts in a block of pairs, one bit each (for a wall segment, bit 0 only): closed
+ * at the last evaluation; sliding at the last evaluation with positive or negative torque on both
+ * disks. Like the contact history, the flags are carried over when the list is rebuilt. */
 typedef struct pair_flags {
   uint8_t closed, slides_positive, slides_negative;
 } pair_flags;
 
-/* Candidate pairs: round pairs in [0, n_round), pairs with ghosts (halo.h) in [first_ghost,
- * end_ghost), wall segments in [first_segment, count). Each of these lists is ordered by (slot of
- * a, slot of b, segment), and begins with a whole block. Padding after each list has a = b = -1 and
- * is never in contact. */
+/* Candidate pairs: pairs of round bodies in [0, n_round), pairs with ghosts (halo.h) in
+ * [first_ghost, end_ghost), pairs with wall segments in [first_segment, count). Each of these lists
+ * is ordered by (slot of a, slot of b, segment), and begins with a new block. Padding after each
+ * list has a = b = -1 and is never in contact. */
 typedef struct pairs {
   size_t count, n_round, first_ghost, end_ghost, first_segment, capacity;
-  int32_t *a, *b;    /* slots of the two bodies; neighbours_build */
-  int32_t *part;     /* index of the wall segment; neighbours_build */
-  double *side;      /* nearest_point.side of closed contacts with segments; else 0 */
-  pair_block *block; /* columns of the pairs, PAIR_BLOCK of them in each */
-  pair_more *more;   /* columns that only general laws use; NULL: there are none */
-  bool wants_more;   /* true if the laws need `more` */
-  pair_flags *flags; /* one per block of round pairs, then one per wall segment */
+  int32_t *a, *b; /* slots of the two bodies of each pair; set by neighbours_build */
+  int32_t *part;  /* index of the wall segment of each pair; set by neighbours_build */
+  /* for closed contacts with a wall segment: side of the wall on which the contact began, +1 left
+   * of the tangent, -1 right; else 0 */
+  double *side;
+  pair_block *block; /* columns of the pairs; each block has PAIR_BLOCK pairs */
+  /* columns that only some contact laws need (LAW_GENERAL); NULL: the laws of this model do not */
+  pair_more *more;
+  bool wants_more; /* true if the contact laws need the columns `more` */
+  /* flags: one entry per block of pairs of round bodies, then one per pair with a wall segment */
+  pair_flags *flags;
 } pairs;
 
-/* Contacts of each body, in the order of the pairs; neighbours_build. */
+/* Candidate contacts of each body, in the order of the pairs; set by neighbours_build. */
 typedef struct incidence {
-  size_t *start;   /* [n_bodies + 1] first entry of each body */
-  uint32_t *entry; /* 2 * pair, + 1 if the body is b of this pair */
+  size_t *start;   /* [n_bodies + 1] index in `entry` of the first contact of each body */
+  uint32_t *entry; /* contacts of all bodies: 2 * pair, plus 1 if the body is b of this pair */
   size_t capacity;
 } incidence;
 
-/* Force sums of the bodies, by contacts. A row has the force (x, y), the torque (over the radius
- * for round bodies; for straight walls the torque itself, about the pivot), and a fourth number: on
- * disks the couple of rolling resistance, a torque of opposite sign on the two (for walls it is
- * part of the torque); on straight walls the force along the surface.
+/* Force sums of the bodies, by contacts. A row has the force (x, y), the torque (divided by the
+ * radius for round bodies; for straight walls the torque itself, about the pivot), and a fourth
+ * number: on disks the couple of rolling resistance, a torque of opposite sign on the two bodies
+ * (for walls it is part of the torque); on straight walls the force along the surface.
  *
- * Pairs add to the row of a body one after the other. If the pairs of a body are not all evaluated
- * by one thread, or if each force is needed (prescribed bodies), each contact has a row of its own,
- * and `gather` adds these rows up in the order of the pairs. So the order of summation is always
- * the same. */
+ * Normally each body has one row, and pairs add to it one after the other. If the pairs of a body
+ * are not all evaluated by one thread, or if each contact force is needed (prescribed bodies), each
+ * contact of the body has a row of its own, and `gather` adds these rows up in the order of the
+ * pairs. So the order of summation is always the same.
+ */
 enum { SUM_X, SUM_TURN, SUM_Y, SUM_COUPLE, SUM_ROW, SUM_SURFACE = SUM_COUPLE };
-/* add4 in base/lane.h adds numbers at odd indices with the same sign to both bodies */
+/* add4 in base/lane.h adds a row to one body and subtracts it from the other, except numbers at odd
+ * indices (SUM_TURN), which it adds to both. */
 _Static_assert(SUM_X % 2 == 0 && SUM_Y % 2 == 0 && SUM_TURN % 2 == 1, "add4");
 typedef struct sums {
-  /* [rows][SUM_ROW] rows of bodies, then one row per contact of each listed body */
+  /* [end][SUM_ROW] one row per body, then one row per contact of each listed body */
   double *row;
-  size_t end;       /* number of rows */
-  uint32_t *listed; /* slots of the bodies with one row per contact, ascending */
+  size_t end;       /* number of rows in `row` */
+  uint32_t *listed; /* slots of the bodies that have one row per contact, ascending */
   size_t n_listed;
-  size_t *single; /* [n_listed + 1] first row of each listed body */
+  size_t *single; /* [n_listed + 1] number of the first such row of each listed body */
   size_t capacity, listed_capacity;
 } sums;
 
 enum { WORK_MAX_THREADS = 64 };
 
-/* Chunks of free disks with consecutive slots; chunks.h. */
+/* Chunks: groups of free disks with consecutive slots, which threads work on as a whole;
+ * chunks.h. */
 typedef struct chunks {
-  size_t size, count, capacity; /* size: largest number of disks in a chunk */
+  /* size: largest number of disks in a chunk; count: number of chunks */
+  size_t size, count, capacity;
   int n_threads;
   size_t *begin;      /* [count + 1] slot of the first disk of each chunk */
-  uint32_t *of_disks; /* chunk of each group of CHUNK_STEP disks */
-  /* [count + 1] first round pair and first wall segment pair of each chunk */
+  uint32_t *of_disks; /* chunk that each group of CHUNK_STEP consecutive disks belongs to */
+  /* [count + 1] first pair of round bodies, and first pair with a wall segment, of each chunk */
   size_t *pair, *segment;
-  /* need_start: [count + 1] first entry of each chunk in `need` */
+  /* need_start: [count + 1] index in `need` of the first entry of each chunk */
   size_t *need_start, need_capacity;
-  uint32_t *need; /* chunks whose disks the pairs of each chunk read, itself included */
-  size_t share[WORK_MAX_THREADS + 1]; /* first chunk of each thread */
-  /* boundary_first: pairs of other threads or ranks read its disks; boundary_last: pairs of other
-   * threads add forces to its disks. */
+  /* for each chunk, numbers of the chunks whose disks its pairs read, itself included */
+  uint32_t *need;
+  size_t share[WORK_MAX_THREADS + 1]; /* first chunk of each thread's range of chunks */
+  /* boundary_first: pairs of other threads or ranks read disks of this chunk; boundary_last: pairs
+   * of other threads add forces to disks of this chunk. */
   bool *boundary_first, *boundary_last;
   bool any_boundary_first; /* true if boundary_first is true for some chunk */
-  bool shares;             /* true if later chunks reuse rows of earlier ones */
-  /* row of each chunk's first disk in work.packed and sums; number of these rows */
+  /* true if chunks that are computed later reuse the rows of earlier chunks in work.packed and
+   * sums */
+  bool shares;
+  /* row: first row of each chunk in work.packed and sums; rows: number of all these rows */
   size_t *row, rows;
-  int64_t *predicted; /* step of each chunk's predicted coordinates; see step.c */
-  int64_t *packed;    /* step of each chunk's packed bodies; see step.c */
+  int64_t *predicted; /* step that each chunk's disks were last predicted for; see step.c */
+  int64_t *packed;    /* step that each chunk's packed bodies were last written for; see step.c */
 } chunks;
 
-/* Packed body: the numbers that a pass over pairs reads of a body, one cache line. Written together
- * with the pose by the predictor and by motion_pose. Free disks have a row here and in sums only
- * while pairs need it (chunks_plan_rows). PACKED_ARC: R theta. */
+/* Packed body: all numbers that the pair loop reads of a body, in one cache line. The predictor and
+ * motion_pose write it together with the pose. Free disks have a row here and in sums only while
+ * pairs need it (chunks_plan_rows). PACKED_ARC: R theta. */
 enum {
   PACKED_X,
   PACKED_ARC,
@@ -152,48 +171,55 @@ enum {
   PACKED_RADIUS,
   PACKED_VX,
   PACKED_VY,
-  PACKED_INVERSE_MASS, /* 1/mass, 0 for prescribed bodies; only set with LAW_NORMAL */
-  PACKED_SPIN,         /* R omega; only set with LAW_DASHPOT or LAW_ROLLING */
+  PACKED_INVERSE_MASS, /* 1/mass, 0 for prescribed bodies; only set if laws need it (LAW_NORMAL) */
+  PACKED_SPIN,         /* R omega; only set if laws need it (LAW_DASHPOT or LAW_ROLLING) */
   PACKED_ROW = 8
 };
-/* across4 in base/lane.h takes differences b - a at even indices, and sums at odd ones */
+/* across4 in base/lane.h computes differences b - a of columns with even index, and sums b + a of
+ * columns with odd index. */
 _Static_assert(PACKED_X % 2 == 0 && PACKED_Y % 2 == 0 && PACKED_ARC % 2 == 1 &&
                    PACKED_RADIUS % 2 == 1,
                "across4");
 _Static_assert(PACKED_VY == PACKED_VX + 1, "across2");
 
-/* Wall segment in space: straight, an arc, or an end point of an arc; walls_pose. */
+/* Wall segment at its present position in space: straight, an arc, or an end point of an arc; set
+ * by walls_pose. */
 typedef struct placed_segment {
-  /* Start (for an arc: centre of the circle), unit tangent, length, tangent of the segment
-   * before. */
+  /* Start point (for an arc: centre of the circle), unit tangent (tx, ty), length, and unit tangent
+   * (px, py) of the segment before. */
   double x, y, tx, ty, length, px, py;
-  double end_x, end_y; /* start of the next segment; only if `joined` */
-  double backwards;    /* least coordinate along the tangent: -HUGE_VAL for a line, else 0 */
-  double arc;          /* arc length along the wall at the start, for an arc at its middle */
-  /* end_cap: the far end is free and is touched as a point; joined: a segment follows; wide: an arc
-   * of more than half a turn. */
+  double end_x, end_y; /* start point of the next segment; only set if `joined` */
+  /* smallest coordinate along the tangent: -HUGE_VAL for an infinite line, else 0 */
+  double backwards;
+  double arc; /* arc length along the wall at the start of the segment, for an arc at its middle */
+  /* end_cap: the far end is free and is touched as a point; joined: another segment begins at the
+   * far end; wide: an arc of more than half a turn. */
   bool end_cap, joined, wide;
-  bool shared, meets; /* another segment shares one of its ends; one of another wall does */
-  bool image[2];      /* true along directions in which it has periodic images */
-  int cells[2];       /* number of periods from (end_x, end_y) to the start of the next segment */
+  /* shared: another segment has one end in common with it; meets: a segment of another wall has */
+  bool shared, meets;
+  bool image[2]; /* [x, y] true along directions in which the segment has periodic images */
+  int cells[2];  /* [x, y] number of periods from (end_x, end_y) to the start of the next segment */
   double middle_x, middle_y; /* vector from (x, y) to the middle of the segment */
-  double shift_x, shift_y;   /* displacement of an image from the original; 0 for the original */
-  sd_piece piece;            /* straight, arc, or first or last end point of an arc */
-  double c, i;               /* cosine and sine of the wall's angle; both 0: not placed yet */
-  /* Only for arcs: radius, and unit vectors from the centre to the first end, last end and
-   * middle. */
+  /* displacement of a periodic image from the original segment; 0 for the original */
+  double shift_x, shift_y;
+  sd_piece piece; /* kind: straight, arc, or first or last end point of an arc */
+  double c, i;    /* cosine and sine of the wall's angle; both 0: not placed yet */
+  /* Only for arcs: radius, and unit vectors from the centre to the first end (fx, fy), to the last
+   * end (lx, ly) and to the middle (mx, my). */
   double radius, fx, fy, lx, ly, mx, my;
 } placed_segment;
 
-/* Rare event, handled serially after the pass: a contact that ended (with the energy that it
- * dropped), began, turned far from its reference direction, or overlaps by more than the limit; or
- * a disk whose angle or position must be wrapped. */
+/* Rare event, handled by one thread after the pair loop or the corrector: a contact that ended,
+ * began, turned far from its reference direction, or overlaps by more than the limit; or a disk
+ * whose angle or position must be wrapped. */
 typedef struct event {
-  uint32_t index;  /* index of the pair, or slot of the disk */
-  uint64_t at;     /* key by which events are sorted; contacts_events */
-  double dropped;  /* energy left in a contact that opened, or lost in a bridge that formed */
-  bool was_closed; /* true if the contact was closed before the pass */
-  bool unbooked;   /* true for a contact of a packing that is open at step 0: no loss is booked */
+  uint32_t index; /* index of the pair, or slot of the disk */
+  uint64_t at;    /* key by which events are sorted; see contacts_events */
+  /* energy left in the springs of a contact that opened, or lost when a capillary bridge formed */
+  double dropped;
+  bool was_closed; /* true if the contact was closed before this evaluation */
+  /* true for a contact of a packing that is open at step 0: its energy is not counted as a loss */
+  bool unbooked;
 } event;
 
 typedef struct event_list {
@@ -202,38 +228,42 @@ typedef struct event_list {
   bool failed; /* true: memory ran out, and items are missing */
 } event_list;
 
-/* Columns of one coordinate (x, y or theta) of all free disks, by slot. q: coordinate; v: its
- * velocity; qn: its n-th derivative times dt^n/n!; force: force (or torque) by contacts; constant:
- * force that does not come from contacts; inverse: inverse mass or inertia, 0 if locked or
- * prescribed. */
+/* Pointers to the columns of one coordinate (x, y or theta) of all free disks, by slot. q:
+ * coordinate; v: velocity; q2 ... q5: n-th time derivative times dt^n/n!; force: contact force (or
+ * torque); constant: force that does not come from contacts; inverse: inverse mass or moment of
+ * inertia, 0 if locked or prescribed. */
 typedef struct columns {
   double *q, *v, *q2, *q3, *q4, *q5;
   double *force;
   const double *constant, *inverse;
 } columns;
 
-/* Clumps: rigid bodies of several free disks; system/clumps.c. */
+/* Clumps, rigid bodies of several free disks; filled by system/clumps.c. */
 typedef struct clumps {
-  size_t count;     /* number of clumps; 0: all members below are unset */
-  bool pushed;      /* true if constant forces act on single disks of a clump */
-  size_t *start;    /* [count + 1] first disk of each clump in the columns from member to arm_y */
+  size_t count; /* number of clumps; 0: all members below are unset */
+  bool pushed;  /* true if constant forces act on single disks of some clump */
+  /* [count + 1] index of the first disk of each clump in the columns `member` to `arm_y` */
+  size_t *start;
   uint32_t *member; /* slots of the disks of each clump, in the order of their body numbers */
-  /* Position and angle of each disk relative to the centre, in the frame of the clump. */
+  /* Position and angle of each disk relative to its clump's centre, in the body frame of the
+   * clump. */
   double *offset_x, *offset_y, *offset_theta;
-  /* offset_x, offset_y turned to space, as of when the disks were last placed */
+  /* (offset_x, offset_y) rotated to the space frame, as of when the disks were last placed */
   double *arm_x, *arm_y;
-  int32_t *of;          /* [n_free] clump of the disk in each slot; -1: none */
-  double *clumped;      /* [n_free] 1 for disks in clumps, 0 for others */
-  double *contact_mass; /* [n_free] mass of the disk, or of its clump; enters m_eff of contacts */
-  /* [count] coefficients of non-viscous damping of the whole clump */
+  int32_t *of;     /* [n_free] index of the clump of the disk in each slot; -1: none */
+  double *clumped; /* [n_free] 1 for disks in clumps, 0 for others */
+  /* [n_free] mass of the disk, or of its clump; used in the effective mass m_eff of contacts */
+  double *contact_mass;
+  /* [count] coefficients of Cundall's non-viscous damping of each clump, for translation and
+   * rotation */
   double *alpha, *alpha_rotation;
-  /* columns of the clumps' coordinates, like those of free disks */
+  /* columns of the clumps' coordinates x, y and theta, like those of free disks */
   columns columns[SD_COORDINATES];
 } clumps;
 
-/* Contact of a disk a with a periodic image of body b. */
+/* Contact of a disk (a) with a periodic image of a body (b). */
 typedef struct crossing {
-  double fx, fy, nx, ny; /* force on b; number of cells from the image to b, along x and y */
+  double fx, fy, nx, ny; /* force on b; numbers of periods from the image to b, along x and y */
 } crossing;
 
 typedef struct crossing_list {
@@ -242,29 +272,30 @@ typedef struct crossing_list {
   bool failed; /* true: memory ran out, and items are missing */
 } crossing_list;
 
-/* Deforming periodic box; cell.h. */
+/* Deforming periodic box; see cell.h. */
 typedef struct work_cell {
-  bool on;           /* true in phases in which periodic images are shifted or move */
-  double speed[3];   /* rates of change of the two lengths and the offset, length/time */
-  double list[3];    /* lengths and offset when the neighbour list was built */
-  int64_t step;      /* step for which work has the shape of the box */
-  int64_t list_step; /* step whose shape the neighbour list was built for */
-  double drift[2];   /* mean velocity of disks relative to the box when the list was built */
-  /* Affine map of positions from when the list was built to the end of the coming step, minus the
-   * identity: xx, yy, xy. */
+  bool on; /* true in phases in which rows of periodic images are shifted or the box deforms */
+  double speed[3];   /* rates of change of the two lengths and of the offset, in length/time */
+  double list[3];    /* the two lengths and the offset when the neighbour list was built */
+  int64_t step;      /* step whose box shape the other members of work have */
+  int64_t list_step; /* step whose box shape the neighbour list was built for */
+  /* mean velocity (x, y) of the disks relative to the box when the list was built */
+  double drift[2];
+  /* Affine map of positions from the time at which the list was built to the end of the coming
+   * step, minus the identity: components xx, yy, xy. */
   double map[3];
-  double shift[2]; /* displacement by `drift` in the same time */
+  double shift[2]; /* displacement (x, y) by `drift` in the same time */
 } work_cell;
 
-/* Data of one thread, in cache lines of its own. */
+/* Data of one thread, on cache lines that no other thread writes. */
 typedef struct thread_work {
   /* true: a body has moved or will move too far for the neighbour list, or its position is not a
-   * number; set by the correct kernels and by motions. */
+   * number; set by the corrector and by prescribed motions. */
   _Alignas(64) bool stale;
-  bool fast;               /* a body is beyond the displacement limit; set like `stale` */
-  event_list events;       /* events of pairs, noted by the pairs kernels */
-  crossing_list crossings; /* contacts across the edge of a deforming box, by the pairs kernels */
-  /* bodies whose angle or position must be wrapped; by the correct kernels */
+  bool fast;         /* true: a body moved by more than the displacement limit; set like `stale` */
+  event_list events; /* events of contacts, noted by the pair loop */
+  crossing_list crossings; /* contacts across the edge of a deforming box, noted by the pair loop */
+  /* bodies whose angle or position must be wrapped, noted by the corrector and by motions */
   event_list returns;
 } thread_work;
 
@@ -277,28 +308,35 @@ typedef struct halo halo;       /* defined in halo.h */
 typedef struct kernels kernels; /* defined in kernels.h */
 
 typedef struct work {
-  /* Constants of the model in the form that the loops use; engine_new. */
+  /* Constants of the model in the form that the loops use; set by engine_new. */
   double dt, per_dt, half_dt2; /* time step, 1/dt, dt^2/2 */
   /* Limit of (speed/radius)^2 above which a disk exceeds the displacement limit; infinite: not
-   * checked; speed_begin. */
+   * checked; set by speed_begin. */
   double speed_limit2;
-  bool compare_motions; /* true: prescribed bodies are checked for the displacement limit, too */
-  bool conservative, periodic[2]; /* conservative: false for the paper's tangential force */
-  /* Periodic box; along open directions lengths are 0 and bounds infinite. */
+  bool compare_motions; /* true: the displacement limit also applies to prescribed bodies */
+  /* conservative: false for the tangential force of the paper; periodic: [x, y] */
+  bool conservative, periodic[2];
+  /* Periodic box, [x, y]; along open directions lengths are 0 and bounds infinite. */
   double lower[2], upper[2], length[2], inverse_length[2];
-  double offset; /* shift of each row of periodic cells against the row below, along x */
+  /* Lees-Edwards offset: shift along x of each row of periodic cells against the row below */
+  double offset;
   work_cell cell;
-  law_row *laws; /* [n_materials^2] law of materials i, j in row i n_materials + j */
+  law_row *laws; /* [n_materials^2] contact law of materials i and j, at index i n_materials + j */
   bool one_law;  /* true if all rows of `laws` are the same */
-  /* LAW_ bits of all laws (model.h); 0: k_n, gamma_n, k_t and mu suffice */
+  /* LAW_ bits of all contact laws together (model.h); 0: k_n, gamma_n, k_t and mu suffice */
   unsigned features;
-  bool stale;        /* true: the neighbour list must be rebuilt for the coming step; step_once */
-  int64_t show_from; /* first step whose forces on free disks are stored in the state; step_begin */
-  bool predict_all;  /* true: a step predicts all disks before it evaluates forces; step_begin */
-  /* [n_free] inverse masses and moments of inertia; 0 for locked or prescribed coordinates. */
+  bool stale; /* true: the neighbour list must be rebuilt for the coming step; set by step_once */
+  /* first step for which contact forces on free disks are stored in the state; set by step_begin */
+  int64_t show_from;
+  /* true: a step predicts all disks before it evaluates forces; set by step_begin */
+  bool predict_all;
+  /* [n_free] inverse masses (for motion along x and y) and inverse moments of inertia; 0 for locked
+   * or prescribed coordinates. */
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia;
-  double *constant_x, *constant_y, *constant_torque; /* [n_free] gravity plus constant force */
-  bool nothing_constant[SD_COORDINATES]; /* true if columns[].constant is 0 for all disks */
+  /* [n_free] gravity plus constant forces given by the deck, and constant torque */
+  double *constant_x, *constant_y, *constant_torque;
+  /* true for a coordinate if its columns[].constant is 0 for all disks */
+  bool nothing_constant[SD_COORDINATES];
   columns columns[SD_COORDINATES];
   clumps clumps;
   void *arena;      /* memory of the columns above, and of the poses x0, y0, theta0 */
@@ -306,56 +344,66 @@ typedef struct work {
   const kernels *kernels;
   int n_threads;
 
-  /* Neighbour list, and data that follow from it; neighbours_build. */
+  /* Neighbour list, and data that follow from it; set by neighbours_build. */
   pairs pairs, spare; /* spare: memory for the next list */
   incidence incidence;
   sums sums;
   chunks chunks;
-  int32_t *row; /* [n_bodies + 1] row of each body in `packed` and sums; last: the row of padding */
-  double *packed;            /* [rows][PACKED_ROW] packed bodies */
-  size_t packed_capacity;    /* number of rows that `packed` has room for */
-  double least_limit;        /* largest overlap that is allowed for the smallest body */
-  double margin;             /* largest gap at which a contact begins or ends (cohesion) */
-  double skin, moved_limit2; /* Verlet margin; squared displacement at which the list is stale */
-  double list_scale;         /* state->box_scale when the list was built */
-  /* [n_bodies] poses when the list was built, rescaled with the box since */
+  /* [n_bodies + 1] row of each body in `packed` and in the force sums; the last entry is the row
+   * that padding uses */
+  int32_t *row;
+  double *packed;         /* [rows][PACKED_ROW] packed bodies */
+  size_t packed_capacity; /* number of rows that `packed` has memory for */
+  double least_limit;     /* overlap limit of the smallest body */
+  double margin;          /* largest gap at which a contact begins or ends (cohesion) */
+  /* skin: Verlet margin; moved_limit2: squared displacement at which the list is stale */
+  double skin, moved_limit2;
+  double list_scale; /* scale of the box (state->box_scale) when the list was built */
+  /* [n_bodies] poses when the list was built; positions are rescaled when the box is */
   double *x0, *y0, *theta0;
-  /* [n_walls] distance from the pivot to the farthest wall point in reach of disks */
+  /* [n_walls] distance from a wall's pivot to its farthest point that disks can touch */
   double *reach;
   int64_t builds, built_at; /* number of list builds; step of the last one */
-  double mean_radius;       /* harmonic mean radius of the disks: most pairs are of small disks */
-  double surface_unit;      /* smallest power of two that is at least mean_radius */
-  placed_segment *segments; /* [n_segments] wall segments in space; walls_pose */
-  uint32_t *pieces;         /* indices of the segments in the list of pairs, ascending */
+  /* harmonic mean of the disks' radii; it gives weight to small disks, which most pairs belong
+   * to */
+  double mean_radius;
+  /* smallest power of two (a length) that is at least mean_radius; unit of body_surface_turn */
+  double surface_unit;
+  /* [n_segments] wall segments at their present positions; set by walls_pose */
+  placed_segment *segments;
+  uint32_t *pieces; /* indices of the wall segments that occur in the list of pairs, ascending */
   size_t n_pieces;
-  int64_t *watched; /* [2 n_slides] pair of each watched contact; -1: not in the list */
+  /* [2 n_slides] index of the pair of each contact that the deck watches; -1: not in the list */
+  int64_t *watched;
 
   motions *motions;
-  body_forces *body_forces; /* NULL: the model has no force fields */
-  /* stepper for small systems, holding this system only; NULL: only the general step is used */
+  body_forces *body_forces; /* force fields of the deck; NULL: there are none */
+  /* fast step for small systems, holding this system only; NULL: only the general step is used */
   lanes *lanes;
   thread_work *threads; /* [n_threads] data of each thread */
-  /* status of the present step; set by one thread, read by all after a wait */
+  /* status of the present step; one thread sets it, all read it after a barrier */
   sd_status status;
   sd_messages *messages;
 } work;
 
-/* One system: model, state, and work. All code below run/ operates on this. */
+/* One system: model, state, and work (recomputable data). All code below run/ operates on this. */
 struct engine {
   const sd_model *model;
   sd_state *state;
   fields *fields;   /* force fields of the calling program; NULL: none */
-  halo *halo;       /* exchange of ghosts with other ranks; NULL: this process has all disks */
+  halo *halo;       /* exchange of ghosts with other ranks; NULL: this process owns all disks */
   const comm *comm; /* communicator of the ranks that share the disks; NULL: one process */
-  /* Function that rebuilds the lists on several ranks, and their data; both NULL in one process. */
+  /* Function that rebuilds neighbour lists and ghosts in a run on several ranks, and its data; both
+   * NULL in one process. */
   sd_status (*renew)(engine *e, sd_messages *messages);
   struct ranks *ranks;
-  pool *pool; /* threads, at most work.n_threads, not owned; NULL: one thread does all the work */
+  /* pool of at most work.n_threads threads, not owned; NULL: one thread does all the work */
+  pool *pool;
   work work;
 };
 
-/* Returns the threads that build lists; NULL below WORK_TOGETHER free disks, where one is as
- * fast. */
+/* Returns the pool of threads for building lists; NULL if there are fewer than WORK_TOGETHER free
+ * disks, for which one thread is as fast. */
 enum { WORK_TOGETHER = 1000 };
 static inline pool *work_pool(const engine *e) {
   return e->state->n_free < WORK_TOGETHER ? NULL : e->pool;
