@@ -1,4 +1,4 @@
-/* deck.c: builds a finished model from a deck; see slipdisk/deck.h and deck_tree.h. */
+/* deck.c: builds a finished model from a deck (input file); see slipdisk/deck.h and deck_tree.h. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,17 +24,20 @@ static void read_gravity(deck *d) {
   if (written->type == DECK_FLOAT) deck_warn_tilt(d, tilt, written->place, d->messages);
   d->model->gravity[0] = -strength * sin(tilt);
   d->model->gravity[1] = -strength * cos(tilt);
-  if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0; /* Avoids -0 */
+  /* Avoid -0 from the lines above */
+  if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0;
 }
 
 static void read_limits(deck *d) {
   deck_group g;
-  if (!deck_child(d->root, "limits")) return; /* Keep the limits of sd_model_new */
+  /* Without the group, the limits set by sd_model_new stay */
+  if (!deck_child(d->root, "limits")) return;
   if (deck_enter_one(d, &deck_limits, &g)) deck_fill(&g, &d->model->limits);
 }
 
-/* Checks the group `sweep` and counts its points, then removes it: the model is that of the deck
- * without its sweep. */
+/* Checks the group `sweep`, counts its points (sets of parameter values), and removes the group
+ * from the tree, since the model is built from the deck's own values. point: the deck is read for
+ * one point, so the group is removed without the check. */
 static void read_sweep(deck *d, bool point) {
   if (!point) d->model->deck->sweep_points = deck_sweep_count(d);
   deck_remove(d->root, deck_child(d->root, "sweep"));
@@ -43,7 +46,8 @@ static void read_sweep(deck *d, bool point) {
 /* Reads all groups. The order matters: motions refer to bodies, and phases to motions. */
 static void read_all(deck *d, bool point) {
   deck_group top;
-  /* Number of errors of the scanner, which has put 1 or "" in place of the wrong values */
+  /* Number of errors reported so far, by the scanner and in -D settings; the scanner has put 1 or
+   * "" in place of each wrong value */
   size_t scanned = d->reported;
   deck_read_constants(d);
   if (deck_enter(d, d->root, &deck_top, &top)) {
@@ -87,7 +91,8 @@ static char *join_settings(size_t n, const deck_setting *settings) {
   return text;
 }
 
-/* Checks and finishes the model. suits: further check of the finished model; NULL: none. */
+/* Checks and finishes the model, and stores the full deck (with all defaults) in it. suits: an
+ * additional check of the finished model; NULL: none. */
 static sd_status finish(deck *d, deck_suits *suits) {
   deck_meet(d);
   if (d->reported > 0 || d->wrong) return SD_ERROR_USER;
@@ -108,9 +113,14 @@ static sd_status finish(deck *d, deck_suits *suits) {
 typedef struct model_task {
   size_t n_settings;
   const deck_setting *settings;
-  bool point, unfinished;   /* unfinished: return the model even if the checks fail */
-  const comm *comm;         /* Ranks that read the deck together; NULL: a single process */
-  const char **whole, *why; /* As in struct deck */
+  /* point: the deck is loaded for one point of its sweep. unfinished: return the model even if the
+   * final checks fail */
+  bool point, unfinished;
+  /* Communicator of the ranks that read the deck together; NULL: a single process */
+  const comm *comm;
+  /* whole: receives the reason if the disks must be on every rank and the deck must be read again;
+   * why: that reason, during the second reading */
+  const char **whole, *why;
   deck_suits *suits;
   sd_model *model;
 } model_task;
@@ -143,7 +153,8 @@ sd_status deck_load(const char *text, const char *path, size_t n_settings,
   return status;
 }
 
-/* Loads a deck from its text. how: options; the settings in it are set here. */
+/* Loads a deck from its text. how: options of the loading; its members n_settings and settings are
+ * filled in here. */
 static sd_status load_text(const char *text, const char *path, size_t n_overrides,
                            const char *const *overrides, model_task how, sd_model **out,
                            sd_messages *messages) {
@@ -183,8 +194,8 @@ sd_status deck_look(const char *path, size_t n_overrides, const char *const *ove
   return load(path, n_overrides, overrides, (model_task){.unfinished = true}, out, messages);
 }
 
-/* Warns that tiles are read or made as a whole on every rank: for packings with tiles always,
- * for files only if they are so large that memory matters. */
+/* Warns that every rank makes all tiles of a packing, or reads a file of disks as a whole, for the
+ * reason `why`. For a file it warns only if the file is so large that memory matters. */
 static void warn_of_whole(const sd_tiles *t, const char *why, sd_messages *messages) {
   enum { LARGE = 1000000 };
   if (t->of_file && t->count >= LARGE)
@@ -224,7 +235,7 @@ sd_status deck_load_for_ranks(const comm *c, const char *text, const char *path,
 
 typedef struct reading {
   deck_sweep *out;
-  sd_messages *messages; /* Receives the warnings of a sweep without mistakes */
+  sd_messages *messages; /* Receives the warnings if the sweep has no errors */
 } reading;
 
 static sd_status read_sweep_deck(deck *d, void *user) {
@@ -241,13 +252,13 @@ static sd_status load_sweep(const char *text, deck_sweep *s, sd_messages *messag
   sd_status status =
       deck_open(text, s->deck_path, s->n_overrides, settings, read_sweep_deck, &r, mine);
   if (status != SD_OK) {
-    /* The deck with its own values has the same mistakes, and perhaps others: report all at once */
+    /* The deck with its own values has the same errors, and perhaps more: load it to report all at
+     * once */
     sd_model *model;
     sd_status again =
         deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
     sd_model_free(model);
-    /* Loading succeeded this time, so the first failure was a lack of memory; there are still no
-     * points */
+    /* If the deck can be loaded, the sweep failed because memory ran out; it still has no points */
     status =
         again != SD_OK ? again : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
   }

@@ -13,13 +13,14 @@
 
 /* --- one body --------------------------------------------------------------------------------- */
 
-/* Returns a remark for messages that a name or number is not found: an earlier mistake may have
- * kept out the disk that has it. */
+/* Returns text to append to the message that a disk is not found: it may be one of the disks that
+ * could not be read because of an earlier error; "" if all were read. */
 static const char *remark(const deck *d) {
   return d->disks_missing ? " (not all disks could be read, see above)" : "";
 }
 
-/* Finds the body of a name or number. disks, walls: whether it may be a disk, or a wall. */
+/* Finds the body with the name or number in `node`. disks, walls: true if the body may be a disk,
+ * or a wall. Returns false after an error, which is reported. */
 static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, uint32_t *body) {
   const sd_model *m = d->model;
   const char *what = disks && walls ? "disk or wall" : disks ? "disk" : "wall";
@@ -80,8 +81,8 @@ static void add(deck *d, deck_bodies *list, uint32_t body) {
   list->body[list->n++] = body;
 }
 
-/* Sorts all disks by group, only once, so that the cost with many groups is linear in the number
- * of disks. */
+/* Sorts the numbers of all disks by group. This is done only once, so that the cost is linear in
+ * the number of disks even with many groups. */
 static void sort_by_group(deck *d) {
   const sd_model *m = d->model;
   const size_t n = model_held(m);
@@ -89,7 +90,7 @@ static void sort_by_group(deck *d) {
   d->n_grouped = n;
   d->grouped = deck_alloc(d, n, sizeof *d->grouped);
   d->group_start = deck_alloc(d, m->n_groups + 2, sizeof *d->group_start);
-  /* While filling: index at which the next disk of group k goes */
+  /* While d->grouped is filled, end[k] is the index at which the next disk of group k goes */
   size_t *end = d->group_start + 1;
   for (size_t i = 0; i < n; i++)
     if (m->disks[i].group >= 0) end[m->disks[i].group + 1]++;
@@ -135,7 +136,7 @@ deck_bodies deck_select(deck_group *g, bool walls) {
   if (named == 0)
     deck_fail_key(g, "disk", "missing: it names no disk; expected disk, group%s",
                   walls ? ", wall or clump" : " or both");
-  /* A body that is named twice would get a force, or a motion, twice */
+  /* Report bodies that are named twice, since they would get a force, or a motion, twice */
   if (list.n) qsort(list.body, list.n, sizeof *list.body, by_number);
   size_t kept = 0;
   for (size_t k = 0; k < list.n; k++) {
@@ -260,8 +261,8 @@ static void read_clump(deck_group *g, uint32_t number) {
     deck_fail_key(g, "name", "two clumps have this name");
 }
 
-/* Puts the clumps of the list `clumps` before the first `packed` ones, which packings made.
- * Packings come first because the list may use their disks. */
+/* Puts the clumps of the deck's list `clumps` in front of the first `packed` clumps, which packings
+ * made. Packings are read first because entries of the list may use their disks. */
 static void order_clumps(deck *d, size_t packed) {
   sd_model *m = d->model;
   const size_t listed = m->n_clumps - packed;
@@ -284,8 +285,8 @@ void deck_read_clumps(deck *d) {
 
 /* --- grains of a packing ---------------------------------------------------------------------- */
 
-/* Shifts the disks so that their centre of mass, for equal density, is the origin; sets reach
- * and area. */
+/* Shifts the disks of a grain so that its centre of mass, for equal density, is the origin. Sets
+ * grain->reach, the radius of the enclosing circle, and grain->area. */
 static void centre(deck_grain *grain) {
   double weight = 0, x = 0, y = 0;
   for (size_t k = 0; k < grain->n; k++) {

@@ -1,11 +1,11 @@
-/* deck_bounds.c: the group `bounds`, the region that disks should not leave, and the positions of
- * bodies at the start. See deck_tree.h and sd_bounds in slipdisk/model.h.
+/* deck_bounds.c: reads the group `bounds`, the region that disks should not leave, and checks the
+ * positions of bodies at the start. See deck_tree.h and sd_bounds in slipdisk/model.h.
  *
- * Without explicit limits the bounds follow the container: its walls, plus the largest radius,
- * plus the distance that motions may move these walls; below the outlet of a hopper is outside.
- * Without a container the limits are far out: FAR times the extent of all bodies at the start.
- * They apply even without the group `bounds` if gravity may pull a disk past the walls, that is,
- * if there are walls and none of them is an infinite line. */
+ * Without explicit limits the bounds follow the container: its walls, plus the largest radius, plus
+ * the distance that motions may move these walls; below the outlet of a hopper is outside. Without
+ * a container the limits are far out: FAR times the extent of all bodies at the start. These limits
+ * apply even without the group `bounds` if gravity may pull a disk past the walls, that is, if
+ * there are walls and none of them is an infinite line. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,15 +16,17 @@
 #include "model/motions.h"
 #include "model/overlaps.h"
 
-/* MOST_ALIKE: number of mistakes of one kind that are shown; further ones are counted, since one
- * wrong number can move all disks. */
+/* FAR: distance of the default bounds from the bodies, divided by the extent of all bodies.
+ * MOST_ALIKE: number of errors of one kind that are shown; further ones are only counted, since one
+ * wrong number can displace all disks. */
 enum { FAR = 10, MOST_ALIKE = 8 };
-/* Largest excursion of a motion in units of motion_reach; a random motion rarely exceeds 4 times
- * its rms value. */
+/* Largest displacement that a motion is assumed to cause, divided by motion_reach (amplitude, or
+ * rms displacement of a random motion); a random motion rarely exceeds 4 times its rms value. */
 static const double SWING = 4;
 
 static double largest_radius(const sd_model *m) {
-  /* Tiles know their largest radius; the rows of their disks may be on other ranks */
+  /* Tiles (parts of a packing or file) have a known largest radius; their disks may be stored on
+   * other ranks */
   double largest = m->tiles.n ? m->tiles.most : 0;
   for (size_t i = 0; i < model_held(m); i++) largest = fmax(largest, m->disks[i].radius);
   return largest;
@@ -32,8 +34,8 @@ static double largest_radius(const sd_model *m) {
 
 /* --- bounds of the container ------------------------------------------------------------------ */
 
-/* Finds the wall with this name, else a disk of the group with this name; true also if other
- * ranks have the rows of that group. */
+/* Finds the wall with this name, else a disk of the group with this name. Also returns true if the
+ * disks of that group are stored on other ranks; *body is then not valid. */
 static bool find_side(const deck *d, const char *name, uint32_t *body) {
   const sd_model *m = d->model;
   for (uint32_t w = 0; w < m->n_walls; w++) {
@@ -49,8 +51,8 @@ static bool find_side(const deck *d, const char *name, uint32_t *body) {
   return false;
 }
 
-/* Returns the largest distance that motions carry a body along a coordinate; infinite if it is
- * not known. */
+/* Returns the largest distance by which motions may displace a body along a coordinate; infinite if
+ * it is not known. */
 static double travel(const sd_model *m, uint32_t body, int coordinate) {
   double sum = 0;
   for (size_t k = 0; k < m->n_motions; k++) {
@@ -64,8 +66,9 @@ static double travel(const sd_model *m, uint32_t body, int coordinate) {
   return sum;
 }
 
-/* Sets one limit at the distance `margin` outside the region's edge, plus the travel of the wall
- * there. */
+/* Sets one limit of the bounds: the edge of the region, moved outwards by `margin` and by the
+ * largest displacement of the wall there. Does nothing in a periodic direction or without such a
+ * wall. */
 static void limit_side(const deck *d, const char *wall, int c, bool upper, double margin) {
   sd_model *m = d->model;
   uint32_t body;
@@ -120,8 +123,8 @@ static void far_out(sd_model *m) {
   }
 }
 
-/* Returns true if gravity may pull a disk past the walls: there are walls, and none is an
- * infinite line. */
+/* Returns true if gravity may pull a disk past the walls: gravity is not 0, there are walls, and
+ * none of them is an infinite line. */
 static bool may_leak(const sd_model *m) {
   bool endless = false;
   for (size_t w = 0; w < m->n_walls; w++) endless = endless || m->walls[w].kind == SD_WALL_LINE;
@@ -139,14 +142,15 @@ static bool starts_inside(const deck *d, size_t row) {
   return true;
 }
 
-/* Number of disks that start outside, and number and position of the first of them. */
+/* Number of disks that start outside the bounds; disk number and position of the first of them. */
 typedef struct outside {
   size_t n;
   uint32_t disk;
   double at[2];
 } outside;
 
-/* Finds the disks that start outside, over all ranks. Collective. */
+/* Counts the disks of all ranks that start outside the bounds, and finds the first of them.
+ * Collective. */
 static outside find_outside(const deck *d) {
   outside o = {.disk = UINT32_MAX}, *all = memory_new((size_t)comm_size(d->comm), sizeof *all);
   for (size_t row = rows_first(d->model); row < rows_count(d->model); row++) {
@@ -167,8 +171,8 @@ static outside find_outside(const deck *d) {
   return o;
 }
 
-/* Warns of disks that start outside the container. It is no error, since the deck does not give
- * these limits. */
+/* Warns of disks that start outside the container. It is only a warning, since the deck itself does
+ * not give these limits. */
 static void warn_start(deck *d) {
   const outside o = find_outside(d);
   if (o.n == 0) return;
@@ -236,8 +240,8 @@ static void tell_rest(deck *d, size_t found, const char *what) {
     deck_fail_place(d, (deck_place){d->path, 0}, "%zu more %s", found - MOST_ALIKE, what);
 }
 
-/* Reports a pair of disks that overlap too much. Returns true once enough were shown; then only
- * one pair of each disk is counted. */
+/* Reports two disks that overlap more than max_overlap allows. After MOST_ALIKE reports it returns
+ * true, so that the search (model/overlaps.h) skips the other overlaps of disk a. */
 static bool tell_disks(void *user, const overlap *o) {
   teller *t = user;
   const sd_model *m = t->d->model;

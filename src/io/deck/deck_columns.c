@@ -1,5 +1,5 @@
-/* deck_columns.c: the key `columns`, storage of tables, and tables of rows in the deck. See
- * deck_rows.h. */
+/* deck_columns.c: reads the key `columns`, allocates the rows of a table of disks, and reads tables
+ * that are written in the deck itself. See deck_rows.h. */
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
@@ -21,7 +21,8 @@ int deck_column(const char *name) {
 
 /* --- the key `columns` ------------------------------------------------------------------------ */
 
-/* Parses a column such as "radius" or "radius = diameter column of the file", and adds it. */
+/* Parses an entry of `columns`, such as "radius" or "radius = NAME IN THE FILE", and adds the
+ * column to the table. */
 bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck_node *node,
                       deck_place place) {
   const char *equals = strchr(text, '=');

@@ -1,9 +1,10 @@
 /* deck_compare.c: finds the keys in which two decks differ; see deck.h.
  *
- * Full decks are compared key by key, and not line by line: a line holds many keys, and the user
- * wants to know which -D is missing. A different sweep around the same point is no difference,
- * since full decks have no sweep; nor is a key that the other deck lacks and that has its
- * default value here: the other deck's program did not know the key. */
+ * The full decks (with all defaults) are compared key by key, and not line by line: a line holds
+ * many keys, and the user wants to know which -D setting is missing. Full decks have no group
+ * `sweep`, so a different sweep is no difference. A key that the other deck lacks is no difference
+ * either if it has its default value here: the program that wrote the other deck did not know the
+ * key. */
 #include <string.h>
 
 #include "io/deck/deck.h"
@@ -15,11 +16,10 @@ enum { LONGEST_VALUE = 60 };
 typedef struct comparison {
   deck_difference *tell;
   void *user;
-  const char *here;      /* Text of this deck */
-  const deck_node *root; /* Tree of the other deck */
-  deck *d;               /* This deck, whose arena is used */
-  /* True: titles may differ. False: they must agree, since a started run is continued only under
-   * its own title */
+  const char *here;      /* Text of the second deck, `here` in deck_compare */
+  const deck_node *root; /* Tree of the first deck, `there` in deck_compare */
+  deck *d;               /* Second deck; its arena is used */
+  /* True: titles may differ. False: they must be equal, as for a run that is continued */
   bool any_title;
 } comparison;
 
@@ -42,7 +42,8 @@ static bool same_scalar(const deck_node *a, const deck_node *b) {
 
 static bool is_scalar(const deck_node *n) { return n->type != DECK_GROUP && n->type != DECK_LIST; }
 
-/* Returns a value as text: "3.5", "(1.0, 2.0)", "4 entries"; NULL: no value. */
+/* Returns a value as text for messages, such as "3.5", "(1.0, 2.0)" or "4 entries"; NULL if n is
+ * NULL. */
 static const char *value_text(deck *d, const deck_node *n) {
   if (!n) return NULL;
   if (n->type == DECK_LIST && n->n > 0 && !is_scalar(n->child[0]))
@@ -62,8 +63,8 @@ static bool is_ignored(const comparison *c, const deck_node *child) {
          (c->any_title && strcmp(child->name, "title") == 0);
 }
 
-/* Returns true if a key has its default value. Such a key is ignored if the other deck lacks it:
- * an older version may not have known it. */
+/* Returns true if a key has its default value. Callers then ignore that the other deck lacks the
+ * key, since an older version of the program may not have known it. */
 static bool is_default(deck *d, const deck_node *n) {
   const char *table = "";
   for (const deck_node *group = n->parent; group && group->parent; group = group->parent)
@@ -100,7 +101,8 @@ static void compare_groups(const comparison *c, const char *path, const deck_nod
   }
 }
 
-/* Returns the path of an entry of a list as -D would write it: with its name if it has one. */
+/* Returns the path of entry k of a list as written after -D: PATH.NAME if the entry has the same
+ * name in both decks, else PATH[k]. */
 static const char *entry_path(deck *d, const char *path, size_t k, const deck_node *there,
                               const deck_node *here) {
   const deck_node *a = there->type == DECK_GROUP ? deck_child(there, "name") : NULL,

@@ -1,8 +1,9 @@
 /* deck_container.c: the group `container`: a box, a bed, a hopper or a drum, made of walls. See
  * deck_tree.h.
  *
- * Its geometry (region, periodic box, interior) is read before disks; its walls and the disks of
- * its floor are added after the bodies of the deck, so that these keep their numbers. */
+ * The geometry of the container (region, periodic box, interior) is read before disks; the walls
+ * and floor disks of the container are added after the bodies that the deck lists, so that the
+ * latter keep their numbers. */
 #include <math.h>
 #include <string.h>
 
@@ -15,7 +16,7 @@ static const char floor_group[] = "floor";
 
 /* --- box -------------------------------------------------------------------------------------- */
 
-/* Edges of the box from the file that the key `file` names; the file is read when they are first
+/* Edges of the box in the file that the key `file` names; the file is read when the first edge is
  * needed. */
 typedef struct file_edges {
   bool tried, found;
@@ -79,13 +80,13 @@ static void read_hopper(deck_group *g, const deck_container_values *v, place_int
     deck_fail_key(g, "height", "the inclined walls alone are %g high; expected more", in->rise);
 }
 
-/* Returns the periodic directions of a container as bits: bit c is coordinate c. */
+/* Returns the directions in which a kind of container is periodic, as bits: 1 is x, 2 is y. */
 static unsigned repeats(int kind) {
   if (kind == SD_CONTAINER_PERIODIC) return 3;
   return kind == SD_CONTAINER_CHANNEL || kind == SD_CONTAINER_BED ? 1 : 0;
 }
 
-/* Reports keys of `box` that contradict the container. */
+/* Reports the keys of the group `box` that contradict the container. */
 static void check_box(deck *d, const deck_shape *shape) {
   static const char *const keys[] = {"x", "y"}, *const directions[] = {"no direction", "x", "y",
                                                                        "x and y"};
@@ -100,8 +101,8 @@ static void check_box(deck *d, const deck_shape *shape) {
               shape->name, directions[repeats(shape->kind)]);
 }
 
-/* Sets the region: a drum is centred on its origin, a periodic box extends right and up from it,
- * all others are centred in x and extend upwards. */
+/* Sets the region of the model. The container's origin is the centre of a drum, the lower left
+ * corner of a periodic box, and the middle of the lower edge of all other containers. */
 static void set_region(sd_model *m, const deck_container_values *v) {
   bool drum = v->kind == SD_CONTAINER_DRUM;
   double size[2] = {drum ? 2 * v->radius : v->width, drum ? 2 * v->radius : v->height};
@@ -166,7 +167,7 @@ static void add_line(deck *d, const char *name, double x0, double y0, double x1,
   add_straight(d, name, SD_WALL_LINE, 2, (const double[2][2]){{x0, y0}, {x1, y1}});
 }
 
-/* Adds the two side walls, each from the top down to the outlet. */
+/* Adds the two side walls of a hopper, each from the top down to the outlet. */
 static void add_hopper(deck *d, double top) {
   const place_interior *in = &d->container->interior;
   for (int side = -1; side <= 1; side += 2) {
@@ -184,7 +185,7 @@ static void add_drum(deck *d) {
   memcpy(drum->pivot, d->container->origin, sizeof drum->pivot);
 }
 
-/* Adds a row of fixed disks whose tops touch the floor line. */
+/* Adds the floor of a bed: a row of fixed disks whose tops touch the lower edge of the region. */
 static void add_bed(deck *d) {
   const sd_model *m = d->model;
   deck_group g = {d, deck_child(d->root, "container"), &deck_container};
@@ -204,7 +205,7 @@ static void add_bed(deck *d) {
     sd_disk disk = {
         .position = {left + ((double)k + 0.5) * (width / n), m->region_lower[1] - radius},
         .radius = radius,
-        /* Has no effect, since the disk is fixed */
+        /* Any mass will do, since the disk is fixed */
         .mass = 3.14159265358979323846 * radius * radius,
         .material = d->container->material,
         .driven = true};

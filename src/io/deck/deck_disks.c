@@ -1,28 +1,29 @@
-/* deck_disks.c: makes disks from disks, disk_rows and disk_files, in this order; reads forces and
- * locks. See deck_tree.h.
+/* deck_disks.c: makes disks from the lists `disks`, `disk_rows` and `disk_files` of a deck, in this
+ * order; reads the lists `forces` and `locks`. See deck_tree.h.
  *
- * Every source ends in add_disk. Single disks are rows without columns: all their values are
- * those of their group. */
+ * All three kinds of disks end in add_disk. An entry of `disks` is treated as a row without
+ * columns: all values of its disk are those of its group. */
 #include <math.h>
 #include <string.h>
 
 #include "base/text.h"
 #include "io/deck/deck_rows.h"
 
-/* Disk files with up to so many disks in all are echoed as rows, so that the echo needs no
- * files. */
+/* Disk files with at most so many disks in all are printed as rows in the full deck, which then
+ * does not need the files. */
 enum { MOST_ECHOED = 1000 };
 
-/* Values that a group gives to all its disks; the columns of a row override them. */
+/* Values that a group of the deck gives to all its disks; columns of its table override them. */
 typedef struct values {
-  double number[COLUMN_NUMBERS]; /* NAN: not given */
+  double number[COLUMN_NUMBERS]; /* Index: column (COLUMN_*); NAN: not given */
   const char *name, *group;
   int material;
   unsigned locked;
   double force[3];
-  const deck_node *node; /* Node for messages; NULL for the disk of a row */
+  /* Node of the group, for messages; NULL for a disk from a row of a table */
+  const deck_node *node;
   deck_place place;
-  bool broken; /* The common values have errors: rows are not checked again */
+  bool broken; /* True if these common values have errors; the rows are then not checked */
 } values;
 
 /* --- one disk --------------------------------------------------------------------------------- */
@@ -37,7 +38,7 @@ static void fail_value(deck *d, const values *v, const char *key, const char *te
 static void check_values(deck *d, const values *v) {
   const double *x = v->number;
   static const int required[] = {COLUMN_X, COLUMN_Y, COLUMN_RADIUS};
-  /* The getters have reported what a single disk lacks */
+  /* For a disk of the list `disks`, missing keys were reported when they were read */
   bool single = v->node && v->node->table == &deck_disks;
   for (int k = 0; k < 3 && !single; k++)
     if (isnan(x[required[k]]))
@@ -49,7 +50,7 @@ static void check_values(deck *d, const values *v) {
     fail_value(d, v, "mass", "missing: expected mass or density > 0");
   if (mass && density)
     fail_value(d, v, "density", "given together with mass; expected one of them");
-  /* NAN, which was reported before, counts as no motion */
+  /* NAN, an error that was reported before, counts as no motion */
   bool moving = fabs(x[COLUMN_VX]) > 0 || fabs(x[COLUMN_VY]) > 0 || fabs(x[COLUMN_OMEGA]) > 0;
   if (x[COLUMN_FIXED] != 0 && moving)
     fail_value(d, v, "fixed",
@@ -83,8 +84,8 @@ static void add_disk(deck *d, const values *v) {
 
 /* --- common values of a group ----------------------------------------------------------------- */
 
-/* Returns true if the value comes from the group because it is not a column; reports a value
- * that is given twice. */
+/* Returns true if the table has no such column, so that the group gives the value for all rows;
+ * reports a value that is given both ways. */
 static bool common(deck_group *g, const deck_columns *t, int column) {
   if (!deck_columns_have(t, column)) return true;
   if (deck_given(g, deck_column_names[column]))
@@ -119,7 +120,7 @@ static void check_cell(deck *d, const values *v, int column) {
              deck_format(d, "%g: expected a number %s", x, deck_expected(key->range, x)));
 }
 
-/* Adds the disk of row r: the common values, overridden by the columns. */
+/* Adds the disk of row r of a table. v: common values of the group, overridden by the columns. */
 static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
   v.node = NULL;
   v.place = t->place[r];
@@ -128,8 +129,8 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
     const char *text = t->text ? t->text[r * t->n_columns + c] : NULL;
     if (column < COLUMN_NUMBERS) {
       v.number[column] = t->number[r * t->n_columns + c];
-      /* A locked coordinate discards the velocity of a result; only the deck's own would be a
-       * mistake */
+      /* A velocity from a result file is ignored at a locked coordinate; in a deck it would be an
+       * error */
       if (t->result && column >= COLUMN_VX && column <= COLUMN_OMEGA &&
           v.locked >> (column - COLUMN_VX) & 1)
         v.number[column] = 0.0;
@@ -153,8 +154,8 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
   add_disk(d, &v);
 }
 
-/* Reads a table and adds its disks to the model. The caller keeps a file's table until
- * deck_echo_files. */
+/* Reads a table and adds its disks to the model. The caller must keep the table of a file until it
+ * calls deck_echo_files. */
 deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) {
   deck_columns t = {0};
   deck_group g;
@@ -216,9 +217,9 @@ static void file_to_rows(deck *d, deck_node *file, const deck_columns *t, deck_n
   }
 }
 
-/* Turns the first files into rows as long as these are few. Files are read after rows, so the
- * order of disks does not change. A file whose contacts are used stays a file, since rows have
- * no contacts. */
+/* Replaces the first entries of `disk_files` in the tree by entries of `disk_rows`, as long as they
+ * have few disks in all. Files are read after rows, so the order of the disks does not change. A
+ * file whose contacts are used remains a file, since rows have no contacts. */
 void deck_echo_files(deck *d) {
   deck_node *files = deck_child(d->root, "disk_files"), *rows = deck_child(d->root, "disk_rows");
   size_t total = 0;

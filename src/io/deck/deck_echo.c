@@ -1,8 +1,8 @@
-/* deck_echo.c: prints the completed tree as a deck. See deck_tree.h.
+/* deck_echo.c: prints the tree of a deck, with all defaults, as a full deck. See deck_tree.h.
  *
- * Keys are printed in the order of their tables; values that were left out are marked "#
- * default". Reading the echo again gives the same model: numbers have the shortest digits that
- * read back as the same double, and integers beyond 32 bits have the suffix L. */
+ * Keys are printed in the order of their tables; values that were left out are marked "# default".
+ * Reading the full deck gives the same model: numbers have the shortest digits that read back as
+ * the same double, and integers beyond 32 bits have the suffix L. */
 #include <stdio.h>
 #include <string.h>
 
@@ -14,7 +14,7 @@ enum { WIDTH = 110 };
 typedef struct printer {
   deck *d;
   deck_buffer out;
-  size_t line; /* Index in `out` of the start of the current line */
+  size_t line; /* Index in out.bytes of the start of the current line */
   bool one_line;
 } printer;
 
@@ -102,8 +102,8 @@ static void put_value(printer *p, const deck_node *node, int indent) {
   put(p, ")");
 }
 
-/* Finds child k in the order of the key table; *child is NULL if it is not there. Returns false
- * behind the last key. */
+/* Finds child k of a group, in the order of its key table if it has one; *child is NULL if the deck
+ * lacks the key. Returns false if k is beyond the last key. */
 static bool nth(const deck_node *group, size_t k, const deck_node **child) {
   const deck_key *key = group->table ? deck_key_at(group->table, k) : NULL;
   *child = group->table   ? (key ? deck_child(group, key->name) : NULL)
@@ -112,7 +112,7 @@ static bool nth(const deck_node *group, size_t k, const deck_node **child) {
   return key || *child;
 }
 
-/* Prints "key = value;" for each key, as many as fit on a line. */
+/* Prints "key = value;" for each key of a group, as many as fit on a line. */
 static void put_group(printer *p, const deck_node *node, int indent) {
   const deck_node *child;
   for (size_t k = 0; nth(node, k, &child); k++) {

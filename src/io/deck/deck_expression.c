@@ -25,8 +25,8 @@ typedef struct parser {
   const char *p;
   deck_names names;
   bool angle, empty;
-  int depth;         /* Nesting depth of brackets and exponents */
-  int functions;     /* Number of function calls around the current position */
+  int depth;         /* Nesting depth of brackets and exponents at the current position */
+  int functions;     /* Number of function calls that enclose the current position */
   const char *wrong; /* First mistake found; NULL: none */
 } parser;
 
@@ -56,7 +56,8 @@ static const struct unit {
 } units[] = {{"pi", 3.14159265358979323846}, {"deg", 3.14159265358979323846 / 180}, {"rad", 1}};
 enum { UNITS = sizeof units / sizeof *units };
 
-/* Physical units that users write; such a word is not taken for a misspelt unit of angle. */
+/* Physical units that users may write. Such a word is not taken for a misspelt "deg", "rad" or
+ * "pi". */
 static const char *const foreign_units[] = {
     "m",   "dm",  "cm",   "mm",  "um", "nm", "km", "s",  "ms",  "us",  "ns",  "min", "h",
     "kg",  "g",   "mg",   "t",   "N",  "mN", "uN", "kN", "MN",  "Pa",  "kPa", "MPa", "GPa",
@@ -97,13 +98,13 @@ static const struct function *find_function(const char *name, size_t n) {
 
 static double fail(parser *e, const char *why) {
   if (!e->wrong) e->wrong = why;
-  e->p = ""; /* Ends parsing, since no text is left */
+  e->p = ""; /* Leaves no text to parse, which ends parsing */
   return 1;
 }
 
 static void skip(parser *e) { e->p += strspn(e->p, " \t\r\n"); }
 
-/* Consumes the character c if it comes next. */
+/* Skips blanks, then consumes the character c if it comes next. Returns whether it did. */
 static bool take(parser *e, char c) {
   skip(e);
   if (*e->p != c) return false;
@@ -249,7 +250,7 @@ static double signed_power(parser *e) {
   return minus ? -x : x;
 }
 
-/* Reports the text that wrongly follows a number or a bracket. */
+/* Reports an error for text that follows a number or a bracket without an operator. */
 static double behind(parser *e) {
   size_t n = name_length(e->p);
   if (n == 0)
@@ -257,7 +258,8 @@ static double behind(parser *e) {
   guess near = guess_start(deck_copy(e->d, e->p, n));
   for (size_t k = 0; k < UNITS && !is_foreign(e->p, n); k++) {
     guess_add(&near, units[k].name);
-    /* A longer word with the same start, such as "degrees", counts too */
+    /* A longer word with the same first three letters, such as "degrees", is taken for this unit
+     * too */
     if (n > 3 && strncmp(e->p, units[k].name, 3) == 0) near.best = units[k].name;
   }
   if (near.best)
@@ -337,7 +339,7 @@ struct deck_constants {
   deck_node **node;
   constant_state *state;
   double *value;
-  int depth; /* Nesting depth of constants that refer to each other */
+  int depth; /* Number of constants being evaluated, each referred to by the one before */
 };
 
 static struct deck_constants *constants_of(deck *d) {
@@ -379,8 +381,8 @@ static void read_constant(deck *d, struct deck_constants *c, size_t k) {
   c->state[k] = good ? GOOD : WRONG;
 }
 
-/* Evaluates a constant. Returns NULL on success, "" if it has a mistake that was reported, else
- * the mistake. */
+/* Evaluates the constant with this name. Returns NULL on success, "" if the constant has an error
+ * that was reported already, else an error message. */
 static const char *constant_value(deck *d, const char *name, double *x) {
   struct deck_constants *c = constants_of(d);
   uint32_t k;
@@ -413,8 +415,8 @@ void deck_read_constants(deck *d) {
 
 /* --- numbers of the deck ---------------------------------------------------------------------- */
 
-/* Returns the end of "expected a number, not ...". Each kind of value has its own words, so that
- * a sweep reports each kind once. */
+/* Returns the end of the message "expected a number, not ...". It depends only on the type of the
+ * value, so that a sweep reports each type once. */
 static const char *but_not(const deck_node *node) {
   switch (node->type) {
     case DECK_BOOL: return ", not true or false";
@@ -424,8 +426,8 @@ static const char *but_not(const deck_node *node) {
   }
 }
 
-/* Returns the value that the echo prints behind a text that is arithmetic; NULL if the text
- * shows the value itself, such as a plain number or the angle "0.04 pi". */
+/* Returns the value that the full deck shows after an arithmetic text; NULL if the text shows the
+ * value itself, such as a plain number or the angle "0.04 pi". */
 static const char *computed_value(deck *d, const char *text, bool angle, double x) {
   bool real;
   double same;

@@ -1,8 +1,8 @@
 /* deck_grid.c: reads the group `sweep`; see deck_grid.h.
  *
- * A value keeps the text that it has in the deck, since this text names files and is passed on
- * as by -D. Computed values (linspace, logspace) are rounded to 12 digits, and the rounded
- * number is used. */
+ * A value of a parameter keeps the text that is written in the deck, since this text becomes part
+ * of file names, and is applied as the setting -D path=value. Computed values (linspace, logspace)
+ * are rounded to 12 digits, and the rounded number is used. */
 #include "io/deck/deck_grid.h"
 
 #include <ctype.h>
@@ -68,15 +68,16 @@ static void read_values(deck_group *g, grid_axis *a) {
   for (size_t k = 0; k < list->n; k++) a->values[a->n_values++] = value_of(g->d, list->child[k]);
 }
 
-/* Returns true if the text is a number with this unit, such as "0.1 pi", and not a formula. */
+/* Returns true if the text is a number with the unit `word`, such as "0.1 pi", and not a
+ * formula. */
 static bool has_word(const char *text, const char *word) {
   const char *at = strstr(text, word);
   return at && !isalpha((unsigned char)at[strlen(word)]) &&
          !(at > text && isalpha((unsigned char)at[-1])) && strcspn(text, "(_") == strlen(text);
 }
 
-/* Returns the unit in which both ends of a range are written, as a factor (pi, one degree, or
- * 1), and its word in *suffix; NULL for 1. */
+/* Returns the factor of the unit (pi, pi/180 or 1) in which both ends of a range are written.
+ * *suffix: receives the name of the unit, "pi" or "deg"; NULL without a unit. */
 static double unit_of(const deck_node *list, const char **suffix) {
   static const struct {
     const char *word;
@@ -97,7 +98,8 @@ static double unit_of(const deck_node *list, const char **suffix) {
   return 1;
 }
 
-/* Makes the value of a computed number: 12 digits, in the unit of the ends. */
+/* Returns a computed number as a value of the sweep, rounded to 12 digits. suffix, unit: name and
+ * factor of its unit, as unit_of finds them. */
 static grid_value number_value(deck *d, double x, const char *suffix, double unit,
                                deck_place place) {
   const char *text = number_text(d, strtod(deck_format(d, "%.12g", x), NULL));
@@ -110,7 +112,8 @@ static grid_value number_value(deck *d, double x, const char *suffix, double uni
   return v;
 }
 
-/* Returns value k of n of a range. Values that are 0 but for rounding become exactly 0. */
+/* Returns value k of the n values of a range from end[0] to end[1]. A linear value that is 0 except
+ * for rounding becomes exactly 0. */
 static double range_value(const double end[2], size_t k, size_t n, bool logarithmic) {
   if (k == 0) return end[0];
   if (k + 1 == n) return end[1];
@@ -120,7 +123,8 @@ static double range_value(const double end[2], size_t k, size_t n, bool logarith
   return fabs(x) < 1e-12 * (fabs(end[0]) + fabs(end[1])) ? 0 : x;
 }
 
-/* Reads linspace or logspace: (first, last, count). */
+/* Reads the key linspace or logspace, a list (first, last, count), and sets the values of the
+ * axis. */
 static void read_range(deck_group *g, const char *key, bool logarithmic, grid_axis *a) {
   deck *d = g->d;
   deck_node *list = deck_get(g, key);
@@ -193,8 +197,8 @@ static void read_axis(deck *d, deck_node *node, grid_axis *a) {
   read_range(&g, "logspace", true, a);
 }
 
-/* Numbers the dimensions of a grid: axes with the same word `zip` share one and advance
- * together. */
+/* Assigns a dimension of the grid to each axis: axes with the same word `zip` share a dimension, so
+ * that their values advance together. */
 static void find_dimensions(deck *d, grid *g) {
   g->length = deck_alloc(d, g->n_axes + 1, sizeof *g->length);
   for (size_t k = 0; k < g->n_axes; k++) {
@@ -224,8 +228,8 @@ static bool has_path(const grid_axis *a, const char *path) {
   return false;
 }
 
-/* Reports, once, that path p of axis a sets the same key as another path. Within one axis the
- * same key may be named twice. */
+/* Reports an error if path p of axis a sets a key that an earlier path of the grid sets too, or an
+ * alternative of it. Two paths of one axis may set the same key. At most one error is reported. */
 static void check_path(deck *d, const grid *g, const grid_axis *a, size_t p) {
   for (const grid_axis *other = g->axes; other <= a; other++)
     for (size_t q = 0; q < (other == a ? p : other->n_paths); q++) {
@@ -249,8 +253,8 @@ static void check_path(deck *d, const grid *g, const grid_axis *a, size_t p) {
     }
 }
 
-/* Checks that each key is set by one parameter of the grid only, and that the seed is set by
- * replicas or by a parameter, not both. */
+/* Checks that each key is set by only one parameter of the grid, and the seed either by replicas or
+ * by a parameter. */
 static void check_paths(deck *d, grid *g) {
   for (size_t k = 0; k < g->n_axes; k++) {
     const grid_axis *a = &g->axes[k];
@@ -304,8 +308,8 @@ static bool same_paths(const grid_axis *a, const grid_axis *b) {
   return true;
 }
 
-/* Returns true if another parameter has this name. before: only parameters before this one
- * count. Parameters of two grids may share a name if they have the same paths. */
+/* Returns true if another parameter has this name already. before: only parameters before axis a
+ * count. Parameters of two grids may share a name if they set the same paths. */
 static bool is_taken(const deck_grids *all, const grid *mine, const grid_axis *a, bool before,
                      const char *name) {
   for (size_t i = 0; i < all->n; i++)
@@ -318,7 +322,7 @@ static bool is_taken(const deck_grids *all, const grid *mine, const grid_axis *a
   return false;
 }
 
-/* Returns the last `words` words of a path, without brackets. */
+/* Returns the last `words` words of a path (dots separate its words); brackets are removed. */
 static const char *tail(deck *d, const char *path, int words) {
   const char *start = path + strlen(path);
   while (start > path && words > 0)
@@ -341,8 +345,8 @@ static bool ends_in(const char *name, const char *ending) {
   return n >= m && strcmp(name + n - m, ending) == 0;
 }
 
-/* Returns true for names of columns that tables of results have anyway (run/sweep_table.c), and
- * for r, which stands for the replica in names. */
+/* Returns true for names of columns that every table of results has (run/sweep_table.c), and for
+ * "r", which stands for the replica in the names of points. */
 static bool reserved(const char *name) {
   static const char *const columns[] = {"point",    "name", "status",  "set", "replica",
                                         "replicas", "seed", "message", "r",   "deck_path"};

@@ -1,25 +1,28 @@
 /* deck_grid.h: the group `sweep` of a deck as written: grids of parameters and their values.
- * deck_sweep.c expands them to points. All data are in the arena of the deck. */
+ * deck_sweep.c forms the points, which are all combinations of these values. All data are in the
+ * arena of the deck. */
 #ifndef SLIPDISK_IO_DECK_GRID_H
 #define SLIPDISK_IO_DECK_GRID_H
 
 #include "io/deck/deck_tree.h"
 
 typedef struct grid_value {
-  const char *text;    /* As in the deck, without quotes; equal numbers have equal texts */
-  const char *literal; /* The value in the form that follows the = of -D, with quotes */
+  /* Value as written in the deck, without quotes; equal numbers have equal texts */
+  const char *text;
+  const char *literal; /* Value as written after the = of -D path=value, with quotes */
   double number;       /* Numerical value, angles in rad; NAN: not a number */
   deck_place place;
 } grid_value;
 
 typedef struct grid_axis {
   const char *name; /* Name of the parameter; NULL until it is derived from the path */
-  bool named;       /* True if the deck gives the name */
+  bool named;       /* True if the name is written in the deck */
   size_t n_paths;
   const char **paths;
   size_t n_values;
   grid_value *values;
-  size_t dimension; /* Index of the dimension; axes with the same index advance together (zip) */
+  /* Index of the dimension in the grid; axes with the same index advance together (zip) */
+  size_t dimension;
   const deck_node *node;
 } grid_axis;
 
@@ -27,7 +30,7 @@ typedef struct grid {
   size_t n_axes;
   grid_axis *axes;
   size_t n_dimensions;
-  size_t *length; /* [n_dimensions]: number of values */
+  size_t *length; /* [n_dimensions]: number of values in each dimension */
   int64_t replicas;
   bool seed_varies; /* True if a parameter sets the seed */
   deck_node *node;
@@ -40,9 +43,11 @@ typedef struct deck_grids {
   const char **collect;
 } deck_grids;
 
-/* Reads the group `sweep` and reports mistakes. n is 0 if the deck has no sweep. */
+/* Reads the group `sweep` and reports its errors. Member n of the returned value is 0 if the deck
+ * has no sweep. */
 deck_grids deck_read_grids(deck *d);
-/* Returns the number of points, replicas and repeated points included; at most GRID_MOST + 1. */
+/* GRID_MOST: largest number of points of a grid. deck_grid_points returns the number of points,
+ * including replicas and repeated points, or GRID_MOST + 1 if there are more. */
 enum { GRID_MOST = 1000000 };
 size_t deck_grid_points(const grid *g);
 

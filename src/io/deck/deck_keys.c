@@ -24,8 +24,8 @@ static const deck_key pair_keys[] = {
 TABLE_WITH(deck_pairs, "material_pairs", false, "The contact law between two different materials.",
            pair_keys, law_table);
 
-/* Keys of a disk. place: default of x, y and radius, "required" for a single disk, "-" if
- * columns may give them. */
+/* Keys of a disk. place: text in the table for the default of x, y and radius: "required" for a
+ * single disk, "-" if columns may give them. */
 #define DISK(place)                                                                                \
   {"x", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                           \
       {"y", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                       \
@@ -367,7 +367,8 @@ const char *deck_kind_text(deck_kind kind) {
   return text[kind];
 }
 
-/* Returns true if the word is in a list such as "points* pivot" or "mass/density". */
+/* Returns true if the list contains the word; a list looks like "points* pivot" or
+ * "mass/density". */
 bool deck_listed(const char *list, const char *word) {
   size_t n = strlen(word);
   for (const char *p = list; p && (p = strstr(p, word)); p += n)
@@ -375,7 +376,7 @@ bool deck_listed(const char *list, const char *word) {
   return false;
 }
 
-/* Returns true if the two words stand in one run "a/b/c" of the list. */
+/* Returns true if both words are alternatives of each other in the list, as in "a/b/c". */
 static bool joined(const char *list, const char *a, const char *b) {
   while (list && *list) {
     size_t n = strcspn(list, " ");
@@ -417,7 +418,8 @@ bool deck_names_kind(const char *name, bool flag) {
 
 /* --- documentation ---------------------------------------------------------------------------- */
 
-/* Prints the words of a choice; for kinds also the keys that each kind reads. */
+/* Prints a table of the words that a key accepts; for kinds (of wall, packing, motion, ...) also
+ * the keys that each kind reads. */
 static void print_shapes(FILE *out, const char *heading, const deck_shape *shape) {
   fprintf(out, "| %s | keys | meaning |\n|---|---|---|\n", heading);
   for (; shape->name; shape++)
@@ -435,7 +437,7 @@ static void print_key(FILE *out, const deck_key *key) {
   fprintf(out, " | %s | %s | %s |\n", key->unit, key->initial, key->meaning);
 }
 
-/* Returns the table whose keys this table has, too; NULL: none. */
+/* Returns the table whose keys are repeated in this table; NULL: none. */
 static const deck_table *base_of(const deck_table *table) {
   if (table == &deck_pairs) return &deck_materials;
   return table == &deck_disk_rows || table == &deck_disk_files ? &deck_disks : NULL;
@@ -446,7 +448,7 @@ static bool repeats(const deck_table *base, const deck_key *key) {
   return other && other->kind == key->kind && strcmp(other->meaning, key->meaning) == 0;
 }
 
-/* Prints one row that stands for all keys of the base table. */
+/* Prints one row that lists all keys repeated from the base table. */
 static void print_repeated(FILE *out, const deck_table *table, const deck_table *base) {
   const deck_key *key;
   fprintf(out, "| the same as in [`%s`](#%s) | | | | |", base->name, base->name);
@@ -470,7 +472,7 @@ void deck_keys_print(FILE *out) {
     for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
       if (!key->words || !key->words[0].keys || repeats(base, key)) continue;
       char heading[96];
-      /* Drops the plural s: "walls" becomes "wall type" */
+      /* Without the plural s: "walls" becomes "wall type" */
       size_t n = strlen(table->name) - !table->one;
       snprintf(heading, sizeof heading, "%.*s type", (int)n, table->name);
       print_shapes(out, strcmp(key->name, "type") == 0 ? heading : key->name, key->words);
@@ -480,8 +482,8 @@ void deck_keys_print(FILE *out) {
 
 /* --- words of other programs and of textbooks, with the keys that mean the same --------------- */
 
-/* Words that users of other programs may write, for tables that have `key`; hint: the text
- * behind "did you mean"; NULL: the key. */
+/* Words of other programs for keys of decks. A word is looked up only in tables that have `key`.
+ * hint: text that follows "did you mean"; NULL: the key itself. */
 static const struct word {
   const char *word, *key, *hint;
 } words[] = {
@@ -532,7 +534,7 @@ static const struct word {
 const char *deck_other_word(deck *d, const deck_table *table, const char *word) {
   for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
     const struct word *w = &words[k];
-    /* A single letter must match in case: "E" is not "e" */
+    /* Single letters are compared with their case: "E" is not "e" */
     const bool same = word[1] ? strcasecmp(word, w->word) == 0 : strcmp(word, w->word) == 0;
     if (!same || !deck_key_find(table, w->key)) continue;
     return w->hint ? deck_format(d, "; did you mean %s?", w->hint)

@@ -15,11 +15,12 @@
 
 enum { MOST_WORDS = 64, NO_COLUMN = -1 };
 
-/* Index of each value in a line of the section Atoms, and the number n of values; three image
+/* Index of each value in a line of the section Atoms, and number n of values in a line; three image
  * flags may follow. */
 typedef struct atom_style {
   const char *name;
-  /* True if more words may follow in the comment, and more values in the line */
+  /* True if the name is only the first part of the style, so that more values may follow in a
+   * line */
   bool prefix;
   size_t type, diameter, density, x, n;
 } atom_style;
@@ -34,19 +35,19 @@ enum { STYLES = sizeof styles / sizeof *styles };
 typedef struct atom {
   long long id;
   const char *type;
-  double x, y, diameter, density, v[3]; /* v: vx, vy, omega */
+  double x, y, diameter, density, v[3]; /* v: velocity vx, vy and angular velocity omega */
   deck_place place;
 } atom;
 
 typedef struct lammps {
   deck *d;
-  char *p; /* Rest of the text */
+  char *p; /* Text that is still to be read */
   deck_place here;
   size_t n_words;
-  char *word[MOST_WORDS]; /* Words of the line, without its comment */
-  const char *comment;    /* Comment of the line, "" if there is none */
+  char *word[MOST_WORDS]; /* Words of the current line, without its comment */
+  const char *comment;    /* Comment of the current line, "" if there is none */
 
-  long long announced; /* Number of atoms in the header; -1: missing */
+  long long announced; /* Number of atoms according to the header; -1: missing */
   double edge[2][2];
   bool bounded[2], tilted;
 
@@ -58,8 +59,8 @@ typedef struct lammps {
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-/* Reads the next line that holds more than a comment; false at the end. The first line of the
- * file is skipped. */
+/* Reads the next line that holds more than a comment, and splits it into words; false at the end of
+ * the file. The first line of the file, a title, is skipped. */
 static bool next_line(lammps *in) {
   while (*in->p) {
     char *line = in->p, *end = strchr(line, '\n'), *rest = NULL;
@@ -121,8 +122,8 @@ static void header_line(lammps *in) {
   if (n == 4 && strcmp(w[3], "avec") == 0) in->tilted = true;
 }
 
-/* Reads the header up to the keyword of the first section, which becomes the current line;
- * false: reported. */
+/* Reads the header up to the keyword of the first section, which becomes the current line. Returns
+ * false after an error, which is reported. */
 static bool open_file(lammps *in, deck *d, const deck_node *file) {
   const char *path = deck_resolve(d, d->path, file->value.text);
   *in = (lammps){.d = d, .here = {path, 0}, .announced = -1};
@@ -199,7 +200,7 @@ static void add_atom(lammps *in) {
   in->atoms = deck_extend(in->d, in->atoms, in->n_atoms, &in->capacity, sizeof *in->atoms);
   atom *a = &in->atoms[in->n_atoms];
   *a = (atom){.type = in->word[s->type], .place = in->here};
-  /* No short circuit: every wrong value is reported */
+  /* All values are read even after an error, so that every wrong one is reported */
   bool good = whole(in, 0, "id", &a->id);
   good = number(in, s->diameter, "diameter", &a->diameter) && good;
   good = number(in, s->density, "density", &a->density) && good;
@@ -246,8 +247,8 @@ static bool at_section(const lammps *in, const char *name) {
   return in->n_words == 1 && strcmp(in->word[0], name) == 0;
 }
 
-/* Reads all sections; the current line is the keyword of the first. Returns false if reading
- * cannot go on (reported). */
+/* Reads all sections; the current line must be the keyword of the first one. Returns false after an
+ * error that ends the reading (reported). */
 static bool read_sections(lammps *in) {
   enum { OTHER, ATOMS, VELOCITIES } section = OTHER;
   bool more = true, found = false;
@@ -292,7 +293,8 @@ static double value(const atom *a, source s) {
   }
 }
 
-/* Returns the value of an atom that a column takes; NO_COLUMN: reported. */
+/* Returns which value of an atom (enum source) column c of the table takes; NO_COLUMN after an
+ * error, which is reported. */
 static int find_source(const deck_group *g, const deck_columns *t, size_t c) {
   const char *column = deck_column_names[t->column[c]];
   int s = 0;
@@ -311,7 +313,8 @@ static int find_source(const deck_group *g, const deck_columns *t, size_t c) {
   return NO_COLUMN;
 }
 
-/* Without the key `columns`, adds the columns that the file gives and the deck does not. */
+/* For a group without the key `columns`: adds the columns that the file has and the group does not
+ * give itself. */
 static void usual_columns(const deck_group *g, const lammps *in, const deck_node *file,
                           deck_columns *t) {
   static const source usual[] = {X, Y, RADIUS, VX, VY, OMEGA};

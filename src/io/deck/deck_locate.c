@@ -1,7 +1,7 @@
 /* deck_locate.c: adds file and line to the messages of the model's checks. See deck_tree.h.
  *
- * A message of the model begins with its subject: a path of the deck (phases[0].cell), or a body
- * or motion (clump "plate", disk 3). */
+ * Each message of the model begins with what it is about: a path of the deck (phases[0].cell), or a
+ * body or motion (clump "plate", disk 3). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,8 +13,8 @@ static size_t word_length(const char *p) {
   return strspn(p, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
 }
 
-/* Follows the path at the start of the text through the tree and returns the deepest node that
- * exists; NULL: the text does not begin with a path. */
+/* Follows the path at the start of a message, such as "phases[0].cell: ...", through the tree.
+ * Returns the deepest node of the path that exists; NULL if the text does not begin with a path. */
 static const deck_node *follow(deck *d, const char *p) {
   const deck_node *node = d->root;
   for (size_t n; (n = word_length(p)) > 0; p += *p == '.') {
@@ -34,14 +34,14 @@ static const deck_node *follow(deck *d, const char *p) {
 
 /* --- bodies and motions ----------------------------------------------------------------------- */
 
-/* Returns entry k of a list of the deck; NULL if the list is shorter. */
+/* Returns entry k of a top-level list of the deck; NULL if there is no such entry. */
 static const deck_node *entry(const deck *d, const char *list, size_t k) {
   const deck_node *node = deck_child(d->root, list);
   return node && node->type == DECK_LIST && k < node->n ? node->child[k] : NULL;
 }
 
-/* Returns the location of clump k: its entry of `clumps`, or, for a clump of a packing, that of
- * its first disk. */
+/* Returns the source location of clump k: its entry in `clumps`, or, for a clump that a packing
+ * made, the location of its first disk. */
 static deck_place place_of_clump(const deck *d, size_t k) {
   const sd_model *m = d->model;
   const deck_node *node = entry(d, "clumps", k);
@@ -57,8 +57,9 @@ static deck_place place_of_wall(const deck *d, size_t k) {
   return node ? node->place : d->root->place;
 }
 
-/* Reads the subject of a message such as "disk 3: ..." or "disk "a": ..."; *rest is the text
- * behind the number or name. Returns false for another subject. */
+/* Reads the body or motion at the start of a message, such as "disk 3: ..." or "disk "a": ...", if
+ * it is of the given kind. *number: its number; *rest: the text after its number or name. Returns
+ * false if the message begins otherwise. */
 static bool number_of(deck *d, const char *text, const char *kind, const deck_index *names,
                       uint32_t *number, const char **rest) {
   const size_t n = strlen(kind);
@@ -77,7 +78,8 @@ static bool number_of(deck *d, const char *text, const char *kind, const deck_in
 
 /* --- one message ------------------------------------------------------------------------------ */
 
-/* Replaces box.x and box.y by width and height if a container has made the box. */
+/* If a container has made the box, changes a message about box.x or box.y into one about the
+ * container's key width or height, and sets *place to that key. */
 static const char *key_of_container(deck *d, const char *text, deck_place *place) {
   const bool x = strncmp(text, "box.x:", 6) == 0, y = strncmp(text, "box.y:", 6) == 0;
   const deck_node *container = deck_child(d->root, "container"), *box = deck_child(d->root, "box");
@@ -87,8 +89,8 @@ static const char *key_of_container(deck *d, const char *text, deck_place *place
   return deck_format(d, "container.%s%s", x ? "width" : "height", text + 5);
 }
 
-/* Finds the location of a message's subject. Returns the message, in which a motion is named by
- * its path in the deck. */
+/* Finds the source location of the body, motion or key that a message is about. Returns the
+ * message, in which a motion is named by its path in the deck. */
 static const char *locate(deck *d, const char *text, deck_place *place) {
   const sd_model *m = d->model;
   const char *rest;

@@ -38,7 +38,7 @@ static void check_law(const deck_group *g, const sd_contact_law *law) {
   const char *key = NULL;
   double value;
   char *text = law_mistake(law, &key, &value);
-  /* A missing key was reported when its kind was read */
+  /* A missing key was reported before, when the kind of law was read */
   if (text && deck_get(g, key)) deck_fail_key(g, key, "%s", text);
   free(text);
   warn_of_rolling(g, law);
@@ -157,8 +157,8 @@ static void read_points(deck_group *g, sd_wall *wall) {
               "the same as the first point, to which `closed` joins it already");
 }
 
-/* Reports an arc with a wrong opening. Bare numbers beyond a whole turn may have been meant as
- * degrees. */
+/* Reports an arc with a wrong opening angle. If its angles are bare numbers beyond a whole turn,
+ * the message says that degrees may have been meant. */
 static void fail_arc(const deck_group *g, const sd_wall *wall) {
   static const char *const expected = "expected counterclockwise, by a whole turn at most";
   const bool bare =

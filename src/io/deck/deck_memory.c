@@ -1,8 +1,9 @@
 /* deck_memory.c: takes over contacts from the result of another run. See deck_result.h.
  *
- * A wall of the deck corresponds to a wall of the file if both have the same description, and
- * the same name, or, where one has no name, the same index among equally many. It is then moved
- * to its position at the end of that run, and its contacts continue. */
+ * A wall of the deck corresponds to a wall of the file if both have the same description and the
+ * same name. If one of the two has no name, they must have the same index, and deck and file the
+ * same number of walls. The wall of the deck is then moved to its position at the end of the other
+ * run, and its contacts continue. */
 #include <math.h>
 #include <string.h>
 
@@ -15,20 +16,22 @@
 #include "model/laws.h"
 #include "slipdisk/deck.h"
 
-#define NOWHERE UINT32_MAX /* Stands for "not in the model" in place of a body number */
+#define NOWHERE UINT32_MAX /* Value in place of a body number: the body is not in the model */
 
-/* Walls of the deck as read, and their state after files have moved them. */
+/* Walls of the model: their descriptions in the deck, and whether each was moved to its position in
+ * a file. */
 typedef struct our_walls {
   deck *d;
   size_t n;
   result_wall *walls;
-  size_t *first_segment; /* Number of the first segment of each wall */
+  /* [n + 1]: number of the first segment of each wall, counted over all walls */
+  size_t *first_segment;
   bool *placed;
 } our_walls;
 
 /* --- walls ------------------------------------------------------------------------------------ */
 
-/* Returns the wall of the deck that corresponds to the file's wall k; NOWHERE: none. */
+/* Returns the number of the model's wall that corresponds to wall k of the file; NOWHERE: none. */
 static uint32_t same_wall(const our_walls *ours, const deck_result *r, size_t k) {
   const result_wall *theirs = &r->walls[k];
   for (uint32_t w = 0; w < ours->n; w++) {
@@ -42,7 +45,7 @@ static uint32_t same_wall(const our_walls *ours, const deck_result *r, size_t k)
 }
 
 /* Moves a wall's pivot to (x, y), turns the wall by `angle` (rad) and scales it about the pivot.
- * The radius stays, since compression of the box scales only infinite lines, which have none. */
+ * Radii are not scaled, since compression of the box scales only infinite lines. */
 static void move_wall(sd_wall *w, double x, double y, double angle, double scale) {
   double c = cos(angle), s = sin(angle);
   for (size_t k = 0; k < w->n_points; k++) {
@@ -60,8 +63,8 @@ static void move_wall(sd_wall *w, double x, double y, double angle, double scale
   w->pivot[1] = y;
 }
 
-/* Moves an edge of the region together with the infinite line that coincides with it: servo
- * walls and compression measure the container by its region. */
+/* Moves an edge of the region together with the infinite line that coincides with it, since servo
+ * walls and compression take the container's size from the region. x, y: new pivot of the wall. */
 static void move_edges(sd_model *m, const sd_wall *w, double x, double y) {
   const double to[2] = {x, y};
   for (int c = 0; c < 2; c++) {
@@ -111,8 +114,8 @@ static our_walls list_walls(deck *d) {
 
 /* --- contacts --------------------------------------------------------------------------------- */
 
-/* Moves the walls of the model to their positions in the file, and fills `walls` with the
- * correspondence of the file's walls to the model's. */
+/* Moves the walls of the model to their positions in the file. Fills `walls`, one element per wall
+ * of the file, with the corresponding walls of the model, and returns it. */
 static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_wall *walls) {
   const deck_result *r = t->result;
   size_t first = 0;
@@ -138,8 +141,8 @@ static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_w
   return walls;
 }
 
-/* Returns R_b: negative inside a round wall or an arc, 0 for straight segments and ends of
- * walls. */
+/* Returns the signed radius R_b of the partner at the contact: negative inside a round wall or an
+ * arc, 0 for straight segments and ends of walls. */
 static double radius_of(const sd_contact_memory *c, deck_turned b, const sd_tile_wall *wall) {
   if (!wall) return b.radius;
   if (wall->pieces == 0) return wall->radius;
@@ -149,7 +152,8 @@ static double radius_of(const sd_contact_memory *c, deck_turned b, const sd_tile
 void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b,
                         const sd_tile_wall *wall, bool carried) {
   const double rb = radius_of(c, b, wall);
-  double shift = a.radius * a.shift; /* Change of lambda_ref */
+  /* Change of lambda_ref, the reference value of the tangential displacement */
+  double shift = a.radius * a.shift;
   const double rolled = a.shift - (wall ? -wall->theta : b.shift);
   if (!wall) {
     shift += b.radius * b.shift;
@@ -157,9 +161,9 @@ void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b,
     if (wall->pieces)
       c->part = (uint32_t)(c->part - wall->first + wall->own_first);
     else
-      /* The new state measures the angle of a round wall from 0 */
+      /* In the new run the angle of a round wall starts at 0, not at its value in the file */
       shift -= wall->radius * wall->theta;
-    /* The new state measures the displacement of a wall's surface from 0 */
+    /* In the new run the displacement of a wall's surface along the wall starts at 0 */
     shift += wall->radius > 0 ? -wall->surface : wall->surface;
   }
   c->record.lambda_ref += shift;
@@ -167,16 +171,17 @@ void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b,
   c->record.viscous = c->record.friction = c->record.nonconservative_work = c->record.rolling = 0.0;
   c->force_carried = carried;
   if (carried) return;
-  /* The first evaluation sets rho and roll; a sliding contact keeps tau and pull, the limit of
-   * its friction */
+  /* The first force evaluation sets rho and roll, and tau and pull too unless the contact slides:
+   * there they are kept, since they are the limit of its friction */
   c->record.rho = c->record.roll = 0.0;
   if (c->slide == 0) c->record.tau = c->record.pull = 0.0;
 }
 
-/* Contacts whose partner is not in this deck. */
+/* Contacts of a file that are not taken over, since their partners are not in the model. */
 typedef struct lost_contacts {
   size_t n;
-  uint32_t first; /* Body number, in the file, of the wall of the first one */
+  /* Body number, in the file, of the partner (mostly a wall) in the first of these contacts */
+  uint32_t first;
 } lost_contacts;
 
 static void warn_of_lost(deck *d, const deck_result *r, const lost_contacts *lost) {
@@ -191,7 +196,8 @@ static void warn_of_lost(deck *d, const deck_result *r, const lost_contacts *los
           known ? r->walls[wall].name : "", known && *r->walls[wall].name ? "\"" : "");
 }
 
-/* Returns an array from the file's disk numbers to the model's; NOWHERE: not in the model. */
+/* Returns an array of disk numbers in the model, indexed by disk numbers in the file; NOWHERE: not
+ * in the model. */
 static uint32_t *map_disks(deck *d, const deck_columns *t) {
   const deck_result *r = t->result;
   uint32_t *body = deck_alloc(d, r->n_disks + 1, sizeof *body);
@@ -204,7 +210,7 @@ static deck_turned turned_of(const deck_result *r, uint32_t disk) {
   return (deck_turned){r->radius[disk], deck_result_shift(r, disk)};
 }
 
-/* Returns the deck's number of the file's material k; -1: no disk of the deck has it. */
+/* Returns the number that material k of the file has in the model; -1: no disk has it. */
 static int32_t own_material(const our_walls *ours, const deck_columns *t, size_t k) {
   const sd_model *m = ours->d->model;
   const deck_result *r = t->result;
@@ -217,9 +223,9 @@ static int32_t own_material(const our_walls *ours, const deck_columns *t, size_t
   return name && deck_index_find(&ours->d->materials, name, &found) ? (int32_t)found : -1;
 }
 
-/* Returns true if laws, masses and velocities are those of the file, so that its contact forces
- * hold at step 0. They cannot be recomputed: they were evaluated at predicted velocities, which
- * the file does not have. */
+/* Returns true if laws, masses and velocities are those of the file, so that the contact forces in
+ * the file are valid at step 0. They cannot be recomputed: they were evaluated at predicted
+ * velocities, which the file does not contain. */
 static bool forces_carried(const our_walls *ours, const deck_columns *t) {
   const sd_model *m = ours->d->model;
   const deck_result *r = t->result;
@@ -250,8 +256,8 @@ static bool forces_carried(const our_walls *ours, const deck_columns *t) {
   return true;
 }
 
-/* Takes over the derivatives of free coordinates. A column holds dt^j/j! times the j-th
- * derivative, j = 3 to 5, so it is scaled by (new dt / old dt)^j. */
+/* Takes over the higher derivatives of the disks, except at locked coordinates. The file holds
+ * dt^j/j! times the j-th derivative, j = 3 to 5, so each value is scaled by (new dt / old dt)^j. */
 static void take_derivatives(deck *d, const deck_columns *t) {
   sd_model *m = d->model;
   const deck_result *r = t->result;
@@ -267,7 +273,8 @@ static void take_derivatives(deck *d, const deck_columns *t) {
             r->derivatives[k][t->disk[row]] * pow(ratio, (double)(3 + k % 3));
 }
 
-/* Takes over the contacts of a file. Returns true if their forces hold at step 0. */
+/* Takes over the contacts of a file. Returns true if the contact forces in the file are valid at
+ * step 0. */
 static bool take_contacts(our_walls *ours, const deck_columns *t) {
   deck *d = ours->d;
   sd_model *m = d->model;
@@ -299,8 +306,8 @@ static bool take_contacts(our_walls *ours, const deck_columns *t) {
   return carried;
 }
 
-/* Reads the walls of a file that ranks read in parts, counts its contacts, and lets the ranks
- * read them. */
+/* Takes over the contacts of a file whose disks the ranks read in parts: reads its walls and its
+ * number of contacts here, then lets each rank read some of the contacts. */
 static void survey_contacts(our_walls *ours, deck_columns *t) {
   deck *d = ours->d;
   sd_tiles *tiles = &d->model->tiles;
@@ -335,7 +342,8 @@ void deck_read_memories(deck *d) {
       continue;
     }
     const bool carried = take_contacts(&ours, t);
-    /* Derivatives of a large file are ignored: ranks, which read it in parts, do not get them */
+    /* Higher derivatives in a large file are ignored, since ranks that read it in parts do not get
+     * them */
     if (carried && !large && t->result->derivatives[0]) take_derivatives(d, t);
     if (large) deck_parts_note_contacts(d, t->result);
   }

@@ -1,11 +1,12 @@
 /* deck_motion.c: reads the list `motions`. See deck_tree.h.
  *
  * One entry of the deck becomes one motion of the model for each coordinate; random motions with
- * independent signals become one for each body and coordinate. The number of a random stream
- * encodes what it drives,
+ * independent signals become one for each body and coordinate. Each random motion
+ * has its own stream of random numbers. The number of the stream encodes what the motion drives,
  *   index (24 bits) | ordinal (4) | coordinate (2) | kind of driven thing (2),
- * so that it does not change when other motions are added or removed. The ordinal counts the
- * random motions that add up on the same coordinate of the same thing. */
+ * so that it does not change when other motions are added or removed. Driven things are disks,
+ * walls, groups and lists of bodies; the ordinal counts the random motions that add up on the same
+ * coordinate of the same thing. */
 #include <math.h>
 #include <string.h>
 
@@ -13,12 +14,15 @@
 #include "io/deck/deck_rows.h"
 #include "model/motions.h"
 
-/* Tables of motions with up to so many rows are echoed in place of their file. */
+/* Largest number of rows of a motion's table that the full deck shows in place of the file's
+ * name. */
 enum { MOST_ECHOED = 1000 };
 
-/* Number of random motions so far on each coordinate of each driven thing. */
+/* Number of random motions so far on each coordinate of each driven body, group or list of
+ * bodies. */
 typedef struct streams {
-  unsigned char *used[STREAM_THINGS]; /* [things * SD_MOVED], index SD_MOVED * thing + coordinate */
+  /* [kind of driven thing]: array with index SD_MOVED * (number of the thing) + coordinate */
+  unsigned char *used[STREAM_THINGS];
 } streams;
 
 static const double pi = 3.14159265358979323846;
@@ -32,12 +36,13 @@ static double read_omega(deck_group *g) {
   return 2 * pi * deck_number(g, "frequency");
 }
 
-/* Reads the key `amplitude`, or computes the amplitude from the largest acceleration
- * (motion_kind.amplitude). */
+/* Returns the value of the key `amplitude`, or the amplitude that follows from the key
+ * `acceleration`, the largest acceleration in units of g (motion_kind.amplitude). */
 static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned mask) {
   if (!deck_given(g, "acceleration")) return deck_number(g, "amplitude");
   const motion_kind *kind = &motion_kinds[motion->kind];
-  if (!kind->amplitude) return NAN; /* deck_shape_of has reported the key */
+  /* This kind of motion has no key `acceleration`, which deck_shape_of has reported */
+  if (!kind->amplitude) return NAN;
   const double *gravity = g->d->model->gravity;
   double strength = hypot(gravity[0], gravity[1]), w = motion->omega;
   if (mask >> SD_THETA & 1)
@@ -59,7 +64,7 @@ static size_t read_list(deck *d, deck_node *list, double **out) {
   return list->n;
 }
 
-/* Puts the numbers of a file into the tree in place of the file's name, for the echo. */
+/* Replaces the name of a file in the tree by lists of the numbers in it, for the full deck. */
 static void table_to_lists(deck_group *g, size_t n, const double *time, const double *value) {
   static const char *const file_keys[] = {"file", "columns"}, *const list_keys[] = {"times",
                                                                                     "values"};
@@ -124,7 +129,7 @@ static void read_table(deck_group *g, sd_motion *motion) {
                   value[0]);
   if (d->reported > before) return;
   motion->n_table = n;
-  /* The arrays are in the arena; each motion of the model gets its own copy */
+  /* The arrays are in the arena of the deck; each motion of the model gets its own copy */
   motion->table_time = time;
   motion->table_value = value;
   if (from_file && n <= MOST_ECHOED) table_to_lists(g, n, time, value);
@@ -254,9 +259,9 @@ static uint32_t wall_called(const sd_model *m, const char *name) {
   return 0;
 }
 
-/* Finds the length on which a pressure acts: the length of a segment; for a line, the period of
- * the box along it, or, in a container, the distance of the two adjacent walls (`beside`), which
- * may move. */
+/* Sets motion->length, the length on which a pressure acts: the key `length`, the length of a
+ * segment, or, for an infinite line, the period of the box along it or the distance of the two
+ * adjacent walls of the container (motion->beside), which may move. */
 static void read_length(deck_group *g, sd_motion *motion, const sd_wall *wall, int coordinate) {
   static const char *const beside[2][2] = {{"left", "right"}, {"floor", "lid"}};
   const sd_model *m = g->d->model;
@@ -304,7 +309,8 @@ static void read_load(deck_group *g, sd_motion *motion, int coordinate) {
   motion->force = deck_number(g, "force") + motion->mass * g->d->model->gravity[coordinate];
 }
 
-/* Reads a load or a servo; each wall gets a motion of its own, since walls move independently. */
+/* Reads a motion of the kind load or servo. Each wall gets a separate motion, since the walls move
+ * independently. */
 static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const deck_bodies *bodies,
                           unsigned mask) {
   deck *d = g->d;
@@ -367,7 +373,7 @@ static void read_motion(deck_group *g, size_t entry, streams *s) {
   const deck_shape *shape = deck_shape_of(g, "type");
   if (!shape) return;
   char *own_name = name ? deck_copy(d, name, strlen(name)) : NULL;
-  bool fixed = shape->kind == DECK_MOTION_FIXED; /* A "fixed" motion has velocity 0 */
+  bool fixed = shape->kind == DECK_MOTION_FIXED; /* A motion of the type "fixed" has velocity 0 */
   sd_motion motion = {.name = own_name,
                       .kind = fixed ? SD_MOTION_VELOCITY : (sd_motion_kind)shape->kind,
                       .interval = 1};
@@ -408,7 +414,8 @@ void deck_check_motions(deck *d) {
 void deck_read_motions(deck *d) {
   sd_model *m = d->model;
   deck_group g;
-  /* Clumps follow the walls in the numbering */
+  /* Number of driven things (disks, walls, groups, lists) of each kind STREAM_*; clumps are
+   * numbered after the walls */
   size_t things[STREAM_THINGS] = {m->n_disks, m->n_walls + m->n_clumps, m->n_groups,
                                   model_movables(m)};
   streams s;

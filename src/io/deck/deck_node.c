@@ -19,7 +19,7 @@ enum { CHUNK = 64 * 1024 };
 
 struct deck_chunk {
   deck_chunk *next;
-  void *owned; /* Block of malloc that deck_own took over; NULL: none */
+  void *owned; /* Memory from malloc that deck_own added to the arena; NULL: none */
   size_t used, size;
   _Alignas(16) unsigned char bytes[];
 };
@@ -86,7 +86,7 @@ char *deck_format(deck *d, const char *format, ...) {
 void deck_own(deck *d, void *p) {
   deck_chunk *chunk = memory_new(1, sizeof *chunk);
   chunk->owned = p;
-  /* Insert it behind the chunk that is being filled */
+  /* Insert the chunk after the first one, which is still being filled */
   deck_chunk **at = d->memory ? &d->memory->next : &d->memory;
   chunk->next = *at;
   *at = chunk;
@@ -146,7 +146,7 @@ void deck_remove(deck_node *parent, const deck_node *child) {
 
 const char *deck_node_path(deck *d, const deck_node *node) {
   if (!node || !node->parent) return "";
-  /* The only phase of a deck without phases: its keys are at the top of the deck */
+  /* The only phase of a deck without the list `phases`: its keys are at the top of the deck */
   if (node->type == DECK_GROUP && node->parent->type == DECK_LIST && node->parent->defaulted)
     return "";
   const char *above = deck_node_path(d, node->parent);
@@ -196,7 +196,7 @@ const char *deck_node_value(deck *d, const deck_node *node) {
 
 bool deck_told(const deck *d) { return d->reported >= LIMIT_DECK_ERRORS; }
 
-/* Counts an error without showing it, if enough were reported; returns whether it did so. */
+/* If enough errors were shown already, counts one more without showing it and returns true. */
 static bool counted(deck *d) {
   if (!deck_told(d)) return false;
   d->reported++;
@@ -258,7 +258,7 @@ size_t deck_disk_bytes(bool free) {
   return comm_world() ? sizeof(sd_disk) : state_disk_bytes(free);
 }
 
-/* Largest number of disks that every rank may hold. */
+/* Largest number of disks that every rank may store in a run on several ranks. */
 enum { MOST_OF_ALL_RANKS = 2000000 };
 
 void deck_need(deck *d, const deck_node *group, const char *key, double n, size_t bytes,
@@ -321,11 +321,11 @@ void deck_report_rest(deck *d) {
 
 /* --- numbers by name, found in a hash table so that the cost is linear in their number -------- */
 
-/* Largest number of names among which the nearest one is searched. */
+/* Largest number of names that are compared with a misspelt name. */
 enum { MOST_GUESSES = 10000 };
 
-/* Returns the hash slot of the name, or the empty slot where it belongs; a slot holds 1 + the
- * index of its name. */
+/* Returns a pointer to the hash slot of the name, or to the empty slot where it belongs. A slot
+ * holds 1 + the index of its name; 0: empty. */
 static size_t *index_slot(const deck_index *x, const char *name) {
   uint64_t h = UINT64_C(14695981039346656037);
   for (const char *p = name; *p; p++) h = (h ^ (unsigned char)*p) * UINT64_C(1099511628211);
@@ -388,8 +388,8 @@ bool deck_index_look_up(deck *d, const deck_index *x, const char *what, const de
 
 /* --- parsing ---------------------------------------------------------------------------------- */
 
-/* Converts libconfig's tree to nodes. The text has been through deck_scan, so that every number fits its type and every line can be
- * traced back to its file. */
+/* The functions below convert libconfig's tree to nodes. The text has passed deck_scan, so that
+ * every number fits its type, and the file and line of every line of the text are known. */
 
 static deck_place place_of(const deck_text *text, unsigned line) {
   if (text->n_lines == 0) return (deck_place){NULL, 0};
@@ -415,8 +415,9 @@ static deck_type type_of(const config_setting_t *setting) {
   }
 }
 
-/* Copies a setting of libconfig and its children to nodes. If a text or name is missing, the
- * library ran out of memory. The scanner bounds the depth of the recursion. */
+/* Copies a setting of libconfig and its children to nodes. A missing text or name means that
+ * libconfig ran out of memory. The depth of the recursion is limited, because deck_scan limits the
+ * nesting of brackets. */
 static void convert(deck *d, const deck_text *text, const config_setting_t *from, deck_node *to) {
   switch (to->type) {
     case DECK_BOOL: to->value.flag = config_setting_get_bool(from); return;
@@ -441,7 +442,7 @@ static void convert(deck *d, const deck_text *text, const config_setting_t *from
     const config_setting_t *child = config_setting_get_elem(from, (unsigned)k);
     const char *name = name_of(d, child);
     if (!name && to->type == DECK_GROUP) memory_lacks(0);
-    /* Skip the second of two equal keys, which the scanner renamed and reported */
+    /* Skip the second of two equal keys: deck_scan has renamed and reported it */
     if (name && strncmp(name, "*repeated-", 10) == 0) continue;
     deck_place place = place_of(text, config_setting_source_line(child));
     convert(d, text, child, deck_node_new(d, to, name, type_of(child), place));

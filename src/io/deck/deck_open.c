@@ -10,7 +10,8 @@
 #include "io/deck/deck_tree.h"
 #include "io/store/file.h"
 
-/* Reads the standard input, at most one byte more than `most`, and adds a final zero. */
+/* Reads the standard input into *all, at most `most` + 1 bytes, and adds a final zero byte; *n:
+ * number of bytes. */
 static void read_input(size_t most, char **all, size_t *n) {
   size_t capacity = 0;
   for (int c = 0; c != EOF && *n <= most;) {
@@ -20,8 +21,8 @@ static void read_input(size_t most, char **all, size_t *n) {
   }
 }
 
-/* Returns a copy of the standard input, which is read only once because a command may load its
- * deck several times; NULL: `trouble` says why. */
+/* Returns a copy of the text on the standard input, which is read only once because a command may
+ * load its deck several times. After an error returns NULL and writes the reason to `trouble`. */
 static char *standard_input(char trouble[FILE_TROUBLE]) {
   static char *all;
   static size_t n;
@@ -51,7 +52,7 @@ const char *deck_source(const char *path) { return strcmp(path, "-") == 0 ? "std
 
 /* --- tree ------------------------------------------------------------------------------------- */
 
-/* Arguments of deck_open, and the function that uses the tree. */
+/* Arguments of deck_open: text, settings, and the function that uses the tree. */
 typedef struct task {
   const char *text;
   size_t n_settings;
@@ -70,7 +71,7 @@ static sd_status open_and_use(deck *d, const task *t) {
 }
 
 static sd_status no_memory(const deck *d, sd_messages *messages) {
-  /* End the job: the other ranks would wait for ever */
+  /* End the whole job, since the other ranks would wait forever */
   if (d->comm) comm_fail(d->comm, "out of memory for the deck");
   return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", d->path);
 }

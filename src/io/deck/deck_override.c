@@ -1,9 +1,10 @@
-/* deck_override.c: applies path=value, from -D or from a point of a sweep. See deck_tree.h.
+/* deck_override.c: applies settings path=value to the tree of a deck, from -D or from a point of a
+ * sweep. See deck_tree.h.
  *
  * Paths are written as in messages: gravity.tilt, motions[0].amplitude; also
  * motions.[0].amplitude as libconfig writes it, motions.left_x.amplitude for the entry named
- * left_x, and motions[*].amplitude for all entries. Missing groups on the path are added: the
- * check of unknown keys finds wrong ones later. */
+ * left_x, and motions[*].amplitude for all entries. Groups of the path that the deck lacks are
+ * added; if they are misspelt, the check of unknown keys reports them later. */
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
@@ -20,15 +21,16 @@ static bool same_word(const char *word, size_t n, const char *text) {
   return strlen(text) == n && !memcmp(word, text, n);
 }
 
-/* Returns the location of a setting: in the sweep, or "-D path=value" for the command line. */
+/* Returns the location of a setting: file and line of its value in the sweep, or "-D path=value"
+ * for the command line. */
 static deck_place place_of(deck *d, const deck_setting *s) {
   return s->place.file
              ? s->place
              : (deck_place){deck_format(d, "-D %s", deck_quote(d, s->text, strlen(s->text))), 0};
 }
 
-/* Reports an error of a setting: "-D path=value: ...", or "file:line: path = value: ..." for a
- * sweep. */
+/* Reports an error of a setting, as "-D path=value: ..." or, for a sweep, "file:line: path = value:
+ * ...". */
 static void fail(deck *d, const deck_setting *s, const char *format, ...) SD_PRINTF(3, 4);
 static void fail(deck *d, const deck_setting *s, const char *format, ...) {
   va_list args;
@@ -42,8 +44,9 @@ static void fail(deck *d, const deck_setting *s, const char *format, ...) {
     deck_fail_place(d, place_of(d, s), "%s", words);
 }
 
-/* Parses the value as a deck would. Other values that begin with neither a bracket nor a quote
- * become texts: -D motions[0].type=parabolic, -D gravity.tilt=0.04 pi. NULL: reported. */
+/* Parses the value of a setting in the syntax of a deck. Other texts that begin with neither a
+ * bracket nor a quote become strings: -D motions[0].type=parabolic, -D gravity.tilt=0.04 pi.
+ * Returns NULL after an error, which is reported. */
 static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   deck_place place = place_of(d, s);
   while (isspace((unsigned char)*text)) text++;
@@ -71,7 +74,7 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   const char *why = sd_messages_count(mine) > 0 ? sd_messages_text(mine, 0) : ": ";
   why = deck_copy(d, why, strlen(why));
   sd_messages_free(mine);
-  /* A value that parses can only be wrong in the encoding of a text */
+  /* If the value was parsed, the only possible error is a text that is not printable UTF-8 */
   bool bad_text = one && d->reported > reported;
   d->reported = reported;
   if (bad_text) fail(d, s, "expected a text in UTF-8 without control characters");
@@ -83,8 +86,9 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   return NULL;
 }
 
-/* Returns the name of an entry of a list; NULL: it has none. A parameter of a sweep without a
- * name has the last word of its path, as in the table of results (deck_grid.c). */
+/* Returns the name of an entry of a list, its key `name`; NULL: none. An entry without it is named
+ * by the last word of its key `path`: parameters of a sweep are named so in the table of results
+ * (deck_grid.c). */
 static const char *entry_name(const deck_node *entry) {
   const deck_node *name = deck_child(entry, "name");
   if (name) return name->type == DECK_STRING ? name->value.text : NULL;
@@ -95,8 +99,8 @@ static const char *entry_name(const deck_node *entry) {
   return dot ? dot + 1 : path->value.text;
 }
 
-/* Returns the entry with this name; names written in the deck take precedence over names derived
- * from paths. */
+/* Returns the entry of a list with the name `word` of n bytes; NULL: none. Names written in the
+ * deck take precedence over names derived from paths. */
 static deck_node *find_entry(const deck_node *list, const char *word, size_t n) {
   deck_node *found = NULL;
   for (size_t k = 0; k < list->n; k++) {
@@ -108,7 +112,8 @@ static deck_node *find_entry(const deck_node *list, const char *word, size_t n) 
   return found;
 }
 
-/* Returns "; expected "a" or "b"" if a list has few names, "" if it has more, or none. */
+/* Returns "; expected "a" or "b"" with the names of all entries of a list; "" if there are none, or
+ * more than FEW. */
 static const char *names_of(deck *d, const deck_node *list) {
   enum { FEW = 6 };
   const char *text = "";
@@ -140,8 +145,8 @@ static deck_node *element(deck *d, const deck_setting *s, deck_node *list, const
   return NULL;
 }
 
-/* Follows one step of the path, "[3]" or "name", and moves *p behind it. A key that a group
- * lacks is added. NULL: reported. */
+/* Follows one step of the path, "[3]" or "name", from the node `at`, and moves *p to the end of the
+ * step. A key that a group lacks is added. Returns NULL after an error, which is reported. */
 static deck_node *step(deck *d, const deck_setting *s, deck_node *at, const char **p) {
   if (**p == '.') ++*p;
   if (**p == '[') {
@@ -177,7 +182,7 @@ static deck_node *step(deck *d, const deck_setting *s, deck_node *at, const char
   return child ? child : deck_node_new(d, at, deck_copy(d, word, n), DECK_GROUP, place_of(d, s));
 }
 
-/* Copies a value and its children to the node `to`, with the setting's location. */
+/* Copies a value and its children to the node `to`, all with the source location `place`. */
 static void adopt(deck *d, deck_node *to, const deck_node *from, deck_place place) {
   to->type = from->type;
   to->value = from->value;
@@ -189,7 +194,7 @@ static void adopt(deck *d, deck_node *to, const deck_node *from, deck_place plac
   }
 }
 
-/* Returns an upper bound of the number of steps in a path: it counts brackets and points. */
+/* Returns an upper bound on the number of steps in a path: 1 + the number of brackets and dots. */
 static size_t path_depth(const char *p) {
   size_t n = 1;
   for (; *p; p++) n += *p == '.' || *p == '[';
@@ -212,7 +217,7 @@ static void set(deck *d, const deck_setting *s, deck_node *at, const char *p,
       return;
     }
   }
-  /* Remove the alternatives of a key of which only one may be given */
+  /* Remove keys that must not be given together with this one, such as density beside mass */
   for (size_t k = 0; at->name && k < at->parent->n; k++)
     if (at->parent->child[k] != at && deck_keys_exclude(at->name, at->parent->child[k]->name))
       deck_remove(at->parent, at->parent->child[k--]);
@@ -238,7 +243,7 @@ void deck_override(deck *d, const deck_setting *setting) {
 
 /* --- comparison of two paths ------------------------------------------------------------------ */
 
-/* One step of a path, "word" or "[3]". */
+/* One step of a path as written: "word" or "[3]". */
 typedef struct step_text {
   const char *start;
   size_t n;
@@ -254,7 +259,7 @@ static step_text next_step(const char **p, const char *end) {
   return one;
 }
 
-/* Returns true if only one of the two keys may be given. */
+/* Returns true if only one of the two keys may be given, as for mass and density. */
 static bool exclude(step_text a, step_text b) {
   char one[LIMIT_QUOTE + 1], two[LIMIT_QUOTE + 1];
   snprintf(one, sizeof one, "%.*s", (int)a.n, a.start);
@@ -262,8 +267,8 @@ static bool exclude(step_text a, step_text b) {
   return a.n < sizeof one && b.n < sizeof two && deck_keys_exclude(one, two);
 }
 
-/* Returns the number of entries of a list that a step of a path selects; *first is the index of
- * the first. */
+/* Returns the number of entries of a list that one step of a path selects (all of them for [*]);
+ * *first is the index of the first one. */
 static size_t entries_of(step_text one, const deck_node *list, size_t *first) {
   *first = 0;
   if (same_word(one.start, one.n, "[*]")) return list->n;
@@ -276,13 +281,14 @@ static size_t entries_of(step_text one, const deck_node *list, size_t *first) {
   return found != NULL;
 }
 
-/* Compares two paths step by step. at: node that both have reached; NULL: a group that is not
- * there. */
+/* Compares two paths step by step, from p to p_end and from q to q_end. at: node that both paths
+ * have reached; NULL: the deck lacks it. */
 static deck_meeting meet(const deck_node *at, const char *p, const char *p_end, const char *q,
                          const char *q_end) {
-  if (p == p_end || q == q_end) return DECK_SAME_KEY; /* One path may be the start of the other */
+  /* One path is the start of the other, or both are the same */
+  if (p == p_end || q == q_end) return DECK_SAME_KEY;
   step_text a = next_step(&p, p_end), b = next_step(&q, q_end);
-  if (a.n == 0 || b.n == 0) return DECK_APART; /* Not valid paths */
+  if (a.n == 0 || b.n == 0) return DECK_APART; /* A path is not valid */
   if (at && at->type == DECK_LIST) {
     deck_meeting met = DECK_APART;
     size_t from_a, from_b, n_a = entries_of(a, at, &from_a), n_b = entries_of(b, at, &from_b);
@@ -300,7 +306,8 @@ static deck_meeting meet(const deck_node *at, const char *p, const char *p_end, 
   return last && exclude(a, b) ? DECK_ALTERNATIVES : DECK_APART;
 }
 
-/* Returns the end of a path: at its = or at the end of the text, without blanks before it. */
+/* Returns a pointer to the end of a path: its "=" or the end of the text, less the blanks before
+ * it. */
 static const char *path_end(const char *path) {
   size_t n = strcspn(path, "=");
   while (n > 0 && isspace((unsigned char)path[n - 1])) n--;

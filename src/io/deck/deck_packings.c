@@ -1,8 +1,8 @@
 /* deck_packings.c: makes disks with the generators of packings. See deck_tree.h.
  *
- * Each entry of `packings` is read and checked, then its disks are made and added, so that the
- * next entry finds them. What the generators allocate is freed before the arena is used again,
- * because deck_alloc may jump out. */
+ * Each entry of `packings` is read and checked, then its disks are made and added to the model, so
+ * that the next entry leaves their places free. Memory of a generator is freed before the arena is
+ * used again, because deck_alloc may leave by longjmp. */
 #include <assert.h>
 #include <math.h>
 
@@ -21,21 +21,21 @@ static const double DENSEST = 0.90689968211710892;
 typedef struct packing {
   deck_group g;
   size_t number;
-  bool last; /* True for the last packing of the deck */
+  bool last; /* True for the last entry of the list `packings` */
   deck_packing_values v;
-  sizes *sizes; /* Points to v.sizes */
+  sizes *sizes; /* Distribution of the radii; points to v.sizes */
   double mean_area;
-  double lower[2], upper[2]; /* Corners of the region */
-  /* Area of the region inside the container; NAN: the container has mistakes */
+  double lower[2], upper[2]; /* Lower left and upper right corner of the region to fill */
+  /* Area of the region inside the container; NAN: the container has errors */
   double area;
   int material;
   const char *group;
-  deck_grain grain; /* Shape of the grains; generators work with the circles that enclose them */
+  deck_grain grain; /* Shape of the grains; generators place the circles that enclose the grains */
 } packing;
 
 /* --- region ----------------------------------------------------------------------------------- */
 
-/* Returns true if the upper edge of the container limits the region. */
+/* Returns true if the container is closed at the top. */
 static bool has_lid(const deck *d) {
   return d->model->container == SD_CONTAINER_BOX && !d->container->open;
 }
@@ -93,7 +93,7 @@ static void read_region(packing *p) {
 
 /* --- checks before disks are made ------------------------------------------------------------- */
 
-/* Checks that the largest disk fits between the edges of the region. */
+/* Checks that the largest disk fits into a region of this width and height. */
 static void check_room(packing *p, double width, double height) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
@@ -122,7 +122,7 @@ static void check_area(packing *p, double count, double area) {
 
 /* --- disks ------------------------------------------------------------------------------------ */
 
-/* Draws the angles of clumps from a random stream of its own. */
+/* Returns n random angles for clumps (rad), from a random stream that is used for nothing else. */
 static double *draw_angles(packing *p, size_t n) {
   deck *d = p->g.d;
   double *angle = deck_alloc(d, n, sizeof *angle);
@@ -134,7 +134,7 @@ static double *draw_angles(packing *p, size_t n) {
 
 static bool mass_is_good(const packing *p, double mass) {
   const bool good =
-      /* A mass that is not a number was reported at its key */
+      /* A mass that is NAN or negative was reported when its key was read */
       !(mass >= 0) || deck_in_range(DECK_POSITIVE, mass);
   if (!good)
     deck_fail_key(&p->g, "density", "the mass of a disk is %g; expected a number %s", mass,
@@ -168,9 +168,9 @@ static void push(packing *p, size_t n, const double *circle, double (*position)[
   }
 }
 
-/* Draws radii whose areas add up to `area` as nearly as possible: rint(area/mean_area) radii if
- * all are equal or from a list, else as many as needed. Returns their number, at most
- * `capacity`. */
+/* Draws random radii until the areas of the disks add up to `area` as nearly as possible. If all
+ * radii are equal or from a list, their number is rint(area/mean_area). Returns the number of
+ * radii, at most `capacity`. */
 static size_t draw_area(const packing *p, gsl_rng *rng, double area, size_t capacity,
                         double *radius) {
   double sum = 0;
@@ -201,17 +201,17 @@ static double fraction_of(const packing *p, size_t n, const double *radius) {
 
 /* --- generators ------------------------------------------------------------------------------- */
 
-/* Working memory of a generator. Between open_bench and close_bench nothing may be allocated in
- * the arena. */
+/* Memory of a generator of packings. Between open_bench and close_bench nothing may be allocated in
+ * the arena, since failure there would jump past close_bench. */
 typedef struct bench {
   size_t n, capacity;
-  double *radius, (*position)[2]; /* [capacity]: radii and centres, in the arena */
+  double *radius, (*position)[2]; /* [capacity]: radii and centres of the disks, in the arena */
   place_space space;
   gsl_rng *rng;
   sd_status status;
 } bench;
 
-enum { BENCH_BYTES = sizeof(double[3]) }; /* Memory of a generator per disk */
+enum { BENCH_BYTES = sizeof(double[3]) }; /* Memory that a generator needs per disk, in bytes */
 
 static bench open_bench(const packing *p, double capacity) {
   deck *d = p->g.d;
@@ -230,7 +230,7 @@ static void close_bench(const packing *p, bench *b) {
   if (b->status != SD_OK) longjmp(p->g.d->out_of_memory, 1);
 }
 
-/* Returns the lattice spacing; 0 after mistakes (reported). */
+/* Returns the lattice spacing; 0 after errors, which are reported. */
 static double read_spacing(packing *p) {
   deck *d = p->g.d;
   deck_group *g = &p->g;
@@ -297,7 +297,8 @@ static void make_random(packing *p) {
                 placed, b.n, fraction_of(p, b.n, b.radius), all);
 }
 
-/* Fills the region with an advancing front. Without `count`, more disks are drawn than can fit. */
+/* Fills the region by the advancing-front method. Without the key `count`, more disks are generated
+ * than can fit. */
 static void make_front(packing *p) {
   deck *d = p->g.d;
   double target = 1.05 * p->area + p->mean_area, most = 2 * target / p->mean_area + 100;
@@ -323,7 +324,8 @@ static void make_front(packing *p) {
 
 /* --- tiles ------------------------------------------------------------------------------------ */
 
-/* Keeps in the model everything from which tiles are made. The group's number is set later. */
+/* Stores in model->tiles everything that is needed to make the tiles of a packing. The number of
+ * the group is set later. */
 static void keep_tiles(packing *p, double spacing) {
   const sizes *s = p->sizes;
   sd_tiles *t = &p->g.d->model->tiles;
@@ -353,7 +355,8 @@ static void keep_tiles(packing *p, double spacing) {
   }
 }
 
-/* Sets the region where tiles of rain wait, from `height` up: high enough for disks of any size. */
+/* For rain in tiles: sets the region where its disks wait before they fall, from `height` upwards,
+ * high enough for disks of any size. */
 static void wait_above(sd_tiles *t, double height) {
   const double across = fmax(1, floor((t->upper[0] - t->lower[0]) / t->spacing));
   t->lower[1] = height - t->spacing;
@@ -383,7 +386,7 @@ static void check_tiles(packing *p) {
                   SD_TILE_RADII);
 }
 
-/* Makes the disks of one tile; NULL: reported. */
+/* Makes the disks of one tile and returns `disks`; NULL after an error, which is reported. */
 static const sd_disk *make_tile(packing *p, size_t tile, sd_disk *disks) {
   const sd_tiles *t = &p->g.d->model->tiles;
   const size_t n = model_tile_size(t, tile);
@@ -399,7 +402,7 @@ static const sd_disk *make_tile(packing *p, size_t tile, sd_disk *disks) {
   return disks;
 }
 
-/* Makes every n-th tile on each of n ranks, beginning with the tile that has the rank's number. */
+/* Makes the tiles of this rank: rank r of n ranks makes the tiles r, r + n, r + 2 n, ... */
 static void make_own_tiles(packing *p, sd_disk *disks) {
   deck *d = p->g.d;
   sd_model *m = d->model;
@@ -416,12 +419,12 @@ static void make_own_tiles(packing *p, sd_disk *disks) {
   m->n_disks += m->tiles.count;
 }
 
-/* With fewer disks than this every rank makes all tiles, since a run then keeps the order of the
- * deck. */
+/* Smallest number of disks in a packing whose tiles are distributed over the ranks. In smaller
+ * packings every rank makes all tiles, since a run then keeps the order of the deck. */
 enum { FEWEST_AWAY = 1000 };
 
-/* Makes a packing in tiles. height: lowest row of disks that wait for rain; other kinds ignore
- * it. */
+/* Makes a packing in tiles. height: for rain, the height of the lowest row of waiting disks; not
+ * used for other kinds. */
 static void make_tiled(packing *p, double spacing, double height) {
   deck *d = p->g.d;
   sd_model *m = d->model;
@@ -449,13 +452,14 @@ static void make_tiled(packing *p, double spacing, double height) {
 
 /* --- rain ------------------------------------------------------------------------------------- */
 
-/* Returns the time in which a batch falls by its own height; NAN: nothing falls. */
+/* Returns the time in which the disks that rain drops at once fall by `height`, the height of their
+ * rows; NAN: they do not fall. speed: initial speed downwards. */
 static double fall_time(const sd_model *m, double height, double speed) {
   double g = fmax(0, -m->gravity[SD_Y]), end = sqrt(speed * speed + 2 * g * height);
   return speed + end > 0 ? 2 * height / (speed + end) : NAN;
 }
 
-/* Returns the lowest height at which the container is as wide as the rain. */
+/* Returns the lowest height at which the container is as wide as the rain that falls into it. */
 static double rain_floor(packing *p) {
   deck *d = p->g.d;
   const place_interior *in = &d->container->interior;
@@ -484,7 +488,8 @@ static void check_rain(packing *p, double height) {
                place_area(&d->container->interior, m->region_lower, m->region_upper));
 }
 
-/* Returns a height above the region and above all disks that are there, waiting ones included. */
+/* Returns a height above the region and above all disks made so far, including those that wait to
+ * fall. */
 static double waiting_height(const packing *p, double spacing) {
   const sd_model *m = p->g.d->model;
   double top = p->upper[1];
@@ -507,8 +512,8 @@ static void make_waiting(packing *p, double spacing) {
   push(p, b.n, b.radius, b.position, true);
 }
 
-/* Sets the number of disks in a batch of rain. If each rank has only some of the disks, rank 0,
- * which made the first tile, counts and broadcasts it. */
+/* Sets r->batch, the number of disks that the rain drops at once. If the disks are distributed over
+ * the ranks, rank 0, which made the first tile, counts them and broadcasts the number. */
 static void count_batch(const packing *p, sd_rain *r, double rows) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
@@ -590,7 +595,8 @@ static void make_packing(packing *p) {
   if (d->reported == before) make_tiled(p, spacing, NAN);
 }
 
-/* Scales the radii of a distribution to those of the circles that enclose the grains. */
+/* Multiplies the radii of a distribution by `by`, so that they become radii of the circles that
+ * enclose the grains. */
 static void enlarge(deck *d, sizes *s, double by) {
   double *radii = deck_alloc(d, s->n, sizeof *radii);
   for (size_t k = 0; k < s->n; k++) radii[k] = by * s->radii[k];
@@ -625,8 +631,8 @@ void deck_read_packings(deck *d) {
 
 /* --- size distribution of the disks of a packing ---------------------------------------------- */
 
-/* A distribution of which less than this fraction lies between its limits is taken for a
- * mistake. */
+/* Smallest fraction of a distribution that must lie between its limits; less is reported as an
+ * error. */
 static const double LEAST_KEPT = 1e-6;
 
 static const double *read_numbers(deck_group *g, const char *key, size_t *n) {
@@ -668,8 +674,8 @@ static void read_list(deck_group *g, sizes *s) {
   if (!(s->upper > 0)) deck_fail_key(g, "weights", "all are 0");
 }
 
-/* Sets the default limits of gaussian and lognormal distributions: 3 standard deviations on each
- * side. */
+/* Sets the default limits of a gaussian or lognormal distribution: 3 standard deviations
+ * (lognormal: of the logarithm) below and above the centre. */
 static void cut_normal(deck_group *g, const sizes *s) {
   bool logarithm = s->kind == SD_SIZES_LOGNORMAL;
   double lower = logarithm ? s->radius * exp(-3 * s->deviation) : s->radius - 3 * s->deviation;

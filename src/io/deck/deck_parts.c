@@ -1,8 +1,8 @@
 /* deck_parts.c: reads a large file of disks in parts, some on each rank (sd_tiles in model.h). See
  * deck_rows.h.
  *
- * A part is read by the deck reader itself: it opens the deck anew, and reads only what a row of
- * the file needs, and the rows of the part. */
+ * For each part the deck reader opens the deck again; it then reads only the groups that rows of
+ * the file depend on, and only the rows of this part. */
 #include "io/deck/deck_rows.h"
 
 #include <math.h>
@@ -17,19 +17,20 @@
 #include "model/rows.h"
 #include "slipdisk/deck.h"
 
-/* LEAST: files with fewer disks are read as a whole. MOST: disks in a part, at most. FEWEST:
- * number of parts, at least. MOST_GROUPS: groups in a file, at most. */
+/* LEAST: files with fewer disks are read as a whole by every rank. MOST: largest number of disks in
+ * a part. FEWEST: smallest number of parts. MOST_GROUPS: largest number of groups in a file. */
 enum { LEAST = 20000, MOST = 1 << 16, FEWEST = 8, MOST_GROUPS = 64 };
 
 /* --- rows ------------------------------------------------------------------------------------- */
 
-/* A task that reads rows of an entry of disk_files; one of the two functions is set. */
+/* Task that reads rows of an entry of disk_files, either disks (`take` is set) or contacts (`use`
+ * is set). */
 typedef struct rows_task {
   deck_rows_asked asked;
   size_t entry;
-  /* Takes over disks of the file; m: model with only these disks */
+  /* Receives the disks that were read; m: a model with only these disks */
   void (*take)(void *user, const sd_model *m, const deck_columns *t);
-  /* Takes over contacts of the file */
+  /* Reads the contacts that d->asked selects from the file */
   sd_status (*use)(void *user, deck *d, const deck_node *file);
   void *user;
 } rows_task;
@@ -65,8 +66,8 @@ static sd_status read_rows(deck *d, void *user) {
   return SD_OK;
 }
 
-/* Opens the model's deck again with its settings, and runs the task. messages: receives only
- * errors. */
+/* Opens the model's deck again with its -D settings, and runs the task. messages: receives the
+ * errors, but no warnings. */
 static sd_status open_rows(const sd_deck *from, rows_task *task, sd_messages *messages) {
   char *lines = memory_text(from->overrides);
   size_t n = 0, most = 1;
@@ -93,7 +94,8 @@ static const char *group_of(const sd_model *m, const sd_disk *d) {
   return d->group >= 0 ? m->groups[d->group] : "";
 }
 
-/* Returns a hash of one disk, its number included, so that hashes can be summed in any order. */
+/* Returns a hash of one disk and its number. The sum of the hashes of all disks does not depend on
+ * their order. */
 static uint64_t sum_disk(const sd_model *m, const sd_disk *d, uint32_t number) {
   const double real[] = {d->radius,      d->mass,        d->inertia,     d->force[0],
                          d->force[1],    d->force[2],    d->position[0], d->position[1],
@@ -132,7 +134,8 @@ static sd_tiles begin_tiles(const sd_model *m, size_t entry, size_t all) {
                     .least = HUGE_VAL};
 }
 
-/* Returns true if no disks follow this entry, and no contacts come from entries before it. */
+/* Returns true if the deck has no packings, which would add disks after this file, and takes no
+ * contacts from earlier files. */
 static bool is_last(const deck *d, size_t entry) {
   bool others = deck_child(d->root, "packings") != NULL;
   for (size_t k = 0; k < entry; k++) others = others || d->file_tables[k].contacts;
@@ -152,25 +155,27 @@ void deck_parts_note(deck *d, size_t entry, const deck_columns *t) {
 
 /* --- parts that ranks read -------------------------------------------------------------------- */
 
-/* A group of disks in the file, and the lowest number of its disks. */
+/* A group that occurs in the file: lowest number and name of its disks. */
 typedef struct file_group {
   uint32_t disk;
-  char *name; /* Name, in the arena */
+  char *name; /* Name of the group, in the arena */
 } file_group;
 
 typedef struct survey {
   deck *d;
   sd_tiles tiles;
   size_t all;
-  size_t first, n; /* Rows of the part that is being read */
-  /* True if a disk is named, locked, driven or out of play, so that all ranks must know it */
+  size_t first, n; /* First row of the part that is being read, and its number of rows */
+  /* True if the file cannot be read in parts: a disk is named, locked, driven or out of play, so
+   * that all ranks must know it */
   bool special;
-  uint64_t numbers; /* Sum of the disk numbers */
+  uint64_t numbers; /* Sum of the disk numbers; it shows whether each number occurs once */
   size_t n_groups;
   file_group groups[MOST_GROUPS];
 } survey;
 
-/* Returns the index of the group in the list, adding it if new; -1: no group, or too many. */
+/* Returns the index of a group in s->groups, adding it if new; -1 if the disk has no group, or if
+ * there are too many groups (s->special is then true). */
 static int note_group(survey *s, const char *name, uint32_t disk) {
   size_t k = 0;
   if (!*name) return -1;
@@ -183,7 +188,8 @@ static int note_group(survey *s, const char *name, uint32_t disk) {
   return (int)k;
 }
 
-/* Takes over the disks of a part. For now their groups are indices of the survey's list. */
+/* Adds the disks of a part to the rows of this rank. Until name_groups is called, their groups are
+ * indices into s->groups. */
 static void take_rows(void *user, const sd_model *m, const deck_columns *t) {
   survey *s = user;
   sd_model *own = s->d->model;
@@ -201,7 +207,7 @@ static void take_rows(void *user, const sd_model *m, const deck_columns *t) {
   s->special = s->special || t->all != s->all || t->n_rows != s->n;
 }
 
-/* Reads the parts of this rank. Errors are reported in d->messages. */
+/* Reads this rank's parts of the file. Errors are reported in d->messages. */
 static sd_status read_own(survey *s) {
   sd_status status = SD_OK;
   const size_t ranks = (size_t)comm_size(s->d->comm);
@@ -218,7 +224,8 @@ static sd_status read_own(survey *s) {
   return status;
 }
 
-/* Exchanges the groups of all ranks, so that each rank lists all groups with their first disks. */
+/* Exchanges the groups of the file between the ranks, so that each rank has the list of all groups
+ * and the lowest disk number in each. Collective. */
 static void share_groups(survey *s) {
   const comm *c = s->d->comm;
   deck_buffer text = {0};
@@ -259,7 +266,8 @@ static void name_groups(survey *s) {
   }
 }
 
-/* Combines the sums and limits of all ranks. Collective. */
+/* Combines the checksums, radii and bounds that the ranks have found for their disks.
+ * Collective. */
 static void share_survey(survey *s) {
   const comm *c = s->d->comm;
   sd_tiles *t = &s->tiles;
@@ -277,8 +285,8 @@ static void share_survey(survey *s) {
   }
 }
 
-/* Returns true if the entry may be read in parts; its columns and keys are checked when it is
- * read. */
+/* Returns true if this file may be read in parts: a run on several ranks, an HDF5 file, and no
+ * disks after it. Columns and keys are checked when the file is read. */
 static bool may_begin(deck *d, size_t entry) {
   const deck_node *node = deck_child(d->root, "disk_files")->child[entry];
   const deck_node *file = deck_child(node, "file"), *format = deck_child(node, "format");
@@ -288,7 +296,7 @@ static bool may_begin(deck *d, size_t entry) {
   return deck_file_format(d, file->value.text) == DECK_HDF5;
 }
 
-/* Reads the columns of the file and its number of disks. */
+/* Reads only the columns of the file and its number of disks. */
 static void read_head(survey *s, deck_columns *table) {
   deck *d = s->d;
   d->asked = (deck_rows_asked){.part = true, .head = true, .again = comm_rank(d->comm) > 0, .n = 1};
@@ -296,7 +304,7 @@ static void read_head(survey *s, deck_columns *table) {
                            &deck_disk_files);
   d->asked = (deck_rows_asked){0};
   s->all = table->all;
-  /* Other ranks wait for rank 0, which checks the whole file */
+  /* Other ranks wait here until rank 0 has checked the whole file */
   comm_wait(d->comm, SD_OK);
 }
 
@@ -361,12 +369,13 @@ typedef struct contacts_task {
   sd_model *model;
   int64_t inputs;
   size_t lost;
-  /* Index in the file of the first contact that is lost; infinite: none */
+  /* Index in the file of the first contact that is lost (its partner is not in the model);
+   * infinite: none */
   double first;
   uint32_t wall;
 } contacts_task;
 
-/* Keeps the contacts whose partners are bodies of the model, and counts the others. */
+/* Stores the contacts whose partners are bodies of the model, and counts the others as lost. */
 static sd_status use_contacts(void *user, deck *d, const deck_node *file) {
   contacts_task *t = user;
   const sd_tiles *tiles = &t->model->tiles;
@@ -433,7 +442,7 @@ void deck_read_disks(deck *d) {
     d->file_tables[k] = deck_read_table(d, list->child[k], &deck_disk_files);
     if (last) deck_parts_note(d, k, &d->file_tables[k]);
   }
-  /* A `disks` that is not a list was reported before */
+  /* A `disks` that is not a list was reported as an error before */
   bool tried = deck_child(d->root, "disks") && deck_child(d->root, "disks")->type != DECK_LIST;
   if (d->model->n_disks == 0 && !tried && !deck_child(d->root, "disk_files") &&
       !deck_child(d->root, "packings"))

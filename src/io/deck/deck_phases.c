@@ -6,12 +6,12 @@
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
 
-/* If there are at most so many free disks, all of them are observed by default. */
+/* Largest number of free disks for which the rotation of all of them is measured by default. */
 enum { MOST_WATCHED = 16 };
 
 /* --- length ----------------------------------------------------------------------------------- */
 
-/* Reads the length of a phase, or of the deck, from the key `steps` or `time`; returns steps. */
+/* Returns the length of a phase in steps, from its key `steps` or `time`; 1 after an error. */
 static int64_t read_steps(deck_group *g) {
   const char *key = deck_one_of(g, "the length in steps or time");
   if (!key) return 1;
@@ -25,14 +25,15 @@ static int64_t read_steps(deck_group *g) {
 
 /* --- motions and fields of a phase ------------------------------------------------------------ */
 
-/* A list of a phase, "motions" or "fields", that names entries of the deck's list with the same
- * key. */
+/* A key of a phase, "motions" or "fields". Its list names the entries of the deck's top-level list
+ * of the same name that are active in the phase. */
 typedef struct switched {
-  const char *key, *what; /* Key and singular word: "motions", "motion" */
+  const char *key, *what; /* Key and its singular: "motions", "motion" */
   const deck_index *index;
 } switched;
 
-/* Finds the index of a motion or field in the deck's list; false: reported. */
+/* Finds the motion or field that the node names; *entry: its index in the deck's top-level list.
+ * Returns false after an error, which is reported. */
 static bool find_entry(deck *d, const switched *of, const deck_node *node, size_t *entry) {
   const deck_node *list = deck_child(d->root, of->key);
   size_t n = list && list->type == DECK_LIST ? list->n : 0;
@@ -52,7 +53,7 @@ static bool find_entry(deck *d, const switched *of, const deck_node *node, size_
   return true;
 }
 
-/* Appends an entry to a list: its name if it has one, else its number. */
+/* Appends the name of a motion, field or disk to a list; its number if it has no name. */
 static void add_entry(deck *d, deck_node *list, const char *name, size_t number) {
   deck_node *node = deck_node_new(d, list, NULL, name ? DECK_STRING : DECK_INT, list->place);
   if (name)
@@ -61,7 +62,7 @@ static void add_entry(deck *d, deck_node *list, const char *name, size_t number)
     node->value.integer = (int64_t)number;
 }
 
-/* Fills the list with all entries of the deck's list. */
+/* Fills the phase's list `key` with all entries of the deck's top-level list of the same name. */
 static void default_entries(deck_group *g, const char *key) {
   const deck_node *all = deck_child(g->d->root, key);
   deck_node *list = deck_default_list(g, key);
@@ -71,8 +72,8 @@ static void default_entries(deck_group *g, const char *key) {
   }
 }
 
-/* Returns an array, one bool per entry of the deck's list: true for entries that are switched
- * on. */
+/* Returns an array with one bool per motion or field of the deck: true if it is active in the
+ * phase. */
 static bool *read_switches(deck_group *g, const switched *of) {
   deck *d = g->d;
   const deck_node *all = deck_child(d->root, of->key);
@@ -130,7 +131,7 @@ static void read_compress(deck_group *g, sd_compress *compress) {
               "there is nothing to compress; expected a container, or a box with edges x and y");
 }
 
-/* Reads the group `cell`. Each strain component has a rate or a stress. */
+/* Reads the group `cell`, in which each strain component has either a rate or a stress. */
 static void read_cell(deck_group *g, sd_cell *cell) {
   static const char *const rates[] = {"rate_xx", "rate_yy", "rate_xy"};
   static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_xy"};
@@ -176,7 +177,8 @@ void deck_read_phases(deck *d) {
   if (list && short_form)
     deck_fail_key(&top, deck_given(&top, "steps") ? "steps" : "time",
                   "given together with phases; expected a length in each phase");
-  /* A deck with `steps` or `time` instead of phases has one phase, and is echoed so */
+  /* A deck with a top-level `steps` or `time` has one phase; the full deck shows it in the list
+   * `phases` */
   if (!list && short_form) {
     list = deck_default_list(&top, "phases");
     deck_node *phase = deck_node_new(d, list, NULL, DECK_GROUP, list->place);
@@ -203,7 +205,8 @@ void deck_read_phases(deck *d) {
 
 /* --- measurements ----------------------------------------------------------------------------- */
 
-/* Appends to a list the disks that a key names; reports disks that are named twice. */
+/* Appends the disks that a key names to *list, which has *n elements; reports disks that are named
+ * twice. */
 static void add_disks(deck *d, deck_node *names, size_t *n, uint32_t **list) {
   for (size_t k = 0; k < deck_each_count(names); k++) {
     deck_node *node = deck_each(names, k);
@@ -270,22 +273,23 @@ void deck_read_measure(deck *d) {
 
 /* --- until ------------------------------------------------------------------------------------ */
 
-/* The group `until` gives the error bar at which the last phase ends (sd_until in
- * slipdisk/model.h). The last phase of the model has the largest possible number of steps (max_time); until.least
- * holds its own length. */
+/* The group `until` sets the standard error at which the last phase ends (sd_until in
+ * slipdisk/model.h). The model's last phase then has the largest possible number of steps
+ * (max_time); until.least holds the length that the deck gives the phase. */
 
 static const char *const quantities[] = {"omega", "scaled"};
 enum { OMEGA, SCALED, QUANTITIES };
 
-/* Returns the name of the k-th observed disk in the names of observables: its name, else its
- * number. */
+/* Returns the first part of an observable's name for the k-th observed disk: the name of the disk,
+ * or its number. */
 static const char *watched_name(deck *d, size_t k) {
   uint32_t disk = d->model->rotations[k];
   const char *name = d->model->disks[disk].name;
   return name ? name : deck_format(d, "%u", disk);
 }
 
-/* Returns the index of the observed disk with this name or number; n_rotations: none. */
+/* Returns the index of a disk among the observed disks, found by its name or number; n_rotations:
+ * not there. */
 static size_t find_watched(deck *d, const char *name) {
   const sd_model *m = d->model;
   for (size_t k = 0; k < m->n_rotations; k++)
@@ -334,7 +338,8 @@ static void read_observable(deck_group *g) {
   if (dot) read_disk(d, node, deck_copy(d, text, (size_t)(dot - text)));
 }
 
-/* Makes the length of the last phase its least length, and max_time its greatest; both in steps. */
+/* Takes the length of the last phase as its least length, and max_time as its greatest; both are
+ * stored in steps. */
 static void read_length(deck_group *g, sd_phase *last) {
   deck *d = g->d;
   d->model->until.least = last->steps;

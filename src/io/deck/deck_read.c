@@ -1,4 +1,5 @@
-/* deck_read.c: typed getters with diagnostics. See deck_read.h. */
+/* deck_read.c: functions that read values of keys, check their types and ranges, and report errors.
+ * See deck_read.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,7 @@
 
 /* --- groups ----------------------------------------------------------------------------------- */
 
-/* Returns "; expected g or tilt" for a table with few keys, "" for a longer one. */
+/* Returns "; expected g or tilt" with the keys of a small table, "" for a larger one. */
 static const char *keys_of(deck *d, const deck_table *table) {
   enum { FEW = 8 };
   const char *text = "; expected ";
@@ -128,7 +129,7 @@ void deck_default_pair(deck_group *g, const char *key, const double pair[2]) {
     deck_node_new(g->d, list, NULL, DECK_FLOAT, list->place)->value.number = pair[k];
 }
 
-/* Lists the words of a choice: "a", "b". */
+/* Returns the words that a key accepts as a list for messages: "a", "b". */
 static const char *words_of(deck *d, const deck_key *key) {
   const char *list = "";
   for (const deck_shape *word = key->words; word->name; word++)
@@ -136,8 +137,8 @@ static const char *words_of(deck *d, const deck_key *key) {
   return list;
 }
 
-/* Returns the table's default for a key as a new node; NULL if there is none, or if the key is
- * required (reported). */
+/* Adds the default of a key, which its table gives, to the tree and returns the new node. Returns
+ * NULL if there is no default, or if the key is required (reported as an error). */
 static deck_node *table_default(deck_group *g, const deck_key *key) {
   const char *text = key->initial;
   if (text[0] == '-' && !text[1]) return NULL;
@@ -185,7 +186,7 @@ static deck_node *find(deck_group *g, const char *name, const deck_key **key) {
 
 /* --- values ----------------------------------------------------------------------------------- */
 
-/* Returns "it is 0.3; " for a value that is arithmetic, else "". */
+/* Returns "it is 0.3; ", the computed value, for a text that is arithmetic, else "". */
 static const char *computed(deck *d, const deck_node *node) {
   return node->remark ? deck_format(d, "it is %s; ", node->remark) : "";
 }
@@ -208,7 +209,8 @@ int64_t deck_integer(deck_group *g, const char *name) {
   double x = node->type == DECK_FLOAT ? node->value.number : 0.5;
   if (node->type == DECK_STRING && !deck_value_number(g->d, node, false, &x))
     return key->range == DECK_AT_LEAST_1;
-  /* 5e8 is a whole number too; beyond 2^53 a float no longer identifies one whole number */
+  /* A float such as 5e8 is a whole number too; beyond 2^53 a float no longer identifies one whole
+   * number */
   bool whole = x == floor(x) && fabs(x) <= 9007199254740992.0;
   if (whole && node->type == DECK_FLOAT) {
     node->type = DECK_INT;
@@ -241,7 +243,8 @@ const char *deck_text_of(deck_group *g, const char *name) {
   return NULL;
 }
 
-/* Returns the word that a choice names; NULL: left out, or wrong (reported). */
+/* Returns the entry of the word list of a key that the deck names; NULL: the key is left out, or
+ * its value is wrong (reported). */
 static const deck_shape *choose(deck_group *g, const char *name) {
   const deck_key *key;
   deck_node *node = find(g, name, &key);
@@ -306,7 +309,8 @@ unsigned deck_coordinates(deck_group *g, const char *name) {
 
 /* --- alternatives and kinds ------------------------------------------------------------------- */
 
-/* Returns which of the keys joined by / is given, or NULL; reports an error if several are. */
+/* Returns which of the alternative keys in `keys`, such as "mass/density", is given; NULL: none.
+ * Reports an error if several are given. */
 static const char *given_of(deck_group *g, const char *keys) {
   const char *seen = NULL;
   char *copy = deck_copy(g->d, keys, strcspn(keys, " *")), *rest = NULL;
@@ -325,8 +329,8 @@ const char *deck_one_of(deck_group *g, const char *expected) {
   return seen;
 }
 
-/* Reports keys of the group that belong to other kinds only, and keys that this kind needs and
- * the group lacks. */
+/* Reports an error for each key of the group that this kind does not read, and for each key that it
+ * requires and the group lacks. */
 static void check_kind(deck_group *g, const deck_key *chooser, const deck_shape *kind) {
   for (size_t k = 0; k < g->node->n; k++) {
     const deck_node *child = g->node->child[k];

@@ -1,8 +1,9 @@
 /* deck_result.c: reads the last state of a result or a checkpoint as disks of a deck. See
  * deck_result.h.
  *
- * Numbers are in /state. Names, shapes of walls and the box, which only the deck of that run knew,
- * are in the text /parameters/deck_bodies: lines of words separated by tabs,
+ * The numbers of the state are in /state of the file. Names, shapes of walls and the box, which
+ * only the deck of that run knew, are in the text /parameters/deck_bodies. Its lines are words
+ * separated by tabs,
  *   box   periodic_x periodic_y lower_x upper_x lower_y upper_y
  *   material NAME     group NAME     disk NUMBER NAME
  *   wall NAME  PIECES ANGLE SCALE  kind, closed, inside, radius, pivot, points */
@@ -22,7 +23,7 @@
 #include "model/model.h"
 #include "model/walls.h"
 
-/* Largest number of walls: those of a deck and of its container. */
+/* Largest number of walls that are read from a file: those of a deck and of its container. */
 enum { MOST_WALLS = LIMIT_ENTRIES + 16 };
 
 /* --- text /parameters/deck_bodies ------------------------------------------------------------- */
@@ -31,7 +32,8 @@ static void put(deck *d, deck_buffer *out, const char *text) {
   deck_put(d, out, text, strlen(text));
 }
 
-/* Returns the name, or "" for a name with tabs or line breaks, which would break the lines. */
+/* Returns the name; "" for a name with tabs or line breaks, which separate the words and lines of
+ * the text. */
 static const char *clean(const char *name) { return name && !strpbrk(name, "\t\n") ? name : ""; }
 
 result_wall *deck_result_walls(deck *d) {
@@ -122,7 +124,8 @@ bool deck_result_there(const char *path) {
   bool sealed = false;
   uint64_t sum;
   if (h5_open(path, &file, NULL) != SD_OK) {
-    /* A sealed file counts even if it is damaged: its reader reports the damage */
+    /* A file with a checksum at its end counts even if it is damaged; the damage is reported when
+     * the file is read */
     if (file_exists(path)) h5_verify(path, &sealed, &sum, NULL);
     return sealed;
   }
@@ -147,8 +150,9 @@ typedef struct reader {
   bool failed;
 } reader;
 
-/* Reads `rows` values from index `first` on, of a column with n values. The column's length is
- * checked before memory is allocated. NULL: reported. */
+/* Reads the values `first` to `first` + `rows` - 1 of a column of /state that has n values. The
+ * length of the column is checked before memory is allocated. Returns NULL after an error, which is
+ * reported. */
 static void *part_of(reader *in, const char *name, sd_type type, size_t n, size_t first,
                      size_t rows) {
   const char *path = deck_format(in->d, "/state/%s", checkpoint_column(in->file, name));
@@ -167,8 +171,8 @@ static void *column(reader *in, const char *name, sd_type type, size_t n) {
   return part_of(in, name, type, n, 0, n);
 }
 
-/* Reads a column that is stored by slot, for n bodies, and sorts it by body number; if rows were
- * asked for, they keep the order of slots. */
+/* Reads a column with values of n bodies, and sorts it by body number; the file has another order.
+ * If only some rows are read, they keep the order of the file. */
 static void *by_body(reader *in, const char *name, sd_type type, const deck_result *r,
                      const uint32_t *id, size_t n) {
   size_t size = sd_type_size(type);
@@ -193,7 +197,7 @@ static rows_of_file rows_asked(const deck *d, size_t all) {
   return (rows_of_file){first, d->asked.n < all - first ? d->asked.n : all - first};
 }
 
-/* Reads the laws. Checkpoints have none: then n_materials stays 0. */
+/* Reads the contact laws of the file. Checkpoints contain none; n_materials then stays 0. */
 static void read_laws(reader *in, deck_result *r) {
   const size_t walls = r->n_bodies - r->n_disks;
   r->wall_material = part_of(in, "material", SD_I32, r->n_bodies, r->n_disks, walls);
@@ -222,7 +226,8 @@ static void read_contacts(reader *in, deck_result *r) {
 #undef NAME
   for (size_t k = 0; k < SD_CONTACT_ALL && !in->failed; k++) {
     const char *path = deck_format(in->d, "/state/%s", names[k]);
-    /* Columns that only some laws need may be missing or empty: the other run had no such law */
+    /* A column that only some contact laws need may be missing or empty: the other run had no such
+     * law */
     const bool absent = k >= SD_CONTACT_COLUMNS &&
                         (!h5_exists(in->file, path) || h5_check(in->file, path, 0, NULL) == SD_OK);
     if (strcmp(names[k], "contact_rho_ref") == 0) r->rolls = !absent;
@@ -234,8 +239,9 @@ static void read_contacts(reader *in, deck_result *r) {
     in->failed |= r->a[k] >= r->n_disks || r->b[k] >= r->n_bodies || r->a[k] == r->b[k];
 }
 
-/* Reads the body numbers of the slots, and checks their range and, for a whole file, that each
- * occurs once. NULL: reported, or damaged. */
+/* Reads the body numbers of the disks, or for a whole file of all bodies, in the order of the file.
+ * Checks their range and, for a whole file, that each occurs once. Returns NULL if they are wrong
+ * or cannot be read. */
 static uint32_t *read_numbers(reader *in, const deck_result *r) {
   const bool part = in->d->asked.part;
   const size_t n = part ? r->n_rows : r->n_bodies, most = part ? r->n_disks : r->n_bodies;
@@ -249,7 +255,8 @@ static uint32_t *read_numbers(reader *in, const deck_result *r) {
   return in->failed ? NULL : id;
 }
 
-/* Finds out which rows are driven disks, and which are disks out of play. */
+/* Finds out for each row that is read whether its disk is driven, or out of play (removed, or
+ * waiting for rain). */
 static void read_kinds(reader *in, deck_result *r, const uint32_t *id) {
   const int32_t *activity = by_body(in, "activity", SD_I32, r, id, r->n_free);
   if (in->failed) return;
@@ -258,7 +265,7 @@ static void read_kinds(reader *in, deck_result *r, const uint32_t *id) {
   r->number = deck_alloc(in->d, r->n_rows, sizeof *r->number);
   for (size_t k = 0; k < r->n_rows; k++) {
     const size_t slot = r->first + k, row = in->d->asked.part ? k : id[slot];
-    /* A wall, if n_disks in the file is wrong */
+    /* A damaged file: this slot holds a wall, so that n_disks is wrong */
     if (row >= r->n_rows) continue;
     r->number[row] = id[k];
     r->driven[row] = slot >= r->n_free;
@@ -291,7 +298,8 @@ static void read_surfaces(reader *in, deck_result *r) {
   if (!in->failed && r->n_surfaces) r->surface = column(in, "surface", SD_F64, r->n_surfaces);
 }
 
-/* Reads Gear's derivatives of order 3 to 5, if both runs use Gear. */
+/* Reads the derivatives of order 3 to 5 for Gear's integrator, if both this run and the other use
+ * it. */
 static void read_derivatives(reader *in, deck_result *r) {
   static const char *const names[SD_DERIVATIVES] = {"x3", "x4",     "x5",     "y3",    "y4",
                                                     "y5", "theta3", "theta4", "theta5"};
@@ -302,7 +310,7 @@ static void read_derivatives(reader *in, deck_result *r) {
     r->derivatives[k] = by_body(in, names[k], SD_F64, r, id, r->n_free);
 }
 
-/* Reads the walls, which follow the disks in the order of their numbers. */
+/* Reads the walls of the file; their body numbers follow those of the disks. */
 static void read_walls(reader *in, deck_result *r) {
   const size_t n = r->n_bodies - r->n_disks;
   const uint32_t *id = part_of(in, "id", SD_U32, r->n_bodies, r->n_disks, n);
@@ -395,7 +403,7 @@ static double number_of(const deck_result *r, int column, size_t k) {
     case COLUMN_X: return r->x[k];
     case COLUMN_Y: return r->y[k];
     case COLUMN_THETA: return r->turn[k] + r->theta[k];
-    /* Motions move a driven disk, its velocity does not */
+    /* A driven disk is moved by motions and not by its velocity */
     case COLUMN_VX: return still ? 0.0 : r->vx[k];
     case COLUMN_VY: return still ? 0.0 : r->vy[k];
     case COLUMN_OMEGA: return still ? 0.0 : r->omega[k];
@@ -419,8 +427,8 @@ static bool any_text(const deck_result *r, int column) {
   return false;
 }
 
-/* Returns true if the file's column is used. Positions and radii come from the file if contacts
- * do, since they must agree; else the deck may give them. */
+/* Returns true if the column is taken from the file. Positions and radii come from the file if
+ * contacts do, since they must agree; other values come from the deck if it gives them. */
 static bool takes(const deck_group *g, const deck_result *r, const deck_columns *t, int column) {
   bool given = deck_given(g, deck_column_names[column]);
   bool mass = deck_given(g, "mass") || deck_given(g, "density");
@@ -442,7 +450,7 @@ static bool takes(const deck_group *g, const deck_result *r, const deck_columns 
 void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_columns *t) {
   deck *d = g->d;
   deck_result *r = deck_result_read(d, file, path, t->contacts && !d->asked.part);
-  /* Materials that the file would have named are then not reported as missing */
+  /* Act as if the file named the materials, so that they are not reported as missing too */
   if (!r) {
     if (!deck_given(g, "material")) deck_columns_add(d, t, "material", file, file->place);
     return;
@@ -469,8 +477,8 @@ void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_col
 
 /* --- the box ---------------------------------------------------------------------------------- */
 
-/* Reads the deformation of the box: its lengths relative to the original ones, and the shift of
- * a row of periodic images. Without the dataset: 1, 1, 0. */
+/* Reads the deformation of the box: its lengths divided by the original ones, and the shift between
+ * neighbouring rows of periodic images. If the file has no such dataset: 1, 1, 0. */
 static void cell_of(const h5_file *file, double cell[CELL_COLUMNS]) {
   size_t dims[H5_MAX_RANK] = {0};
   int rank = 0;
@@ -481,7 +489,8 @@ static void cell_of(const h5_file *file, double cell[CELL_COLUMNS]) {
     h5_get(file, "/state/cell", SD_F64, CELL_COLUMNS, cell, NULL);
 }
 
-/* Computes the box of a result from its text, scale and deformation, as the engine does. */
+/* Computes the box of a result as the engine does: from the edges in the text deck_bodies, the
+ * scale of the box and its deformation. Returns false if the file has no such text. */
 static bool box_of_text(deck *d, const h5_file *file, double lower[2], double upper[2]) {
   deck_result r = {0};
   double scale = 1.0, cell[CELL_COLUMNS];
@@ -500,8 +509,8 @@ static bool box_of_text(deck *d, const h5_file *file, double lower[2], double up
   return r.boxed;
 }
 
-/* Reads the box of an H5MD file of another program, and notes file and step: disks of this file,
- * which are read later, must be of the same step. */
+/* Reads the box of an H5MD file of another program, and stores path and step of the file in d:
+ * disks that are read later from this file must be of the same step. */
 static bool box_of_others(deck *d, const h5_file *file, const char *path, double lower[2],
                           double upper[2]) {
   h5_box box;
@@ -557,7 +566,7 @@ sd_contact_memory deck_result_contact(const deck_result *r, size_t k) {
       .a = r->a[k], .b = r->b[k], .part = r->part[k], .slide = r->slide[k], .side = r->side[k]};
   for (size_t n = 0; n < SD_CONTACT_ALL; n++) record[n] = r->record[n][k];
   memcpy(&c.record, record, sizeof record);
-  /* NAN: the rolling spring begins relaxed */
+  /* The other run had no rolling spring: NAN lets it begin relaxed */
   if (!r->rolls) c.record.rho_ref = NAN;
   return c;
 }

@@ -21,12 +21,12 @@ typedef struct csv {
   deck *d;
   char *p;
   deck_place here;
-  char separator; /* Character between values; 0 until the line of names is read */
+  char separator; /* Character between values; 0 before the line of names is read */
   size_t n_fields, capacity;
-  char **field; /* [n_fields]: values of the line that csv_line has read */
+  char **field; /* [n_fields]: values of the current line */
 } csv;
 
-/* Adds a value of the line, without surrounding blanks. Beyond LIMIT_COLUMNS values are only
+/* Adds a value to the current line, without blanks around it. Values beyond LIMIT_COLUMNS are only
  * counted. */
 static void add_field(csv *in, char *text) {
   if (in->n_fields >= LIMIT_COLUMNS) {
@@ -40,7 +40,7 @@ static void add_field(csv *in, char *text) {
   in->field[in->n_fields++] = text;
 }
 
-/* Removes the quotes of a value, in place; returns the end of the value in the line. */
+/* Removes the quotes of a value in quotes, in place. Returns the end of the value in the line. */
 static char *unquote(csv *in, char *text) {
   char *from = text + 1, *to = text;
   while (*from && (*from != '"' || from[1] == '"')) {
@@ -72,7 +72,8 @@ static void split(csv *in, char *line) {
   }
 }
 
-/* Reads the next line that is neither blank nor a comment, in place; false at the end. */
+/* Reads the next line that is neither blank nor a comment, and splits it into values, in place.
+ * Returns false at the end of the file. */
 static bool csv_line(csv *in) {
   while (*in->p) {
     char *line = in->p, *end = strchr(line, '\n');
@@ -154,8 +155,8 @@ static bool csv_row_is_whole(const csv *in, size_t n) {
   return false;
 }
 
-/* Suggests the key columns = ("x", "y", "radius = diameter") as far as the names in the file
- * allow. */
+/* Returns a suggestion for the key `columns`, such as columns = ("x", "y", "radius = diameter"), as
+ * far as the names in the file allow it. */
 static const char *example_columns(const csv *in) {
   static const char *const usual[] = {"x", "y", "radius"}, *const letters[] = {"xX", "yY", "rR"};
   const char *text = "columns = (";
@@ -169,8 +170,8 @@ static const char *example_columns(const csv *in) {
   return deck_format(in->d, "%s)", text);
 }
 
-/* Takes all columns of a file, if the key `columns` is missing: each name must then be a
- * property of disks. */
+/* Takes all columns of the file, if the key `columns` is missing; each name must then be a property
+ * of disks. Returns false after an error, which is reported. */
 static bool take_all_columns(csv *in, deck_columns *t) {
   enum { SHOWN = 200 };
   deck *d = in->d;
@@ -256,8 +257,8 @@ size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2],
 
 /* --- HDF5 ------------------------------------------------------------------------------------- */
 
-/* Returns true for an HDF5 file, also a damaged one; false for a text or an unreadable file
- * (reported). */
+/* Returns true for an HDF5 file, even if it is damaged; false for a text or an unreadable file,
+ * which is reported as an error. */
 static bool is_hdf5(deck *d, const deck_node *file, const char *path) {
   uint64_t size;
   char head[8] = "";
@@ -273,7 +274,7 @@ static bool is_hdf5(deck *d, const deck_node *file, const char *path) {
   while (letters < have &&
          (isprint((unsigned char)head[letters]) || isspace((unsigned char)head[letters])))
     letters++;
-  /* Let the HDF5 library report what is wrong */
+  /* Return true, so that the HDF5 library is called and reports what is wrong */
   if (!known || letters == 0 || letters < have) return true;
   deck_fail(
       d, file,
@@ -281,8 +282,8 @@ static bool is_hdf5(deck *d, const deck_node *file, const char *path) {
   return false;
 }
 
-/* Returns the name of the dataset. In an H5MD file with a single group of particles it need not
- * be given. NULL: missing (reported). */
+/* Returns the path of the dataset to read. The deck need not give it for an H5MD file with a single
+ * group of particles. Returns NULL if it is missing (reported). */
 static const char *dataset_of(deck_group *g, const char *path) {
   if (deck_given(g, "dataset")) return deck_text_of(g, "dataset");
   char *only = h5_only_particles(path);
@@ -345,8 +346,8 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
   free(values);
 }
 
-/* Takes all that a result knows, unless columns or another dataset are asked for; reads any
- * other HDF5 file as a table. */
+/* Reads a result of this program with all its columns, unless the deck names columns or another
+ * dataset; reads any other HDF5 file as a table. */
 static void hdf5_or_result(deck_group *g, deck_node *file, deck_columns *t) {
   deck *d = g->d;
   const char *path = deck_resolve(d, d->path, file->value.text);

@@ -1,6 +1,7 @@
 /* deck_scan.c: makes the text of a deck safe for libconfig. See deck_tree.h.
  *
- * libconfig 1.5 accepts these without a message, or with a poor one:
+ * libconfig 1.5 accepts the texts on the left without a message, or with a poor one. The scanner
+ * does what stands behind ->:
  *   5000000000   cut to 32 bits            -> given the suffix L
  *   1e400        read as infinity          -> error
  *   10kg, 2 * R  read as several tokens    -> error that names units, or the quotes of arithmetic
@@ -32,20 +33,20 @@ typedef struct key {
   deck_place place;
 } key;
 
-/* One open bracket; level 0 is the deck itself. */
+/* One open bracket of the text; level 0 is the deck outside all brackets. */
 typedef struct level {
   char open;
   deck_place place;
-  bool value;       /* In a group: "a =" was read, its value has not come yet */
-  bool key;         /* In a group: a key was read, its = has not come yet */
-  bool full;        /* In a list: an element has come since the last comma */
+  bool value;       /* In a group: true after "key =", before the value */
+  bool key;         /* In a group: true after a key, before its = */
+  bool full;        /* In a list: true if an element was read since the last comma */
   size_t comma;     /* In a list: index of the last comma in the clean text */
   const char *name; /* In a group: name of the key being read */
   size_t length;
   size_t index; /* In a list: index of the element being read */
   key *keys;
   size_t n_keys, key_capacity;
-  size_t n_seen; /* Number of keys read, repeated ones included */
+  size_t n_seen; /* In a group: number of keys read, repeated ones included */
 } level;
 
 typedef struct scanner {
@@ -55,12 +56,13 @@ typedef struct scanner {
   size_t n_lines, line_capacity;
   level levels[LIMIT_DEPTH];
   int depth;
-  int includes; /* Depth of nested includes */
+  int includes; /* Number of included files, one inside the other, around the current position */
   int included_files;
-  size_t bytes; /* Length of the deck with all files that it includes */
+  size_t bytes; /* Length of the deck in bytes, with all files that it includes */
   int repeated;
   bool override, included, broken;
-  /* A quote or bracket is missing: later errors about brackets would only follow from it */
+  /* True after a missing quote or bracket, since later errors about brackets would only follow from
+   * it */
   bool torn;
   const char *p; /* Current position in the text */
   const char *start;
@@ -86,7 +88,8 @@ static void newline(scanner *s) {
 static level *top(scanner *s) { return &s->levels[s->depth]; }
 static bool in_group(scanner *s) { return top(s)->open == 0 || top(s)->open == '{'; }
 
-/* Returns the path of the value being read, followed by " = "; "" before the first key. */
+/* Returns the path of the value being read, followed by " = ", for messages; "" before the first
+ * key. */
 static const char *path(scanner *s) {
   if (s->override || deck_told(s->d)) return "";
   const char *text = "";
@@ -122,7 +125,8 @@ static const char *key_path(scanner *s) {
   return n > 3 ? deck_copy(s->d, text, n - 3) : "the value";
 }
 
-/* Returns the bracket and its line, "( of line 4"; only "(" for -D, which has no lines. */
+/* Returns an open bracket with its line, "( of line 4", for messages; only "(" in a -D setting,
+ * which has no lines. */
 static const char *bracket_of(scanner *s, const level *l) {
   return l->place.line > 0 ? deck_format(s->d, "%c of line %d", l->open, l->place.line)
                            : deck_format(s->d, "%c", l->open);
@@ -168,18 +172,18 @@ static void skip_comment(scanner *s) {
   s->broken = true;
 }
 
-/* Scans a text in quotes. In it \" does not end the text, and \\ does not escape the next
- * character. */
+/* Scans a text in quotes. Inside it, \" does not end the text, and after \\ the next character has
+ * its usual meaning. */
 static void scan_string(scanner *s) {
   deck_place start = s->here;
-  /* libconfig joins adjacent texts, which is harmless in the value of a key */
+  /* A text directly after another one is no new value: libconfig joins the two */
   if (!in_group(s) || s->clean.n == 0 || s->clean.bytes[s->clean.n - 1] != '"') begin_value(s);
   const char *from = s->p++;
   while (*s->p && *s->p != '"' && *s->p != '\n')
     s->p += *s->p == '\\' && s->p[1] && s->p[1] != '\n' ? 2 : 1;
   if (*s->p != '"') {
-    /* Read on as if a quote stood here, so that a forgotten quote does not swap texts and code
-     * in the rest of the deck */
+    /* Continue as if the text ended here; else a forgotten quote would exchange texts and code in
+     * the rest of the deck */
     deck_fail_place(s->d, start, "%sthe text %s is not closed with \" on this line", path(s),
                     deck_quote(s->d, from, (size_t)(s->p - from)));
     s->broken = s->torn = true;
@@ -221,7 +225,7 @@ static void emit_real(scanner *s, const char *token) {
   emit_text(s, token);
 }
 
-/* Returns the end of a value without quotes. */
+/* Returns the end of the value at s->p, which has no quotes. */
 static const char *value_end(scanner *s) {
   const char *p = s->p;
   for (int open = 0; *p && !strchr(";\n\r#\"'{}=:[]@", *p); p++) {
@@ -229,7 +233,7 @@ static const char *value_end(scanner *s) {
     open += *p == '(';
     if (*p == ')' && open-- == 0) break;
   }
-  /* A key follows, without a ; before it */
+  /* The next key follows, without a ; before it: go back to the end of the value */
   if (in_group(s) && (*p == '=' || *p == ':')) {
     while (p > s->p && isspace((unsigned char)p[-1])) p--;
     while (p > s->p && word_char(p[-1])) p--;
@@ -238,8 +242,9 @@ static const char *value_end(scanner *s) {
   return p;
 }
 
-/* Handles a value of more than one token, whose first token has n bytes: reports that a unit,
- * arithmetic or a text needs other syntax. Returns false if there is only one token. */
+/* Handles a value without quotes that goes on after its first token of n bytes: reports that a
+ * unit, arithmetic or a text needs other syntax, and skips the value. Returns false if the value
+ * has only one token. */
 static bool scan_unquoted(scanner *s, size_t n) {
   const char *end = value_end(s);
   if (end <= s->p + n) return false;
@@ -256,14 +261,14 @@ static bool scan_unquoted(scanner *s, size_t n) {
     deck_fail_place(s->d, s->here, "%s%s: expected quotes around it: \"%s\"", path(s), shown,
                     shown);
   s->broken |= s->override || (wrong && !in_group(s));
-  /* Emit a value that most likely fits, so that no second message follows */
+  /* Write a value of the most likely type instead, so that no second error follows */
   emit_text(s, is_text ? "\"?\"" : "1");
   begin_value(s);
   s->p = end;
   return true;
 }
 
-/* Scans a number; returns false if there is none. */
+/* Scans a number; returns false if there is none at the current position. */
 static bool scan_number(scanner *s) {
   bool real, hex = s->p[0] == '0' && (s->p[1] == 'x' || s->p[1] == 'X') &&
                    isxdigit((unsigned char)s->p[2]);
@@ -325,14 +330,16 @@ static bool is_word(const char *name, size_t n, const char *word) {
   return true;
 }
 
-/* Returns the key whose value is being read, perhaps inside lists. */
+/* Returns the name of the key whose value is being read; the position may be inside nested
+ * lists. */
 static const char *key_name(scanner *s) {
   const level *l = top(s);
   while (l > s->levels && l->open != '{') l--;
   return l->name ? deck_copy(s->d, l->name, l->length) : "";
 }
 
-/* Ends open lists before a key, which cannot stand in a list, and reports the missing bracket. */
+/* At a key or a ";", which cannot stand in a list: closes the lists that are open, and reports the
+ * missing bracket. before: the word "key", or the mark, for the message. */
 static void leave_lists(scanner *s, const char *before) {
   if (in_group(s)) return;
   while (!in_group(s) && s->levels[s->depth - 1].open != 0 && s->levels[s->depth - 1].open != '{')
@@ -365,7 +372,7 @@ static void scan_word(scanner *s) {
   s->p += n;
   const char *word = deck_quote(s->d, name, n), *owner = deck_told(s->d) ? "" : key_name(s);
   s->broken |= s->override;
-  /* Emit a value of the right type, so that later mistakes are found too */
+  /* Write a value of the right type instead, so that later errors are found too */
   if (deck_names_kind(owner, true)) {
     deck_fail_place(s->d, s->here, "%s%s: expected true or false", path(s), word);
     emit_text(s, "false");
@@ -402,7 +409,8 @@ static void scan_other(scanner *s) {
                     write ? "; write " : "", write ? write : "");
   s->p += n ? n : 1;
   if (!write || *write != '"') return;
-  /* Treat it as a text that ends before a line break or one of ; , ) } */
+  /* The character stands for a quote: skip a text that ends before a line break or one of ; , )
+   * } */
   begin_value(s);
   s->p += strcspn(s->p, "\n;,)}");
 }
@@ -450,7 +458,7 @@ static void close_bracket(scanner *s) {
   emit(s, c == '}' ? "}" : ")", 1);
 }
 
-/* Scans one of the marks = : ; and the comma. */
+/* Scans one of the characters = : ; or a comma. */
 static void scan_mark(scanner *s) {
   char c = *s->p;
   if (c == ';') leave_lists(s, "\";\"");
@@ -514,8 +522,8 @@ static void include_file(scanner *s) {
   }
   s->included_files++;
   if (text) {
-    /* In the raw text, replace "@include ..." by the file's content; the text up to the line is
-     * copied first */
+    /* Raw text: add the text before this line; then the content of the file replaces "@include
+     * ..." */
     s->included = true;
     deck_put(s->d, &s->raw, start, (size_t)(line - start));
     s->includes++;

@@ -1,5 +1,5 @@
-/* deck_sweep.c: expands a sweep to its points; see deck.h. The group `sweep` is read by
- * deck_grid.c. */
+/* deck_sweep.c: forms all points (sets of parameter values) of a sweep; see deck.h. The group
+ * `sweep` is read by deck_grid.c. */
 #include "base/memory.h"
 #include "io/deck/deck.h"
 
@@ -16,20 +16,21 @@
 #include "io/store/file.h"
 #include "slipdisk/deck.h"
 
-/* File names of points are cut to this length. */
+/* Largest length of the name of a point; longer names, which become file names, are cut. */
 enum { LONGEST_NAME = 120 };
 
 typedef struct expansion {
   deck *d;
   deck_sweep *out;
   size_t capacity;
-  int64_t seed;      /* Seed of the deck */
+  int64_t seed;      /* Seed of random numbers in the deck */
   deck_index points; /* Map from names of points to their numbers */
 } expansion;
 
 /* --- names and seeds -------------------------------------------------------------------------- */
 
-/* Hashes a sum with the finaliser of splitmix64, and keeps the 53 bits that a double holds. */
+/* Returns a seed made from a checksum: hashed with the finaliser of splitmix64, of which 53 bits
+ * are kept, as many as a double holds. */
 static int64_t mixed(uint64_t z) {
   z += UINT64_C(0x9e3779b97f4a7c15);
   z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -37,8 +38,8 @@ static int64_t mixed(uint64_t z) {
   return (int64_t)((z ^ (z >> 31)) >> 11);
 }
 
-/* Returns a checksum of the point's settings, its replica and the deck's seed. Other points of
- * the sweep do not influence it. */
+/* Returns a checksum of the point's settings, the number of its replica and the deck's seed. It
+ * does not depend on the other points of the sweep. */
 static uint64_t point_sum(const sweep_point *p, int64_t replica, int64_t seed) {
   uint64_t sum = file_sum(FILE_SUM, &seed, sizeof seed);
   for (size_t k = 0; k < p->n_overrides; k++)
@@ -46,8 +47,9 @@ static uint64_t point_sum(const sweep_point *p, int64_t replica, int64_t seed) {
   return file_sum(sum, &replica, sizeof replica);
 }
 
-/* Turns a value into a part of a file name: characters other than letters, digits and ._+-
- * become _. number: blanks, as in angles, are dropped. Returns false if characters were lost. */
+/* Turns the text of a value into a part of a file name, in place: characters other than letters,
+ * digits and ._+- become _. number: blanks, as in "0.1 pi", are dropped. Returns false if
+ * characters other than blanks were lost, so that the result may not be unique. */
 static bool file_word(char *text, bool number) {
   bool good = true;
   char *to = text;
@@ -64,8 +66,8 @@ static bool file_word(char *text, bool number) {
   return good;
 }
 
-/* Returns the name of a point, "tilt=0.04pi,eps=0.0001,r=2". A checksum of the settings is added
- * if a text does not fit into a file name. */
+/* Returns the name of a point, such as "tilt=0.04pi,eps=0.0001,r=2". A checksum of the settings is
+ * added if a text does not fit into a file name, or the name is too long. */
 static const char *name_of(deck *d, const deck_sweep *s, const sweep_point *p) {
   const char *name = "";
   bool good = true;
@@ -123,16 +125,16 @@ static const char *keep_file(deck_sweep *s, const char *file) {
 static void add_override(expansion *e, sweep_point *p, const char *text, deck_place place) {
   p->overrides = memory_grow(p->overrides, p->n_overrides + 1, sizeof *p->overrides);
   p->places = memory_grow(p->places, p->n_overrides + 1, sizeof *p->places);
-  /* Values that -D has put into the sweep have no line; the file name then holds the whole
-   * setting */
+  /* A value that -D has put into the sweep has no line; its file name is then the whole setting,
+   * "-D path=value" */
   p->places[p->n_overrides] =
       (sweep_place){keep_file(e->out, place.file ? place.file : e->d->path), place.line};
   p->overrides[p->n_overrides] = memory_text(text);
   p->n_overrides++;
 }
 
-/* Returns the seed that a value stands for; `otherwise` if it is not a seed, which the loader of
- * the model reports. */
+/* Returns the seed that a value of the sweep stands for; `otherwise` if the value is not a seed, an
+ * error that is reported when the model is built. */
 static int64_t seed_value(const grid_value *v, int64_t otherwise) {
   char *end;
   errno = 0;
@@ -150,7 +152,8 @@ static void set_value(expansion *e, sweep_point *p, const grid_axis *a, const gr
   }
 }
 
-/* Appends a new point, with value place[dimension] of each axis. */
+/* Appends a new point. place[dimension]: index of the value that the axes of this dimension
+ * have. */
 static sweep_point *add_point(expansion *e, const grid *g, const size_t *place, int64_t replica) {
   deck *d = e->d;
   deck_sweep *s = e->out;
@@ -181,7 +184,7 @@ static void point_free(sweep_point *p, size_t n_parameters) {
   free(p->name);
 }
 
-/* Returns true if two points with the same name have the same values. Names alone do not tell,
+/* Returns true if two points with the same name have the same values. Equal names do not show this,
  * since characters that do not fit into a file name are lost. */
 static bool same_values(const deck_sweep *s, const sweep_point *p, const sweep_point *q) {
   for (size_t k = 0; k < s->n_parameters; k++)
@@ -195,7 +198,7 @@ static void add_replicas(expansion *e, const grid *g, const size_t *place, int64
   for (int64_t r = 0; r < replicas; r++) {
     sweep_point *p = add_point(e, g, place, r);
     uint32_t other;
-    /* An equal point of another grid is kept, and this one dropped */
+    /* If another grid has the same point already, that one is kept and this one is dropped */
     if (deck_index_find(&e->points, p->name, &other)) {
       if (g && !same_values(s, p, &s->points[other]))
         deck_fail(e->d, g->node, "two points would have the same name, %s", p->name);
@@ -214,7 +217,7 @@ static void add_replicas(expansion *e, const grid *g, const size_t *place, int64
   s->n_sets += set == s->n_sets;
 }
 
-/* Adds the points of all combinations of values; the last dimension varies fastest. */
+/* Adds the points of all combinations of the grid's values; the last dimension varies fastest. */
 static void add_grid(expansion *e, const grid *g) {
   size_t *place = deck_alloc(e->d, g->n_dimensions + 1, sizeof *place), k;
   if (deck_grid_points(g) == 0) return;
@@ -227,7 +230,7 @@ static void add_grid(expansion *e, const grid *g) {
   } while (k > 0);
 }
 
-/* Reads the deck's seed as deck_integer would, without messages. */
+/* Reads the deck's seed like deck_integer, but without messages; 1 if it is missing or wrong. */
 static void find_seed(expansion *e) {
   const deck_node *seed = deck_child(e->d->root, "seed");
   double x;
@@ -256,8 +259,8 @@ static bool sets_files(const deck_grids *all) {
   return false;
 }
 
-/* Expands the grids to points and returns their number; 0 if there is no grid or a mistake.
- * `reported`: number of mistakes before the grids were read. */
+/* Forms the points of all grids and returns their number; 0 if there is no grid, or after an error.
+ * `reported`: number of errors before the grids were read. */
 static size_t expand(deck *d, deck_grids all, size_t reported, deck_sweep *s) {
   expansion e = {.d = d, .out = s};
   if (d->reported > reported) return 0;
@@ -275,8 +278,8 @@ static size_t expand(deck *d, deck_grids all, size_t reported, deck_sweep *s) {
 
 /* --- interface -------------------------------------------------------------------------------- */
 
-/* Warns if a setting of -D is overwritten by the points of the sweep, perhaps under another
- * path. */
+/* Warns if points of the sweep overwrite a -D setting; they may write the path of its key in
+ * another way. */
 static void warn_of_overrides(const deck *d, const deck_grids *all, const deck_sweep *s,
                               sd_messages *messages) {
   for (size_t o = 0; o < s->n_overrides; o++) {
@@ -292,7 +295,8 @@ static void warn_of_overrides(const deck *d, const deck_grids *all, const deck_s
   }
 }
 
-/* Returns true if the value is a text such as "90 deg", or was computed from such texts. */
+/* Returns true if the value is a text with a unit, such as "90 deg", or a value of a range whose
+ * ends are such texts. */
 static bool has_unit(const grid_axis *a, const grid_value *v) {
   static const char *const ranges[] = {"linspace", "logspace"};
   bool unit = *v->literal == '"';
@@ -304,7 +308,7 @@ static bool has_unit(const grid_axis *a, const grid_value *v) {
   return unit;
 }
 
-/* Warns of tilts in a sweep that may be meant in degrees, once per parameter. */
+/* Warns of values of gravity.tilt in a sweep that may be meant in degrees, once per parameter. */
 static void warn_of_tilts(const deck *d, const deck_grids *all, sd_messages *messages) {
   for (size_t i = 0; i < all->n; i++)
     for (size_t k = 0; k < all->grid[i].n_axes; k++) {

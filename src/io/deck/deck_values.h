@@ -19,40 +19,40 @@ typedef struct deck_container_values {
 
 typedef struct deck_packing_values {
   sd_packing_kind kind;
-  int64_t count;   /* Number of disks; 0: not given */
-  double fraction; /* Packing fraction; 0: not given */
+  int64_t count;   /* Number of disks to make; 0: not given */
+  double fraction; /* Packing fraction to reach; 0: not given */
   double jitter;
-  int64_t tiles; /* Number of tiles; 0: not given */
+  int64_t tiles; /* Number of tiles, slabs in which the packing is made; 0: not given */
   int64_t rows;
   double speed;
-  double mass, density; /* Mass of a grain, and density per area; one of them is 0 */
+  double mass, density; /* Mass of a grain, and mass per area of its disks; one of them is 0 */
   sizes sizes;
 } deck_packing_values;
 
 /* --- radii of a packing ----------------------------------------------------------------------- */
 
-/* Completes a size distribution whose keys are read: its limits, or the radii and weights of a
- * list. Reports mistakes. */
+/* Completes a size distribution whose keys were read: its limits, or for a list its radii and
+ * weights. Reports errors. */
 void deck_finish_sizes(struct deck_group *g, sizes *s);
 
-/* Rigid bodies of several disks, for the entries of `clumps` and for packings
- * whose grains are clumps. */
+/* --- clumps: rigid bodies of several disks, as entries of `clumps` or grains of a packing ----- */
 
-/* Shape of the grains of a packing, in units of the radius that is drawn: a single disk, or the
+/* Shape of the grains of a packing, in units of a grain's random radius: a single disk, or the
  * disks of a clump relative to its centre of mass. */
 typedef struct deck_grain {
   size_t n;
-  double *radius, (*at)[2]; /* [n]: radii and centres of the disks; NULL for a single disk */
+  /* [n]: radii and centres of the disks in a grain; NULL for a single disk */
+  double *radius, (*at)[2];
   /* Radius of the circle about the centre of mass that encloses the grain */
   double reach;
-  double area; /* Area divided by pi: the sum of squared radii */
+  double area; /* Sum of the squared radii, which is the area of the disks divided by pi */
 } deck_grain;
 
-/* Reads the packing's key `clump`. Returns false and a single disk if the key is missing or
- * wrong (reported). */
+/* Reads the key `clump` of a packing. If it is missing or wrong (reported), returns false and sets
+ * *grain to a single disk. */
 bool deck_read_grain(struct deck_group *packing, deck_grain *grain);
-/* Adds a clump, turned by `angle` (rad), at the position of the disk `like`; like->mass is the
- * mass of the whole clump. */
+/* Adds a clump, turned by `angle` (rad) and scaled by `radius`, whose centre of mass is at the
+ * position of the disk `like`; like->mass is the mass of the whole clump. */
 void deck_push_grain(deck *d, const deck_grain *grain, const sd_disk *like, double radius,
                      double angle, const char *group, deck_place place);
 
