@@ -571,7 +571,8 @@ region configuration_region(const configuration *c, const double *wanted) {
     }
     double length = c->length[k];
     g.whole[k] = length > 0.0 && g.upper[k] - g.lower[k] >= length * (1.0 - 1e-12);
-    if (g.whole[k]) g.upper[k] = g.lower[k] + length; /* the region is at most one period long */
+    /* a region that spans the direction is exactly one period long */
+    if (g.whole[k]) g.upper[k] = g.lower[k] + length;
     g.image[k] = length > 0.0 && !g.whole[k] ? length : 0.0;
   }
   if (!wanted && given && m->container == SD_CONTAINER_DRUM) {
@@ -603,6 +604,7 @@ unsigned configuration_open(const configuration *c) {
     for (int side = 0; !g.whole[k] && side < 2; side++)
       if (!has_wall(c->model, k, side ? g.upper[k] : g.lower[k], 1e-9 * (g.upper[k] - g.lower[k])))
         open |= 1u << (2 * k + side);
-  /* The lower edge of a bed counts as closed: its floor consists of disks. */
+  /* The lower edge of a bed (a kind of container) counts as closed without a wall: its floor
+   * consists of disks. */
   return c->model->container == SD_CONTAINER_BED ? open & ~4u : open;
 }

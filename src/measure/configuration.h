@@ -132,7 +132,7 @@ typedef struct configuration {
   int64_t step;
   double time;
   sd_model *model;
-  uint32_t *number; /* [model->n_disks] number of each disk in the deck */
+  uint32_t *number; /* [model->n_disks] number that each disk has in the deck (input file) */
   size_t n_deck;    /* number of disks of the deck, those not in play included */
   size_t n_waiting, n_removed;
   double length[2]; /* lengths of the periodic box along x and y, 0: not periodic */

@@ -13,7 +13,7 @@
 /* Disk centres in the window W (correlation.h), sorted into grid cells no narrower than the largest
  * r of g(r). */
 typedef struct grid {
-  size_t n; /* number of centres in at, x and y */
+  size_t n; /* number of disk centres, rows of at, x and y */
   double (*at)[2];
   double lower[2], width[2]; /* lower corner and lengths of the window */
   /* inverse[k]: 1/width[k] if direction k is periodic, else 0; narrows[k]: 0 if direction k is
@@ -23,7 +23,7 @@ typedef struct grid {
   double offset; /* x shift of the periodic image above, in a sheared box */
   size_t cells[2];
   size_t *start;
-  /* [n] coordinates of the centres, ordered by cell */
+  /* [n] coordinates of the disk centres, ordered by grid cell */
   double *x, *y;
 } grid;
 
@@ -83,7 +83,7 @@ typedef struct counter {
   const grid *g;
   double reach;
   size_t bins;
-  const double *range; /* [bins + 1] limits of the bins */
+  const double *range; /* [bins + 1] limits of the bins, in r */
   double *bin;         /* [CHUNKS][bins] histogram of each chunk */
   atomic_size_t next;  /* index of the next chunk to be counted */
 } counter;
@@ -125,7 +125,7 @@ static void count_run(const counter *q, double *bin, size_t i, size_t first, siz
       b = b < q->bins ? b : q->bins - 1;
       b += r >= q->range[b + 1];
       b -= r < q->range[b];
-      bin[b] += 2.0 / area[k]; /* one weight for (i, j), one for (j, i) */
+      bin[b] += 2.0 / area[k]; /* one weight for the pair (i, j), one for (j, i) */
     }
   }
 }

@@ -13,7 +13,7 @@
 #include "base/gsl.h"
 #include "measure/configuration.h"
 
-/* Distribution of positive values, in multiples of their mean. */
+/* Distribution of positive values, measured in multiples of their mean. */
 typedef struct distribution {
   size_t n;
   /* mean: mean of the values; the others: standard deviation, skewness and excess kurtosis (0 for a
@@ -26,7 +26,7 @@ typedef struct distribution {
 
 typedef struct correlation {
   gsl_histogram *pairs; /* g(r); NULL for fewer than two disks */
-  double reach;         /* largest r of g(r) */
+  double reach;         /* largest r for which g(r) is computed */
   size_t n_disks;
   double density;      /* number of disks per area of the window */
   double peak_r, peak; /* position r and height of the highest bin of g(r) */
@@ -47,7 +47,7 @@ enum { CORRELATION_FORCES = 10 };
 sd_status correlation_new(correlation *t, const configuration *c, const region *g, size_t bins,
                           sd_messages *messages);
 void correlation_free(correlation *t);
-/* Returns the probability density in a bin. */
+/* Returns the probability density in the bin with this index. */
 double distribution_density(const distribution *d, size_t bin);
 
 #endif

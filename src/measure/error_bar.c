@@ -31,7 +31,8 @@
 #include <string.h>
 
 enum { SHORTEST = 16, BLOCKS = 512, ORDERS = 27, FEWEST = 16, LONG = 64, CHANCE = 50 };
-/* A record has no noise if the model predicts all but this fraction of its variance. */
+/* A record has no noise if the autoregressive model predicts all but this fraction of its
+ * variance. */
 static const double foretold = 1e-3;
 
 /* Computes the means y[] of n/b blocks of b samples each, the last of which ends with the record.
@@ -84,8 +85,8 @@ static double weighted(const double *value, const double *criterion, size_t n) {
   return sum / weights;
 }
 
-/* Two neighbouring numbers in one vector. Without this type the compiler vectorises across blocks
- * of eight and transposes them. */
+/* Vector of two neighbouring numbers. Without this type the compiler vectorises across blocks of
+ * eight and transposes them. */
 typedef double pair __attribute__((vector_size(16)));
 static inline pair pair_at(const double *x) {
   pair p;
@@ -131,8 +132,8 @@ static double spectrum_at_zero(const double *y, size_t n) {
     criterion[p] = all * log(left) + 2 * (double)p;
     found[p] = left * all / (all - 1 - (double)p) / (gain * gain);
     if (p == orders) return weighted(found, criterion, p + 1);
-    /* Pair forward error t with backward error t - 1, which has the index t - 1 - p in
-     * `backward`. */
+    /* Pair forward prediction error t with backward prediction error t - 1, which has the index t -
+     * 1 - p in `backward`. */
     size_t pairs = n - 1 - p;
     backward[pairs] = 0;
     double k = reflection(forward + p + 1, backward, pairs);

@@ -23,7 +23,7 @@ error_bar error_bar_of(const double *x, size_t n);
  * enters the error bar, above DRIFT_CERTAIN the mean does not count as converged. */
 enum { DRIFT_SEEN = 2, DRIFT_CERTAIN = 3 };
 
-/* Drift that remains in a record. */
+/* Drift that remains in a record of samples. */
 typedef struct drift {
   /* difference between the means of the first quarter and of the rest, divided by its standard
    * error */
@@ -40,7 +40,7 @@ typedef struct drift {
 drift drift_of(const double *x, size_t n, double error);
 
 typedef struct transient {
-  size_t length; /* number of samples to discard at the start */
+  size_t length; /* number of samples to discard at the start of the record */
   /* bias that the transient is likely to leave in the mean of the rest of the record */
   double tail;
   bool inside; /* true if the transient ends within the first half of the record */
@@ -58,9 +58,13 @@ transient transient_none(const double *x, size_t n);
 /* --- test whether a record resolves its slowest components ------------------------------------ */
 
 typedef enum slow {
-  SLOW_RESOLVED, /* the record determines its spectral density at frequency zero */
-  SLOW_DIP,      /* not determined: the extrapolated density is more likely too large */
-  SLOW_PARTS     /* not determined: the extrapolated density may miss slow components */
+  SLOW_RESOLVED, /* the record is long enough to determine its spectral density at frequency zero */
+  /* the record does not determine the density at frequency zero: the extrapolated one is more
+   * likely too large */
+  SLOW_DIP,
+  /* the record does not determine the density at frequency zero: the extrapolated one may miss slow
+   * components */
+  SLOW_PARTS
 } slow;
 
 /* Classifies a record by its block means y[0..n). spectrum: its extrapolated spectral density at

@@ -262,8 +262,8 @@ const observable_list slide_observables =
  * Behind such a cut, the remainder of a relaxation has the size of the batches' noise, but adds up.
  * Two estimates reveal it: the decay within the part that is cut off (tail_of), and the difference
  * between the first quarter and the rest of the kept part (drift_of). While the first exceeds half
- * the error bar or the second two of its errors, another sixteenth of the record is cut off, up to
- * half of it. The remainder after that enters the error bar.
+ * the error bar, or the second exceeds two standard errors, another sixteenth of the record is cut
+ * off, up to half of it. The remainder after that enters the error bar.
  *
  * A record without noise that relaxes for ever (deterministic drive) has no minimum before the
  * edge, and its rest never looks stationary. It is called quiet if the naive error falls to a
@@ -310,7 +310,7 @@ static bool stands_out(const double *x, size_t d, size_t n) {
     double short_one =
         fmax(error * sqrt((double)(n - d) / (double)part), scatter_of(x + d, n - d, part));
     double sigma = hypot(error, short_one);
-    /* if the error bar is NAN, accept the cut */
+    /* accept the cut also if the error bar is NAN */
     if (!(fabs(sums_mean(x, part) - rest) <= distinct * sigma)) return true;
   }
   return false;

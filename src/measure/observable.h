@@ -50,7 +50,8 @@ typedef struct observable {
 size_t observable_width(const observable *o, const sd_model *model);
 
 typedef struct observable_list {
-  /* name of the table, such as a group of /summary; title: what its rows describe */
+  /* name: name of the table, such as a group of /summary; title: text that says what its rows
+   * describe */
   const char *name, *title;
   size_t n;
   const observable *rows;

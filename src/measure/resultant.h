@@ -36,7 +36,7 @@ typedef struct resultants {
   /* stress tensors of contacts and motion: xx, xy, yx, yy, as in stress.h */
   double stress[4], kinetic[4];
   struct resultant_disk *chosen; /* disks of the model's contact_disks, sorted by number */
-  exact_sum *sums;               /* [n_sums] scratch */
+  exact_sum *sums; /* [n_sums] exact sums, from which the other members are computed */
   size_t n_sums;
 } resultants;
 

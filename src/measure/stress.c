@@ -35,7 +35,7 @@ static void add_contact(stress *s, const configuration *c, const config_contact 
     s->bearing[body[e]] += bears;
     s->resultant[body[e]][0] += sign * k->fx;
     s->resultant[body[e]][1] += sign * k->fy;
-    if (c->n_clumps > 0 && body[e] < m->n_disks) { /* relative to the centre of the clump */
+    if (c->n_clumps > 0 && body[e] < m->n_disks) { /* make it relative to the centre of the clump */
       px += c->arm[body[e]][0];
       py += c->arm[body[e]][1];
     }
@@ -119,7 +119,7 @@ static void find_rattlers(stress *s, const configuration *c, const scratch *room
 typedef struct body {
   double mass, inertia;
   const double *position, *velocity;
-  double resultant; /* absolute value of the total force; NAN if unknown */
+  double resultant; /* absolute value of the total force on the body; NAN if unknown */
 } body;
 
 static size_t n_bodies(const configuration *c) { return c->model->n_disks + c->n_clumps; }
@@ -207,7 +207,8 @@ static void add_up(const configuration *c, exact_sum *sums, size_t n) {
 }
 
 static void kinetic_stress(double out[4], const configuration *c, const region *g, double area) {
-  exact_sum momentum[3] = {0}, sum[4] = {0}; /* momentum: sums of m v_x, m v_y and m */
+  /* momentum: sums of m v_x, m v_y and m; sum: sums of m v_i v_j */
+  exact_sum momentum[3] = {0}, sum[4] = {0};
   double v[2];
   body b;
   for (size_t i = 0; i < n_bodies(c); i++) {

@@ -338,8 +338,10 @@ void place_waiting(double lower, double upper, double y, double spacing, size_t 
 
 /* Layout of the sites of a lattice. */
 typedef struct rows {
-  double rows, first, high;   /* number of rows, y of the lowest row, distance between rows */
-  double columns[2], left[2]; /* number of sites in even and in odd rows; x of their first sites */
+  /* rows: number of rows; first: y of the lowest row; high: distance between rows */
+  double rows, first, high;
+  /* columns: number of sites in even and in odd rows; left: x of the first site in such rows */
+  double columns[2], left[2];
   double wide;
 } rows;
 

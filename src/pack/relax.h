@@ -21,7 +21,7 @@ typedef struct relax_sums {
   double total[RELAX_SUMS];
 } relax_sums;
 
-/* Resets the algorithm at the beginning of a phase. */
+/* Resets the algorithm (FIRE) at the beginning of a phase that relaxes. */
 void relax_begin(engine *e);
 /* Changes the velocities after a completed step of a phase that relaxes. Called by all threads of
  * each rank (collective). The kinetic energy that it removes is added to state->relaxed. Prescribed

@@ -11,12 +11,16 @@
 
 typedef struct sizes {
   sd_size_kind kind;
-  double radius; /* mono: the radius; gaussian: mean, lognormal: median, both before truncation */
-  double deviation; /* gaussian: standard deviation of R; lognormal: of ln R; before truncation */
-  double exponent;  /* powerlaw: a in p(R) ~ R^-a */
+  /* mono: radius of all disks; gaussian: mean radius; lognormal: median radius; both before
+   * truncation */
+  double radius;
+  /* gaussian: standard deviation of R; lognormal: standard deviation of ln R; both before
+   * truncation */
+  double deviation;
+  double exponent; /* powerlaw: exponent a in p(R) ~ R^-a */
   /* smallest and largest possible radius, for every kind; 0 < lower <= upper */
   double lower, upper;
-  size_t n;                      /* list: number of radii */
+  size_t n;                      /* list: number of different radii */
   const double *radii, *weights; /* list: radii, and their weights >= 0, with any positive sum */
 } sizes;
 

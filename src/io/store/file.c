@@ -650,7 +650,7 @@ sd_status file_folder_close(file_folder *f, sd_status status, sd_messages *messa
  * which on a file is written with O_DIRECT. */
 enum { BUFFER = 8 << 20, PAGE = 4096, LONG = 4 * BUFFER };
 
-/* Pieces of memory to be copied into buffers, and the position that is reached. */
+/* Pieces of memory that are copied into buffers, and the position reached in them. */
 typedef struct gathering {
   const file_piece *pieces;
   size_t n, k, at; /* n: number of pieces; k: index of the next piece; at: next byte in it */

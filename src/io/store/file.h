@@ -27,7 +27,7 @@ typedef struct file_draft {
   /* descriptors of the folder that contains the draft, and of the draft; -1: none */
   int folder, fd;
   char *name; /* temporary name of the draft in the folder */
-  char *path; /* path of the draft, for messages */
+  char *path; /* path of the draft (temporary file), for messages */
 } file_draft;
 
 /* Action if a file already has the final name of a draft when it is published (renamed). */
@@ -52,15 +52,16 @@ char *file_draft_name(const char *name);
 
 /* A draft that is written through a stream of the C library. */
 typedef struct file_stream {
-  FILE *out; /* stream of the draft; NULL: it could not be opened */
+  FILE *out; /* stream of the draft; NULL: the draft could not be opened */
   char *path;
   file_draft draft;
 } file_stream;
-/* Opens a draft of the file `path` as a stream. file_stream_close must be called also if it
- * fails. */
+/* Creates a draft (temporary file) of the file `path` and opens it as a stream. file_stream_close
+ * must be called also if it fails. */
 sd_status file_stream_open(const char *path, file_stream *s, sd_messages *messages);
-/* Closes the stream. If `status`, the status of the caller so far, is SD_OK the draft is published
- * and replaces a file of this name; else it is removed. Returns the first error. */
+/* Closes the stream. If `status`, the status of the caller so far, is SD_OK the draft gets its
+ * final name and replaces a file of this name; else the draft is removed. Returns the first
+ * error. */
 sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messages);
 /* Writes these bytes to a file so that it appears complete or not at all: through a draft, which
  * replaces a file of this name. */

@@ -205,9 +205,10 @@ bool h5_has_shares(const h5_file *file);
  * since some rows hold no particle. */
 typedef struct h5_range {
   size_t first, n, all;
-  bool again;   /* input: the file was opened, and checked, before */
+  bool again;   /* input: true if the file was opened, and checked, before */
   int64_t step; /* output: step of the values in an H5MD file; -1: none */
-  /* output: [n] indices of the rows kept among those asked for, to be freed; NULL: all of them */
+  /* output: [n] indices of the rows kept, among those asked for; the caller frees it; NULL: all
+   * rows were kept */
   uint32_t *kept;
 } h5_range;
 

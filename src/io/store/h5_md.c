@@ -81,7 +81,8 @@ static sd_status find_element(const h5_file *file, const char *group, h5_element
   return status == SD_OK && e->framed ? read_steps(file, group, e, messages) : status;
 }
 
-/* Selects the last frame whose step is at most `step`; false: there is none. */
+/* Selects the last frame of an element whose step is at most `step`; returns false if there is
+ * none. */
 static bool frame_until(h5_element *e, int64_t step) {
   size_t low = 0, high = e->frames;
   while (low < high) {
@@ -96,7 +97,7 @@ static bool frame_until(h5_element *e, int64_t step) {
 }
 
 /* Finds the last step, at most *step, that all elements with frames have, and selects their frames;
- * false: there is none. */
+ * returns false if there is none. */
 static bool common_step(h5_element *e, size_t n, int64_t *step) {
   bool agreed = false;
   while (!agreed) {
@@ -173,8 +174,8 @@ sd_status h5_moment(const h5_file *file, const char *group, h5_element *e, size_
 
 /* --- Rows without a particle ------------------------------------------------------------------ */
 
-/* Reads the fill value of a dataset, which unwritten elements have; false: the file defines
- * none. */
+/* Reads the fill value of a dataset, which elements have that were never written; returns false if
+ * the file defines none. */
 static bool fill_value(const h5_file *file, const char *path, double *fill) {
   hid_t set = h5_open_data(file, path, NULL);
   if (set < 0) return false;

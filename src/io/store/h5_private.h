@@ -9,7 +9,7 @@
 /* A dataset that is being written row by row, see h5_file.c. */
 typedef struct h5_rows {
   hid_t set, type;   /* handle of the dataset, and type of the elements in memory */
-  int rank, filters; /* number of dimensions; number of filters of the dataset */
+  int rank, filters; /* rank: number of dimensions; filters: number of filters of the dataset */
   bool checksum;     /* true if the last of the filters is HDF5's Fletcher checksum */
   bool chunked;      /* true if rows are gathered until a chunk is full */
   /* dimensions, in elements, of the dataset and of one chunk */
@@ -42,7 +42,8 @@ typedef struct h5_open_set {
 /* Journal entry: checksum of a dataset or an attribute as it was put into a file on disk, to be
  * compared with the finished file. */
 typedef struct h5_entry {
-  char *path, *attr; /* path of the object; name of the attribute, NULL: a dataset */
+  /* path: path of the object; attr: name of the attribute, NULL: the object is a dataset */
+  char *path, *attr;
   /* expected: number of elements of the object; put: number written so far */
   uint64_t expected, put;
   uint64_t sum; /* checksum (h5_sum) of all elements written */
@@ -239,11 +240,11 @@ const char *h5_set_trouble(hid_t set);
 /* An element of a group of particles of an H5MD file, such as "position" or "box/edges", and the
  * frame of it that is read. */
 typedef struct h5_element {
-  const char *name; /* path of the element in its group */
+  const char *name; /* path of the element relative to its group of particles */
   /* framed: true if the element has frames; stepped: true if its frames have steps */
   bool framed, stepped;
   size_t frames, frame; /* frames: number of frames; frame: index of the frame to be read */
-  /* [frames] steps, or NULL: frame k has the step offset + k * interval */
+  /* [frames] time step of each frame, or NULL: frame k has the step offset + k * interval */
   int64_t *step, interval, offset;
 } h5_element;
 
@@ -255,7 +256,8 @@ sd_status h5_moment(const h5_file *file, const char *group, h5_element *elements
 /* Returns true if a dataset has a fill value other than 0, which stands in rows that were not
  * written; *fill receives it. */
 bool h5_is_fill(const h5_file *file, const char *path, double *fill);
-/* Returns the name of the element that marks rows without a particle; NULL: there is none. */
+/* Returns the name of the element (dataset with a value per particle) that marks rows without a
+ * particle; NULL: there is none. */
 const char *h5_absence(const h5_file *file, const char *group);
 /* Sets gone[k] to true for each of n rows that holds no particle. element: the element that marks
  * such rows (h5_absence); value: its value in each row. */
@@ -265,7 +267,8 @@ sd_status h5_absent(const h5_file *file, const char *group, const h5_element *el
  * one text with a newline after each, to be freed; NULL: there are none. */
 char *h5_words(const h5_file *file, const char *path, const char *name);
 
-/* Opens for reading the file of a descriptor, which the caller keeps. Nothing is checked. */
+/* Opens the file of an open descriptor for reading; the caller keeps the descriptor. Nothing is
+ * checked. */
 sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages);
 /* Switches off the library's printing of errors, in this thread, and its clean-up at exit, which
  * would write to files. */

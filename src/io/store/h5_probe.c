@@ -235,7 +235,7 @@ void h5_probe_nothing(void) { trusts = true; }
 
 sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small,
                    sd_messages *messages) {
-  static _Thread_local struct stat sound; /* the last file that was found sound */
+  static _Thread_local struct stat sound; /* facts of the last file that was found to be readable */
   struct stat facts;
   if (trusts) return SD_OK;
   if (fstat(fd, &facts) != 0) return sd_fail(messages, SD_ERROR_IO, "cannot read %s", path);

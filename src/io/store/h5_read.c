@@ -253,8 +253,8 @@ bool h5_has_attr(const h5_file *file, const char *path, const char *name) {
   return h5_exists(file, path) && H5Aexists_by_name(file->id, path, name, H5P_DEFAULT) > 0;
 }
 
-/* Reads an attribute of n elements as `type`; false, with *value unchanged: there is none, or it
- * has another size. */
+/* Reads an attribute of n elements as `type`. Returns false, with *value unchanged, if there is
+ * none or it has another size. */
 static bool get_attr(const h5_file *file, const char *path, const char *name, hid_t type, size_t n,
                      void *value) {
   if (!h5_has_attr(file, path, name)) return false;

@@ -17,8 +17,8 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
-/* One piece behind the HDF5 data: a mark, and a checksum of all bytes, or of the small data, before
- * it. */
+/* One piece behind the HDF5 data: a mark, and a checksum of all bytes before it, or only of the
+ * attributes and small datasets. */
 typedef struct piece {
   char mark[8];
   uint64_t size; /* number of bytes before this piece */
@@ -27,7 +27,7 @@ typedef struct piece {
 static const char seal_mark[8] = {'s', 'l', 'i', 'p', 's', 'e', 'a', 'l'};
 static const char small_mark[8] = {'s', 'l', 'i', 'p', 'd', 'a', 't', 'a'};
 
-/* Largest size of a small dataset or attribute, bytes */
+/* Largest size in bytes of a dataset or an attribute that counts as small */
 enum { SMALL = 64 << 10 };
 
 static piece make_piece(const char mark[8], uint64_t size, uint64_t sum) {

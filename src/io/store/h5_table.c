@@ -9,13 +9,13 @@
 #include "io/store/h5.h"
 #include "io/store/h5_private.h"
 
-/* The table that is being read, and what has been read of it. */
+/* State of the reading of a table. */
 typedef struct table {
   const h5_file *file;
   const char *path;
   size_t n_columns;
   const char *const *columns;
-  double *values; /* [rows][n_columns] the result */
+  double *values; /* [rows][n_columns] result: values of the requested columns */
   double *data;   /* values of one column or element, as read from the file */
   bool *gone;     /* [rows] true if the row holds no particle */
   uint32_t *kept; /* [rows] indices of the rows that hold a particle, for rows.kept */
@@ -217,7 +217,7 @@ static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
 /* Largest number of components of a vector in an H5MD element. */
 enum { MOST_COMPONENTS = 3 };
 
-/* Names of columns that are components of H5MD elements. */
+/* Names of table columns that are components of H5MD elements. */
 static const struct alias {
   const char *column, *element;
   int component; /* index of the component; -1: the element is a scalar per particle */
@@ -245,12 +245,13 @@ static bool is_set(const h5_file *file, const char *path) {
 /* Returns the path of the group to which "/name" is appended: "" for the root group. */
 static const char *base_of(const table *t) { return strcmp(t->path, "/") == 0 ? "" : t->path; }
 
-/* Returns the path of an element's values, to be freed. framed: they are in frames. */
+/* Returns the path of an H5MD element's values; the caller frees it. framed: true if the values are
+ * in frames. */
 static char *path_of(const table *t, const char *element, bool framed) {
   return format_text(framed ? "%s/%s/value" : "%s/%s", base_of(t), element);
 }
 
-/* Returns the index of an element in the list, to which it is added if it is new. */
+/* Returns the index of an H5MD element in the list, to which it is added if it is new. */
 static size_t add_element(h5_element *elements, size_t *n, const char *name) {
   size_t k = 0;
   while (k < *n && strcmp(elements[k].name, name) != 0) k++;
@@ -258,8 +259,8 @@ static size_t add_element(h5_element *elements, size_t *n, const char *name) {
   return k;
 }
 
-/* Finds the source of column c. A dataset of the column's own name takes precedence over an element
- * that has it as a component. */
+/* Finds the source of table column c. A dataset of the column's own name takes precedence over an
+ * H5MD element that has the column as a component. */
 static sd_status find_source(const table *t, size_t c, h5_element *elements, size_t *n,
                              source *from) {
   const char *name = t->columns[c], *element = name;
@@ -411,7 +412,7 @@ static sd_status read_absent(table *t, const h5_element *e) {
   return h5_absent(t->file, base_of(t), e, data, t->rows.n, t->gone, t->messages);
 }
 
-/* Removes rows without a particle from the table. */
+/* Removes the rows without a particle from the table. */
 static void leave_out(table *t, const bool *gone) {
   size_t n = 0;
   for (size_t k = 0; k < t->rows.n; k++) n += !is_gone(gone, k);

@@ -17,7 +17,7 @@ typedef struct table_column {
   char *path;           /* path of the dataset */
   sd_type type;         /* type of the elements */
   int rank;             /* rank of one row: 0, 1 or 2 */
-  size_t dims[2];       /* dimensions of one row; 1 beyond the rank */
+  size_t dims[2];       /* dimensions of one row; 1 beyond its rank */
   size_t width;         /* number of elements in one row */
   char *unit, *meaning; /* attributes `unit` and `description` of the dataset */
   unsigned char *data;  /* [capacity] values of the column, row by row */
