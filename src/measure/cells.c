@@ -252,8 +252,8 @@ static size_t sites_around(const sites *s, size_t i, uint32_t *found, size_t roo
 static sd_status add_images(sites *s, const configuration *c, const double margin[2]) {
   const sd_model *m = c->model;
   sd_status status = SD_OK;
-  /* In a sheared box the images above and below are shifted in x by up to half the box length, so
-   * use two images on each side in x. */
+  /* The images above and below a sheared box are shifted in x by up to half its length, so use two
+   * images on each side in x. */
   const int most = c->offset != 0.0 ? 2 : 1;
   for (int j = -1; j <= 1; j++)
     for (int i = -most; i <= most; i++) {

@@ -58,7 +58,7 @@ transient transient_none(const double *x, size_t n);
 /* --- test whether a record resolves its slowest components ------------------------------------ */
 
 typedef enum slow {
-  SLOW_RESOLVED, /* the record is long enough to determine its spectral density at frequency zero */
+  SLOW_RESOLVED, /* the record determines its own spectral density at frequency zero */
   /* the record does not determine the density at frequency zero: the extrapolated one is more
    * likely too large */
   SLOW_DIP,
