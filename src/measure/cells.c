@@ -1,4 +1,5 @@
-/* cells.c: cuts radical cells out of the plane, with threads (see cells.h). */
+/* cells.c: computes the radical (power, Laguerre) cells of disks with several threads (see
+ * cells.h). */
 #include "measure/cells.h"
 
 #include <math.h>
@@ -14,35 +15,38 @@
 
 /* --- circles and the search by power distance -------------------------------------------------- */
 
-/* Circles in the plane (sites), and the search for the one nearest to a point by
- * power distance |x - c|^2 - R^2.
+/* Sites (circles in the plane), and the search for the site nearest to a point by power distance
+ * |x - c|^2 - R^2, with c the centre and R the radius of the site.
  *
- * Sites are sorted into grids, one for each octave of radii. A search goes outwards from the point,
- * ring by ring of cells, until no site of the octave can be nearer. */
+ * Sites whose radii are within one factor of two (octave) are sorted into a grid of their own. A
+ * search goes outwards from the point, ring by ring of grid cells, until no site of the octave can
+ * be nearer. */
 
 enum { SITES_OCTAVES = 10 };
 
 typedef struct sites_grid {
-  double largest; /* largest radius in the grid */
+  double largest; /* largest radius of the sites in the grid */
   double lower[2], width;
   size_t cells[2];
-  /* [cells + 1] first element of each cell in `site`; NULL: the octave is empty */
+  /* [number of cells + 1] index in `site` of the first site of each cell; NULL: the octave is
+   * empty */
   size_t *start;
   uint32_t *site;
 } sites_grid;
 
 typedef struct sites {
-  /* number of sites, disks first, then their images; number of disks; allocated rows */
+  /* n: number of sites, disks first, then their periodic images; n_disks: number of disks;
+   * capacity: allocated rows */
   size_t n, n_disks, capacity;
   double (*at)[2];
   double *radius;
-  unsigned char *octave_of; /* [n] octave of the radius, set by sites_sort */
+  unsigned char *octave_of; /* [n] octave of each site's radius, set by sites_sort */
   bool one_octave;          /* true if all sites have the same octave */
-  double centre[2], size;   /* centre and size of the square around all sites */
+  double centre[2], size;   /* centre and side length of a square around the region and all sites */
   sites_grid octave[SITES_OCTAVES];
 } sites;
 
-/* Rectangle of grid cells. */
+/* Rectangle of grid cells that was searched for sites. */
 typedef struct sites_block {
   double lower[2], upper[2];
   bool complete; /* true if all sites with centres in the rectangle were found */
@@ -83,7 +87,8 @@ static int octave_of(double radius, double largest) {
   return o > 0 ? o : 0;
 }
 
-/* Returns the index along k of the cell that contains `at`, or of the nearest cell. */
+/* Returns the index along coordinate k (0: x, 1: y) of the grid cell that contains the coordinate
+ * `at`; the first or the last cell if `at` is outside the grid. */
 static size_t cell_along(const sites_grid *g, int k, double at) {
   double place = floor((at - g->lower[k]) / g->width);
   return place > 0.0 ? (size_t)fmin(place, (double)(g->cells[k] - 1)) : 0;
@@ -93,7 +98,8 @@ static size_t cell_of(const sites_grid *g, const double at[2]) {
   return cell_along(g, 1, at[1]) * g->cells[0] + cell_along(g, 0, at[0]);
 }
 
-/* Chooses square cells with about two sites each, from g->lower to `upper`. */
+/* Divides the rectangle from g->lower to `upper` into square cells with about two of the n sites
+ * each, and allocates them. */
 static sd_status shape(sites_grid *g, const double upper[2], size_t n) {
   const double x = upper[0] - g->lower[0], y = upper[1] - g->lower[1];
   g->width = fmax(sqrt(2.0 * x * y / (double)n), fmax(x, y) / (double)n);
@@ -128,7 +134,8 @@ static sd_status sort_octave(sites *s, sites_grid *g, int octave) {
   return SD_OK;
 }
 
-/* Builds the grids when all sites have been added. SD_ERROR_IO: out of memory. */
+/* Sorts all sites into the grids of their octaves. Call it when all sites have been added.
+ * SD_ERROR_IO: out of memory. */
 static sd_status sites_sort(sites *s) {
   double largest = 0.0;
   size_t in_octave[SITES_OCTAVES] = {0};
@@ -148,7 +155,7 @@ static sd_status sites_sort(sites *s) {
 typedef struct search {
   const sites *s;
   size_t own, found;
-  /* at: the point; least: smallest power distance so far, that of site `found` */
+  /* at: the point; least: smallest power distance so far, which is that of site `found` */
   double at[2], least;
 } search;
 
@@ -165,7 +172,8 @@ static void look(search *q, const sites_grid *g, size_t x, size_t y) {
   }
 }
 
-/* Searches the cells at a distance of `ring` cells from the middle one, within the grid. */
+/* Searches the square ring of cells that are `ring` cells away from the middle one; parts of the
+ * ring outside the grid are skipped. */
 static void look_around(search *q, const sites_grid *g, const size_t middle[2], size_t ring) {
   const int64_t r = (int64_t)ring, nx = (int64_t)g->cells[0], ny = (int64_t)g->cells[1];
   const int64_t mx = (int64_t)middle[0], my = (int64_t)middle[1];
@@ -181,12 +189,13 @@ static void look_around(search *q, const sites_grid *g, const size_t middle[2], 
   }
 }
 
-/* Searches rings of cells around the cell nearest to the point until no site farther out can be
- * nearer. The lower bound of the distance to a ring adds, for a point outside the grid, its
- * distance from the grid. */
+/* Searches the grid of one octave: the cell nearest to the point, then rings of cells around it,
+ * until no site farther out can be nearer than the best one found. For a point outside the grid,
+ * the lower bound of the distance to a ring includes the distance of the point from the grid. */
 static void search_octave(search *q, const sites_grid *g) {
   size_t middle[2], last = 0;
-  /* distance from the point to the nearest edge of the middle cell */
+  /* beyond: distance of the point from the grid along x and y, 0 inside; inner: distance from the
+   * point to the nearest edge of the middle cell, 0 outside the cell */
   double beyond[2], inner = HUGE_VAL;
   for (int k = 0; k < 2; k++) {
     const double top = g->lower[k] + (double)g->cells[k] * g->width;
@@ -216,8 +225,8 @@ static size_t sites_nearest(const sites *s, size_t own, const double at[2], doub
   return q.found;
 }
 
-/* Finds the sites of the same octave in the 3 x 3 cells around site i, without i itself. Returns
- * their number, at most `room`; *block is the rectangle that was searched. */
+/* Finds the sites of the same octave in the 3 x 3 grid cells around site i, without i itself.
+ * Returns their number, at most `room`; *block receives the rectangle of these cells. */
 static size_t sites_around(const sites *s, size_t i, uint32_t *found, size_t room,
                            sites_block *block) {
   const sites_grid *g = &s->octave[s->octave_of[i]];
@@ -238,12 +247,13 @@ static size_t sites_around(const sites *s, size_t i, uint32_t *found, size_t roo
 
 /* --- sites ------------------------------------------------------------------------------------ */
 
-/* Adds periodic images of the disks that lie at most `margin` outside the box. */
+/* Adds those periodic images of the disks whose centres lie at most `margin` (along x and y)
+ * outside the periodic box. */
 static sd_status add_images(sites *s, const configuration *c, const double margin[2]) {
   const sd_model *m = c->model;
   sd_status status = SD_OK;
-  /* Rows of images of a sheared box can be shifted by up to half a length, so use two images on
-   * each side. */
+  /* The images above and below a sheared box are shifted in x by up to half its length, so use two
+   * images on each side in x. */
   const int most = c->offset != 0.0 ? 2 : 1;
   for (int j = -1; j <= 1; j++)
     for (int i = -most; i <= most; i++) {
@@ -287,11 +297,12 @@ static sd_status sites_new(sites *s, const configuration *c, const region *g,
 /* --- one cell --------------------------------------------------------------------------------- */
 
 enum { MOST_CORNERS = 2048 };
-/* kind of an edge: on a radical line, a wall, the region, or the initial rectangle */
+/* line on which an edge of a cell lies: radical line with a neighbour, wall, edge of the region, or
+ * side of the initial rectangle */
 enum { BY_NEIGHBOUR, BY_WALL, BY_REGION, BY_NOTHING };
 
-/* Convex polygon, relative to the centre of a disk. Edge k goes from corner k to the next
- * corner. */
+/* Convex polygon (a cell) in coordinates relative to the centre of its disk. Edge k goes from
+ * corner k to the next corner. */
 typedef struct polygon {
   size_t n;
   double at[MOST_CORNERS][2];
@@ -309,8 +320,8 @@ static void polygon_box(polygon *p, double half_x, double half_y) {
   }
 }
 
-/* Cuts off the part with n.x > d, unless it is at most `slack` deep. by: origin of the new edge.
- * Returns false if the polygon has too many corners. */
+/* Cuts off the part of the polygon with n.x > d, unless this part is at most `slack` deep. by: kind
+ * of the new edge (BY_...). Returns false if the polygon has too many corners. */
 static bool polygon_cut(polygon *p, double nx, double ny, double d, double slack,
                         unsigned char by) {
   double deepest = 0.0;
@@ -358,12 +369,15 @@ typedef struct cutter {
   const configuration *c;
   const region *whole;
   const sites *s;
-  /* margin: distance from the box within which images are sites; largest: largest radius */
+  /* margin: distance from the box, along x and y, within which periodic images are sites; largest:
+   * largest radius of all disks */
   double margin[2], largest;
-  bool short_of_images; /* true if some cell may have a neighbour among images that are not sites */
+  /* true if a cell may have a neighbour among the periodic images that are not sites */
+  bool short_of_images;
 } cutter;
 
-/* Cuts the cell of disk i by its radical line with site j. */
+/* Cuts the cell p of disk i by its radical line with site j. Returns false if the polygon has too
+ * many corners. */
 static bool cut_site(const sites *s, size_t i, size_t j, polygon *p) {
   double dx = s->at[j][0] - s->at[i][0], dy = s->at[j][1] - s->at[i][1];
   double d =
@@ -371,10 +385,10 @@ static bool cut_site(const sites *s, size_t i, size_t j, polygon *p) {
   return polygon_cut(p, dx, dy, d, 0.0, BY_NEIGHBOUR);
 }
 
-/* Returns true if no circle with its centre outside the block can have a power distance below
- * `power` from `at`. */
+/* Returns true if all sites in the block were found and no site outside it can have a power
+ * distance below `power` from the point `at`. largest: largest radius of all sites. */
 static bool block_decides(const sites_block *b, const double at[2], double power, double largest) {
-  static const double slack = 1e-9; /* relative error of the positions of grid cells */
+  static const double slack = 1e-9; /* tolerance for rounding in the positions of grid cells */
   double gap = HUGE_VAL;
   for (int k = 0; k < 2; k++) {
     const double below = at[k] - b->lower[k], above = b->upper[k] - at[k];
@@ -385,9 +399,10 @@ static bool block_decides(const sites_block *b, const double at[2], double power
   return b->complete && gap > 0.0 && gap * gap - largest * largest > power;
 }
 
-/* Cuts the cell of disk i: first by the sites near it, then by the site nearest to a corner, until
- * the disk itself is nearest to all corners. A site that has already cut is nearer only by rounding
- * and does not cut again. Returns false if the polygon has too many corners. */
+/* Cuts the cell of disk i by its neighbours: first by the sites near it, then by the site nearest
+ * to each corner, until the disk itself is nearest to all corners. A site that has cut this cell
+ * before can be nearer only by rounding and does not cut again. Returns false if the polygon has
+ * too many corners. */
 static bool cut_neighbours(const sites *s, size_t i, double largest, polygon *p) {
   static const double rounding = 1e-14;
   uint32_t used[MOST_CORNERS];
@@ -421,8 +436,8 @@ static bool cut_neighbours(const sites *s, size_t i, double largest, polygon *p)
   return true;
 }
 
-/* Returns true if an image outside the margin could be nearer to a corner than the disk: its centre
- * would lie within `reach` of the corner. */
+/* Returns true if a periodic image outside the margin, which is therefore not a site, could be
+ * nearer to a corner of the cell than disk i: its centre would lie within `reach` of the corner. */
 static bool needs_images(const cutter *q, size_t i, const polygon *p) {
   const sd_model *m = q->c->model;
   double r = q->s->radius[i];
@@ -441,7 +456,8 @@ static bool needs_images(const cutter *q, size_t i, const polygon *p) {
   return false;
 }
 
-/* Cuts a cell by the tangent of the arc at its point nearest to `at`. */
+/* Cuts a cell by the tangent to an arc-shaped wall segment, at the point of the arc nearest to
+ * `at`. */
 static void cut_arc(const placed_segment *g, const double *at, polygon *p) {
   const nearest_point q = walls_nearest(g, at[0], at[1]);
   const double r = hypot(q.dx, q.dy);
@@ -471,8 +487,9 @@ static void cut_walls(const cutter *q, size_t i, polygon *p) {
   }
 }
 
-/* Cuts a cell by the edges of the region. The slack of half a radius lets a wall that has moved
- * slightly beyond an edge of the region bound the cell, instead of that edge. */
+/* Cuts a cell by the edges of the region. An edge that would cut off a part at most half a radius
+ * deep is skipped, so that a wall that has moved slightly beyond this edge bounds the cell
+ * instead. */
 static void cut_region(const cutter *q, size_t i, polygon *p) {
   const region *g = q->whole;
   for (int c = 0; c < 2; c++) {
@@ -483,7 +500,8 @@ static void cut_region(const cutter *q, size_t i, polygon *p) {
   }
 }
 
-/* Largest distance from its disk's centre to a corner of a closed cell. */
+/* Returns the largest distance that a corner of a closed cell may have from the centre of its disk
+ * i. */
 static double bulk_reach(const cutter *q, size_t i) {
   return q->s->radius[i] + CELLS_VOID * q->largest;
 }
@@ -513,8 +531,9 @@ static bool crosses_far(const double a[2], const double b[2], double radius, con
   return false;
 }
 
-/* Returns the area of a cell inside a drum. The drum's wall closes a cell if no part of the cell
- * inside the drum is farther from the disk than bulk_reach. */
+/* Returns the area of the part of a cell that lies inside the drum. *closed is set to true if the
+ * drum's wall does not cut the cell, or if no point of the part inside is farther from the disk
+ * than bulk_reach. */
 static double round_area(const cutter *q, size_t i, polygon *p, bool *closed) {
   const region *g = q->whole;
   const double own[2] = {q->s->at[i][0] - g->centre[0], q->s->at[i][1] - g->centre[1]};
@@ -542,7 +561,7 @@ static double cell_area(const cutter *q, size_t i, bool *closed, bool *short_of_
   *closed = false;
   if (!region_holds(g, q->s->at[i][0], q->s->at[i][1])) return NAN;
   polygon_box(&p, length[0] > 0.0 ? length[0] : size, length[1] > 0.0 ? length[1] : size);
-  /* larger disks leave no cell to this disk */
+  /* no cell: larger disks leave no area to this disk, or the polygon has too many corners */
   if (!cut_neighbours(q->s, i, q->largest, &p) || p.n < 3) return NAN;
   cut_walls(q, i, &p);
   if (g->round) {
@@ -562,7 +581,7 @@ typedef struct areas_task {
   const cutter *q;
   cells *t;
   size_t n;
-  atomic_bool more; /* true if more images are needed */
+  atomic_bool more; /* true if some cell needs more periodic images */
 } areas_task;
 
 static void areas_together(const team *t, void *with) {
@@ -590,7 +609,8 @@ static sd_status cut_cells(cells *t, cutter *q, sd_messages *messages) {
   return status;
 }
 
-/* Computes the statistics over closed cells. local: scratch of one number per disk. */
+/* Computes the statistics of the closed cells of free disks with their centre in `counted`, and the
+ * total area of all cells. local: scratch array with one number per disk. */
 static void statistics(cells *t, const configuration *c, const region *counted, double *local) {
   const sd_model *m = c->model;
   double disks = 0.0, area = 0.0;

@@ -22,8 +22,9 @@
 #include "measure/configuration.h"
 #include "slipdisk/status.h"
 
-/* Largest distance from the edge of a disk to a corner of its closed cell, in largest radii. A
- * vacancy of a triangular lattice has 1. */
+/* Largest distance from the edge of a disk to a corner of its cell at which the cell still counts
+ * as closed, in units of the largest radius. At a vacancy of a triangular lattice the distance is
+ * 1. */
 #define CELLS_VOID 1.5
 
 typedef struct cells {
@@ -32,22 +33,23 @@ typedef struct cells {
   double *area;
   bool *closed;
   size_t n_closed, n_open;
-  double total; /* area of all cells, open ones included */
-  /* packing fraction in the bulk: area of the disks with closed cells over the area of these cells;
-   * NAN without closed cells */
+  double total; /* total area of all cells, open ones included */
+  /* packing fraction in the bulk: area of the disks with closed cells divided by the area of these
+   * cells; NAN if no cell is closed */
   double inside;
-  /* local packing fraction pi R^2 / area over closed cells: mean, standard deviation, minimum,
-   * maximum; NAN without closed cells */
+  /* mean, standard deviation, minimum and maximum of the local packing fraction pi R^2/(area of the
+   * cell) of disks with closed cells; NAN if no cell is closed */
   double mean, deviation, least, most;
 } cells;
 
-/* Computes the cells of all disks, cut by the region `whole` of the run. The statistics are over
- * free disks with their centre in `counted`. Call cells_free also when it fails. SD_ERROR_IO: out
- * of memory. */
+/* Computes the cells of all disks, cut at the edges of `whole`, the region of the run. The
+ * statistics include the free disks with their centre in `counted`. Call cells_free also when it
+ * fails. SD_ERROR_IO: out of memory. */
 sd_status cells_new(cells *t, const configuration *c, const region *whole, const region *counted,
                     sd_messages *messages);
 void cells_free(cells *t);
-/* Returns the local packing fraction of disk i, NAN if its cell is open. */
+/* Returns the local packing fraction pi R^2/(area of the cell) of disk i, NAN if its cell is
+ * open. */
 double cells_fraction(const cells *t, const configuration *c, size_t i);
 
 #endif

@@ -1,4 +1,5 @@
-/* configuration.c: turns a frame into bodies and contacts (see configuration.h). */
+/* configuration.c: builds the bodies and contacts of a configuration from a stored frame (see
+ * configuration.h). */
 #include "measure/configuration.h"
 
 #include <assert.h>
@@ -49,7 +50,7 @@ void frame_data_free(frame_data *f) {
   *f = (frame_data){0};
 }
 
-/* Fills step, time and deformation of the box. */
+/* Copies step, time and deformation of the periodic box from the state into the frame. */
 static void fill_moment(frame_data *f, const sd_model *m, const sd_state *s) {
   f->step = s->step;
   f->time = (double)s->step * m->dt;
@@ -72,8 +73,8 @@ static void fill_body(frame_data *f, size_t body, const sd_state *s, size_t slot
   f->image[body][1] = s->image_y[slot];
 }
 
-/* Fills row k of the contact table from stored contact k. a, b: its bodies in the frame's numbers;
- * materials: a model of the frame's bodies. */
+/* Fills row k of the frame's contact table from stored contact k of the state. a, b: numbers of its
+ * two bodies in the frame; materials: model whose bodies are numbered as in the frame. */
 static void fill_contact(frame_data *f, size_t k, const sd_model *materials, const sd_state *s,
                          uint32_t a, uint32_t b) {
   f->a[k] = a;
@@ -129,8 +130,8 @@ sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model 
 
 /* --- bodies ----------------------------------------------------------------------------------- */
 
-/* Sets the edges of box and region for this frame: all lengths are scaled about the lower
- * corner. */
+/* Sets the edges of the periodic box and of the region for this frame: all lengths of the run's
+ * model are scaled about the lower corner. */
 static void fill_space(sd_model *m, const sd_model *from, const frame_data *f) {
   m->container = from->container;
   m->variant = from->variant;
@@ -156,7 +157,8 @@ static void fill_laws(sd_model *m, const sd_model *from) {
   m->phases[0].steps = m->n_phases = 1;
 }
 
-/* Fills everything of the model except its bodies. */
+/* Fills all members of the configuration's model that do not concern its bodies: time step, limits,
+ * box, region, laws. */
 static void fill_constants(configuration *c, const sd_model *from, const frame_data *f) {
   sd_model *m = c->model;
   m->dt = 1.0; /* any value will do, as no step is taken */
@@ -171,8 +173,8 @@ static void fill_constants(configuration *c, const sd_model *from, const frame_d
   for (int k = 0; k < 2; k++) c->length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0.0;
 }
 
-/* Wraps a position into the box. Rounding can put a coordinate on the upper edge, which is then set
- * to the lower. */
+/* Wraps a position into the periodic box. If rounding puts a coordinate on the upper edge, it is
+ * set to the lower edge. */
 static void into_box(const configuration *c, double at[2]) {
   const sd_model *m = c->model;
   for (int k = 1; k >= 0; k--) {
@@ -241,15 +243,16 @@ static void fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f, size
   wall_point(from, f, body, from->center, w->center);
 }
 
-/* Returns coordinate c of a straight wall that is perpendicular to c; NAN for other walls. */
+/* Returns the position of a straight wall that is perpendicular to coordinate c (0: x, 1: y); NAN
+ * for other walls. */
 static double across(const sd_wall *w, int c) {
   if (w->kind != SD_WALL_LINE || w->n_points < 2) return NAN;
   double rise = w->points[1][c] - w->points[0][c], run = w->points[1][1 - c] - w->points[0][1 - c];
   return fabs(rise) <= 1e-9 * fabs(run) ? w->points[0][c] : NAN;
 }
 
-/* Returns on which side of coordinate c = at all free disks lie: -1 below, +1 above, 0 on both
- * sides. Collective. */
+/* Returns the side of the line {coordinate c = at} on which all free disks lie: -1 below, +1 above,
+ * 0: on both sides, or there are none. Collective. */
 static int side_of_disks(const sd_model *m, const comm *ranks, int c, double at) {
   enum { BELOW = 1, ABOVE = 2 };
   unsigned sides = 0;
@@ -308,7 +311,8 @@ static void fill_bodies(configuration *c, const sd_model *from, const frame_data
 
 /* --- contacts --------------------------------------------------------------------------------- */
 
-/* Returns wall segment `part`, at its periodic image nearest to `at`. */
+/* Returns the wall segment with index `part`, moved to its periodic image nearest to the point
+ * `at`. */
 static placed_segment place(const configuration *c, uint32_t part, const double at[2]) {
   const sd_model *m = c->model;
   const sd_segment *s = &m->segments[part];
@@ -351,8 +355,8 @@ static contact_place place_of(const configuration *c, const config_contact *k, p
   return at;
 }
 
-/* Computes directions, branch vector, point and force of a contact from the poses, F_n, tau and the
- * rolling force. */
+/* Computes the normal, branch vector, point and force of a contact from the poses of its bodies,
+ * the normal force F_n, the tangential force tau and the rolling force. */
 static void complete(const configuration *c, config_contact *k) {
   const sd_model *m = c->model;
   const sd_disk *a = &m->disks[k->a];
@@ -410,7 +414,8 @@ static sd_status take_contacts(configuration *c, const sd_model *from, const fra
   return SD_OK;
 }
 
-/* Returns true if both bodies are disks of the same clump, which have no contact. */
+/* Returns true if both bodies are disks of the same clump; such disks have no contact with each
+ * other. */
 static bool rigid(const configuration *c, uint32_t a, uint32_t b) {
   return b < c->model->n_disks && configuration_in_clump(c, a) && c->clump_of[a] == c->clump_of[b];
 }
@@ -430,15 +435,15 @@ static sd_status copy_contacts(configuration *c, const sd_state *s, sd_messages 
   return SD_OK;
 }
 
-/* Gives disks of a clump the clump's mass, since a coefficient of restitution sets the damping by
- * the mass of the whole clump. */
+/* Sets the mass of each disk in a clump to the mass of the whole clump, from which the damping
+ * follows if a coefficient of restitution is given. */
 static void use_clump_masses(const configuration *c, sd_state *s) {
   for (size_t i = 0; c->n_clumps > 0 && i < s->n_free; i++)
     if (configuration_in_clump(c, s->id[i])) s->mass[i] = c->clumps[c->clump_of[s->id[i]]].mass;
 }
 
-/* Sets the shear offset and velocity gradient of a deforming box in the state; its lengths are
- * those of the model. */
+/* Sets the shear offset and the velocity gradient of a deforming box in the state. The lengths of
+ * the box come from the model. */
 static void deform(const configuration *c, sd_state *s) {
   const double *g = c->gradient;
   s->cell_start[CELL_OFFSET] = c->offset / c->length[0];
@@ -566,7 +571,8 @@ region configuration_region(const configuration *c, const double *wanted) {
     }
     double length = c->length[k];
     g.whole[k] = length > 0.0 && g.upper[k] - g.lower[k] >= length * (1.0 - 1e-12);
-    if (g.whole[k]) g.upper[k] = g.lower[k] + length; /* the region is at most one period long */
+    /* a region that spans the direction is exactly one period long */
+    if (g.whole[k]) g.upper[k] = g.lower[k] + length;
     g.image[k] = length > 0.0 && !g.whole[k] ? length : 0.0;
   }
   if (!wanted && given && m->container == SD_CONTAINER_DRUM) {
@@ -577,7 +583,8 @@ region configuration_region(const configuration *c, const double *wanted) {
   return g;
 }
 
-/* Returns true if a straight wall segment lies on the line where coordinate c is `at`. */
+/* Returns true if a straight wall segment lies, to within `near`, on the line where coordinate c
+ * equals `at`. */
 static bool has_wall(const sd_model *m, int c, double at, double near) {
   for (size_t w = 0; w < m->n_walls; w++) {
     const sd_wall *wall = &m->walls[w];
@@ -597,6 +604,7 @@ unsigned configuration_open(const configuration *c) {
     for (int side = 0; !g.whole[k] && side < 2; side++)
       if (!has_wall(c->model, k, side ? g.upper[k] : g.lower[k], 1e-9 * (g.upper[k] - g.lower[k])))
         open |= 1u << (2 * k + side);
-  /* The lower edge of a bed counts as closed: its floor consists of disks. */
+  /* The lower edge of a bed (a kind of container) counts as closed without a wall: its floor
+   * consists of disks. */
   return c->model->container == SD_CONTAINER_BED ? open & ~4u : open;
 }

@@ -1,9 +1,10 @@
 /* configuration.h: one frame of a run, prepared for measurements: the disks in play, the walls at
  * their current poses, and all contacts with their geometry.
  *
- * The bodies form a finished sd_model of their own: `model` holds only the bodies of this frame, at
+ * The bodies form a complete sd_model of their own: `model` holds only the bodies of this frame, at
  * their poses of this frame, with the current edges of periodic box and region. Disks are
- * renumbered; `number` maps them to the deck's numbers. Walls follow the disks, as in any model.
+ * renumbered; `number` maps them to the deck's numbers. Walls have the numbers after those of the
+ * disks, as in any model.
  *
  * Contacts come from the frame's contact table. If it has none, the engine's neighbour search and
  * force law find them from positions and velocities; the tangential displacement is then unknown,
@@ -28,9 +29,10 @@
 
 typedef struct region {
   double lower[2], upper[2];
-  bool whole[2]; /* [c] true if the region spans the periodic direction c: it has no edges there */
-  /* [c] period of a periodic direction that the region does not span, so that the region has
-   * images; else 0 */
+  /* [c] true if the region spans the whole period along c, so that it has no edges there */
+  bool whole[2];
+  /* [c] period along coordinate c if this direction is periodic and the region does not span it, so
+   * that the region has periodic images; else 0 */
   double image[2];
   /* true for a drum with this centre and radius; lower and upper are then its bounding box */
   bool round;
@@ -40,10 +42,10 @@ typedef struct region {
 double region_area(const region *g);
 /* Returns true if the point, or a periodic image of it, lies in the region or on its edge. */
 bool region_holds(const region *g, double x, double y);
-/* Returns the area inside the region of a disk and its periodic images. */
+/* Returns the area that a disk and its periodic images cover inside the region. */
 double region_disk(const region *g, double x, double y, double radius);
 /* Returns the fraction, 0 to 1, of the line from (x, y) to (x + dx, y + dy) inside the region. For
- * a round region it is 1 or 0, depending on the middle of the line. */
+ * a round region: 1 if the middle of the line lies in the region, else 0. */
 double region_line(const region *g, double x, double y, double dx, double dy);
 
 /* Returns the area that a circle of this radius about the origin shares with a polygon of n corners
@@ -52,13 +54,14 @@ double region_circle_polygon(double radius, size_t n, const double (*corner)[2])
 
 /* --- frames and configurations ------------------------------------------------------------------ */
 
-/* Stored frame: one row per body of the run, in the order of body numbers (disks, walls). */
+/* Stored frame: arrays with one row per body of the run, disks first, then walls. */
 typedef struct frame_data {
   int64_t step;
   double time;
-  double scale; /* factor of compression: current lengths of the region over those of the deck */
-  /* box that deforms: factors of its lengths on top of `scale`; x shift of the periodic image
-   * above */
+  /* compression: current lengths of the region divided by those of the deck (input file) */
+  double scale;
+  /* deforming box: stretch: factors of its lengths along x and y, on top of `scale`; offset: x
+   * shift of the periodic image above */
   double stretch[2], offset;
   double gradient[SD_CELL_COMPONENTS]; /* velocity gradient of the box, 1/time: xx, yy, xy */
   size_t n_bodies, n_disks;
@@ -66,13 +69,16 @@ typedef struct frame_data {
   /* number of this rank's free disks if comm is set: they come first, then ghosts, then the
    * prescribed bodies, which all ranks have */
   size_t n_own;
-  double (*position)[2], (*velocity)[2]; /* wrapped into the periodic box */
+  /* [n_bodies] x and y of the position, wrapped into the periodic box, and of the velocity */
+  double (*position)[2], (*velocity)[2];
   double *angle, *spin;
-  int32_t *activity;   /* [n_disks] SD_IN_PLAY, SD_WAITING, SD_REMOVED or SD_OUTSIDE */
-  int32_t (*image)[2]; /* [n_disks] absolute position = position + image * length of the box */
-  bool has_contacts;   /* true if a contact table is present, even with no rows */
+  int32_t *activity; /* [n_disks] SD_IN_PLAY, SD_WAITING, SD_REMOVED or SD_OUTSIDE */
+  /* [n_disks] periodic images: unwrapped position = position + image * box length */
+  int32_t (*image)[2];
+  bool has_contacts; /* true if a contact table is present, even with no rows */
   size_t n_contacts;
-  uint32_t *a, *b, *part; /* a, b: body numbers in the run; part: index of the wall segment */
+  /* a, b: numbers of the two bodies in the run; part: index of the wall segment, if b is a wall */
+  uint32_t *a, *b, *part;
   double *overlap, *force, *tau;
   double *roll; /* rolling force; 0 if not stored */
   int32_t *slide;
@@ -86,9 +92,9 @@ void frame_data_free(frame_data *f);
  * SD_ERROR_IO: out of memory. */
 sd_status frame_data_of_state(frame_data *f, const sd_model *model, const sd_state *state,
                               sd_messages *messages);
-/* Copies one rank's part of a state into a frame that numbers bodies by their slots. *constants
- * becomes a model of these bodies that shares all but `disks` with `model`: the caller frees
- * constants->disks only, also when it fails. */
+/* Copies the bodies and contacts that one rank has into a frame that numbers bodies by their index
+ * in the state (slot). *constants becomes a copy of `model` with these bodies: it shares all
+ * members with `model` except `disks`, which the caller frees, also when the function fails. */
 sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *model,
                              const sd_state *part, const slot_table *slots, const comm *c,
                              sd_messages *messages);
@@ -98,14 +104,15 @@ typedef struct config_contact {
    * the wall segment */
   uint32_t a, b, part;
   double nx, ny; /* unit normal from the centre of a towards b */
-  /* branch vector of the disks: from the centre of a to the centre of b, or to the surface of a
-   * wall or prescribed disk */
+  /* branch vector: from the centre of a to the centre of b, or to the surface of b if it is a wall
+   * or a prescribed disk */
   double lx, ly;
   double x, y;   /* point of contact */
   double fx, fy; /* force on b; without its tangential part if tau is NAN */
   double overlap, force, tau, mu;
-  double roll, couple; /* rolling force; torque of it on a (opposite sign on b) */
-  double k_t;          /* tangential stiffness if tau = -k_t zeta, else 0 */
+  double roll, couple; /* roll: rolling force; couple: its torque on a (opposite sign on b) */
+  /* tangential stiffness if tau = -k_t zeta with zeta the tangential displacement, else 0 */
+  double k_t;
   /* normal force without attraction; friction is limited to mu times this force */
   double push;
   int slide;
@@ -113,23 +120,23 @@ typedef struct config_contact {
 
 /* Rigid body made of several disks. */
 typedef struct config_clump {
-  size_t n_disks;  /* number of its disks in play; 0: the clump is absent */
-  uint32_t *disks; /* [n_disks] numbers of its disks, ascending */
+  size_t n_disks;  /* number of disks of the clump that are in play; 0: the clump is absent */
+  uint32_t *disks; /* [n_disks] numbers of these disks, ascending */
   double mass, inertia;
-  /* position and velocity (x, y, angular) of the centre of mass, which may lie outside the box */
+  /* centre of mass: position (x, y), which may lie outside the box, and velocity (x, y, angular) */
   double position[2], velocity[3];
-  double force[2]; /* constant body force, those on its disks included */
+  double force[2]; /* constant body force (x, y), with the forces on its disks */
 } config_clump;
 
 typedef struct configuration {
   int64_t step;
   double time;
   sd_model *model;
-  uint32_t *number; /* [model->n_disks] number of each disk in the deck */
-  size_t n_deck;    /* number of disks of the deck */
+  uint32_t *number; /* [model->n_disks] number that each disk has in the deck (input file) */
+  size_t n_deck;    /* number of disks of the deck, those not in play included */
   size_t n_waiting, n_removed;
-  double length[2];                    /* lengths of the periodic box, 0 along open directions */
-  double offset;                       /* x shift of the periodic image above, in a sheared box */
+  double length[2]; /* lengths of the periodic box along x and y, 0: not periodic */
+  double offset;    /* x shift of the periodic image above, in a sheared box */
   double gradient[SD_CELL_COMPONENTS]; /* velocity gradient of a box that deforms: xx, yy, xy */
   /* comm: ranks that share the disks, or NULL; n_own: number of this rank's free disks (as in
    * frame_data) */
@@ -142,9 +149,10 @@ typedef struct configuration {
   config_contact *contacts;
   size_t n_clumps; /* number of clumps; 0: the members below are unset */
   config_clump *clumps;
-  int32_t *clump_of;     /* [model->n_disks] clump of each disk, -1: none */
-  uint32_t *clump_disks; /* disks of all clumps, clump by clump */
-  double (*arm)[2]; /* [model->n_disks] vector from the clump's centre to the disk, 0: no clump */
+  int32_t *clump_of;     /* [model->n_disks] index of the clump of each disk, -1: none */
+  uint32_t *clump_disks; /* numbers of the disks of all clumps, clump by clump */
+  /* [model->n_disks] vector from the centre of mass of its clump to each disk, 0: in no clump */
+  double (*arm)[2];
 } configuration;
 
 /* Builds the configuration of a frame. constants: model of the run (disks, walls, laws, box,
@@ -155,13 +163,13 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
                             sd_messages *messages);
 void configuration_free(configuration *c);
 
-/* Finds the clumps among the disks in play. from: the model of the run, as `constants` above.
- * Called by configuration_new. SD_ERROR_IO: out of memory. */
+/* Finds the clumps among the disks in play. from: model of the run, the argument `constants` of
+ * configuration_new, which calls this function. SD_ERROR_IO: out of memory. */
 sd_status configuration_clumps(configuration *c, const sd_model *from, const frame_data *frame);
 void configuration_clumps_free(configuration *c);
-/* Computes the branch vector l[] of a contact between rigid bodies. It starts at from[], the centre
- * of a or of its clump, and ends at the centre of b or of its clump, or on the surface of a wall or
- * prescribed disk. */
+/* Computes the branch vector l[] between the two rigid bodies of a contact. It starts at from[],
+ * the centre of disk a or of its clump, and ends at the centre of disk b or of its clump, or on the
+ * surface of b if it is a wall or a prescribed disk. */
 void configuration_branch(const configuration *c, const config_contact *k, double from[2],
                           double l[2]);
 /* Returns true if the disk belongs to a clump. */
@@ -169,33 +177,34 @@ static inline bool configuration_in_clump(const configuration *c, size_t disk) {
   return c->n_clumps > 0 && c->clump_of[disk] >= 0;
 }
 
-/* Returns the region whose filling is measured: the region of the model, with edges at walls that
- * have moved; the periodic box along periodic directions; the bounding box of all disks if the
- * model has no region. wanted: x0, x1, y0, y1 of another region, or NULL. Collective. */
+/* Returns the region that is measured. wanted: x0, x1, y0, y1 of a region; NULL: the region of the
+ * model, with edges that follow walls that have moved; the periodic box along periodic directions;
+ * the bounding box of all disks if the model has no region. Collective. */
 region configuration_region(const configuration *c, const double *wanted);
-/* Returns the edges of that region that are neither wall nor periodic, so that results per area
- * depend on their position: bit 2 c is the lower, bit 2 c + 1 the upper edge of coordinate c. */
+/* Returns a bit mask of those edges of the model's region that are neither walls nor periodic, so
+ * that results per area depend on their position: bit 2 c is the lower, bit 2 c + 1 the upper edge
+ * along coordinate c (0: x, 1: y). */
 unsigned configuration_open(const configuration *c);
 /* Returns the index of a body's material. */
 static inline int configuration_material(const sd_model *m, uint32_t body) {
   return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
 }
-/* Returns tau of stored contact c: the column contact_tau if the laws need it, else -k_t zeta,
- * never -0. a, b: materials of its bodies. */
+/* Returns the tangential force tau of stored contact c: the column contact_tau of the state if the
+ * laws need it, else -k_t zeta; a zero is never -0. a, b: materials of the two bodies. */
 static inline double configuration_tau_of(const sd_model *m, const sd_state *s, size_t c, int a,
                                           int b) {
   return 0.0 + (s->law_columns ? s->contact_tau[c]
                                : 0.0 - sd_model_law(m, a, b)->k_t * s->contact_zeta[c]);
 }
-/* Returns tau of stored contact c, with materials from the state, since a rank's model lacks those
- * of other ranks' disks. */
+/* Returns the tangential force tau of stored contact c. The materials are read from the state,
+ * since the model of one rank lacks the disks of other ranks. */
 static inline double configuration_tau(const sd_model *m, const sd_state *s,
                                        const slot_table *slots, size_t c) {
   return configuration_tau_of(m, s, c, s->material[slot_of(slots, s->contact_a[c])],
                               s->material[slot_of(slots, s->contact_b[c])]);
 }
-/* Returns true if this rank adds the disk to sums: its own free disks, and on rank 0 the prescribed
- * disks. */
+/* Returns true if this rank includes the disk in its sums: each rank includes its own free disks,
+ * and rank 0 also the prescribed disks. */
 static inline bool configuration_counts(const configuration *c, uint32_t disk) {
   return !c->comm || c->number[disk] < c->n_own ||
          (c->model->disks[disk].driven && comm_rank(c->comm) == 0);
@@ -204,8 +213,8 @@ static inline bool configuration_counts(const configuration *c, uint32_t disk) {
 static inline bool configuration_is_free(const configuration *c, uint32_t body) {
   return body < c->model->n_disks && !c->model->disks[body].driven;
 }
-/* Computes the position at[] of point k of a wall of the run in a frame, turned about its pivot and
- * displaced with it. */
+/* Computes the position at[] that point k of a wall has in this frame, after the wall's rotation
+ * about its pivot and the pivot's motion. body: number of the wall among the bodies of the run. */
 void configuration_wall_point(const sd_wall *wall, const frame_data *frame, size_t body, size_t k,
                               double at[2]);
 /* Returns true if a disk of this activity is present: neither waiting nor removed. */
@@ -221,7 +230,7 @@ static inline void configuration_nearest(const configuration *c, double d[2]) {
     if (k == 1) d[0] -= c->offset * n;
   }
 }
-/* Mean radius of the disks, 0 without disks. */
+/* Returns the mean radius of the disks, 0 without disks. */
 static inline double configuration_radius(const configuration *c) {
   double sum = 0.0;
   for (size_t i = 0; i < c->model->n_disks; i++) sum += c->model->disks[i].radius;

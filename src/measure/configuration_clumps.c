@@ -1,4 +1,4 @@
-/* configuration_clumps.c: the rigid bodies of a configuration.
+/* configuration_clumps.c: finds the clumps (rigid bodies made of disks) of a configuration.
  *
  * The masses of a clump's disks add up to the clump's mass (model/clumps.c). Its centre of mass and
  * velocity therefore follow from its disks, and frames need no poses of clumps. Image counts tell
@@ -8,14 +8,14 @@
 #include "base/memory.h"
 #include "measure/configuration.h"
 
-/* Returns 1 + the clump number of a disk in play; 0 if it is in no clump. Larger numbers than disks
- * (damaged files) count as 0, since each clump has a disk. */
+/* Returns 1 + the clump number of a disk in play; 0 if it is in no clump. A clump number above the
+ * number of disks, as in a damaged file, counts as 0, since each clump has a disk. */
 static size_t clump_of(const configuration *c, const sd_model *from, size_t disk) {
   const int clump = from->disks[c->number[disk]].clump;
   return clump > 0 && (size_t)clump <= from->n_disks ? (size_t)clump : 0;
 }
 
-/* Lists the disks of each clump in the order of their numbers. */
+/* Lists the disks of each clump in ascending order of their numbers. */
 static void list_disks(configuration *c, const sd_model *from) {
   const size_t n = c->model->n_disks;
   for (size_t i = 0; i < n; i++) {
@@ -40,8 +40,8 @@ static double between(const configuration *c, const frame_data *f, uint32_t firs
   return (f->position[b][q] - f->position[a][q]) + (f->image[b][q] - f->image[a][q]) * c->length[q];
 }
 
-/* Computes mass, centre, velocity, force and moment of inertia of a clump, and the arms of its
- * disks. Positions are relative to the first disk. */
+/* Computes mass, centre of mass, velocity, force and moment of inertia of clump k, and the vectors
+ * c->arm from its centre to its disks. Positions are computed relative to the first disk. */
 static void measure(configuration *c, const frame_data *f, config_clump *k) {
   const sd_model *m = c->model;
   double centre[2] = {0.0, 0.0};
@@ -70,7 +70,8 @@ static void measure(configuration *c, const frame_data *f, config_clump *k) {
   }
 }
 
-/* Applies what the model gives for the clump itself: moment of inertia and additional force. */
+/* Applies the values that the model gives for the clump itself: its moment of inertia, if given,
+ * replaces the computed one, and its force is added. */
 static void take_given(config_clump *k, const sd_clump *given) {
   if (given->inertia > 0.0) k->inertia = given->inertia;
   for (int q = 0; q < 2; q++) k->force[q] += given->force[q];

@@ -10,19 +10,20 @@
 
 /* --- pairs of centres ------------------------------------------------------------------------- */
 
-/* Centres in the window, sorted into cells no narrower than the largest r of g(r). */
+/* Disk centres in the window W (correlation.h), sorted into grid cells no narrower than the largest
+ * r of g(r). */
 typedef struct grid {
-  size_t n; /* number of centres in at, x and y */
+  size_t n; /* number of disk centres, rows of at, x and y */
   double (*at)[2];
   double lower[2], width[2]; /* lower corner and lengths of the window */
-  /* inverse[k]: 1/width if direction k wraps, else 0; narrows[k]: 1 if the window has edges along
-   * k, 0 if it wraps */
+  /* inverse[k]: 1/width[k] if direction k is periodic, else 0; narrows[k]: 0 if direction k is
+   * periodic, 1 if the window has edges along k */
   double inverse[2], narrows[2];
   bool wraps[2];
   double offset; /* x shift of the periodic image above, in a sheared box */
   size_t cells[2];
   size_t *start;
-  /* [n] coordinates of the centres, ordered by cell */
+  /* [n] coordinates of the disk centres, ordered by grid cell */
   double *x, *y;
 } grid;
 
@@ -35,14 +36,15 @@ static size_t grid_cell(const grid *g, const double at[2]) {
   return cell[1] * g->cells[0] + cell[0];
 }
 
-/* Largest number of cells along a side for n disks: about four cells per disk. */
+/* Returns the largest number of grid cells along one side for n disks; at most about four cells per
+ * disk in all. */
 static size_t most_cells(size_t n) { return (size_t)(2.0 * sqrt((double)n)) + 1; }
 
 static void grid_fill(grid *g, double reach) {
   for (int k = 0; k < 2; k++) {
     const double most = (double)most_cells(g->n);
     g->cells[k] = (size_t)fmax(fmin(floor(g->width[k] / reach), most), 1.0);
-    /* of two cells, each would be the other's neighbour on both sides */
+    /* with two cells along a periodic direction, each would be the other's neighbour twice */
     if (g->wraps[k] && g->cells[k] < 3) g->cells[k] = 1;
     g->inverse[k] = g->wraps[k] ? 1.0 / g->width[k] : 0.0;
     g->narrows[k] = g->wraps[k] ? 0.0 : 1.0;
@@ -73,16 +75,17 @@ static gsl_histogram *histogram_new(size_t bins, double upper) {
   return h;
 }
 
-/* All threads count pairs, one chunk of rows of cells at a time. The histograms of the chunks are
- * added in order, so that the sums do not depend on the number of threads. */
+/* Number of chunks of rows of grid cells. All threads count pairs, one chunk at a time. The
+ * histograms of the chunks are added in order, so that the sums do not depend on the number of
+ * threads. */
 enum { CHUNKS = 32 };
 typedef struct counter {
   const grid *g;
   double reach;
   size_t bins;
-  const double *range; /* [bins + 1] limits of the bins */
+  const double *range; /* [bins + 1] limits of the bins, in r */
   double *bin;         /* [CHUNKS][bins] histogram of each chunk */
-  atomic_size_t next;  /* next chunk to count */
+  atomic_size_t next;  /* index of the next chunk to be counted */
 } counter;
 
 /* Rounds to the nearest integer like nearbyint, in a form that compilers vectorise; |x| < 2^51. */
@@ -91,8 +94,8 @@ static inline double rounded(double x) {
   return (x + shift) - shift;
 }
 
-/* Counts the pairs of centre i with the centres first ... last - 1. For each batch it computes all
- * distances, selects those within reach, and adds these to the bins. */
+/* Counts the pairs of centre i with the centres first ... last - 1, at most BATCH of these at a
+ * time: computes all their distances, selects those within q->reach, and adds them to the bins. */
 static void count_run(const counter *q, double *bin, size_t i, size_t first, size_t last) {
   enum { BATCH = 64 };
   const grid *g = q->g;
@@ -122,21 +125,21 @@ static void count_run(const counter *q, double *bin, size_t i, size_t first, siz
       b = b < q->bins ? b : q->bins - 1;
       b += r >= q->range[b + 1];
       b -= r < q->range[b];
-      bin[b] += 2.0 / area[k]; /* one weight for (i, j), one for (j, i) */
+      bin[b] += 2.0 / area[k]; /* one weight for the pair (i, j), one for (j, i) */
     }
   }
 }
 
-/* Counts the pairs between two cells. The loops visit each pair of cells in both orders; only other
- * >= c counts. */
+/* Counts the pairs of centres in cells c and `other`. The callers' loops visit each pair of cells
+ * in both orders, so calls with other < c do nothing. */
 static void count_cells(const counter *q, double *bin, size_t c, size_t other) {
   const size_t *start = q->g->start;
   for (size_t p = start[c]; other >= c && p < start[c + 1]; p++)
     count_run(q, bin, p, c == other ? p + 1 : start[other], start[other + 1]);
 }
 
-/* Finds the neighbour of a cell in direction k, wrapped if the window wraps; false beyond the
- * window. */
+/* Finds the neighbour *to of cell `from` in direction k (0: x, 1: y), at the other end of the
+ * window if direction k is periodic. Returns false if the neighbour is outside the window. */
 static bool step_cell(const grid *g, int k, size_t from, int step, size_t *to) {
   if (g->cells[k] == 1) return *to = 0, step == 0;
   if (step < 0 && from == 0) return *to = g->cells[k] - 1, g->wraps[k];
@@ -145,8 +148,9 @@ static bool step_cell(const grid *g, int k, size_t from, int step, size_t *to) {
   return true;
 }
 
-/* Counts the pairs of cell c, in column x, with the cells of `row` that come near it in the
- * periodic image above (side 1) or below (side -1), which is shifted by the offset. */
+/* Counts the pairs of cell c, in column x, with those cells of `row` that are near it in the
+ * periodic image above (side 1) or below (side -1). In a sheared box this image is shifted along
+ * x. */
 static void count_shifted(const counter *q, double *bin, size_t c, size_t x, size_t row, int side) {
   const grid *g = q->g;
   const int64_t n = (int64_t)g->cells[0];
@@ -167,7 +171,7 @@ static void count_row(const counter *q, double *bin, size_t y) {
       if (!shifted)
         count_cells(q, bin, c, ny * g->cells[0] + nx);
       else if (k % 3 == 0)
-        count_shifted(q, bin, c, x, ny, k / 3 - 1); /* covers all three columns */
+        count_shifted(q, bin, c, x, ny, k / 3 - 1); /* one call counts all three columns */
     }
   }
 }
@@ -191,8 +195,8 @@ static void count_pairs(const grid *g, gsl_histogram *h, double reach) {
   free(q.bin);
 }
 
-/* Sets the window to the region, cut down to the bounding box of the disks along open directions,
- * and collects the centres in it. */
+/* Sets the window to the region, cut down to the bounding box of the disks along directions that
+ * are not periodic, and collects the disk centres in it. */
 static sd_status fill_window(grid *g, const configuration *c, const region *r) {
   const sd_model *m = c->model;
   double upper[2], low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
@@ -252,8 +256,8 @@ static sd_status correlate(correlation *t, const configuration *c, const region 
 
 /* --- forces ----------------------------------------------------------------------------------- */
 
-/* Computes the distribution of n values, in `bins` bins up to `most`. scaled: the values are
- * divided by their mean. */
+/* Computes the distribution of n values, in `bins` bins from 0 to `most`. scaled: true if the
+ * values are divided by their mean first. */
 static void distribute(distribution *d, double *value, size_t n, double most, size_t bins,
                        bool scaled) {
   *d = (distribution){.n = n, .mean = NAN, .deviation = NAN, .skewness = NAN, .kurtosis = NAN};
@@ -267,7 +271,7 @@ static void distribute(distribution *d, double *value, size_t n, double most, si
     if (!scaled) /* put a value at the upper limit into the last bin */
       value[k] = fmin(value[k], nextafter(most, 0.0));
     d->beyond += value[k] >= most;
-    gsl_histogram_increment(d->histogram, value[k]); /* ignores values outside the bins */
+    gsl_histogram_increment(d->histogram, value[k]); /* GSL ignores values outside the bins */
   }
   double mean = d->mean / unit;
   d->deviation = gsl_stats_sd_with_fixed_mean(value, 1, n, mean);

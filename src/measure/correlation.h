@@ -13,10 +13,10 @@
 #include "base/gsl.h"
 #include "measure/configuration.h"
 
-/* Distribution of positive values, in multiples of their mean. */
+/* Distribution of positive values, measured in multiples of their mean. */
 typedef struct distribution {
   size_t n;
-  /* mean: of the values; the others: standard deviation, skewness and excess kurtosis (0 for a
+  /* mean: mean of the values; the others: standard deviation, skewness and excess kurtosis (0 for a
    * Gaussian) of value/mean */
   double mean, deviation, skewness, kurtosis;
   double least, most;
@@ -26,24 +26,28 @@ typedef struct distribution {
 
 typedef struct correlation {
   gsl_histogram *pairs; /* g(r); NULL for fewer than two disks */
-  double reach;         /* largest r of g(r) */
+  double reach;         /* largest r for which g(r) is computed */
   size_t n_disks;
-  double density;      /* disks per area of the window */
+  double density;      /* number of disks per area of the window */
   double peak_r, peak; /* position r and height of the highest bin of g(r) */
-  /* |F_n| and |tau| of load-bearing contacts in the region; tangential: only those with mu > 0 */
+  /* distributions of |F_n| and |tau| of load-bearing contacts in the region; tangential includes
+   * only contacts with mu > 0 */
   distribution normal, tangential;
-  distribution mobilised; /* |tau|/(mu F_n), not divided by the mean */
-  size_t n_limit;         /* number of contacts that slide */
+  /* distribution of the mobilised friction: |tau| divided by its limit, mu times the normal force
+   * without attraction; not divided by its mean */
+  distribution mobilised;
+  size_t n_limit; /* number of contacts counted in `mobilised` that slide */
 } correlation;
 
-/* CORRELATION_FORCES: upper limit of the force histograms, in means. correlation_new uses
- * `bins` >= 1 bins in every histogram; g(r) extends to 5 mean diameters, in small systems to half
- * the window. Call correlation_free also when it fails. SD_ERROR_IO: out of memory. */
+/* CORRELATION_FORCES: upper limit of the force histograms, in multiples of the mean force.
+ * correlation_new uses `bins` >= 1 bins in every histogram; g(r) extends to 5 mean diameters, in
+ * small systems to half the window. Call correlation_free also when it fails. SD_ERROR_IO: out of
+ * memory. */
 enum { CORRELATION_FORCES = 10 };
 sd_status correlation_new(correlation *t, const configuration *c, const region *g, size_t bins,
                           sd_messages *messages);
 void correlation_free(correlation *t);
-/* Returns the probability density in a bin. */
+/* Returns the probability density in the bin with this index. */
 double distribution_density(const distribution *d, size_t bin);
 
 #endif

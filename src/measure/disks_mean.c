@@ -1,5 +1,5 @@
-/* disks_mean.c: means of each free disk and over all disks, from the sums in a state (see
- * slipdisk/measure.h). */
+/* disks_mean.c: computes time averages of each free disk, and statistics of these over all disks,
+ * from the sums in a state (see slipdisk/measure.h). */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -12,8 +12,8 @@
 
 /* --- one disk --------------------------------------------------------------------------------- */
 
-/* Mean of `count` bins from `first` on, times per_bin (1/length of a bin, which turns angles into
- * rates); NAN for none. */
+/* Returns the mean of `count` bins from index `first` on, multiplied by per_bin; NAN for count = 0.
+ * per_bin: 1/(duration of a bin), which turns angles into rates. */
 static double part_of(const double *bin, size_t first, size_t count, double per_bin) {
   return count > 0 ? sums_mean(bin + first, count) * per_bin : NAN;
 }
@@ -22,7 +22,8 @@ static void fill_rotation(sd_disk_mean *d, const sd_model *model, const sd_state
   const double *bin = state->mean_bin + i * SD_MEAN_BINS;
   double length = (double)state->mean_bin_steps * model->dt, period = mean_period(model) / length;
   size_t bins = (size_t)state->mean_bins, half = bins / 2;
-  /* A ripple whose period is shorter than a bin is no more than noise at the edges of the bins. */
+  /* A ripple with a period shorter than a bin only adds noise at the edges of the bins: ignore
+   * it. */
   sd_mean mean = mean_of_record(bin, bins, period >= 1 ? period : 0);
   d->omega = mean.mean / length;
   d->error = mean.error / length;
@@ -53,8 +54,8 @@ static void fill_position(sd_disk_mean *d, const sd_model *model, const sd_state
 static void fill_rates(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {
   double looks = (double)state->mean_samples, time = (double)state->measured * model->dt;
   bool running = state->phase < (int64_t)model->n_phases && model->phases[state->phase].measure;
-  /* The losses of the state enter the sums when a measured phase ends: add them here while it
-   * runs. */
+  /* The sums include the losses of a measured phase only after its end. While the phase runs, add
+   * the losses so far, which are in the state. */
   double now = running ? 1 : 0;
   d->coordination = state->sum_contacts[i] / looks;
   d->sliding = state->sum_sliding[i] / state->sum_contacts[i];
@@ -83,12 +84,12 @@ sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state, size_
 
 /* --- all disks -------------------------------------------------------------------------------- */
 
-/* Disks with a known mean angular velocity, with scratch arrays. */
+/* Disks whose mean angular velocity is known, with scratch arrays. */
 typedef struct sample {
   size_t n;
   const sd_disk_mean **disk;
-  double *x, *y, *ranks; /* [n] scratch, ranks [2 n] */
-  size_t *slot;          /* [n_bodies] slot of each body */
+  double *x, *y, *ranks; /* scratch arrays: x and y [n], ranks [2 n] */
+  size_t *slot;          /* scratch: [n_bodies] index in the state of each body */
 } sample;
 
 /* Copies one member of sd_disk_mean, given by its offset in the struct, from all disks into
@@ -121,7 +122,7 @@ static void fill_omega(sd_disk_totals *t, const sample *q) {
   t->omega_mean_error = q->n > 1 ? gsl_stats_sd(q->x, 1, q->n) / sqrt(n) : NAN;
   t->skewness = q->n > 2 ? gsl_stats_skew(q->x, 1, q->n) : NAN;
 
-  /* The error of the root is that of the mean square over twice the root. */
+  /* The error of a root mean square is the error of the mean square divided by twice the root. */
   for (size_t k = 0; k < q->n; k++) q->x[k] *= q->x[k];
   t->omega_rms = sqrt(gsl_stats_mean(q->x, 1, q->n));
   t->omega_rms_error = q->n > 1 && t->omega_rms > 0
@@ -129,8 +130,8 @@ static void fill_omega(sd_disk_totals *t, const sample *q) {
                            : NAN;
 
   /* Error of the median: for any distribution, the number of values below the median has the
-   * standard deviation sqrt(n)/2. Take half the distance between the quantiles that far from the
-   * median. */
+   * standard deviation sqrt(n)/2. The error is therefore half the distance between the quantiles
+   * 1/2 - 1/(2 sqrt(n)) and 1/2 + 1/(2 sqrt(n)). */
   for (size_t k = 0; k < q->n; k++) q->x[k] = sqrt(q->x[k]);
   gsl_sort(q->x, 1, q->n);
   double off = 0.5 / sqrt(n);
@@ -147,7 +148,8 @@ static void fill_significance(sd_disk_totals *t, const sample *q) {
   for (size_t k = 0; k < q->n; k++) {
     const sd_disk_mean *d = q->disk[k];
     reliable += d->converged;
-    if (isnan(d->error)) continue; /* the error is NAN if too little is left after the transient */
+    /* the error is NAN if the record is too short after the transient */
+    if (isnan(d->error)) continue;
     known++;
     squares += d->error * d->error;
     significant += fabs(d->significance) > 3;
@@ -165,8 +167,8 @@ static void fill_significance(sd_disk_totals *t, const sample *q) {
   t->persistence_rank = gsl_stats_spearman(q->x, 1, second, 1, q->n, q->ranks);
 }
 
-/* Computes the mean product of omega over pairs of free disks in contact now, over its mean square.
- * slot: scratch of one number per body. */
+/* Computes the mean of omega_i omega_j over pairs i, j of free disks now in contact, divided by the
+ * mean square of omega. slot: scratch array with one number per body. */
 static void fill_neighbours(sd_disk_totals *t, const sd_state *state, const sd_disk_mean *means,
                             size_t *slot) {
   double sum = 0, pairs = 0;
@@ -189,7 +191,7 @@ static void fill_contacts(sd_disk_totals *t, const sd_state *state, const sd_dis
     const sd_disk_mean *d = q->disk[k];
     diameter += 2 * state->radius[d - means] / n;
     contacts += d->coordination;
-    /* The means are NAN for a disk that never had a contact. */
+    /* d->sliding and d->force are NAN for a disk that never had a contact. */
     sliding += d->coordination > 0 ? d->sliding * d->coordination : 0;
     force += d->coordination > 0 ? d->force * d->coordination : 0;
   }

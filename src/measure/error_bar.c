@@ -31,11 +31,12 @@
 #include <string.h>
 
 enum { SHORTEST = 16, BLOCKS = 512, ORDERS = 27, FEWEST = 16, LONG = 64, CHANCE = 50 };
-/* A record has no noise if the model predicts all but this fraction of its variance. */
+/* A record has no noise if the autoregressive model predicts all but this fraction of its
+ * variance. */
 static const double foretold = 1e-3;
 
-/* Writes the means of the n/b whole blocks of b samples that end with the record; returns their
- * number. */
+/* Computes the means y[] of n/b blocks of b samples each, the last of which ends with the record.
+ * Returns the number of blocks. */
 static size_t block_means(const double *x, size_t n, size_t b, double *y) {
   size_t blocks = n / b;
   if (b == 1) memcpy(y, x, n * sizeof *y);
@@ -43,8 +44,8 @@ static size_t block_means(const double *x, size_t n, size_t b, double *y) {
   return blocks;
 }
 
-/* Smooths a record by 1/4, 1/2, 1/4 and keeps every other value, up to its end; returns their
- * number. */
+/* Smooths a record with the weights 1/4, 1/2, 1/4 and keeps every other value, counted from its
+ * end. Returns the number of values kept. */
 static size_t halved(const double *y, size_t n, double *half) {
   size_t count = (n - 1) / 2;
   const double *first = y + (n - 1 - 2 * count);
@@ -56,8 +57,9 @@ static size_t halved(const double *y, size_t n, double *half) {
 /* Returns the next block length in 1, 2, 3, 4, 6, 8, 12, ... (half octaves). */
 static size_t larger(size_t b) { return b < 2 ? b + 1 : (b & (b - 1)) ? b / 3 * 4 : b / 2 * 3; }
 
-/* Computes the squared error of the mean of a record without noise. Returns true if the errors fall
- * beyond some block length, as for a period. */
+/* Computes the squared error of the mean of a record without noise, which is periodic or relaxes.
+ * Returns true if the error decreases beyond some block length, as it does for a periodic
+ * record. */
 static bool periodic_variance(const double *x, size_t n, double *square) {
   double y[BLOCKS], largest = 0;
   for (size_t b = 1; n / b >= FEWEST; b = larger(b)) {
@@ -70,8 +72,8 @@ static bool periodic_variance(const double *x, size_t n, double *square) {
   return *square < largest;
 }
 
-/* Returns the mean of n values, one per order of the model, with the weights exp(-AIC/2).
- * criterion: AIC of each order. */
+/* Returns the mean of n values, one for each order of the autoregressive model, with the weights
+ * exp(-AIC/2). criterion: AIC of each order. */
 static double weighted(const double *value, const double *criterion, size_t n) {
   double least = criterion[0], sum = 0, weights = 0;
   for (size_t p = 1; p < n; p++) least = criterion[p] < least ? criterion[p] : least;
@@ -83,8 +85,8 @@ static double weighted(const double *value, const double *criterion, size_t n) {
   return sum / weights;
 }
 
-/* Two neighbouring numbers in one vector. Without this type the compiler vectorises across blocks
- * of eight and transposes them. */
+/* Vector of two neighbouring numbers. Without this type the compiler vectorises across blocks of
+ * eight and transposes them. */
 typedef double pair __attribute__((vector_size(16)));
 static inline pair pair_at(const double *x) {
   pair p;
@@ -92,8 +94,8 @@ static inline pair pair_at(const double *x) {
   return p;
 }
 
-/* Returns Burg's reflection coefficient of the forward errors f[0..n) and the backward errors
- * b[0..n). Both arrays are padded with zeros to a multiple of SUMS. */
+/* Returns Burg's reflection coefficient of the forward prediction errors f[0..n) and the backward
+ * prediction errors b[0..n). Both arrays are padded with zeros to a multiple of SUMS. */
 static double reflection(const double *restrict f, const double *restrict b, size_t n) {
   pair both[SUMS / 2] = {0}, squares[SUMS / 2] = {0};
   for (size_t t = 0; t < n; t += SUMS)
@@ -105,8 +107,8 @@ static double reflection(const double *restrict f, const double *restrict b, siz
   return 2 * sums_all((const double *)both) / sums_all((const double *)squares);
 }
 
-/* Updates the forward and backward errors to the next order, in place. k: reflection
- * coefficient. */
+/* Updates the forward prediction errors f and the backward ones b in place to the next order of the
+ * autoregressive model. k: reflection coefficient. */
 static void reflect(double *restrict f, double *restrict b, size_t n, double k) {
   for (size_t t = 0; t < n; t += SUMS)
     for (size_t l = t; l < t + SUMS; l++) {
@@ -116,8 +118,8 @@ static void reflect(double *restrict f, double *restrict b, size_t n, double k) 
     }
 }
 
-/* Returns the spectral density at frequency zero of y[0..n), in units in which that of white noise
- * is its variance; NAN if there is no noise. */
+/* Returns the spectral density of y[0..n) at frequency zero, in units in which the density of white
+ * noise is its variance; NAN if the record has no noise. */
 static double spectrum_at_zero(const double *y, size_t n) {
   double forward[BLOCKS + SUMS], backward[BLOCKS + SUMS], found[ORDERS + 1], criterion[ORDERS + 1];
   double mean = sums_mean(y, n), all = (double)n;
@@ -130,8 +132,8 @@ static double spectrum_at_zero(const double *y, size_t n) {
     criterion[p] = all * log(left) + 2 * (double)p;
     found[p] = left * all / (all - 1 - (double)p) / (gain * gain);
     if (p == orders) return weighted(found, criterion, p + 1);
-    /* Pair forward error t with backward error t - 1, which has the index t - 1 - p in
-     * `backward`. */
+    /* Pair forward prediction error t with backward prediction error t - 1, which has the index t -
+     * 1 - p in `backward`. */
     size_t pairs = n - 1 - p;
     backward[pairs] = 0;
     double k = reflection(forward + p + 1, backward, pairs);
@@ -197,11 +199,12 @@ error_bar error_bar_of(const double *x, size_t n) {
 
 enum { SHORTEST_TEST = 32, LOWEST = 32, SLOWEST = 16, AGREE = 4, EVENTS = 16 };
 static const double level = 1.75, most_slow = 0.5;
-/* limits of chi^2 with 8 degrees of freedom: 1.6 and 20.8, divided by 8 */
+/* limits for (mean of the lowest AGREE values of the periodogram)/(density used for the error bar):
+ * 1.6 and 20.8, limits of chi^2 with 8 degrees of freedom, divided by 8 */
 static const double least = 0.2, most = 2.6;
 
-/* Computes the periodogram of y[0..n) minus its mean at k/n, k = 1 .. LOWEST (Goertzel, Am. Math.
- * Mon. 65, 34 (1958)). */
+/* Computes the periodogram of y[0..n) minus its mean at the frequencies k/n, k = 1 .. LOWEST
+ * (Goertzel, Am. Math. Mon. 65, 34 (1958)). */
 static void periodogram(const double *y, size_t n, double found[LOWEST]) {
   double twice[LOWEST], last[LOWEST] = {0}, before[LOWEST] = {0};
   const double mean = sums_mean(y, n);
@@ -217,8 +220,8 @@ static void periodogram(const double *y, size_t n, double found[LOWEST]) {
         (last[k] * last[k] + before[k] * before[k] - twice[k] * last[k] * before[k]) / (double)n;
 }
 
-/* Returns the change, from frequency zero to the last one, of the parabola fitted to the logarithms
- * of means of pairs. */
+/* Fits a parabola in the frequency to the logarithms of means of pairs of the periodogram `power`.
+ * Returns the change of the parabola from frequency zero to the last frequency. */
 static double change_of(const double *power, size_t frequencies) {
   const size_t count = frequencies / 2;
   const double pairs = (double)count;
@@ -239,8 +242,8 @@ static double mean_of(const double *x, size_t n) {
   return all / (double)n;
 }
 
-/* Returns the effective number of values that make up the variance, from the second and fourth
- * moments. */
+/* Returns the effective number of values y[k] that contribute to the variance, from the second and
+ * fourth moments. */
 static double events(const double *y, size_t n) {
   double second = 0, fourth = 0;
   const double mean = sums_mean(y, n);
@@ -252,7 +255,8 @@ static double events(const double *y, size_t n) {
   return (double)n / (fourth * (double)n / (second * second) - 1);
 }
 
-/* Returns the fraction of the variance at frequencies up to SLOWEST/n. */
+/* Returns the fraction of the variance of y[0..n) at frequencies up to SLOWEST/n. power:
+ * periodogram. */
 static double slow_part(const double *y, size_t n, const double *power) {
   const size_t few = n / 8 < SLOWEST ? n / 8 : SLOWEST;
   return 2 * mean_of(power, few) * (double)few / ((double)(n - 1) * sums_variance(y, n));

@@ -1,4 +1,5 @@
-/* error_bar.h: the parts of sd_mean_of, exposed so that each can be tested. */
+/* error_bar.h: the steps of sd_mean_of, which computes the mean of a correlated record and its
+ * error bar; declared here so that each can be tested. */
 #ifndef SLIPDISK_MEASURE_ERROR_BAR_H
 #define SLIPDISK_MEASURE_ERROR_BAR_H
 
@@ -15,20 +16,23 @@ typedef struct error_bar {
   bool slow;
 } error_bar;
 
-/* Returns the standard error of the mean of x[0..n), taken as a stationary record. */
+/* Returns the standard error of the mean of x[0..n), which is assumed to be stationary. */
 error_bar error_bar_of(const double *x, size_t n);
 
-/* Significance of a drift in sigmas: above DRIFT_SEEN it is cut off or enters the error bar, above
- * DRIFT_CERTAIN the mean does not count as converged. */
+/* Limits of drift.sigmas, the significance of a drift: above DRIFT_SEEN the drift is cut off or
+ * enters the error bar, above DRIFT_CERTAIN the mean does not count as converged. */
 enum { DRIFT_SEEN = 2, DRIFT_CERTAIN = 3 };
 
-/* Drift that remains in a record. */
+/* Drift that remains in a record of samples. */
 typedef struct drift {
-  /* difference between the means of the first quarter and of the rest, over its standard error */
+  /* difference between the means of the first quarter and of the rest, divided by its standard
+   * error */
   double sigmas;
-  /* half the difference between the means of the two halves: the bias left by a short relaxation */
+  /* half the difference between the means of the two halves of the record: the bias left by a short
+   * relaxation */
   double half;
-  /* (q3 - q4)/(q1 - q2) with the means q of the four quarters, at least 0 */
+  /* (q3 - q4)/(q1 - q2), with q1 ... q4 the means of the four quarters of the record; 0 if
+   * negative */
   double ratio;
 } drift;
 
@@ -36,13 +40,15 @@ typedef struct drift {
 drift drift_of(const double *x, size_t n, double error);
 
 typedef struct transient {
-  size_t length; /* number of samples to discard at the start */
-  double tail;   /* bias that the transient is likely to leave in the mean of the rest */
-  bool inside;   /* true if the transient ends within the first half of the record */
-  /* true if the naive error of the rest is at most a hundredth of that of the whole record */
+  size_t length; /* number of samples to discard at the start of the record */
+  /* bias that the transient is likely to leave in the mean of the rest of the record */
+  double tail;
+  bool inside; /* true if the transient ends within the first half of the record */
+  /* true if the naive error (for independent samples) of the rest is at most a hundredth of that of
+   * the whole record */
   bool quiet;
-  error_bar rest; /* standard error of the mean of the rest */
-  drift left;     /* drift of the rest */
+  error_bar rest; /* standard error of the mean of the rest of the record */
+  drift left;     /* drift that is left in the rest of the record */
 } transient;
 
 transient transient_of(const double *x, size_t n);
@@ -52,13 +58,17 @@ transient transient_none(const double *x, size_t n);
 /* --- test whether a record resolves its slowest components ------------------------------------ */
 
 typedef enum slow {
-  SLOW_RESOLVED, /* the record determines its spectral density at frequency zero */
-  SLOW_DIP,      /* not determined: the extrapolated density is more likely too large */
-  SLOW_PARTS     /* not determined: the extrapolated density may miss slow components */
+  SLOW_RESOLVED, /* the record determines its own spectral density at frequency zero */
+  /* the record does not determine the density at frequency zero: the extrapolated one is more
+   * likely too large */
+  SLOW_DIP,
+  /* the record does not determine the density at frequency zero: the extrapolated one may miss slow
+   * components */
+  SLOW_PARTS
 } slow;
 
-/* Classifies a record by its block means y[0..n). spectrum: the extrapolated density at frequency
- * zero, in units in which white noise has its variance. */
+/* Classifies a record by its block means y[0..n). spectrum: its extrapolated spectral density at
+ * frequency zero, in units in which the density of white noise is its variance. */
 slow slow_of(const double *y, size_t n, double spectrum);
 /* Returns true if frequencies up to 16 periods per record (SLOWEST) hold less than half of the
  * variance of y[0..n). */
@@ -66,9 +76,10 @@ bool slow_repeats(const double *y, size_t n);
 
 /* --- means and variances of records ----------------------------------------------------------- */
 
-/* Means and variances are written for vectorisation. There are SUMS partial
- * sums on every processor, so the bits do not depend on the vector width. The summands are
- * differences from the first value, so that a constant record has exactly its value as mean. */
+/* Number of partial sums in means and variances, which are written so that compilers vectorise
+ * them. The number is the same on every processor, so the results do not depend on the vector
+ * width. The summands are differences from the first value, so that a constant record has exactly
+ * its value as mean. */
 
 enum { SUMS = 8 };
 
@@ -100,10 +111,11 @@ static inline double sums_variance(const double *x, size_t n) {
 
 /* --- means of records of a driven system, used by all measurements ---------------------------- */
 
-/* Returns the common period of all motions of the measured phases; 0: there is none. */
+/* Returns the shortest common period of all prescribed motions in the measured phases, unit: time;
+ * 0: there is none. */
 double mean_period(const sd_model *model);
-/* Returns sd_mean_of, transient cut off, for a record with a periodic ripple. period: of the
- * ripple, in samples; 0: no ripple. */
+/* Returns the mean of x[0..n) and its error bar, with the transient cut off, for a record that may
+ * contain a periodic ripple. period: period of the ripple in samples; 0: no ripple. */
 sd_mean mean_of_record(const double *x, size_t n, double period);
 
 #endif

@@ -1,5 +1,5 @@
-/* mean.c: means with error bars, of records and of running sums of a state; length of the
- * transient; test whether the goal of a run is met. */
+/* mean.c: computes means with error bars, of records and of running sums in a state, and the length
+ * of the transient; tests whether the goal of a run is met. */
 
 #include <float.h>
 #include <math.h>
@@ -14,9 +14,10 @@
 #include "model/state.h"
 #include "slipdisk/measure.h"
 
-/* Returns the systematic error due to a drift. For a record without noise, exp(-t/T) has the mean
- * h (1 + u)/(1 - u), with h half the difference of its halves' means and u the ratio of the
- * differences of its quarters. */
+/* Returns the systematic error of a mean due to the drift `left` in the record. For a relaxation
+ * without noise, exp(-t/T), the bias of the mean is h (1 + u)/(1 - u), with h half the difference
+ * between the means of the two halves of the record, and u the ratio of the differences between its
+ * last and its first two quarters. */
 static double systematic(drift left, error_bar error, bool quiet) {
   double u = fmin(left.ratio, 0.75);
   if (quiet && !error.reliable) return left.half * (1 + u) / (1 - u);
@@ -69,16 +70,16 @@ double mean_period(const sd_model *model) {
   return 0;
 }
 
-/* Integral from 0 to u of a triangle over [0, 2] with area 1. */
+/* Returns the integral from 0 to u of a triangular weight on [0, 2] with total area 1. */
 static double triangle(double u) {
   if (u <= 0) return 0;
   return u < 1 ? u * u / 2 : u < 2 ? 1 - (2 - u) * (2 - u) / 2 : 1;
 }
 
-/* Computes running means y[] of x[0..n), weighted by a triangle that spans two widths, `stride`
- * apart, as many as fit, up to the end of the record. The triangle is a mean over one width of
- * running sums over one width, so a ripple with this period cancels, wherever the edges of the bins
- * lie. Returns the number of means. */
+/* Computes running means y[] of x[0..n), weighted by a triangle of length 2 * width. The windows
+ * are `stride` apart, as many as fit, and the last one ends with the record. A triangular weight is
+ * a running mean over one width applied twice, so a ripple whose period divides the width cancels,
+ * wherever the edges of the bins lie. Returns the number of means. */
 static size_t windows(const double *x, size_t n, double width, double stride, double *y) {
   size_t count = (size_t)(((double)n - 2 * width) / stride) + 1;
   for (size_t k = 0; k < count; k++) {
@@ -92,7 +93,8 @@ static size_t windows(const double *x, size_t n, double width, double stride, do
   return count;
 }
 
-/* sd_mean_of for a record with a ripple of this period, in samples. */
+/* Returns the mean and error bar, as sd_mean_of does, of a record with a periodic ripple. period:
+ * period of the ripple, in samples. */
 static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   enum { NARROWEST = 8, ENOUGH = 64 };
   double width = period * ceil(NARROWEST / period), length = (double)n;
@@ -260,8 +262,8 @@ const observable_list slide_observables =
  * Behind such a cut, the remainder of a relaxation has the size of the batches' noise, but adds up.
  * Two estimates reveal it: the decay within the part that is cut off (tail_of), and the difference
  * between the first quarter and the rest of the kept part (drift_of). While the first exceeds half
- * the error bar or the second two of its errors, another sixteenth of the record is cut off, up to
- * half of it. The remainder after that enters the error bar.
+ * the error bar, or the second exceeds two standard errors, another sixteenth of the record is cut
+ * off, up to half of it. The remainder after that enters the error bar.
  *
  * A record without noise that relaxes for ever (deterministic drive) has no minimum before the
  * edge, and its rest never looks stationary. It is called quiet if the naive error falls to a
@@ -271,9 +273,11 @@ const observable_list slide_observables =
 enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16, BATCHES = 64, ENOUGH = 16 };
 static const double quiet_at = 1e-2, enough = 1e-5, distinct = 3;
 
-/* Computes the squared naive error for truncations of 0 ... last of the m batches. */
+/* Computes square[d], the squared naive error of the mean when the first d of the m batches are cut
+ * off, for d = 0 ... last. */
 static void naive(const double *x, size_t batch, size_t m, size_t last, double *square) {
-  /* Running moments (Welford). They go backwards, so that one pass serves all truncations. */
+  /* Running moments (Welford), computed from the end of the record backwards, so that one pass
+   * serves all truncations. */
   double scale = 0, mean = 0, squares = 0;
   for (size_t d = m; d-- > 0;) {
     double y = sums_mean(x + d * batch, batch), kept = (double)(m - d), off = y - mean;
@@ -281,14 +285,14 @@ static void naive(const double *x, size_t batch, size_t m, size_t last, double *
     mean += off / kept;
     squares += off * (y - mean);
     if (d > last) continue;
-    /* Variances below the rounding of the samples count as equal. */
+    /* Variances below the rounding errors of the samples count as equal. */
     double variance = fmax(squares / (kept - 1), pow(4 * DBL_EPSILON * scale, 2));
     square[d] = variance * (kept - 1) / (kept * kept);
   }
 }
 
-/* Standard deviation of means of `part` samples, from at most BATCHES parts at the end of x[0..n);
- * 0: too few parts. */
+/* Returns the standard deviation of the means of blocks of `part` samples, for at most BATCHES
+ * blocks at the end of x[0..n); 0: there are too few blocks. */
 static double scatter_of(const double *x, size_t n, size_t part) {
   double y[BATCHES];
   size_t count = n / part < BATCHES ? n / part : BATCHES;
@@ -297,8 +301,8 @@ static double scatter_of(const double *x, size_t n, size_t part) {
 }
 
 /* Returns true if the mean of x[0..d), or of its first half, quarter or eighth, differs from that
- * of x[d..n). The scatter of short parts is measured as well, as samples that anticorrelate scatter
- * more than the error bar of the rest implies. */
+ * of x[d..n). The scatter of means of such short parts is also measured in x[d..n), as
+ * anticorrelated samples scatter more than the error bar of the rest implies. */
 static bool stands_out(const double *x, size_t d, size_t n) {
   double rest = sums_mean(x + d, n - d), error = error_bar_of(x + d, n - d).error;
   size_t part = d;
@@ -306,7 +310,7 @@ static bool stands_out(const double *x, size_t d, size_t n) {
     double short_one =
         fmax(error * sqrt((double)(n - d) / (double)part), scatter_of(x + d, n - d, part));
     double sigma = hypot(error, short_one);
-    /* if the error bar is NAN, accept the cut */
+    /* accept the cut also if the error bar is NAN */
     if (!(fabs(sums_mean(x, part) - rest) <= distinct * sigma)) return true;
   }
   return false;
@@ -320,8 +324,8 @@ drift drift_of(const double *x, size_t n, double error) {
   for (size_t k = 0; k < 4; k++) q[k] = sums_mean(x + (n - (4 - k) * quarter), quarter);
   double fall = fabs(q[0] - (q[1] + q[2] + q[3]) / 3);
   bool rounding = fall <= 8 * DBL_EPSILON * fabs(q[3]);
-  /* Variance of a mean over a length L: error^2 n/L for the correlated noise, plus c/L^2 for
-   * bounded noise, with c from parts of n/ENOUGH samples. */
+  /* Variance of a mean of L samples: error^2 n/L due to correlated noise, plus c/L^2 due to bounded
+   * noise; c follows from the scatter of means of n/ENOUGH samples. */
   double bounded = fmax(0, pow(scatter_of(x, n, n / ENOUGH), 2) - 16 * error * error);
   double sigma = sqrt((4 + 4. / 3) * error * error + bounded * (1. / 16 + 1. / 144));
   result.sigmas = rounding ? 0 : fall / sigma;
@@ -331,8 +335,8 @@ drift drift_of(const double *x, size_t n, double error) {
   return result;
 }
 
-/* Returns the bias in the mean of x[d..n) left by a relaxation over x[0..d): the mean excesses of
- * the two halves of x[0..d) are continued as a geometric series. */
+/* Returns the bias that a relaxation over x[0..d) leaves in the mean of x[d..n): the excess of the
+ * mean of the first and second half of x[0..d) is continued as a geometric series. */
 static double tail_of(const double *x, size_t d, size_t n) {
   size_t half = d / 2;
   if (half == 0) return 0;
@@ -342,8 +346,8 @@ static double tail_of(const double *x, size_t d, size_t n) {
   return ratio > 0 ? fabs(second) * ratio / (1 - ratio) * (double)half / (double)(n - d) : 0;
 }
 
-/* Lengthens a cut while a relaxation is visible behind it, and sets the error and drift of the
- * rest. */
+/* Cuts off more of the start of the record while a relaxation is visible in the rest, and sets the
+ * error bar and the drift of the rest. */
 static void cut_drift(const double *x, size_t n, transient *found) {
   for (size_t step = n / STEPS;; found->length += step) {
     const double *rest = x + found->length;
@@ -368,7 +372,8 @@ transient transient_none(const double *x, size_t n) {
 transient transient_of(const double *x, size_t n) {
   size_t batch = (size_t)fmin((double)n / FEWEST_BATCHES, sqrt((double)n));
   if (batch < SMALLEST) batch = SMALLEST;
-  /* start of the first whole batch, so that batches end with the record */
+  /* m: number of batches; last: largest number that may be cut off; start: first sample of the
+   * first batch, so that the last batch ends with the record */
   size_t m = n / batch, last = m / 2, best = 0, start = n - m * batch;
   if (m < 4) return transient_none(x, n);
 
@@ -396,8 +401,8 @@ transient transient_of(const double *x, size_t n) {
  * slipdisk/measure.h).
  *
  * An error bar is itself a random number, and a run that ends when it is small ends, on average,
- * when it is too small. Every test adds to that bias, so there are few: one for each 5 % of length
- * (docs/physics.md 9). */
+ * when it is too small. Every test adds to that bias, so there are few: one each time the record
+ * has grown by 5 % (docs/physics.md 9). */
 
 /* The length of the record grows by 1/LOOKS between two tests: 14 tests while it doubles. */
 enum { LOOKS = 20 };
@@ -425,7 +430,8 @@ int64_t sd_goal_look(const sd_model *model, int64_t step) {
 
 /* --- torque, normal forces and visits in each sliding configuration of a watched pair ---------- */
 
-/* Returns the steps in a class, a sum over counts of the 4 x 4 states of two contacts. */
+/* Returns the number of steps that a pair of contacts has spent in a sliding configuration (class).
+ * count: number of steps in each of the 4 x 4 combined states of the two contacts. */
 static int64_t steps_in(const int64_t *count, int class) {
   int64_t steps = 0;
   for (int first = 0; first < 4; first++)
@@ -434,16 +440,17 @@ static int64_t steps_in(const int64_t *count, int class) {
   return steps;
 }
 
-/* Return mean and standard deviation of n values from their sum and sum of squares; NAN for n =
- * 0. */
+/* mean_from returns the mean of n values from their sum, deviation_from their standard deviation
+ * from the sum and the sum of squares; NAN for n = 0. */
 static double mean_from(double sum, int64_t n) { return n > 0 ? sum / (double)n : NAN; }
 static double deviation_from(double sum, double squares, int64_t n) {
   double mean = mean_from(sum, n);
   return n > 0 ? sqrt(fmax(0, squares / (double)n - mean * mean)) : NAN;
 }
 
-/* Fills steps and mean torque by age of the visit. now: the current visit is in configuration k, so
- * its unfinished part is added. */
+/* Fills the number of steps and the mean torque by age of the visit, i.e. by the time since the
+ * pair entered configuration k. now: the pair is in this configuration at present, so that the
+ * unfinished visit is added. */
 static void add_ages(sd_configuration *c, const sd_state *s, size_t k, bool now) {
   const size_t watch = k / VISIT_CLASSES;
   const int64_t since = s->visit_since[watch], from = s->visit_from[watch];
@@ -467,7 +474,7 @@ sd_configuration sd_configuration_of(const sd_model *model, const sd_state *s, s
     c.visits = s->visit_count[k];
   }
   double sum[VISIT_SUMS] = {0};
-  /* A pair is in no configuration until measuring begins. */
+  /* A watched pair of contacts is in no sliding configuration until measuring begins. */
   const bool now = known && s->measured > 0 && s->visit_class[watch] == c.configuration;
   for (size_t q = 0; known && q < VISIT_SUMS; q++)
     sum[q] = s->visit_sum[VISIT_SUMS * k + q] + (now ? s->visit_part[VISIT_SUMS * watch + q] : 0);

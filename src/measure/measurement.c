@@ -96,8 +96,8 @@ OBSERVABLE_GET(sliding, measurement,
                at->c.recomputed || at->c.frictionless ? NAN : (double)at->s.n_sliding)
 OBSERVABLE_GET(overlap_max, measurement, at->s.n_contacts > 0 ? at->s.overlap_max : NAN)
 
-/* Fraction of the contacts with friction that slide; NAN if contacts were found again, as their
- * tangential force is unknown. */
+/* Returns the fraction of the contacts with friction that slide; NAN if the contacts were not
+ * stored but recomputed, as their tangential force is then unknown. */
 static double at_limit(const void *row, size_t k) {
   const measurement *m = row;
   size_t n = m->pairs.mobilised.n;

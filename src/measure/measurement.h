@@ -13,7 +13,8 @@ typedef struct measurement {
   configuration c;
   region region;
   bool region_given; /* true if the caller chose the region */
-  unsigned open;     /* configuration_open of the frame; 0 if region_given */
+  /* edges that are neither wall nor periodic, see configuration_open; 0 if region_given */
+  unsigned open;
   double width, height;
   stress s;
   cells cells;
@@ -22,17 +23,18 @@ typedef struct measurement {
 } measurement;
 
 /* Measures a frame. wanted: x0, x1, y0, y1 of a region, or NULL. Call measurement_free also when it
- * fails. SD_ERROR_USER: no disk is in play, or a region was given in a sheared box. If the cells
- * fail with SD_ERROR_NUMERIC this is only a warning, and has_cells is false. */
+ * fails. SD_ERROR_USER: no disk is in play, or a region was given in a sheared box. If the radical
+ * cells cannot be computed (SD_ERROR_NUMERIC) this is only a warning, and has_cells is false. */
 sd_status measurement_new(measurement *m, const sd_model *constants, const frame_data *frame,
                           const double *wanted, size_t bins, sd_messages *messages);
 void measurement_free(measurement *m);
-/* Returns the pressure on a disk: sum of l.f over twice the area of its cell, for a disk in a clump
- * summed over the clump; NAN if a cell is open. */
+/* Returns the pressure on a disk: the sum of l.f over its contacts divided by twice the area of its
+ * radical cell, with l from its centre to the contact and f the contact force. For a disk in a
+ * clump, sum and area are those of the whole clump. NAN if a cell is open. */
 double measurement_pressure(const measurement *m, size_t disk);
 
-/* Table of all measured numbers, with their columns in frames.csv and their names in the JSON
- * output (OBJECT.NAME). */
+/* Table of all quantities of a measurement, with their columns in frames.csv and their names in the
+ * JSON output (OBJECT.NAME). */
 extern const observable_list measurement_observables;
 
 #endif

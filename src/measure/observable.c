@@ -29,8 +29,8 @@ double observable_value(const observable *o, const void *row, size_t k) {
   return ((const bool *)at)[k] ? 1 : 0;
 }
 
-/* Replaces values by 0 that the integer type cannot hold, as a damaged file may hold any number.
- * The upper limit itself is excluded: it is the first value beyond the type. */
+/* Returns `value` if it is in [lower, upper), else 0: a damaged file may hold a number that the
+ * integer type cannot. upper is the first value beyond the type. */
 static double within(double value, double lower, double upper) {
   return value >= lower && value < upper ? value : 0.0;
 }

@@ -8,7 +8,8 @@ double region_area(const region *g) {
   return (g->upper[0] - g->lower[0]) * (g->upper[1] - g->lower[1]);
 }
 
-/* Returns the smallest periodic image of coordinate c that is not below the lower edge. */
+/* Returns the smallest periodic image of the value `at` of coordinate c that is not below the lower
+ * edge of the region. */
 static double first_image(const region *g, int c, double at) {
   if (g->image[c] == 0.0) return at;
   return at - g->image[c] * floor((at - g->lower[c]) / g->image[c]);
@@ -37,8 +38,8 @@ static double sector(point p, point q, double radius) {
 
 static point along(point p, point d, double t) { return (point){p.x + t * d.x, p.y + t * d.y}; }
 
-/* Returns the signed area that the circle about the origin shares with the triangle of the origin
- * and edge p to q. */
+/* Returns the signed area that the circle about the origin shares with the triangle of the origin,
+ * p and q; positive if these are in counter-clockwise order. */
 static double edge_area(point p, point q, double radius) {
   point d = {q.x - p.x, q.y - p.y};
   double a = d.x * d.x + d.y * d.y, b = p.x * d.x + p.y * d.y;
@@ -62,7 +63,7 @@ double region_circle_polygon(double radius, size_t n, const double (*corner)[2])
   return area;
 }
 
-/* Returns the area common to two circles of radii r and s at this distance. */
+/* Returns the area common to two circles of radii r and s whose centres have this distance. */
 static double lens(double distance, double r, double s) {
   if (distance >= r + s) return 0.0;
   if (distance <= fabs(r - s)) return M_PI * fmin(r, s) * fmin(r, s);
@@ -71,7 +72,8 @@ static double lens(double distance, double r, double s) {
          v * sqrt(fmax(s * s - v * v, 0.0));
 }
 
-/* Returns the area of a disk inside the rectangle, without its periodic images. */
+/* Returns the area of the part of a disk that lies inside the rectangle, without periodic
+ * images. */
 static double rectangle_disk(const region *g, double x, double y, double radius) {
   double low[2], high[2];
   const double at[2] = {x, y};

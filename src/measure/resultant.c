@@ -1,4 +1,4 @@
-/* resultant.c: sums forces and counts at one time (see resultant.h). */
+/* resultant.c: computes sums of forces and numbers of contacts at one time (see resultant.h). */
 #include "measure/resultant.h"
 
 #include <stdlib.h>
@@ -15,12 +15,12 @@
 
 static const size_t NONE = SIZE_MAX;
 
-/* Layout of resultants.sums: WHOLE sums over everything, then ROW sums for each wall, group and
- * chosen disk. */
+/* Layout of resultants.sums: first WHOLE sums over all contacts and disks, with these indices; then
+ * ROW sums (FORCE_X, ...) for each wall, each group and each chosen disk. */
 enum { CONTACTS, SLIDING, OUTSIDE, VIRIAL, SQUARES, WHOLE };
 enum { FORCE_X, FORCE_Y, TORQUE, NORMAL, TANGENTIAL, ROW_CONTACTS, ROW_SLIDING, ROW };
 
-/* A state, or the part of it that a rank has. */
+/* A state, or the part of it that one rank has. */
 typedef struct part {
   const sd_model *model;
   const sd_state *state;
@@ -71,7 +71,8 @@ void resultants_free(resultants *r) {
 
 static void add_up(const part *p, exact_sum *sum, size_t n) { comm_total_exact(p->comm, sum, n); }
 
-/* Returns true for bodies that this rank counts; each body counts on exactly one rank. */
+/* Returns true if this rank includes the body in this slot in its sums; each body is included by
+ * exactly one rank. */
 static bool counts(const part *p, size_t slot) {
   const sd_state *s = p->state;
   return slot < s->n_free || (comm_rank(p->comm) == 0 && slot >= s->n_free + s->n_ghosts);
@@ -79,7 +80,8 @@ static bool counts(const part *p, size_t slot) {
 
 /* --- sums over contacts ----------------------------------------------------------------------- */
 
-/* Returns the index of the wall, group or chosen disk to which a body belongs; NONE: none. */
+/* A function that returns the index of the wall, group or chosen disk to which a body belongs;
+ * NONE: it belongs to none. */
 typedef size_t owner_of(const resultants *r, const part *p, uint32_t body);
 
 static size_t wall_of(const resultants *r, const part *p, uint32_t body) {
@@ -120,7 +122,8 @@ static void add_contacts(const resultants *r, const part *p, exact_sum *rows, ow
   }
 }
 
-/* Adds the force and torque on a body that the engine has stored in the state. */
+/* Adds the force and torque on a body, which the engine has stored in the state, to the sums of
+ * `row`. */
 static void add_force(const part *p, exact_sum *row, uint32_t body) {
   const sd_state *s = p->state;
   const uint32_t slot = slot_of(p->slots, body);
@@ -132,8 +135,8 @@ static void add_force(const part *p, exact_sum *row, uint32_t body) {
 
 /* --- sums over all contacts and disks --------------------------------------------------------- */
 
-/* Returns F_n r of contact c, with r the distance of the two centres, or of the centre from the
- * wall (compress.h). */
+/* Returns F_n r of contact c, with r the distance between the centres of the two disks, or between
+ * the centre of the disk and the wall (compress.h). */
 static double virial_of(const part *p, size_t c) {
   const sd_state *s = p->state;
   const uint32_t a = s->contact_a[c], b = s->contact_b[c];
@@ -142,8 +145,8 @@ static double virial_of(const part *p, size_t c) {
   return s->contact_force[c] * (r - s->contact_overlap[c]);
 }
 
-/* Adds the sums over everything. A pair held by attraction alone (no overlap) does not count as a
- * contact. */
+/* Adds the sums over all contacts and disks of this rank. A pair held by attraction alone (no
+ * overlap) does not count as a contact. */
 static void add_whole(const resultants *r, const part *p) {
   const sd_state *s = p->state;
   const bool compresses = series_compresses(p->model);
@@ -165,19 +168,20 @@ static void add_whole(const resultants *r, const part *p) {
 
 /* --- groups ----------------------------------------------------------------------------------- */
 
-/* Computes the position of a disk with its periodic images, not wrapped. */
+/* Computes the unwrapped position at[] of the disk in this slot, from its image counts. */
 static void absolute(const configuration *c, const sd_state *s, uint32_t slot, double at[2]) {
   at[0] = s->x[slot] + s->image_x[slot] * c->length[0] + s->image_y[slot] * c->offset;
   at[1] = s->y[slot] + s->image_y[slot] * c->length[1];
 }
 
-/* Returns the slot of a disk of the configuration. With ranks, frames number disks by their
- * slots. */
+/* Returns the index in the state (slot) of a disk of the configuration. If several ranks share the
+ * state, frames number disks by their slots. */
 static uint32_t slot_in(const part *p, const configuration *c, uint32_t disk) {
   return p->comm ? c->number[disk] : slot_of(p->slots, c->number[disk]);
 }
 
-/* Sums for the centre of mass of a group: mass, mass times x, mass times y. */
+/* Indices of the sums for the centre of mass of a group: mass, mass times x, mass times y; their
+ * number. */
 enum { MASS, MASS_X, MASS_Y, CENTRE };
 
 static void add_masses(exact_sum *sum, const part *p, const configuration *c) {

@@ -8,7 +8,7 @@
  * normal, the sum of F_n; tangential, the sum of tau, which is positive if it turns the disks of
  * the contact counter-clockwise.
  *
- * All sums are exact (base/exact_sum.h): ranks that add up their parts get the bits of one
+ * All sums are exact (base/exact_sum.h): several ranks get bit for bit the result of one
  * process. */
 #ifndef MEASURE_RESULTANT_H
 #define MEASURE_RESULTANT_H
@@ -20,22 +20,23 @@
 typedef struct resultant {
   double force_x, force_y, torque;
   double normal, tangential;
-  int64_t contacts, sliding; /* closed contacts, and those of them that slide */
+  int64_t contacts, sliding; /* numbers of closed contacts and of those that slide */
 } resultant;
 
 typedef struct resultants {
-  /* closed contacts, and those that slide, without pairs held by attraction alone; disks beyond the
-   * bounds or taken out */
+  /* numbers of closed contacts and of those that slide, without pairs held by attraction alone;
+   * number of disks beyond the bounds or taken out */
   int64_t contacts, sliding, outside;
-  /* pressure and packing fraction of the region, for models that compress or deform */
+  /* pressure and packing fraction in the region, only for models that compress or deform */
   double pressure, fraction;
-  /* one element for each of the model's walls, groups and contact_disks */
+  /* arrays with one element per wall, per group, and per disk of the model's contact_disks */
   resultant *wall, *group, *disk;
   /* width and height of the region; NAN: the model has no region */
   double width, height;
-  double stress[4], kinetic[4];  /* stress tensors of contacts and motion, as in stress.h */
-  struct resultant_disk *chosen; /* contact_disks, sorted by number */
-  exact_sum *sums;               /* [n_sums] scratch */
+  /* stress tensors of contacts and motion: xx, xy, yx, yy, as in stress.h */
+  double stress[4], kinetic[4];
+  struct resultant_disk *chosen; /* disks of the model's contact_disks, sorted by number */
+  exact_sum *sums; /* [n_sums] exact sums, from which the other members are computed */
   size_t n_sums;
 } resultants;
 
@@ -43,9 +44,10 @@ typedef struct resultants {
  * memory. */
 void resultants_new(resultants *r, const sd_model *model);
 void resultants_free(resultants *r);
-/* Computes the sums that the model asks for from the state with its stored contacts. c: NULL, or
- * the ranks, which all call this with their parts of the state; all then have the sums, and a rank
- * without memory ends the job. SD_ERROR_IO: out of memory. */
+/* Computes the sums that the model asks for from a state with its stored contacts. c: communicator
+ * of the ranks, NULL: one process. Several ranks all call this, each with its part of the state,
+ * and all receive the total sums; a rank without memory ends the job. SD_ERROR_IO: out of
+ * memory. */
 sd_status resultants_take(resultants *r, const sd_model *model, const sd_state *state,
                           const slot_table *slots, const comm *c, sd_messages *messages);
 

@@ -16,8 +16,8 @@ static double watched_angle(const engine *e, size_t k) {
   return angle_of(e->state, engine_slot(e, e->model->rotations[k]));
 }
 
-/* Returns the state of watched contact k (two per watched pair): open, stuck or sliding with a
- * sign; *force: its normal force. */
+/* Returns the state of watched contact k (each watched pair has two): open, stuck, or sliding with
+ * a sign; *force receives its normal force. */
 static int contact_now(const engine *e, size_t k, double *force) {
   int64_t at = engine_watched(e, k);
   *force = at < 0 ? 0.0 : engine_contact_force(e, (size_t)at);
@@ -55,7 +55,8 @@ void sample_end(engine *e) {
     e->state->rotation_stop[k] = watched_angle(e, k);
 }
 
-/* Merges neighbouring bins, so that a record of any length needs at most SD_BINS bins. */
+/* Merges each two neighbouring bins into one, so that a record of any length needs at most SD_BINS
+ * bins. */
 static void halve_bins(sd_state *s) {
   for (size_t k = 0; k < s->n_rotations; k++) {
     double *bin = s->rotation_bin + k * SD_BINS;
@@ -78,8 +79,8 @@ static void close_bin(engine *e) {
   if (++s->bins == SD_BINS) halve_bins(s);
 }
 
-/* Adds one step to the sums of the current visit of watched pair k. lanes_pass.h adds in the same
- * order, for equal bits. */
+/* Adds one step to the sums of the current visit of watched pair k, i.e. its stay in one sliding
+ * configuration. lanes_pass.h adds in the same order, so that the results are bitwise equal. */
 static void sum_visits(engine *e, size_t k, const int now[2], const double force[2]) {
   sd_state *s = e->state;
   const int class = visits_class(now[0], now[1]);
@@ -128,7 +129,7 @@ void sample_step(engine *e) {
   sample_bins(e);
 }
 
-/* Closes the bin if it is complete. bin_steps is a power of two. */
+/* Closes the current bin of the watched angles if it is complete. bin_steps is a power of two. */
 void sample_bins(engine *e) {
   const sd_state *s = e->state;
   if (s->n_rotations && (s->measured & (s->bin_steps - 1)) == 0) close_bin(e);
@@ -183,8 +184,8 @@ void disks_end(engine *e) {
 
 /* --- record of angles ------------------------------------------------------------------------- */
 
-/* Returns the steps per bin after `measured` steps: the smallest power of two for which the record
- * is not full. */
+/* Returns the number of steps per bin after `measured` steps: the smallest power of two for which
+ * the record is not full. */
 static int64_t bin_length(int64_t measured) {
   assert(measured >= 0);
   int64_t steps = 1;
@@ -192,7 +193,8 @@ static int64_t bin_length(int64_t measured) {
   return steps;
 }
 
-/* Closes bin b of disks begin ... end - 1; merges neighbouring bins if it was the last one. */
+/* Stores the angle turned in bin b for disks begin ... end - 1. If b is the last bin, merges each
+ * two neighbouring bins into one. */
 static void close_mean_bin(sd_state *s, size_t begin, size_t end, size_t b) {
   assert(b < SD_MEAN_BINS && end <= s->n_means);
   for (size_t i = begin; i < end; i++) {
@@ -207,8 +209,8 @@ static void close_mean_bin(sd_state *s, size_t begin, size_t end, size_t b) {
 
 /* --- samples ---------------------------------------------------------------------------------- */
 
-/* Adds the contacts of each disk to its sums. Open candidates have no overlap and no force and do
- * not slide, so they add nothing. */
+/* Adds the contacts of each disk, their sliding and their normal forces to its sums. Candidate
+ * pairs that are open have no overlap and no force and do not slide, so they add nothing. */
 static void sample_contacts(engine *e, size_t begin, size_t end) {
   sd_state *s = e->state;
   for (size_t i = begin; i < end; i++) {
@@ -227,8 +229,9 @@ static void sample_contacts(engine *e, size_t begin, size_t end) {
   }
 }
 
-/* Adds n displacements from their starts, and their squares, along one coordinate. length: that of
- * the periodic box, 0 if open. */
+/* Adds the displacements of n disks from their start points along one coordinate, and the squares,
+ * to sum[] and square[]. length: length of the periodic box along this coordinate, 0: not
+ * periodic. */
 static void add_displacements(size_t n, const double *restrict x, const int32_t *restrict image,
                               double length, const double *restrict start, double *restrict sum,
                               double *restrict square) {
@@ -275,15 +278,16 @@ static drive drive_of(const engine *e, size_t slot) {
   return d;
 }
 
-/* Returns the power of a body's prescribed motion d on its partner through one contact: minus the
- * power of the contact's force on the body, with the forces that motion_work uses. */
+/* Returns the power that a body with the prescribed motion d transfers to its partner through one
+ * contact: minus the power of the contact force on the body. push: this force and its torque, the
+ * same as in motion_work. */
 static double power_of(contact_push push, drive d) {
   return -((push.x * d.vx + push.y * d.vy) + push.torque * d.omega);
 }
 
-/* Adds the power of a prescribed body to its partners' sums. Power of the prescribed coordinates of
- * a free disk on a wall or a prescribed disk is added to the disk itself, as no free disk is on the
- * other side. */
+/* Adds the power of a body with prescribed coordinates to the sums of the free disks that it
+ * touches. A free disk with prescribed coordinates may touch a wall or a prescribed disk: this
+ * power is added to the disk itself, as no free disk is on the other side. */
 static void add_power(engine *e, size_t kept) {
   sd_state *s = e->state;
   size_t slot = engine_kept_slot(e, kept), first = engine_first(e, slot);
@@ -297,8 +301,8 @@ static void add_power(engine *e, size_t kept) {
   }
 }
 
-/* Adds the powers of all prescribed bodies, which are few, in the order of slots. Called by one
- * thread. */
+/* Adds the powers of all bodies with prescribed coordinates, in the order of their slots. They are
+ * few, so one thread does it. */
 static void sample_powers(engine *e) {
   for (size_t k = 0; k < engine_kept(e); k++) add_power(e, k);
 }

@@ -1,5 +1,5 @@
-/* sample.h: running statistics: sliding configurations and angles of the watched disks at every
- * measured step, and means of every disk. */
+/* sample.h: updates running statistics: sliding configurations and angles of the watched disks at
+ * every measured step, and means of every disk. */
 #ifndef MEASURE_SAMPLE_H
 #define MEASURE_SAMPLE_H
 
@@ -12,9 +12,10 @@ void sample_begin(engine *e);
 void sample_end(engine *e);
 /* Samples the watched disks after a completed measured step. */
 void sample_step(engine *e);
-/* Parts of sample_step for loops that count steps and configurations themselves. sample_bins closes
- * a bin of angles at its end; angles must be current. sample_room returns the measured steps until
- * then, INT64_MAX without watched angles. */
+/* Parts of sample_step for loops that count steps and sliding configurations themselves.
+ * sample_bins closes the current bin of angles if it is complete; angles must be current.
+ * sample_room returns the number of measured steps until the bin is complete, INT64_MAX without
+ * watched angles. */
 void sample_bins(engine *e);
 int64_t sample_room(const engine *e);
 
@@ -22,16 +23,17 @@ int64_t sample_room(const engine *e);
  *
  * Angles: a record of SD_MEAN_BINS bins per disk, like that of watched disks. Contacts, positions
  * and energies: sums over samples, taken every model->measure_every measured steps. Losses:
- * differences of the state's loss_* columns, at no cost. Openings: counted by contacts.c. Disks are
- * processed by index and their contacts in the fixed order of the incidence, so that the bits
- * depend neither on threads nor on lists. */
+ * differences of the state's loss_* columns. Openings: counted by contacts.c. Disks are processed
+ * by index and the contacts of each disk in a fixed order, so that the results depend bitwise
+ * neither on the number of threads nor on the neighbour lists. */
 
 /* disks_begin and disks_end begin and end a measured phase; they do nothing unless the model asks
  * for means. */
 void disks_begin(engine *e);
 void disks_end(engine *e);
-/* Samples the disks of this thread's range after a completed measured step, the measured-th. The
- * count is an argument, as another thread may be changing state->measured. */
+/* Samples the disks of this thread's range after a completed measured step. measured: number of
+ * measured steps including this one; it is an argument, as another thread may be changing
+ * state->measured. */
 void disks_step(engine *e, const team *t, int64_t measured);
 
 #endif

@@ -1,5 +1,5 @@
-/* series.c: tables of what a run records at its cadence: energies, counts, watched disks, bodies
- * and contacts of frames. */
+/* series.c: tables of the quantities that a run records at regular intervals: energies, counts,
+ * watched disks, bodies and contacts of frames. */
 #include "measure/configuration.h"
 #include "measure/observable.h"
 #include "measure/stress.h"
@@ -80,15 +80,15 @@ OBSERVABLE_GET(kinetic_xx, moment, at->sums->kinetic[STRESS_XX])
 OBSERVABLE_GET(kinetic_xy, moment, at->sums->kinetic[STRESS_XY])
 OBSERVABLE_GET(kinetic_yy, moment, at->sums->kinetic[STRESS_YY])
 
-/* Logarithmic (Hencky) strain of the box along x or y. */
+/* Returns the logarithmic (Hencky) strain of the box along x or y. */
 static double strain(const moment *at, int k) { return log(at->state->cell[k]); }
 OBSERVABLE_GET(strain_xx, moment, strain(at, CELL_X))
 OBSERVABLE_GET(strain_yy, moment, strain(at, CELL_Y))
 OBSERVABLE_GET(strain_xy, moment, at->state->cell[CELL_SHEAR])
 OBSERVABLE_GET(offset, moment, cell_offset(at->model, at->state))
 
-/* Standard deviation over the disks in play. Only differences between disks matter, as the origin
- * of a periodic box is arbitrary. */
+/* Returns the standard deviation of x[] over the disks in play. Only differences between disks
+ * matter, as the origin of a periodic box is arbitrary. */
 static double deviation(const sd_state *s, const double *x) {
   double n = 0.0, mean = 0.0, sum = 0.0;
   for (size_t i = 0; i < s->n_cell_disks; i++) {
@@ -148,8 +148,8 @@ bool series_compresses(const sd_model *m) {
     name, unit, meaning, OBSERVABLE_##type, width, offsetof(resultant, field), NULL, NULL, NULL,   \
         when                                                                                       \
   }
-/* Rows with the resultants of each wall, group or disk. one: text that names such a body; about:
- * text that names the reference point of its torque. */
+/* Table rows for the resultants of each wall, group or disk. one: text that names such a body;
+ * about: text that names the reference point of its torque. */
 #define RESULTANTS(prefix, one, about, width, when)                                                \
   RESULTANT(prefix "_force_x", "force", "x force of the contacts on each " one, F64, width,        \
             force_x, when),                                                                        \

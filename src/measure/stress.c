@@ -23,7 +23,7 @@ static void add_contact(stress *s, const configuration *c, const config_contact 
   uint32_t body[2] = {k->a, k->b};
   for (int e = 0; e < (disk ? 2 : 1); e++) {
     double sign = e ? 1.0 : -1.0; /* (fx, fy) is the force on b */
-    /* Vector from the centre of this body to the point of contact. */
+    /* vector from the centre of this body to the point of contact */
     double px = k->x - m->disks[k->a].position[0], py = k->y - m->disks[k->a].position[1];
     if (e) {
       double d[2] = {k->x - m->disks[k->b].position[0], k->y - m->disks[k->b].position[1]};
@@ -35,7 +35,7 @@ static void add_contact(stress *s, const configuration *c, const config_contact 
     s->bearing[body[e]] += bears;
     s->resultant[body[e]][0] += sign * k->fx;
     s->resultant[body[e]][1] += sign * k->fy;
-    if (c->n_clumps > 0 && body[e] < m->n_disks) { /* relative to the centre of the clump */
+    if (c->n_clumps > 0 && body[e] < m->n_disks) { /* make it relative to the centre of the clump */
       px += c->arm[body[e]][0];
       py += c->arm[body[e]][1];
     }
@@ -51,26 +51,29 @@ static void add_body_forces(stress *s, const sd_model *m) {
 
 /* --- rattlers --------------------------------------------------------------------------------- */
 
-/* Load-bearing contacts of each rigid body, row by row. */
+/* Load-bearing contacts of all rigid bodies: those of body i have the indices start[i] ... start[i
+ * + 1] - 1. */
 typedef struct incidence_list {
   size_t *start;
-  uint32_t *partner; /* partner of each contact; UINT32_MAX: a prescribed disk or wall */
+  uint32_t *partner; /* partner body of each contact; UINT32_MAX: a prescribed disk or wall */
 } incidence_list;
 
-/* Returns the disk that represents a rigid body: the first one of a clump. */
+/* Returns the disk that represents a rigid body: the first disk of its clump, or the disk
+ * itself. */
 static uint32_t body_of(const configuration *c, uint32_t disk) {
   return configuration_in_clump(c, disk) ? c->clumps[c->clump_of[disk]].disks[0] : disk;
 }
 
 /* Temporary arrays of stress_new. */
 typedef struct scratch {
-  int32_t *left;   /* contacts with bodies that are no rattlers */
-  bool *inside;    /* true for disks with their centre in the region */
-  uint32_t *stack; /* stack of rattlers whose partners have not lost the contact yet */
+  int32_t *left; /* number of contacts of each disk with bodies that are no rattlers */
+  bool *inside;  /* true for disks with their centre in the region */
+  /* stack of new rattlers, whose contacts are still to be taken from their partners */
+  uint32_t *stack;
   incidence_list list;
 } scratch;
 
-/* Fills the list of load-bearing contacts. bearing: their number for each rigid body. */
+/* Fills the list of load-bearing contacts. bearing: number of such contacts of each rigid body. */
 static void list_bearing(incidence_list *l, const configuration *c, const int32_t *bearing) {
   size_t n = c->model->n_disks;
   for (size_t i = 0; i < n; i++) l->start[i + 2] = l->start[i + 1] + (size_t)bearing[i];
@@ -84,7 +87,7 @@ static void list_bearing(incidence_list *l, const configuration *c, const int32_
 }
 
 /* Marks rattlers: removes bodies with too few load-bearing contacts, and these contacts with them,
- * until all others have enough. room->left: contacts that remain. */
+ * until all other bodies have enough. room->left receives the number of contacts that remain. */
 static void find_rattlers(stress *s, const configuration *c, const scratch *room) {
   size_t n = c->model->n_disks, waiting = 0;
   int32_t least = c->frictionless ? 3 : 2, *left = room->left;
@@ -116,13 +119,13 @@ static void find_rattlers(stress *s, const configuration *c, const scratch *room
 typedef struct body {
   double mass, inertia;
   const double *position, *velocity;
-  double resultant; /* absolute value of the total force; NAN if unknown */
+  double resultant; /* absolute value of the total force on the body; NAN if unknown */
 } body;
 
 static size_t n_bodies(const configuration *c) { return c->model->n_disks + c->n_clumps; }
 
-/* Fills *b with rigid body k (disks, then clumps). Returns false unless it is free and has its
- * centre in the region. s may be NULL: the resultant is then NAN. */
+/* Fills *b with rigid body k (disks first, then clumps). Returns false unless it is free and has
+ * its centre in the region. s may be NULL: the resultant is then NAN. */
 static bool body_moves(body *b, const configuration *c, const region *g, const stress *s,
                        size_t k) {
   const sd_model *m = c->model;
@@ -193,7 +196,7 @@ static void beside_flow(const configuration *c, const body *b, double v[2]) {
   v[1] = b->velocity[1] - g[SD_CELL_YY] * y;
 }
 
-/* Returns true if this rank adds the body to sums. With ranks there are no clumps. */
+/* Returns true if this rank includes body k in its sums. Runs on several ranks have no clumps. */
 static bool body_counts(const configuration *c, size_t k) {
   return k >= c->model->n_disks || configuration_counts(c, (uint32_t)k);
 }
@@ -204,7 +207,8 @@ static void add_up(const configuration *c, exact_sum *sums, size_t n) {
 }
 
 static void kinetic_stress(double out[4], const configuration *c, const region *g, double area) {
-  exact_sum momentum[3] = {0}, sum[4] = {0}; /* momentum: sums of m v_x, m v_y and m */
+  /* momentum: sums of m v_x, m v_y and m; sum: sums of m v_i v_j */
+  exact_sum momentum[3] = {0}, sum[4] = {0};
   double v[2];
   body b;
   for (size_t i = 0; i < n_bodies(c); i++) {

@@ -30,44 +30,50 @@ principal stress_principal(const double tensor[4]);
 
 typedef struct stress {
   /* Arrays with one element per disk of the configuration, owned by the struct (stress_free): */
-  /* contacts: number of closed ones; bearing: number of load-bearing ones */
+  /* numbers of closed and of load-bearing contacts of each disk */
   int32_t *contacts, *bearing;
   bool *rattler;
-  double (*resultant)[2]; /* sum of contact forces, gravity and constant body force */
-  /* sum of l.f over the contacts of a disk, l from its centre, or from that of its clump, to the
-   * point of contact */
+  /* total force on each disk (x, y): contacts, gravity and constant body force */
+  double (*resultant)[2];
+  /* sum of l.f over the contacts of each disk, with l from its centre, or from that of its clump,
+   * to the point of contact, and f the force that it exerts there on its partner */
   double *virial;
 
   /* Results of the region: over disks with their centre in it, and over contacts with the middle of
    * their branch in it: */
-  /* area: of the region; fraction: area of free and prescribed disks inside over this area */
+  /* area: area of the region; fraction: packing fraction, i.e. the area of free and prescribed
+   * disks inside divided by this area */
   double area, fraction;
-  /* numbers of disks in play: free and prescribed (fixed) ones in the region, free ones outside */
+  /* numbers of disks in play: free and prescribed (fixed) ones inside the region, free ones
+   * outside */
   size_t free, fixed, outside;
-  size_t rattlers; /* number of the free disks that rattle, disks of rattling clumps included */
-  size_t clumps;   /* number of clumps with their centre in the region */
-  /* numbers of closed contacts; of these, load-bearing ones, and those with a wall or prescribed
-   * disk */
+  /* number of free disks in the region that are rattlers, disks of rattling clumps included */
+  size_t rattlers;
+  size_t clumps; /* number of clumps with their centre in the region */
+  /* numbers of closed contacts, of load-bearing contacts, and of closed contacts with a wall or a
+   * prescribed disk */
   size_t n_contacts, n_bearing, n_wall;
   size_t n_sliding;
-  double z, z_bearing; /* closed and load-bearing contacts per free disk */
-  /* load-bearing contacts of the non-rattlers with each other and with walls and prescribed disks,
-   * per non-rattler */
+  /* coordination: mean number of closed and of load-bearing contacts per free disk */
+  double z, z_bearing;
+  /* mean number of load-bearing contacts of a non-rattler with other non-rattlers, walls and
+   * prescribed disks */
   double z_backbone;
   double contact[4], kinetic[4];
   principal contact_principal;
-  double fabric[4]; /* tensor: mean of n_i n_j over load-bearing contacts */
-  /* 2 (F_1 - F_2) with F_1, F_2 the principal values of fabric: a in P(beta) =
-   * (1 + a cos 2(beta - beta_0))/2pi */
+  double fabric[4]; /* fabric tensor: mean of n_i n_j over load-bearing contacts */
+  /* 2 (F_1 - F_2) with F_1, F_2 the principal values of fabric: the amplitude a of the contact
+   * directions, P(beta) = (1 + a cos 2(beta - beta_0))/2pi */
   double anisotropy;
-  double fabric_angle;              /* beta_0, direction of most contacts, rad */
+  double fabric_angle;              /* beta_0, angle of the most frequent contact direction, rad */
   double mean_force;                /* mean normal force of load-bearing contacts */
-  double overlap_mean, overlap_max; /* over closed contacts */
-  uint32_t overlap_a, overlap_b; /* bodies of the largest overlap, numbers of configuration.model */
-  /* kinetic energy of translation and of rotation per free disk or clump */
+  double overlap_mean, overlap_max; /* mean and largest overlap of closed contacts */
+  /* numbers, in configuration.model, of the two bodies with the largest overlap */
+  uint32_t overlap_a, overlap_b;
+  /* mean kinetic energy of translation and of rotation per free disk or clump */
   double energy_translation, energy_rotation;
-  /* mean resultant force on a free disk or clump over mean_force; NAN if tangential forces are not
-   * known */
+  /* mean total force on a free disk or clump, divided by mean_force; NAN if tangential forces are
+   * not known */
   double unbalanced;
 } stress;
 

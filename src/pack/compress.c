@@ -1,4 +1,5 @@
-/* compress.c: scales the lengths of a region towards a target (see compress.h). */
+/* compress.c: scales the lengths of a region until a pressure or packing fraction is reached (see
+ * compress.h). */
 #include "pack/compress.h"
 
 #include <math.h>
@@ -13,11 +14,11 @@
 #include "physics/system/bodies.h"
 #include "physics/system/halo.h"
 
-/* Fraction of the missing pressure by which one change would raise the pressure if all disks
- * followed it affinely. */
+/* Fraction of the pressure error that one change of the lengths would remove if all disks moved
+ * affinely with it. */
 static const double GAIN = 0.1;
-/* The lengths stay as they are within this fraction of the tolerance, so that forces can come to
- * balance. */
+/* The lengths do not change while the pressure error is below this fraction of the tolerance, so
+ * that forces can come to balance. */
 static const double QUIET = 0.5;
 
 /* --- pressure and packing fraction ------------------------------------------------------------ */
@@ -28,9 +29,9 @@ double compress_area(const sd_model *m, const sd_state *s) {
   return width * height * cell_scale(s, SD_X) * cell_scale(s, SD_Y);
 }
 
-/* Vector from the centre of its clump to the disk in slot i; 0 for other bodies. Image counts
- * account for a clump that lies across the edge of a periodic box (a box with clumps does not
- * deform). */
+/* Computes the vector arm[] from the centre of a clump to its disk in slot i; 0 for a body in no
+ * clump. Image counts are used, as the clump may lie across the edge of a periodic box (a box with
+ * clumps does not deform). */
 static void arm_of(const sd_model *m, const sd_state *s, size_t i, double arm[2]) {
   const int clump = i < s->n_free ? m->disks[s->id[i]].clump : 0;
   arm[0] = arm[1] = 0.0;
@@ -50,8 +51,9 @@ double compress_inner(const sd_model *m, const sd_state *s, size_t slot) {
   return -(arm[0] * s->force_x[slot] + arm[1] * s->force_y[slot]);
 }
 
-/* Returns n . (arm_a - arm_b), the length that clumps add to the distance of the two disks: the sum
- * is the normal component of the vector between the centres of the two clumps. */
+/* Returns n . (arm_a - arm_b), with n the normal of contact k and arm the vector from the centre of
+ * a clump to its disk. The distance of the two disks plus this length is the normal component of
+ * the vector between the centres of their clumps. */
 static double longer(const engine *e, size_t k) {
   const sd_model *m = e->model;
   double arm[2][2], n[2];
@@ -62,7 +64,8 @@ static double longer(const engine *e, size_t k) {
 }
 
 typedef struct virial {
-  /* stiffness: -dp/d(ln length) for affine displacements of the centres */
+  /* stiffness: -dp/d(ln L) of the pressure p if all lengths L are scaled and the centres of the
+   * disks move affinely */
   double pressure, stiffness;
 } virial;
 
@@ -111,8 +114,8 @@ bool compress_done(const engine *e) {
   return fabs(compress_fraction(e) - c->fraction) <= c->tolerance * c->fraction;
 }
 
-/* Returns the factor by which the lengths change now: limited by the rate of the deck, and closer
- * to 1 near the target; 1: no change. */
+/* Returns the factor by which the lengths change now; 1: no change. It is limited by the rate that
+ * the deck gives, and is closer to 1 near the target. */
 static double factor(const engine *e) {
   const sd_compress *c = target_of(e);
   double most = c->rate * e->model->dt * COMPRESS_EVERY, shrink;
@@ -130,8 +133,8 @@ static double factor(const engine *e) {
 
 /* --- change of the lengths -------------------------------------------------------------------- */
 
-/* Fails if, after scaling by f, a periodic box were so narrow that the nearest image is not unique;
- * the same limit holds at the start (cell_least_length). */
+/* Returns SD_ERROR_NUMERIC if a periodic box, scaled by f, would be so narrow that the nearest
+ * image is not unique; the same limit holds at the start (cell_least_length). */
 static sd_status check_width(const engine *e, double f, sd_messages *messages) {
   const sd_state *s = e->state;
   const double reach = laws_reach(e->model);

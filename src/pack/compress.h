@@ -12,25 +12,27 @@
 
 #include "physics/system/work.h"
 
-/* All functions but compress_inner and compress_area are collective. */
+/* All functions in this header except compress_inner and compress_area are collective. */
 
 /* Number of steps between two changes of the lengths. */
 enum { COMPRESS_EVERY = 8 };
 
 /* Changes the lengths once towards the target of the running phase, between steps, on one thread of
- * each rank. Does nothing while disks wait for a rain. The potential energy that it adds is booked
- * in state->work_driven. SD_ERROR_NUMERIC: a periodic box became too narrow, or an overlap exceeds
- * the limit. SD_ERROR_IO: out of memory. */
+ * each rank. Does nothing while disks wait for their release (rain). The potential energy that it
+ * adds is added to state->work_driven. SD_ERROR_NUMERIC: a periodic box became too narrow, or an
+ * overlap exceeds the limit. SD_ERROR_IO: out of memory. */
 sd_status compress_step(engine *e, sd_messages *messages);
 /* Returns true if the running phase's target is reached within its tolerance. */
 bool compress_done(const engine *e);
 
 /* Returns the pressure in the region from the current contacts, force/length. */
 double compress_pressure(const engine *e);
-/* Returns the contribution of the disk in this slot to the virial sum F_n r due to its clump,
- * -(x_i - X) F_i; 0 for a disk in no clump. */
+/* Returns what the disk in this slot adds to the virial sum F_n r for the internal forces of its
+ * clump: -(x_i - X) F_i, with x_i its centre, X the centre of the clump and F_i the sum of its
+ * contact forces; 0 for a disk in no clump. */
 double compress_inner(const sd_model *model, const sd_state *state, size_t slot);
-/* Returns the area of the free disks in play over the area of the region. */
+/* Returns the packing fraction: area of the free disks in play divided by the area of the
+ * region. */
 double compress_fraction(const engine *e);
 /* Returns the current area of the region. */
 double compress_area(const sd_model *model, const sd_state *state);

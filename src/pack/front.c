@@ -1,9 +1,9 @@
 /* front.c: advancing-front packing (see place.h).
  *
- * A disk of radius r touches a round body of radius R if its centre lies on the circle of radius
- * R + r about the body's centre (drum: negative R; corner: R = 0), and a straight wall if its
- * centre lies on a parallel line at the distance r. A pocket is thus an intersection of two such
- * curves; its `variant` selects which one. */
+ * A disk of radius r touches a round body of radius R if its centre lies on the circle of radius R
+ * + r about the body's centre (drum: negative R; corner: R = 0), and a straight wall if its centre
+ * lies on a parallel line at the distance r. A pocket (a position at which a new disk touches two
+ * bodies) is thus an intersection of two such curves; its `variant` selects which one. */
 #include "pack/place.h"
 
 #include <math.h>
@@ -11,12 +11,12 @@
 
 #include "base/memory.h"
 
-/* WINDOW: number of next disks that are tried in a pocket. VARIANTS: intersections tried per pair
- * of bodies. */
+/* WINDOW: number of disks, next in the order of placing, that are tried in a pocket. VARIANTS:
+ * number of positions that are tried for each pair of bodies. */
 enum { WINDOW = 16, VARIANTS = 8 };
 
-/* Body that a disk can touch. Numbers below s->n are disks of the space; FIXED | k is edge, wall or
- * corner k. */
+/* Body that a new disk can touch. A number below s->n stands for a disk of the place_space, FIXED |
+ * k for the fixed body k (edge, wall or corner). */
 typedef struct body {
   double x, y;   /* centre of a round body, start point of a straight one */
   double radius; /* radius of a round body, negative for a drum */
@@ -24,11 +24,12 @@ typedef struct body {
   /* length of a straight body from (x, y) along t; infinite: the line extends both ways */
   double length;
   bool straight;
-  double lower[2], upper[2]; /* bounding box of a fixed body */
+  double lower[2], upper[2]; /* bounding box, for fixed bodies only */
 } body;
 
 typedef struct pocket {
-  /* height and x by which pockets are ordered: lowest first, then leftmost, then oldest (`made`) */
+  /* position of a disk in the pocket; pockets are ordered by it: lowest first, then leftmost, then
+   * oldest (`made`) */
   double y, x;
   uint64_t made;
   uint32_t a, b;
@@ -38,7 +39,8 @@ typedef struct pocket {
 typedef struct front {
   place_space *s;
   double smallest, middle, largest;
-  size_t n_fixed, fixed_capacity; /* edges, wall segments, corners and round walls */
+  /* number of fixed bodies (edges, wall segments, corners, round walls); allocated rows */
+  size_t n_fixed, fixed_capacity;
   body *fixed;
   pocket *heap;
   size_t n, capacity;
@@ -88,8 +90,8 @@ static body body_of(const front *f, uint32_t number) {
   return (body){.x = disk[0], .y = disk[1], .radius = disk[2]};
 }
 
-/* Square root that returns 0 for an argument made negative by rounding (the curves touch), else NAN
- * for negative ones. */
+/* Returns the square root of `square`; 0 if it is negative by rounding (the curves touch), NAN if
+ * it is more negative. scale: magnitude of the terms of which `square` is the difference. */
 static double root(double square, double scale) {
   return square >= 0 ? sqrt(square) : square > -1e-9 * scale ? 0 : NAN;
 }
@@ -105,8 +107,8 @@ static void two_circles(const place_space *s, const body *a, const body *b, doub
   p[1] = a->y + along * dy + across * dx;
 }
 
-/* Centre of a disk of radius r that touches circle a and line b. Bit 0 of variant selects the
- * intersection, bit 1 the side of the line. */
+/* Computes the centre p of a disk of radius r that touches circle a and line b. Bit 0 of variant
+ * selects one of two intersections, bit 1 the side of the line. */
 static void circle_line(const body *a, const body *b, double r, int variant, double p[2]) {
   double side = variant & 2 ? -r : r, from = a->radius + r;
   double x = b->x - side * b->ty, y = b->y + side * b->tx;
@@ -137,8 +139,8 @@ static bool beside(const body *line, const double p[2]) {
   return along >= 0 && along <= line->length;
 }
 
-/* Computes the centre p of a disk of radius r in the pocket; false if the intersection does not
- * exist or the disk would overlap something there. */
+/* Computes the centre p of a disk of radius r in the pocket q. Returns false if the intersection
+ * does not exist, or if the disk would overlap something there or leave the region. */
 static bool place_in(const front *f, const pocket *q, double r, double p[2]) {
   const place_space *s = f->s;
   body a = body_of(f, q->a), b = body_of(f, q->b);
@@ -159,8 +161,8 @@ static bool place_in(const front *f, const pocket *q, double r, double p[2]) {
   return place_fits(s, p[0], p[1], r);
 }
 
-/* Pushes onto the heap each pocket of bodies a and b into which a disk of the smallest, mean or
- * largest radius fits now, with the lowest position of these three. */
+/* Pushes each pocket of bodies a and b onto the heap if a disk of the smallest, mean or largest
+ * radius fits into it now. The pocket is ordered by the lowest position of these three disks. */
 static sd_status add_pockets(front *f, uint32_t a, uint32_t b) {
   double radii[3] = {f->smallest, f->middle, f->largest};
   sd_status status = SD_OK;
@@ -183,8 +185,9 @@ static sd_status add_pockets(front *f, uint32_t a, uint32_t b) {
 
 /* --- bodies ----------------------------------------------------------------------------------- */
 
-/* Returns true if the bounding boxes are so far apart that no disk can touch both. Skips directions
- * in which the space wraps, as periodic images are not considered. */
+/* Returns true if the bounding box of fixed body b and the box lower ... upper are so far apart
+ * that no new disk can touch what is in both. Periodic directions, in which the space has no edges,
+ * are not tested, as periodic images are not considered. */
 static bool boxes_apart(const front *f, const body *b, const double lower[2],
                         const double upper[2]) {
   for (int c = 0; c < 2; c++) {
@@ -209,8 +212,8 @@ static bool near_fixed(const front *f, const body *b, const double *disk) {
   return gap <= 2 * f->largest;
 }
 
-/* Pushes the pockets of a disk with all disks of smaller number near it and with edges and walls
- * near it. */
+/* Pushes onto the heap the pockets between a disk and the disks of smaller number near it, and
+ * those between the disk and the edges and walls near it. */
 static sd_status add_disk(front *f, uint32_t number) {
   place_space *s = f->s;
   const double disk[3] = {s->disk[number][0], s->disk[number][1], s->disk[number][2]};
@@ -262,9 +265,9 @@ static void add_wall(front *f, const sd_wall *wall) {
   }
 }
 
-/* Adds edges and walls as fixed bodies and pushes the pockets between them. The lower edge always
- * supports disks, even in a box periodic in y; the sides do so only where the space has edges in
- * x. */
+/* Adds the edges and walls as fixed bodies and pushes the pockets between them onto the heap. The
+ * lower edge always supports disks, even in a box periodic in y; the left and right edges do so
+ * only if the space has edges in x. */
 static sd_status add_edges_and_walls(front *f) {
   const place_space *s = f->s;
   const double *low = s->lower, *high = s->upper, left[2] = {low[0], high[1]},
@@ -283,9 +286,9 @@ static sd_status add_edges_and_walls(front *f) {
 
 /* --- filling the region ----------------------------------------------------------------------- */
 
-/* Puts the first disk on the lower edge, at the leftmost free of equally spaced positions, for
- * spaces that have no corners and so may have no pocket to begin with. False if no position is
- * free. */
+/* Finds a position p for the first disk on the lower edge: the leftmost free one of equally spaced
+ * positions. It is needed in a space without corners, which may have no pocket to begin with.
+ * Returns false if no position is free. */
 static bool first_place(const front *f, double radius, double p[2]) {
   const place_space *s = f->s;
   double y = s->lower[1] + radius, left = s->lower[0] + (s->edge[0] ? radius : 0);

@@ -1,5 +1,5 @@
-/* place.c: free space for disks: cell grid, overlap tests, random placement, lattices (see
- * place.h). */
+/* place.c: finds free positions for disks: grid of cells, overlap tests, random placement, lattices
+ * (see place.h). */
 #include "base/gsl.h"
 #include "pack/place.h"
 
@@ -51,7 +51,8 @@ double place_area(const place_interior *in, const double lower[2], const double 
 
 /* --- cell grid -------------------------------------------------------------------------------- */
 
-/* Chooses square cells, about two for each expected disk, at least 16 and at most 5e7 in all. */
+/* Divides the space into square cells, about two for each expected disk, at least 16 and at most
+ * 5e7 in all. */
 static void choose_cells(place_space *s, size_t expected) {
   double extent[2], area = 1;
   for (int c = 0; c < 2; c++) {
@@ -67,9 +68,9 @@ static void choose_cells(place_space *s, size_t expected) {
   }
 }
 
-/* Stores in range[] the cells that overlap [x - reach, x + reach] along c; false if there are none.
- * Along a direction without edges the range may exceed the grid: the caller wraps it with
- * modulo(). */
+/* Stores in range[] the first and the last index, along coordinate c, of the cells that overlap [x
+ * - reach, x + reach]; returns false if there are none. Along a periodic direction without edges
+ * the indices may lie outside the grid: the caller wraps them with modulo(). */
 static bool cell_range(const place_space *s, double x, double reach, int c, int64_t range[2]) {
   double low = floor((x - reach - s->corner[c]) / s->cell[c]), n = (double)s->cells[c],
          high = floor((x + reach - s->corner[c]) / s->cell[c]);
@@ -97,7 +98,8 @@ static int64_t cell_number(const place_space *s, int64_t i, int64_t j) {
   return modulo(j, s->cells[1]) * s->cells[0] + modulo(i, s->cells[0]);
 }
 
-/* Allocates the cells, and rows for this number of disks and list nodes; existing rows are kept. */
+/* Allocates the cells, and rows for these numbers of disks and list nodes; existing rows are
+ * kept. */
 static sd_status make_room(place_space *s, size_t disks, size_t nodes) {
   const size_t n_cells = (size_t)(s->cells[0] * s->cells[1]);
   if (!memory_resize(6, (memory_column[]){{&s->head, n_cells, sizeof *s->head},
@@ -292,8 +294,8 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
                        double (*position)[2], size_t *placed) {
   size_t *order = NULL;
   sd_status status = SD_OK;
-  /* Number of tries: equal disks reach a packing fraction of 0.53 with it, 0.54 with ten times as
-   * many. */
+  /* number of tries left for all disks; with it, equal disks reach a packing fraction of 0.53, and
+   * 0.54 with ten times as many tries */
   int64_t left = 1000000 + 300 * (int64_t)n;
   *placed = 0;
   if (!memory_resize_row(&order, n, sizeof *order)) return SD_ERROR_IO;
@@ -330,14 +332,16 @@ void place_waiting(double lower, double upper, double y, double spacing, size_t 
   }
 }
 
-/* Relative tolerance of counts: a length that is a whole multiple of the spacing up to rounding
- * still holds that many sites. */
+/* Tolerance, in units of the spacing: if a length is a multiple of the spacing up to rounding, that
+ * many sites still fit into it. */
 #define ROUNDING 1e-9
 
-/* Layout of a lattice. */
+/* Layout of the sites of a lattice. */
 typedef struct rows {
-  double rows, first, high;   /* number of rows, y of the lowest row, distance between rows */
-  double columns[2], left[2]; /* number of sites in even and in odd rows; x of their first sites */
+  /* rows: number of rows; first: y of the lowest row; high: distance between rows */
+  double rows, first, high;
+  /* columns: number of sites in even and in odd rows; left: x of the first site in such rows */
+  double columns[2], left[2];
   double wide;
 } rows;
 
@@ -382,8 +386,8 @@ size_t lattice_sites(const place_space *s, sd_packing_kind kind, double spacing,
     int odd = fmod(j, 2) > 0;
     for (double i = 0; i < r.columns[odd] && n < most; i++) {
       double x = r.left[odd] + i * r.wide, y = r.first + j * r.high;
-      /* Test a slightly smaller circle: whole() may have rounded a count up, so that circles cross
-       * an edge by that rounding. */
+      /* Test a slightly smaller circle: whole() may have rounded a count up, and then the circles
+       * cross an edge by the rounding error. */
       if (!place_fits(s, x, y, spacing / 2 * (1 - 4 * ROUNDING))) continue;
       site[n][0] = x;
       site[n++][1] = y;

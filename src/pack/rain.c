@@ -1,4 +1,5 @@
-/* rain.c: batches of falling disks: when, which, where (see rain.h). */
+/* rain.c: releases batches of falling disks: times, disks and positions of the batches (see
+ * rain.h). */
 #include "base/gsl.h"
 #include "pack/rain.h"
 
@@ -18,8 +19,8 @@
 #include "physics/system/clumps.h"
 #include "physics/system/fields.h"
 
-/* ROW_FILL: largest fraction of a row's width that disks take. ROW_GAP: vertical gap above a row,
- * as a fraction of its largest radius. */
+/* ROW_FILL: largest fraction of a row's width that the diameters of its disks take. ROW_GAP:
+ * vertical gap above a row, as a fraction of its largest radius. */
 static const double ROW_FILL = 0.9, ROW_GAP = 0.1;
 /* Relative tolerance: a disk that overlaps a wall by no more than this fraction of its radius is
  * accepted. */
@@ -47,8 +48,8 @@ int64_t rain_waiting(const sd_model *m, const sd_state *s) {
 
 bool rain_waits(const engine *e) { return rain_waiting(e->model, e->state) > 0; }
 
-/* Release position of one disk; leads: 1 for the first disk of a grain (a single disk or a
- * clump). */
+/* Release position of one disk; leads: 1 for the first disk of a grain (a single disk or a clump),
+ * else 0. */
 typedef struct rain_drop {
   uint32_t disk, leads;
   double x, y;
@@ -56,7 +57,8 @@ typedef struct rain_drop {
 
 /* --- obstacles -------------------------------------------------------------------------------- */
 
-/* Returns the top of the highest disk in the strip of the rain, at least r->floor - r->gap. */
+/* Returns the height of the top of the highest disk in the strip (range of x) of the rain, at least
+ * r->floor - r->gap. */
 static double top_of(const engine *e, const sd_rain *r) {
   const sd_state *s = e->state;
   double top = r->floor - r->gap, middle = 0.5 * (r->lower + r->upper),
@@ -69,9 +71,9 @@ static double top_of(const engine *e, const sd_rain *r) {
   return top;
 }
 
-/* Returns true if the arc overlaps a disk at (x, y), or crosses the vertical below it at a height
- * above `low`. A circle crosses a vertical up to twice. q: nearest point of g. For an arc's end
- * only the overlap counts. */
+/* Returns true if the arc-shaped wall segment overlaps a disk at (x, y), or crosses the vertical
+ * line below its centre at a height above `low`; a circle crosses it up to twice. q: point of g
+ * nearest to (x, y). If g is the end point of an arc, only the overlap counts. */
 static bool arc_blocks(const placed_segment *g, const nearest_point *q, double x, double y,
                        double radius, double low) {
   if (q->active && hypot(q->dx, q->dy) < radius * (1.0 - ROUNDING)) return true;
@@ -103,8 +105,8 @@ static bool circle_blocks(const engine *e, size_t slot, double x, double y, doub
                     : r < (wall + radius) * (1.0 - ROUNDING);
 }
 
-/* Returns the name of an obstacle to a disk that starts at (x, y) and falls to y = low; NULL: the
- * way is free. text: buffer for the name. */
+/* Returns the name of the first obstacle found for a disk that starts at (x, y) and falls to y =
+ * low; NULL: the way is free. text: buffer for the name. */
 static const char *obstacle(const engine *e, double x, double y, double radius, double low,
                             char *text, size_t size) {
   const sd_model *m = e->model;
@@ -170,7 +172,7 @@ static bool is_due(const engine *e, const sd_rain *r) {
          batch < (int64_t)((r->count + r->batch - 1) / r->batch);
 }
 
-/* Returns the first disk of the batch that is due. */
+/* Returns the number of the first disk of the batch that is due at the present step. */
 static size_t first_due(const engine *e, const sd_rain *r) {
   return r->first + (size_t)(e->state->step / r->interval) * r->batch;
 }
@@ -180,8 +182,8 @@ static size_t count_due(const engine *e, const sd_rain *r) {
   return left < r->batch ? left : r->batch;
 }
 
-/* Returns the number of grains among these n disks. *largest: largest radius of a grain; *taken:
- * sum of the grains' diameters. */
+/* Returns the number of grains (single disks or clumps) among the disks first ... first + n - 1.
+ * *largest: largest radius of a grain; *taken: sum of the grains' diameters. */
 static size_t measure_row(const rain_sizes *b, size_t first, size_t n, double *largest,
                           double *taken) {
   size_t grains = 0;
@@ -195,9 +197,9 @@ static size_t measure_row(const rain_sizes *b, size_t first, size_t n, double *l
   return grains;
 }
 
-/* Places n disks in a row whose lower edge is y = low, into drops[0 ... n - 1]. Each disk needs a
- * way down to y = end that no wall crosses; SD_ERROR_NUMERIC if there is none. gaps: scratch of n
- * numbers. */
+/* Places the disks first ... first + n - 1 side by side in a row whose lower edge is y = low, and
+ * stores their positions in drops[0 ... n - 1]. Returns SD_ERROR_NUMERIC if something is in the way
+ * of a disk that falls to y = end. gaps: scratch array of n numbers. */
 static sd_status place_row(const engine *e, const sd_rain *r, const rain_sizes *b, size_t first,
                            size_t n, double low, double end, gsl_rng *numbers, double *gaps,
                            rain_drop *drops, sd_messages *messages) {
@@ -228,8 +230,9 @@ static sd_status place_row(const engine *e, const sd_rain *r, const rain_sizes *
   return SD_OK;
 }
 
-/* Places all disks of the batch that is due above y = top. drops: one element per disk of the
- * batch. radius NULL: radii of the model. Walls must be posed for the current step. */
+/* Computes the positions of all disks of the batch that is due, in rows above y = top. drops:
+ * receives one element per disk of the batch. radius: radii of these disks, NULL: those of the
+ * model. The walls must be at their poses of the current step. */
 static sd_status plan(const engine *e, const sd_rain *r, double top, const double *radius,
                       rain_drop *drops, sd_messages *messages) {
   const size_t begin = first_due(e, r), last = begin + count_due(e, r);
@@ -244,8 +247,8 @@ static sd_status plan(const engine *e, const sd_rain *r, double top, const doubl
     double largest, taken;
     n = rain_row(&b, first, last, r->upper - r->lower);
     measure_row(&b, first, n, &largest, &taken);
-    /* Search for obstacles from below the top of the highest disk, so that a lid that presses on
-     * this disk is found. */
+    /* Search for obstacles down to a point below the top of the highest disk, so that a lid that
+     * presses on this disk is found. */
     double end = fmax(top - 0.5 * largest, r->floor);
     status =
         place_row(e, r, &b, first, n, low, end, numbers, gaps, drops + (first - begin), messages);
@@ -258,7 +261,7 @@ static sd_status plan(const engine *e, const sd_rain *r, double top, const doubl
 
 /* --- release ---------------------------------------------------------------------------------- */
 
-/* Returns the slot of a waiting disk; n_free if another rank has it. */
+/* Returns the index in the state (slot) of a waiting disk; n_free if another rank has it. */
 static size_t slot_here(const engine *e, size_t disk) {
   const size_t slot = engine_slot(e, (uint32_t)disk);
   return slot < e->state->n_free ? slot : e->state->n_free;
@@ -290,7 +293,8 @@ static void set_out(engine *e, const sd_rain *r, const rain_drop *drops) {
   }
 }
 
-/* Gives the released disks the accelerations of free fall: gravity and fields, no contacts. */
+/* Sets the accelerations of the released disks to those of free fall: gravity and fields, no
+ * contacts. */
 static void accelerate(engine *e, const sd_rain *r) {
   const size_t first = first_due(e, r), n = count_due(e, r);
   for (size_t k = first; k < first + n; k++) {
@@ -306,9 +310,9 @@ static void accelerate(engine *e, const sd_rain *r) {
   }
 }
 
-/* Gives all ranks the radii of a batch. Each radius is 0 on all ranks but the one that has the
- * disk, so the integer sum of the bit patterns is the radius, exactly. bits: scratch of n
- * numbers. */
+/* Sends the radii of the disks of a batch to all ranks. Each rank has 0 in place of the radii of
+ * other ranks' disks, so the sum over the ranks of the bit patterns, as integers, is exactly the
+ * bit pattern of the radius. bits: scratch array of n numbers. */
 static void share_radii(const engine *e, const sd_rain *r, size_t n, double *radius,
                         int64_t *bits) {
   fill_radii(e, r, radius);

@@ -15,12 +15,13 @@ int64_t rain_next(const engine *e, int64_t step);
  * The energy that the disks bring is added to state->energy_start. SD_ERROR_NUMERIC: a wall, or the
  * limit of the bounds or of the box, is in the way of a disk. SD_ERROR_IO: out of memory. */
 sd_status rain_release(engine *e, sd_messages *messages);
-/* Returns true while some disk waits for its release. */
+/* Returns true if some disk still waits for its release. */
 bool rain_waits(const engine *e);
 /* Returns the number of disks that wait for their release. */
 int64_t rain_waiting(const sd_model *model, const sd_state *state);
 
-/* Radii of the disks of a batch, for models that do not have them. */
+/* Radii of the disks of a batch. They may be given in an array, since the model of one rank lacks
+ * the disks of other ranks. */
 typedef struct rain_sizes {
   const sd_model *model;
   const double *radius; /* radii of disks `first`, first + 1, ...; NULL: read them from the model */

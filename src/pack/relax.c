@@ -28,8 +28,8 @@ void relax_begin(engine *e) {
   e->state->relax_steps = 0;
 }
 
-/* Returns value, or 0 for a coordinate without inverse mass: locked or prescribed, or of a disk
- * that is not in play. */
+/* Returns `value`, or 0 if the inverse mass of coordinate i is 0: the coordinate is locked or
+ * prescribed, or its disk is not in play. */
 static inline double free_part(const columns *c, size_t i, double value) {
   return c->inverse[i] != 0.0 ? value : 0.0;
 }
@@ -49,8 +49,8 @@ static void measure_clumps(const engine *e, const team *t, exact_sum *sum) {
   }
 }
 
-/* Adds this thread's disks and clumps to the sums. The three coordinates of a disk are added in
- * floating point first, since an exact addition costs more. */
+/* Adds the terms of this thread's disks and clumps to the sums. The three coordinates of a disk are
+ * added in floating point first, since an exact addition costs more. */
 static void measure(const engine *e, const team *t, exact_sum *sum) {
   const columns *x = engine_columns(e, SD_X), *y = engine_columns(e, SD_Y),
                 *a = engine_columns(e, SD_THETA);
@@ -69,7 +69,7 @@ static void measure(const engine *e, const team *t, exact_sum *sum) {
   measure_clumps(e, t, sum);
 }
 
-/* Sets v <- keep v + steer F/M for clumps. */
+/* Changes the velocities of this thread's clumps: v <- keep v + steer F/M. */
 static void change_clumps(engine *e, const team *t, double keep, double steer) {
   size_t begin, end;
   team_share(t, engine_clumps(e), &begin, &end);

@@ -18,7 +18,8 @@ typedef struct settle_sums {
   int64_t n[COUNTS];
 } settle_sums;
 
-/* Returns the total force along a coordinate, 0 if the coordinate is locked. */
+/* Returns the total force on body i along one coordinate; 0 if the coordinate is locked or
+ * prescribed. */
 static double resultant(const columns *c, size_t i) {
   return c->inverse[i] != 0.0 ? c->force[i] + c->constant[i] : 0.0;
 }
@@ -50,7 +51,7 @@ static void add_clumps(const engine *e, settle_sums *all) {
   }
 }
 
-/* Computes the sums over the disks, clumps and contacts that this rank counts. */
+/* Computes the sums over the disks, clumps and contacts that this rank includes in its sums. */
 static void add_up(const engine *e, settle_sums *all) {
   const sd_state *s = e->state;
   const columns *c = engine_columns(e, 0);
@@ -84,9 +85,9 @@ settle_measure settle_look(const engine *e) {
   return (settle_measure){kinetic, mean == 0.0 ? 0.0 : contact > 0.0 ? mean / contact : HUGE_VAL};
 }
 
-/* Largest relative distance from the target at rest: for a servo, its speed over its largest speed,
- * which equals the relative force error; for a box under stress control, its stress error over the
- * largest target. */
+/* Largest relative error at which a servo wall, or a box under stress control, counts as having
+ * reached its target. Servo: speed divided by its largest speed, which equals the relative error of
+ * the force. Box: stress error divided by the largest target stress. */
 static const double SERVO_NEAR = 0.01;
 
 static bool walls_rest(const engine *e, double kinetic) {

@@ -1,4 +1,4 @@
-/* sizes.c: quantiles and draws of distributions of radii (see sizes.h). */
+/* sizes.c: computes quantiles of the distributions of radii, and random radii (see sizes.h). */
 #include "base/gsl.h"
 #include "pack/sizes.h"
 
@@ -8,9 +8,9 @@
 
 #include "base/memory.h"
 
-/* Quantile of p(R) ~ R^-a on [lower, upper]. The integral of R^-a is written with expm1 of a
- * non-positive argument: accurate near a = 1, where it becomes a logarithm, and finite for any
- * a. */
+/* Returns the quantile at u of the density p(R) ~ R^-a on [lower, upper]. The integral of R^-a is
+ * written with expm1 of a non-positive argument: accurate near a = 1, where it becomes a logarithm,
+ * and finite for any a. */
 static double power_quantile(const sizes *s, double u) {
   double q = 1 - s->exponent, l = log(s->upper / s->lower);
   if (fabs(q * l) < 1e-12) return s->lower * exp(u * l);
@@ -18,8 +18,8 @@ static double power_quantile(const sizes *s, double u) {
   return s->upper * exp(log1p((1 - u) * expm1(-q * l)) / q);
 }
 
-/* Quantile of a standard normal variable truncated to [a, b], a < b. For a > 0 the mirrored
- * interval is used, since probabilities near 0 keep more digits than those near 1. */
+/* Returns the quantile at u of a standard normal variable truncated to [a, b], a < b. For a > 0 the
+ * mirrored interval is used, since probabilities near 0 keep more digits than those near 1. */
 static double normal_quantile(double a, double b, double u) {
   if (a > 0) return -normal_quantile(-b, -a, 1 - u);
   double p = gsl_cdf_ugaussian_P(a);
@@ -81,8 +81,8 @@ double sizes_mean_area(const sizes *s) {
   return mean;
 }
 
-/* Writes n radii of a list: radius k occurs floor(n w_k/W) times, and those with the largest
- * remainders once more, until there are n. */
+/* Writes n radii of a list with weights w_k, sum W: radius k occurs floor(n w_k/W) times, and those
+ * with the largest remainders once more, until there are n. */
 static void draw_list(const sizes *s, size_t n, double *radius) {
   assert(s->n > 0);
   double *remainder = memory_new(s->n, sizeof *remainder), total = 0;

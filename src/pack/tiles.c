@@ -21,9 +21,9 @@ sd_status tiles_place(place_space *s, gsl_rng *rng, const tiles_fill *how, size_
   return SD_OK;
 }
 
-/* Returns the tile's random stream. Tile 0 uses the packing's own; later tiles use numbers above
- * those of all packings (below LIMIT_ENTRIES) and of the angles of their clumps (below 2
- * LIMIT_ENTRIES). */
+/* Returns the number of the random stream of a tile, the argument `packing` of sizes_random. Tile 0
+ * has the number of the packing itself; later tiles have numbers above those of all packings (below
+ * LIMIT_ENTRIES) and of the angles of their clumps (below 2 LIMIT_ENTRIES). */
 static size_t stream_of(const sd_tiles *t, size_t tile) {
   return tile == 0 ? t->entry : t->entry + LIMIT_ENTRIES * (1 + tile);
 }

@@ -1,4 +1,5 @@
-/* file.c: writes files and folders through drafts, and reads files; see file.h. */
+/* file.c: writes files and folders under temporary names (drafts), which are renamed when they are
+ * complete, and reads files; see file.h. */
 #include "io/store/file.h"
 
 #include <assert.h>
@@ -49,11 +50,12 @@ static bool truncate_again(int fd, off_t size) {
   return result == 0;
 }
 
-/* Closes a descriptor; false with errno set. EINTR is no error: Linux has then closed it, too. */
+/* Closes a descriptor; returns false, with errno set, if that fails. EINTR is no error, since Linux
+ * has closed the descriptor then, too. */
 static bool close_told(int fd) { return close(fd) == 0 || errno == EINTR; }
 
 bool file_write_all(int fd, const void *bytes, size_t size) {
-  /* one call writes at most 1 GiB, since the kernel cuts longer ones anyway */
+  /* one call of write gets at most 1 GiB, since the kernel cuts longer ones short anyway */
   const size_t most = (size_t)1 << 30;
   for (const unsigned char *at = bytes; size > 0;) {
     ssize_t n = write(fd, at, size < most ? size : most);
@@ -77,14 +79,14 @@ static const char *last_component(const char *path) {
   return slash ? slash + 1 : path;
 }
 
-/* Returns the folder descriptor in which a path is looked up, and in *name the name to look up
- * there. */
+/* Returns the descriptor of the folder relative to which a path is looked up; *name receives the
+ * name to look up there. */
 static int base_of(int folder, const char *path, const char **name) {
   *name = folder < 0 ? path : last_component(path);
   return folder < 0 ? AT_FDCWD : folder;
 }
 
-/* Returns the path of the folder of a file; to be freed. */
+/* Returns the path of the folder that contains a file; the caller frees it. */
 static char *folder_of(const char *path) {
   const char *slash = strrchr(path, '/');
   return !slash          ? format_text(".")
@@ -157,14 +159,14 @@ void file_remove(int folder, const char *path) {
 
 /* --- Drafts ----------------------------------------------------------------------------------- */
 
-/* Number of hexadecimal digits in the name of a draft */
+/* Number of hexadecimal digits in the name of a draft (temporary file) */
 enum { DRAFT_DIGITS = 16 };
 static const char draft_ending[] = ".tmp";
 
 bool file_is_draft(const char *name) { return text_ends(name, draft_ending); }
 
-/* Returns true if a file, or a link to one, has this name, and its mode in *mode. A file that
- * replaces it gets that mode, so that the same users may read it. */
+/* Returns true if a regular file, or a link to one, has this name; *mode then receives its
+ * permission bits. A file that replaces it gets these, so that the same users may read it. */
 static bool mode_of(int base, const char *name, mode_t *mode) {
   struct stat facts;
   if (fstatat(base, name, &facts, 0) != 0 || !S_ISREG(facts.st_mode)) return false;
@@ -178,9 +180,9 @@ void file_keep_mode(int fd, int folder, const char *path) {
   mode_t mode;
   const int base = base_of(folder, path, &name);
   if (!mode_of(base, name, &mode) || fstat(fd, &facts) != 0) return;
-  /* permission to read a folder gives permission to enter it */
+  /* if the open file is a folder, permission to read it gives permission to enter it */
   if (S_ISDIR(facts.st_mode)) mode |= 0700 | (mode & 0444) >> 2;
-  (void)!fchmod(fd, mode); /* ignored, since some file systems have no modes */
+  (void)!fchmod(fd, mode); /* errors are ignored, since some file systems have no permission bits */
 }
 
 /* Returns a name like "NAME.h5.0123456789abcdef.tmp". Its digits are random, so that no other user
@@ -198,14 +200,15 @@ char *file_draft_name(const char *name) {
 sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messages *messages) {
   *out = (file_draft){.folder = -1, .fd = -1};
   char *above = folder_of(path);
-  /* a descriptor of its own, so that a draft may outlive the caller's descriptor */
+  /* a duplicate of the caller's descriptor, so that the draft may outlive that */
   out->folder = folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY)
                            : fcntl(folder, F_DUPFD_CLOEXEC, 0);
   sd_status status = out->folder < 0 ? file_fail(messages, "write to folder", above) : SD_OK;
   const char *last;
   mode_t mode;
   const int base = base_of(folder, path, &last);
-  /* a draft that replaces a file must not be readable for others before it has the file's mode */
+  /* a draft that replaces a file must not be readable for other users before it has that file's
+   * permission bits */
   const bool replaces = mode_of(base, last, &mode);
   for (int attempt = 0; status == SD_OK && out->fd < 0; attempt++) {
     free(out->name);
@@ -222,7 +225,7 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
   return status;
 }
 
-/* Closes the descriptors of a draft and frees its record. */
+/* Closes the descriptors of a draft (temporary file) and frees its name and path. */
 static void draft_close(file_draft *draft) {
   if (draft->fd >= 0) close(draft->fd);
   if (draft->folder >= 0) close(draft->folder);
@@ -236,8 +239,9 @@ void file_draft_drop(file_draft *draft) {
   draft_close(draft);
 }
 
-/* Renames a draft to a name that must be free; false with errno set. If the file system supports
- * neither RENAME_NOREPLACE nor hard links, the name is checked just before. */
+/* Renames a draft to a name that no file may have yet; returns false, with errno set, if that
+ * fails. If the file system supports neither RENAME_NOREPLACE nor hard links, the function checks
+ * just before it renames that there is no such file. */
 static bool rename_new(const file_draft *draft, int base, const char *name) {
   if (renameat2(draft->folder, draft->name, base, name, RENAME_NOREPLACE) == 0) return true;
   if (errno != EINVAL && errno != ENOSYS && errno != ENOTSUP) return false;
@@ -252,7 +256,8 @@ static bool rename_new(const file_draft *draft, int base, const char *name) {
   return errno == ENOENT && renameat(draft->folder, draft->name, base, name) == 0;
 }
 
-/* Renames a draft to its final name; false with errno set. */
+/* Renames a draft to its final name; returns false, with errno set, if that fails. how: action if a
+ * file has this name. */
 static bool rename_draft(const file_draft *draft, int base, const char *name, file_replace how) {
   bool good;
   do
@@ -262,7 +267,8 @@ static bool rename_draft(const file_draft *draft, int base, const char *name, fi
   return good;
 }
 
-/* Closes a draft and renames it to its final name; false with errno set, and the draft removed. */
+/* Closes a draft and renames it to its final name. If that fails, removes the draft and returns
+ * false, with errno set. */
 static bool finish_draft(file_draft *draft, int base, const char *name, file_replace how) {
   int fd = draft->fd;
   draft->fd = -1;
@@ -286,8 +292,8 @@ sd_status file_draft_publish(file_draft *draft, int folder, const char *path, fi
    * processes */
   if (fstatat(base, name, &facts, AT_SYMLINK_NOFOLLOW) == 0 && is_special(facts.st_mode))
     status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
-  /* truncating to the present size returns the space that file_reserve took and the file does not
-   * use */
+  /* truncating the file to its present size gives back the space that file_reserve took beyond
+   * it */
   else if (fstat(draft->fd, &facts) != 0 || !truncate_again(draft->fd, facts.st_size) ||
            !sync_again(draft->fd))
     status = file_fail(messages, "write", path);
@@ -368,8 +374,8 @@ sd_status file_reserve(int fd, const char *path, uint64_t bytes, sd_messages *me
 
 /* --- Reading ---------------------------------------------------------------------------------- */
 
-/* Opens a regular file; -1 with errno set: it failed. O_NONBLOCK: opening a pipe must not wait for
- * a writer. */
+/* Opens a regular file for reading; *size receives its size. Returns -1, with errno set, if that
+ * fails. O_NONBLOCK keeps the opening of a pipe from waiting for a writer. */
 static int open_regular(int base, const char *name, int flags, uint64_t *size) {
   struct stat facts;
   int fd = file_open_at(base, name, O_RDONLY | O_NONBLOCK | O_NOCTTY | flags);
@@ -404,8 +410,8 @@ int file_open(int folder, const char *path, sd_messages *messages) {
   return fd;
 }
 
-/* Returns what a file is that is no text, by its first bytes, with advice; NULL: it seems to be a
- * text. */
+/* Recognises a file that is no text by its first n bytes, and returns a description of it with
+ * advice, e.g. to unpack it first; NULL: it seems to be a text. */
 static const char *kind_of(const char *bytes, size_t n) {
   static const struct {
     const char *head;
@@ -472,7 +478,7 @@ char *file_again(int fd, const char *path) {
       held.st_dev == named.st_dev)
     return again;
   free(again);
-  return memory_text(path); /* there is no /proc */
+  return memory_text(path); /* there is no /proc: use the path */
 }
 
 bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have) {
@@ -515,7 +521,8 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
 }
 
 sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_messages *messages) {
-  /* A multiple of 8 bytes, so that pieces give the checksum of the whole */
+  /* Number of bytes read at a time; a multiple of 8, so that the checksum continued piece by piece
+   * is that of the whole file */
   enum { PIECE = 1 << 20 };
   *sum = FILE_SUM;
   unsigned char *buffer = memory_grow(NULL, 1, PIECE);
@@ -540,7 +547,7 @@ uint64_t file_sum(uint64_t sum, const void *bytes, size_t n) {
   for (; n >= 8; b += 8, n -= 8) {
     uint64_t word;
     memcpy(&word, b, 8);
-    /* the shift brings high bits down: a product alone never lets them reach the low ones */
+    /* the shift lets high bits change low ones, which a multiplication alone never does */
     sum = (sum ^ word) * prime;
     sum ^= sum >> 32;
   }
@@ -555,7 +562,8 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
   size_t length = strlen(path);
   while (length > 1 && path[length - 1] == '/') length--;
   f->path = format_text("%.*s", (int)length, path);
-  /* an empty folder of this name is replaced by the new one, which gets its mode */
+  /* an existing empty folder of this name is replaced by the new one, which gets its permission
+   * bits */
   struct stat facts;
   const bool there = stat(f->path, &facts) == 0 && S_ISDIR(facts.st_mode);
   const mode_t mode = there ? facts.st_mode & 0777 : 0777;
@@ -570,7 +578,8 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
       return SD_OK;
     }
     bool taken = errno == EEXIST && attempt < 8;
-    if (!taken) status = file_make_folder(f->draft, messages); /* reports why it cannot be made */
+    /* this call reports why the folder cannot be made */
+    if (!taken) status = file_make_folder(f->draft, messages);
     if (status == SD_OK) return SD_OK;
     free(f->draft);
     f->draft = NULL;
@@ -596,7 +605,8 @@ sd_status file_folder_end(const file_folder *f, FILE *out, sd_status status,
   return bad && status == SD_OK ? file_fail(messages, "write", f->path) : status;
 }
 
-/* Makes all files in a folder durable at once. */
+/* Writes all files of the file system that holds this folder to disk (syncfs); returns false if
+ * that fails. */
 static bool sync_all(const char *path) {
   int fd = file_open_at(AT_FDCWD, path, O_RDONLY | O_DIRECTORY);
   bool good = fd >= 0 && syncfs(fd) == 0;
@@ -604,7 +614,7 @@ static bool sync_all(const char *path) {
   return good;
 }
 
-/* Removes the draft of a folder with the files in it. */
+/* Removes the temporary folder (draft) of f with the files in it. */
 static void remove_draft(const file_folder *f) {
   DIR *directory = opendir(f->draft);
   for (struct dirent *entry; directory && (entry = readdir(directory));)
@@ -628,23 +638,26 @@ sd_status file_folder_close(file_folder *f, sd_status status, sd_messages *messa
   return status;
 }
 
-/* Files that are written from pieces of memory in one go.
+/* Writing of a file whose contents are in several pieces of memory.
  *
- * Long ones bypass the kernel's page cache (O_DIRECT) if the system supports it: copying 1.7 GB
- * into the cache took 3.5 s of processor time, and the disk started late. Pieces are gathered in
- * two buffers; while one is being written to disk the other is filled and its checksum computed.
+ * Long files bypass the kernel's page cache (O_DIRECT) if the system supports it: copying 1.7 GB
+ * into the cache took 3.5 s of processor time, and the disk began to write late. Pieces are
+ * gathered in two buffers; while one is being written to disk the other is filled and its checksum
+ * computed.
  */
 
-/* Bytes of a buffer; alignment that O_DIRECT requires; size from which on a file is long. */
+/* BUFFER: bytes of each buffer; PAGE: alignment in bytes that O_DIRECT requires; LONG: size from
+ * which on a file is written with O_DIRECT. */
 enum { BUFFER = 8 << 20, PAGE = 4096, LONG = 4 * BUFFER };
 
-/* Pieces of memory to be copied into buffers, and the position that is reached. */
+/* Pieces of memory that are copied into buffers, and the position reached in them. */
 typedef struct gathering {
   const file_piece *pieces;
-  size_t n, k, at; /* number of pieces; index of the next piece, and next byte in it */
+  size_t n, k, at; /* n: number of pieces; k: index of the next piece; at: next byte in it */
 } gathering;
 
-/* Fills a buffer from the pieces; returns the number of bytes, less than BUFFER at the end. */
+/* Fills a buffer from the pieces; returns the number of bytes, less than BUFFER at the end of the
+ * last piece. */
 static size_t gather(gathering *g, unsigned char *to) {
   size_t have = 0;
   while (g->k < g->n && have < BUFFER) {
@@ -660,7 +673,7 @@ static size_t gather(gathering *g, unsigned char *to) {
   return have;
 }
 
-/* Switches O_DIRECT on or off for an open file; false: the system does not support it. */
+/* Switches O_DIRECT on or off for an open file; returns false if the system does not support it. */
 static bool set_direct(int fd, bool on) {
 #ifdef O_DIRECT
   int flags = fcntl(fd, F_GETFL);
@@ -671,8 +684,8 @@ static bool set_direct(int fd, bool on) {
 #endif
 }
 
-/* Writes a buffer with O_DIRECT or, if that fails, without, which also gives a meaningful error.
- * Returns 0 or errno. */
+/* Writes a buffer with O_DIRECT if *direct is true. If that is not possible, switches O_DIRECT off
+ * and writes without it, which also gives a meaningful error. Returns 0 or errno. */
 static int write_buffer(int fd, const unsigned char *bytes, size_t n, bool *direct) {
   off_t start = lseek(fd, 0, SEEK_CUR);
   if (*direct && n % PAGE == 0 && file_write_all(fd, bytes, n)) return 0;
@@ -683,7 +696,8 @@ static int write_buffer(int fd, const unsigned char *bytes, size_t n, bool *dire
   return file_write_all(fd, bytes, n) ? 0 : errno;
 }
 
-/* One turn: a buffer is written to disk while the next is filled. */
+/* Work of two threads in one step of write_long: one buffer is written to disk while the other is
+ * filled. */
 typedef struct turn {
   int fd, error;
   bool direct;
@@ -693,7 +707,8 @@ typedef struct turn {
   uint64_t *sum;
 } turn;
 
-/* Task of two threads: one writes the full buffer, the other fills the empty one. */
+/* Task of two threads: the first writes the full buffer to disk, the last fills the empty one and
+ * adds its bytes to the checksum. */
 static void turn_together(const team *t, void *with) {
   turn *f = with;
   if (t->rank == 0) f->error = write_buffer(f->fd, f->full, f->have, &f->direct);
@@ -702,7 +717,8 @@ static void turn_together(const team *t, void *with) {
   *f->sum = file_sum(*f->sum, f->empty, f->next);
 }
 
-/* Writes pieces through two buffers; false with errno set. */
+/* Writes pieces through two buffers; returns false, with errno set, if that fails. *sum receives
+ * the checksum of all bytes. */
 static bool write_long(int fd, gathering *g, unsigned char *buffers, uint64_t *sum) {
   turn f = {.fd = fd,
             .direct = set_direct(fd, true),

@@ -22,113 +22,121 @@
 sd_status file_fail(sd_messages *messages, const char *what, const char *path);
 
 /* --- Drafts ----------------------------------------------------------------------------------- */
-/* A draft: a new file that has not got its name yet. */
+/* A draft: a new file under a temporary name, which gets its final name when it is complete. */
 typedef struct file_draft {
-  int folder, fd; /* descriptors of the folder and of the draft; -1: none */
-  char *name;     /* name of the draft in the folder */
-  char *path;     /* path of the draft, for messages */
+  /* descriptors of the folder that contains the draft, and of the draft; -1: none */
+  int folder, fd;
+  char *name; /* temporary name of the draft in the folder */
+  char *path; /* path of the draft (temporary file), for messages */
 } file_draft;
 
-/* Action if the name of a draft is taken when it is published. */
+/* Action if a file already has the final name of a draft when it is published (renamed). */
 typedef enum file_replace {
   FILE_KEEP,   /* a file of that name is an error: nothing is overwritten */
   FILE_REPLACE /* a file or link of that name is replaced; a device or a pipe is an error */
 } file_replace;
 
-/* Makes a draft in the folder of `path`, open for reading and writing. file_draft_drop must be
- * called also if it fails. */
+/* Creates a draft (temporary file) in the folder of `path`, open for reading and writing.
+ * file_draft_drop must be called also if it fails. */
 sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messages *messages);
-/* Makes a draft durable, renames it to `path` and closes it. If that fails the draft is removed and
- * `path` is as it was. */
+/* Writes a draft to disk (fsync), renames it to `path` and closes it. If that fails the draft is
+ * removed and the file at `path` is as it was. */
 sd_status file_draft_publish(file_draft *draft, int folder, const char *path, file_replace how,
                              sd_messages *messages);
-/* Removes a draft that was not published, and frees its record. */
+/* Removes a draft that was not published, closes its descriptors and frees its names. */
 void file_draft_drop(file_draft *draft);
 
-/* Returns a name for a draft of the file `name`, a new one at each call; to be freed. */
+/* Returns a name for a draft (temporary file) of the file `name`, a new one at each call; the
+ * caller frees it. */
 char *file_draft_name(const char *name);
 
-/* A draft that is written with functions of the C library. */
+/* A draft that is written through a stream of the C library. */
 typedef struct file_stream {
-  FILE *out; /* stream of the draft; NULL: it could not be opened */
+  FILE *out; /* stream of the draft; NULL: the draft could not be opened */
   char *path;
   file_draft draft;
 } file_stream;
-/* Opens a draft of the file `path` as a stream. file_stream_close must be called also if it
- * fails. */
+/* Creates a draft (temporary file) of the file `path` and opens it as a stream. file_stream_close
+ * must be called also if it fails. */
 sd_status file_stream_open(const char *path, file_stream *s, sd_messages *messages);
-/* Closes the stream. If `status`, the status of the caller so far, is SD_OK the draft is published
- * and replaces a file of this name; else it is removed. Returns the first error. */
+/* Closes the stream. If `status`, the status of the caller so far, is SD_OK the draft gets its
+ * final name and replaces a file of this name; else the draft is removed. Returns the first
+ * error. */
 sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messages);
-/* Writes a file with these bytes through a draft; a file of this name is replaced. */
+/* Writes these bytes to a file so that it appears complete or not at all: through a draft, which
+ * replaces a file of this name. */
 sd_status file_write_atomic(const char *path, const void *bytes, size_t size,
                             sd_messages *messages);
-/* A folder that gets its name when all files in it are written. */
+/* A folder that gets its final name when all files in it are written. */
 typedef struct file_folder {
-  char *path, *draft; /* path of the folder; path of its draft, NULL: there is none */
+  /* path: final path of the folder; draft: its temporary path, NULL: there is no such folder */
+  char *path, *draft;
 } file_folder;
-/* Makes a draft of the folder `path`. Returns SD_ERROR_USER if something else than an empty folder
- * has this name. file_folder_close must be called also if it fails. */
+/* Creates a temporary folder (draft) for the folder `path`. Returns SD_ERROR_USER if something else
+ * than an empty folder has this name. file_folder_close must be called also if it fails. */
 sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messages);
-/* Makes a new file in the folder, to be closed by file_folder_end. NULL: it failed, which is
- * reported. */
+/* Creates a new file in the temporary folder, which file_folder_end closes. Returns NULL, with a
+ * message, if that fails. */
 FILE *file_folder_new(const file_folder *f, const char *name, sd_messages *messages);
-/* Closes a file of file_folder_new; NULL is allowed. Returns `status`, the caller's, or if that is
- * SD_OK the error of writing and closing. */
+/* Closes a file of file_folder_new; NULL is allowed. Returns `status`, the status of the caller so
+ * far, or if that is SD_OK the error of writing and closing. */
 sd_status file_folder_end(const file_folder *f, FILE *out, sd_status status, sd_messages *messages);
-/* Publishes the folder if `status`, the caller's, is SD_OK; else removes what was written. Returns
- * the first error. */
+/* Renames the temporary folder to its final name if `status`, the status of the caller so far, is
+ * SD_OK; else removes it. Returns the first error. */
 sd_status file_folder_close(file_folder *f, sd_status status, sd_messages *messages);
 /* Calls openat, again if a signal interrupts it, with O_CLOEXEC; folder may be AT_FDCWD. */
 int file_open_at(int folder, const char *name, int flags);
-/* Gives an open file the mode of the file at path, which it will replace; an open folder gets that
- * mode with the right to enter. If there is no file at path it does nothing. */
+/* Gives an open file the permission bits of the file at path, which it will replace. If the open
+ * file is a folder, it also gets the right to enter it. Does nothing if there is no file at
+ * path. */
 void file_keep_mode(int fd, int folder, const char *path);
-/* Writes all bytes, through short writes and signals; false, with errno set, if that fails. */
+/* Writes all bytes, even if calls of write are interrupted by signals or write less than asked;
+ * returns false, with errno set, if that fails. */
 bool file_write_all(int fd, const void *bytes, size_t size);
-/* Bytes in memory that are one part of a file. */
+/* Piece of memory with a part of a file's contents. */
 typedef struct file_piece {
   const void *bytes;
   size_t size;
 } file_piece;
-/* Writes n pieces one after the other. All but the last must be multiples of 8 bytes. sum: receives
- * file_sum of all. Returns false, with errno set, if that fails. */
+/* Writes n pieces one after the other. The sizes of all but the last must be multiples of 8 bytes.
+ * *sum receives the checksum (file_sum) of all pieces. Returns false, with errno set, if that
+ * fails. */
 bool file_write_pieces(int fd, size_t n, const file_piece *pieces, uint64_t *sum);
-/* Removes drafts of the file `base` that killed processes have left in the folder. The caller must
- * hold the lock of the file. */
+/* Removes drafts (temporary files) of the file `base` that killed processes have left in the
+ * folder. The caller must hold the lock of the file. */
 sd_status file_remove_drafts(const char *folder, const char *base, sd_messages *messages);
-/* Returns true if a file name is that of a draft. */
+/* Returns true if a file name is that of a draft, i.e. ends in ".tmp". */
 bool file_is_draft(const char *name);
 /* Reserves space on disk for a file that is being written; SD_ERROR_IO: there is not enough. */
 sd_status file_reserve(int fd, const char *path, uint64_t bytes, sd_messages *messages);
 
 /* --- Reading ---------------------------------------------------------------------------------- */
-/* Opens a regular file for reading; -1: it failed, which is reported. In an open folder no link is
- * followed. */
+/* Opens a regular file for reading; returns -1, with a message, if that fails. With folder >= 0 a
+ * symbolic link is not followed. */
 int file_open(int folder, const char *path, sd_messages *messages);
-/* Returns a path by which a library opens the file of a descriptor again, even if its name is taken
- * by another; to be freed. */
+/* Returns a path by which a library can open the file of an open descriptor again, even if its name
+ * now belongs to another file; the caller frees it. */
 char *file_again(int fd, const char *path);
-/* Opens a regular file for reading without a message; size: receives its size. -1, with errno set:
- * it failed. */
+/* Opens a regular file for reading without a message; *size receives its size. Returns -1, with
+ * errno set, if that fails. */
 int file_open_quiet(const char *path, uint64_t *size);
-/* Returns the text of an errno of file_open_quiet. */
+/* Returns a text that explains the errno that file_open_quiet has set. */
 const char *file_trouble(int error);
-/* Bytes of `trouble` in file_text. */
+/* Size of the argument `trouble` of file_text, bytes. */
 enum { FILE_TROUBLE = 120 };
-/* Reads a text file into *text, with a zero byte behind it, to be freed. On failure trouble
+/* Reads a text file into *text, with a zero byte behind it; the caller frees it. On failure trouble
  * receives the reason; returns SD_ERROR_USER if the name is wrong, or the file has more than `most`
  * bytes or is no text, else SD_ERROR_IO. */
 sd_status file_text(const char *path, uint64_t most, char **text, char trouble[FILE_TROUBLE]);
-/* Reads the first n bytes of a file, or all of it if n is SIZE_MAX or too large; *bytes is to be
- * freed. */
+/* Reads the first n bytes of a file, or all of it if n is SIZE_MAX or too large; the caller frees
+ * *bytes, and *size receives their number. */
 sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size,
                     sd_messages *messages);
-/* Reads up to n bytes from `at` on. *have < n: the file ends there. Returns false, with errno set,
- * if they cannot be read. */
+/* Reads up to n bytes from offset `at` on; *have receives their number, which is less than n only
+ * if the file ends there. Returns false, with errno set, if they cannot be read. */
 bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have);
-/* Computes file_sum of the first n bytes, reading piece by piece. Returns SD_ERROR_IO if the file
- * is shorter or cannot be read. */
+/* Computes the checksum (file_sum) of the first n bytes of an open file, reading piece by piece.
+ * Returns SD_ERROR_IO if the file is shorter or cannot be read. */
 sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_messages *messages);
 
 /* --- Names ------------------------------------------------------------------------------------ */
@@ -146,12 +154,13 @@ uint64_t file_size(const char *path);
 /* Makes a folder; one that exists is no error. Returns SD_ERROR_USER if the folder above it does
  * not exist. */
 sd_status file_make_folder(const char *path, sd_messages *messages);
-/* Makes renames and removals in the folder of `path` durable. */
+/* Writes the folder of `path` to disk (fsync), so that renames and removals in it survive a power
+ * failure. */
 sd_status file_sync_folder(int folder, const char *path, sd_messages *messages);
-/* Removes a file; no failure is reported. */
+/* Removes a file; a failure is not reported. */
 void file_remove(int folder, const char *path);
 
-/* Value of `sum` with which file_sum starts. */
+/* Initial value of the argument `sum` of file_sum. */
 #define FILE_SUM UINT64_C(14695981039346656037)
 /* Returns a checksum that depends on the order of the bytes, to detect damaged files: FNV-1a over
  * 64-bit words and the bytes that remain, continued from `sum`. If it is computed in parts, all but

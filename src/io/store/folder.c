@@ -1,4 +1,5 @@
-/* folder.c: locks, lists and cleans the folder of parts beside a result; see folder.h. */
+/* folder.c: locks, lists and cleans up the folder NAME.h5.parts with the files of an unfinished
+ * run; see folder.h. */
 #include "io/store/folder.h"
 
 #include <dirent.h>
@@ -35,8 +36,8 @@ static bool is_same(const struct stat *a, const struct stat *b) {
   return a->st_ino == b->st_ino && a->st_dev == b->st_dev;
 }
 
-/* Returns true if the path leads to the open folder, and the name "lock" in it to the file `lock`.
- * If errno is 0 afterwards both exist but are others. */
+/* Returns true if f->path still leads to the open folder, and the name "lock" in it to the open
+ * file `lock`. If it returns false with errno 0, they lead to another folder or another file. */
 static bool is_still_there(const folder *f, int lock) {
   struct stat held, named, file, entry;
   errno = 0;
@@ -70,7 +71,7 @@ static sd_status open_folder(folder *f, bool may_be_link, sd_messages *messages)
 }
 
 /* Tries once to lock the folder. If it returns SD_OK and f->lock is still < 0, the caller tries
- * again. */
+ * again. busy: number of attempts so far at which another process held the lock. */
 static sd_status try_lock(folder *f, int *busy, sd_messages *messages) {
   int fd = file_open_at(f->at, "lock", O_RDWR | O_CREAT | O_NOFOLLOW);
   if (fd < 0 && errno == ENOENT) return SD_OK;
@@ -82,14 +83,15 @@ static sd_status try_lock(folder *f, int *busy, sd_messages *messages) {
     if (error == EINTR) return SD_OK;
     if (error != EWOULDBLOCK)
       return sd_fail(messages, SD_ERROR_IO, "cannot lock %s/lock: %s", f->path, strerror(error));
-    /* folder_is_locked of another process holds the lock for a moment */
+    /* another process may hold the lock only for a moment, in folder_is_locked: try a few times */
     if ((*busy)++ >= 4)
       return sd_fail(messages, SD_ERROR_USER,
                      "another process is writing this result (%s/lock is locked)", f->path);
     nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
     return SD_OK;
   }
-  /* if it was removed, with the folder, between open and flock, the lock is worthless */
+  /* if the lock file was removed, with its folder, between open and flock, the lock has no
+   * effect */
   if (is_still_there(f, fd))
     f->lock = fd;
   else
@@ -131,11 +133,12 @@ void folder_close(folder *f) {
 
 /* --- Contents --------------------------------------------------------------------------------- */
 
-/* Kinds of files in the folder; FOREIGN: not made by slipdisk. */
+/* Kinds of files in the folder: parts and checkpoints, their files of single ranks (shares),
+ * temporary files, other files of slipdisk; FOREIGN: not made by slipdisk. */
 typedef enum kind { FOREIGN, PART, PART_SHARE, CHECKPOINT, SHARE, TEMPORARY, OTHER } kind;
 
-/* Returns the kind of a file by its name. *number: receives the number of the part or the step in
- * the name, -1: none. */
+/* Returns the kind of a file by its name. *number receives the number of the part, or the step of
+ * the checkpoint, in the name; -1: none. */
 static kind kind_of(const char *name, int64_t *number) {
   int end = 0;
   *number = -1;
@@ -180,15 +183,17 @@ sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_me
   return status;
 }
 
-/* A function that returns true for files to be removed. */
+/* A function that returns true if a file of this kind, with this number in its name, is to be
+ * removed. limit: as given to remove_some. */
 typedef bool chooser(kind what, int64_t number, int64_t limit);
 
-/* Removes all files of slipdisk in the folder for which `doomed` returns true. */
+/* Removes those files of slipdisk in the folder for which doomed(kind, number in the name, limit)
+ * returns true. */
 static sd_status remove_some(const folder *f, chooser *doomed, int64_t limit,
                              sd_messages *messages) {
   sd_status worst = folder_check(f, messages);
   if (worst != SD_OK) return worst;
-  /* opened by the descriptor, since the path may lead elsewhere by now */
+  /* opened through the descriptor f->at, since f->path may lead to another folder by now */
   int fd = file_open_at(f->at, ".", O_RDONLY | O_DIRECTORY);
   DIR *directory = fd < 0 ? NULL : fdopendir(fd);
   if (!directory) {
@@ -219,7 +224,8 @@ static bool is_older(kind what, int64_t number, int64_t oldest) {
   return (what == CHECKPOINT || what == SHARE) && number < oldest;
 }
 
-/* True for shares of a checkpoint that was never finished, or was set aside. */
+/* Returns true for files of single ranks (shares) of a checkpoint that is newer than the newest
+ * complete one: it was never finished, or was set aside as damaged. */
 static bool is_newer_share(kind what, int64_t number, int64_t newest) {
   return what == SHARE && number > newest;
 }
@@ -259,13 +265,13 @@ void folder_set_aside(const folder *f, int64_t step) {
   char from[64], to[80];
   snprintf(from, sizeof from, "checkpoint-%" PRId64 ".h5", step);
   snprintf(to, sizeof to, "damaged-%s", from);
-  /* on failure the checkpoint is found damaged again next time */
+  /* if renaming fails, the checkpoint is found damaged again next time */
   if (folder_check(f, NULL) == SD_OK) (void)!renameat(f->at, from, f->at, to);
 }
 
 sd_status folder_remove(folder *f, sd_messages *messages) {
-  /* The lock is removed last and held until then, so that a process that waits for it starts
-   * over. */
+  /* The lock file is removed last and stays locked until then, so that a process that waits for it
+   * starts over. */
   sd_status status = remove_some(f, is_ours, 0, messages);
   if (status == SD_OK && unlinkat(f->at, "lock", 0) != 0)
     status = sd_fail(messages, SD_ERROR_IO, "cannot remove %s/lock: %s", f->path, strerror(errno));

@@ -37,43 +37,53 @@ const char *h5_version(char *text, size_t size);
 /* Makes an empty file in memory, for writing. Returns SD_ERROR_IO if there is no memory; *out is
  * then NULL. */
 sd_status h5_new(h5_file **out, sd_messages *messages);
-/* Makes an empty file in memory for writing, to which h5_lend will lend about `bytes` bytes in all.
- * If address space for them cannot be reserved it does what h5_new does. */
+/* Makes an empty file in memory, for writing, in which h5_lend can refer to about `bytes` bytes of
+ * the caller's data without a copy. If address space for them cannot be reserved, it makes a file
+ * as h5_new does, and h5_lend copies. */
 sd_status h5_new_borrowing(uint64_t bytes, h5_file **out, sd_messages *messages);
-/* Makes an empty file in a draft, for writing. Space for about `bytes` bytes is reserved first, so
- * that a full disk shows before the library writes (the library may crash when a write fails). */
+/* Makes an empty file in a draft (temporary file), for writing. Space for about `bytes` bytes is
+ * reserved first, so that a full disk shows before the library writes (the library may crash when a
+ * write fails). */
 sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_messages *messages);
-/* Closes a file of h5_create, reads it back, compares it with what was put into it, and seals it.
- * Frees the file in any case; the caller then publishes or drops the draft. */
+/* Closes a file of h5_create, reads it back, compares it with what was put into it, and appends its
+ * checksum (seal). Frees the file in any case; the caller then publishes or drops the draft. */
 sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *messages);
-/* Opens a file for reading, with its shares. If it is sealed its seal is checked: all of a file up
- * to 64 MiB, else its attributes and small datasets. A file without a seal is accepted if another
- * process can read it (h5_probe). */
+/* Opens a file for reading, with its files of single ranks (shares, see below). A checksum at its
+ * end (seal) is checked: for files up to 64 MiB that of all bytes, else only that of the attributes
+ * and small datasets. A file without a checksum is accepted if another process can read it
+ * (h5_probe). */
 sd_status h5_open(const char *path, h5_file **out, sd_messages *messages);
-/* Like h5_open, but all of a sealed file is checked, whatever its size. */
+/* Opens a file for reading like h5_open, but checks all bytes of a file with a checksum (seal),
+ * whatever its size. */
 sd_status h5_open_whole(const char *path, h5_file **out, sd_messages *messages);
-/* Opens a sealed file for reading and checks all of it. Returns SD_ERROR_IO if it has no seal or
- * does not match it. folder: see file.h; sum: receives the checksum of the seal, may be NULL. */
+/* Opens a file for reading that must have a checksum at its end (seal), and checks all of it.
+ * Returns SD_ERROR_IO if it has none or does not match it. folder: see file.h; sum: receives the
+ * checksum, may be NULL. */
 sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum,
                          sd_messages *messages);
-/* Like h5_open_sealed, without a folder, but leaves the shares of the file closed. */
+/* Like h5_open_sealed, without a folder, but does not open the files of single ranks (shares) that
+ * belong to the file. */
 sd_status h5_open_head(const char *path, h5_file **out, sd_messages *messages);
-/* Like h5_open, without the checks, for a file that was opened and checked before. */
+/* Opens a file for reading like h5_open, but without the checks, for a file that was opened and
+ * checked before. */
 sd_status h5_open_again(const char *path, h5_file **out, sd_messages *messages);
-/* Checks all of a file. Returns SD_ERROR_IO if it does not match its seal or is no HDF5 file.
- * sealed: receives true if there is a seal; sum: receives its checksum. */
+/* Checks all of a file against the checksum at its end (seal). Returns SD_ERROR_IO if it does not
+ * match or if the file is no HDF5 file. sealed: receives true if there is a checksum; sum: receives
+ * it. */
 sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *messages);
-/* Replaces the seal of a file by one for its present contents, after it was changed on purpose. */
+/* Replaces the checksum at the end of a file (seal) by that of its present contents, after it was
+ * changed on purpose. */
 sd_status h5_reseal(const char *path, sd_messages *messages);
-/* Writes a file of h5_new to path, with a seal, through a draft as file_write_atomic does. Frees
- * the file in any case. sum: receives the checksum of the seal, may be NULL. */
+/* Writes a file of h5_new to path, with a checksum at its end (seal), so that it appears complete
+ * or not at all (file_write_atomic). Frees the file in any case. sum: receives the checksum, may be
+ * NULL. */
 sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum,
                   sd_messages *messages);
-/* Like h5_save, into memory, to be freed with free; *data is NULL on errors. Frees the file in any
- * case. */
+/* Writes a file of h5_new into memory instead of to disk: *data, with its checksum (seal), which
+ * the caller frees with free; NULL on errors. Frees the file in any case. */
 sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *messages);
-/* Opens the bytes of h5_save_memory for reading and checks their seal. The bytes may be freed when
- * it returns. */
+/* Opens the bytes of h5_save_memory for reading and checks their checksum. The caller may free the
+ * bytes afterwards. */
 sd_status h5_open_memory(const void *data, size_t size, h5_file **out, sd_messages *messages);
 /* Closes a file and reports the first failure of a write to it. Frees the file in any case; NULL is
  * allowed. */
@@ -109,19 +119,21 @@ void h5_attr_f64(h5_file *file, const char *path, const char *name, double value
 void h5_attr_i64(h5_file *file, const char *path, const char *name, int64_t value);
 /* Makes a hard link at `path` to the object at `target`. */
 void h5_link(h5_file *file, const char *target, const char *path);
-/* Makes a dataset of known size, which h5_put_rows fills row by row (first index). With compress it
- * is stored in chunks; its rows must then come in order, and are held in memory until their chunk
- * is full or the file is saved or closed. */
+/* Makes a dataset of known size without values, which h5_put_rows writes row by row (first index).
+ * With compress it is stored in chunks; its rows must then come in order, and are held in memory
+ * until their chunk is full or the file is saved or closed. */
 void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims,
              bool compress);
-/* Writes rows first ... first + n - 1 of a dataset of h5_make, of which `data` has all elements. */
+/* Writes rows first ... first + n - 1 of a dataset of h5_make; data: all elements of these rows. */
 void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n,
                  const void *data);
 /* Returns true if a write has failed. */
 bool h5_failed(const h5_file *file);
-/* Notes that there is no memory for the object at path; it is reported like a failed write. */
+/* Records in the file that there is no memory for the object at path; this is reported like a
+ * failed write. */
 void h5_no_memory(h5_file *file, const char *path);
-/* Returns `got`, whether memory was allocated; if not it calls h5_no_memory. */
+/* Returns `got`, which is true if memory was allocated; if it is false, records in the file that
+ * there is no memory for the object at path. */
 static inline bool h5_have(h5_file *file, bool got, const char *path) {
   if (!got) h5_no_memory(file, path);
   return got;
@@ -130,8 +142,8 @@ static inline bool h5_have(h5_file *file, bool got, const char *path) {
 /* --- Reading ---------------------------------------------------------------------------------- */
 /* Returns true if there is an object at path that is reached by hard links alone. */
 bool h5_exists(const h5_file *file, const char *path);
-/* Returns SD_OK if a dataset has n elements and was written as a whole. It is called before memory
- * is allocated for a number of elements that stands in a file. */
+/* Returns SD_OK if a dataset has n elements and was written completely. It is called before memory
+ * is allocated for a number of elements that was read from a file. */
 sd_status h5_check(const h5_file *file, const char *path, size_t n, sd_messages *messages);
 /* Reads the rank of a dataset and its dimensions dims[H5_MAX_RANK]; those beyond the rank are 1. */
 sd_status h5_shape(const h5_file *file, const char *path, int *rank, size_t *dims,
@@ -139,8 +151,9 @@ sd_status h5_shape(const h5_file *file, const char *path, int *rank, size_t *dim
 /* Reads all of a dataset, which must have n elements, converted to type. */
 sd_status h5_get(const h5_file *file, const char *path, sd_type type, size_t n, void *data,
                  sd_messages *messages);
-/* Like h5_get, into an array that the caller frees. Returns NULL if it cannot be read, or if
- * *status was an error before. */
+/* Reads all of a dataset, which must have n elements, converted to type, into a new array that the
+ * caller frees. Returns NULL, with *status set, if it cannot be read, or if *status was an error
+ * before. */
 void *h5_column(const h5_file *file, const char *path, sd_type type, size_t n, sd_status *status,
                 sd_messages *messages);
 /* Reads rows first ... first + n - 1 (first index) of a dataset whose rows have `width` elements
@@ -154,7 +167,7 @@ char *h5_get_text(const h5_file *file, const char *path);
 bool h5_has_attr(const h5_file *file, const char *path, const char *name);
 /* Returns the value of a numeric attribute; `otherwise` if there is none. */
 double h5_get_attr_f64(const h5_file *file, const char *path, const char *name, double otherwise);
-/* Like h5_get_attr_f64, for an integer. */
+/* Returns the value of an integer attribute; `otherwise` if there is none. */
 int64_t h5_get_attr_i64(const h5_file *file, const char *path, const char *name, int64_t otherwise);
 /* Reads an attribute of n numbers. Returns false, with values unchanged, if there is none or it has
  * another size. */
@@ -162,38 +175,40 @@ bool h5_get_attr_f64s(const h5_file *file, const char *path, const char *name, s
                       double *values);
 /* Returns the text of an attribute, to be freed; NULL: there is none. */
 char *h5_get_attr_text(const h5_file *file, const char *path, const char *name);
-/* A function that h5_visit calls for a dataset. type: nearest of the four types; text: true if it
- * holds strings; dims: H5_MAX_RANK dimensions. */
+/* A function that h5_visit calls for a dataset. type: the sd_type nearest to the stored type; text:
+ * true if it holds strings; dims: H5_MAX_RANK dimensions. */
 typedef void h5_visitor(void *user, const char *path, sd_type type, bool text, int rank,
                         const size_t *dims);
 /* Calls visit for every dataset below the root, in alphabetical order of paths. */
 sd_status h5_visit(const h5_file *file, h5_visitor *visit, void *user, sd_messages *messages);
 
 /* --- Shares ----------------------------------------------------------------------------------- */
-/* A file may have shares: sealed files beside it, each with some rows of some datasets, written by
- * one rank each. When the file is opened they are joined, so that it reads as one file. In a share
- * the rows of /path are at /disks/path or at /contacts/path, and /disks/key[row] or
+/* A file may have shares: files with a checksum beside it, each with some rows of some datasets,
+ * each written by one rank. When the file is opened they are joined, so that it reads as one file.
+ * In a share the rows of /path are at /disks/path or at /contacts/path, and /disks/key[row] or
  * /contacts/key[row] orders them: rows of lower keys, in any share, come first; rows with equal
  * keys are in one share. Rows that the file itself has at /path come last. The attribute `each` of
  * the key dataset gives the number of rows of the shares that form one row of /path, as the disks
  * of a frame do; without it each is a row of its own. */
 
-/* Returns the path of share k of a file, NAME-k.h5 for NAME.h5; to be freed. */
+/* Returns the path of share k of a file, i.e. of the file that rank k writes: NAME-k.h5 for
+ * NAME.h5; the caller frees it. */
 char *h5_share_path(const char *path, size_t k);
-/* Writes into a file that it has n shares, whose seals have these checksums. */
+/* Writes into a file that it has n files of single ranks (shares), with these checksums. */
 void h5_put_shares(h5_file *file, size_t n, const int64_t *sums);
-/* Returns true if a file has shares. */
+/* Returns true if rows of a file are in files of single ranks (shares). */
 bool h5_has_shares(const h5_file *file);
 
 /* --- Tables of particles ---------------------------------------------------------------------- */
 /* Range of rows of a table. On input: the rows asked for, at most n from `first` on. On output: the
  * rows read, and the number `all` of rows in the table; all = 0: the rows cannot be read in ranges,
- * since some hold no particle. */
+ * since some rows hold no particle. */
 typedef struct h5_range {
   size_t first, n, all;
-  bool again;   /* input: the file was opened, and checked, before */
+  bool again;   /* input: true if the file was opened, and checked, before */
   int64_t step; /* output: step of the values in an H5MD file; -1: none */
-  /* output: [n] indices of the rows kept among those asked for, to be freed; NULL: all of them */
+  /* output: [n] indices of the rows kept, among those asked for; the caller frees it; NULL: all
+   * rows were kept */
   uint32_t *kept;
 } h5_range;
 

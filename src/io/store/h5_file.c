@@ -22,7 +22,8 @@ static herr_t look_for_shortage(unsigned n, const H5E_error2_t *error, void *use
   return 0;
 }
 
-/* Called by the library when one of its functions has failed. */
+/* Called by the library when one of its functions has failed: looks through the error stack for a
+ * lack of memory. */
 static herr_t look_at_error(hid_t stack, void *user) {
   H5Ewalk2(stack, H5E_WALK_UPWARD, look_for_shortage, user);
   return 0;
@@ -30,12 +31,13 @@ static herr_t look_at_error(hid_t stack, void *user) {
 
 void h5_quiet(void) {
   static bool asked;
-  /* must precede any other call: at exit the library would write to files that have failed */
+  /* must precede all other calls of the library: at exit it would write to files that have
+   * failed */
   if (!__atomic_exchange_n(&asked, true, __ATOMIC_RELAXED)) H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, look_at_error, NULL);
 }
 
-/* Called for an entry of the error stack; keeps the description of the first. */
+/* Called for each entry of the library's error stack; keeps the first description in *user. */
 static herr_t first_reason(unsigned n, const H5E_error2_t *error, void *user) {
   const char **reason = user;
   (void)n;
@@ -131,7 +133,7 @@ sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_message
   H5Pset_file_locking(access, false, true);
 #endif
   (*out)->id = H5Fopen(again, H5F_ACC_RDONLY, access);
-  h5_reason(reason, sizeof reason); /* before any other call, which would clear it */
+  h5_reason(reason, sizeof reason); /* reads the reason before any other call clears it */
   H5Pclose(access);
   if ((*out)->id >= 0) {
     free(again);
@@ -147,7 +149,8 @@ sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_message
   return SD_ERROR_IO;
 }
 
-/* Notes a failure concerning the object at path, unless `good`; only the first is kept. */
+/* Records a failed operation on the object at path, unless `good` is true; only the first failure
+ * is kept. */
 void h5_require(h5_file *file, bool good, const char *path) {
   if (good || file->failed) return;
   char reason[200];
@@ -162,8 +165,8 @@ void h5_flush_sets(h5_file *file) {
   }
 }
 
-/* Flushes and closes the file and reports the first failure of a write. The record is still to be
- * released. */
+/* Flushes and closes the file and reports the first failure of a write. The caller must still call
+ * h5_release. */
 sd_status h5_end(h5_file *file, sd_messages *messages) {
   char reason[200];
   h5_flush_sets(file);
@@ -187,7 +190,7 @@ sd_status h5_close(h5_file *file, sd_messages *messages) {
 
 bool h5_failed(const h5_file *file) { return file->failed; }
 
-/* Rows that go into the chunks of a compressed dataset.
+/* Writing of rows into the chunks of a compressed dataset.
  *
  * Rows come in order. They are gathered until a chunk is full, and each chunk is written once. A
  * chunk that deflate would not make smaller by a quarter is stored without the compressing filters;
@@ -201,10 +204,10 @@ bool h5_failed(const h5_file *file) { return file->failed; }
 /* H5Dwrite_chunk exists since HDF5 1.10.3 */
 #define HAS_WRITE_CHUNK H5_VERSION_GE(1, 10, 3)
 
-/* Number of elements of a chunk from which its size after deflate is estimated */
+/* Number of elements of a chunk that are sampled to estimate its size after deflate */
 enum { LOOKS = 4096 };
 static const double WORTH =
-    0.75; /* estimated size over plain size below which deflate is worth its time */
+    0.75; /* estimated size divided by plain size below which deflate is worth its time */
 
 /* --- Estimate of compression ------------------------------------------------------------------ */
 
@@ -216,9 +219,10 @@ static double entropy(const uint32_t count[256], size_t n) {
   return sum / (double)n;
 }
 
-/* Returns true if deflate would save less than a quarter. The shuffle filter puts byte 0 of all
- * elements first, then byte 1 of all, and so on. A byte costs its entropy within its group or, if
- * the rows of a chunk are similar, the entropy of its change from the row before. */
+/* Returns true if deflate would save less than a quarter, by an estimate. The shuffle filter puts
+ * byte 0 of all elements first, then byte 1 of all, and so on. Each byte is estimated to cost its
+ * entropy within its group or, if the rows of a chunk are similar, the entropy of its change from
+ * the row before. */
 static bool is_noise(const unsigned char *data, size_t n, size_t element, size_t row) {
   size_t step = (n / LOOKS) | 1, looks = 0;
   double bits = 0.0;
@@ -247,14 +251,15 @@ static bool write_slab(hid_t set, hid_t type, int rank, const hsize_t *start, co
   bool good = space >= 0 && memory >= 0 &&
               H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
               H5Dwrite(set, type, memory, space, H5P_DEFAULT, data) >= 0;
-  if (!good) return false; /* before any other call, which would clear the library's reason */
+  /* return before any other call of the library clears the reason of the failure */
+  if (!good) return false;
   H5Sclose(memory);
   H5Sclose(space);
   return true;
 }
 
-/* Returns true if the elements are a whole chunk, or all of it that is in the dataset. The library
- * cannot add to a chunk that was stored without its filters (1.10.8 inflates it). */
+/* Returns true if the elements are a whole chunk, or all of a chunk that lies inside the dataset.
+ * The library cannot add to a chunk that was stored without its filters (1.10.8 inflates it). */
 static bool is_whole(const h5_rows *w, const hsize_t *start, const hsize_t *count) {
   bool whole = true;
   for (int k = 0; k < w->rank; k++)
@@ -289,7 +294,8 @@ static bool store_chunk(h5_rows *w, const hsize_t *start, size_t n, size_t full,
   if (!w->padded) w->padded = memory_grow(NULL, bytes + sizeof(uint32_t), 1);
   memcpy(w->padded, data, given);
   memset(w->padded + given, 0, bytes - given);
-  uint32_t past = UINT32_MAX >> (32 - w->filters); /* a bit per filter that is not applied */
+  /* mask with a bit for each filter that is not applied */
+  uint32_t past = UINT32_MAX >> (32 - w->filters);
   if (w->checksum) {
     past >>= 1;
     uint32_t sum = fletcher32(w->padded, bytes);
@@ -298,7 +304,7 @@ static bool store_chunk(h5_rows *w, const hsize_t *start, size_t n, size_t full,
   return H5Dwrite_chunk(w->set, H5P_DEFAULT, past, start, bytes, w->padded) >= 0;
 }
 
-/* Writes rows, or a part of one row, that are all in one chunk. */
+/* Writes rows, or a part of one row, that all lie in one chunk. */
 static bool write_chunk(h5_rows *w, const hsize_t *start, const hsize_t *count,
                         const unsigned char *data) {
 #if HAS_WRITE_CHUNK
@@ -313,7 +319,7 @@ static bool write_chunk(h5_rows *w, const hsize_t *start, const hsize_t *count,
   return write_slab(w->set, w->type, w->rank, start, count, data);
 }
 
-/* Writes rows first ... first + n - 1, which are all in one row of chunks. */
+/* Writes rows first ... first + n - 1, which all lie in chunks with the same first index. */
 static bool write_band(h5_rows *w, size_t first, size_t n, const unsigned char *data) {
   hsize_t start[H5_MAX_RANK] = {first}, count[H5_MAX_RANK] = {n};
   for (int k = 1; k < w->rank; k++) count[k] = w->dims[k];
@@ -331,7 +337,8 @@ static bool write_band(h5_rows *w, size_t first, size_t n, const unsigned char *
 
 /* --- Rows ------------------------------------------------------------------------------------- */
 
-/* Returns true if the last filter of a dataset is the checksum. */
+/* Returns true if the last filter of a dataset is the Fletcher checksum. create: creation
+ * properties of the dataset; filters: number of its filters. */
 static bool has_checksum(hid_t create, int filters) {
   size_t none = 0;
   unsigned flags, config;
@@ -345,8 +352,8 @@ bool h5_rows_open(h5_rows *w, hid_t set, sd_type type) {
   w->rank = H5Sget_simple_extent_dims(space, w->dims, NULL);
   w->row = w->element;
   for (int k = 1; k < w->rank; k++) w->row *= (size_t)w->dims[k];
-  /* chunks as choose_chunk makes them: of whole rows, or of parts of one row with all later
-   * indices */
+  /* rows are gathered only if chunks are like those of choose_chunk: of whole rows, or of parts of
+   * one row with all later indices */
   if (H5Pget_layout(create) == H5D_CHUNKED && H5Tequal(stored, w->type) > 0 &&
       H5Pget_chunk(create, w->rank, w->chunk) == w->rank) {
     w->chunked = w->chunk[0] == 1 || w->rank < 2 || w->chunk[1] == w->dims[1];
@@ -367,7 +374,7 @@ bool h5_rows_flush(h5_rows *w) {
   return n == 0 || write_band(w, first, n, w->buffer);
 }
 
-/* Copies rows into the buffer, up to the end of their chunk; returns how many. */
+/* Copies rows into the buffer, up to the end of their chunk; returns the number of rows copied. */
 static size_t hold(h5_rows *w, size_t n, const unsigned char *data) {
   assert(w->held < (size_t)w->chunk[0]);
   size_t most = (size_t)w->chunk[0] - w->held;

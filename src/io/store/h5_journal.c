@@ -2,7 +2,7 @@
  * read from it.
  *
  * A write may fail in many places: in a cache of the library that is emptied late, in a block of
- * the file system. So the merge of a run, after which its parts are removed, does not rely on
+ * the file system. So the merge of a run's files, after which these are removed, does not rely on
  * return codes alone.
  */
 #include <stdlib.h>
@@ -11,11 +11,11 @@
 #include "base/memory.h"
 #include "io/store/h5_private.h"
 
-/* Datasets are read back in pieces of at most so many bytes */
+/* Largest number of bytes of a dataset that are read back at a time */
 enum { PIECE_BYTES = 8 << 20 };
 
-/* Computes h5_sum. Callers pass `element` as a constant, so that the compiler knows the size of the
- * copy. */
+/* Computes the checksum that h5_sum returns. Callers pass `element` as a constant, so that the
+ * compiler knows the size of the copy. */
 static inline uint64_t sum_words(const unsigned char *at, size_t n, size_t element,
                                  uint64_t first) {
   uint64_t sum = 0;
@@ -36,14 +36,15 @@ uint64_t h5_sum(const void *data, size_t n, size_t element, uint64_t first) {
                         : sum_words(data, n, element, first);
 }
 
-/* Returns true if a journal entry is that of this dataset (attr NULL) or attribute. */
+/* Returns true if a journal entry (checksum of what was written) is that of this dataset (attr
+ * NULL) or attribute. */
 static bool is_of(const h5_entry *e, const char *path, const char *attr) {
   if (!e->attr != !attr || (attr && strcmp(e->attr, attr) != 0)) return false;
   return strcmp(e->path, path) == 0;
 }
 
-/* Finds a journal entry; NULL: there is none. It begins with the newest, since rows are mostly
- * written to recent datasets. */
+/* Finds the journal entry of a dataset (attr NULL) or an attribute; NULL: there is none. The search
+ * begins with the newest, since rows are mostly written to recent datasets. */
 static h5_entry *find(const h5_file *file, const char *path, const char *attr) {
   for (size_t k = file->n_entries; k-- > 0;)
     if (is_of(&file->journal[k], path, attr)) return &file->journal[k];
@@ -70,8 +71,8 @@ void h5_note(h5_file *file, const char *path, const char *attr, const void *data
 
 /* --- Reading back ----------------------------------------------------------------------------- */
 
-/* Returns the size of an element as h5_sum takes it, and in *each the number of such elements per
- * value: texts are summed byte by byte. */
+/* Returns the size in bytes of the elements over which checksums run; *each receives the number of
+ * such elements per value of this type: texts are summed byte by byte. */
 static size_t element_of(hid_t type, size_t *each) {
   size_t size = H5Tget_size(type);
   bool text = H5Tget_class(type) == H5T_STRING;
@@ -79,7 +80,7 @@ static size_t element_of(hid_t type, size_t *each) {
   return text ? 1 : size;
 }
 
-/* Reads rows first ... first + n - 1 of a dataset, of the type as stored. */
+/* Reads rows first ... first + n - 1 of a dataset in its stored type. */
 static bool read_rows(hid_t set, hid_t type, int rank, const hsize_t *dims, hsize_t first,
                       hsize_t n, void *data) {
   if (rank == 0) return H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
@@ -88,7 +89,8 @@ static bool read_rows(hid_t set, hid_t type, int rank, const hsize_t *dims, hsiz
   return h5_read_slab(set, type, start, count, data);
 }
 
-/* Computes number and checksum of the elements of a dataset; false: it cannot be read. */
+/* Computes the number of elements of a dataset and their checksum; returns false if it cannot be
+ * read. */
 static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
   hid_t type = H5Dget_type(set), space = H5Dget_space(set);
   hsize_t dims[H5S_MAX_RANK] = {1};
@@ -112,8 +114,8 @@ static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
   return good;
 }
 
-/* Computes number and checksum of the elements of an attribute. If its size is not that written, it
- * is damaged and is not read. */
+/* Computes the number of elements of an attribute and their checksum. An attribute that has not the
+ * expected number of elements is damaged and is not read. */
 static bool sum_attr(hid_t attr, uint64_t expected, uint64_t *elements, uint64_t *sum) {
   hid_t type = H5Aget_type(attr), space = H5Aget_space(attr);
   size_t each, element = element_of(type, &each);
@@ -129,7 +131,7 @@ static bool sum_attr(hid_t attr, uint64_t expected, uint64_t *elements, uint64_t
   return good;
 }
 
-/* Returns true if the object of a journal entry reads back as it was written. */
+/* Returns true if the dataset or attribute of a journal entry reads back as it was written. */
 static bool is_there(const h5_file *file, const h5_entry *e) {
   uint64_t elements = 0, sum = 0;
   hid_t id = e->attr ? H5Aopen_by_name(file->id, e->path, e->attr, H5P_DEFAULT, H5P_DEFAULT)

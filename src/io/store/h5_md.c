@@ -1,5 +1,5 @@
-/* h5_md.c: groups of particles of H5MD files: the step at which their elements are read, their box,
- * rows without a particle.
+/* h5_md.c: reads groups of particles of H5MD files: chooses the step at which their elements are
+ * read, reads their box, and finds rows without a particle.
  *
  * An element is a dataset that does not change, or a group with the datasets `value` [frame]...,
  * `step` and `time`. Each element may have steps of its own: a list, or a scalar, which is the
@@ -20,12 +20,13 @@ static sd_status fail(const h5_file *file, const char *group, sd_messages *messa
   return sd_fail(messages, SD_ERROR_USER, "%s: %s: %s %s", file->path, group, name, what);
 }
 
-/* Returns the step of a frame. */
+/* Returns the time step number of a frame of an element. */
 static int64_t step_of(const h5_element *e, size_t frame) {
   return e->step ? e->step[frame] : e->offset + (int64_t)frame * e->interval;
 }
 
-/* Reads a list of steps, which must ascend: frames that were never written have step 0. */
+/* Reads the list of steps of an element's frames. The steps must ascend, which detects frames that
+ * were never written, with step 0. */
 static sd_status read_list(const h5_file *file, const char *group, const char *path, h5_element *e,
                            sd_messages *messages) {
   sd_status status = SD_OK;
@@ -64,7 +65,8 @@ static sd_status read_steps(const h5_file *file, const char *group, h5_element *
   return status;
 }
 
-/* Finds the values of an element: constant, in frames, or missing. */
+/* Finds out whether the values of an element are in frames, and reads the number and the steps of
+ * these frames. */
 static sd_status find_element(const h5_file *file, const char *group, h5_element *e,
                               sd_messages *messages) {
   size_t dims[H5_MAX_RANK];
@@ -79,7 +81,8 @@ static sd_status find_element(const h5_file *file, const char *group, h5_element
   return status == SD_OK && e->framed ? read_steps(file, group, e, messages) : status;
 }
 
-/* Selects the last frame whose step is at most `step`; false: there is none. */
+/* Selects the last frame of an element whose step is at most `step`; returns false if there is
+ * none. */
 static bool frame_until(h5_element *e, int64_t step) {
   size_t low = 0, high = e->frames;
   while (low < high) {
@@ -94,7 +97,7 @@ static bool frame_until(h5_element *e, int64_t step) {
 }
 
 /* Finds the last step, at most *step, that all elements with frames have, and selects their frames;
- * false: there is none. */
+ * returns false if there is none. */
 static bool common_step(h5_element *e, size_t n, int64_t *step) {
   bool agreed = false;
   while (!agreed) {
@@ -110,8 +113,8 @@ static bool common_step(h5_element *e, size_t n, int64_t *step) {
   return true;
 }
 
-/* Selects the last frame of each element if steps are missing. Frames are then matched by their
- * number alone, so that elements must have equally many. */
+/* Selects the last frame of each element, for elements without steps. Frames are then matched by
+ * their number alone, so that all elements must have the same number of frames. */
 static sd_status without_steps(const h5_file *file, const char *group, h5_element *e, size_t n,
                                sd_messages *messages) {
   const h5_element *first = NULL;
@@ -171,8 +174,8 @@ sd_status h5_moment(const h5_file *file, const char *group, h5_element *e, size_
 
 /* --- Rows without a particle ------------------------------------------------------------------ */
 
-/* Reads the fill value of a dataset, which unwritten elements have; false: the file defines
- * none. */
+/* Reads the fill value of a dataset, which elements have that were never written; returns false if
+ * the file defines none. */
 static bool fill_value(const h5_file *file, const char *path, double *fill) {
   hid_t set = h5_open_data(file, path, NULL);
   if (set < 0) return false;
@@ -191,7 +194,8 @@ bool h5_is_fill(const h5_file *file, const char *path, double *fill) {
   return fill_value(file, path, fill) && *fill != 0;
 }
 
-/* Returns true if slipdisk wrote the file: it has a row for waiting and removed disks, too. */
+/* Returns true if slipdisk wrote the file, which then has rows also for waiting and removed
+ * disks. */
 static bool is_ours(const h5_file *file) {
   char *creator = h5_get_attr_text(file, "/h5md/creator", "name");
   const bool ours = creator && strncmp(creator, "slipdisk", 8) == 0;
@@ -230,12 +234,12 @@ sd_status h5_absent(const h5_file *file, const char *group, const h5_element *e,
 /* --- Box -------------------------------------------------------------------------------------- */
 
 enum { MOST_GROUPS = 16 };
-/* Groups of particles that contain certain datasets. */
+/* List of the groups of particles that contain certain datasets. */
 typedef struct groups {
   const char *const *tails; /* a group counts if it contains a dataset of one of these two paths */
   char *name[MOST_GROUPS];  /* [n] paths "/particles/NAME" */
   size_t n;
-  bool lost; /* there are more than MOST_GROUPS */
+  bool lost; /* true if there are more than MOST_GROUPS */
 } groups;
 
 /* Called by h5_visit for a dataset: adds its group of particles to the list if the dataset is one
@@ -275,8 +279,8 @@ char *h5_only_particles(const char *path) {
   return only;
 }
 
-/* Reads the edges of the box at the step of the positions: lengths, or a matrix with an edge vector
- * per row. */
+/* Reads the edges of the box at the step of the positions. The file has lengths, or a matrix with
+ * one edge vector per row; `matrix` receives a matrix in both cases. */
 static sd_status read_edges(const h5_file *file, const char *group, int *dimension,
                             double matrix[3][3], int64_t *step, sd_messages *messages) {
   h5_element e[2] = {{.name = "box/edges"}, {.name = "position"}};
@@ -308,8 +312,8 @@ static sd_status read_edges(const h5_file *file, const char *group, int *dimensi
   return SD_OK;
 }
 
-/* Checks that the edges are along x and y, and that rows of periodic images are shifted against one
- * another by whole widths at most. */
+/* Checks that the edges of the box are along x and y, and that neighbouring rows of periodic images
+ * are shifted against one another by whole widths at most. */
 static sd_status check_edges(const h5_file *file, const char *group, double a[3][3],
                              sd_messages *messages) {
   for (int i = 0; i < 3; i++)
@@ -330,7 +334,7 @@ static sd_status check_edges(const h5_file *file, const char *group, double a[3]
       file->path, group, shift / a[0][0]);
 }
 
-/* Reads the box of a group of particles. */
+/* Reads the box of a group of particles: its edges, and the directions that are not periodic. */
 static sd_status box_of_group(const h5_file *file, const char *group, h5_box *box,
                               sd_messages *messages) {
   double a[3][3] = {{0}}, lower[3] = {0, 0, 0};
@@ -346,7 +350,7 @@ static sd_status box_of_group(const h5_file *file, const char *group, h5_box *bo
     const char *next = strchr(word, '\n');
     box->lower[c] = lower[c];
     box->upper[c] = open ? lower[c] : lower[c] + a[c][c];
-    if (next && next[1]) word = next + 1; /* one word may stand for all directions */
+    if (next && next[1]) word = next + 1; /* a single word stands for all directions */
   }
   free(words);
   free(path);

@@ -1,6 +1,6 @@
-/* h5_memory.c: files that are built, or read, in memory; see h5.h. A file to which datasets are
- * lent has gaps where they belong, and is saved piece by piece: own bytes, lent data, own bytes,
- * ... */
+/* h5_memory.c: files that are built, or read, in memory; see h5.h. Datasets that are lent (their
+ * values stay in the caller's memory) are gaps in the file, which is saved piece by piece: own
+ * bytes, lent data, own bytes, ... */
 #include <assert.h>
 #include <errno.h>
 #include <stdio.h>
@@ -12,13 +12,14 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
-/* Bytes by which a file in memory grows */
+/* Number of bytes by which a file in memory grows at a time */
 static const size_t GROWTH = (size_t)1 << 20;
-/* Address space for data of a file that are not lent, bytes; pages of it take memory when they are
- * first written */
+/* Address space in bytes for the data of a file that are copied into it, not lent by the caller;
+ * its pages take memory only when they are first written */
 static const size_t BESIDES = (size_t)256 << 20;
 
-/* The library takes two files in memory with one name for the same file. */
+/* Writes a name that no other file in memory has, since the library takes two such files of one
+ * name for the same file. */
 void h5_memory_name(char *name, size_t size) {
   static unsigned count;
   snprintf(name, size, "memory-%u", __atomic_add_fetch(&count, 1u, __ATOMIC_RELAXED));
@@ -68,14 +69,14 @@ static const void *image_of(hid_t id, size_t *size) {
   return *(void **)handle; /* the handle of a file in memory is the address of its bytes */
 }
 
-/* A finished file in pieces of memory, which are valid while it is open. */
+/* A finished file as a list of pieces of memory, which are valid while the file is open. */
 typedef struct image {
   size_t size; /* number of bytes of all pieces */
   size_t n;
-  file_piece *pieces; /* [n] in the order of the file; to be freed */
+  file_piece *pieces; /* [n] pieces in the order of the file; the caller frees the array */
 } image;
 
-/* Ends the writing of a file and puts its pieces together. */
+/* Ends the writing of a file and lists the pieces of memory of which it consists. */
 static sd_status whole_image(h5_file *file, const char *path, image *m, sd_messages *messages) {
   int64_t one = 1;
   *m = (image){0};
@@ -178,12 +179,13 @@ sd_status h5_open_memory(const void *data, size_t size, h5_file **out, sd_messag
 #include <H5FDdevelop.h>
 #endif
 
-/* A file of this driver. */
+/* An open file of this driver. */
 typedef struct pages {
-  H5FD_t base;            /* the library's part of a file, which must come first */
-  unsigned char *bytes;   /* [room] contents of the file, mapped memory */
-  size_t room;            /* size of the mapping, bytes; a file cannot be larger */
-  haddr_t allocated, end; /* end of the space allocated to objects; end of the bytes written */
+  H5FD_t base;          /* the library's part of a file, which must come first */
+  unsigned char *bytes; /* [room] contents of the file, mapped memory */
+  size_t room;          /* size of the mapping, bytes; a file cannot be larger */
+  /* allocated: end of the space allocated to objects; end: end of the bytes written */
+  haddr_t allocated, end;
 } pages;
 
 static H5FD_t *pages_open(const char *name, unsigned flags, hid_t access, haddr_t most) {
@@ -236,7 +238,7 @@ static herr_t pages_handle(H5FD_t *file, hid_t access, void **handle) {
   return 0;
 }
 
-/* Returns true if n bytes from `at` on are within the mapping. */
+/* Returns true if n bytes from offset `at` on are within the file's mapping. */
 static bool is_inside(const pages *p, haddr_t at, size_t n) {
   return at <= p->room && n <= p->room - at;
 }
@@ -291,7 +293,7 @@ bool h5_set_pages(hid_t access, size_t room) {
     .fl_map = H5FD_FLMAP_DICHOTOMY,
   };
   hid_t id = H5FDregister(&driver);
-  /* Access now refers to the driver */
+  /* the property list holds a reference to the driver from here on */
   bool good = id >= 0 && H5Pset_driver(access, id, &room) >= 0;
   if (id >= 0) H5FDunregister(id);
   return good;

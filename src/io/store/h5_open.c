@@ -1,4 +1,5 @@
-/* h5_open.c: checks files when they are opened, and joins them with their shares; see h5.h. */
+/* h5_open.c: checks files when they are opened, and joins them with their files of single ranks
+ * (shares); see h5.h. */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -13,8 +14,8 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
-/* Sealed files of up to so many bytes are checked as a whole whenever they are opened; that takes a
- * tenth of a second. */
+/* Largest size in bytes of files of which all bytes are checked against the checksum whenever they
+ * are opened; that takes a tenth of a second. */
 static const uint64_t CHECKED_WHOLE = UINT64_C(64) << 20;
 
 char *h5_share_path(const char *path, size_t k) {
@@ -53,7 +54,7 @@ static sd_status take_image(h5_file *file, sd_messages *messages) {
   return SD_OK;
 }
 
-/* Opens share k, whose seal must have this checksum. */
+/* Opens share k (file of rank k), whose checksum must be `sum`. */
 static sd_status open_share(h5_shares *s, int folder, size_t k, int64_t sum) {
   uint64_t found = 0;
   char *path = h5_share_path(s->head->path, k);
@@ -65,8 +66,8 @@ static sd_status open_share(h5_shares *s, int folder, size_t k, int64_t sum) {
   return status;
 }
 
-/* Allows the process to have n more files open: all shares stay open, so that the bytes that were
- * checked are those that are read. */
+/* Allows the process to have n more files open: all shares (files of single ranks) stay open, so
+ * that the bytes that were checked are those that are read. */
 static void allow_files(size_t n) {
   enum { OTHERS = 64 };
   struct rlimit most;
@@ -91,7 +92,8 @@ static sd_status open_shares(h5_shares *s, int folder) {
 
 /* --- Order of rows ---------------------------------------------------------------------------- */
 
-/* Reads the keys of the rows of share k into g->place[k]; they must ascend. */
+/* Reads the keys by which the rows of share k (file of rank k) are ordered into g->place[k]; they
+ * must ascend. */
 static sd_status read_keys(h5_shares *s, h5_shared_group *g, const char *keys, size_t k) {
   size_t dims[H5_MAX_RANK];
   int rank;
@@ -110,7 +112,8 @@ static sd_status read_keys(h5_shares *s, h5_shared_group *g, const char *keys, s
   return SD_OK;
 }
 
-/* Replaces the keys of all shares by the indices of their rows in the order of keys. */
+/* Replaces the key of each row by the index that the row has when the rows of all shares are sorted
+ * by key. */
 static void merge_keys(const h5_shares *s, h5_shared_group *g) {
   runs heads;
   runs_new(&heads, s->n);
@@ -130,7 +133,8 @@ static void merge_keys(const h5_shares *s, h5_shared_group *g) {
   free(at);
 }
 
-/* Reads and merges the keys of all rows of a group. */
+/* Reads the keys of the rows that all shares (files of single ranks) have in a group, and computes
+ * the order of these rows. */
 static sd_status order_group(h5_shares *s, h5_shared_group *g) {
   char *keys = format_text("%s/key", g->name);
   g->rows = memory_new(s->n, sizeof *g->rows);
@@ -145,8 +149,9 @@ static sd_status order_group(h5_shares *s, h5_shared_group *g) {
 
 /* --- Datasets --------------------------------------------------------------------------------- */
 
-/* Computes the shape of a joined dataset and reads the rows that the head has itself, which come
- * last. rank, dims: on input those of the share, on output those of the joined dataset. */
+/* Computes the shape of a dataset joined from shares (files of single ranks), and reads the rows
+ * that the main file (head) has itself, which come last. rank, dims: on input the shape of the
+ * dataset in one share, on output that of the joined dataset. */
 static sd_status shape_set(h5_shares *s, h5_shared_set *set, int *rank, size_t *dims) {
   const h5_shared_group *g = set->group;
   size_t there[H5_MAX_RANK] = {0};
@@ -172,8 +177,9 @@ static sd_status shape_set(h5_shares *s, h5_shared_set *set, int *rank, size_t *
   return status;
 }
 
-/* Makes a dataset without values in the head, the file that has shares. It stands for the joined
- * dataset, with its shape and the attributes that head or share have. */
+/* Makes a dataset without values in the main file (head), which stands for the dataset joined from
+ * the shares (files of single ranks). It has the joined shape, and the unit and description of the
+ * dataset in the main file or, if that has none, in the share. */
 static void stand_for(h5_file *head, const h5_file *share, const char *from,
                       const h5_shared_set *set, int rank, const size_t *dims) {
   static const char *const names[] = {"unit", "description"};
@@ -189,7 +195,8 @@ static void stand_for(h5_file *head, const h5_file *share, const char *from,
   }
 }
 
-/* Called by h5_visit for a dataset of a share: adds it to the joined datasets. */
+/* Called by h5_visit for a dataset of a share (file of one rank): adds it to the joined
+ * datasets. */
 static void take_set(void *user, const char *path, sd_type type, bool text, int rank,
                      const size_t *dims) {
   h5_shares *s = user;
@@ -206,8 +213,8 @@ static void take_set(void *user, const char *path, sd_type type, bool text, int 
   if (s->status == SD_OK) stand_for(s->head, s->listed_in, path, set, rank, whole);
 }
 
-/* Joins the datasets of a group. Their list is that of the largest share, since a share without
- * rows may have no datasets. */
+/* Joins the datasets of a group of the shares (files of single ranks). The list of datasets is that
+ * of the largest share, since a share without rows may have no datasets. */
 static sd_status take_sets(h5_shares *s, const h5_shared_group *g) {
   size_t largest = 0;
   for (size_t k = 1; k < s->n; k++)
@@ -242,7 +249,8 @@ sd_status h5_join(h5_file *file, int folder, sd_messages *messages) {
 
 /* --- Checks ----------------------------------------------------------------------------------- */
 
-/* Reports a file whose attribute "sealed" is set but which has no seal. */
+/* Reports a file that has lost the checksum at its end (seal), which its attribute "sealed"
+ * promises. */
 static sd_status check_sealed(const h5_file *file, const h5_mark *mark, sd_messages *messages) {
   if (mark->sealed || h5_get_attr_i64(file, "/", "sealed", 0) == 0) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO,
@@ -250,8 +258,9 @@ static sd_status check_sealed(const h5_file *file, const h5_mark *mark, sd_messa
                  file->path);
 }
 
-/* How a file is opened: AGAIN without checks, QUICK by h5_open, WHOLE with all of it checked,
- * SEALED if it has a seal, HEAD likewise but without shares. */
+/* Ways to open a file: AGAIN without checks, QUICK as h5_open does, WHOLE with all bytes checked,
+ * SEALED likewise and only if it has a checksum (seal), HEAD as SEALED but without its files of
+ * single ranks (shares). */
 typedef enum trust { AGAIN, QUICK, WHOLE, SEALED, HEAD } trust;
 
 static sd_status open_checked(int folder, const char *path, trust how, h5_file **out, uint64_t *sum,

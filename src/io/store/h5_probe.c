@@ -18,27 +18,28 @@
 #include "base/memory.h"
 #include "io/store/h5_private.h"
 
-/* Exit statuses of the child: all good; values, or names and shapes, cannot be read; another
- * checksum of small data. */
+/* Exit statuses of the child process: all can be read; some values cannot be read; some names or
+ * shapes cannot be read; the attributes and small datasets have another checksum. */
 enum { GOOD, UNREADABLE, BROKEN, OTHER_SUM };
 
 /* PIECE: bytes of a dataset that are read at once. SECONDS: limit of the child's processor time.
- * MOST: bytes read in all, after which only one box of each dataset is read. */
+ * MOST: bytes read in all, after which only one box (block of elements) of each dataset is read. */
 enum { PIECE = 8 << 20, SECONDS = 60 };
 static const uint64_t MOST = UINT64_C(256) << 20;
 
-/* Progress of the child. */
+/* Progress of the child process that reads the file. */
 typedef struct reading {
-  bool whole;          /* all pieces of all datasets are read */
+  bool whole;          /* true if all boxes of all datasets are to be read */
   uint64_t bytes;      /* bytes read so far */
   size_t listed;       /* number of links visited */
-  int depth;           /* depth of the present group */
-  bool failed, broken; /* values cannot be read; names or shapes cannot be read */
+  int depth;           /* number of groups above the present one */
+  bool failed, broken; /* failed: values cannot be read; broken: names or shapes cannot be read */
 } reading;
 
 /* --- Child ------------------------------------------------------------------------------------ */
 
-/* Reads an attribute. The library allocates values of variable length and frees them here. */
+/* Reads an attribute. Values of variable length are allocated by the library and freed here
+ * again. */
 static void read_attr(reading *r, hid_t attr) {
   hid_t type = H5Aget_type(attr), space = H5Aget_space(attr);
   const hssize_t n = H5Sget_simple_extent_npoints(space);
@@ -55,7 +56,7 @@ static void read_attr(reading *r, hid_t attr) {
   H5Tclose(type);
 }
 
-/* Called for every attribute of an object. */
+/* Called for every attribute of an object: reads it. */
 static herr_t take_attr(hid_t object, const char *name, const H5A_info_t *info, void *user) {
   (void)info;
   reading *r = user;
@@ -67,8 +68,8 @@ static herr_t take_attr(hid_t object, const char *name, const H5A_info_t *info, 
   return 0;
 }
 
-/* Chooses the sides of the boxes in which a dataset is read: its chunks, or pieces of about PIECE
- * bytes. Returns the bytes of a box. */
+/* Chooses the sides of the boxes (blocks of elements) in which a dataset is read: its chunks, or
+ * pieces of about PIECE bytes. Returns the bytes of a box. */
 static size_t choose_box(hid_t set, size_t size, int rank, const hsize_t *dims, hsize_t *box) {
   hid_t made = H5Dget_create_plist(set);
   const bool chunked = H5Pget_layout(made) == H5D_CHUNKED;
@@ -87,7 +88,8 @@ static size_t choose_box(hid_t set, size_t size, int rank, const hsize_t *dims, 
   return (size_t)bytes;
 }
 
-/* Reads count[k] elements from start[k] on along each dimension k. */
+/* Reads count[k] elements from start[k] on along each dimension k of a dataset; returns false if
+ * that fails. */
 static bool read_box(hid_t set, hid_t type, hid_t space, int rank, const hsize_t *start,
                      const hsize_t *count, unsigned char *data) {
   hid_t memory = H5Screate_simple(rank, count, NULL);
@@ -98,8 +100,8 @@ static bool read_box(hid_t set, hid_t type, hid_t space, int rank, const hsize_t
   return good;
 }
 
-/* Reads a dataset box by box. A small box counts as a page of memory, since each call takes
- * time. */
+/* Reads a dataset box by box; returns false if that fails. A box smaller than a page of memory
+ * counts as a page in r->bytes, since each call takes time. */
 static bool read_boxes(reading *r, hid_t set, hid_t type, hid_t space, int rank,
                        const hsize_t *dims, const hsize_t *box, size_t bytes, unsigned char *data) {
   enum { PAGE = 4096 };
@@ -114,7 +116,7 @@ static bool read_boxes(reading *r, hid_t set, hid_t type, hid_t space, int rank,
   return true;
 }
 
-/* Reads the values of a dataset. */
+/* Reads the values of a dataset; sets r->failed if that fails. */
 static void read_set(reading *r, hid_t set) {
   hid_t type = H5Dget_type(set), space = H5Dget_space(set);
   hsize_t dims[H5S_MAX_RANK] = {0}, box[H5S_MAX_RANK] = {0};
@@ -142,7 +144,7 @@ static herr_t take_link(hid_t group, const char *name, const H5L_info_t *info, v
   reading *r = user;
   if (info->type != H5L_TYPE_HARD) return 0;
   if (++r->listed > LIMIT_LINKS || r->depth > LIMIT_GROUPS)
-    return 1; /* h5_visit has the same limits */
+    return 1; /* h5_visit has the same limits of number and depth */
   hid_t object = H5Oopen(group, name, H5P_DEFAULT);
   r->broken |= object < 0;
   if (object < 0) return 0;
@@ -158,7 +160,8 @@ static herr_t take_link(hid_t group, const char *name, const H5L_info_t *info, v
   return result;
 }
 
-/* Reads the whole file; returns an exit status. */
+/* Reads all attributes and the values of all datasets, or only a limited number of bytes unless
+ * `whole` is true; returns one of the exit statuses above. */
 static int read_all(int fd, const char *path, bool whole) {
   h5_file *file;
   reading r = {.whole = whole};
@@ -169,7 +172,8 @@ static int read_all(int fd, const char *path, bool whole) {
   return r.broken ? BROKEN : r.failed ? UNREADABLE : GOOD;
 }
 
-/* Compares the checksum of the small data; returns an exit status. */
+/* Compares the checksum of the attributes and small datasets with `small`; returns one of the exit
+ * statuses above. */
 static int compare_small(int fd, const char *path, uint64_t small) {
   h5_file *file;
   uint64_t sum = 0;
@@ -185,9 +189,9 @@ static void leave_without_memory(size_t bytes) {
   _exit(UNREADABLE);
 }
 
-/* Makes the child silent, without core dump and with a limit of processor time. Allocated memory
- * holds no zeros, so that a library that uses memory it has not written crashes here, not later by
- * chance. */
+/* Makes the child silent, without core dump and with a limit of processor time. Allocated memory is
+ * filled with bytes other than zero, so that a library that uses memory it has not written crashes
+ * here, not later by chance. */
 static void be_quiet(uint64_t bytes) {
   sd_on_no_memory(leave_without_memory);
   mallopt(M_PERTURB, 0xa5);
@@ -203,7 +207,7 @@ static void be_quiet(uint64_t bytes) {
 
 /* --- Parent ----------------------------------------------------------------------------------- */
 
-/* Returns the exit status of the child; negative: it crashed, or its status is lost. */
+/* Waits for the child and returns its exit status; negative: it crashed, or its status is lost. */
 static int status_of(pid_t child) {
   int how = 0;
   pid_t got;
@@ -214,7 +218,7 @@ static int status_of(pid_t child) {
   return WIFEXITED(how) ? WEXITSTATUS(how) : -1;
 }
 
-/* Returns true if two descriptions are of the same file, unchanged. */
+/* Returns true if two results of fstat are of the same file, unchanged. */
 static bool is_same(const struct stat *a, const struct stat *b) {
   return a->st_ino == b->st_ino && a->st_dev == b->st_dev && a->st_size == b->st_size &&
          a->st_mtim.tv_sec == b->st_mtim.tv_sec && a->st_mtim.tv_nsec == b->st_mtim.tv_nsec;
@@ -224,14 +228,14 @@ static sd_status fail(const char *path, const char *what, sd_messages *messages)
   return sd_fail(messages, SD_ERROR_IO, "%s is damaged%s", path, what);
 }
 
-/* Set by h5_probe_nothing. */
+/* True after h5_probe_nothing: files are not probed. */
 static bool trusts;
 
 void h5_probe_nothing(void) { trusts = true; }
 
 sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small,
                    sd_messages *messages) {
-  static _Thread_local struct stat sound; /* the last file that was found sound */
+  static _Thread_local struct stat sound; /* facts of the last file that was found to be readable */
   struct stat facts;
   if (trusts) return SD_OK;
   if (fstat(fd, &facts) != 0) return sd_fail(messages, SD_ERROR_IO, "cannot read %s", path);

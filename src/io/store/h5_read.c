@@ -1,5 +1,5 @@
-/* h5_read.c: reads HDF5 files: paths, shapes, datasets, attributes, lists of datasets, rows of
- * shares; see h5.h. */
+/* h5_read.c: reads HDF5 files: paths, shapes, datasets, attributes, lists of datasets, rows in
+ * files of single ranks (shares); see h5.h. */
 #include <assert.h>
 #include <limits.h>
 #include <stdio.h>
@@ -125,7 +125,7 @@ static bool is_stored(hid_t set, size_t n) {
   return bytes <= LIMIT_MIB || bytes <= LIMIT_EXPANSION * (double)H5Dget_storage_size(set);
 }
 
-/* Checks that a dataset has n elements and was written as a whole. */
+/* Checks that a dataset has n elements and was written completely. */
 static sd_status check_size(const h5_file *file, const char *path, hid_t set, size_t n,
                             sd_messages *messages) {
   size_t have = elements(set);
@@ -207,7 +207,8 @@ sd_status h5_get_values(const h5_file *file, const char *path, sd_type type, siz
   return sd_fail(messages, SD_ERROR_IO, "%s: cannot read rows of %s", file->path, path);
 }
 
-/* Reads a string of fixed or variable length from a dataset or an attribute; NULL: it is none. */
+/* Reads a string of fixed or variable length from a dataset or an attribute; NULL: it is no
+ * string. */
 static char *read_text(hid_t id, bool attribute) {
   hid_t type = attribute ? H5Aget_type(id) : H5Dget_type(id);
   hid_t space = attribute ? H5Aget_space(id) : H5Dget_space(id);
@@ -252,8 +253,8 @@ bool h5_has_attr(const h5_file *file, const char *path, const char *name) {
   return h5_exists(file, path) && H5Aexists_by_name(file->id, path, name, H5P_DEFAULT) > 0;
 }
 
-/* Reads an attribute of n elements as `type`; false, with *value unchanged: there is none, or it
- * has another size. */
+/* Reads an attribute of n elements as `type`. Returns false, with *value unchanged, if there is
+ * none or it has another size. */
 static bool get_attr(const h5_file *file, const char *path, const char *name, hid_t type, size_t n,
                      void *value) {
   if (!h5_has_attr(file, path, name)) return false;
@@ -336,7 +337,7 @@ char *h5_words(const h5_file *file, const char *path, const char *name) {
 
 /* --- List of datasets ------------------------------------------------------------------------- */
 
-/* Group in which h5_visit is. */
+/* Group that h5_visit is listing at present. */
 typedef struct walk {
   const h5_file *file;
   h5_visitor *visit;
@@ -346,7 +347,7 @@ typedef struct walk {
   size_t *listed;    /* number of links visited so far */
 } walk;
 
-/* Returns that of the four types in which the values of a dataset are best read. */
+/* Returns the sd_type in which values of this HDF5 type are best read. */
 static sd_type nearest_type(hid_t type) {
   if (H5Tget_class(type) != H5T_INTEGER) return SD_F64;
   if (H5Tget_size(type) > 4) return SD_I64;
@@ -390,7 +391,8 @@ sd_status h5_visit(const h5_file *file, h5_visitor *visit, void *user, sd_messag
 
 /* --- Rows of shares --------------------------------------------------------------------------- */
 
-/* Bytes of a share that are read at once. */
+/* Largest number of bytes that are read from a share (file of one rank) at a time, unless one row
+ * is longer. */
 enum { PIECE_BYTES = 1 << 20 };
 
 const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path) {
@@ -399,7 +401,8 @@ const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path) {
   return NULL;
 }
 
-/* Returns the index of the first of n ascending numbers that is at least `at`; n: there is none. */
+/* Returns the index of the first of n ascending numbers place[] that is at least `at`; n: there is
+ * none. */
 static size_t first_at(const int64_t *place, size_t n, int64_t at) {
   size_t low = 0, high = n;
   while (low < high) {
@@ -412,8 +415,8 @@ static size_t first_at(const int64_t *place, size_t n, int64_t at) {
   return low;
 }
 
-/* Reads from share k those of the rows [from, to) that it has, to their positions in data. Rows are
- * counted over all shares in the order of keys. */
+/* Reads those of the rows [from, to) that share k (file of rank k) has to their positions in data.
+ * Rows are numbered over all shares in the order of their keys. */
 static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type type, size_t k,
                            size_t from, size_t to, char *data, sd_messages *messages) {
   const int64_t *place = set->group->place[k];
@@ -436,8 +439,8 @@ static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type
   return status;
 }
 
-/* Reads n rows of a joined dataset that are in the file itself, not in shares, from `first` on,
- * converted to type. */
+/* Reads n rows of a joined dataset, from `first` on among the rows that are in the main file itself
+ * and not in shares (files of single ranks), converted to type. */
 static sd_status get_own(const h5_shared_set *set, sd_type type, size_t first, size_t n, void *data,
                          sd_messages *messages) {
   const size_t values = n * set->width, from = sd_type_size(set->type), to = sd_type_size(type);

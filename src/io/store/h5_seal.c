@@ -17,8 +17,8 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
-/* One piece behind the HDF5 data: a mark, and a checksum of all bytes, or of the small data, before
- * it. */
+/* One piece behind the HDF5 data: a mark, and a checksum of all bytes before it, or only of the
+ * attributes and small datasets. */
 typedef struct piece {
   char mark[8];
   uint64_t size; /* number of bytes before this piece */
@@ -27,7 +27,7 @@ typedef struct piece {
 static const char seal_mark[8] = {'s', 'l', 'i', 'p', 's', 'e', 'a', 'l'};
 static const char small_mark[8] = {'s', 'l', 'i', 'p', 'd', 'a', 't', 'a'};
 
-/* Largest size of a small dataset or attribute, bytes */
+/* Largest size in bytes of a dataset or an attribute that counts as small */
 enum { SMALL = 64 << 10 };
 
 static piece make_piece(const char mark[8], uint64_t size, uint64_t sum) {
@@ -69,7 +69,8 @@ sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messa
   return status;
 }
 
-/* Writes a piece (mark, size, checksum) at the end of a file that has `size` bytes. */
+/* Writes a piece (mark, size, checksum) at the end of a file that has `size` bytes; returns false
+ * if that fails. */
 static bool append(int fd, uint64_t size, const piece *p) {
   return lseek(fd, (off_t)size, SEEK_SET) == (off_t)size && file_write_all(fd, p, sizeof *p);
 }
@@ -95,10 +96,10 @@ void h5_make_seal(size_t size, uint64_t sum, unsigned char seal[H5_SEAL_BYTES]) 
 
 /* --- Small data ------------------------------------------------------------------------------- */
 
-/* Checksum of the small data so far. */
+/* Checksum of the attributes and small datasets read so far. */
 typedef struct tally {
   uint64_t sum;
-  bool failed; /* a part could not be read */
+  bool failed; /* true if something could not be read */
 } tally;
 
 static void add(tally *t, const void *data, size_t n) { t->sum = file_sum(t->sum, data, n); }
@@ -120,7 +121,8 @@ static void add_data(tally *t, hid_t id, bool attribute, hid_t type, hid_t space
   free(data);
 }
 
-/* Adds rank, dimensions, and class and size of the type to the checksum. */
+/* Adds the shape of a dataset or an attribute to the checksum: rank, dimensions, and class and size
+ * of the type. */
 static void add_shape(tally *t, hid_t type, hid_t space) {
   hsize_t dims[H5S_MAX_RANK] = {0};
   int rank = H5Sget_simple_extent_dims(space, dims, NULL);

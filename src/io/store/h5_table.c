@@ -9,19 +9,19 @@
 #include "io/store/h5.h"
 #include "io/store/h5_private.h"
 
-/* The table that is being read, and what has been read of it. */
+/* State of the reading of a table. */
 typedef struct table {
   const h5_file *file;
   const char *path;
   size_t n_columns;
   const char *const *columns;
-  double *values; /* [rows][n_columns] the result */
-  double *data;   /* values of one column, as read */
-  bool *gone;     /* [rows] true: the row holds no particle */
-  uint32_t *kept; /* [rows] becomes rows.kept if rows are left out */
+  double *values; /* [rows][n_columns] result: values of the requested columns */
+  double *data;   /* values of one column or element, as read from the file */
+  bool *gone;     /* [rows] true if the row holds no particle */
+  uint32_t *kept; /* [rows] indices of the rows that hold a particle, for rows.kept */
   h5_range rows;
-  bool sized;    /* the number of rows is known */
-  bool too_long; /* it has too many rows, which is reported */
+  bool sized;    /* true if the number of rows is known */
+  bool too_long; /* true if the table has too many rows, which has been reported */
   sd_messages *messages;
 } table;
 
@@ -58,7 +58,7 @@ static sd_status size_rows(table *t, const char *column, size_t n) {
              : user_error(t, column, "has another number of rows than the columns before");
 }
 
-/* Makes room in t->data for n values; false: no memory, which is reported. */
+/* Allocates t->data for n values; returns false, with a message, if there is no memory. */
 static bool has_room(table *t, size_t n) {
   const bool enough = memory_resize_row(&t->data, n, sizeof *t->data);
   if (!enough) no_memory(t);
@@ -75,7 +75,8 @@ static void scatter(table *t, size_t column, const double *data) {
   for (size_t k = 0; k < t->rows.n; k++) t->values[k * t->n_columns + column] = data[k];
 }
 
-/* Returns true if all these values were written. A chunk that never was would read as zeros. */
+/* Returns true if all values in the box of count[k] elements from start[k] on along each dimension
+ * k were written. A chunk that was never written would read as zeros. */
 static bool is_written(hid_t set, const hsize_t start[H5_MAX_RANK],
                        const hsize_t count[H5_MAX_RANK]) {
   hid_t made = H5Dget_create_plist(set);
@@ -101,7 +102,7 @@ static bool is_written(hid_t set, const hsize_t start[H5_MAX_RANK],
 }
 
 /* Reads count[k] values from start[k] on along each dimension k of a dataset; count is 1 beyond its
- * rank. Returns what is wrong; NULL: nothing. */
+ * rank. Returns a text that says what is wrong; NULL: nothing is. */
 static const char *read_box(hid_t set, hid_t type, const hsize_t start[H5_MAX_RANK],
                             const hsize_t count[H5_MAX_RANK], double *data) {
   if (!is_written(set, start, count)) return "has values that were never written";
@@ -149,7 +150,8 @@ static sd_status read_compound(table *t, hid_t set, hid_t type, int rank) {
 
 /* --- Two-dimensional datasets ----------------------------------------------------------------- */
 
-/* Returns the index of a name in a list of h5_words; SIZE_MAX: it is not there. */
+/* Returns the index of a name in a list of names with a newline after each (h5_words); SIZE_MAX: it
+ * is not there. */
 static size_t find_name(const char *names, const char *name) {
   size_t index = 0;
   for (const char *at = names; *at;) {
@@ -164,14 +166,14 @@ static size_t find_name(const char *names, const char *name) {
   return SIZE_MAX;
 }
 
-/* Returns the number of names in a list of h5_words. */
+/* Returns the number of names in a list of names with a newline after each (h5_words). */
 static size_t count_names(const char *names) {
   size_t n = 0;
   for (const char *at = names; *at; at++) n += *at != '\n' && (at[1] == '\n' || !at[1]);
   return n;
 }
 
-/* Checks that the attribute "columns" has a name for each column. */
+/* Checks that the attribute "columns" of a two-dimensional dataset has a name for each column. */
 static sd_status check_names(const table *t, const char *names, size_t width) {
   if (!names)
     return sd_fail(t->messages, SD_ERROR_USER,
@@ -186,7 +188,8 @@ static sd_status check_names(const table *t, const char *names, size_t width) {
                  t->path, width, n);
 }
 
-/* Reads a two-dimensional dataset, one column at a time, so that a wide one needs little memory. */
+/* Reads a two-dimensional dataset, one column at a time, so that a wide dataset needs little
+ * memory. */
 static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
   sd_status status = size_rows(t, "", rows);
   if (status != SD_OK) return status;
@@ -211,10 +214,10 @@ static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
 
 /* --- Groups of columns, and particles of H5MD files ------------------------------------------- */
 
-/* Largest number of components of a vector. */
+/* Largest number of components of a vector in an H5MD element. */
 enum { MOST_COMPONENTS = 3 };
 
-/* Names of columns that are components of H5MD elements. */
+/* Names of table columns that are components of H5MD elements. */
 static const struct alias {
   const char *column, *element;
   int component; /* index of the component; -1: the element is a scalar per particle */
@@ -223,7 +226,8 @@ static const struct alias {
 
 enum { MOST_ELEMENTS = 64 };
 
-/* Source of a column: index of the element, and its component or -1. */
+/* Source of a column: index of the H5MD element in the list of elements, and its component; -1: the
+ * element is a scalar. */
 typedef struct source {
   size_t element;
   int component;
@@ -241,12 +245,13 @@ static bool is_set(const h5_file *file, const char *path) {
 /* Returns the path of the group to which "/name" is appended: "" for the root group. */
 static const char *base_of(const table *t) { return strcmp(t->path, "/") == 0 ? "" : t->path; }
 
-/* Returns the path of an element's values, to be freed. framed: they are in frames. */
+/* Returns the path of an H5MD element's values; the caller frees it. framed: true if the values are
+ * in frames. */
 static char *path_of(const table *t, const char *element, bool framed) {
   return format_text(framed ? "%s/%s/value" : "%s/%s", base_of(t), element);
 }
 
-/* Returns the index of an element in the list, to which it is added if it is new. */
+/* Returns the index of an H5MD element in the list, to which it is added if it is new. */
 static size_t add_element(h5_element *elements, size_t *n, const char *name) {
   size_t k = 0;
   while (k < *n && strcmp(elements[k].name, name) != 0) k++;
@@ -254,8 +259,8 @@ static size_t add_element(h5_element *elements, size_t *n, const char *name) {
   return k;
 }
 
-/* Finds the source of column c. A dataset of the column's own name takes precedence over an element
- * that has it as a component. */
+/* Finds the source of table column c. A dataset of the column's own name takes precedence over an
+ * H5MD element that has the column as a component. */
 static sd_status find_source(const table *t, size_t c, h5_element *elements, size_t *n,
                              source *from) {
   const char *name = t->columns[c], *element = name;
@@ -281,8 +286,8 @@ static sd_status find_source(const table *t, size_t c, h5_element *elements, siz
   return status;
 }
 
-/* Reads the rows asked for, `width` numbers each, from the selected frame of an element. Returns
- * what is wrong; NULL: nothing. */
+/* Reads the rows t->rows, `width` numbers each, from the selected frame of an element. Returns a
+ * text that says what is wrong; NULL: nothing is. */
 static const char *read_rows(const table *t, const h5_element *e, const char *path, size_t width,
                              double *data) {
   const hsize_t start[] = {e->frame, t->rows.first, 0, 0, 0}, count[] = {1, t->rows.n, width, 1, 1};
@@ -295,9 +300,9 @@ static const char *read_rows(const table *t, const h5_element *e, const char *pa
   return trouble;
 }
 
-/* Reads the rows asked for of an element, *width numbers each, into t->data, which is valid until
- * the next call. component < 0: the element must be a scalar. NULL: it failed, which is
- * reported. */
+/* Reads the rows t->rows of an element, *width numbers each, into t->data, which is valid until the
+ * next call. component < 0: the element must be a scalar. Returns NULL, with a message, if that
+ * fails. */
 static const double *read_values(table *t, const h5_element *e, const char *name, int component,
                                  size_t *width) {
   size_t dims[H5_MAX_RANK];
@@ -320,7 +325,8 @@ static const double *read_values(table *t, const h5_element *e, const char *name
     const size_t n = (shared ? r->all : r->n) * *width;
     room = has_room(t, n);
     double *data = t->data;
-    if (room && shared) { /* datasets joined from shares are read a frame at a time */
+    /* a dataset joined from shares (files of single ranks) is read a frame at a time */
+    if (room && shared) {
       const sd_status got = e->framed
                                 ? h5_get_values(t->file, path, SD_F64, e->frame, 1, n, data, NULL)
                                 : h5_get(t->file, path, SD_F64, n, data, NULL);
@@ -337,10 +343,12 @@ static const double *read_values(table *t, const h5_element *e, const char *name
   return trouble || !room ? NULL : t->data;
 }
 
-/* Returns true if row k holds no particle; gone NULL: all rows hold one. */
+/* Returns true if row k holds no particle. gone: [rows] true for such rows, NULL: all rows hold
+ * one. */
 static bool is_gone(const bool *gone, size_t k) { return gone && gone[k]; }
 
-/* Checks for vectors of three components that all particles are, or move, in one plane. */
+/* Checks, for an element with vectors of three components, that all particles are, or move, in one
+ * plane. */
 static sd_status check_plane(const table *t, const h5_element *e, const double *data, size_t width,
                              const bool *gone) {
   double least[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, most[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL},
@@ -382,7 +390,7 @@ static sd_status check_fill(const table *t, const h5_element *e, const double *d
   return status;
 }
 
-/* Reads column c from its element. */
+/* Reads column c of the table from its element. */
 static sd_status read_column(table *t, size_t c, const source *from, const h5_element *e,
                              const bool *gone) {
   size_t width = 1;
@@ -404,7 +412,7 @@ static sd_status read_absent(table *t, const h5_element *e) {
   return h5_absent(t->file, base_of(t), e, data, t->rows.n, t->gone, t->messages);
 }
 
-/* Removes rows without a particle from the table. */
+/* Removes the rows without a particle from the table. */
 static void leave_out(table *t, const bool *gone) {
   size_t n = 0;
   for (size_t k = 0; k < t->rows.n; k++) n += !is_gone(gone, k);

@@ -7,8 +7,8 @@
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
-/* Chunks have about so many bytes, far less than the library's chunk cache of 1 MiB: so rows that
- * come in pieces do not make it compress a chunk again and again. */
+/* Approximate size of a chunk in bytes, far less than the library's chunk cache of 1 MiB, so that
+ * rows that come in pieces do not make it compress a chunk again and again. */
 enum { CHUNK_BYTES = 256 * 1024 };
 
 sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_messages *messages) {
@@ -18,7 +18,7 @@ sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_m
   if (status == SD_OK) {
     char *again = file_again(draft->fd, draft->path), reason[200];
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    /* without its buffer the library writes at once, and the call that writes returns the
+    /* without its sieve buffer the library writes at once, and the call that writes returns the
      * failure */
     H5Pset_sieve_buf_size(access, 0);
     file->id = H5Fcreate(again, H5F_ACC_TRUNC, H5P_DEFAULT, access);
@@ -57,7 +57,7 @@ void h5_no_memory(h5_file *file, const char *path) {
   file->trouble = format_text("no memory for %s", path);
 }
 
-/* Returns properties of new links: missing groups on the way are made; names are UTF-8. */
+/* Returns properties of new links: missing groups on the path are made, and names are UTF-8. */
 static hid_t with_parents(void) {
   hid_t list = H5Pcreate(H5P_LINK_CREATE);
   H5Pset_create_intermediate_group(list, 1);
@@ -65,7 +65,7 @@ static hid_t with_parents(void) {
   return list;
 }
 
-/* Returns the type of strings of this length in UTF-8, filled with zeros. */
+/* Returns the type of UTF-8 strings of this length, padded with zeros. */
 static hid_t text_type(size_t length) {
   hid_t type = H5Tcopy(H5T_C_S1);
   H5Tset_size(type, length ? length : 1);
@@ -83,8 +83,9 @@ void h5_group(h5_file *file, const char *path) {
   H5Pclose(link);
 }
 
-/* Returns the least size of pieces that covers `length` with as few pieces as pieces of `most` do.
- * The last piece is then nearly as long as the others: it is stored at full size. */
+/* Returns the smallest size of pieces that cover `length` with no more pieces than pieces of size
+ * `most` need. The last piece, which is stored at full size, is then nearly as long as the
+ * others. */
 static size_t even_pieces(size_t length, size_t most) {
   size_t pieces = (length + most - 1) / most;
   return pieces > 0 ? (length + pieces - 1) / pieces : 1;
@@ -107,10 +108,12 @@ static void choose_chunk(int rank, const size_t *dims, size_t element, hsize_t *
   }
 }
 
-/* Storage of a dataset. LENT: space is allocated at once, but the library writes nothing there. */
+/* Storage of a dataset. LENT: the values stay in the caller's memory; space is allocated in the
+ * file at once, but the library writes nothing there. */
 typedef enum layout { PLAIN, COMPRESSED, LENT } layout;
 
-/* Makes a dataset with a journal entry; negative: it failed, which is noted in the file. */
+/* Makes a dataset and its journal entry (checksum of what is written). Returns a negative value,
+ * and records the failure in the file, if that fails. */
 static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const size_t *dims,
                   layout how) {
   hsize_t extent[H5_MAX_RANK] = {0}, chunk[H5_MAX_RANK] = {0};
@@ -143,7 +146,7 @@ static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const s
   return set;
 }
 
-/* Closes a dataset; this writes what the library still holds. */
+/* Closes a dataset; this writes what the library still holds in its caches. */
 static void close_set(h5_file *file, hid_t set, const char *path) {
   if (!file->failed) h5_require(file, H5Dclose(set) >= 0, path);
 }
@@ -229,7 +232,7 @@ void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *
   free(all);
 }
 
-/* Writes an attribute with a journal entry. */
+/* Writes an attribute and makes its journal entry (checksum of what is written). */
 static void write_attr(h5_file *file, const char *path, const char *name, hid_t type, hid_t space,
                        const void *data) {
   hid_t object = H5Oopen(file->id, path, H5P_DEFAULT);
@@ -298,7 +301,8 @@ void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size
   if (set >= 0) close_set(file, set, path);
 }
 
-/* Returns the writer of a dataset's rows, which is opened at the first call; NULL: it failed. */
+/* Returns the record through which rows of a dataset are written, and opens the dataset at the
+ * first call; NULL: that failed. */
 static h5_rows *set_of(h5_file *file, const char *path, sd_type type) {
   for (size_t k = 0; k < file->n_sets; k++)
     if (strcmp(file->sets[k].path, path) == 0) return &file->sets[k].rows;

@@ -1,4 +1,4 @@
-/* members.c: structs as groups of datasets or as attributes; see members.h. */
+/* members.c: writes and reads structs as groups of datasets or as attributes; see members.h. */
 #include "io/store/members.h"
 
 #include <assert.h>
@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 
-/* Names of members since format 5, and in older files. */
+/* Members that have another name since file format 5: present name, and name in older files. */
 static const struct renamed {
   const char *now, *before;
 } renamed[] = {{"elastic_tangential", "elastic_skin"},
@@ -48,7 +48,8 @@ void members_put(h5_file *file, const char *group, const char *name, sd_type typ
   free(path);
 }
 
-/* Allocates memory for n values of any row of the list, to be freed; NULL: no memory. */
+/* Allocates memory for n values of any quantity in the list; the caller frees it. NULL: no
+ * memory. */
 static void *make_room(const observable_list *list, size_t n) {
   size_t most = 1;
   void *room;
@@ -104,7 +105,7 @@ sd_status members_read(const h5_file *file, const char *group, const observable_
   return status;
 }
 
-/* Members of 64-bit integers are written directly, since a double would lose digits. */
+/* Integer members of 64 bits are written directly, since a double would lose digits. */
 void members_write_attrs(h5_file *file, const char *path, const observable_list *list,
                          const void *row) {
   for (size_t k = 0; k < list->n; k++) {

@@ -6,8 +6,8 @@
 #include "io/store/h5.h"
 #include "measure/observable.h"
 
-/* Writes n structs, which begin at `first` and are `stride` bytes apart, into a group: for each row
- * of the list a dataset [n] or [n][width], with unit and description. */
+/* Writes n structs, which begin at `first` and are `stride` bytes apart, into a group: for each
+ * quantity in the list one dataset [n] or [n][width], with unit and description. */
 void members_write(h5_file *file, const char *group, const observable_list *list, const void *first,
                    size_t stride, size_t n);
 /* Reads n structs from the datasets of a group. Returns SD_ERROR_IO if the first dataset is
@@ -15,8 +15,9 @@ void members_write(h5_file *file, const char *group, const observable_list *list
  * if they are integers. */
 sd_status members_read(const h5_file *file, const char *group, const observable_list *list,
                        void *first, size_t stride, size_t n, sd_messages *messages);
-/* Write one struct as attributes of the object at path, and read it. Members whose attributes are
- * missing become NAN, or 0 if they are integers. */
+/* members_write_attrs writes one struct as attributes of the object at path; members_read_attrs
+ * reads it. On reading, members whose attributes are missing become NAN, or 0 if they are
+ * integers. */
 void members_write_attrs(h5_file *file, const char *path, const observable_list *list,
                          const void *row);
 void members_read_attrs(const h5_file *file, const char *path, const observable_list *list,
@@ -31,8 +32,8 @@ char *members_path(const h5_file *file, const char *path);
 void members_put(h5_file *file, const char *group, const char *name, sd_type type, int rank,
                  const size_t *dims, const void *data, bool compress, const char *unit,
                  const char *meaning);
-/* Write n texts as the lines of one text, and read them. On reading, missing lines become empty;
- * each is to be freed. */
+/* members_write_lines writes n texts as the lines of one text in a dataset; members_read_lines
+ * reads them: missing lines become empty, and the caller frees each line. */
 void members_write_lines(h5_file *file, const char *path, size_t n, char *const *lines);
 void members_read_lines(const h5_file *file, const char *path, size_t n, char **lines);
 

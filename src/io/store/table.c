@@ -1,4 +1,4 @@
-/* table.c: rows of results in memory; see table.h. */
+/* table.c: holds rows of results in memory and writes them to HDF5 files; see table.h. */
 #include "io/store/table.h"
 
 #include <assert.h>
@@ -114,7 +114,8 @@ static int element_of(const char *path) {
   return text_ends(path, "/value") ? (int)(strlen(path) - strlen("/value")) : 0;
 }
 
-/* Writes units and descriptions, and links each element to the step and time of the table. */
+/* Writes the units and descriptions of all columns, and links each element to the step and time of
+ * the table. */
 static void annotate(const table *t, h5_file *file) {
   for (size_t k = 0; k < t->n_columns; k++) {
     const table_column *c = &t->columns[k];
