@@ -86,20 +86,21 @@ typedef struct sd_contact_law {
 
 /* A disk as it is at the start. */
 typedef struct sd_disk {
-  const char *name;             /* name in messages and results; NULL: none */
+  const char *name;             /* name of the disk in messages and results; NULL: none */
   double position[3];           /* x, y, theta */
   double velocity[3];           /* vx, vy, omega */
   double radius, mass, inertia; /* moment of inertia about the centre; 0: m R^2/2 */
   double force[3];              /* constant body force (x, y) and torque, besides gravity */
-  int material;                 /* number of its material */
-  int group;                    /* number of its group, -1: none; set by sd_model_add_group */
+  int material;                 /* number of the disk's material */
+  int group; /* number of the disk's group, -1: none; set by sd_model_add_group */
   /* true: coordinate x, y or theta never changes, whatever acts on it; its velocity must be 0 */
   bool locked[3];
   /* true: all coordinates are prescribed; the disk rests, or follows motions that name it */
   bool driven;
   /* true: the disk waits at `position` and touches nothing until a rain releases it */
   bool waiting;
-  int clump; /* 1 + number of the clump to which it belongs, 0: none; set by sd_model_add_clump */
+  /* 1 + number of the clump to which the disk belongs, 0: none; set by sd_model_add_clump */
+  int clump;
 } sd_disk;
 
 /* A rigid body made of disks, which may overlap one another; it moves about its centre of mass.
@@ -107,21 +108,22 @@ typedef struct sd_disk {
  * inertia about the centre the sum of I + m d^2, with d the distance of a disk from the centre.
  * A given mass is distributed over the disks in proportion to their masses. */
 typedef struct sd_clump {
-  const char *name; /* name in messages and results; NULL: none */
-  size_t n_disks;   /* number of disks */
+  const char *name; /* name of the clump in messages and results; NULL: none */
+  size_t n_disks;   /* number of disks in the clump */
   /* [n_disks] numbers of free disks that have neither velocities nor locks of their own */
   const uint32_t *disks;
   /* mass, and moment of inertia about the centre; 0: computed from the disks */
   double mass, inertia;
   double velocity[3]; /* vx and vy of the centre of mass, angular velocity */
-  /* Constant body force on the centre, and torque, besides gravity and the forces of its disks */
+  /* Constant body force on the centre, and torque, besides gravity and the forces of the clump's
+   * disks */
   double force[3];
   bool locked[3]; /* true: coordinate x, y or theta of the clump never changes */
   /* centre of mass at the start, and the angle 0; filled in by sd_model_finish */
   double position[3];
 } sd_clump;
 
-/* Shape of a wall; sd_wall says how each is given. */
+/* Shape of a wall; the comment of sd_wall says how each is given. */
 typedef enum sd_wall_kind {
   SD_WALL_LINE,
   SD_WALL_SEGMENT,
@@ -141,15 +143,15 @@ typedef enum sd_wall_kind {
  * way from the first point to the last it moves along this way, on the right side it moves back.
  * The way of an arc is counter-clockwise; the surface of a circle turns counter-clockwise. */
 typedef struct sd_wall {
-  const char *name;    /* name in messages and results; NULL: none */
+  const char *name;    /* name of the wall in messages and results; NULL: none */
   sd_wall_kind kind;   /* shape */
-  int material;        /* number of its material */
+  int material;        /* number of the wall's material */
   double pivot[2];     /* point about which the wall turns, and which motions along x and y move */
   size_t n_points;     /* number of points; line, segment: 2 */
   double (*points)[2]; /* [n_points] absolute coordinates at the start; line, segment, polyline */
   bool closed;         /* polyline: its last vertex is joined to the first */
   double radius;       /* radius of a circle or arc, > 0 */
-  bool inside;         /* circle: disks are inside of it, as in a drum; false: outside */
+  bool inside;         /* circle: true if disks are inside of it, as in a drum; false: outside */
   double center[2];    /* centre of the circle of an arc */
   double from, to;     /* first and last angle of an arc, rad, from < to <= from + 2 pi */
 } sd_wall;
@@ -162,51 +164,54 @@ typedef enum sd_motion_kind {
   SD_MOTION_PARABOLIC, /* parabolic half waves, eq. 21 of the paper with w t + phi for w t */
   SD_MOTION_RANDOM,    /* random vibration of a damped oscillator, eq. 52 of the paper */
   SD_MOTION_TABLE,     /* natural cubic spline through a table of times and values */
-  /* Wall of mass `mass` that moves freely along x or y under `force` and its contacts */
+  /* Wall of mass `mass` that moves freely along x or y under the force `force` and its contacts */
   SD_MOTION_LOAD,
-  /* Wall moved along x or y, at most at the speed `velocity`, until it exerts `force` on the
-   * disks */
+  /* Wall moved along x or y, at most at the speed `velocity`, until it exerts the force `force`
+   * on the disks */
   SD_MOTION_SERVO,
   /* Square wave: rest at -A and A in turn; each change of sides takes the time `rise` pi/w */
   SD_MOTION_SQUARE,
   SD_MOTION_TRIANGLE, /* triangle wave: motion to and fro between -A and A at constant speed */
-  SD_MOTION_KINDS     /* number of kinds */
+  SD_MOTION_KINDS     /* number of kinds of motion */
 } sd_motion_kind;
 
 /* A prescribed signal u(t), which is added to one coordinate of every body that it names. The time
  * t counts from the moment at which the motion is switched on. Several motions of one coordinate
  * add up. */
 typedef struct sd_motion {
-  const char *name;    /* name in messages and results; NULL: none */
-  sd_motion_kind kind; /* form of the signal */
-  int coordinate;      /* SD_X, SD_Y or SD_THETA; SD_SURFACE for the surface of walls */
-  size_t n_bodies;     /* number of bodies moved */
-  uint32_t *bodies;    /* [n_bodies] body numbers, SD_WALL(w) or SD_CLUMP(k) */
-  double amplitude;    /* waves: A; random: rms displacement; table: factor of the values */
-  double omega;        /* angular frequency w of waves and random vibration, rad/time */
-  double phase;        /* phase phi of waves, rad */
-  /* square: fraction of half a period that a change of sides takes, 0 < rise <= 1 */
+  const char *name;    /* name of the motion in messages and results; NULL: none */
+  sd_motion_kind kind; /* kind of motion, which is the form of the signal */
+  /* coordinate that is moved: SD_X, SD_Y or SD_THETA; SD_SURFACE for the surface of walls */
+  int coordinate;
+  size_t n_bodies; /* number of bodies moved */
+  /* [n_bodies] body numbers of disks, walls (SD_WALL(w)) or clumps (SD_CLUMP(k)) */
+  uint32_t *bodies;
+  /* wave: amplitude A; random motion: rms displacement; table: factor of the values */
+  double amplitude;
+  double omega; /* angular frequency w of waves and random vibration, rad/time */
+  double phase; /* phase phi of waves, rad */
+  /* square wave: fraction of half a period that a change of sides takes, 0 < rise <= 1 */
   double rise;
-  double velocity; /* constant velocity v; servo: largest speed */
-  double mass;     /* mass of the wall of a load, > 0 */
+  double velocity; /* motion at constant velocity: v; servo-controlled wall: largest speed */
+  double mass;     /* wall that moves as a load: its mass, > 0 */
   /* Force along the coordinate. Load: external force on the wall, which includes the weight of
    * the wall but not its contacts; servo: force that the wall shall exert on the disks */
   double force;
-  /* servo: pressure (force/length) that the wall shall exert on the disks along the coordinate;
-   * 0: `force` is used */
+  /* servo-controlled wall: pressure (force/length) to be exerted on the disks along the
+   * coordinate; 0: `force` is used */
   double pressure;
-  double length; /* servo: length of the wall at the start, on which the pressure acts */
-  /* servo: body numbers of the walls at the lower and upper end of this wall, whose distance
-   * `length` follows; 0: none */
+  double length; /* servo-controlled wall: its length at the start, on which the pressure acts */
+  /* servo-controlled wall: body numbers of the two walls at its lower and upper end, whose
+   * distance is the present length; 0: none */
   uint32_t beside[2];
-  double damping; /* random: damping ratio c of the oscillator */
-  /* random: number of steps until new random numbers are drawn, >= 1 (h = interval dt) */
+  double damping; /* random motion: damping ratio c of the oscillator */
+  /* random motion: number of steps until new random numbers are drawn, >= 1 (h = interval dt) */
   int64_t interval;
   double ramp; /* time over which the motion is faded in; 0: at once */
-  /* random: number of the random stream, different for independent signals; 0: a new one is
-   * chosen */
+  /* random motion: number of the random stream, different for independent signals; 0: a new one
+   * is chosen */
   uint32_t stream;
-  size_t n_table; /* number of entries of the table */
+  size_t n_table; /* number of rows of the table */
   /* [n_table] increasing times, and the values at these times; values stay constant beyond both
    * ends */
   double *table_time, *table_value;
@@ -221,7 +226,7 @@ typedef enum sd_field_kind {
   SD_FIELD_DAMPING,  /* Cundall's non-viscous damping */
   SD_FIELD_CENTRAL,  /* force towards a point, a power of the distance */
   SD_FIELD_ROTATION, /* centrifugal and Coriolis force of a rotating frame */
-  SD_FIELD_KINDS     /* number of kinds */
+  SD_FIELD_KINDS     /* number of kinds of force field */
 } sd_field_kind;
 
 /* Property of a disk to which a drag or central force is proportional: none, the radius, or the
@@ -243,25 +248,30 @@ typedef enum sd_field_per {
  *   central   -strength r s^(power - 1), s^2 = r^2 + softening^2, times 1, R, m
  *   rotation  m omega^2 r + 2 m omega (v_y, -v_x) */
 typedef struct sd_body_force {
-  const char *name;   /* name in messages and results; NULL: none */
+  const char *name;   /* name of the field in messages and results; NULL: none */
   sd_field_kind kind; /* kind of field; the formulas are above */
-  size_t n_disks;     /* number of disks on which the field acts; 0: all free disks */
-  uint32_t *disks;    /* [n_disks] numbers of these disks */
-  /* Drag, central: property to which the force is proportional */
+  size_t n_disks;     /* number of disks on which the field acts; 0: it acts on all free disks */
+  uint32_t *disks;    /* [n_disks] numbers of the disks on which the field acts */
+  /* Drag and central force: property of a disk to which the force is proportional */
   sd_field_per per;
-  double centre[2];                  /* drag, central, rotation: origin of r */
-  double gamma, gamma_rotation;      /* drag: coefficients of force and torque, >= 0 */
-  double flow[2], shear_rate, swirl; /* drag: flow of the fluid, length/time, 1/time, rad/time */
-  double alpha, alpha_rotation;      /* damping: fractions of force and torque, 0 <= alpha < 1 */
-  double strength, softening;        /* central: strength > 0 attracts; softening length >= 0 */
-  int64_t power;                     /* central: power of the distance, -8 ... 8; 1: a spring */
-  double omega;                      /* rotation: angular velocity of the frame, rad/time */
+  /* drag, central force and rotation: origin of r in the formulas */
+  double centre[2];
+  /* drag: coefficient of the force, coefficient of the torque, >= 0 */
+  double gamma, gamma_rotation;
+  /* drag: uniform velocity of the fluid, length/time; shear rate, 1/time; rotation, rad/time */
+  double flow[2], shear_rate, swirl;
+  /* damping: fraction of the force, fraction of the torque that is taken away, 0 <= alpha < 1 */
+  double alpha, alpha_rotation;
+  /* central force: strength, > 0 attracts; softening length, >= 0 */
+  double strength, softening;
+  int64_t power; /* central force: power of the distance, -8 ... 8; 1: a spring */
+  double omega;  /* rotation: angular velocity of the frame, rad/time */
 } sd_body_force;
 
 /* Criteria at which a phase of the run ends before its full length: at the first check at which
  * all criteria > 0 hold and no disk waits for its release any more. */
 typedef struct sd_settle {
-  bool asked;     /* true: the phase may end early */
+  bool asked;     /* true: the phase may end early by these criteria */
   double kinetic; /* largest kinetic energy per free disk that takes part; 0: not a criterion */
   /* Largest ratio of the mean resultant force on a disk to the mean normal force of a contact;
    * 0: not a criterion */
@@ -275,8 +285,8 @@ typedef struct sd_compress {
   bool asked; /* true: the phase compresses */
   /* target pressure, force/length; target packing fraction; one of them > 0 */
   double pressure, fraction;
-  double rate;      /* largest relative change of the lengths per time, > 0 */
-  double tolerance; /* relative distance from the target that is accepted */
+  double rate;      /* largest relative change of the lengths per unit of time, > 0 */
+  double tolerance; /* accepted relative difference between the quantity and its target */
 } sd_compress;
 
 /* Components of the velocity gradient of a deforming box, as indices of arrays, and their
@@ -295,39 +305,44 @@ typedef struct sd_cell {
   double response;
   double max_rate; /* largest rate of controlled components, 1/time; 0: no limit */
   /* true: a change of the rates moves periodic images only; false: the velocities of all disks
-   * follow it at once. */
+   * follow the change at once. */
   bool boundary;
 } sd_cell;
 
 /* A phase of a run: a number of steps with the same motions, fields and outputs. */
 typedef struct sd_phase {
-  const char *name; /* name in messages and results; NULL: none */
+  const char *name; /* name of the phase in messages and results; NULL: none */
   /* number of steps; largest number if the phase may end early (settle); 0: no end */
   int64_t steps;
   /* [motions of the model] true: this motion is on in the phase; NULL: all are on */
   bool *active;
   /* [fields of the model] true: this field is on in the phase; NULL: all are on */
   bool *fields;
-  bool measure;           /* true: statistics are gathered in this phase */
-  int64_t series_every;   /* steps between rows of the time series, 0: none */
-  int64_t frames_every;   /* steps between stored frames of all bodies, 0: none */
-  int64_t contacts_every; /* steps between stored contact tables, 0: none */
-  sd_settle settle;       /* criteria at which the phase ends early */
+  bool measure; /* true: statistics are gathered in this phase */
+  /* number of steps between rows of the time series; 0: there is no time series */
+  int64_t series_every;
+  int64_t frames_every;   /* number of steps between stored frames of all bodies; 0: no frames */
+  int64_t contacts_every; /* number of steps between stored contact tables; 0: no tables */
+  /* criteria at which the phase ends before its full length; off unless settle.asked */
+  sd_settle settle;
   /* true: velocities are steered towards equilibrium (FIRE), so that the motion is not dynamics */
   bool relax;
-  sd_compress compress; /* compression to a pressure or packing fraction */
-  sd_cell cell;         /* deformation of the periodic box */
+  /* compression to a pressure or packing fraction; off unless compress.asked */
+  sd_compress compress;
+  sd_cell cell; /* deformation of the periodic box; off unless cell.asked */
 } sd_phase;
 
-/* Action if a free disk leaves the bounds: report it, end the run, or remove the disk. */
+/* Action if the centre of a free disk leaves the bounds of the model: report it, end the run, or
+ * remove the disk. */
 typedef enum sd_outside { SD_OUTSIDE_REPORT, SD_OUTSIDE_STOP, SD_OUTSIDE_REMOVE } sd_outside;
 
 /* Error bar at which the last phase ends. After `least` steps or more, the phase ends at the
  * first check at which the error bar of a mean angular velocity is small enough (sd_goal_of,
  * sd_goal_look in measure.h). It ends after all its steps in any case. */
 typedef struct sd_until {
-  bool asked;      /* true: the last phase may end early; false: it takes all its steps */
-  int64_t least;   /* steps of the last phase before the first check, from 1 to all its steps */
+  bool asked; /* true: the last phase may end early; false: it takes all its steps */
+  /* number of steps of the last phase before the first check, from 1 to all its steps */
+  int64_t least;
   size_t rotation; /* index of the measured rotation: k of sd_rotation_of */
   /* true: the mean is that of t_g Omega instead of Omega, with t_g = sqrt(2 R/g) */
   bool scaled;
@@ -358,9 +373,9 @@ SD_API void sd_model_set(sd_model *model, const char *key, double value);
 /* Sets a key of docs/deck.md that is a word or a text: "integrator" ("gear5", "verlet"),
  * "contact_variant", "title", "bounds.outside", ... */
 SD_API void sd_model_set_text(sd_model *model, const char *key, const char *value);
-/* Sets the acceleration of gravity, length/time^2; (0, 0) unless it is called. */
+/* Sets the acceleration of gravity, length/time^2; without this call gravity is (0, 0). */
 SD_API void sd_model_set_gravity(sd_model *model, double x, double y);
-/* Makes space periodic along SD_X or SD_Y, with the cell from lower to upper. Unless it is called
+/* Makes space periodic along SD_X or SD_Y, with a box from lower to upper. Without this call
  * space is open. */
 SD_API void sd_model_set_periodic(sd_model *model, int coordinate, double lower, double upper);
 /* Sets the rectangle to whose area the packing fraction refers and which compression shrinks; in a
@@ -409,7 +424,7 @@ SD_API void sd_model_measure_rotation(sd_model *model, size_t n, const uint32_t 
 /* Adds a disk with two partners whose sliding configuration is counted (sd_slide_of in
  * measure.h). */
 SD_API void sd_model_measure_sliding(sd_model *model, const sd_slide_watch *watch);
-/* Lets the last phase end when an error bar is small enough. */
+/* Lets the last phase end when an error bar is small enough, as `until` says. */
 SD_API void sd_model_set_until(sd_model *model, const sd_until *until);
 
 /* Checks ranges and references and fills in inertias, flags and derived tables. It is called once,
@@ -452,12 +467,12 @@ SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char
 /* Returns the number of steps of all phases; phases that may end early count in full. */
 SD_API int64_t sd_model_steps(const sd_model *model);
 /* Returns the side of a wall, along SD_X or SD_Y, on which the disks are at the start: +1 or -1.
- * The centre of the free disks in play decides; if there are none, the centre of the region.
- * Returns 0 if the wall surrounds the disks or is parallel to the coordinate, if the coordinate is
- * periodic, or if wall_body is no wall. */
+ * The mean position of the free disks that do not wait for their release decides; if there are
+ * none, the centre of the region. Returns 0 if the wall surrounds the disks or is parallel to
+ * the coordinate, if the coordinate is periodic, or if wall_body is no wall. */
 SD_API int sd_model_side(const sd_model *model, uint32_t wall_body, int coordinate);
-/* Finds two motions of a phase that move the same coordinate of one wall, the first of them a load
- * or a servo, and writes their numbers; false: there are none. */
+/* Finds two motions that, in this phase, move the same coordinate of one wall, the first of them
+ * a load or a servo, and writes their numbers; false: there are none. */
 SD_API bool sd_model_clash(const sd_model *model, size_t phase, size_t motion[2]);
 /* Returns the shortest period 2 pi/omega of a free disk between two bodies, over all disks and
  * materials with a contact law: vibration on the normal springs, or on the tangential springs with

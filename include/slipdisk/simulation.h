@@ -86,9 +86,10 @@ typedef struct sd_force_columns {
   size_t n_free, n_bodies;       /* number of free disks; number of all bodies */
   const uint32_t *id;            /* [n_bodies] body numbers */
   const double *x, *y;           /* [n_bodies] position, length, wrapped into a periodic box */
-  const double *theta, *turn;    /* [n_bodies] angle in two parts, whose sum is turn + theta, rad */
+  const double *theta, *turn;    /* [n_bodies] two parts of the angle, which is turn + theta, rad */
   const double *vx, *vy, *omega; /* [n_bodies] predicted velocities */
-  const double *radius, *mass, *inertia; /* [n_bodies] values as in the columns of the state */
+  /* [n_bodies] radius, mass and moment of inertia, as in the state */
+  const double *radius, *mass, *inertia;
   /* [n_bodies] numbers of material and group; [n_free] activity, SD_IN_PLAY ... of state.h */
   const int32_t *material, *group, *activity;
   /* [n_free] force and torque on each free disk, to which the field adds its own; 0 at first */
@@ -135,11 +136,12 @@ SD_API bool sd_simulation_finished(const sd_simulation *simulation);
 
 /* A column of the state, in place: n elements of `type` at `data`. */
 typedef struct sd_column {
-  const char *name, *unit, *meaning; /* name, unit and meaning, those of sd_field */
-  sd_type type;                      /* type of the elements; sd_type_size returns their size */
-  sd_extent extent;                  /* meaning and order of the elements (sd_extent in state.h) */
-  size_t n;                          /* number of elements */
-  const void *data;                  /* address of the first element, in memory of the simulation */
+  /* name, unit and meaning of the column, as in the table sd_fields */
+  const char *name, *unit, *meaning;
+  sd_type type;     /* type of the elements; sd_type_size returns their size */
+  sd_extent extent; /* meaning and order of the elements (sd_extent in state.h) */
+  size_t n;         /* number of elements */
+  const void *data; /* address of the first element, in memory of the simulation */
 } sd_column;
 /* Finds column number k, in the order of sd_fields; false: k is beyond the last. Columns of
  * contacts are brought up to date first. The column is valid until the next call that changes
@@ -179,7 +181,7 @@ typedef struct sd_energy {
   double start;
   /* Work done by prescribed bodies and coordinates, by compression and by force fields */
   double work;
-  /* Work done by the paper's tangential force, which has no potential */
+  /* Work done by the part of the paper's tangential force that has no potential */
   double nonconservative_work;
   double viscous, friction; /* energy lost to dashpots of contacts, and to sliding */
   /* energy lost to rolling, to bridges that form, to contacts that open */

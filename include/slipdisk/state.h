@@ -38,8 +38,8 @@ typedef enum sd_extent {
   /* one element per closed contact, sorted by the lower slot of its bodies, then by partner */
   SD_PER_CONTACT,
   SD_PER_MOTION, /* one element per motion of the model */
-  /* Four numbers if a phase deforms the box, else none: length of the box along x, along y, offset
-   * of its images, shear strain. */
+  /* Four numbers if a phase deforms the box, else none: length of the box along x, length along
+   * y, offset in x between rows of images, shear strain. */
   SD_PER_CELL,
   /* one element per free disk, in the order of slots, if a phase deforms the box, else none */
   SD_PER_CELL_DISK,
@@ -50,14 +50,15 @@ typedef enum sd_extent {
   /* 16 elements per watched pair of contacts, index 4 * (state of contact 1) + (state of contact
    * 2) */
   SD_PER_SLIDE_COUNT,
-  SD_PER_SLIDE_CONTACT, /* two elements per watched pair of contacts, one for each of them */
+  SD_PER_SLIDE_CONTACT, /* two elements per watched pair of contacts, one for each contact */
   /* One element per free disk, in the order of slots, if means of every disk are measured, else
    * none */
   SD_PER_MEAN,
   /* SD_MEAN_BINS elements per free disk, disk by disk, if means of every disk are measured, else
    * none */
   SD_PER_MEAN_BIN,
-  SD_PER_VISIT, /* one element per watched pair if configurations are measured, else none */
+  /* one element per watched pair of contacts if configurations are measured, else none */
+  SD_PER_VISIT,
   /* two elements per watched pair, one for each contact, if configurations are measured, else
    * none */
   SD_PER_VISIT_CONTACT,

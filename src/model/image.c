@@ -122,7 +122,8 @@ static void walk_bodies(image *im, sd_model *m) {
   array(im, &m->clumps, m->n_clumps, sizeof *m->clumps);
   if (failed(im)) return;
   FORGET_ALL(im, m->clumps, m->n_clumps, name);
-  FORGET_ALL(im, m->clumps, m->n_clumps, disks); /* is rebuilt from the clump number of each disk */
+  /* the list of each clump's disks is rebuilt from the clump numbers stored in the disks */
+  FORGET_ALL(im, m->clumps, m->n_clumps, disks);
   for (size_t k = 0; k < m->n_clumps; k++) text(im, &m->clumps[k].name);
 }
 

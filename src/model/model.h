@@ -43,10 +43,11 @@ typedef enum sd_size_kind {
  * interval steps after the start: its disks are placed in rows between x = `lower` and `upper`,
  * the lowest row `gap` above the highest disk in that range that does not wait. */
 typedef struct sd_rain {
-  size_t first, count, batch; /* first disk, number of disks, disks per batch */
-  int64_t interval;           /* number of steps between batches */
-  double lower, upper;        /* range in x in which disks are placed */
-  double floor;               /* smallest y at which the lowest row is placed */
+  /* number of the first disk; number of disks; number of disks per batch */
+  size_t first, count, batch;
+  int64_t interval;    /* number of steps between batches */
+  double lower, upper; /* smallest and largest x at which disks are placed */
+  double floor;        /* smallest y at which the lowest row is placed */
   /* height of the lowest row above the disks, downward speed at release */
   double gap, speed;
 } sd_rain;
@@ -56,9 +57,9 @@ enum { SD_TILE_RADII = 16 };
 /* A wall of the result file from which contacts are restored, and the wall of the model that
  * corresponds to it. */
 typedef struct sd_tile_wall {
-  bool known;    /* true if the model has this wall */
+  bool known;    /* true if the model has a wall that corresponds to it */
   uint32_t wall; /* number of the wall in the model */
-  size_t pieces; /* number of segments; 0: a circle */
+  size_t pieces; /* number of segments of the wall; 0: a circle */
   /* Index of the wall's first segment among all wall segments of the file, and of the model. */
   size_t first, own_first;
   /* radius, angle and surface displacement of the wall in the file */
@@ -73,19 +74,20 @@ typedef struct sd_tile_wall {
 typedef struct sd_tiles {
   size_t n;            /* number of parts; 0: no disks are generated or read in parts */
   size_t first, count; /* number of the first disk that comes in parts; number of such disks */
-  /* True if these disks are distributed: each row is stored on one rank only (rows.h). */
+  /* True if the disks that come in parts are distributed over ranks: each is stored on one rank
+   * only (rows.h). */
   bool away;
   bool of_file; /* True: the parts are rows of a file; false: tiles of a packing. */
   /* index of the packing or file in the list `packings` or `disk_files` of the deck */
   size_t entry;
   /* File: order-independent checksum of its disks, and of its contacts. */
   int64_t inputs, contact_inputs;
-  size_t n_contacts; /* file: number of contacts */
+  size_t n_contacts; /* file: number of contacts that it contains */
   /* Number of walls of the file, if its disks are distributed over ranks and its contacts are
    * restored, else 0. */
   size_t n_walls;
   bool forces_carried; /* true: forces stored with the file's contacts are still valid at step 0 */
-  sd_tile_wall *walls; /* [n_walls] walls of the file */
+  sd_tile_wall *walls; /* [n_walls] the walls of the file from which contacts are restored */
   sd_packing_kind kind;
   /* Rectangle that the packing fills, x and y, or in which the disks of a rain wait, there at
    * least `spacing` from its edges in y. For lattices spacing is the lattice constant, and
@@ -103,8 +105,8 @@ typedef struct sd_tiles {
 
 /* Rectangle in which the centres of the free disks must stay; infinite where there is no limit. */
 typedef struct sd_bounds {
-  /* True if the deck, its container or the program has set bounds; false: positions are not
-   * checked. */
+  /* True if the deck, its container or the program has set this rectangle; false: positions are
+   * not checked. */
   bool given;
   double lower[2], upper[2];
   sd_outside outside; /* action on a disk that leaves the rectangle */
@@ -119,8 +121,9 @@ typedef struct sd_contact_memory {
   /* Body numbers of the disk and its partner in this model; index of the segment if the partner
    * is a wall (0: round body). */
   uint32_t a, b, part;
-  int16_t slide; /* 0: stuck; +1, -1: sliding with that sign of the torque. */
-  /* 1 if the law is that of the previous run, so that the stored force is still valid at step 0. */
+  int16_t slide; /* 0: the contact sticks; +1, -1: it slides with that sign of the torque. */
+  /* 1 if the contact law is that of the previous run, so that the stored force is still valid at
+   * step 0. */
   int16_t force_carried;
   double side; /* +1, -1: side of a straight wall on which the disk is; 0: round body. */
   sd_contact_record record;
@@ -129,12 +132,13 @@ typedef struct sd_contact_memory {
 /* Disks and contacts that are stored on this rank only (rows.h). */
 typedef struct sd_rows {
   size_t n;
-  sd_disk *disk;    /* [n] disks */
-  uint32_t *number; /* [n] numbers of these disks in the model */
+  sd_disk *disk;    /* [n] disks that are stored on this rank only */
+  uint32_t *number; /* [n] numbers in the model of the disks in `disk` */
   /* [n] Angle (rad) to be added to theta in the file to get theta in this run, for restored
    * contacts (deck_result_shift); NULL: no contacts. */
   double *shift;
-  double (*derivatives)[SD_DERIVATIVES]; /* [n] higher derivatives, for Gear; NULL: none */
+  /* [n] higher time derivatives of each disk's coordinates, for Gear's integrator; NULL: none */
+  double (*derivatives)[SD_DERIVATIVES];
   size_t n_memories;
   sd_contact_memory *memories; /* [n_memories] contacts that are closed when the run starts */
   size_t n_contacts;
@@ -157,14 +161,16 @@ typedef enum sd_piece {
 typedef struct sd_segment {
   uint32_t body; /* body number of the wall */
   sd_piece piece;
-  /* First end; for an infinite line any point of it; for an arc the centre of its circle. */
+  /* First end of the segment; for an infinite line any point of it; for an arc the centre of its
+   * circle. */
   double start[2];
   double tangent[2]; /* straight segments: unit vector from the first end to the second */
-  double length;     /* HUGE_VAL for an infinite line, which extends to both sides of `start`. */
+  /* length of the segment; HUGE_VAL for an infinite line, which extends to both sides of `start` */
+  double length;
   /* Tangent of the previous segment, -tangent at a free end: limits the region in which the
    * first end is the nearest point. */
   double previous[2];
-  bool end_cap; /* True if the second end is free and acts as a point contact. */
+  bool end_cap; /* True if the second end of the segment is free and acts as a point contact. */
   /* Arc length along the wall from the start of the wall to the first end of this segment; on an
    * arc from the middle of the arc. */
   double arc;
@@ -172,7 +178,7 @@ typedef struct sd_segment {
   /* Arc: radius, and unit vectors from the centre to its two ends and to the point midway. */
   double radius;
   double first[2], last[2], middle[2];
-  bool wide; /* true for an arc of more than half a turn */
+  bool wide; /* true for an arc of more than 180 degrees */
   /* Number of the vertex at the first and at the second end, shared by all segments that meet
    * there; 0: none. `meets`: true if ends of other walls lie there. */
   uint32_t vertex[2];

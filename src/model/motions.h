@@ -75,8 +75,9 @@ double motion_period(const sd_motion *motion);
 double motion_reach(const sd_motion *motion);
 /* Computes the constants shape[] of a wave, which are arguments of its functions in waveforms.h. */
 void motion_shape(const sd_motion *wave, double shape[WAVE_SHAPE]);
-/* Estimates the displacement at `time` after the motion was switched on: tables and ramps are
- * taken as linear in between; 0 for random motions, loads and servos. */
+/* Estimates the displacement at `time` after the motion was switched on, with linear
+ * interpolation between rows of a table and a linear ramp; 0 for random motions, loads and
+ * servos. */
 double motion_at(const sd_motion *motion, double time);
 /* Displacement with which a motion begins: 0 with a ramp; random motion: three standard
  * deviations; loads and servos: 0. */

@@ -20,20 +20,22 @@ struct sd_state {
   /* Work done by prescribed bodies and coordinates, and by the program's force fields, since
    * step 0. */
   double work_driven;
-  double energy_start;  /* kinetic + elastic + external energy at step 0 */
-  int64_t measured;     /* number of steps in which statistics were gathered */
-  int64_t bin_steps;    /* steps per bin of the angle record, a power of two */
-  int64_t bins;         /* completed bins of the angle record */
-  double box_scale;     /* lengths of the region divided by those of the model; 1: not compressed */
-  double field_power;   /* power of the program's force fields at the end of the last step */
-  double relaxed;       /* energy removed by the relaxer (FIRE) since step 0 */
-  double relax_alpha;   /* FIRE's mixing parameter alpha; set when a phase begins */
-  int64_t relax_steps;  /* FIRE: steps with positive power since velocities were last set to 0 */
-  int64_t released;     /* number of disks released by rain */
-  int64_t outside;      /* number of times that a disk has left the bounds */
+  double energy_start; /* kinetic + elastic + external energy at step 0 */
+  int64_t measured;    /* number of steps in which statistics were gathered */
+  int64_t bin_steps;   /* steps per bin of the angle record, a power of two */
+  int64_t bins;        /* number of completed bins of the angle record */
+  double box_scale;    /* lengths of the region divided by those of the model; 1: not compressed */
+  double field_power;  /* power of the program's force fields at the end of the last step */
+  double relaxed;      /* energy removed by the relaxer (FIRE) since step 0 */
+  double relax_alpha;  /* FIRE's mixing parameter alpha; set when a phase begins */
+  /* FIRE: number of steps with positive power since velocities were last set to 0 */
+  int64_t relax_steps;
+  int64_t released; /* number of disks released by rain */
+  /* number of times that a disk has left the bounds, the rectangle in which disks should stay */
+  int64_t outside;
   int64_t mean_samples; /* number of samples of the contacts that the means of each disk include */
-  /* Steps per bin, and number of completed bins, of the angle records of all free disks
-   * (mean_bin). */
+  /* Number of steps per bin, and number of completed bins, of the angle records of all free
+   * disks (mean_bin). */
   int64_t mean_bin_steps, mean_bins;
   /* First step after which a free disk or a moved body had moved farther in one step than
    * limits.displacement allows; -1: none. */
@@ -56,8 +58,10 @@ struct sd_state {
   /* Number of rows of the columns cell ... cell_mean, and of cell_u ... nonaffine_y; 0 unless a
    * phase deforms the box. */
   size_t n_cell, n_cell_disks;
-  size_t n_surfaces;  /* number of walls if a motion moves the surface of any, else 0 */
-  size_t law_columns; /* 1: the state has the columns of SD_CONTACT_MORE; 0: these are empty */
+  size_t n_surfaces; /* number of walls if a motion moves the surface of any, else 0 */
+  /* 1: the state has the columns of SD_CONTACT_MORE, which some contact laws need; 0: these are
+   * empty */
+  size_t law_columns;
 
   /* The following columns have one row per body, in the order of slots: free disks, other disks,
    * walls. */
@@ -66,12 +70,12 @@ struct sd_state {
    * a multiple of 8 rad. */
   double *x, *y, *theta, *turn;
   double *vx, *vy, *omega;
-  /* periods crossed along x and y: absolute position = x + image_x * box length */
+  /* number of box lengths crossed along x and y: absolute position = x + image_x * box length */
   int32_t *image_x, *image_y;
   double *radius, *mass, *inertia;
   int32_t *material, *group;
-  /* Position and angle of prescribed coordinates without the displacement by the running
-   * motions. */
+  /* Position and angle without the displacement by the running motions, for coordinates that
+   * motions prescribe. */
   double *base_x, *base_y, *base_theta;
   /* sum of the contact forces on the body, and of their torques, at the last step */
   double *force_x, *force_y, *torque;
@@ -97,13 +101,13 @@ struct sd_state {
    * motions. */
   double *surface, *surface_turn, *surface_speed, *surface_force, *base_surface;
 
-  /* The following columns have one row per free disk. Column xk, yk, thetak (k = 2 ... 5) of
-   * Gear's integrator holds dt^k/k! times the k-th derivative. */
+  /* The following columns have one row per free disk. Columns x2 ... x5 (and y, theta) of the
+   * integrator hold dt^k/k! times the k-th derivative, k = 2 ... 5. */
   int32_t *activity; /* SD_IN_PLAY, SD_WAITING, SD_REMOVED or SD_OUTSIDE */
   /* Energy lost to rolling in contacts that have ended, divided between two bodies like
-   * loss_viscous; only with law_columns. */
+   * loss_viscous; only if law_columns is 1. */
   double *past_rolling;
-  double *loss_bridge; /* energy lost when capillary bridges formed; only with law_columns */
+  double *loss_bridge; /* energy lost when capillary bridges formed; only if law_columns is 1 */
   double *x2, *y2, *theta2;
   double *x3, *y3, *theta3, *x4, *y4, *theta4, *x5, *y5, *theta5;
 
@@ -150,14 +154,14 @@ struct sd_state {
   /* Position in the box relative to the box edges, when the nonaffine displacement was last
    * updated. */
   double *cell_u, *cell_v;
-  /* Displacement of a disk since the phase began, minus that of the deforming box. */
+  /* Displacement of each disk since the phase began, minus that of the deforming box. */
   double *nonaffine_x, *nonaffine_y;
 
   /* The following columns have one row per phase of the run, filled in when the phase ends. */
-  int64_t *phase_steps; /* steps that the phase took; 0: not over */
+  int64_t *phase_steps; /* number of steps that the phase took; 0: it is not over */
   /* 1 if the goals at which the phase may end (settle, compress) were met */
   int32_t *phase_reached;
-  /* phase with settle: kinetic energy per disk and unbalanced force ratio at its end */
+  /* phase that may end by settle: kinetic energy per disk and unbalanced force ratio at its end */
   double *phase_kinetic, *phase_unbalanced;
   double *phase_target; /* phase that compresses: pressure or packing fraction that was reached */
 
@@ -174,9 +178,10 @@ struct sd_state {
   /* Number of steps for each joint state of the two contacts, at index 4 * (state of the first)
    * + (state of the second). */
   int64_t *slide_count;
-  double *slide_force_min; /* smallest normal force of a contact; 0 if it was open */
-  int64_t *slide_openings; /* number of times the contact opened */
-  int32_t *slide_was_open; /* 1 if the contact was open at the last step */
+  /* smallest normal force of each watched contact; 0 if the contact was open */
+  double *slide_force_min;
+  int64_t *slide_openings; /* number of times that each watched contact opened */
+  int32_t *slide_was_open; /* 1 if the watched contact was open at the last step */
 
   /* The following columns have one row (or block) per watched pair of contacts if their
    * configurations are measured. A visit is an unbroken run of steps in one sliding
@@ -188,8 +193,9 @@ struct sd_state {
   /* Reference normal force of each contact, subtracted from the summed forces to keep sums
    * small. */
   double *visit_reference;
-  double *visit_part;   /* [VISIT_SUMS] sums over the current part of the visit */
-  double *visit_sum;    /* sums over all completed parts of visits, per class */
+  double *visit_part; /* [VISIT_SUMS] sums over the current part of the visit */
+  /* sums over all completed parts of visits, per class (sliding configuration) */
+  double *visit_sum;
   int64_t *visit_count; /* number of visits that began and ended in measured steps, per class */
   int64_t *visit_steps; /* number of steps of these completed visits, per class */
   /* sum of the squared durations of these completed visits, per class, steps^2 */
@@ -206,18 +212,19 @@ struct sd_state {
   double *mean_bin; /* angle turned by the disk in each completed bin of time */
   /* absolute position of the disk when measuring began; NAN: it did not take part then */
   double *mean_x0, *mean_y0;
-  /* sums of the displacement from (mean_x0, mean_y0), and of its square */
+  /* sums of the displacement of the disk from (mean_x0, mean_y0), and of its square */
   double *sum_x, *sum_y, *sum_xx, *sum_yy;
-  double *sum_contacts, *sum_sliding; /* sums of the numbers of closed and of sliding contacts */
-  double *sum_force;                  /* sum of the normal forces of the disk's contacts */
+  /* sums of the numbers of closed and of sliding contacts of the disk */
+  double *sum_contacts, *sum_sliding;
+  double *sum_force; /* sum of the normal forces of the disk's contacts */
   /* sum of the power that prescribed bodies transfer to this disk */
   double *sum_injected;
-  /* sums of the kinetic energies of translation and of rotation */
+  /* sums of the disk's kinetic energies of translation and of rotation */
   double *sum_kinetic, *sum_spin;
   /* Energy lost in measured phases. During a measured phase, the value of the column loss_* at
    * its begin is subtracted already, and that at its end is not added yet. */
   double *sum_viscous, *sum_friction, *sum_opening;
-  int64_t *sum_openings; /* number of contacts that opened in measured steps */
+  int64_t *sum_openings; /* number of contacts of the disk that opened in measured steps */
 
   /* The following columns have one row per clump: motion of its centre of mass, in columns like
    * those of a body. */

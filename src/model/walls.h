@@ -39,7 +39,8 @@ static inline void wall_set_pivot(sd_wall *w) {
 /* Number of equal segments into which side k of a wall is cut, so that none is longer than half
  * of the shorter box length; 1 in an open box, and for lines and arcs. */
 size_t wall_cuts(const sd_model *m, const sd_wall *w, size_t k);
-/* Number of segments of a wall after cutting for the periodic box; wall_segments in an open box. */
+/* Number of segments of a wall after cutting for the periodic box; in an open box that of
+ * wall_segments. */
 size_t wall_pieces(const sd_model *m, const sd_wall *w);
 /* True if the last point of wall w is a periodic image of its first and no motion turns the
  * wall, so that it continues in its image. cells: number of box lengths between these two
