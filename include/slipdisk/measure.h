@@ -30,9 +30,9 @@ typedef struct sd_mean {
  * transient at the start and leave it out. */
 SD_API sd_mean sd_mean_of(const double *x, size_t n, bool transient);
 
-/* Mean angular velocity of a watched disk over the measured time without its transient. */
+/* Mean angular velocity of one disk over the measured time without its transient. */
 typedef struct sd_rotation {
-  uint32_t disk;       /* body number */
+  uint32_t disk;       /* body number of the disk */
   double omega, error; /* mean angular velocity and one standard error of it, rad/time */
   /* omega and error multiplied by t_g = sqrt(2 R/g); NAN without gravity */
   double scaled, scaled_error;
@@ -52,7 +52,7 @@ typedef struct sd_goal {
   double value, error;
   /* error bar to be reached, in the same unit; if given as relative, that fraction of |value| */
   double goal;
-  double measured; /* measured time so far */
+  double measured; /* time in which statistics were gathered so far */
   bool converged;  /* true: the error bar can be trusted (converged of sd_rotation) */
   /* true if error <= goal and converged: the last phase ends if the goal is checked now */
   bool reached;
@@ -118,7 +118,7 @@ SD_API sd_configuration sd_configuration_of(const sd_model *model, const sd_stat
  * or was removed, everything but its number is NAN. Each of two free disks takes half of the
  * power lost in their contact. */
 typedef struct sd_disk_mean {
-  uint32_t disk;       /* body number */
+  uint32_t disk;       /* body number of the disk */
   double omega, error; /* mean angular velocity and one standard error of it, rad/time */
   /* mean angular velocity divided by its standard error; 0 for a disk that never turned */
   double significance;

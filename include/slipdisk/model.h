@@ -87,9 +87,9 @@ typedef struct sd_contact_law {
 /* A disk as it is at the start. */
 typedef struct sd_disk {
   const char *name;             /* name of the disk in messages and results; NULL: none */
-  double position[3];           /* x, y, theta */
-  double velocity[3];           /* vx, vy, omega */
-  double radius, mass, inertia; /* moment of inertia about the centre; 0: m R^2/2 */
+  double position[3];           /* position of the centre and angle: x, y, theta */
+  double velocity[3];           /* velocity of the centre and angular velocity: vx, vy, omega */
+  double radius, mass, inertia; /* inertia: moment of inertia about the centre; 0: m R^2/2 */
   double force[3];              /* constant body force (x, y) and torque, besides gravity */
   int material;                 /* number of the disk's material */
   int group; /* number of the disk's group, -1: none; set by sd_model_add_group */
@@ -147,9 +147,9 @@ typedef struct sd_wall {
   sd_wall_kind kind;   /* shape */
   int material;        /* number of the wall's material */
   double pivot[2];     /* point about which the wall turns, and which motions along x and y move */
-  size_t n_points;     /* number of points; line, segment: 2 */
+  size_t n_points;     /* number of points of the wall; line, segment: 2 */
   double (*points)[2]; /* [n_points] absolute coordinates at the start; line, segment, polyline */
-  bool closed;         /* polyline: its last vertex is joined to the first */
+  bool closed;         /* polyline: true if its last vertex is joined to the first */
   double radius;       /* radius of a circle or arc, > 0 */
   bool inside;         /* circle: true if disks are inside of it, as in a drum; false: outside */
   double center[2];    /* centre of the circle of an arc */
@@ -188,8 +188,8 @@ typedef struct sd_motion {
   uint32_t *bodies;
   /* wave: amplitude A; random motion: rms displacement; table: factor of the values */
   double amplitude;
-  double omega; /* angular frequency w of waves and random vibration, rad/time */
-  double phase; /* phase phi of waves, rad */
+  double omega; /* periodic wave, random motion: angular frequency w, rad/time */
+  double phase; /* periodic wave: phase phi, rad */
   /* square wave: fraction of half a period that a change of sides takes, 0 < rise <= 1 */
   double rise;
   double velocity; /* motion at constant velocity: v; servo-controlled wall: largest speed */
@@ -207,7 +207,7 @@ typedef struct sd_motion {
   double damping; /* random motion: damping ratio c of the oscillator */
   /* random motion: number of steps until new random numbers are drawn, >= 1 (h = interval dt) */
   int64_t interval;
-  double ramp; /* time over which the motion is faded in; 0: at once */
+  double ramp; /* time in which the motion is faded in from 0 to full size; 0: full size at once */
   /* random motion: number of the random stream, different for independent signals; 0: a new one
    * is chosen */
   uint32_t stream;
@@ -224,7 +224,7 @@ typedef struct sd_motion {
 typedef enum sd_field_kind {
   SD_FIELD_DRAG,     /* viscous drag by a flowing fluid */
   SD_FIELD_DAMPING,  /* Cundall's non-viscous damping */
-  SD_FIELD_CENTRAL,  /* force towards a point, a power of the distance */
+  SD_FIELD_CENTRAL,  /* force towards a point, proportional to a power of the distance */
   SD_FIELD_ROTATION, /* centrifugal and Coriolis force of a rotating frame */
   SD_FIELD_KINDS     /* number of kinds of force field */
 } sd_field_kind;
@@ -265,7 +265,7 @@ typedef struct sd_body_force {
   /* central force: strength, > 0 attracts; softening length, >= 0 */
   double strength, softening;
   int64_t power; /* central force: power of the distance, -8 ... 8; 1: a spring */
-  double omega;  /* rotation: angular velocity of the frame, rad/time */
+  double omega;  /* rotation: angular velocity of the rotating frame, rad/time */
 } sd_body_force;
 
 /* Criteria at which a phase of the run ends before its full length: at the first check at which
@@ -282,7 +282,7 @@ typedef struct sd_settle {
 /* Compression: lengths of the region and all positions in it change by a common factor until the
  * target is reached. */
 typedef struct sd_compress {
-  bool asked; /* true: the phase compresses */
+  bool asked; /* true: this phase of the run compresses the system */
   /* target pressure, force/length; target packing fraction; one of them > 0 */
   double pressure, fraction;
   double rate;      /* largest relative change of the lengths per unit of time, > 0 */
@@ -296,9 +296,10 @@ enum { SD_CELL_XX, SD_CELL_YY, SD_CELL_XY, SD_CELL_COMPONENTS };
  * ((Lx, offset), (0, Ly)) and integers n, and dh/dt = L h with the velocity gradient L = ((xx,
  * xy), (0, yy)). Each component of L is given, or controlled by a stress. */
 typedef struct sd_cell {
-  bool asked;                          /* true: the box deforms */
-  double rate[SD_CELL_COMPONENTS];     /* components of L, 1/time; xy: d vx/dy */
-  bool controlled[SD_CELL_COMPONENTS]; /* true: this component follows the stress, not `rate` */
+  bool asked;                      /* true: the box deforms in this phase of the run */
+  double rate[SD_CELL_COMPONENTS]; /* components of L, 1/time; xy: d vx/dy */
+  /* true: this component of L follows from the stress, not from `rate` */
+  bool controlled[SD_CELL_COMPONENTS];
   /* Target stress of controlled components, force/length, compression positive */
   double stress[SD_CELL_COMPONENTS];
   /* time in which a controlled stress reaches its target; 0: chosen by the program */
@@ -449,16 +450,16 @@ SD_API size_t sd_model_bodies(const sd_model *model);
 SD_API double sd_model_dt(const sd_model *model);
 /* Returns the number of the disk, wall or clump with this name; UINT32_MAX: there is none. */
 SD_API uint32_t sd_model_find(const sd_model *model, const char *name);
-/* Returns a disk as it was given, with its inertia filled in; NULL: there is no such disk. Valid as
- * long as the model. */
+/* Returns a disk as it was given, with its moment of inertia filled in; NULL: there is no such
+ * disk. The pointer is valid as long as the model. */
 SD_API const sd_disk *sd_model_disk(const sd_model *model, uint32_t number);
 /* Returns the number of clumps. */
 SD_API size_t sd_model_clumps(const sd_model *model);
-/* Returns clump k as it was given, with disks, mass, inertia and position filled in; NULL: there is
- * no such clump. Valid as long as the model. */
+/* Returns clump k as it was given, with disks, mass, moment of inertia and position filled in;
+ * NULL: there is no such clump. The pointer is valid as long as the model. */
 SD_API const sd_clump *sd_model_clump(const sd_model *model, size_t k);
-/* Returns the contact law between two materials; NULL: there are no such materials. Valid as long
- * as the model. */
+/* Returns the contact law between two materials; NULL: there are no such materials. The pointer
+ * is valid as long as the model. */
 SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
 /* Returns the name of a body for messages: its own, or one like "disk 17" or "wall 3", which is
  * written into text[size]. */

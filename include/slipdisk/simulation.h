@@ -1,9 +1,9 @@
 /* simulation.h: functions that advance a simulation, read its columns in place, extend, save and
  * clone it.
  *
- * The same model gives the same bits, however its steps are divided into calls and with any number
- * of threads; observers, reading of columns and saving change nothing. Pointers must not be NULL
- * unless a comment says that they may be.
+ * The same model gives the same results, bit for bit, however its steps are divided into calls and
+ * with any number of threads; observers, reading of columns and saving change nothing. Pointers
+ * must not be NULL unless a comment says that they may be.
  *
  * A simulation serves one call at a time. A call is refused (SD_ERROR_USER, with a message that
  * says why; nothing is changed) while another thread is in a call of the same simulation, and
@@ -82,12 +82,12 @@ SD_API sd_status sd_simulation_observe(sd_simulation *simulation, int64_t every,
  * n_free), then driven disks and walls up to n_bodies. */
 typedef struct sd_force_columns {
   int64_t step; /* number of the step that is being made; positions are those at the end of it */
-  double time;  /* step * dt */
+  double time;  /* time of the positions: step * dt */
   size_t n_free, n_bodies;       /* number of free disks; number of all bodies */
   const uint32_t *id;            /* [n_bodies] body numbers */
   const double *x, *y;           /* [n_bodies] position, length, wrapped into a periodic box */
   const double *theta, *turn;    /* [n_bodies] two parts of the angle, which is turn + theta, rad */
-  const double *vx, *vy, *omega; /* [n_bodies] predicted velocities */
+  const double *vx, *vy, *omega; /* [n_bodies] predicted velocities and angular velocity */
   /* [n_bodies] radius, mass and moment of inertia, as in the state */
   const double *radius, *mass, *inertia;
   /* [n_bodies] numbers of material and group; [n_free] activity, SD_IN_PLAY ... of state.h */
@@ -141,7 +141,7 @@ typedef struct sd_column {
   sd_type type;     /* type of the elements; sd_type_size returns their size */
   sd_extent extent; /* meaning and order of the elements (sd_extent in state.h) */
   size_t n;         /* number of elements */
-  const void *data; /* address of the first element, in memory of the simulation */
+  const void *data; /* address of the first element; the memory belongs to the simulation */
 } sd_column;
 /* Finds column number k, in the order of sd_fields; false: k is beyond the last. Columns of
  * contacts are brought up to date first. The column is valid until the next call that changes

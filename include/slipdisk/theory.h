@@ -102,7 +102,7 @@ SD_API double sd_reversal_phase(const sd_three_disk *disk);
 /* Rotation of the supports: theta_i(t) = amplitude_i f(omega t + phase_i), with f the sine, (20)
  * of the paper, or parabolas, (21). */
 typedef struct sd_drive {
-  sd_waveform waveform;     /* form f of the signal */
+  sd_waveform waveform;     /* form f of the rotation as a function of the phase */
   double omega;             /* angular frequency w_b of both supports, rad/time, > 0 */
   double amplitude[2];      /* amplitude Theta_b of each support, rad, >= 0 */
   double phase[2];          /* phase of each support, rad */
@@ -124,8 +124,8 @@ typedef struct sd_sliding_piece {
 
 /* Periodic solution for the rotation of the upper disk. */
 typedef struct sd_sliding {
-  sd_three_disk disk;  /* upper disk */
-  sd_drive drive;      /* rotation of the supports */
+  sd_three_disk disk;  /* the upper disk to which the solution belongs */
+  sd_drive drive;      /* the rotation of the supports to which the solution belongs */
   double period, mean; /* period; mean angular velocity of the upper disk */
   /* time per period in each configuration, indexed by SD_PP, SD_PM, SD_MP, SD_MM */
   double duration[4];
@@ -167,15 +167,17 @@ SD_API double sd_sliding_angle(const sd_drive *drive, int i, double t);
 
 /* Outcome of a head-on collision. */
 typedef struct sd_collision {
-  double restitution; /* coefficient of restitution: speed after over speed before */
-  double duration;    /* duration of the contact, until the normal force is 0 */
+  /* coefficient of restitution: speed after divided by speed before the collision */
+  double restitution;
+  double duration; /* duration of the contact, until the normal force is 0 */
 } sd_collision;
 
 /* Returns the outcome of a head-on collision with the normal force (2) of the paper. Arguments:
  * k_n > 0, gamma_n >= 0, m_eff > 0; overdamped contacts are allowed. */
 SD_API sd_collision sd_restitution(double k_n, double gamma_n, double m_eff);
 
-/* Outcome of the collision of a disk with a plane in which it slides all the time. */
+/* Outcome of the collision of a disk with a plane, if the surface of the disk slides all the
+ * time. */
 typedef struct sd_oblique {
   /* velocities after the collision: normal, > 0 away from the plane; tangential; angular */
   double v_n, v_t, spin;

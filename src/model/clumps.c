@@ -49,7 +49,7 @@ typedef struct member {
   /* Disk, among those already placed, whose surface is nearest to this disk's; as an index into
    * the clump's disks. */
   size_t beside;
-  double gap; /* gap between this disk and the member `beside` */
+  double gap; /* gap between the surfaces of this disk and the disk `beside` */
   /* Number of box lengths along x and y by which the disk is moved to lie beside the first disk. */
   double cells[2];
 } member;
@@ -59,7 +59,8 @@ static double period(const sd_model *m, int coordinate) {
   return m->periodic[coordinate] ? m->upper[coordinate] - m->lower[coordinate] : 0.0;
 }
 
-/* Number of periods to subtract from the position of disk b to get its image nearest to disk a. */
+/* Number of box lengths to subtract from coordinate c of disk b to get its image nearest to disk
+ * a. */
 static double periods(const sd_model *m, uint32_t a, uint32_t b, int coordinate) {
   const double length = period(m, coordinate);
   const double d = m->disks[b].position[coordinate] - m->disks[a].position[coordinate];
@@ -110,7 +111,7 @@ static void place_all(const sd_model *m, member *of, size_t n) {
   }
 }
 
-/* Component c of the vector from member a to member b of the assembled clump. */
+/* Component c of the vector from disk a to disk b of a clump that has been put together. */
 static double between(const sd_model *m, const member *a, const member *b, int c) {
   const double d = m->disks[b->disk].position[c] - m->disks[a->disk].position[c];
   return d - period(m, c) * (a->cells[c] - b->cells[c]);

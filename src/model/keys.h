@@ -27,7 +27,7 @@ typedef enum deck_kind {
   DECK_KEY_NAMES,       /* one text or a list of them */
   DECK_KEY_BODIES,      /* one body, by name or number, or a list of bodies */
   DECK_KEY_COORDINATES, /* one of "x", "y", "theta", or a list of them */
-  DECK_KEY_ROWS,        /* list of lists of values */
+  DECK_KEY_ROWS,        /* table of values: a list of rows, each of them a list */
   DECK_KEY_VALUES,      /* list of values of any kind */
   DECK_KEY_GROUP,       /* one group of keys: { ... } */
   DECK_KEY_GROUPS       /* list of groups */
@@ -87,7 +87,7 @@ typedef struct deck_table {
   size_t n;
   const deck_key *key;
   const char *either;            /* mutually exclusive keys: "mass/density"; NULL: none */
-  const struct deck_table *more; /* table whose keys are appended; NULL: none */
+  const struct deck_table *more; /* another table whose keys are appended to this one; NULL: none */
 } deck_table;
 
 /* Tables of deck keys that set members of the model. */

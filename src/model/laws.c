@@ -72,7 +72,7 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
     double value;
     const char *text;
   } rules[] = {
-      /* law_mistake adds the value of mu to this text */
+      /* law_mistake appends the value of mu to the text of this row */
       {law->mu_kinetic > law->mu, "mu_kinetic", law->mu_kinetic, "expected at most mu"},
       {law->gamma_t > 0 && !(law->k_t > 0 && law->mu > 0), "gamma_t", law->gamma_t,
        "without k_t and mu there is no tangential force; give both"},

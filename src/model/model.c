@@ -483,7 +483,7 @@ int sd_model_add_motion(sd_model *m, const sd_motion *motion) {
                "a motion"))
     to->n_table = 0;
   if (motion->kind == SD_MOTION_RANDOM && motion->stream == 0) to->stream = OWN_STREAM;
-  /* the new motion is off in phases that list their motions */
+  /* the new motion is off in earlier phases that have a list of their motions */
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].active)
       activate(m, &m->phases[k].active, m->n_motions - 1, m->n_motions, false);

@@ -167,8 +167,8 @@ typedef struct sd_segment {
   double tangent[2]; /* straight segments: unit vector from the first end to the second */
   /* length of the segment; HUGE_VAL for an infinite line, which extends to both sides of `start` */
   double length;
-  /* Tangent of the previous segment, -tangent at a free end: limits the region in which the
-   * first end is the nearest point. */
+  /* Tangent of the previous segment, or -tangent at a free end; it bounds the region in which
+   * the first end of this segment is the nearest point. */
   double previous[2];
   bool end_cap; /* True if the second end of the segment is free and acts as a point contact. */
   /* Arc length along the wall from the start of the wall to the first end of this segment; on an
@@ -183,9 +183,9 @@ typedef struct sd_segment {
    * there; 0: none. `meets`: true if ends of other walls lie there. */
   uint32_t vertex[2];
   bool meets[2];
-  /* Periodic box: `image[c]` is true if the segment has images along c; `center` is its midpoint
-   * relative to `start`; `cells` is the number of periods to the start of the next segment, if
-   * the wall continues in its own image. */
+  /* Periodic box: image[c] is true if the segment has images along coordinate c; center:
+   * midpoint of the segment relative to `start`; cells: number of box lengths to the start of
+   * the next segment, if the wall continues in its own image. */
   bool image[2];
   double center[2];
   int cells[2];
@@ -269,7 +269,8 @@ struct sd_model {
   /* True: record torque, normal forces and duration of each sliding configuration (combination
    * of the contact states) of the pairs of contacts in `slides`. */
   bool measure_configurations;
-  int64_t measure_every; /* steps between samples of the contacts for measure_disks, >= 1 */
+  /* number of steps between samples of the contacts for measure_disks, >= 1 */
+  int64_t measure_every;
 
   /* Deck that the model was read from (sd_model_deck in deck.h); owned by the model; NULL: built
    * by functions. */
@@ -287,8 +288,9 @@ struct sd_model {
   /* True after rows_part has distributed the model over ranks: `disks` then has data only for
    * the disks listed in `known`, and `limit`, `advised` and `inputs` hold results for all disks. */
   bool parted;
-  size_t n_known;       /* number of disks that have data in `disks` */
-  uint32_t *known;      /* [n_known] numbers of these disks, ascending; owned */
+  size_t n_known; /* number of disks that have data in `disks` */
+  /* [n_known] numbers of the disks that have data in `disks`, ascending; owned */
+  uint32_t *known;
   sd_step_limit limit;  /* stability limit of the time step over all disks */
   sd_messages *advised; /* warnings of sd_model_advise; owned; NULL: not collected yet */
   int64_t inputs;       /* checksum of the input files (provenance_inputs) */

@@ -146,9 +146,9 @@ double motion_stride(const sd_motion *q, double dt) {
 
 /* --- prescribed disks ------------------------------------------------------------------------- */
 
-/* Makes a driven disk free, with all coordinates locked. Contacts need one free body; without
- * any free disk, the disks that motions move become free in this way so that their contacts are
- * evaluated, and if motions move walls, all disks do. */
+/* Makes a driven disk free, with all coordinates locked. Contacts are evaluated only if one of
+ * the bodies is a free disk; in a model without free disks, this function is applied to the
+ * disks that motions move, or to all disks if motions move walls. */
 static void free_one(sd_model *m, size_t disk) {
   sd_disk *d = &m->disks[disk];
   if (!d->driven || !(d->mass > 0) || d->clump > 0) return;

@@ -12,11 +12,12 @@
 
 /* --- kinds of motion -------------------------------------------------------------------------- */
 
-/* One row per kind of motion; deck keys, checks, signals and documentation follow from it.
+/* Table of the kinds of motion, one row per kind; deck keys, checks, signals and documentation
+ * follow from it.
  *
- * ROW(number, name in the deck, source, amplitude, check, keys in the deck, meaning): the source
- * tells how values are computed; keys are as in deck_shape (keys.h). waveforms.h has the rows of
- * periodic waves.
+ * ROW(number, name in the deck, source, amplitude, check, keys in the deck, meaning): source is the
+ * method by which values are computed; keys are as in deck_shape (keys.h). waveforms.h has the rows
+ * of periodic waves.
  */
 
 #define MOTION_KINDS(ROW)                                                                          \
@@ -82,7 +83,7 @@ double motion_at(const sd_motion *motion, double time);
 /* Displacement with which a motion begins: 0 with a ramp; random motion: three standard
  * deviations; loads and servos: 0. */
 double motion_first(const sd_motion *motion);
-/* Largest displacement in one step while the motion runs; random motion: three standard
+/* Largest displacement in one step of a motion that is on; random motion: three standard
  * deviations; load: 0. */
 double motion_stride(const sd_motion *motion, double dt);
 
@@ -118,7 +119,7 @@ typedef struct body_stride {
  * body moves, or out of memory (shortage_note in memory.h). */
 bool strides_longest(const sd_model *model, body_stride *longest);
 /* True if a prescribed body may jump or exceed limits.displacement in a step, or has a motion of
- * kind load or servo; only then a run checks prescribed bodies. */
+ * kind load or servo; only in this case a run checks the steps of prescribed bodies. */
 bool strides_are_long(const sd_model *model);
 /* Displacement with which a motion begins, at the farthest point of the bodies that it moves,
  * divided by the radius of the smallest free disk; 0 for moving surfaces and for disks that

@@ -21,7 +21,7 @@
 /* A level: disks whose radii lie within a factor of two. Cell indices have type double, so that
  * far cells do not overflow. */
 typedef struct level {
-  double largest; /* largest radius of the level */
+  double largest; /* largest radius of a disk in this level */
   /* width of a cell, length */
   double cell;
   size_t n_disks, n_cells; /* number of disks; size of the hash table of cells, a power of two */
@@ -39,7 +39,7 @@ typedef struct grid {
   void *user;
   level *levels;         /* one level per binary exponent of the radius; n_disks 0: unused */
   int smallest, largest; /* smallest and largest level in use */
-  uint32_t *next;        /* [disks] next disk in the same list; NONE: last */
+  uint32_t *next;        /* [disks] next disk in the list of the same cell; NONE: last */
   uint32_t *heads;       /* memory of the arrays `head` of all levels, one after the other */
   double length[2];      /* length of the periodic box along x and y; 0: not periodic */
 } grid;
@@ -65,9 +65,9 @@ static uint64_t mixed(double i, double j) {
   return h * 0xBF58476D1CE4E5B9u >> 20;
 }
 
-/* Hash of cell (i, j). The 64 cells of a block of 8 by 8 get distinct neighbouring slots: XOR
- * with the block's hash spreads the blocks even if each has disks in the same one of its cells
- * only. */
+/* Hash of cell (i, j). The 64 cells of a block of 8 by 8 get distinct neighbouring entries of
+ * the table: XOR with the hash of the block spreads the blocks, even if each block has disks
+ * only in the same one of its cells. */
 static size_t hash(const level *l, double i, double j) {
   enum { SIDE = 8 };
   const double p = floor(i / SIDE) + 0.0, q = floor(j / SIDE) + 0.0;
@@ -380,8 +380,9 @@ static double gap_to_wall(const sd_wall *w, const double *p, double radius) {
   return nearest - radius;
 }
 
-/* Largest number of periods between the image of a wall that is nearest to a disk and the image
- * whose pivot is nearest; 0 for circles and along open directions, 1 for lines. */
+/* Largest number of box lengths between the image of a wall that is nearest to a disk and the
+ * image whose pivot is nearest; 0 for circles and along directions that are not periodic, 1 for
+ * lines. */
 static int images_of(const sd_wall *w, double length) {
   double farthest = 0;
   if (!(length > 0) || w->kind == SD_WALL_CIRCLE) return 0;

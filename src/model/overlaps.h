@@ -19,8 +19,8 @@ typedef bool overlap_visitor(void *user, const overlap *found);
 /* Calls `visit` once for each overlapping pair among the disks that all ranks store, prescribed
  * or not, periodic images included; disks of one clump do not count. SD_ERROR_IO: out of memory. */
 sd_status overlaps_of_disks(const sd_model *model, overlap_visitor *visit, void *user);
-/* Calls `visit` for each overlap of a wall and a free disk of this rank that does not wait for
- * its release. */
+/* Calls `visit` for each overlap of a wall with a free disk of this rank; disks that wait for
+ * their release are skipped. */
 void overlaps_with_walls(const sd_model *model, overlap_visitor *visit, void *user);
 
 /* Gap between a disk whose centre is x and another disk or wall at `pose` (x, y of its centre or

@@ -78,9 +78,8 @@ sd_disk model_tile_disk(const sd_tiles *tiles, double radius, const double posit
 
 /* --- rows during a run ---------------------------------------------------------------------- */
 
-/* True if all ranks must know the disk, because it has more than a number, position, velocity,
- * angle, size, mass, material and group: it is driven, named, locked, in a clump, or has a
- * force. */
+/* True if all ranks must know the disk, because it is driven, named, locked, in a clump, or has
+ * a force: data beyond number, position, velocity, angle, size, mass, material and group. */
 bool rows_special(const sd_disk *disk);
 
 /* Collective. Distributes the disks of a finished model: model->disks keeps the disks that all

@@ -14,15 +14,15 @@ enum { SD_FORCE_CARRIED = 4 };
 
 struct sd_state {
   /* The following members have one value per run. */
-  int64_t step;       /* steps completed since the start */
+  int64_t step;       /* number of steps completed since the start */
   int64_t phase;      /* index of the current phase of the run; n_phases: the run is over */
-  int64_t phase_step; /* steps completed in the current phase */
+  int64_t phase_step; /* number of steps completed in the current phase */
   /* Work done by prescribed bodies and coordinates, and by the program's force fields, since
    * step 0. */
   double work_driven;
   double energy_start; /* kinetic + elastic + external energy at step 0 */
   int64_t measured;    /* number of steps in which statistics were gathered */
-  int64_t bin_steps;   /* steps per bin of the angle record, a power of two */
+  int64_t bin_steps;   /* number of steps per bin of the angle record, a power of two */
   int64_t bins;        /* number of completed bins of the angle record */
   double box_scale;    /* lengths of the region divided by those of the model; 1: not compressed */
   double field_power;  /* power of the program's force fields at the end of the last step */
@@ -141,7 +141,8 @@ struct sd_state {
    * displacement and velocity of the wall; servo: u1 is the smoothed force on the disks. */
   double *motion_u0, *motion_v0, *motion_u1, *motion_v1;
 
-  /* Shape of the periodic box, CELL_X ... of cell.h, relative to its lengths before it deformed. */
+  /* Shape of the periodic box (CELL_X ... of cell.h), relative to the box lengths before it
+   * deformed. */
   double *cell;
   /* shape of the box at step cell_from; since then it changes at the rate cell_speed */
   double *cell_start;
@@ -216,7 +217,7 @@ struct sd_state {
   double *sum_x, *sum_y, *sum_xx, *sum_yy;
   /* sums of the numbers of closed and of sliding contacts of the disk */
   double *sum_contacts, *sum_sliding;
-  double *sum_force; /* sum of the normal forces of the disk's contacts */
+  double *sum_force; /* sum of the normal forces of the disk's contacts, over samples */
   /* sum of the power that prescribed bodies transfer to this disk */
   double *sum_injected;
   /* sums of the disk's kinetic energies of translation and of rotation */

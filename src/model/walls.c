@@ -126,7 +126,7 @@ static bool ends_on_image(const sd_model *m, const sd_wall *w, int cells[2]) {
   return cells[0] != 0 || cells[1] != 0;
 }
 
-/* Length of side k of a wall. */
+/* Length of side k of a wall, from point k to the next one. */
 static double side_of(const sd_wall *w, size_t k) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
   return hypot(q[0] - p[0], q[1] - p[1]);
@@ -168,7 +168,7 @@ bool wall_meets_image(const sd_model *m, size_t w, int cells[2]) {
 
 void wall_piece_images(const sd_model *m, bool endless, sd_segment *s) {
   for (int c = 0; c < 2; c++) {
-    /* a line along c has no images along c */
+    /* an infinite line along coordinate c has no images along c */
     s->image[c] = period_of(m, c) > 0.0 && (!endless || fabs(s->tangent[c]) <= NEARLY);
     switch (s->piece) {
       case SD_PIECE_STRAIGHT: s->center[c] = endless ? 0.0 : 0.5 * s->length * s->tangent[c]; break;
@@ -258,8 +258,8 @@ static void check_width(const sd_model *m, size_t w, const char *name, sd_messag
   }
 }
 
-/* True if side k and another side, displaced by v, overlap along side k for a finite length and
- * are nowhere farther apart than `near`. */
+/* True if two sides of a wall, of which side `other` is displaced by v, overlap along side k for
+ * a finite length and are nowhere farther apart than `near`. */
 static bool lie_together(const sd_wall *w, size_t k, size_t other, const double v[2], double near) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points], length = side_of(w, k);
   const double t[2] = {(q[0] - p[0]) / length, (q[1] - p[1]) / length};
@@ -275,8 +275,8 @@ static bool lie_together(const sd_wall *w, size_t k, size_t other, const double 
   return fmax(across[0], across[1]) < near && to - from > NEARLY * length;
 }
 
-/* True if the wall covers a periodic image of itself. near: distance below which a side covers
- * its own image. */
+/* True if the wall lies on a periodic image of itself. near: distance below which a side counts
+ * as lying on its own image. */
 static bool covers_image(const sd_model *m, const sd_wall *w, double near) {
   const double x = period_of(m, 0), y = period_of(m, 1);
   const double wide[2] = {span_of(w, 0), span_of(w, 1)}, slight = NEARLY * shortest_period(m);
@@ -293,8 +293,8 @@ static bool covers_image(const sd_model *m, const sd_wall *w, double near) {
   return false;
 }
 
-/* Reports a wall longer than the box that lies on its own image, or may turn onto it: disks
- * would feel it twice. */
+/* Reports a wall longer than the box that lies on its own image, or may turn onto it: a disk
+ * would be pushed twice. */
 static void check_length(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
   enum { MOST_SIDES = 2000 };
   const sd_wall *wall = &m->walls[w];
@@ -410,7 +410,8 @@ wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds 
     const double lower = b->lower[c], upper = b->upper[c], period = period_of(m, c);
     /* a wall without points has no position */
     if (!(period > 0.0) || !(lower <= upper)) continue;
-    /* a line has no images along itself; a disk in a drum has one image */
+    /* an infinite line has no images along itself; a disk in a round container touches one image
+     * only */
     if (w->kind == SD_WALL_LINE && upper - lower > NEARLY * side_of(w, 0)) continue;
     r.length[c] = period;
     if (w->kind == SD_WALL_CIRCLE && w->inside) {

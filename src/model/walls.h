@@ -75,7 +75,7 @@ wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds 
 /* One end of a segment, an open polyline or an arc. */
 typedef struct wall_end {
   uint32_t wall;
-  int end; /* 0: first point of the wall, 1: last point */
+  int end; /* 0: the end at the first point of the wall, 1: at the last point */
   /* Position at the start of the run; in a periodic box that of its image inside the box. */
   double at[2];
   int cells[2];  /* number of box lengths from the end to this image, along x and y */
@@ -83,7 +83,8 @@ typedef struct wall_end {
   double way[2]; /* unit vector that points from the end along the wall */
 } wall_end;
 
-/* Returns the ends of all walls, sorted by x, and their number in *n. The caller frees them. */
+/* Returns the ends of all walls (segments, open polylines, arcs), sorted by x, and the number of
+ * ends in *n. The caller frees them. */
 wall_end *joints_ends(const sd_model *model, size_t *n);
 /* Distance within which another point counts as the same point as this end. */
 double joints_tolerance(const wall_end *end);

@@ -17,7 +17,7 @@
 sd_sync sd_sync_parabola(const sd_three_disk *disk, double amplitude, double omega) {
   double plus = sd_tep_torque(disk, 1, 1), minus = sd_tep_torque(disk, -1, -1);
   double period = 2 * M_PI / omega;
-  /* 4 m R^2 in the paper equals 8 I of a disk */
+  /* 4 m R^2 in the paper equals 8 I, with I = m R^2/2 of a disk */
   double drive = 8 * disk->inertia * amplitude * omega * omega;
   double scale = M_PI * plus / (drive * (plus - minus) * omega);
   return (sd_sync){

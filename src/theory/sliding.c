@@ -270,7 +270,8 @@ double sd_sliding_angle(const sd_drive *drive, int i, double t) {
   sliding_system y = {.waveform = drive->waveform, .n = 2};
   y.amplitude[i] = drive->amplitude[i];
   y.phase[i] = drive->phase[i];
-  return -sliding_turned(&y, i, -drive->phase[i], drive->omega * t); /* theta is 0 at phase 0 */
+  /* the angle theta_i is 0 at phase 0 */
+  return -sliding_turned(&y, i, -drive->phase[i], drive->omega * t);
 }
 
 double sd_sliding_omega(const sd_sliding *solution, double t) {
@@ -300,12 +301,14 @@ double sliding_wave(const sliding_system *y, int i, double u) {
 double sliding_slope(const sliding_system *y, int i, double u) {
   double v = u + y->phase[i];
   if (y->waveform == SD_SINE) return y->amplitude[i] * sin(v);
-  /* at a corner the slope after it is returned, also if u was rounded to just before it */
+  /* at a corner of the triangle wave, the slope after the corner is returned, also if u was
+   * rounded to just before it */
   double slope = y->amplitude[i] * 8 / (M_PI * M_PI), w = remainder(v + 1e-12, 2 * M_PI);
   return w >= 0 ? slope : -slope;
 }
 
-/* The integral of w from u to v is minus the angle that the support turns, times R_i/R. */
+/* The integral of the velocity w_i from u to v is minus the angle that the support turns, times
+ * R_i/R. */
 double sliding_turned(const sliding_system *y, int i, double u, double v) {
   double angle[2], at[2] = {u + y->phase[i], v + y->phase[i]};
   for (int k = 0; k < 2; k++) {

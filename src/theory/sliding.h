@@ -28,7 +28,7 @@ typedef struct sliding_piece {
 /* The path Omega(u) over one period. */
 typedef struct sliding_path {
   double change;    /* net change of Omega over the period */
-  double turned;    /* angle turned: integral of Omega over u */
+  double turned;    /* angle turned by the disk: integral of Omega over u */
   double length[4]; /* total phase spent in each configuration, by SD_PP ... */
   double stuck;     /* total phase in which a contact sticks */
   size_t n;
