@@ -1,16 +1,18 @@
 /* contact.h: the quantities that a closed contact stores from step to step, as two tables.
  *
- * These tables define the columns of the pair list and how rebuilds carry them, the contact columns
- * of the state and of checkpoints, the handling of rare events, the rows of small systems, and the
- * packings that are read from a result. All columns of an open contact are 0.
+ * Code that is generated from these tables: columns of the pair list and their transfer when
+ * neighbour lists are rebuilt, contact columns of the state and of checkpoints, contacts that open
+ * or begin, rows of small systems that run side by side in SIMD lanes, and packings that are read
+ * from a result. All columns of an open contact are 0.
  */
 #ifndef SLIPDISK_CONTACT_H
 #define SLIPDISK_CONTACT_H
 
 #include <stdint.h>
 
-/* X(name, unit, meaning): a row per stored quantity of every model. `turned` and
- * `nonconservative_work` are 0 with the variant SD_CONSERVATIVE. */
+/* X(name, unit, meaning): table with a row for each quantity that contacts of every model store.
+ * `turned` and `nonconservative_work` are 0 with the conservative tangential force
+ * (SD_CONSERVATIVE). */
 #define SD_CONTACT_RECORD(X)                                                                       \
   X(lambda_ref, "length", "lambda* from the reference direction (eq. tau)")                        \
   X(ex, "1", "reference direction, x")                                                             \
@@ -24,9 +26,9 @@
   X(nonconservative_work, "energy",                                                                \
     "put in by the paper's tangential force since the contact began")
 
-/* Further rows of the same form. They are 0 unless a law of the model has damping that may pull,
- * kinetic friction, Mindlin's tangential spring, a tangential dashpot, rolling friction or
- * attraction. */
+/* Table of further quantities, with rows of the same form. They are 0 unless a law of the model
+ * has damping that may pull, kinetic friction, Mindlin's tangential spring, a tangential
+ * dashpot, rolling friction or attraction. */
 #define SD_CONTACT_MORE(X)                                                                         \
   X(tau, "force", "tangential force, spring and dashpot")                                          \
   X(pull, "force", "attraction, by which the normal force is smaller")                             \
@@ -36,8 +38,8 @@
   X(rolling, "energy", "lost to rolling since the contact began")
 
 #define SD_CONTACT_MEMBER(name, unit, meaning) double name;
-/* The stored quantities of one contact between the bodies a and b, in the order of the two
- * tables. */
+/* The stored quantities of one contact between two bodies a and b, in the order of the tables
+ * SD_CONTACT_RECORD and SD_CONTACT_MORE. */
 typedef struct sd_contact_record {
   SD_CONTACT_RECORD(SD_CONTACT_MEMBER)
   SD_CONTACT_MORE(SD_CONTACT_MEMBER)
@@ -45,7 +47,8 @@ typedef struct sd_contact_record {
 #undef SD_CONTACT_MEMBER
 
 #define SD_CONTACT_ONE(name, unit, meaning) +1
-/* Numbers of columns: rows of SD_CONTACT_RECORD, rows of SD_CONTACT_MORE, and their sum. */
+/* Numbers of columns per contact: rows of SD_CONTACT_RECORD, rows of SD_CONTACT_MORE, and their
+ * sum. */
 enum {
   SD_CONTACT_COLUMNS = 0 SD_CONTACT_RECORD(SD_CONTACT_ONE),
   SD_CONTACT_EXTRA = 0 SD_CONTACT_MORE(SD_CONTACT_ONE),

@@ -9,20 +9,22 @@
 extern "C" {
 #endif
 
-/* Everything that a deck contains besides the physics. All texts end with a zero byte. */
+/* Everything that an input deck contains besides the physics. All texts end with a zero byte. */
 typedef struct sd_deck {
-  char *path;      /* path of the deck file, as given by the caller */
-  char *text;      /* text of the deck file, unchanged */
-  char *overrides; /* settings that replaced keys of the deck, one "path=value" per line */
-  char *full;      /* the deck with its overrides and all default values, in canonical form */
-  char *bodies; /* names and walls as written in the deck, for decks that start from the result */
+  char *path; /* path of the deck file, as given by the caller */
+  char *text; /* text of the deck file, unchanged */
+  /* settings of the caller that replaced keys of the deck, one "path=value" per line */
+  char *overrides;
+  char *full; /* the deck with its overrides and all default values, in canonical form */
+  /* names and walls of bodies as written in the deck, for later decks that start from its result */
+  char *bodies;
   double checkpoint_seconds; /* wall time between checkpoints, seconds, > 0 */
-  /* Number of points of the deck's group `sweep`, 0: none; the model ignores them */
+  /* Number of parameter sets in the group `sweep` of the deck; 0: none. The model ignores them. */
   size_t sweep_points;
 } sd_deck;
 
-/* Returns the deck from which a model was read; the model owns it. If the model was built by a
- * program, its texts are "" and its numbers the defaults. */
+/* Returns the input deck from which a model was read; the model owns it. If the model was built
+ * by a program, the texts of the deck are "" and its numbers the defaults. */
 SD_API const sd_deck *sd_model_deck(const sd_model *model);
 
 /* Reads the deck at `path` ("-": the standard input), checks it and makes a finished model, which

@@ -34,15 +34,15 @@ typedef struct sd_model sd_model;
 
 /* Coordinates of a body, as indices of arrays, and their number. */
 enum { SD_X = 0, SD_Y = 1, SD_THETA = 2, SD_COORDINATES = 3 };
-/* SD_SURFACE: further quantity that a motion can move, the surface of a wall, which runs along the
- * wall like a conveyor belt while the wall itself stays. SD_MOVED: number of all such
- * quantities. */
+/* SD_SURFACE: further quantity that a motion can move, the surface of a wall, which runs along
+ * the wall like a conveyor belt while the wall itself stays in place. SD_MOVED: number of all
+ * quantities that motions can move. */
 enum { SD_SURFACE = 3, SD_MOVED = 4 };
 
 /* Integrator of the free disks: Gear's predictor-corrector of fifth order, or velocity Verlet. */
 typedef enum sd_integrator { SD_GEAR5, SD_VERLET } sd_integrator;
-/* Tangential force on the centres of two disks: tau of the paper, or tau (R_a + R_b)/r, which
- * derives from the tangential energy. */
+/* Tangential force on the centres of two disks at distance r: tau of the paper, or tau (R_a +
+ * R_b)/r, which derives from the tangential energy. */
 typedef enum sd_variant { SD_PAPER, SD_CONSERVATIVE } sd_variant;
 
 /* Elastic normal force at the overlap delta: k_n delta, or k_n delta^(3/2). SD_NORMAL_LAWS is the
@@ -58,64 +58,72 @@ typedef enum sd_cohesion_law {
   SD_COHESION_BRIDGE
 } sd_cohesion_law;
 
-/* Constants of the contact law for one pair of materials (eq. 2, tau, 36; docs/physics.md 2). */
+/* Constants of the contact law for one pair of materials (docs/physics.md 2; eqs. 2 and 36 of
+ * the paper). */
 typedef struct sd_contact_law {
   double k_n;           /* normal stiffness > 0, force/length; Hertz: force/length^(3/2) */
   double k_t;           /* tangential stiffness, force/length, >= 0; Mindlin: force/length^(3/2) */
   double gamma_n;       /* normal viscosity, force time/length, >= 0 */
   double mu;            /* Amonton's coefficient of friction, >= 0 */
-  sd_normal_law normal; /* elastic normal force */
-  /* Coefficient of restitution < 1 that sets a damping added to gamma_n; 0 or 1: none */
+  sd_normal_law normal; /* kind of elastic normal force */
+  /* Coefficient of restitution < 1, from which a damping beside gamma_n is computed; 0 or 1:
+   * none */
   double restitution;
-  /* true: damping may make the normal force of an overlap attractive (limit_damping = false) */
+  /* true: damping may make the normal force of overlapping bodies attractive (limit_damping =
+   * false) */
   bool damping_pulls;
   double mu_kinetic; /* coefficient of friction while a contact slides, <= mu; 0: equal to mu */
-  sd_tangential_law tangential; /* tangential spring */
+  sd_tangential_law tangential; /* kind of tangential spring */
   double gamma_t;               /* tangential viscosity, force time/length, >= 0 */
   double k_r, gamma_r; /* rolling stiffness, force/length, and viscosity, force time/length; >= 0 */
   double mu_r;         /* coefficient of rolling friction, >= 0 */
-  sd_cohesion_law cohesion; /* attraction */
-  double pull_off;          /* largest attraction, force; > 0 with an attraction */
-  /* Constant attraction: gap at which it ends, >= 0; bridge: its decay length, > 0 */
+  sd_cohesion_law cohesion; /* kind of attraction between the surfaces */
+  double pull_off;          /* largest attraction (unit: force); must be > 0 with an attraction */
+  /* Constant attraction: gap at which it ends, >= 0; capillary bridge: decay length, > 0 */
   double range;
   double rupture; /* gap at which a capillary bridge breaks, > 0 */
 } sd_contact_law;
 
 /* A disk as it is at the start. */
 typedef struct sd_disk {
-  const char *name;             /* name in messages and results; NULL: none */
-  double position[3];           /* x, y, theta */
-  double velocity[3];           /* vx, vy, omega */
-  double radius, mass, inertia; /* moment of inertia about the centre; 0: m R^2/2 */
+  const char *name;             /* name of the disk in messages and results; NULL: none */
+  double position[3];           /* position of the centre and angle: x, y, theta */
+  double velocity[3];           /* velocity of the centre and angular velocity: vx, vy, omega */
+  double radius, mass, inertia; /* inertia: moment of inertia about the centre; 0: m R^2/2 */
   double force[3];              /* constant body force (x, y) and torque, besides gravity */
-  int material;                 /* number of its material */
-  int group;                    /* number of its group, -1: none; set by sd_model_add_group */
-  /* true: coordinate x, y, theta never changes, whatever acts on it; its velocity must be 0 */
+  int material;                 /* number of the disk's material */
+  int group; /* number of the disk's group, -1: none; set by sd_model_add_group */
+  /* true: coordinate x, y or theta never changes, whatever acts on it; its velocity must be 0 */
   bool locked[3];
   /* true: all coordinates are prescribed; the disk rests, or follows motions that name it */
   bool driven;
-  bool waiting; /* true: out of play at `position` until its rain releases it */
-  int clump; /* 1 + number of the clump to which it belongs, 0: none; set by sd_model_add_clump */
+  /* true: the disk waits at `position` and touches nothing until a rain releases it */
+  bool waiting;
+  /* 1 + number of the clump to which the disk belongs, 0: none; set by sd_model_add_clump */
+  int clump;
 } sd_disk;
 
 /* A rigid body made of disks, which may overlap one another; it moves about its centre of mass.
- * Unless they are given, its mass is the sum of the m of its disks and its moment of inertia about
- * the centre the sum of I + m d^2, d the distance of a disk from the centre. A given mass is
- * distributed over the disks in proportion to theirs. */
+ * Unless they are given, its mass is the sum of the masses m of its disks, and its moment of
+ * inertia about the centre the sum of I + m d^2, with d the distance of a disk from the centre.
+ * A given mass is distributed over the disks in proportion to their masses. */
 typedef struct sd_clump {
-  const char *name; /* name in messages and results; NULL: none */
-  size_t n_disks;   /* number of disks */
+  const char *name; /* name of the clump in messages and results; NULL: none */
+  size_t n_disks;   /* number of disks in the clump */
   /* [n_disks] numbers of free disks that have neither velocities nor locks of their own */
   const uint32_t *disks;
-  double mass, inertia; /* mass and moment of inertia about the centre; 0: from the disks */
-  double velocity[3];   /* vx and vy of the centre of mass, angular velocity */
-  /* Constant body force on the centre, and torque, besides gravity and the forces of its disks */
+  /* mass, and moment of inertia about the centre; 0: computed from the disks */
+  double mass, inertia;
+  double velocity[3]; /* vx and vy of the centre of mass, angular velocity */
+  /* Constant body force on the centre, and torque, besides gravity and the forces of the clump's
+   * disks */
   double force[3];
-  bool locked[3];     /* true: coordinate x, y, theta of the clump never changes */
-  double position[3]; /* centre of mass at the start, and angle 0; filled in by sd_model_finish */
+  bool locked[3]; /* true: coordinate x, y or theta of the clump never changes */
+  /* centre of mass at the start, and the angle 0; filled in by sd_model_finish */
+  double position[3];
 } sd_clump;
 
-/* Shape of a wall; sd_wall says how each is given. */
+/* Shape of a wall; the comment of sd_wall says how each is given. */
 typedef enum sd_wall_kind {
   SD_WALL_LINE,
   SD_WALL_SEGMENT,
@@ -135,71 +143,80 @@ typedef enum sd_wall_kind {
  * way from the first point to the last it moves along this way, on the right side it moves back.
  * The way of an arc is counter-clockwise; the surface of a circle turns counter-clockwise. */
 typedef struct sd_wall {
-  const char *name;    /* name in messages and results; NULL: none */
+  const char *name;    /* name of the wall in messages and results; NULL: none */
   sd_wall_kind kind;   /* shape */
-  int material;        /* number of its material */
+  int material;        /* number of the wall's material */
   double pivot[2];     /* point about which the wall turns, and which motions along x and y move */
-  size_t n_points;     /* number of points; line, segment: 2 */
+  size_t n_points;     /* number of points of the wall; line, segment: 2 */
   double (*points)[2]; /* [n_points] absolute coordinates at the start; line, segment, polyline */
-  bool closed;         /* polyline: its last vertex is joined to the first */
+  bool closed;         /* polyline: true if its last vertex is joined to the first */
   double radius;       /* radius of a circle or arc, > 0 */
-  bool inside;         /* circle: disks are inside of it, as in a drum; false: outside */
+  bool inside;         /* circle: true if disks are inside of it, as in a drum; false: outside */
   double center[2];    /* centre of the circle of an arc */
   double from, to;     /* first and last angle of an arc, rad, from < to <= from + 2 pi */
 } sd_wall;
 
-/* Signal u(t) of a motion. A, w, phi, v are members of sd_motion: amplitude, omega, phase,
- * velocity. */
+/* Kind of motion, which is the form of its signal u(t). A, w, phi, v are members of sd_motion:
+ * amplitude, omega, phase, velocity. Equations are those of the paper. */
 typedef enum sd_motion_kind {
   SD_MOTION_VELOCITY,  /* u = v t */
-  SD_MOTION_HARMONIC,  /* u = A sin(w t + phi), eq. 20 */
-  SD_MOTION_PARABOLIC, /* parabolic half waves, eq. 21 with w t + phi for w t */
-  SD_MOTION_RANDOM,    /* random vibration of a damped oscillator, eq. 52 */
-  SD_MOTION_TABLE,     /* natural cubic spline through a table */
-  /* Wall of mass `mass` that moves freely along x or y under `force` and its contacts */
+  SD_MOTION_HARMONIC,  /* u = A sin(w t + phi), eq. 20 of the paper */
+  SD_MOTION_PARABOLIC, /* parabolic half waves, eq. 21 of the paper with w t + phi for w t */
+  SD_MOTION_RANDOM,    /* random vibration of a damped oscillator, eq. 52 of the paper */
+  SD_MOTION_TABLE,     /* natural cubic spline through a table of times and values */
+  /* Wall of mass `mass` that moves freely along x or y under the force `force` and its contacts */
   SD_MOTION_LOAD,
-  /* Wall moved along x or y, at most at the speed `velocity`, until it exerts `force` on the
-   * disks */
+  /* Wall moved along x or y, at most at the speed `velocity`, until it exerts the force `force`
+   * on the disks */
   SD_MOTION_SERVO,
-  /* Rest at -A and A in turn; each change of sides takes the time `rise` pi/w */
+  /* Square wave: rest at -A and A in turn; each change of sides takes the time `rise` pi/w */
   SD_MOTION_SQUARE,
-  SD_MOTION_TRIANGLE, /* motion to and fro between -A and A at constant speed */
-  SD_MOTION_KINDS     /* number of kinds */
+  SD_MOTION_TRIANGLE, /* triangle wave: motion to and fro between -A and A at constant speed */
+  SD_MOTION_KINDS     /* number of kinds of motion */
 } sd_motion_kind;
 
 /* A prescribed signal u(t), which is added to one coordinate of every body that it names. The time
  * t counts from the moment at which the motion is switched on. Several motions of one coordinate
  * add up. */
 typedef struct sd_motion {
-  const char *name;    /* name in messages and results; NULL: none */
-  sd_motion_kind kind; /* form of the signal */
-  int coordinate;      /* SD_X, SD_Y, SD_THETA; SD_SURFACE for walls */
-  size_t n_bodies;     /* number of bodies moved */
-  uint32_t *bodies;    /* [n_bodies] body numbers, SD_WALL(w) or SD_CLUMP(k) */
-  double amplitude;    /* waves: A; random: rms displacement; table: factor of its values */
-  double omega;        /* angular frequency w of waves and random vibration, rad/time */
-  double phase;        /* phase phi of waves, rad */
-  /* square: fraction of half a period that a change of sides takes, 0 < rise <= 1 */
+  const char *name;    /* name of the motion in messages and results; NULL: none */
+  sd_motion_kind kind; /* kind of motion, which is the form of the signal */
+  /* coordinate that is moved: SD_X, SD_Y or SD_THETA; SD_SURFACE for the surface of walls */
+  int coordinate;
+  size_t n_bodies; /* number of bodies moved */
+  /* [n_bodies] body numbers of disks, walls (SD_WALL(w)) or clumps (SD_CLUMP(k)) */
+  uint32_t *bodies;
+  /* wave: amplitude A; random motion: rms displacement; table: factor of the values */
+  double amplitude;
+  double omega; /* periodic wave, random motion: angular frequency w, rad/time */
+  double phase; /* periodic wave: phase phi, rad */
+  /* square wave: fraction of half a period that a change of sides takes, 0 < rise <= 1 */
   double rise;
-  double velocity; /* constant velocity v; servo: largest speed */
-  double mass;     /* mass of the wall of a load, > 0 */
-  /* Force along the coordinate. load: on the wall, besides its contacts and with its weight;
-   * servo: to be exerted by the wall on the disks */
+  double velocity; /* motion at constant velocity: v; servo-controlled wall: largest speed */
+  double mass;     /* wall that moves as a load: its mass, > 0 */
+  /* Force along the coordinate. Load: external force on the wall, which includes the weight of
+   * the wall but not its contacts; servo: force that the wall shall exert on the disks */
   double force;
-  double pressure; /* servo: force/length on the disks along the coordinate; 0: `force` is used */
-  double length;   /* servo: length of the wall at the start, on which the pressure acts */
-  /* servo: walls at the lower and upper end, whose distance the length follows; 0: none */
+  /* servo-controlled wall: pressure (force/length) to be exerted on the disks along the
+   * coordinate; 0: `force` is used */
+  double pressure;
+  double length; /* servo-controlled wall: its length at the start, on which the pressure acts */
+  /* servo-controlled wall: body numbers of the two walls at its lower and upper end, whose
+   * distance is the present length; 0: none */
   uint32_t beside[2];
-  double damping;   /* random: damping ratio c of the oscillator */
-  int64_t interval; /* random: number of steps between draws, >= 1 (h = interval dt) */
-  double ramp;      /* time over which the motion is faded in; 0: at once */
-  /* random: number of the random stream, different for independent signals; 0: a new one is
-   * chosen */
+  double damping; /* random motion: damping ratio c of the oscillator */
+  /* random motion: number of steps until new random numbers are drawn, >= 1 (h = interval dt) */
+  int64_t interval;
+  double ramp; /* time in which the motion is faded in from 0 to full size; 0: full size at once */
+  /* random motion: number of the random stream, different for independent signals; 0: a new one
+   * is chosen */
   uint32_t stream;
-  size_t n_table; /* number of entries of the table */
-  /* [n_table] increasing times; values, constant beyond both ends */
+  size_t n_table; /* number of rows of the table */
+  /* [n_table] increasing times, and the values at these times; values stay constant beyond both
+   * ends */
   double *table_time, *table_value;
-  /* true: the table is repeated instead, with table_value[0] == table_value[n_table - 1] */
+  /* true: the table is repeated periodically; it must have table_value[0] == table_value[n_table
+   * - 1] */
   bool periodic;
 } sd_motion;
 
@@ -207,9 +224,9 @@ typedef struct sd_motion {
 typedef enum sd_field_kind {
   SD_FIELD_DRAG,     /* viscous drag by a flowing fluid */
   SD_FIELD_DAMPING,  /* Cundall's non-viscous damping */
-  SD_FIELD_CENTRAL,  /* force towards a point, a power of the distance */
+  SD_FIELD_CENTRAL,  /* force towards a point, proportional to a power of the distance */
   SD_FIELD_ROTATION, /* centrifugal and Coriolis force of a rotating frame */
-  SD_FIELD_KINDS     /* number of kinds */
+  SD_FIELD_KINDS     /* number of kinds of force field */
 } sd_field_kind;
 
 /* Property of a disk to which a drag or central force is proportional: none, the radius, or the
@@ -231,26 +248,31 @@ typedef enum sd_field_per {
  *   central   -strength r s^(power - 1), s^2 = r^2 + softening^2, times 1, R, m
  *   rotation  m omega^2 r + 2 m omega (v_y, -v_x) */
 typedef struct sd_body_force {
-  const char *name;   /* name in messages and results; NULL: none */
-  sd_field_kind kind; /* kind of field, see the formulas above */
-  size_t n_disks;     /* number of disks on which it acts; 0: all free disks */
-  uint32_t *disks;    /* [n_disks] numbers of these disks */
-  /* Drag, central: property to which the force is proportional */
+  const char *name;   /* name of the field in messages and results; NULL: none */
+  sd_field_kind kind; /* kind of field; the formulas are above */
+  size_t n_disks;     /* number of disks on which the field acts; 0: it acts on all free disks */
+  uint32_t *disks;    /* [n_disks] numbers of the disks on which the field acts */
+  /* Drag and central force: property of a disk to which the force is proportional */
   sd_field_per per;
-  double centre[2];                  /* drag, central, rotation: origin of r */
-  double gamma, gamma_rotation;      /* drag: coefficients of force and torque, >= 0 */
-  double flow[2], shear_rate, swirl; /* drag: flow of the fluid, length/time, 1/time, rad/time */
-  double alpha, alpha_rotation;      /* damping: fractions of force and torque, 0 <= alpha < 1 */
-  double strength, softening;        /* central: strength > 0 attracts; softening length >= 0 */
-  int64_t power;                     /* central: power of the distance, -8 ... 8; 1: a spring */
-  double omega;                      /* rotation: angular velocity of the frame, rad/time */
+  /* drag, central force and rotation: origin of r in the formulas */
+  double centre[2];
+  /* drag: coefficient of the force, coefficient of the torque, >= 0 */
+  double gamma, gamma_rotation;
+  /* drag: uniform velocity of the fluid, length/time; shear rate, 1/time; rotation, rad/time */
+  double flow[2], shear_rate, swirl;
+  /* damping: fraction of the force, fraction of the torque that is taken away, 0 <= alpha < 1 */
+  double alpha, alpha_rotation;
+  /* central force: strength, > 0 attracts; softening length, >= 0 */
+  double strength, softening;
+  int64_t power; /* central force: power of the distance, -8 ... 8; 1: a spring */
+  double omega;  /* rotation: angular velocity of the rotating frame, rad/time */
 } sd_body_force;
 
-/* Criteria at which a phase ends before its full length: at the first check at which all positive
- * criteria hold and no disk waits for its rain any more. */
+/* Criteria at which a phase of the run ends before its full length: at the first check at which
+ * all criteria > 0 hold and no disk waits for its release any more. */
 typedef struct sd_settle {
-  bool asked;     /* true: the phase may end early */
-  double kinetic; /* largest kinetic energy per free disk in play; 0: not a criterion */
+  bool asked;     /* true: the phase may end early by these criteria */
+  double kinetic; /* largest kinetic energy per free disk that takes part; 0: not a criterion */
   /* Largest ratio of the mean resultant force on a disk to the mean normal force of a contact;
    * 0: not a criterion */
   double unbalanced;
@@ -260,68 +282,81 @@ typedef struct sd_settle {
 /* Compression: lengths of the region and all positions in it change by a common factor until the
  * target is reached. */
 typedef struct sd_compress {
-  bool asked;                /* true: the phase compresses */
-  double pressure, fraction; /* target: force/length, or packing fraction; one of them > 0 */
-  double rate;               /* largest relative change of the lengths per time, > 0 */
-  double tolerance;          /* relative distance from the target that is near enough */
+  bool asked; /* true: this phase of the run compresses the system */
+  /* target pressure, force/length; target packing fraction; one of them > 0 */
+  double pressure, fraction;
+  double rate;      /* largest relative change of the lengths per unit of time, > 0 */
+  double tolerance; /* accepted relative difference between the quantity and its target */
 } sd_compress;
 
 /* Components of the velocity gradient of a deforming box, as indices of arrays, and their
  * number. */
 enum { SD_CELL_XX, SD_CELL_YY, SD_CELL_XY, SD_CELL_COMPONENTS };
-/* Deformation of the periodic box in a phase. Images are shifted by h n, with h = ((Lx, offset),
- * (0, Ly)) and integers n, and h' = L h with the velocity gradient L = ((xx, xy), (0, yy)). Each
- * component of L is given, or controlled by a stress. */
+/* Deformation of the periodic box in a phase of the run. Images are shifted by h n, with h =
+ * ((Lx, offset), (0, Ly)) and integers n, and dh/dt = L h with the velocity gradient L = ((xx,
+ * xy), (0, yy)). Each component of L is given, or controlled by a stress. */
 typedef struct sd_cell {
-  bool asked;                          /* true: the box deforms */
-  double rate[SD_CELL_COMPONENTS];     /* components of L, 1/time; xy: d vx/dy */
-  bool controlled[SD_CELL_COMPONENTS]; /* true: this component follows the stress, not `rate` */
-  /* Target of controlled components, force/length, compression positive */
+  bool asked;                      /* true: the box deforms in this phase of the run */
+  double rate[SD_CELL_COMPONENTS]; /* components of L, 1/time; xy: d vx/dy */
+  /* true: this component of L follows from the stress, not from `rate` */
+  bool controlled[SD_CELL_COMPONENTS];
+  /* Target stress of controlled components, force/length, compression positive */
   double stress[SD_CELL_COMPONENTS];
-  double response; /* time in which a controlled stress reaches its target; 0: chosen */
+  /* time in which a controlled stress reaches its target; 0: chosen by the program */
+  double response;
   double max_rate; /* largest rate of controlled components, 1/time; 0: no limit */
   /* true: a change of the rates moves periodic images only; false: the velocities of all disks
-   * follow it at once. */
+   * follow the change at once. */
   bool boundary;
 } sd_cell;
 
-/* A part of a run. */
+/* A phase of a run: a number of steps with the same motions, fields and outputs. */
 typedef struct sd_phase {
-  const char *name;       /* name in messages and results; NULL: none */
-  int64_t steps;          /* number of steps, or the most if the phase may settle; 0: no end */
-  bool *active;           /* [motions of the model] true: this motion is on; NULL: all are on */
-  bool *fields;           /* [fields of the model] true: this field is on; NULL: all are on */
-  bool measure;           /* true: statistics are gathered in this phase */
-  int64_t series_every;   /* steps between rows of the time series, 0: none */
-  int64_t frames_every;   /* steps between stored frames of all bodies, 0: none */
-  int64_t contacts_every; /* steps between stored contact tables, 0: none */
-  sd_settle settle;       /* criteria at which it ends early */
-  bool relax; /* true: velocities are steered towards equilibrium (FIRE); this is no dynamics */
-  sd_compress compress; /* compression to a pressure or packing fraction */
-  sd_cell cell;         /* deformation of the periodic box */
+  const char *name; /* name of the phase in messages and results; NULL: none */
+  /* number of steps; largest number if the phase may end early (settle); 0: no end */
+  int64_t steps;
+  /* [motions of the model] true: this motion is on in the phase; NULL: all are on */
+  bool *active;
+  /* [fields of the model] true: this field is on in the phase; NULL: all are on */
+  bool *fields;
+  bool measure; /* true: statistics are gathered in this phase */
+  /* number of steps between rows of the time series; 0: there is no time series */
+  int64_t series_every;
+  int64_t frames_every;   /* number of steps between stored frames of all bodies; 0: no frames */
+  int64_t contacts_every; /* number of steps between stored contact tables; 0: no tables */
+  /* criteria at which the phase ends before its full length; off unless settle.asked */
+  sd_settle settle;
+  /* true: velocities are steered towards equilibrium (FIRE), so that the motion is not dynamics */
+  bool relax;
+  /* compression to a pressure or packing fraction; off unless compress.asked */
+  sd_compress compress;
+  sd_cell cell; /* deformation of the periodic box; off unless cell.asked */
 } sd_phase;
 
-/* Action if a free disk leaves the bounds: report it, end the run, or remove the disk. */
+/* Action if the centre of a free disk leaves the bounds of the model: report it, end the run, or
+ * remove the disk. */
 typedef enum sd_outside { SD_OUTSIDE_REPORT, SD_OUTSIDE_STOP, SD_OUTSIDE_REMOVE } sd_outside;
 
-/* End of the last phase by an error bar: after at least `least` of its steps, the phase ends at the
+/* Error bar at which the last phase ends. After `least` steps or more, the phase ends at the
  * first check at which the error bar of a mean angular velocity is small enough (sd_goal_of,
  * sd_goal_look in measure.h). It ends after all its steps in any case. */
 typedef struct sd_until {
-  bool asked;      /* true: the last phase may end early; false: it has all its steps */
-  int64_t least;   /* steps of the last phase before the first check, 1 ... its steps */
-  size_t rotation; /* index of the rotation measured: k of sd_rotation_of */
-  bool scaled;     /* true: the observable is t_g Omega instead of Omega */
-  /* Error bar to be reached, in the unit of the observable; 0: `relative` is used */
+  bool asked; /* true: the last phase may end early; false: it takes all its steps */
+  /* number of steps of the last phase before the first check, from 1 to all its steps */
+  int64_t least;
+  size_t rotation; /* index of the measured rotation: k of sd_rotation_of */
+  /* true: the mean is that of t_g Omega instead of Omega, with t_g = sqrt(2 R/g) */
+  bool scaled;
+  /* Error bar to be reached, in the unit of the mean; 0: `relative` is used */
   double error;
   double relative; /* error bar to be reached, as a fraction of |mean| */
 } sd_until;
 
-/* A disk and two partners; the sliding configuration of their two contacts is counted in every
- * measured step. */
+/* A disk and two partners; the sliding configuration of the disk's contacts with them (each
+ * sliding with + or -, stuck, or open) is counted in every measured step. */
 typedef struct sd_slide_watch {
   uint32_t disk;       /* number of the disk */
-  uint32_t partner[2]; /* body numbers of its partners */
+  uint32_t partner[2]; /* body numbers of the two partners */
 } sd_slide_watch;
 
 /* --- building --------------------------------------------------------------------------------- */
@@ -339,16 +374,16 @@ SD_API void sd_model_set(sd_model *model, const char *key, double value);
 /* Sets a key of docs/deck.md that is a word or a text: "integrator" ("gear5", "verlet"),
  * "contact_variant", "title", "bounds.outside", ... */
 SD_API void sd_model_set_text(sd_model *model, const char *key, const char *value);
-/* Sets the acceleration of gravity, length/time^2; (0, 0) unless it is called. */
+/* Sets the acceleration of gravity, length/time^2; without this call gravity is (0, 0). */
 SD_API void sd_model_set_gravity(sd_model *model, double x, double y);
-/* Makes space periodic along SD_X or SD_Y, with the cell from lower to upper. Unless it is called
+/* Makes space periodic along SD_X or SD_Y, with a box from lower to upper. Without this call
  * space is open. */
 SD_API void sd_model_set_periodic(sd_model *model, int coordinate, double lower, double upper);
 /* Sets the rectangle to whose area the packing fraction refers and which compression shrinks; in a
  * periodic box it is the box. */
 SD_API void sd_model_set_region(sd_model *model, const double lower[2], const double upper[2]);
-/* Sets a rectangle that the centres of free disks should not leave. The key "bounds.outside" says
- * whether a disk that does is reported, is removed, or ends the run. */
+/* Sets a rectangle that the centres of free disks should not leave. The key "bounds.outside"
+ * says what happens to a disk that leaves it: it is reported, is removed, or ends the run. */
 SD_API void sd_model_set_bounds(sd_model *model, const double lower[2], const double upper[2]);
 
 /* Adds a material and returns its number. law: contact law between two bodies of this material;
@@ -390,7 +425,7 @@ SD_API void sd_model_measure_rotation(sd_model *model, size_t n, const uint32_t 
 /* Adds a disk with two partners whose sliding configuration is counted (sd_slide_of in
  * measure.h). */
 SD_API void sd_model_measure_sliding(sd_model *model, const sd_slide_watch *watch);
-/* Lets the last phase end when an error bar is small enough. */
+/* Lets the last phase end when an error bar is small enough, as `until` says. */
 SD_API void sd_model_set_until(sd_model *model, const sd_until *until);
 
 /* Checks ranges and references and fills in inertias, flags and derived tables. It is called once,
@@ -409,22 +444,22 @@ SD_API sd_model *sd_model_clone(const sd_model *model);
 SD_API size_t sd_model_disks(const sd_model *model);
 /* Returns the number of walls. */
 SD_API size_t sd_model_walls(const sd_model *model);
-/* Returns the number of bodies: disks and walls. */
+/* Returns the number of bodies: disks and walls, without clumps. */
 SD_API size_t sd_model_bodies(const sd_model *model);
 /* Returns the time step. */
 SD_API double sd_model_dt(const sd_model *model);
 /* Returns the number of the disk, wall or clump with this name; UINT32_MAX: there is none. */
 SD_API uint32_t sd_model_find(const sd_model *model, const char *name);
-/* Returns a disk as it was given, with its inertia filled in; NULL: there is no such disk. Valid as
- * long as the model. */
+/* Returns a disk as it was given, with its moment of inertia filled in; NULL: there is no such
+ * disk. The pointer is valid as long as the model. */
 SD_API const sd_disk *sd_model_disk(const sd_model *model, uint32_t number);
 /* Returns the number of clumps. */
 SD_API size_t sd_model_clumps(const sd_model *model);
-/* Returns clump k as it was given, with disks, mass, inertia and position filled in; NULL: there is
- * no such clump. Valid as long as the model. */
+/* Returns clump k as it was given, with disks, mass, moment of inertia and position filled in;
+ * NULL: there is no such clump. The pointer is valid as long as the model. */
 SD_API const sd_clump *sd_model_clump(const sd_model *model, size_t k);
-/* Returns the contact law between two materials; NULL: there are no such materials. Valid as long
- * as the model. */
+/* Returns the contact law between two materials; NULL: there are no such materials. The pointer
+ * is valid as long as the model. */
 SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
 /* Returns the name of a body for messages: its own, or one like "disk 17" or "wall 3", which is
  * written into text[size]. */
@@ -433,12 +468,12 @@ SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char
 /* Returns the number of steps of all phases; phases that may end early count in full. */
 SD_API int64_t sd_model_steps(const sd_model *model);
 /* Returns the side of a wall, along SD_X or SD_Y, on which the disks are at the start: +1 or -1.
- * The centre of the free disks in play decides; if there are none, the centre of the region.
- * Returns 0 if the wall surrounds the disks or is parallel to the coordinate, if the coordinate is
- * periodic, or if wall_body is no wall. */
+ * The mean position of the free disks that do not wait for their release decides; if there are
+ * none, the centre of the region. Returns 0 if the wall surrounds the disks or is parallel to
+ * the coordinate, if the coordinate is periodic, or if wall_body is no wall. */
 SD_API int sd_model_side(const sd_model *model, uint32_t wall_body, int coordinate);
-/* Finds two motions of a phase that move the same coordinate of one wall, the first of them a load
- * or a servo, and writes their numbers; false: there are none. */
+/* Finds two motions that, in this phase, move the same coordinate of one wall, the first of them
+ * a load or a servo, and writes their numbers; false: there are none. */
 SD_API bool sd_model_clash(const sd_model *model, size_t phase, size_t motion[2]);
 /* Returns the shortest period 2 pi/omega of a free disk between two bodies, over all disks and
  * materials with a contact law: vibration on the normal springs, or on the tangential springs with
@@ -460,16 +495,17 @@ typedef struct sd_step_limit {
   sd_bound bound; /* part of the model that sets the limit */
 } sd_step_limit;
 /* Returns the time step from which on the model's integrator is unstable for a disk held between
- * two others (physics.md 5); dt is HUGE_VAL if no disk is free to move. In a packing the limit is
- * up to three times shorter. */
+ * two others (docs/physics.md 5); dt is HUGE_VAL if no disk is free to move. In a packing the
+ * limit is up to three times shorter. */
 SD_API sd_step_limit sd_model_step_limit(const sd_model *model);
 
-/* Returns the time that the compression of a phase takes to reach its packing fraction at its
- * largest rate; NAN: not known. */
+/* Returns the time that a phase needs to compress the system to its packing fraction at the
+ * phase's largest rate; NAN: not known. */
 SD_API double sd_model_compress_time(const sd_model *model, size_t phase);
 
-/* Adds warnings about settings of a finished model that are allowed but seldom intended: time step,
- * friction without a spring, goals out of reach, overlaps at the start and the like. */
+/* Adds warnings about settings of a finished model that are allowed but seldom intended: time
+ * step, friction without a spring, goals that cannot be reached, overlaps at the start and the
+ * like. */
 SD_API void sd_model_advise(const sd_model *model, sd_messages *messages);
 
 #ifdef __cplusplus

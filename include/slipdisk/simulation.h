@@ -1,9 +1,9 @@
 /* simulation.h: functions that advance a simulation, read its columns in place, extend, save and
  * clone it.
  *
- * The same model gives the same bits, however its steps are divided into calls and with any number
- * of threads; observers, reading of columns and saving change nothing. Pointers must not be NULL
- * unless a comment says that they may be.
+ * The same model gives the same results, bit for bit, however its steps are divided into calls and
+ * with any number of threads; observers, reading of columns and saving change nothing. Pointers
+ * must not be NULL unless a comment says that they may be.
  *
  * A simulation serves one call at a time. A call is refused (SD_ERROR_USER, with a message that
  * says why; nothing is changed) while another thread is in a call of the same simulation, and
@@ -46,12 +46,13 @@ typedef struct sd_simulation sd_simulation;
  * *out is NULL on errors. */
 SD_API sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **out,
                                    sd_messages *messages);
-/* Makes a simulation that goes on from a state of the same model. It owns the state from then on,
- * also if it fails. */
+/* Makes a simulation that continues from a state of the same model. The simulation owns the
+ * state from then on, and frees it also if this function fails. */
 SD_API sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threads,
                                       sd_simulation **out, sd_messages *messages);
-/* Makes a copy at the same step, which goes on with the same bits and owns a copy of the model.
- * Observers and force fields are not copied, since their `user` data may belong to the original. */
+/* Makes a copy at the same step; its further steps give the same results, bit for bit. It owns a
+ * copy of the model. Observers and force fields are not copied, since their `user` data may
+ * belong to the original. */
 SD_API sd_status sd_simulation_clone(sd_simulation *simulation, sd_simulation **out,
                                      sd_messages *messages);
 /* Frees a simulation; NULL is allowed. Within a call of the same simulation it takes effect when
@@ -76,24 +77,28 @@ typedef sd_status sd_observer(sd_simulation *simulation, void *user);
 SD_API sd_status sd_simulation_observe(sd_simulation *simulation, int64_t every,
                                        sd_observer *observer, void *user);
 
-/* Arguments of a force field: the bodies at the positions at which it shall give the forces, and
- * the columns to which it adds them. All columns go by slot: free disks [0, n_free), then driven
- * disks and walls up to n_bodies. */
+/* Arguments of a force field: the bodies, at the positions at which the forces are needed, and
+ * the arrays to which the field adds the forces. All arrays are ordered by slot: free disks [0,
+ * n_free), then driven disks and walls up to n_bodies. */
 typedef struct sd_force_columns {
-  int64_t step; /* number of the step that is being made; positions are those at its end */
-  double time;  /* step * dt */
+  int64_t step; /* number of the step that is being made; positions are those at the end of it */
+  double time;  /* time of the positions: step * dt */
   size_t n_free, n_bodies;       /* number of free disks; number of all bodies */
   const uint32_t *id;            /* [n_bodies] body numbers */
   const double *x, *y;           /* [n_bodies] position, length, wrapped into a periodic box */
-  const double *theta, *turn;    /* [n_bodies] the angle is turn + theta, rad */
-  const double *vx, *vy, *omega; /* [n_bodies] predicted velocities */
-  const double *radius, *mass, *inertia;      /* [n_bodies] as in the state */
-  const int32_t *material, *group, *activity; /* [n_bodies] numbers; activity: [n_free], state.h */
-  double *force_x, *force_y, *torque; /* [n_free] sums to which the field adds; 0 at first */
+  const double *theta, *turn;    /* [n_bodies] two parts of the angle, which is turn + theta, rad */
+  const double *vx, *vy, *omega; /* [n_bodies] predicted velocities and angular velocity */
+  /* [n_bodies] radius, mass and moment of inertia, as in the state */
+  const double *radius, *mass, *inertia;
+  /* [n_bodies] numbers of material and group; [n_free] activity, SD_IN_PLAY ... of state.h */
+  const int32_t *material, *group, *activity;
+  /* [n_free] force and torque on each free disk, to which the field adds its own; 0 at first */
+  double *force_x, *force_y, *torque;
 } sd_force_columns;
 /* A force field: a function that is called once in every step, by the thread that called
- * sd_simulation_advance, so that bits do not depend on threads. If its forces depend on the columns
- * and on constants only, restarts and clones go on with the same bits. */
+ * sd_simulation_advance, so that results do not depend on the number of threads. If its forces
+ * depend on the columns and on constants only, restarts and clones continue with the same
+ * results, bit for bit. */
 typedef void sd_force_field(const sd_force_columns *columns, void *user);
 /* Adds a force field on the free disks, which is called with `user`. Forces of several fields add
  * up in the order in which the fields were added; their work is part of `work` in the energy
@@ -131,16 +136,17 @@ SD_API bool sd_simulation_finished(const sd_simulation *simulation);
 
 /* A column of the state, in place: n elements of `type` at `data`. */
 typedef struct sd_column {
-  const char *name, *unit, *meaning; /* name, unit and meaning, those of sd_field */
-  sd_type type;                      /* type of the elements (sd_type_size: their bytes) */
-  sd_extent extent;                  /* meaning and order of the elements (state.h) */
-  size_t n;                          /* number of elements */
-  const void *data;                  /* address of the first element, in memory of the simulation */
+  /* name, unit and meaning of the column, as in the table sd_fields */
+  const char *name, *unit, *meaning;
+  sd_type type;     /* type of the elements; sd_type_size returns their size */
+  sd_extent extent; /* meaning and order of the elements (sd_extent in state.h) */
+  size_t n;         /* number of elements */
+  const void *data; /* address of the first element; the memory belongs to the simulation */
 } sd_column;
 /* Finds column number k, in the order of sd_fields; false: k is beyond the last. Columns of
- * contacts are brought up to date first. The column is valid until the next call that changes the
- * simulation. Steps, clones and saving leave columns at their addresses; new contacts and new
- * phases may not. */
+ * contacts are brought up to date first. The column is valid until the next call that changes
+ * the simulation. Steps, clones and saving leave columns at their addresses; new contacts and
+ * new phases may move them. */
 SD_API bool sd_simulation_column_at(sd_simulation *simulation, size_t k, sd_column *out);
 /* Finds a column by its name, like "x", "vx", "contact_force"; false: there is none, or no
  * memory. */
@@ -148,10 +154,11 @@ SD_API bool sd_simulation_column(sd_simulation *simulation, const char *name, sd
 /* Returns the state, with its closed contacts brought up to date. It is valid until the next call
  * of the simulation. NULL: no memory. */
 SD_API const sd_state *sd_simulation_state(sd_simulation *simulation);
-/* Returns the slot of a body in the columns. body: number, or SD_WALL(w) for a wall. UINT32_MAX:
- * there is no such body. */
+/* Returns the slot of a body, which is its row in the columns. body: number, or SD_WALL(w) for a
+ * wall. UINT32_MAX: there is no such body. */
 SD_API uint32_t sd_simulation_slot(const sd_simulation *simulation, uint32_t body);
-/* Returns the angle of a body, turn + theta, rad; whole turns count. NAN: there is no such body. */
+/* Returns the angle of a body, turn + theta, rad, not reduced to one revolution. NAN: there is
+ * no such body. */
 SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body);
 
 /* Energy budget: energies now, and work and losses since step 0 (physics.md 8). All have units of
@@ -163,24 +170,27 @@ SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body
  *
  * is the error of the budget, ideally 0. */
 typedef struct sd_energy {
-  double kinetic_translation, kinetic_rotation; /* without driven and locked coordinates */
-  double elastic_normal, elastic_tangential, elastic_rolling; /* stored in springs of contacts */
-  double cohesion; /* potential of attractions, <= 0; 0 beyond their range */
-  double external; /* potential of gravity and constant body forces */
-  /* Sum of the energies above at step 0, plus those of disks added and minus those of disks removed
-   * since */
+  /* kinetic energy without that of driven and locked coordinates */
+  double kinetic_translation, kinetic_rotation;
+  /* energy stored in the springs of contacts */
+  double elastic_normal, elastic_tangential, elastic_rolling;
+  double cohesion; /* potential energy of attractions, <= 0; 0 beyond their range */
+  double external; /* potential energy in gravity and constant body forces */
+  /* Sum of the energies listed above at step 0, plus those of disks added and minus those of
+   * disks removed since then */
   double start;
   /* Work done by prescribed bodies and coordinates, by compression and by force fields */
   double work;
-  /* Work done by the paper's tangential force, which has no potential */
+  /* Work done by the part of the paper's tangential force that has no potential */
   double nonconservative_work;
-  double viscous, friction;        /* energy lost to dashpots of contacts, and to sliding */
-  double rolling, bridge, opening; /* lost to rolling, in bridges that form, contacts that open */
+  double viscous, friction; /* energy lost to dashpots of contacts, and to sliding */
+  /* energy lost to rolling, to bridges that form, to contacts that open */
+  double rolling, bridge, opening;
   double drag, damping; /* energy lost to viscous drag of fields, and to non-viscous damping */
   double relaxed;       /* kinetic energy taken out by the relaxer (sd_phase.relax) */
   double residual;      /* error of the budget, by the formula above */
-  /* Energy to which the residual is compared: the larger of |work| + losses and the kinetic energy;
-   * at rest 1e-9 of the other energies */
+  /* Energy to which the residual is compared: the larger of |work| + losses and the kinetic
+   * energy; at rest 1e-9 times the other energies */
   double scale;
 } sd_energy;
 /* Returns the energy budget at the present step. */
@@ -188,13 +198,14 @@ SD_API sd_energy sd_simulation_energy(sd_simulation *simulation);
 
 /* Progress of a run. A phase may end before its full length (sd_settle, sd_until in model.h). */
 typedef struct sd_stage {
-  int64_t step, phase, phase_step; /* steps made; index of the phase; steps made in it */
-  int64_t before;                  /* number of steps that the preceding phase took */
+  /* number of steps made; index of the current phase; number of steps made in this phase */
+  int64_t step, phase, phase_step;
+  int64_t before; /* number of steps that the preceding phase took */
 } sd_stage;
 /* Returns the progress of a run, at no cost. */
 SD_API sd_stage sd_simulation_stage(const sd_simulation *simulation);
-/* Returns the error bar reached and that asked for by `until` of the model; meaningless if the
- * model has no `until`. */
+/* Returns the error bar reached and the one at which `until` of the model ends the run;
+ * meaningless if the model has no `until`. */
 SD_API sd_goal sd_simulation_goal(const sd_simulation *simulation);
 /* Returns the number of threads. */
 SD_API int sd_simulation_threads(const sd_simulation *simulation);
@@ -203,9 +214,9 @@ SD_API const char *sd_simulation_path(const sd_simulation *simulation);
 
 /* --- saving and loading ----------------------------------------------------------------------- */
 
-/* Writes model and state to a file (HDF5). A program that loads it goes on with the same bits. The
- * file is written under another name and renamed when it is complete. Returns SD_ERROR_IO if that
- * fails: a file already there stays as it was. */
+/* Writes model and state to a file (HDF5). A program that loads the file continues with the same
+ * results, bit for bit. The file is written under another name and renamed when it is complete.
+ * Returns SD_ERROR_IO if that fails: a file already there stays as it was. */
 SD_API sd_status sd_simulation_save(sd_simulation *simulation, const char *path,
                                     sd_messages *messages);
 /* Loads a file of sd_simulation_save, or a checkpoint of `slipdisk run`
@@ -214,16 +225,17 @@ SD_API sd_status sd_simulation_save(sd_simulation *simulation, const char *path,
  * SD_ERROR_IO if it is missing or damaged; *out is NULL on errors. */
 SD_API sd_status sd_simulation_load(const char *path, int threads, sd_simulation **out,
                                     sd_messages *messages);
-/* Like sd_simulation_save, into *size bytes of memory at *data, which the caller frees with
+/* Like sd_simulation_save, but into memory: *size bytes at *data, which the caller frees with
  * sd_free. */
 SD_API sd_status sd_simulation_save_memory(sd_simulation *simulation, void **data, size_t *size,
                                            sd_messages *messages);
-/* Like sd_simulation_load, from the size bytes at data that sd_simulation_save_memory wrote. */
+/* Like sd_simulation_load, but from memory: `size` bytes at `data`, as written by
+ * sd_simulation_save_memory. */
 SD_API sd_status sd_simulation_load_memory(const void *data, size_t size, int threads,
                                            sd_simulation **out, sd_messages *messages);
 
-/* Discards neighbour lists and all else that can be recomputed from model and state, and builds it
- * anew. Later steps keep their bits. */
+/* Discards neighbour lists and all other data that can be recomputed from model and state, and
+ * builds them anew. Later steps give the same results as without this call, bit for bit. */
 SD_API sd_status sd_simulation_rebuild(sd_simulation *simulation, sd_messages *messages);
 
 #ifdef __cplusplus

@@ -29,76 +29,96 @@ typedef struct sd_state sd_state;
 /* Type of the elements of a column: double, int64_t, int32_t, uint32_t. */
 typedef enum sd_type { SD_F64, SD_I64, SD_I32, SD_U32 } sd_type;
 
-/* Meaning and order of the elements of a column. sd_extent_size returns their number in a given
- * state. */
+/* Meaning and order of the elements of a column, which determine their number (sd_extent_size). */
 typedef enum sd_extent {
   SD_PER_RUN,     /* a single number for the whole run */
-  SD_PER_BODY,    /* one element per disk and wall, by slot */
-  SD_PER_FREE,    /* one element per free disk, by slot */
-  SD_PER_SURFACE, /* one element per wall if a motion moves any surface, else none */
-  SD_PER_CONTACT, /* one element per closed contact, sorted by its lower slot, then its partner */
-  SD_PER_MOTION,  /* one element per motion of the model */
-  /* Four numbers if a phase deforms the box, else none: length of the box along x, along y, offset
-   * of its images, shear strain. */
+  SD_PER_BODY,    /* one element per disk and wall, in the order of slots */
+  SD_PER_FREE,    /* one element per free disk, in the order of slots */
+  SD_PER_SURFACE, /* one element per wall if a motion moves the surface of any wall, else none */
+  /* one element per closed contact, sorted by the lower slot of its bodies, then by partner */
+  SD_PER_CONTACT,
+  SD_PER_MOTION, /* one element per motion of the model */
+  /* Four numbers if a phase deforms the box, else none: length of the box along x, length along
+   * y, offset in x between rows of images, shear strain. */
   SD_PER_CELL,
-  SD_PER_CELL_DISK, /* one element per free disk, by slot, if a phase deforms the box, else none */
-  SD_PER_PHASE,     /* one element per phase of the model */
-  SD_PER_ROTATION,  /* one element per disk whose rotation is measured */
-  SD_PER_ROTATION_BIN,  /* SD_BINS elements per disk whose rotation is measured, disk by disk */
-  SD_PER_SLIDE,         /* one element per watched pair of contacts */
-  SD_PER_SLIDE_COUNT,   /* 16 elements per watched pair: 4 * (state of contact 1) + (state of 2) */
-  SD_PER_SLIDE_CONTACT, /* two elements per watched pair, one for each of its contacts */
-  /* One element per free disk, by slot, if means of every disk are measured, else none */
+  /* one element per free disk, in the order of slots, if a phase deforms the box, else none */
+  SD_PER_CELL_DISK,
+  SD_PER_PHASE,        /* one element per phase of the model */
+  SD_PER_ROTATION,     /* one element per disk whose rotation is measured */
+  SD_PER_ROTATION_BIN, /* SD_BINS elements per disk whose rotation is measured, disk by disk */
+  SD_PER_SLIDE,        /* one element per watched pair of contacts */
+  /* 16 elements per watched pair of contacts, index 4 * (state of contact 1) + (state of contact
+   * 2) */
+  SD_PER_SLIDE_COUNT,
+  SD_PER_SLIDE_CONTACT, /* two elements per watched pair of contacts, one for each contact */
+  /* One element per free disk, in the order of slots, if means of every disk are measured, else
+   * none */
   SD_PER_MEAN,
-  SD_PER_MEAN_BIN,      /* SD_MEAN_BINS elements for each one of SD_PER_MEAN, disk by disk */
-  SD_PER_VISIT,         /* one element per watched pair if configurations are measured, else none */
-  SD_PER_VISIT_CONTACT, /* two elements for each one of SD_PER_VISIT: one per contact of the pair */
-  SD_PER_VISIT_PART,    /* 6 sums for each element of SD_PER_VISIT */
-  SD_PER_VISIT_CLASS,   /* SD_CONFIGURATIONS elements for each one of SD_PER_VISIT */
-  SD_PER_VISIT_SUM,     /* SD_CONFIGURATIONS * 6 sums for each element of SD_PER_VISIT */
-  SD_PER_VISIT_AGE,     /* SD_CONFIGURATIONS * SD_AGES elements for each one of SD_PER_VISIT */
-  SD_PER_FIELDED, /* one element per free disk, by slot, if the model has force fields, else none */
-  SD_PER_CLUMP,   /* one element per clump, a rigid body of several disks, by clump number */
-  SD_PER_LAW_CONTACT, /* one element per closed contact if a law needs SD_CONTACT_MORE, else none */
-  /* One element per free disk, by slot, if a law needs SD_CONTACT_MORE, else none */
+  /* SD_MEAN_BINS elements per free disk, disk by disk, if means of every disk are measured, else
+   * none */
+  SD_PER_MEAN_BIN,
+  /* one element per watched pair of contacts if configurations are measured, else none */
+  SD_PER_VISIT,
+  /* two elements per watched pair, one for each contact, if configurations are measured, else
+   * none */
+  SD_PER_VISIT_CONTACT,
+  /* 6 sums per watched pair of contacts if configurations are measured, else none */
+  SD_PER_VISIT_PART,
+  /* SD_CONFIGURATIONS elements per watched pair of contacts if configurations are measured, else
+   * none */
+  SD_PER_VISIT_CLASS,
+  /* SD_CONFIGURATIONS * 6 sums per watched pair of contacts if configurations are measured, else
+   * none */
+  SD_PER_VISIT_SUM,
+  /* SD_CONFIGURATIONS * SD_AGES elements per watched pair of contacts if configurations are
+   * measured, else none */
+  SD_PER_VISIT_AGE,
+  /* one element per free disk, in the order of slots, if the model has force fields, else none */
+  SD_PER_FIELDED,
+  SD_PER_CLUMP, /* one element per clump, a rigid body of several disks, by clump number */
+  /* one element per closed contact if a law needs the columns SD_CONTACT_MORE, else none */
+  SD_PER_LAW_CONTACT,
+  /* One element per free disk, in the order of slots, if a law needs the columns
+   * SD_CONTACT_MORE, else none */
   SD_PER_LAW_FREE,
-  SD_EXTENTS /* number of extents */
+  SD_EXTENTS /* number of values of this enum */
 } sd_extent;
 
-/* Bins in the angle record of a watched disk. When all are full, neighbouring bins are merged in
- * pairs and the length of a bin doubles. */
+/* Number of bins in the angle record of a watched disk. When all are full, neighbouring bins are
+ * merged in pairs and the duration of a bin doubles. */
 enum { SD_BINS = 4096 };
-/* Bins in the angle record of each free disk, if means of every disk are measured; they are merged
- * like SD_BINS. */
+/* Number of bins in the angle record of each free disk, if means of every disk are measured.
+ * When all are full, neighbouring bins are merged in pairs. */
 enum { SD_MEAN_BINS = 128 };
 
-/* Values of the column `activity`. Waiting and removed disks stand still and touch nothing. */
+/* Values of the column `activity` of free disks. Waiting and removed disks stand still and touch
+ * nothing. */
 enum {
-  SD_IN_PLAY = 0, /* simulated */
-  SD_WAITING = 1, /* not released yet by its rain */
-  SD_REMOVED = 2, /* taken out for good */
-  SD_OUTSIDE = 3  /* simulated, but beyond the bounds of the model */
+  SD_IN_PLAY = 0, /* takes part in the simulation */
+  SD_WAITING = 1, /* not released yet by its rain, which adds disks in batches */
+  SD_REMOVED = 2, /* removed from the simulation for good */
+  SD_OUTSIDE = 3  /* takes part, but its centre is beyond the bounds of the model */
 };
 
 /* States of a contact: sliding with positive or with negative torque on the watched disk, stuck,
  * open. */
 enum { SD_SLIDE_POSITIVE = 0, SD_SLIDE_NEGATIVE = 1, SD_STUCK = 2, SD_OPEN = 3 };
 
-/* SD_CONFIGURATIONS: joint states of two contacts, S++, S+-, S-+, S--, stick (at least one stuck,
- * none open), open (at least one open). SD_AGES: classes of the age of a visit in steps, below 32,
- * below 64 and so on; the last has no end. */
+/* SD_CONFIGURATIONS: number of joint states of two contacts: S++, S+-, S-+, S--, stick (at least
+ * one stuck, none open), open (at least one open). SD_AGES: number of classes of the duration
+ * since a configuration began, in steps: below 32, below 64 and so on; the last has no end. */
 enum { SD_CONFIGURATIONS = 6, SD_AGES = 16 };
 
 /* Description of one column of the state: a row of sd_fields. Allocation, checkpoints, comparison
  * and hash of states loop over these rows. */
 typedef struct sd_field {
   const char *name; /* name of the column, and of its dataset in checkpoints */
-  sd_type type;     /* type of its elements */
-  sd_extent extent; /* meaning and order of its elements */
-  size_t offset;    /* position in the struct sd_state; for the library itself */
+  sd_type type;     /* type of the column's elements */
+  sd_extent extent; /* meaning and order of the column's elements */
+  size_t offset;    /* offset of the column's pointer in struct sd_state; for the library itself */
   /* Unit in terms of length, mass, time, force, energy, power and rad; "1": none */
   const char *unit;
-  const char *meaning; /* one line of description */
+  const char *meaning; /* description of the column in one line */
 } sd_field;
 
 /* Table of all columns of a state, sd_field_count rows. */
@@ -106,7 +126,7 @@ SD_API extern const sd_field sd_fields[];
 /* Number of rows of sd_fields. */
 SD_API extern const size_t sd_field_count;
 
-/* Returns the bytes of one element of a type. */
+/* Returns the number of bytes of one element of a type. */
 SD_API size_t sd_type_size(sd_type type);
 /* Returns the number of elements that columns of an extent have in this state. */
 SD_API size_t sd_extent_size(const sd_state *state, sd_extent extent);

@@ -29,7 +29,7 @@ extern "C" {
 typedef enum sd_status {
   SD_OK = 0,            /* success */
   SD_ERROR_USER = 2,    /* a mistake in the deck, an input file, the command line or an argument */
-  SD_ERROR_NUMERIC = 3, /* a value is not finite, or an overlap is beyond the limit */
+  SD_ERROR_NUMERIC = 3, /* a value is not finite, or an overlap is beyond the allowed limit */
   SD_ERROR_IO = 4,      /* disk full, no permission, damaged file, no memory for large arrays */
   SD_DOUBTFUL = 5, /* the run finished, but its result is beyond a limit of the deck (sd_limits) */
   SD_INTERRUPTED = 75 /* a signal stopped the run after a checkpoint; run again to continue */
@@ -43,14 +43,14 @@ SD_API sd_messages *sd_messages_new(void);
 /* Frees a list of messages; NULL is allowed. */
 SD_API void sd_messages_free(sd_messages *m);
 
-/* Adds an error with a text as printf would write it, and returns `kind`, so that
- * `return sd_fail(m, SD_ERROR_IO, ...)` reads well. If m is NULL it only returns `kind`. */
+/* Adds an error with a text as printf would write it, and returns `kind`, so that a caller can
+ * write `return sd_fail(m, SD_ERROR_IO, ...)`. If m is NULL it only returns `kind`. */
 SD_API sd_status sd_fail(sd_messages *m, sd_status kind, const char *format, ...) SD_PRINTF(3, 4);
 /* Adds a warning with a text as printf would write it; warnings change no status. */
 SD_API void sd_warn(sd_messages *m, const char *format, ...) SD_PRINTF(2, 3);
 
-/* Returns the number of errors added; those beyond the 1000 that are kept count, too. m may be
- * NULL: 0. */
+/* Returns the number of errors added to the list, including those beyond the 1000 that are kept.
+ * m may be NULL: 0. */
 SD_API size_t sd_messages_errors(const sd_messages *m);
 /* Returns the number of messages that are kept, errors and warnings. m may be NULL: 0. */
 SD_API size_t sd_messages_count(const sd_messages *m);
@@ -63,8 +63,8 @@ SD_API sd_status sd_messages_kind(const sd_messages *m, size_t k);
 SD_API sd_status sd_messages_status(const sd_messages *m);
 /* Removes all messages from the list. */
 SD_API void sd_messages_clear(sd_messages *m);
-/* Writes one line per message to `out`, with "error: " or "warning: " in front, and how many were
- * not kept. */
+/* Writes one line per message to `out`, with "error: " or "warning: " in front, and then the
+ * number of messages that were not kept. */
 SD_API void sd_messages_print(const sd_messages *m, FILE *out);
 
 /* Handler that the library calls when it has no memory for `bytes` bytes of a small object (a text,
@@ -80,8 +80,8 @@ SD_API void sd_on_no_memory(sd_memory_handler *handler);
 /* Frees memory that a function of this library returned, if the comment of that function says
  * so. */
 SD_API void sd_free(void *memory);
-/* Returns the version of the library that runs, like "0.4.0"; SD_VERSION is the version of the
- * headers. */
+/* Returns the version of the library that is linked, like "0.4.0"; SD_VERSION is the version of
+ * the headers. */
 SD_API const char *sd_version(void);
 
 #ifdef __cplusplus

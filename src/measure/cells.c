@@ -13,7 +13,7 @@
 #include "base/team.h"
 #include "physics/contact/walls.h"
 
-/* --- circles and the search by power distance -------------------------------------------------- */
+/* --- circles and the search by power distance ------------------------------------------------- */
 
 /* Sites (circles in the plane), and the search for the site nearest to a point by power distance
  * |x - c|^2 - R^2, with c the centre and R the radius of the site.

@@ -20,7 +20,7 @@
 #include "model/model.h"
 #include "model/state.h"
 
-/* --- regions ----------------------------------------------------------------------------------- */
+/* --- regions ---------------------------------------------------------------------------------- */
 
 /* The part of the plane over which a configuration is measured, and areas within it.
  *
@@ -52,7 +52,7 @@ double region_line(const region *g, double x, double y, double dx, double dy);
  * in counter-clockwise order; negative for clockwise order. */
 double region_circle_polygon(double radius, size_t n, const double (*corner)[2]);
 
-/* --- frames and configurations ------------------------------------------------------------------ */
+/* --- frames and configurations ---------------------------------------------------------------- */
 
 /* Stored frame: arrays with one row per body of the run, disks first, then walls. */
 typedef struct frame_data {

@@ -428,7 +428,7 @@ int64_t sd_goal_look(const sd_model *model, int64_t step) {
   return look;
 }
 
-/* --- torque, normal forces and visits in each sliding configuration of a watched pair ---------- */
+/* --- torque, normal forces and visits in each sliding configuration of a watched pair --------- */
 
 /* Returns the number of steps that a pair of contacts has spent in a sliding configuration (class).
  * count: number of steps in each of the 4 x 4 combined states of the two contacts. */

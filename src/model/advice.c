@@ -1,5 +1,5 @@
-/* advice.c: the table of checks, and warnings about time step, laws, phases and positions; see
- * advice.h. */
+/* advice.c: warnings about time step, contact laws, phases and initial positions, and the table
+ * of all checks that give warnings; see advice.h. */
 #include "model/advice.h"
 
 #include <float.h>
@@ -14,10 +14,10 @@
 #include "model/overlaps.h"
 #include "model/rows.h"
 
-/* --- time step ------------------------------------------------------------------------------ */
+/* --- time step -------------------------------------------------------------------------------- */
 
-/* Fewest time steps per shortest contact period, and the least ratio of a viscous stability
- * limit to dt; a run with fewer gets a warning. */
+/* Limits of the warning about dt: smallest number of time steps per shortest contact period, and
+ * smallest ratio of a viscous stability limit to dt. */
 static const int FEWEST_STEPS = 20;
 static const double FEWEST_VISCOUS = 2.5;
 
@@ -78,8 +78,8 @@ const char *advice_of_failure(const sd_model *m, const char *otherwise, char *te
   return text;
 }
 
-/* Warns of a long time step. It is no error, since a disk may never touch anything, and the
- * limit holds for a disk between two others. */
+/* Warns if the time step is too long. This is not an error, since a disk may never touch
+ * anything, and the limit is that of a disk between two others. */
 static double check_time_step(const sd_model *m, sd_messages *messages) {
   double period = sd_model_shortest_period(m, NULL);
   const sd_step_limit limit = sd_model_step_limit(m);
@@ -106,9 +106,10 @@ static double check_time_step(const sd_model *m, sd_messages *messages) {
   return m->dt / fmin(longest, limit.dt);
 }
 
-/* --- contact laws --------------------------------------------------------------------------- */
+/* --- contact laws ----------------------------------------------------------------------------- */
 
-/* Name of a law for messages, to be freed; by numbers if the materials have no names. */
+/* Returns the name of the contact law of materials a and b for messages, or their numbers if
+ * they have no names. The caller frees it. */
 static char *law_name(const sd_model *m, size_t a, size_t b) {
   const char *one = m->materials[a].name, *other = m->materials[b].name;
   if (!one || !other)
@@ -118,7 +119,7 @@ static char *law_name(const sd_model *m, size_t a, size_t b) {
                 : format_text("material_pairs (\"%s\", \"%s\")", one, other);
 }
 
-/* True if the pair of materials has a law, and bodies that can touch. */
+/* True if materials a and b have a contact law and there are bodies of them that can touch. */
 static bool is_used(const sd_model *m, const law_use *use, size_t a, size_t b) {
   bool enough = a == b ? use[a].count > 1 : use[a].count > 0 && use[b].count > 0;
   return enough && (use[a].free_disk || use[b].free_disk) &&
@@ -127,7 +128,8 @@ static bool is_used(const sd_model *m, const law_use *use, size_t a, size_t b) {
 
 typedef double law_visitor(const sd_model *m, size_t a, size_t b, sd_messages *messages);
 
-/* Returns the largest value of `visit` over all laws in use; 0: none is. */
+/* Calls `visit` for each contact law in use and returns the largest value that it returned; 0:
+ * no law is in use. */
 static double each_law(const sd_model *m, law_visitor *visit, sd_messages *messages) {
   law_use *use = memory_new(m->n_materials, sizeof *use);
   double worst = 0;
@@ -178,14 +180,14 @@ static double loses_energy(const sd_model *m, size_t a, size_t b, sd_messages *m
   return law->gamma_n > 0 || law_tsuji(law) > 0 || (law->mu > 0 && law->k_t > 0);
 }
 
-/* --- phases --------------------------------------------------------------------------------- */
+/* --- phases ----------------------------------------------------------------------------------- */
 
 static char *phase_name(const sd_model *m, size_t k) {
   const char *name = m->phases[k].name;
   return name && *name ? format_text("phases.%s", name) : format_text("phases[%zu]", k);
 }
 
-/* Warns of phase k with a given text, and returns the severity 1. */
+/* Adds the warning `text` about phase k of the run and returns its severity, 1. */
 static double warn_of_phase(const sd_model *m, size_t k, sd_messages *messages, const char *text) {
   char *name = phase_name(m, k);
   sd_warn(messages, "%s: %s", name, text);
@@ -203,7 +205,8 @@ static double check_relax(const sd_model *m, sd_messages *messages) {
   return 0;
 }
 
-/* Returns why the settle criteria of a phase cannot be met; NULL: no reason is known. */
+/* Returns why a phase of the run cannot come to rest as its settle criteria demand; NULL: no
+ * reason is known. */
 static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
   for (size_t j = 0; j < m->n_motions; j++) {
     int kind = (int)m->motions[j].kind;
@@ -222,8 +225,8 @@ static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
   return NULL;
 }
 
-/* Collective. Lower bound of settle.unbalanced from the rounding of positions: the force error
- * eps/2 * |x| * k_n over the weight of the lightest disk. */
+/* Collective. Smallest ratio settle.unbalanced that rounding of positions allows: the force
+ * error eps/2 * |x| * k_n divided by the weight of the lightest disk; 0: no weight. */
 static double rounding(const sd_model *m) {
   double g = hypot(m->gravity[0], m->gravity[1]), least = HUGE_VAL, farthest = 0, stiffest = 0;
   for (size_t row = 0; row < rows_count(m); row++) {
@@ -257,7 +260,8 @@ static double check_settle(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* Collective. Packing fraction at the start, defined as in compress.c; 0: there is no region. */
+/* Collective. Packing fraction at the start: area of the free disks divided by the area of the
+ * region; 0: there is no region. */
 static double first_fraction(const sd_model *m) {
   double area =
              (m->region_upper[0] - m->region_lower[0]) * (m->region_upper[1] - m->region_lower[1]),
@@ -273,7 +277,7 @@ static double first_fraction(const sd_model *m) {
 double sd_model_compress_time(const sd_model *m, size_t phase) {
   if (phase >= m->n_phases) return NAN;
   double from = first_fraction(m);
-  /* 0 (unknown) if that phase compresses to a pressure */
+  /* the target fraction is 0, which means unknown here, if that phase compresses to a pressure */
   for (size_t k = 0; k < phase; k++)
     if (m->phases[k].compress.asked) from = m->phases[k].compress.fraction;
   const sd_compress *c = &m->phases[phase].compress;
@@ -281,8 +285,8 @@ double sd_model_compress_time(const sd_model *m, size_t phase) {
                                                  : NAN;
 }
 
-/* Longest duration of a compression phase without a warning: HELD times the time to its packing
- * fraction, or LOG_SHRUNK/rate for a pressure. */
+/* A compression phase gets a warning if it is longer than HELD times the time that it takes to
+ * reach its packing fraction or, with a target pressure, longer than LOG_SHRUNK/rate. */
 static const double HELD = 5, LOG_SHRUNK = 5;
 
 static double check_compress(const sd_model *m, sd_messages *messages) {
@@ -313,7 +317,7 @@ static double check_compress(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- deforming boxes ------------------------------------------------------------------------ */
+/* --- deforming boxes -------------------------------------------------------------------------- */
 
 static bool attracts(const sd_model *m) {
   bool any = false;
@@ -322,7 +326,8 @@ static bool attracts(const sd_model *m) {
   return any;
 }
 
-/* Returns a text about keys of a cell that have no effect; NULL: all have. */
+/* Returns a warning about settings of a deforming box (`cell`) that have no effect; NULL: all
+ * have an effect. */
 static const char *without_effect(const sd_cell *c) {
   bool controlled = false, rate = false;
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
@@ -360,22 +365,24 @@ static double check_cells(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- positions ------------------------------------------------------------------------------ */
+/* --- positions -------------------------------------------------------------------------------- */
 
-/* Overlap over the radius beyond which a warning is given, because the disks are thrown apart. */
+/* Overlap divided by the radius beyond which a warning is given, because the disks are thrown
+ * apart. */
 static const double DEEP_OVERLAP = 0.01;
-/* Gap over the radius beyond which a watched contact is unlikely to close and a warning is
- * given. */
+/* Gap divided by the radius beyond which a warning is given, because a watched contact is
+ * unlikely to close. */
 static const double WIDE_GAP = 0.1;
 
-/* Search for the deepest overlap at the start. */
+/* State of the search for the deepest overlap of two bodies at the start. */
 typedef struct search {
   const sd_model *m;
-  uint64_t *pairs; /* [n_memories] sorted pair_key of the restored contacts */
+  uint64_t *pairs; /* [n_memories] pair_key of each contact that is restored from a file, sorted */
   first_overlap worst;
 } search;
 
-/* Key of an unordered pair of bodies: smaller number in the upper 32 bits. */
+/* Returns a key for an unordered pair of bodies: the smaller body number in the upper 32 bits,
+ * the larger one in the lower bits. */
 static uint64_t pair_key(uint32_t a, uint32_t b) {
   return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
@@ -385,7 +392,8 @@ static int by_key(const void *one, const void *two) {
   return *p < *q ? -1 : *p > *q;
 }
 
-/* Lists the pairs of the restored contacts, sorted. SD_ERROR_IO: out of memory. */
+/* Lists the body pairs of all contacts that are restored from a file, sorted by pair_key.
+ * SD_ERROR_IO: out of memory. */
 static sd_status list_pairs(search *s) {
   const sd_model *m = s->m;
   if (!memory_resize_row(&s->pairs, m->n_memories, sizeof *s->pairs)) return SD_ERROR_IO;
@@ -395,14 +403,14 @@ static sd_status list_pairs(search *s) {
   return SD_OK;
 }
 
-/* True if the contact of a and b is restored. */
+/* True if the contact of bodies a and b is restored from a file. */
 static bool begins_with(const search *s, uint32_t a, uint32_t b) {
   const uint64_t key = pair_key(a, b);
   return bsearch(&key, s->pairs, s->m->n_memories, sizeof key, by_key);
 }
 
-/* True if the contact of a and b may be restored from a distributed file: a is one of its disks,
- * b another one or a wall that the file has. */
+/* True if the contact of bodies a and b may be restored from a file whose disks are distributed
+ * over ranks: a is a disk of that file, b another of its disks or one of its walls. */
 static bool begins_away(const sd_model *m, uint32_t a, uint32_t b) {
   const sd_tiles *t = &m->tiles;
   if (!t->away || t->n_contacts == 0 || a < t->first) return false;
@@ -419,7 +427,8 @@ static bool waits(const sd_model *m, uint32_t body) {
   return body < m->n_disks && m->disks[body].waiting;
 }
 
-/* Fills in the elastic force of the overlap, and the weight of the lighter free disk; d: disk a. */
+/* Fills in the elastic force of overlap o and the weight of the lighter free disk in it. d: disk
+ * o->a. */
 static void note_force(const sd_model *m, const sd_disk *d, first_overlap *o) {
   const int other =
       o->b < m->n_disks ? m->disks[o->b].material : m->walls[o->b - m->n_disks].material;
@@ -430,8 +439,9 @@ static void note_force(const sd_model *m, const sd_disk *d, first_overlap *o) {
   o->weight = mass * g;
 }
 
-/* Keeps the overlap if it is the deepest relative to the radius of a, which is the smaller disk,
- * and neither body waits nor is the contact restored. */
+/* Stores an overlap if it is the deepest so far, relative to the radius of its smaller disk a.
+ * Overlaps of restored contacts, and of disks that still wait for their release, are skipped.
+ * Returns false, so that the search goes on. */
 static bool note_overlap(void *user, const overlap *o) {
   search *s = user;
   const sd_model *m = s->m;
@@ -439,7 +449,7 @@ static bool note_overlap(void *user, const overlap *o) {
   double relative = o->depth / d->radius;
   if (relative <= s->worst.relative || d->waiting || waits(m, o->b)) return false;
   if (d->driven && !is_free(m, o->b)) return false;
-  /* an error even if the contact is restored */
+  /* an overlap beyond max_overlap is an error even if the contact is restored from a file */
   const bool too_deep = m->max_overlap > 0 && relative > m->max_overlap;
   if ((begins_away(m, o->a, o->b) && !too_deep) || begins_with(s, o->a, o->b)) return false;
   s->worst = (first_overlap){.a = o->a, .b = o->b, .depth = o->depth, .relative = relative};
@@ -484,7 +494,8 @@ double advice_tell_overlap(const sd_model *m, const first_overlap *worst, sd_mes
   return worst->relative / DEEP_OVERLAP;
 }
 
-/* Warns of the deepest overlap, unless the first phase relaxes, which removes overlaps slowly. */
+/* Warns about the deepest overlap, unless the first phase relaxes the packing (relax = true),
+ * which removes overlaps slowly. */
 static double check_overlap(const sd_model *m, sd_messages *messages) {
   first_overlap worst;
   if (m->n_phases > 0 && m->phases[0].relax) return 0;
@@ -519,7 +530,7 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
-/* --- table of checks ------------------------------------------------------------------------ */
+/* --- table of checks -------------------------------------------------------------------------- */
 
 advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,
                                        check_settle,    check_compress, check_overlap,

@@ -1,7 +1,7 @@
-/* advice.h: warnings about set-ups that are valid but seldom intended, and the error of a time step
- * beyond the stability limit.
+/* advice.h: warnings about set-ups that are valid but seldom intended, and the error text for a
+ * time step beyond the stability limit.
  *
- * A check is a function and a row of advice_checks in advice.c.
+ * Each check is a function that is listed in the table advice_checks in advice.c.
  */
 #ifndef SLIPDISK_MODEL_ADVICE_H
 #define SLIPDISK_MODEL_ADVICE_H
@@ -9,32 +9,34 @@
 #include "base/comm.h"
 #include "model/model.h"
 
-/* Adds warnings to messages, the most severe first, and returns the severity, 0: no warning.
- * Values of one check are comparable between models; values of different checks are not. */
+/* Checks a model: adds warnings to `messages`, the most severe first, and returns the severity;
+ * 0: no warning. Severities of the same check can be compared between models, those of different
+ * checks cannot. */
 typedef double advice_check(const sd_model *model, sd_messages *messages);
-/* Warns of fields; advice_bodies.c. */
+/* Warns about force fields, and about disks that fall without end (advice_bodies.c). */
 advice_check advice_fields;
-/* Warns of motions; advice_bodies.c. */
+/* Warns about prescribed motions that jump, move too far in a step or oscillate too fast for dt
+ * (advice_bodies.c). */
 advice_check advice_motions;
-/* Warns of prescribed bodies that overlap; advice_bodies.c. */
+/* Warns about bodies with prescribed positions that overlap each other (advice_bodies.c). */
 advice_check advice_prescribed;
-/* Warns of walls that meet; advice_bodies.c. */
+/* Warns about walls that meet where both would push the same disk (advice_bodies.c). */
 advice_check advice_joints;
-/* All checks, and their number. */
+/* Table of all checks that give warnings; advice_count is their number. */
 extern advice_check *const advice_checks[];
 extern const size_t advice_count;
 
-/* Returns the error text if dt is beyond the stability limit and limits.unstable_step is false,
- * else NULL. The caller frees it. */
+/* Returns the error text if dt is beyond the stability limit and limits.unstable_step does not
+ * allow that, else NULL. The caller frees it. */
 char *advice_unstable(const sd_model *model);
 
-/* Returns a warning about the first motion that begins with a jump, with a remedy; NULL: no
- * motion does. The caller frees it. */
+/* Returns a warning about the first prescribed motion that begins with a jump, and how to avoid
+ * it; NULL: no motion does. The caller frees it. */
 char *advice_first_jump(const sd_model *model);
 
-/* Writes a likely reason for a failed run to text[size] and returns text: that dt is near its
- * stability limit, else the hint `otherwise` ("is k_n too small?") with the ratio of dt to this
- * limit. */
+/* Writes a likely reason why a run has failed into text[size] and returns text. If dt is near
+ * the stability limit, dt is the reason; if not, the text is `otherwise`, a hint of the caller
+ * like "is k_n too small?", followed by the ratio of dt to the stability limit. */
 const char *advice_of_failure(const sd_model *model, const char *otherwise, char *text,
                               size_t size);
 
@@ -42,18 +44,21 @@ const char *advice_of_failure(const sd_model *model, const char *otherwise, char
  * the radius of the smaller disk. Contacts that the model restores do not count. depth 0: no
  * overlap. */
 typedef struct first_overlap {
-  uint32_t a, b;          /* body numbers */
-  double depth, relative; /* overlap, length; and over the radius of the smaller disk */
-  double force;           /* elastic normal force at this overlap */
-  double weight;          /* weight of the lighter free disk; 0: no gravity */
+  uint32_t a, b; /* body numbers */
+  /* overlap as a length; overlap divided by the radius of the smaller disk */
+  double depth, relative;
+  double force;  /* elastic normal force at this overlap */
+  double weight; /* weight of the lighter free disk; 0: no gravity */
 } first_overlap;
-/* Collective. Finds this overlap over all ranks. SD_ERROR_IO: out of memory. */
+/* Collective. Finds the deepest overlap at the start among the disks of all ranks. SD_ERROR_IO:
+ * out of memory. */
 sd_status advice_overlap(const sd_model *model, first_overlap *worst);
-/* Collective. Replaces *worst by the overlap that is largest relative to the radius on any rank;
- * of equal ones the one of the lowest rank. */
+/* Collective. *worst is the deepest overlap on this rank; it is replaced by the deepest on any
+ * rank, relative to the radius of the smaller disk. Of equal ones that of the lowest rank is
+ * taken. */
 void advice_share_overlap(const comm *c, first_overlap *worst);
-/* Warns if the overlap exceeds 1 % of the radius, and returns the severity as an advice_check
- * does. */
+/* Warns if the overlap exceeds 1 % of the radius of the smaller disk. Returns the severity of
+ * the warning; 0: none. */
 double advice_tell_overlap(const sd_model *model, const first_overlap *worst,
                            sd_messages *messages);
 

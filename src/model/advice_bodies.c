@@ -14,7 +14,7 @@
 #include "model/rows.h"
 #include "model/walls.h"
 
-/* --- points at which a disk touches two walls ----------------------------------------------- */
+/* --- points at which a disk touches two walls ------------------------------------------------- */
 
 static double cross(const double a[2], const double b[2]) { return a[0] * b[1] - a[1] * b[0]; }
 static double dot(const double a[2], const double b[2]) { return a[0] * b[0] + a[1] * b[1]; }
@@ -26,7 +26,7 @@ typedef struct twice {
   double at[2];  /* position of the first point */
 } twice;
 
-/* Counts a point; the first one is kept. */
+/* Counts a point at which a disk may touch the walls a and b, and stores the first one. */
 static void note(twice *t, uint32_t a, uint32_t b, const double at[2]) {
   if (t->count++ > 0) return;
   t->a = a;
@@ -34,11 +34,11 @@ static void note(twice *t, uint32_t a, uint32_t b, const double at[2]) {
   for (int c = 0; c < 2; c++) t->at[c] = at[c];
 }
 
-/* Predicate of a disk's position; user: its own data. */
+/* Function that tests the position of a disk; user: further data for the test. */
 typedef bool disk_place(const double at[2], const void *user);
 
-/* Collective. True if the predicate holds for any free disk; disks that wait for rain have no
- * position yet and are skipped. */
+/* Collective. True if the test `is` holds for the position of any free disk. Disks that wait to
+ * be released have no position yet and are skipped. */
 static bool any_disk(const sd_model *m, disk_place *is, const void *user) {
   bool any = false;
   for (size_t row = 0; row < rows_count(m) && !any; row++) {
@@ -48,17 +48,19 @@ static bool any_disk(const sd_model *m, disk_place *is, const void *user) {
   return rows_any(m, any);
 }
 
-/* --- joined ends of walls that move apart --------------------------------------------------- */
+/* --- joined ends of walls that move apart ----------------------------------------------------- */
 
-/* True if a disk at this position touches both walls in their common end, so that it feels both:
- * anywhere but in the angle between the walls, where it touches each at its own point. */
+/* True if a disk at this position would touch two joined walls at their common end point, so
+ * that both push it there. It is false within the angle between the walls, where a disk touches
+ * each wall at a point of its own. user: the ends of the two walls. */
 static bool is_beyond_corner(const double at[2], const void *user) {
   const wall_end *const *e = user, *a = e[0], *b = e[1];
   const double p[2] = {at[0] - a->at[0], at[1] - a->at[1]}, opens = cross(a->way, b->way);
   return !(fabs(opens) > 1e-9) || cross(a->way, p) * opens < 0.0 || cross(p, b->way) * opens < 0.0;
 }
 
-/* Finds ends of walls that meet but move apart, with a disk where it would touch both. */
+/* Finds ends of two walls that meet at the start but do not move together, if a disk lies where
+ * it would touch both ends. */
 static void look_at_ends(const sd_model *m, const wall_end *ends, size_t n, twice *found) {
   for (size_t k = 0; k < n; k++)
     for (size_t j = k + 1, last = joints_near(ends, n, k); j < last; j++) {
@@ -69,19 +71,19 @@ static void look_at_ends(const sd_model *m, const wall_end *ends, size_t n, twic
     }
 }
 
-/* --- walls that end on another wall --------------------------------------------------------- */
+/* --- walls that end on another wall ----------------------------------------------------------- */
 
-/* The surface of a wall near the end of another wall that lies on it: a straight line or a
- * circle. */
+/* Surface of a wall, a straight line or a circle, on which the end of another wall lies. */
 typedef struct surface {
-  const double *at, *center; /* A point of the surface; the centre of the circle, NULL: a line. */
+  const double *at, *center; /* point of the surface; centre of the circle, NULL: straight line */
   double normal[2], radius;
-  /* Side on which the other wall lies, > 0: that of the normal; 0: along the surface. */
+  /* Side of this surface on which the other wall lies, > 0: that to which `normal` points; 0:
+   * the other wall runs along the surface. */
   double side;
 } surface;
 
-/* Fills in the surface of side k of wall w. True if the end e lies on it, but not on an end of w
- * itself. */
+/* Describes side k of wall w in *s. True if the end e of another wall lies on this side, within
+ * the distance `near`, and not on an end of w. */
 static bool lies_on(const sd_wall *w, size_t k, const wall_end *e, double near, surface *s) {
   *s = (surface){.at = e->at};
   if (w->kind == SD_WALL_CIRCLE || w->kind == SD_WALL_ARC) {
@@ -105,7 +107,8 @@ static bool lies_on(const sd_wall *w, size_t k, const wall_end *e, double near, 
           (on > (first ? near : -near) && on < length - (last ? near : -near)));
 }
 
-/* True if the position is not on the side of the surface on which the other wall lies. */
+/* True if a disk at this position is not on the side of the surface on which the other wall
+ * lies. user: the surface. */
 static bool is_on_other_side(const double at[2], const void *user) {
   const surface *s = user;
   double side;
@@ -118,13 +121,13 @@ static bool is_on_other_side(const double at[2], const void *user) {
   return !(side * s->side > 0.0);
 }
 
-/* Number of sides of a wall. */
+/* Number of straight sides of a polyline; 1 for walls of other shapes. */
 static size_t sides_of(const sd_wall *w) {
   if (w->kind != SD_WALL_POLYLINE) return 1;
   return w->n_points - (w->closed ? 0 : 1);
 }
 
-/* Range of a wall along x. */
+/* Computes the smallest and largest x of a wall, which are infinite for an infinite line. */
 static void bounds_of(const sd_wall *w, double *lower, double *upper) {
   *lower = w->kind == SD_WALL_CIRCLE ? w->pivot[0] - w->radius : HUGE_VAL;
   *upper = w->kind == SD_WALL_CIRCLE ? w->pivot[0] + w->radius : -HUGE_VAL;
@@ -136,7 +139,7 @@ static void bounds_of(const sd_wall *w, double *lower, double *upper) {
   if (w->kind == SD_WALL_LINE) *lower = -HUGE_VAL, *upper = HUGE_VAL;
 }
 
-/* Index of the first of the sorted ends with x not below the given x. */
+/* Returns the index of the first of n wall ends, sorted by x, that is not left of the given x. */
 static size_t first_from(const wall_end *ends, size_t n, double x) {
   size_t from = 0;
   while (from < n) {
@@ -149,7 +152,8 @@ static size_t first_from(const wall_end *ends, size_t n, double x) {
   return from;
 }
 
-/* Finds walls that end on another wall's surface, with a disk on the other side of it. */
+/* Finds ends of walls that lie on the surface of another wall, if a disk is on the opposite side
+ * of that surface. */
 static void look_at_surfaces(const sd_model *m, const wall_end *ends, size_t n, twice *found) {
   double lower, upper;
   for (uint32_t w = 0; w < m->n_walls; w++) {
@@ -163,15 +167,16 @@ static void look_at_surfaces(const sd_model *m, const wall_end *ends, size_t n, 
         on = lies_on(&m->walls[w], k, &ends[e], near, &s);
       if (!on) continue;
       s.side = dot(s.normal, ends[e].way);
-      if (fabs(s.side) < 1e-9) s.side = 0.0; /* the walls lie on each other */
+      if (fabs(s.side) < 1e-9) s.side = 0.0; /* this end of the wall runs along the other wall */
       if (any_disk(m, is_on_other_side, &s)) note(found, ends[e].wall, w, ends[e].at);
     }
   }
 }
 
-/* --- warnings ------------------------------------------------------------------------------- */
+/* --- warnings --------------------------------------------------------------------------------- */
 
-/* Warns of the first point and the number of further ones; returns the number of points. */
+/* Warns about the first point in t and the number of further ones, and returns the number of
+ * points. where: how the two walls touch; advice: how to avoid it. */
 static double tell(const sd_model *m, const twice *t, const char *where, const char *advice,
                    sd_messages *messages) {
   char one[96], two[96], more[48] = "";
@@ -204,23 +209,25 @@ double advice_joints(const sd_model *m, sd_messages *messages) {
            messages));
 }
 
-/* --- overlaps of prescribed bodies, between which no force acts ----------------------------- */
+/* --- overlaps of prescribed bodies, between which no force acts ------------------------------- */
 
-/* Overlap over the radius beyond which a warning is given; times of the run that are examined;
- * most pairs over all these times. */
+/* Check of prescribed bodies: overlap divided by the radius beyond which a warning is given,
+ * number of times of the run that are examined (MOMENTS), and largest number of pairs examined
+ * at all times together (MOST_LOOKS). */
 static const double LEAST_OVERLAP = 0.01;
 enum { MOMENTS = 101, MOST_LOOKS = 2000000 };
 
-/* Displacement of a body by its motions: x, y, angle. */
+/* Displacement of a body by its prescribed motions: x, y, angle. */
 typedef struct displaced {
   double by[3];
 } displaced;
 
-/* Prescribed bodies, ascending, and the displacement of each body if all motions are on. */
+/* Bodies with prescribed positions, by ascending body number, and the displacement of each body
+ * if all motions are switched on. */
 typedef struct bodies {
   size_t n;
   uint32_t *list;
-  displaced *all; /* [disks and walls] displacements by body number */
+  displaced *all; /* [disks and walls] displacement of each body, indexed by body number */
 } bodies;
 
 /* Duration of the run. */
@@ -257,7 +264,7 @@ static void displace(const sd_model *m, double t, const bodies *p) {
   }
 }
 
-/* Gap between a displaced disk and another displaced body. */
+/* Gap between a disk and another body after their displacements `all`; < 0: overlap. */
 static double gap_of(const sd_model *m, uint32_t disk, uint32_t body, const displaced *all) {
   const sd_disk *d = &m->disks[disk];
   const bool wall = body >= m->n_disks;
@@ -268,13 +275,14 @@ static double gap_of(const sd_model *m, uint32_t disk, uint32_t body, const disp
   return overlaps_gap(m, disk, x, body, pose);
 }
 
-/* The deepest overlap of two prescribed bodies. */
+/* The deepest overlap of two bodies with prescribed positions. */
 typedef struct meeting {
   uint32_t disk, body;
-  double depth; /* overlap over the radius of the smaller disk */
+  double depth; /* overlap divided by the radius of the smaller disk */
 } meeting;
 
-/* Radius of the smaller of the two bodies; of a disk and a wall, that of the disk. */
+/* Returns the smaller radius of two disks, or the radius of the disk if the other body is a
+ * wall. */
 static double smaller(const sd_model *m, uint32_t disk, uint32_t body) {
   const double radius = m->disks[disk].radius;
   return body < m->n_disks ? fmin(radius, m->disks[body].radius) : radius;
@@ -287,7 +295,8 @@ static bool parted(const sd_model *m, uint32_t disk, uint32_t body, const displa
   return one[SD_X] != other[SD_X] || one[SD_Y] != other[SD_Y] || turns;
 }
 
-/* Finds the pair whose overlap has grown most since the start. */
+/* Finds the pair of prescribed bodies whose overlap, relative to the radius, has grown most
+ * since the start; replaces *worst if it is deeper. */
 static void look(const sd_model *m, const bodies *p, meeting *worst) {
   for (size_t k = 0; k < p->n && p->list[k] < m->n_disks; k++)
     for (size_t l = k + 1; l < p->n; l++) {
@@ -309,7 +318,7 @@ double advice_prescribed(const sd_model *m, sd_messages *messages) {
   bodies p = {0};
   if (m->n_motions == 0 || !(driven > 0) || looks > MOST_LOOKS) return 0;
   const bool listed = list_bodies(m, &p);
-  /* times spaced by the golden ratio are in step with no wave */
+  /* times that are spaced by the golden ratio do not repeat in step with any periodic motion */
   for (int k = 0; k < MOMENTS && listed; k++) {
     displace(m, k == 0 ? time : time * fmod(k * 0.6180339887498949, 1.0), &p);
     look(m, &p, &worst);
@@ -326,13 +335,13 @@ double advice_prescribed(const sd_model *m, sd_messages *messages) {
   return worst.depth / LEAST_OVERLAP;
 }
 
-/* --- motions that jump, or move too far in a step ------------------------------------------- */
+/* --- motions that jump, or move too far in a step --------------------------------------------- */
 
-/* Jump over the radius of the smallest disk beyond which, and steps per cycle below which, a
- * motion gets a warning. */
+/* A motion gets a warning if its initial jump divided by the radius of the smallest disk is
+ * larger than LEAST_JUMP, or if one of its cycles has fewer than FEWEST_STEPS time steps. */
 static const double LEAST_JUMP = 1e-3, FEWEST_STEPS = 20;
 
-/* Warns of a body that moves farther in one step than limits.displacement allows. */
+/* Warns about a body that moves farther in one step than limits.displacement allows. */
 static double check_stride(const sd_model *m, sd_messages *messages) {
   char motion[96], body[96];
   const double limit = m->limits.displacement;
@@ -355,7 +364,7 @@ static double check_stride(const sd_model *m, sd_messages *messages) {
   return s.length / limit;
 }
 
-/* Remedy for a motion that begins with a jump. */
+/* Returns advice on how to avoid the jump with which a motion begins. */
 static const char *instead(const sd_motion *q) {
   if (motion_is_wave(q)) return "take a phase at which it begins at 0 (0 or pi), or give it a ramp";
   if (motion_source(q) == SIGNAL_TABLE) return "let its values begin at 0, or give it a ramp";
@@ -385,7 +394,7 @@ static double check_jump(const sd_model *m, sd_messages *messages) {
   return 1;
 }
 
-/* Warns of a wave with fewer than FEWEST_STEPS steps per cycle. */
+/* Warns about a periodic motion with fewer than FEWEST_STEPS time steps per cycle. */
 static double check_cycles(const sd_model *m, sd_messages *messages) {
   char name[96];
   for (size_t k = 0; k < m->n_motions; k++) {
@@ -409,11 +418,11 @@ double advice_motions(const sd_model *m, sd_messages *messages) {
 
 /* --- warnings about set-ups with fields that are seldom intended ------------------------------ */
 
-/* Limits beyond which a step is coarse: f dt/m of drag, and the angle in rad by which a rotating
- * frame turns. */
+/* Limits of a warning about dt: f dt/m of drag with the coefficient f, and the angle in rad by
+ * which a rotating frame turns in one step. */
 static const double COARSE_DRAG = 0.2, COARSE_TURN = 0.05;
 
-/* Warns of field k, frees the text, and returns the severity `how`. */
+/* Adds the warning `text` about force field k, frees the text, and returns the severity `how`. */
 static double warn_of_field(const sd_model *m, size_t k, sd_messages *messages, double how,
                             char *text) {
   const char *name = m->fields[k].name;
@@ -440,7 +449,8 @@ static double check_drag(const sd_model *m, sd_messages *messages) {
   return coarse;
 }
 
-/* True if a phase shears the periodic box, so that images move with the fluid. */
+/* True if any phase of the run shears the periodic box, so that periodic images move with the
+ * fluid. */
 static bool shears(const sd_model *m) {
   bool any = false;
   for (size_t k = 0; k < m->n_phases; k++)
@@ -449,8 +459,8 @@ static bool shears(const sd_model *m) {
   return any;
 }
 
-/* Warns of a force that depends on position along a periodic direction: it jumps when a disk
- * crosses the edge of the box. */
+/* Warns about a force that depends on position along a periodic direction: the force jumps when
+ * a disk crosses the edge of the box. */
 static double check_periodic(const sd_model *m, size_t k, sd_messages *messages) {
   const sd_body_force *f = &m->fields[k];
   const bool x = m->periodic[SD_X], y = m->periodic[SD_Y];
@@ -466,8 +476,8 @@ static double check_periodic(const sd_model *m, size_t k, sd_messages *messages)
                                                       : "y"));
 }
 
-/* Warns of damping and unsheared drag in a sheared box: they act on velocities in the
- * laboratory, not relative to the flow. */
+/* Warns about damping, or drag of a fluid without shear, in a sheared box: both act on
+ * velocities in the laboratory, not relative to the flow. */
 static double check_sheared(const sd_model *m, size_t k, sd_messages *messages) {
   const sd_body_force *f = &m->fields[k];
   for (size_t p = 0; p < m->n_phases; p++) {
@@ -488,7 +498,8 @@ static double check_sheared(const sd_model *m, size_t k, sd_messages *messages) 
   return 0;
 }
 
-/* Warns of a rotating frame that turns far in one step, or that is combined with gravity. */
+/* Warns about a rotating frame that turns far in one time step, or that is combined with
+ * gravity. */
 static double check_frame(const sd_model *m, size_t k, sd_messages *messages) {
   const sd_body_force *f = &m->fields[k];
   if (f->kind != SD_FIELD_ROTATION || f->omega == 0) return 0;
@@ -505,7 +516,7 @@ static double check_frame(const sd_model *m, size_t k, sd_messages *messages) {
   return fmax(worst, 1);
 }
 
-/* Warns of a field that is on in no phase. */
+/* Warns about a force field that no phase of the run switches on. */
 static double check_off(const sd_model *m, size_t k, sd_messages *messages) {
   for (int64_t p = 0; p < (int64_t)m->n_phases; p++)
     if (body_force_is_on(m, k, p)) return 0;
@@ -513,9 +524,10 @@ static double check_off(const sd_model *m, size_t k, sd_messages *messages) {
                        format_text("it is on in no phase: no list `fields` of a phase names it"));
 }
 
-/* --- disks that fall without end ------------------------------------------------------------ */
+/* --- disks that fall without end -------------------------------------------------------------- */
 
-/* True if the field can keep disks from gaining speed without limit: drag, or a central force. */
+/* True if the force field can keep disks from gaining speed without limit: drag, or a central
+ * force. */
 static bool field_holds(const sd_body_force *f) {
   return (f->kind == SD_FIELD_DRAG && f->gamma > 0) ||
          (f->kind == SD_FIELD_CENTRAL && f->strength != 0);
@@ -549,8 +561,8 @@ static bool is_held(const sd_model *m, int axis) {
   return holds;
 }
 
-/* Collective. Sum of the external forces along the axis on all free disks, over the sum of their
- * absolute values, so within [0, 1]. */
+/* Collective. |sum of the external forces along the axis on all free disks| divided by the sum
+ * of their absolute values; the ratio lies within [0, 1]. */
 static double pull_of(const sd_model *m, int axis) {
   double sum = 0, parts = 0;
   for (size_t row = rows_first(m); row < rows_count(m); row++) {
@@ -564,7 +576,7 @@ static double pull_of(const sd_model *m, int axis) {
   return parts > 0 ? fabs(sum) / parts : 0;
 }
 
-/* Warns of disks that fall without end along a periodic direction. */
+/* Warns about disks that fall without end along a periodic direction. */
 static double check_falls(const sd_model *m, sd_messages *messages) {
   const double g = hypot(m->gravity[SD_X], m->gravity[SD_Y]);
   double found = 0;

@@ -7,8 +7,8 @@
 
 #define FAIL(...) sd_fail(msg, SD_ERROR_USER, __VA_ARGS__)
 
-/* Neighbour lists may reach 1.2 times the distance at which disks touch, plus, for all pairs,
- * the longest range of attraction of any law. */
+/* The box must be longer than twice the range of neighbour lists, which may be 1.2 times the
+ * distance at which disks touch plus the longest range of attraction of any law. */
 double cell_least_length(const sd_model *m, double *reach) {
   const double farthest = laws_reach(m);
   double largest = 0.0;
@@ -18,8 +18,9 @@ double cell_least_length(const sd_model *m, double *reach) {
   return 4.0 * rows_largest(m, largest) * 1.2 + 2.0 * farthest;
 }
 
-/* Reports the first disk with a fixed position or a force of its own: it would stand still in
- * the flow. Messages begin with the body, by which the deck reader finds the line. */
+/* Reports an error for the first disk that is prescribed, locked in place, waiting or subject to
+ * a force of its own: it would not move with the flow. Messages begin with the name of the body,
+ * by which the reader of the input deck finds the line. */
 static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
   char name[96];
   for (size_t row = 0; row < rows_count(m); row++) {
@@ -90,9 +91,9 @@ static void check_rates(const sd_model *m, size_t phase, sd_messages *msg) {
          c->response, c->max_rate);
 }
 
-/* Reports a phase that makes the box too short along c. Lengths are followed only through phases
- * of given rates and durations: after stress control or a phase that may end early they are
- * unknown. */
+/* Reports a phase that makes the box too short along coordinate c. Lengths are followed only
+ * through phases of given rates and durations: after stress control or a phase that may end
+ * early they are unknown. */
 static void check_lengths(const sd_model *m, int c, sd_messages *msg) {
   static const char *const keys[] = {"rate_xx", "rate_yy"};
   double reach;

@@ -1,18 +1,19 @@
 /* cell.h: the shape of a deforming periodic box in a state.
  *
  * The images of a position are displaced by h n with h = ((Lx, offset), (0, Ly)) and integers n.
- * The state stores Lx and Ly relative to the lengths of the box without deformation, which are
- * the model's times state->box_scale, and the offset relative to this length in x.
+ * The state stores Lx and Ly divided by the lengths of the box without deformation, which are the
+ * model's times state->box_scale, and the offset divided by this length in x.
  */
 #ifndef MODEL_CELL_H
 #define MODEL_CELL_H
 
 #include "model/state.h"
 
-/* Components of the shape: Lx, Ly, offset, shear strain. */
+/* Indices of the numbers that describe the shape of a deforming box: length along x, length
+ * along y, offset in x between a row of images and the row below it, shear strain. */
 enum { CELL_X, CELL_Y, CELL_OFFSET, CELL_SHEAR, CELL_COLUMNS };
 
-/* True if any phase deforms the box. */
+/* True if any phase of the run deforms the periodic box. */
 static inline bool cell_deforms(const sd_model *m) {
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].cell.asked) return true;
@@ -27,17 +28,17 @@ double cell_least_length(const sd_model *m, double *reach);
 /* Reports errors of phases that deform the box. */
 void cell_check(const sd_model *m, sd_messages *messages);
 
-/* Length of the region and the box along c over that of the model. */
+/* Length of the region or periodic box along coordinate c, divided by its length in the model. */
 static inline double cell_scale(const sd_state *s, int c) {
   return s->n_cell ? s->box_scale * s->cell[c] : s->box_scale;
 }
 
-/* Displacement in x between a row of periodic images and the row below it, length. */
+/* Distance in x by which a row of periodic images is displaced against the row below it. */
 static inline double cell_offset(const sd_model *m, const sd_state *s) {
   return s->n_cell ? s->box_scale * s->cell[CELL_OFFSET] * (m->upper[0] - m->lower[0]) : 0.0;
 }
 
-/* Velocity gradient of the box: xx, yy, xy. */
+/* Computes the velocity gradient of a deforming box in g: components xx, yy, xy, 1/time. */
 static inline void cell_gradient_of(const sd_model *m, const sd_state *s,
                                     double g[SD_CELL_COMPONENTS]) {
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) g[k] = 0.0;

@@ -16,7 +16,7 @@ static const char *name_of(const sd_model *m, size_t k, char text[96]) {
   return sd_model_body_name(m, (uint32_t)(sd_model_bodies(m) + k), text, 96);
 }
 
-/* Lists the disks of each clump in the order of their numbers, and allocates their offsets. */
+/* Lists the disks of each clump in the order of disk numbers, and allocates their offsets. */
 static sd_status list_disks(sd_model *m) {
   size_t *end, n = 0;
   free(m->clump_disks);
@@ -40,17 +40,17 @@ static sd_status list_disks(sd_model *m) {
   return SD_OK;
 }
 
-/* --- shape ---------------------------------------------------------------------------------- */
+/* --- shape ------------------------------------------------------------------------------------ */
 
-/* A disk of a clump while the clump is assembled in a periodic box. */
+/* Disk of a clump, while the clump is put together across the edges of a periodic box. */
 typedef struct member {
   uint32_t disk;
   bool placed;
-  /* Placed member whose surface is nearest to this disk's; for a disk not yet placed, the
-   * nearest so far. */
+  /* Disk, among those already placed, whose surface is nearest to this disk's; as an index into
+   * the clump's disks. */
   size_t beside;
-  double gap; /* gap between this disk and the member `beside` */
-  /* Number of periods by which the disk is moved to lie beside the first disk. */
+  double gap; /* gap between the surfaces of this disk and the disk `beside` */
+  /* Number of box lengths along x and y by which the disk is moved to lie beside the first disk. */
   double cells[2];
 } member;
 
@@ -59,14 +59,15 @@ static double period(const sd_model *m, int coordinate) {
   return m->periodic[coordinate] ? m->upper[coordinate] - m->lower[coordinate] : 0.0;
 }
 
-/* Number of periods to subtract from the position of disk b to get its image nearest to disk a. */
+/* Number of box lengths to subtract from coordinate c of disk b to get its image nearest to disk
+ * a. */
 static double periods(const sd_model *m, uint32_t a, uint32_t b, int coordinate) {
   const double length = period(m, coordinate);
   const double d = m->disks[b].position[coordinate] - m->disks[a].position[coordinate];
   return length > 0.0 ? nearbyint(d / length) : 0.0;
 }
 
-/* Gap between the surfaces of two disks, nearest image. */
+/* Gap between the surfaces of two disks, using the nearest periodic image. */
 static double gap_of(const sd_model *m, uint32_t a, uint32_t b) {
   const sd_disk *p = &m->disks[a], *q = &m->disks[b];
   double d[2];
@@ -75,8 +76,8 @@ static double gap_of(const sd_model *m, uint32_t a, uint32_t b) {
   return hypot(d[0], d[1]) - (p->radius + q->radius);
 }
 
-/* Places member k beside its nearest placed member, and updates the gaps of those not yet
- * placed. */
+/* Places disk k of a clump beside its nearest disk that is already placed. Then updates the gaps
+ * of the n disks of the clump that are not placed yet. */
 static void place(const sd_model *m, member *of, size_t n, size_t k) {
   of[k].placed = true;
   for (int c = 0; c < 2; c++)
@@ -110,13 +111,13 @@ static void place_all(const sd_model *m, member *of, size_t n) {
   }
 }
 
-/* Component c of the vector from member a to member b of the assembled clump. */
+/* Component c of the vector from disk a to disk b of a clump that has been put together. */
 static double between(const sd_model *m, const member *a, const member *b, int c) {
   const double d = m->disks[b->disk].position[c] - m->disks[a->disk].position[c];
   return d - period(m, c) * (a->cells[c] - b->cells[c]);
 }
 
-/* Radius of the circle about the centre of mass that encloses the disks. */
+/* Radius of the circle about the centre of mass that encloses the n disks of a clump. */
 static double radius_of(const sd_model *m, const member *of, size_t n) {
   double mass = 0.0, centre[2] = {0.0, 0.0}, radius = m->disks[of->disk].radius;
   for (int pass = 0; pass < 2; pass++) {
@@ -148,8 +149,8 @@ clump_grain clumps_grain(const sd_model *m, size_t first, size_t end) {
   return grain;
 }
 
-/* Computes the offsets of the disks from the centre of mass; centre: position of the centre
- * relative to the first disk. Returns the mass. */
+/* Computes the offsets of a clump's disks from its centre of mass; centre: position of the
+ * centre relative to the first disk. Returns the mass. */
 static double measure(const sd_model *m, const sd_clump *c, const member *of, double (*offset)[2],
                       double centre[2]) {
   double mass = 0.0, at[2] = {0.0, 0.0};
@@ -169,8 +170,8 @@ static double measure(const sd_model *m, const sd_clump *c, const member *of, do
   return mass;
 }
 
-/* Largest gap along the path from one member to another, where each step goes to the member
- * beside which a disk was placed. */
+/* Largest gap along the chain of disks that connects disks a and b of a clump; each disk of the
+ * chain was placed beside the next one. */
 static double widest(const member *of, size_t a, size_t b) {
   double most = -HUGE_VAL;
   size_t up_a = 0, up_b = 0;
@@ -185,9 +186,9 @@ static double widest(const member *of, size_t a, size_t b) {
   return most;
 }
 
-/* Returns the directions (bit 0: x, bit 1: y) in which the clump closes around the box: two
- * disks are nearest across an edge, with a gap no larger than those on the path between them, so
- * that the clump could as well be open there. */
+/* Returns the directions (bit 0: x, bit 1: y) in which a clump closes into a ring around the
+ * periodic box: two of its disks are nearest to each other across an edge, with a gap no larger
+ * than those on the chain of disks between them, so that the ring could as well be open there. */
 static unsigned closes_around(const sd_model *m, const member *of, size_t n) {
   unsigned around = 0;
   for (size_t a = 0; (m->periodic[0] || m->periodic[1]) && a < n; a++)
@@ -215,8 +216,8 @@ sd_disk clumps_felt(const sd_model *m, size_t disk) {
   return d;
 }
 
-/* Computes centre, mass and inertia of a clump; if its mass is given, scales the masses of its
- * disks. */
+/* Computes the centre, mass and moment of inertia of a clump; if its mass is given, scales the
+ * masses of its disks. */
 static void derive(sd_model *m, sd_clump *c, member *of) {
   double(*offset)[2] = m->clump_offsets + (c->disks - m->clump_disks), inertia = 0.0, centre[2];
   for (size_t n = 0; n < c->n_disks; n++) of[n].disk = c->disks[n];
@@ -239,9 +240,10 @@ static void derive(sd_model *m, sd_clump *c, member *of) {
   }
 }
 
-/* --- checks --------------------------------------------------------------------------------- */
+/* --- checks ----------------------------------------------------------------------------------- */
 
-/* Reports a disk of a clump that is locked, moves, or waits for rain while others do not. */
+/* Reports an error if disk i of a clump is locked, has a motion of its own, or waits to be
+ * released while other disks of the clump do not. */
 static void check_disk(const sd_model *m, const char *clump, uint32_t i, bool waiting,
                        sd_messages *msg) {
   const sd_disk *d = &m->disks[i];

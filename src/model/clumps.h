@@ -4,13 +4,14 @@
 
 #include "model/model.h"
 
-/* Lists the disks of each clump, computes its centre, mass and inertia unless given, and checks
- * it. Disks must have their inertias and `driven` flags before. SD_ERROR_USER: errors were
- * reported; SD_ERROR_IO: out of memory. */
+/* Lists the disks of each clump, computes the centre, mass and moment of inertia of the clump
+ * unless given, and checks it. Disks must have their inertias and `driven` flags before.
+ * SD_ERROR_USER: errors were reported; SD_ERROR_IO: out of memory. */
 sd_status clumps_derive(sd_model *model, sd_messages *messages);
 
-/* A grain of rain: a single disk, or a clump whose disks follow one another in the model.
- * `disks`: their number; `radius`: of the circle about the centre of mass that encloses them. */
+/* A grain that is dropped by rain, which releases disks in batches: a single disk, or a clump
+ * whose disks have consecutive numbers. disks: number of disks in the grain; radius: radius of
+ * the circle about the centre of mass that encloses them. */
 typedef struct clump_grain {
   size_t disks;
   double radius;
@@ -18,9 +19,10 @@ typedef struct clump_grain {
 /* Returns the grain that begins with disk `first`, among the disks before `end`. */
 clump_grain clumps_grain(const sd_model *model, size_t first, size_t end);
 
-/* Returns a disk of a clump with the mass and inertia of a single disk that yields as much to a
- * normal force (1/M + d^2/I) and to a tangential one (1/M + (d + R)^2/I), d its distance from
- * the centre: the smallest that a contact can feel. Any other disk is returned as it is. */
+/* Returns a copy of a disk for estimates of time steps. If the disk belongs to a clump of mass M
+ * and inertia I, its mass and inertia are replaced by those of a single disk that yields as much
+ * to a normal force (1/M + d^2/I) and to a tangential one (1/M + (d + R)^2/I), with d its
+ * distance from the clump's centre: the smallest effective values in any contact. */
 sd_disk clumps_felt(const sd_model *model, size_t disk);
 
 /* True if both disks belong to the same clump, so that they do not interact. */

@@ -59,7 +59,7 @@ static const deck_key field_keys[] = {
 TABLE(deck_fields, "fields", false,
       "A force on free disks that depends on position and velocity. Fields add up.", field_keys);
 
-/* --- active fields and their strength ------------------------------------------------------- */
+/* --- active fields and their strength --------------------------------------------------------- */
 
 bool body_force_is_on(const sd_model *m, size_t k, int64_t phase) {
   const bool *on = phase < (int64_t)m->n_phases ? m->phases[phase].fields : NULL;
@@ -76,12 +76,14 @@ bool body_forces_lose(const sd_model *m, int64_t phase) {
   return false;
 }
 
-/* Rates f/m and f_r/I of drag on one disk, and the squared frequency of springs that hold it. */
+/* Rates at which fields act on one disk: drag f/m and rotational drag f_r/I, 1/time; spring2:
+ * squared angular frequency of its motion in central fields that act as springs, 1/time^2. */
 typedef struct field_rates {
   double drag, turn_drag, spring2;
 } field_rates;
 
-/* Adds what a field contributes to the rates of a free disk. */
+/* Adds the contribution of force field f to the rates *r of disk d; prescribed disks are
+ * skipped. */
 static void add_rates(const sd_body_force *f, const sd_disk *d, field_rates *r) {
   if (d->driven || !(d->mass > 0)) return;
   const double inertia = d->inertia > 0 ? d->inertia : 0.5 * d->mass * d->radius * d->radius;
@@ -94,8 +96,8 @@ static void add_rates(const sd_body_force *f, const sd_disk *d, field_rates *r) 
     r->spring2 += f->strength * w.force / d->mass;
 }
 
-/* Returns the rates of all rows of this rank, to be freed; NULL: no fields, or out of memory
- * (shortage_note in memory.h). */
+/* Returns the rates of drag and springs for each disk of this rank; the caller frees them. NULL:
+ * no fields, or out of memory (shortage_note in memory.h). */
 static field_rates *rates_of(const sd_model *m) {
   field_rates *rates;
   const size_t rows = rows_count(m);
@@ -130,8 +132,9 @@ double body_forces_drag_rate(const sd_model *m, uint32_t *disk) {
   return worst;
 }
 
-/* Stability limits. Drag is integrated implicitly: Verlet is stable at any rate, Gear up to f
- * dt/m = 90/49, where an eigenvalue of its step passes -1. Springs as in stability.c. */
+/* Stability limits of force fields. Drag is integrated implicitly: Verlet is stable at any rate,
+ * Gear up to f dt/m = GEAR_DRAG, where an eigenvalue of its step passes -1. A spring of
+ * frequency w is stable up to SPRING (w dt)^2 = 1, as in stability.c. */
 static const double GEAR_DRAG = 90.0 / 49, SPRING[] = {[SD_GEAR5] = 47.0 / 30, [SD_VERLET] = 0.25};
 
 void body_forces_limit(const sd_model *m, sd_step_limit *limit) {
@@ -147,9 +150,9 @@ void body_forces_limit(const sd_model *m, sd_step_limit *limit) {
   free(rates);
 }
 
-/* --- checks --------------------------------------------------------------------------------- */
+/* --- checks ----------------------------------------------------------------------------------- */
 
-/* Reports errors of one field. */
+/* Reports errors in the parameters of one force field. */
 static void check_one(const sd_model *m, const sd_body_force *f, const char *name,
                       sd_messages *msg) {
   const double numbers[] = {f->centre[0], f->centre[1],      f->gamma,      f->gamma_rotation,

@@ -27,13 +27,13 @@ enum { FIELD_MOST_POWER = 8 };
 
 extern const deck_table deck_fields;
 
-/* Name of the kind in the deck. */
+/* Returns the name of a kind of force field as written in an input deck. */
 const char *field_kind_name(sd_field_kind kind);
 
-/* Collective. Reports errors in the fields, for sd_model_finish. */
+/* Collective. Reports errors in the force fields of a model; called by sd_model_finish. */
 void body_forces_check(const sd_model *model, sd_messages *messages);
-/* Factors of a field's force and torque for one disk: 1 and 1, R and R^3, or m and I
- * (sd_field_per). */
+/* Factors by which the force and the torque of a field are multiplied for one disk: 1 and 1, R
+ * and R^3, or m and I (sd_field_per). */
 typedef struct field_weight {
   double force, torque;
 } field_weight;
@@ -50,12 +50,14 @@ static inline field_weight field_weight_of(const sd_body_force *f, double radius
 /* Lowers the limit of the time step if drag or springs of fields on this rank's disks require
  * it. */
 void body_forces_limit(const sd_model *model, sd_step_limit *limit);
-/* Collective. Largest rate f/m or f_r/I of drag on a free disk, 1/time, 0: no drag; *disk (may
- * be NULL): its number. */
+/* Collective. Largest rate f/m or f_r/I of drag on a free disk, 1/time; 0: no drag. *disk (may
+ * be NULL): number of that disk. */
 double body_forces_drag_rate(const sd_model *model, uint32_t *disk);
-/* True if a drag or damping field that acts on all disks is on in this phase. */
+/* True if a drag or damping field that acts on all disks is switched on in this phase of the
+ * run. */
 bool body_forces_lose(const sd_model *model, int64_t phase);
-/* True if the field is on in this phase; after the last phase always. */
+/* True if the force field is switched on in this phase of the run; always true after the last
+ * phase. */
 bool body_force_is_on(const sd_model *model, size_t field, int64_t phase);
 
 #endif

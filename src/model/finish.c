@@ -20,7 +20,7 @@
 #include "model/rows.h"
 #include "model/walls.h"
 
-/* --- checks --------------------------------------------------------------------------------- */
+/* --- checks ----------------------------------------------------------------------------------- */
 
 /* Reports errors of the run's parameters, and empty lists of disks, phases or materials. */
 static void check_run(const sd_model *m, sd_messages *msg) {
@@ -35,8 +35,8 @@ static void check_run(const sd_model *m, sd_messages *msg) {
       sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
 }
 
-/* Reports the value of a key of a body if it is below `least` (or equal to it, if open), not
- * finite, or beyond LIMIT_NUMBER. */
+/* Reports an error if the parameter `key` of a body is below `least` (or equal to it, if `open`
+ * is true), not finite, or beyond LIMIT_NUMBER. */
 static void check_number(const sd_model *m, uint32_t body, const char *key, double value,
                          double least, bool open, sd_messages *msg) {
   char name[96];
@@ -76,7 +76,7 @@ static void check_disks(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* True if x is finite and not beyond LIMIT_NUMBER. */
+/* True if |x| <= LIMIT_NUMBER; false for infinity and NaN. */
 static bool has_size(double x) { return fabs(x) <= LIMIT_NUMBER; }
 
 static bool wall_is_finite(const sd_wall *w) {
@@ -123,8 +123,9 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* True for a round wall with rolling resistance, which follows the wall's angle and not the
- * displacement of its surface. */
+/* True for a round wall with rolling resistance (k_r > 0). Its surface cannot be moved by
+ * itself, since rolling is computed from the wall's angle and not from the displacement of its
+ * surface. */
 static bool rolls_on_surface(const sd_model *m, size_t body) {
   const sd_wall *wall = &m->walls[body - m->n_disks];
   bool rolls = false;
@@ -167,7 +168,7 @@ static const char *material_name(const sd_model *m, size_t k) {
   return m->materials[k].name ? m->materials[k].name : "?";
 }
 
-/* Reports errors of the law of materials a and b, if it is given. */
+/* Reports errors of the contact law of materials a and b, if the law is given. */
 static void check_law(const sd_model *m, size_t a, size_t b, sd_messages *msg) {
   const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
   const char *key = NULL;
@@ -194,7 +195,7 @@ static sd_status check_laws(const sd_model *m, sd_messages *msg) {
   return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
 }
 
-/* Reports restored contacts with body numbers that do not exist. */
+/* Reports contacts restored from a file whose body numbers do not exist. */
 static void check_memories(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_memories; k++) {
     const sd_contact_memory *c = &m->memories[k];
@@ -203,7 +204,7 @@ static void check_memories(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* Reports watched disks and contacts that do not exist. */
+/* Reports measurements that name disks or contacts which do not exist. */
 static void check_watches(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_rotations; k++)
     if (m->rotations[k] >= m->n_disks)
@@ -222,7 +223,7 @@ static void check_watches(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* Reports errors of the goal at which the last phase ends. */
+/* Reports errors in the goal `until`, an error bar that ends the last phase of the run. */
 static void check_until(const sd_model *m, sd_messages *msg) {
   const sd_until *u = &m->until;
   if (!u->asked || m->n_phases == 0) return;
@@ -281,8 +282,8 @@ static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages 
               phase, sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
 }
 
-/* Reports walls that a load or servo may have moved before a compression: the area would be that
- * of the original container. */
+/* Reports a load or servo that may have moved its wall before a phase that compresses: the
+ * packing fraction would refer to the area of the original container. */
 static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg) {
   char name[96];
   for (size_t q = 0; q < m->n_motions; q++) {
@@ -343,8 +344,8 @@ static void check_bounds(const sd_model *m, sd_messages *msg) {
               c == SD_X ? 'x' : 'y');
 }
 
-/* Reports round walls that do not fit into the periodic box, where a disk could touch two
- * images, and disks that do not fit into a drum. */
+/* Reports round walls that do not fit into the periodic box, since a disk could touch two images
+ * of them, and disks that do not fit into a round container. */
 static void check_round_walls(const sd_model *m, sd_messages *msg) {
   char name[96], disk[96];
   for (uint32_t w = 0; w < m->n_walls; w++) {
@@ -367,7 +368,7 @@ static void check_round_walls(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* Largest rounding error of coordinates over the smallest radius; with more, contacts are
+/* Largest rounding error of a coordinate divided by the smallest radius; beyond it, contacts are
  * meaningless. */
 static const double COARSE = 0.01;
 
@@ -380,7 +381,8 @@ static double farthest_of(const sd_wall *w) {
   return far;
 }
 
-/* Reports a coordinate `far` whose rounding error is too large; true if it did. */
+/* Reports an error if a coordinate as large as `far` has a rounding error that is too large for
+ * the smallest disk; returns true if it did. */
 static bool tell_rounding(const sd_model *m, uint32_t body, double far, sd_messages *msg) {
   char name[96];
   const double rounding = DBL_EPSILON * far;
@@ -403,7 +405,8 @@ static void check_rounding(const sd_model *m, sd_messages *msg) {
     if (tell_rounding(m, (uint32_t)m->n_disks + w, farthest_of(&m->walls[w]), msg)) return;
 }
 
-/* Reports a disk of rain k that is not free, does not wait, or is too wide for the rain. */
+/* Reports an error if a disk that rain k shall release is not free, does not wait for its
+ * release, or is wider than the rain. */
 static void check_raining(const sd_model *m, size_t k, size_t row, sd_messages *msg) {
   const sd_rain *r = &m->rains[k];
   const sd_disk *d = rows_disk(m, row);
@@ -419,11 +422,12 @@ static void check_raining(const sd_model *m, size_t k, size_t row, sd_messages *
             d->radius, r->upper - r->lower);
 }
 
-/* Collective. Reports errors of rains and their disks. */
+/* Collective. Reports errors in the rains, which release disks in batches, and in their disks. */
 static void check_rains(const sd_model *m, sd_messages *msg) {
   char name[96], motion[96];
   const size_t held = model_held(m), n = rows_count(m);
-  int64_t counts[2] = {0}; /* numbers of disks: waiting, belonging to a rain */
+  /* number of disks that wait for their release, number of disks that belong to a rain */
+  int64_t counts[2] = {0};
   for (size_t row = rows_first(m); row < n; row++) counts[0] += rows_disk(m, row)->waiting;
   for (size_t k = 0; k < m->n_rains; k++) {
     const sd_rain *r = &m->rains[k];
@@ -435,7 +439,7 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
       sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected a gap >= 0, and a speed and a floor", k);
     for (size_t row = r->first < held ? r->first : held; row < n; row++) {
       const uint32_t i = rows_number(m, row);
-      /* continue with the rows that only this rank has */
+      /* continue with the disks that are stored on this rank only */
       if (i >= end && row < held) row = held - 1;
       if (i < r->first || i >= end) continue;
       counts[1] += row >= rows_first(m);
@@ -457,16 +461,17 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
     }
 }
 
-/* Reports a time step beyond the stability limit; for decks deck.c reports it, with the line. */
+/* Reports a time step beyond the stability limit. If the model comes from an input deck, deck.c
+ * reports it instead, with the line. */
 static void check_step(const sd_model *m, sd_messages *msg) {
   char *text = advice_unstable(m);
   if (text) sd_fail(msg, SD_ERROR_USER, "dt = %g: %s", m->dt, text);
   free(text);
 }
 
-/* --- derived tables ------------------------------------------------------------------------- */
+/* --- derived tables --------------------------------------------------------------------------- */
 
-/* Sets inertias that are 0 to m R^2/2. */
+/* Sets moments of inertia that were not given (0) to m R^2/2. */
 static void complete_disks(sd_model *m) {
   const size_t held = model_held(m);
   for (size_t row = 0; row < rows_count(m); row++) {
@@ -475,8 +480,8 @@ static void complete_disks(sd_model *m) {
   }
 }
 
-/* Collective. Computes the radii of the model, the number of restored contacts, and default
- * intervals. */
+/* Collective. Computes the mean, largest and smallest radius of the model's disks, the number of
+ * restored contacts on all ranks, and default intervals of motions. */
 static void derive_numbers(sd_model *m) {
   double inverse = 0.0, largest = 0.0, smallest = HUGE_VAL;
   for (size_t k = 0; k < m->n_motions; k++)
@@ -497,7 +502,8 @@ static void derive_numbers(sd_model *m) {
   m->all_memories = m->n_memories + (size_t)contacts[0];
 }
 
-/* Computes shortest_period if there are servos. */
+/* Computes shortest_period, the shortest contact period, if any motion is a servo; else sets it
+ * to 0. */
 static void derive_period(sd_model *m) {
   bool servo = false;
   for (size_t k = 0; k < m->n_motions; k++) servo |= m->motions[k].kind == SD_MOTION_SERVO;
@@ -523,14 +529,14 @@ static void check_all(const sd_model *m, sd_messages *msg) {
   check_until(m, msg);
 }
 
-/* Collective. Returns the status on which all ranks agree: SD_ERROR_USER if any rank has
- * reported errors since `before`, as ranks check their own rows. */
+/* Collective. Returns the same status on all ranks: SD_ERROR_USER if any rank now has more
+ * errors than the number `before`, since each rank checks its own disks. */
 static sd_status found(const sd_model *m, sd_status status, const sd_messages *msg, size_t before) {
   if (status == SD_OK && sd_messages_errors(msg) > before) status = SD_ERROR_USER;
   return comm_agree(m->comm, status);
 }
 
-/* Computes the derived tables and checks them. */
+/* Computes and checks the tables that are derived from a model's input. */
 static sd_status derive(sd_model *m, sd_messages *msg) {
   const size_t before = sd_messages_errors(msg);
   sd_status status = comm_agree(m->comm, model_find_driven(m));

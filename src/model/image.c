@@ -13,17 +13,18 @@
 #include "base/memory.h"
 #include "slipdisk/model.h"
 
-/* State of a walk that writes or reads a serialized model. */
+/* State of a pass over a model that writes it to bytes or reads it back. */
 typedef struct image {
-  unsigned char *bytes; /* the serialized model: grows when writing, const when reading */
-  size_t n, capacity;   /* bytes written or read so far; size of `bytes` */
-  /* direction; errors: invalid bytes, out of memory */
+  unsigned char *bytes; /* the serialized model: grows when writing, is not changed when reading */
+  size_t n, capacity;   /* number of bytes written or read so far; size of `bytes` */
+  /* true: writing, false: reading; error: invalid bytes; error: out of memory */
   bool writes, damaged, starved;
-  const char *source; /* address of the data written last, and its offset in `bytes` */
+  const char *source; /* address of the data written last; their offset in `bytes` */
   size_t offset;
 } image;
 
-/* Version and struct sizes that the reading program must share. */
+/* Version of slipdisk and sizes of its structs, stored at the beginning; a program that reads
+ * the bytes must have the same. */
 static const uint32_t layout[] = {
     SD_VERSION_NUMBER,         sizeof(sd_model),    sizeof(sd_contact_law), sizeof(sd_disk),
     sizeof(sd_wall),           sizeof(sd_motion),   sizeof(sd_phase),       sizeof(sd_rain),
@@ -32,7 +33,7 @@ static const uint32_t layout[] = {
 
 static bool failed(const image *im) { return im->damaged || im->starved; }
 
-/* Copies `size` bytes from data to the image or back. */
+/* Copies `size` bytes from `data` to the serialized model when writing, and back when reading. */
 static void transfer(image *im, void *data, size_t size) {
   if (failed(im) || size == 0) return;
   if (im->writes && size > im->capacity - im->n) {
@@ -53,8 +54,8 @@ static void transfer(image *im, void *data, size_t size) {
   im->n += size;
 }
 
-/* Sets the pointer at `place` to zero: in the image when writing, where it lies in the data
- * written last; in memory when reading. */
+/* Sets a pointer to zero, given the address `place` of the pointer. When writing, only its copy
+ * in the serialized model is changed; the pointer must belong to the data written last. */
 static void forget(image *im, void *place) {
   if (im->writes && !failed(im))
     memset(im->bytes + im->offset + ((const char *)place - im->source), 0, sizeof(void *));
@@ -62,7 +63,8 @@ static void forget(image *im, void *place) {
     memset(place, 0, sizeof(void *));
 }
 
-/* Allocates n zeroed elements and stores their address at `place`; NULL: out of memory. */
+/* Allocates n zeroed elements of `size` bytes and stores their address at `place`. Out of
+ * memory: sets im->starved. */
 static void make_room(image *im, void *place, size_t n, size_t size) {
   im->starved = !memory_row(place, n, size);
 }
@@ -80,8 +82,9 @@ static void array(image *im, void *place, size_t n, size_t size) {
   transfer(im, data, n * size);
 }
 
-/* Writes or reads the string whose address is at `place`. If an array has several such pointers,
- * call forget for all of them first, since writing a string changes the data written last. */
+/* Writes or reads the string whose address is at `place`. For an array of structs with such
+ * pointers, call `forget` for all of them first: it needs the array to be the data written last,
+ * and this function writes other data. */
 static void text(image *im, void *place) {
   const char *data = NULL;
   if (im->writes) memcpy(&data, place, sizeof data);
@@ -119,7 +122,8 @@ static void walk_bodies(image *im, sd_model *m) {
   array(im, &m->clumps, m->n_clumps, sizeof *m->clumps);
   if (failed(im)) return;
   FORGET_ALL(im, m->clumps, m->n_clumps, name);
-  FORGET_ALL(im, m->clumps, m->n_clumps, disks); /* each disk stores its clump */
+  /* the list of each clump's disks is rebuilt from the clump numbers stored in the disks */
+  FORGET_ALL(im, m->clumps, m->n_clumps, disks);
   for (size_t k = 0; k < m->n_clumps; k++) text(im, &m->clumps[k].name);
 }
 
@@ -139,7 +143,7 @@ static void walk_motions(image *im, sd_model *m) {
   }
 }
 
-/* Writes or reads a flag per motion or field; NULL: all are on. */
+/* Writes or reads the on/off flags of a phase, one per motion or field; NULL: all are on. */
 static void switches(image *im, bool **list, size_t n) {
   uint8_t has = *list != NULL;
   transfer(im, &has, 1);
@@ -181,7 +185,7 @@ static void walk_materials(image *im, sd_model *m) {
   for (size_t k = 0; k < m->n_groups; k++) text(im, &m->groups[k]);
 }
 
-/* Writes or reads all arrays, after the struct itself. */
+/* Writes or reads all arrays of a model; the struct itself precedes them. */
 static void walk(image *im, sd_model *m) {
   void *places[] = {&m->title,         &m->materials,   &m->laws,        &m->groups,
                     &m->disks,         &m->walls,       &m->motions,     &m->fields,
@@ -206,7 +210,8 @@ static void walk(image *im, sd_model *m) {
 
 void *image_of_model(const sd_model *model, size_t *size) {
   image im = {.writes = true};
-  /* the walk does not change the model: it writes to `place` only when reading */
+  /* a shallow copy, since `walk` takes a model that is not const; it only changes one that it
+   * reads */
   sd_model whole = *model, *m = &whole;
   assert(!model->parted && !model->tiles.away);
   uint32_t head[sizeof layout / sizeof *layout];
@@ -221,7 +226,8 @@ void *image_of_model(const sd_model *model, size_t *size) {
   return NULL;
 }
 
-/* Frees a model that was read in part; counts of missing arrays become 0 first. */
+/* Frees a model of which only a part could be read, after setting the counts of missing arrays
+ * to 0. */
 static void drop(sd_model *m) {
   if (!m->materials) m->n_materials = 0;
   if (!m->groups) m->n_groups = 0;
@@ -234,7 +240,8 @@ static void drop(sd_model *m) {
   sd_model_free(m);
 }
 
-/* True if all kinds are valid that index tables before sd_model_finish checks them. */
+/* True if all enum values that are used as indices of tables, before sd_model_finish checks
+ * them, are valid. */
 static bool kinds_exist(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
     if ((unsigned)m->motions[k].kind >= SD_MOTION_KINDS ||
@@ -258,7 +265,8 @@ sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages
   sd_model *m = memory_new(1, sizeof *m);
   image im = {.bytes = (unsigned char *)(uintptr_t)bytes, .n = sizeof layout, .capacity = size};
   transfer(&im, m, sizeof *m);
-  m->parted = m->tiles.away = false; /* may be set in a damaged image */
+  /* true in damaged bytes only: distributed models are not serialized */
+  m->parted = m->tiles.away = false;
   walk(&im, m);
   sd_status status = SD_OK;
   if (im.starved) status = sd_fail(messages, SD_ERROR_IO, "out of memory for the model");

@@ -1,5 +1,5 @@
-/* keys.c: the deck keys that set members of the model, except those of laws (laws.c). See
- * keys.h. */
+/* keys.c: table of the keys of an input deck that set members of the model, except keys of
+ * contact laws (laws.c). See keys.h. */
 #include "model/keys.h"
 
 #include <assert.h>
@@ -256,15 +256,15 @@ const deck_key *deck_key_find(const deck_table *table, const char *name) {
   return NULL;
 }
 
-/* --- ranges --------------------------------------------------------------------------------- */
+/* --- ranges ----------------------------------------------------------------------------------- */
 
 const char *deck_range_text(deck_range range) {
   static const char *const text[] = {"", "> 0", ">= 0", ">= 1", "> 0 and <= 1"};
   return text[range];
 }
 
-/* True if x lies within LIMIT_NUMBER and its inverse, so that 1/x and products of three such
- * numbers are finite and not subnormal. */
+/* True if 1/LIMIT_NUMBER <= |x| <= LIMIT_NUMBER, so that 1/x and products of three such numbers
+ * are finite and not subnormal. */
 static bool has_size(double x) { return fabs(x) >= 1 / LIMIT_NUMBER && fabs(x) <= LIMIT_NUMBER; }
 
 bool deck_in_range(deck_range range, double x) {
@@ -286,9 +286,10 @@ const char *deck_expected(deck_range range, double x) {
   return wrong_size ? sized[range] : deck_range_text(range);
 }
 
-/* --- members -------------------------------------------------------------------------------- */
+/* --- members ---------------------------------------------------------------------------------- */
 
-/* Value of the word in a quoted default; 0 if it is none of the words. */
+/* Returns the enum value of the word in a default like "\"verlet\"", with quotation marks; 0 if
+ * the list has no such word. */
 static int word_value(const deck_shape *word, const char *quoted) {
   for (; word->name; word++)
     if (strncmp(quoted + 1, word->name, strlen(word->name)) == 0 &&
@@ -312,8 +313,8 @@ void deck_key_defaults(const deck_table *table, void *members) {
   }
 }
 
-/* True if x has the sign that the range requires. Its size is free, since a program may set a
- * value far beyond a limit to switch it off. */
+/* True if x has the sign that the range requires. Its magnitude is not checked, since a program
+ * may set a value far beyond a limit to switch it off. */
 static bool has_sign(deck_range range, double x) {
   switch (range) {
     case DECK_ANY: return true;

@@ -1,5 +1,5 @@
-/* law_cohesion.h: attraction A(delta) of closed contacts, which adds to the normal law; delta is
- * negative where there is a gap.
+/* law_cohesion.h: attraction A(delta) of closed contacts, which is subtracted from the normal
+ * force; the overlap delta is negative where there is a gap.
  *
  *   constant  A = pull_off while disks overlap, falling linearly to 0 at gap `range`, where the
  *             contact begins and ends
@@ -8,9 +8,10 @@
  *             Numer. Anal. Meth. Geomech. 30, 213); forming a bridge dissipates bridge_energy,
  *             and the energy is 0 where it breaks
  *
- * Both derive from an energy <= 0, which is 0 beyond the end. sd_cohesion_law has the number of
- * each law; rows are as in normal_laws.h. The lane functions are compiled once per LANE_WIDTH,
- * after base/lane.h, with constants as in law_constants.h.
+ * Both attractions derive from a potential energy <= 0, which is 0 beyond the gap at which they
+ * end. The enum sd_cohesion_law has the number of each law; rows of the table have the form of
+ * those in normal_laws.h. The functions for SIMD lanes are compiled once per LANE_WIDTH, after
+ * base/lane.h, with constants as in law_constants.h.
  */
 #ifndef MODEL_LAW_COHESION_H
 #define MODEL_LAW_COHESION_H
@@ -27,15 +28,16 @@
 #ifdef LANE_WIDTH
 #include "base/vexp.h"
 
-/* Constants of the attraction, one contact per lane. */
+/* Constants of the attraction; each SIMD lane holds those of one contact. */
 typedef struct LANE(cohesion) {
-  LANE(mask) bridge; /* true: bridge; false: constant, or none with pull_off 0 */
+  LANE(mask) bridge; /* true: capillary bridge; false: constant, or none (pull_off 0) */
   LANE(real) pull_off;
-  LANE(real) range, per_range; /* per_range: 1/range, 0 if range is 0 */
-  LANE(real) broken;           /* A/pull_off at gap `rupture`: exp(-rupture/range) */
+  LANE(real) range, per_range; /* per_range: 1/range, or 0 if range is 0 */
+  /* attraction where a bridge breaks, divided by pull_off: exp(-rupture/range) */
+  LANE(real) broken;
 } LANE(cohesion);
 
-/* Attraction over pull_off, A/pull_off, at overlap delta (< 0: gap); any = 0: no lane has a
+/* Attraction divided by pull_off at overlap delta (< 0: gap). any: 0 if no lane has a capillary
  * bridge. */
 LANE_INLINE LANE(real)
     LANE(cohesion_part)(const LANE(cohesion) * c, LANE(real) delta, const int any) {
@@ -52,7 +54,7 @@ LANE_INLINE LANE(real) LANE(cohesion_energy)(const LANE(cohesion) * c, LANE(real
   return -(c->pull_off * (depth + c->range * beyond));
 }
 
-/* Energy dissipated when a bridge forms; 0 for other laws. */
+/* Energy dissipated when a capillary bridge forms; 0 for other attractions. */
 LANE_INLINE LANE(real) LANE(bridge_energy)(const LANE(cohesion) * c) {
   return LANE(mask_zero)(c->bridge, c->pull_off * (c->range * (1.0 - c->broken)));
 }

@@ -1,13 +1,12 @@
 /* law_constants.h: the constants of general contact laws, one row each:
  *
- *   ROW(features, name, value)  features: LAW_ bits of the laws that have the constant; name: of the
- *                               member of law_row and of contact_constants; value: computed once
- *                               from the law `l` (sd_contact_law) of a pair of materials
+ *   ROW(features, name, value)  features: LAW_ bits of the laws that have the constant
+ *                               name:     member of law_row and of contact_constants
+ *                               value:    computed once from the law `l` (sd_contact_law) of a pair
+ *                                         of materials
  *
- * The members, the table of laws, and the loads of the pair pass and of the lanes follow from these
- * rows. A pass loads 0 for constants whose features no law of the model has. law_ratio(a, b) is a/b,
- * 0 if b is 0.
- */
+ * The members of these structs, the table of laws and the code that loads the constants of a pair
+ * follow from the rows. A constant is loaded as 0 if no law of the model has its features. */
 #ifndef MODEL_LAW_CONSTANTS_H
 #define MODEL_LAW_CONSTANTS_H
 
@@ -15,6 +14,7 @@
 
 #include "model/model.h"
 
+/* Returns a/b, or 0 if b is 0. */
 static inline double law_ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
 static inline bool law_is_bridge(const sd_contact_law *l) {
   return l->cohesion == SD_COHESION_BRIDGE;

@@ -2,9 +2,9 @@
  *
  * Damping is gamma_n, or follows from a coefficient of restitution e that does not depend on the
  * speed: gamma = alpha sqrt(m_eff k_n) delta^(1/4) (Tsuji, Tanaka, Ishida, Powder Technology 71,
- * 239). In y = (2/sqrt 5) delta^(5/4) a collision is that of the linear law with w_0 = 1 and b =
- * alpha/sqrt 5, also if the force is cut off at 0: so e(b) is the linear one, and alpha = sqrt 5
- * b.
+ * 239). In the variable y = (2/sqrt 5) delta^(5/4) a collision obeys the equation of the linear law
+ * with frequency w_0 = 1 and damping ratio b = alpha/sqrt 5, also if the force is cut off at 0. So
+ * e(b) is the function of the linear law, and alpha = sqrt 5 b.
  */
 #ifndef MODEL_LAW_HERTZ_H
 #define MODEL_LAW_HERTZ_H

@@ -1,7 +1,7 @@
-/* law_linear.h: linear law, F_el = k_n delta (eq. 2). Included by normal_laws.h.
+/* law_linear.h: linear law, F_el = k_n delta (eq. 2 of the paper). Included by normal_laws.h.
  *
- * Damping is gamma_n plus, for a coefficient of restitution, gamma = 2 b sqrt(m_eff k_n), b the
- * damping ratio of law_damping_ratio.
+ * Damping is gamma_n plus, for a coefficient of restitution, gamma = 2 b sqrt(m_eff k_n) with the
+ * damping ratio b that law_damping_ratio computes.
  */
 #ifndef MODEL_LAW_LINEAR_H
 #define MODEL_LAW_LINEAR_H

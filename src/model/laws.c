@@ -1,4 +1,5 @@
-/* laws.c: deck keys, checks and features of contact laws; see laws.h. */
+/* laws.c: deck keys and checks of contact laws, and flags of the parts that a law has; see
+ * laws.h. */
 #include "model/laws.h"
 
 #include <math.h>
@@ -61,7 +62,7 @@ static const deck_key law_keys[] = {
 };
 TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
 
-/* --- errors of laws ------------------------------------------------------------------------- */
+/* --- errors of laws --------------------------------------------------------------------------- */
 
 char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
   const bool bridge = law->cohesion == SD_COHESION_BRIDGE;
@@ -71,7 +72,7 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
     double value;
     const char *text;
   } rules[] = {
-      /* law_mistake adds the value of mu to this text */
+      /* law_mistake appends the value of mu to the text of this row */
       {law->mu_kinetic > law->mu, "mu_kinetic", law->mu_kinetic, "expected at most mu"},
       {law->gamma_t > 0 && !(law->k_t > 0 && law->mu > 0), "gamma_t", law->gamma_t,
        "without k_t and mu there is no tangential force; give both"},
@@ -85,7 +86,7 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
       {bridge && !(law->rupture > 0), "rupture", law->rupture, "expected a gap > 0"},
   };
   for (size_t k = 0; k < sizeof rules / sizeof *rules; k++) {
-    if (!rules[k].wrong || isnan(rules[k].value)) continue; /* NAN has been reported before */
+    if (!rules[k].wrong || isnan(rules[k].value)) continue; /* NaN is reported by another check */
     *key = rules[k].key;
     *value = rules[k].value;
     return k == 0 ? format_text("%s = %g", rules[k].text, law->mu)
@@ -105,7 +106,7 @@ double law_pull(const sd_contact_law *law, double delta) {
   return 0.0;
 }
 
-/* --- features ------------------------------------------------------------------------------- */
+/* --- features --------------------------------------------------------------------------------- */
 
 unsigned law_features(const sd_contact_law *law) {
   unsigned f = 0;
@@ -122,7 +123,7 @@ unsigned law_features(const sd_contact_law *law) {
   return f;
 }
 
-/* Largest gap over which a law attracts. */
+/* Returns the largest gap at which a contact law attracts; 0: no attraction. */
 static double reach_of(const sd_contact_law *law) {
   return law->cohesion == SD_COHESION_BRIDGE     ? law->rupture
          : law->cohesion == SD_COHESION_CONSTANT ? law->range
@@ -149,11 +150,11 @@ bool law_is_same(const sd_contact_law *a, const sd_contact_law *b) {
   return true;
 }
 
-/* --- pairs of materials in use -------------------------------------------------------------- */
+/* --- pairs of materials in use ---------------------------------------------------------------- */
 
-/* Invalid material numbers are skipped; they are reported elsewhere. */
+/* Bodies with invalid material numbers are skipped here; sd_model_finish reports them. */
 void laws_count_uses(const sd_model *m, law_use *use) {
-  /* per material: disks, free disks */
+  /* [2 * material]: number of disks, [2 * material + 1]: number of free disks */
   int64_t *counts = memory_new(2 * m->n_materials, sizeof *counts);
   for (size_t row = rows_first(m); row < rows_count(m); row++) {
     const sd_disk *d = rows_disk(m, row);

@@ -11,30 +11,31 @@ extern const deck_table law_table;
 /* True if the pair of materials has a law, even an invalid one. */
 static inline bool law_is_given(const sd_contact_law *law) { return law->k_n != 0.0; }
 
-/* Returns the text of the first error in a law, to be freed, and its key and value; NULL: no
- * error. */
+/* Returns the text of the first error in a contact law, which the caller frees, and writes the
+ * key that is wrong and its value. NULL: there is no error. */
 char *law_mistake(const sd_contact_law *law, const char **key, double *value);
 
-/* True if all members are equal. */
+/* True if all members of two contact laws are equal. */
 bool law_is_same(const sd_contact_law *a, const sd_contact_law *b);
 
-/* Attraction of a closed contact at overlap delta, force, for measurements
- * (model/law_cohesion.h). */
+/* Returns the attractive force of a closed contact at overlap delta (< 0: gap), for
+ * measurements. The formulas are in model/law_cohesion.h. */
 double law_pull(const sd_contact_law *law, double delta);
 
-/* Use of a material: number of bodies made of it. */
+/* Numbers of the bodies that are made of one material. */
 typedef struct law_use {
   size_t count;   /* number of disks and walls */
-  bool free_disk; /* true if a free disk is among them */
+  bool free_disk; /* true if at least one of them is a free disk */
 } law_use;
 
 /* Collective. Counts the bodies of each material; use: [n_materials], zeroed by the caller. */
 void laws_count_uses(const sd_model *model, law_use *use);
-/* Finds the next pair of materials, from (*a, *b) on, *a <= *b, that can touch and has no law;
- * one of them has a free disk. False: there are no more. */
+/* Finds the next pair of materials *a <= *b, beginning with the given pair, for which no contact
+ * law is given although bodies of them can touch, one of them a free disk. False: there are no
+ * more. */
 bool laws_find_missing(const sd_model *model, const law_use *use, size_t *a, size_t *b);
 
-/* Largest gap over which any law attracts; 0: no law does. */
+/* Returns the largest gap at which any contact law of the model attracts; 0: none does. */
 double laws_reach(const sd_model *model);
 
 #endif

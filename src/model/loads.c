@@ -1,5 +1,5 @@
-/* loads.c: walls that move under the forces of the disks (loads and servos): the side on which
- * the disks are, and checks before a run; see model.h. */
+/* loads.c: walls that move under the forces of the disks (loads and servos): the side of a wall
+ * on which the disks are, and checks before a run; see model.h. */
 #include "model/walls.h"
 #include "model/model.h"
 
@@ -9,8 +9,8 @@
 #include "model/normal_laws.h"
 #include "model/rows.h"
 
-/* Collective. Mean position of the free disks in play; the centre of the region if there are
- * none. */
+/* Collective. Computes the mean position of the free disks that do not wait for their release;
+ * without any, the centre of the region. */
 static void middle(const sd_model *m, double at[2]) {
   double sum[2] = {0.0, 0.0}, n = 0.0;
   for (size_t row = rows_first(m); row < rows_count(m); row++) {
@@ -33,7 +33,8 @@ static bool is_wall(const sd_model *m, uint32_t body) {
 
 int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
   if (!is_wall(m, body) || (coordinate != SD_X && coordinate != SD_Y)) return 0;
-  if (m->periodic[coordinate]) return 0; /* disks lie between the wall and its image */
+  /* disks are on both sides: between the wall and its periodic image */
+  if (m->periodic[coordinate]) return 0;
   const sd_wall *w = &m->walls[body - m->n_disks];
   double disks[2], at = w->pivot[coordinate];
   middle(m, disks);
@@ -54,7 +55,8 @@ int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
   return sign_of(disks[coordinate] - at);
 }
 
-/* True if motion j moves the same coordinate of the wall as the load or servo k. */
+/* True if motion j moves the same coordinate of the same wall as motion k, which is a load or
+ * servo. */
 static bool clash(const sd_model *m, size_t k, size_t j) {
   const sd_motion *a = &m->motions[k], *b = &m->motions[j];
   if (a->n_bodies == 0 || a->coordinate != b->coordinate) return false;
@@ -77,10 +79,10 @@ bool sd_model_clash(const sd_model *m, size_t phase, size_t motion[2]) {
   return false;
 }
 
-/* --- checks --------------------------------------------------------------------------------- */
+/* --- checks ----------------------------------------------------------------------------------- */
 
-/* Reports errors of a load or servo (physics.md 6), and warns if it pushes its wall away from
- * the disks. */
+/* Reports errors of a load or servo (docs/physics.md 6), and warns if it pushes its wall away
+ * from the disks. */
 static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
   const char *name = q->name ? q->name : "?", *kind = motion_kinds[q->kind].name;
   size_t before = sd_messages_errors(msg);
@@ -133,13 +135,14 @@ void loads_check(const sd_model *m, sd_messages *msg) {
   check_clashes(m, msg);
 }
 
-/* --- the time step -------------------------------------------------------------------------- */
+/* --- the time step ---------------------------------------------------------------------------- */
 
-/* Fewest time steps per period of a loaded wall without a warning. */
+/* Smallest number of time steps per oscillation period of a wall moved as a load; with fewer
+ * there is a warning. */
 enum { STEPS_PER_PERIOD = 20 };
 
-/* Collective. Number of free disks that fit side by side along a wall; across: coordinate along
- * the wall. */
+/* Collective. Number of free disks that fit side by side along a wall; across: index of the
+ * coordinate that runs along the wall. */
 static double disks_along(const sd_model *m, const sd_wall *wall, int across) {
   double low = HUGE_VAL, high = -HUGE_VAL, radius = HUGE_VAL;
   for (size_t row = 0; row < rows_count(m); row++) {
@@ -165,7 +168,7 @@ void loads_check_steps(const sd_model *m, sd_messages *msg) {
     const sd_motion *q = &m->motions[k];
     if (q->kind != SD_MOTION_LOAD || m->n_free == 0) continue;
     const sd_wall *wall = &m->walls[q->bodies[0] - m->n_disks];
-    double largest = 0.0; /* largest radius */
+    double largest = 0.0; /* largest radius of any disk */
     for (size_t row = 0; row < rows_count(m); row++)
       largest = fmax(largest, rows_disk(m, row)->radius);
     largest = rows_largest(m, largest);

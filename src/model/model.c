@@ -154,24 +154,25 @@ int64_t sd_model_steps(const sd_model *m) {
 
 /* Number of steps of a phase without an end. */
 static const int64_t ENDLESS = INT64_MAX / 4;
-/* Stream number of a random motion that gets a stream of its own when the model is finished. */
+/* Placeholder for the number of a random stream: the motion gets a stream of its own when the
+ * model is finished. */
 static const uint32_t OWN_STREAM = UINT32_MAX;
 
-/* List of the errors of the building functions. */
+/* Returns the list of errors made in calls that build the model; creates it if there is none. */
 static sd_messages *mistakes(sd_model *m) {
   if (!m->mistakes) m->mistakes = sd_messages_new();
   return m->mistakes;
 }
 
-/* Grows a short list of the model to n elements and returns its new address; the process ends if
- * memory is short. */
+/* Resizes a short list of the model to n elements and returns its new address; if there is no
+ * memory the process ends. */
 static void *grow(sd_model *m, void *list, size_t n, size_t size) {
   m->finished = false;
   return memory_grow(list, n, size);
 }
 
-/* Resizes the array whose address is at `list` to n rows. False: out of memory, which is kept as
- * an error. */
+/* Resizes the array whose address is at `list` to n rows. False: out of memory; this is noted in
+ * the model as an error. what: name of the array in the message. */
 static bool grow_rows(sd_model *m, void *list, size_t n, size_t size, const char *what) {
   m->finished = false;
   const bool enough = memory_resize_row(list, n, size);
@@ -180,7 +181,7 @@ static bool grow_rows(sd_model *m, void *list, size_t n, size_t size, const char
 }
 
 /* Stores the address of a copy of n elements in *copy, NULL if there are none. False: `from` is
- * NULL although n > 0, or out of memory; both are kept as errors. */
+ * NULL although n > 0, or out of memory; both are noted in the model as errors. */
 static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *copy,
                     const char *what) {
   void *to = NULL;
@@ -191,10 +192,10 @@ static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *
   return to || !n;
 }
 
-/* --- keys ----------------------------------------------------------------------------------- */
+/* --- keys ------------------------------------------------------------------------------------- */
 
-/* Returns the row of a key and, in *members, the struct whose member it sets. NULL: no such key,
- * which is kept as an error. */
+/* Returns the table row of the deck key with the name `path` and, in *members, the struct whose
+ * member it sets. NULL: no such key; this is noted in the model as an error. */
 static const deck_key *key_of(sd_model *m, const char *path, void **members) {
   m->finished = false;
   const struct {
@@ -284,7 +285,7 @@ void sd_model_set_gravity(sd_model *m, double x, double y) {
   m->gravity[SD_Y] = y;
 }
 
-/* True if both edges are finite and lower < upper; else an error is kept. */
+/* True if both edges are finite and lower < upper; if not, an error is noted in the model. */
 static bool has_extent(sd_model *m, const char *what, double lower, double upper) {
   if (upper > lower && fabs(upper) <= LIMIT_NUMBER && fabs(lower) <= LIMIT_NUMBER) return true;
   sd_fail(mistakes(m), SD_ERROR_USER,
@@ -322,7 +323,7 @@ void sd_model_set_bounds(sd_model *m, const double lower[2], const double upper[
   }
 }
 
-/* --- materials ------------------------------------------------------------------------------ */
+/* --- materials -------------------------------------------------------------------------------- */
 
 int sd_model_add_material(sd_model *m, const char *name, const sd_contact_law *law) {
   const size_t n = m->n_materials;
@@ -362,7 +363,7 @@ void sd_model_set_law(sd_model *m, int a, int b, const sd_contact_law *law) {
   m->laws[a * n + b] = m->laws[b * n + a] = *law;
 }
 
-/* --- bodies --------------------------------------------------------------------------------- */
+/* --- bodies ----------------------------------------------------------------------------------- */
 
 /* Copies a disk and its name; group and clump are set to none. */
 static void put_disk(sd_disk *to, const sd_disk *from) {
@@ -452,9 +453,10 @@ uint32_t sd_model_add_clump(sd_model *m, const sd_clump *clump) {
   return number;
 }
 
-/* --- motions and phases --------------------------------------------------------------------- */
+/* --- motions and phases ----------------------------------------------------------------------- */
 
-/* Switches the motions or fields of a phase with numbers from ... n - 1 on or off. */
+/* Grows a phase's list of on/off flags (of motions or fields) to n flags, and sets the flags
+ * from index `from` on. */
 static void activate(sd_model *m, bool **list, size_t from, size_t n, bool on) {
   *list = grow(m, *list, n, sizeof **list);
   for (size_t k = from; k < n; k++) (*list)[k] = on;
@@ -481,7 +483,7 @@ int sd_model_add_motion(sd_model *m, const sd_motion *motion) {
                "a motion"))
     to->n_table = 0;
   if (motion->kind == SD_MOTION_RANDOM && motion->stream == 0) to->stream = OWN_STREAM;
-  /* the new motion is off in phases that list their motions */
+  /* the new motion is off in earlier phases that have a list of their motions */
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].active)
       activate(m, &m->phases[k].active, m->n_motions - 1, m->n_motions, false);
@@ -537,7 +539,7 @@ void sd_model_set_until(sd_model *m, const sd_until *until) {
   m->until.asked = true;
 }
 
-/* --- finishing ------------------------------------------------------------------------------ */
+/* --- finishing -------------------------------------------------------------------------------- */
 
 /* Converts SD_WALL(w) and SD_CLUMP(k) to body numbers; other numbers are returned unchanged, for
  * the checks to report. */
@@ -549,8 +551,9 @@ static uint32_t body_number(const sd_model *m, uint32_t body) {
   return wall < m->n_walls ? (uint32_t)m->n_disks + wall : body;
 }
 
-/* Gives random motion k a stream number like that of a deck: from the body that it drives, the
- * coordinate, and the number of earlier random motions of the same. */
+/* Sets the random stream of motion k to the number that a deck would give it, which follows from
+ * the body that the motion moves, the coordinate, and the number of earlier random motions of
+ * the same body and coordinate. */
 static void give_stream(sd_model *m, size_t k) {
   sd_motion *q = &m->motions[k];
   if (q->kind != SD_MOTION_RANDOM || q->stream != OWN_STREAM || q->n_bodies == 0) return;
@@ -600,7 +603,7 @@ void model_copy_mistakes(sd_model *to, const sd_model *from) {
             sd_messages_text(from->mistakes, k));
 }
 
-/* --- circular arcs: segments, points and distances --------------------------------------------- */
+/* --- circular arcs: segments, points and distances -------------------------------------------- */
 
 bool arc_is_ring(const sd_wall *w) { return w->to - w->from >= ARC_RING - 1e-9; }
 
@@ -625,8 +628,9 @@ void arc_trace(sd_wall *w) {
   }
 }
 
-/* The segments are first end, curve, last end; of a full circle three curves, joined to one
- * another. Arc length counts from the middle. */
+/* The three segments of an arc are its first end, its curve and its last end; those of a full
+ * circle are three curves, joined to one another. Arc length is measured from the middle of the
+ * arc. */
 void arc_pieces(const sd_wall *w, uint32_t body, sd_segment piece[3], int64_t number) {
   const bool ring = arc_is_ring(w);
   const double opening = ring ? 2.0 * M_PI : w->to - w->from, part = ring ? opening / 3.0 : opening;
@@ -652,8 +656,8 @@ void arc_pieces(const sd_wall *w, uint32_t body, sd_segment piece[3], int64_t nu
     direction(from + part, s->last);
     direction(from + 0.5 * part, s->middle);
   }
-  /* neighbouring segments share the direction of their joint, so that no point lies in both or
-   * in neither */
+  /* neighbouring curves use the same rounded direction of their joint, so that no point lies in
+   * both or in neither */
   for (int k = 0; ring && k < 3; k++)
     for (int c = 0; c < 2; c++) piece[k].last[c] = piece[(k + 1) % 3].first[c];
 }

@@ -38,16 +38,18 @@ typedef enum sd_size_kind {
   SD_SIZES_POWERLAW
 } sd_size_kind;
 
-/* A rain drops the disks first ... first + count - 1 in batches, lowest numbers first; until its
- * release a disk waits out of play. Batch k is released k * interval steps after the start: its
- * disks are placed in rows between x = `lower` and `upper`, the lowest row `gap` above the
- * highest disk in play in that range. */
+/* A rain releases the disks first ... first + count - 1 into the system in batches, lowest
+ * numbers first; until its release a disk waits and touches nothing. Batch k is released k *
+ * interval steps after the start: its disks are placed in rows between x = `lower` and `upper`,
+ * the lowest row `gap` above the highest disk in that range that does not wait. */
 typedef struct sd_rain {
-  size_t first, count, batch; /* first disk, number of disks, disks per batch */
-  int64_t interval;           /* steps between batches */
-  double lower, upper;        /* range in x in which disks are placed */
-  double floor;               /* least y of the lowest row */
-  double gap, speed;          /* clearance of the lowest row, downward speed at release */
+  /* number of the first disk; number of disks; number of disks per batch */
+  size_t first, count, batch;
+  int64_t interval;    /* number of steps between batches */
+  double lower, upper; /* smallest and largest x at which disks are placed */
+  double floor;        /* smallest y at which the lowest row is placed */
+  /* height of the lowest row above the disks, downward speed at release */
+  double gap, speed;
 } sd_rain;
 
 enum { SD_TILE_RADII = 16 };
@@ -55,10 +57,10 @@ enum { SD_TILE_RADII = 16 };
 /* A wall of the result file from which contacts are restored, and the wall of the model that
  * corresponds to it. */
 typedef struct sd_tile_wall {
-  bool known;    /* true if the model has this wall */
+  bool known;    /* true if the model has a wall that corresponds to it */
   uint32_t wall; /* number of the wall in the model */
-  size_t pieces; /* number of segments; 0: a circle */
-  /* Index of the wall's first segment among all wall segments: of the file, and of the model. */
+  size_t pieces; /* number of segments of the wall; 0: a circle */
+  /* Index of the wall's first segment among all wall segments of the file, and of the model. */
   size_t first, own_first;
   /* radius, angle and surface displacement of the wall in the file */
   double radius, theta, surface;
@@ -70,28 +72,31 @@ typedef struct sd_tile_wall {
  * packing, in tiles, which are slabs side by side along x (pack/tiles.h), or the rows of a large
  * file (io/deck/deck_parts.c). */
 typedef struct sd_tiles {
-  size_t n;            /* number of parts; 0: no disks come in parts */
-  size_t first, count; /* first of these disks, and their number */
-  /* True if these disks are distributed: each row is stored on one rank only (rows.h). */
+  size_t n;            /* number of parts; 0: no disks are generated or read in parts */
+  size_t first, count; /* number of the first disk that comes in parts; number of such disks */
+  /* True if the disks that come in parts are distributed over ranks: each is stored on one rank
+   * only (rows.h). */
   bool away;
   bool of_file; /* True: the parts are rows of a file; false: tiles of a packing. */
-  size_t entry; /* index in the deck's list `packings`, or `disk_files` */
-  /* File: order-independent checksums of its disks and of its contacts. */
+  /* index of the packing or file in the list `packings` or `disk_files` of the deck */
+  size_t entry;
+  /* File: order-independent checksum of its disks, and of its contacts. */
   int64_t inputs, contact_inputs;
-  size_t n_contacts; /* file: number of its contacts */
-  /* File whose disks are distributed and whose contacts are restored: number of its walls, else
-   * 0. */
+  size_t n_contacts; /* file: number of contacts that it contains */
+  /* Number of walls of the file, if its disks are distributed over ranks and its contacts are
+   * restored, else 0. */
   size_t n_walls;
-  bool forces_carried; /* The forces stored with these contacts are still valid at step 0. */
-  sd_tile_wall *walls; /* [n_walls] walls of the file */
+  bool forces_carried; /* true: forces stored with the file's contacts are still valid at step 0 */
+  sd_tile_wall *walls; /* [n_walls] the walls of the file from which contacts are restored */
   sd_packing_kind kind;
-  /* Region of the packing; of a rain: where its disks wait, in y at least `spacing` from its
-   * edges. Lattices: lattice constant, and random displacement of the sites. */
+  /* Rectangle that the packing fills, x and y, or in which the disks of a rain wait, there at
+   * least `spacing` from its edges in y. For lattices spacing is the lattice constant, and
+   * jitter the largest random displacement of a site, as a fraction of spacing/2 minus radius. */
   double lower[2], upper[2], spacing, jitter;
-  double mass, density; /* mass of a disk, or its mass per area; the other one is 0 */
-  int material, group;  /* Indices into materials and groups; group -1: none. */
-  /* Distribution of the radii; its parameters are those of `sizes` in sizes.h, `least` and
-   * `most` its `lower` and `upper`. */
+  double mass, density; /* mass of a disk, or mass per area; the other one is 0 */
+  int material, group;  /* Index of the material, index of the group; group -1: none. */
+  /* Distribution of the radii. Its parameters follow; they are those of `sizes` in sizes.h,
+   * whose `lower` and `upper` are called `least` and `most` here. */
   sd_size_kind sizes;
   double radius, deviation, exponent, least, most;
   size_t n_radii;
@@ -100,11 +105,11 @@ typedef struct sd_tiles {
 
 /* Rectangle in which the centres of the free disks must stay; infinite where there is no limit. */
 typedef struct sd_bounds {
-  /* True if the deck, its container or the program has set bounds; false: positions are not
-   * checked. */
+  /* True if the deck, its container or the program has set this rectangle; false: positions are
+   * not checked. */
   bool given;
   double lower[2], upper[2];
-  sd_outside outside; /* action on a disk that leaves */
+  sd_outside outside; /* action on a disk that leaves the rectangle */
 } sd_bounds;
 
 /* Higher derivatives per disk that Gear's integrator needs: the 3rd to 5th of x, of y and of
@@ -113,10 +118,12 @@ enum { SD_DERIVATIVES = 9 };
 
 /* History of a contact that is closed when the run starts (columns contact_* of state.h). */
 typedef struct sd_contact_memory {
-  /* Body numbers of this model, and the segment of a wall (0: round body). */
+  /* Body numbers of the disk and its partner in this model; index of the segment if the partner
+   * is a wall (0: round body). */
   uint32_t a, b, part;
-  int16_t slide; /* 0: stuck; +1, -1: sliding with that sign of the torque. */
-  /* 1 if the law is that of the previous run, so that the stored force is still valid at step 0. */
+  int16_t slide; /* 0: the contact sticks; +1, -1: it slides with that sign of the torque. */
+  /* 1 if the contact law is that of the previous run, so that the stored force is still valid at
+   * step 0. */
   int16_t force_carried;
   double side; /* +1, -1: side of a straight wall on which the disk is; 0: round body. */
   sd_contact_record record;
@@ -125,19 +132,22 @@ typedef struct sd_contact_memory {
 /* Disks and contacts that are stored on this rank only (rows.h). */
 typedef struct sd_rows {
   size_t n;
-  sd_disk *disk;    /* [n] disks */
-  uint32_t *number; /* [n] numbers of these disks in the model */
-  /* [n] correction of the angle for restored contacts (deck_result_shift); NULL: no contacts. */
+  sd_disk *disk;    /* [n] disks that are stored on this rank only */
+  uint32_t *number; /* [n] numbers in the model of the disks in `disk` */
+  /* [n] Angle (rad) to be added to theta in the file to get theta in this run, for restored
+   * contacts (deck_result_shift); NULL: no contacts. */
   double *shift;
-  double (*derivatives)[SD_DERIVATIVES]; /* [n] higher derivatives, for Gear; NULL: none */
+  /* [n] higher time derivatives of each disk's coordinates, for Gear's integrator; NULL: none */
+  double (*derivatives)[SD_DERIVATIVES];
   size_t n_memories;
   sd_contact_memory *memories; /* [n_memories] contacts that are closed when the run starts */
   size_t n_contacts;
-  /* [n_contacts] contacts of the distributed file, with the file's own body numbers. */
+  /* [n_contacts] contacts of a file whose disks are distributed, with the body numbers of the
+   * file */
   sd_contact_memory *contacts;
 } sd_rows;
 
-/* --- derived by sd_model_finish ------------------------------------------------------------- */
+/* --- derived by sd_model_finish --------------------------------------------------------------- */
 
 /* Shape of a wall segment: straight line, circular arc, or one of the end points of an arc. */
 typedef enum sd_piece {
@@ -151,27 +161,31 @@ typedef enum sd_piece {
 typedef struct sd_segment {
   uint32_t body; /* body number of the wall */
   sd_piece piece;
-  /* First end; for an infinite line any point of it; for an arc the centre of its circle. */
+  /* First end of the segment; for an infinite line any point of it; for an arc the centre of its
+   * circle. */
   double start[2];
   double tangent[2]; /* straight segments: unit vector from the first end to the second */
-  double length;     /* HUGE_VAL for an infinite line, which extends to both sides of `start`. */
-  /* Tangent of the previous segment, -tangent at a free end: limits the region in which the
-   * first end is the nearest point. */
+  /* length of the segment; HUGE_VAL for an infinite line, which extends to both sides of `start` */
+  double length;
+  /* Tangent of the previous segment, or -tangent at a free end; it bounds the region in which
+   * the first end of this segment is the nearest point. */
   double previous[2];
-  bool end_cap; /* True if the second end is free and acts as a point contact. */
-  double arc;   /* arc length along the wall from its start to `start` */
+  bool end_cap; /* True if the second end of the segment is free and acts as a point contact. */
+  /* Arc length along the wall from the start of the wall to the first end of this segment; on an
+   * arc from the middle of the arc. */
+  double arc;
   int64_t next; /* index of the next segment of the wall; -1: none */
   /* Arc: radius, and unit vectors from the centre to its two ends and to the point midway. */
   double radius;
   double first[2], last[2], middle[2];
-  bool wide; /* true for an arc of more than half a turn */
+  bool wide; /* true for an arc of more than 180 degrees */
   /* Number of the vertex at the first and at the second end, shared by all segments that meet
    * there; 0: none. `meets`: true if ends of other walls lie there. */
   uint32_t vertex[2];
   bool meets[2];
-  /* Periodic box: `image[c]` is true if the segment has images along c; `center` is its midpoint
-   * relative to `start`; `cells` is the number of periods to the start of the next segment, if
-   * the wall continues in its own image. */
+  /* Periodic box: image[c] is true if the segment has images along coordinate c; center:
+   * midpoint of the segment relative to `start`; cells: number of box lengths to the start of
+   * the next segment, if the wall continues in its own image. */
   bool image[2];
   double center[2];
   int cells[2];
@@ -179,9 +193,9 @@ typedef struct sd_segment {
 
 /* Limits beyond which the result of a run is marked doubtful (exit status 5); 0: not checked. */
 typedef struct sd_limits {
-  double residual;     /* residual of the energy budget, relative to its scale */
+  double residual;     /* residual of the energy budget divided by sd_energy.scale */
   double open;         /* largest fraction of the measured time that a watched contact is open */
-  double displacement; /* largest displacement of a body in one step, over the radius */
+  double displacement; /* largest displacement of a body in one step, divided by its radius */
   bool unstable_step;  /* True: allows dt above the stability limit (sd_model_step_limit). */
 } sd_limits;
 
@@ -191,21 +205,23 @@ struct sd_model {
   sd_integrator integrator;
   sd_variant variant;
   double dt;
-  double skin;        /* margin of the Verlet lists, length; 0: chosen at run time */
-  double max_overlap; /* largest overlap over the smaller radius; beyond it the run stops */
+  double skin; /* margin of the Verlet lists, length; 0: chosen at run time */
+  /* largest overlap divided by the smaller radius, beyond which the run stops; 0: none */
+  double max_overlap;
   sd_limits limits;
   double gravity[2];         /* acceleration, -g (sin tilt, cos tilt) */
   double lower[2], upper[2]; /* edges of the box; valid along periodic directions only */
   bool periodic[2];
   sd_container_kind container;
-  /* Region of the container or box, whose area the packing fraction refers to; equal edges:
+  /* Rectangle of the container or box; its area is that in the packing fraction. Equal edges:
    * none. */
   double region_lower[2], region_upper[2];
   sd_bounds bounds;
 
   size_t n_materials;
   sd_material *materials;
-  /* [n_materials * n_materials], symmetric; k_n = 0: no law given for the pair. */
+  /* [n_materials * n_materials] contact law of each pair of materials, symmetric; k_n = 0: no
+   * law given for the pair. */
   sd_contact_law *laws;
   size_t n_groups;
   char **groups;
@@ -225,9 +241,10 @@ struct sd_model {
   sd_tiles tiles;
   size_t n_rains;
   sd_rain *rains;
-  size_t n_memories; /* number of contacts that are closed when the run starts, in any order */
+  size_t n_memories; /* number of `memories`, contacts that are closed when the run starts */
   sd_contact_memory *memories;
-  /* Number of these contacts on all ranks, including those in `mine`; derived. */
+  /* Number of contacts that are closed when the run starts, on all ranks, including those in
+   * `mine`; derived. */
   size_t all_memories;
   bool forces_carried; /* true if the stored forces of some contacts are valid at step 0 */
   /* Number of rows of `derivatives`: n_disks, or 0 if no file gives them or the integrator is
@@ -242,15 +259,18 @@ struct sd_model {
   size_t n_slides;
   sd_slide_watch *slides;
   sd_until until;
-  size_t n_contact_disks; /* number of disks whose contact forces are a time series */
+  size_t n_contact_disks; /* number of disks whose contact forces are recorded as a time series */
   uint32_t *contact_disks;
-  bool measure_walls, measure_groups; /* time series of the forces on each wall, on each group */
-  /* time series of the region's width and height, and of its stress */
+  /* True: record time series of the forces on each wall, and on each group of disks. */
+  bool measure_walls, measure_groups;
+  /* True: record time series of the region's width and height, and of its stress. */
   bool measure_box, measure_stress;
-  bool measure_disks; /* time averages for every free disk */
-  /* Torque, normal forces and duration of each sliding configuration of the pairs in `slides`. */
+  bool measure_disks; /* true: compute time averages for every free disk */
+  /* True: record torque, normal forces and duration of each sliding configuration (combination
+   * of the contact states) of the pairs of contacts in `slides`. */
   bool measure_configurations;
-  int64_t measure_every; /* steps between samples of the contacts for measure_disks, >= 1 */
+  /* number of steps between samples of the contacts for measure_disks, >= 1 */
+  int64_t measure_every;
 
   /* Deck that the model was read from (sd_model_deck in deck.h); owned by the model; NULL: built
    * by functions. */
@@ -263,13 +283,15 @@ struct sd_model {
   /* The following members belong to runs on several ranks (rows.h). */
   /* Communicator of the ranks that read the deck together, not owned; NULL: one process. */
   const struct comm *comm;
-  sd_rows *mine; /* Rows stored on this rank only, until its run begins; owned; NULL: none. */
-  /* True after rows_part: `disks` then holds the rows in `known` only, and `limit`, `advised`
-   * and `inputs` hold values for all disks. */
+  /* Disks and contacts stored on this rank only, until its run begins; owned; NULL: none. */
+  sd_rows *mine;
+  /* True after rows_part has distributed the model over ranks: `disks` then has data only for
+   * the disks listed in `known`, and `limit`, `advised` and `inputs` hold results for all disks. */
   bool parted;
-  size_t n_known;       /* number of disks whose rows are in `disks` */
-  uint32_t *known;      /* [n_known] numbers of these disks, ascending; owned */
-  sd_step_limit limit;  /* limit of the time step over all disks */
+  size_t n_known; /* number of disks that have data in `disks` */
+  /* [n_known] numbers of the disks that have data in `disks`, ascending; owned */
+  uint32_t *known;
+  sd_step_limit limit;  /* stability limit of the time step over all disks */
   sd_messages *advised; /* warnings of sd_model_advise; owned; NULL: not collected yet */
   int64_t inputs;       /* checksum of the input files (provenance_inputs) */
 
@@ -277,15 +299,16 @@ struct sd_model {
   bool finished;
   size_t n_segments;
   sd_segment *segments;
-  size_t n_free;          /* number of disks that are not driven */
+  size_t n_free;          /* number of disks whose motion is not prescribed (`driven`) */
   double mean_radius;     /* harmonic mean radius of all disks */
   double largest_radius;  /* largest radius of a free disk */
   double smallest_radius; /* smallest radius of a free disk; infinite without free disks */
-  double shortest_period; /* sd_model_shortest_period if there are servos, else 0 */
+  /* shortest contact period (sd_model_shortest_period) if there are servos, else 0 */
+  double shortest_period;
   /* Disk numbers of all clumps, one clump after the other; sd_clump.disks points into this
    * array. */
   uint32_t *clump_disks;
-  /* Offset of each of these disks from its clump's centre of mass, at the start. */
+  /* Offset of each disk in clump_disks from its clump's centre of mass, at the start. */
   double (*clump_offsets)[2];
 };
 
@@ -299,7 +322,8 @@ static inline size_t model_movables(const sd_model *m) {
 const char *model_motion_name(const sd_model *model, size_t number, char *text, size_t size);
 
 /* Completes a model that was built by functions: adds a phase if there is none, turns SD_WALL(w)
- * and SD_CLUMP(k) into body numbers, numbers the random streams. */
+ * and SD_CLUMP(k) into body numbers, and gives each random motion the number of a random
+ * stream. */
 void model_complete(sd_model *model);
 /* Reports the errors that the building functions have collected, and returns their status;
  * SD_OK: none. */
@@ -309,20 +333,21 @@ void model_copy_mistakes(sd_model *to, const sd_model *from);
 
 /* --- checks of a complete model and its derived tables, after which the model is const -------- */
 
-/* Does what sd_model_finish does for a model whose warnings were reported before: reports errors
- * only. */
+/* Does what sd_model_finish does, checks and derived tables, for a model whose warnings were
+ * reported before: it reports errors only. */
 sd_status model_finish_again(sd_model *model, sd_messages *messages);
 
-/* Collective. Distributes a finished model: each rank keeps the rows that all must know and its
- * own part (rows_part; below `few` free disks rank 0 has all), after the results that need all
- * disks, warnings and the limit of the time step, have been stored. SD_ERROR_IO: out of memory. */
+/* Collective. Distributes a finished model over ranks. First it stores the results that need all
+ * disks: warnings, and the limit of the time step. Then each rank keeps the disks that all ranks
+ * must know, and its own part of the others (rows_part); with fewer than `few` free disks rank 0
+ * has them all. SD_ERROR_IO: out of memory. */
 sd_status model_part(sd_model *m, size_t few);
 
 /* Checks motions of the kinds load and servo: their ranges, the bodies that they move, and that
  * no other motion moves the same coordinate. Warns of a wall that is pushed away from all disks. */
 void loads_check(const sd_model *model, sd_messages *messages);
-/* Warns if the time step is long for a load on as many disks as fit side by side along its wall.
- * The laws and n_free must be known. */
+/* Warns if the time step is long for the oscillation of a wall, moved as a load, on as many
+ * disks as fit side by side along it. The contact laws and n_free must be known. */
 void loads_check_steps(const sd_model *model, sd_messages *messages);
 
 /* A model serialized to bytes, from which the same program restores it; used for clones
@@ -336,30 +361,30 @@ void *image_of_model(const sd_model *model, size_t *size);
  * out of memory; *out is then NULL. */
 sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages *messages);
 
-/* --- circular arcs ------------------------------------------------------------------------------ */
+/* --- circular arcs ---------------------------------------------------------------------------- */
 
-/* Number of points that trace an arc, evenly spaced from end to end; and the largest angle of an
- * arc, 2 pi plus a margin for rounding. */
+/* Number of points that trace an arc, evenly spaced from end to end. ARC_RING: largest angle of
+ * an arc, 2 pi plus a margin for rounding. */
 enum { ARC_POINTS = 129 };
 #define ARC_RING 6.283185307179588
 
 /* True if the arc is a full circle, which has no ends. */
 bool arc_is_ring(const sd_wall *arc);
-/* Fills the ARC_POINTS points that trace the arc. */
+/* Fills in arc->points with ARC_POINTS points that trace the arc. */
 void arc_trace(sd_wall *arc);
-/* Makes the three segments of an arc, whose numbers in the model start at `number`: end, curve,
- * end, or three thirds of a full circle. */
+/* Makes the three segments of an arc: first end, curve, last end, or the three thirds of a full
+ * circle. number: index of the first of them among the model's segments. */
 void arc_pieces(const sd_wall *arc, uint32_t body, sd_segment piece[3], int64_t number);
 /* Distance from the point `at` to the arc, >= 0. */
 double arc_distance(const sd_wall *arc, const double at[2]);
 
 /* --- flags of the parts of the contact law that a model needs --------------------------------- */
 
-/* Parts of the contact law beyond the linear one with gamma_n, k_t and mu; the contact passes
- * omit parts that no law of the model has. */
+/* Flags of the parts of a contact law beyond the basic one, which is linear with gamma_n, k_t
+ * and mu. Loops over contacts leave out parts that no law of the model has. */
 enum {
   LAW_NORMAL = 1,  /* normal law not linear, or damped by a coefficient of restitution */
-  LAW_PULLS = 2,   /* normal damping that may make the force attractive */
+  LAW_PULLS = 2,   /* normal damping that may make the normal force attractive */
   LAW_KINETIC = 4, /* friction coefficient of sliding contacts below mu */
   LAW_MINDLIN = 8,
   LAW_DASHPOT = 16, /* tangential viscosity */
@@ -368,9 +393,9 @@ enum {
   LAW_BRIDGE = 128, /* capillary bridges */
   LAW_GENERAL = ~LAW_NORMAL
 };
-/* Flags of one law; 0 if it is not given. */
+/* Returns the flags LAW_... of the parts that one contact law has; 0 if the law is not given. */
 unsigned law_features(const sd_contact_law *law);
-/* Flags of all laws of the model. */
+/* Returns the flags LAW_... of the parts that any contact law of the model has. */
 unsigned laws_features(const sd_model *model);
 
 /* Effective radius of rolling, R_a R_b/(R_a + R_b); on a straight wall (rb = 0) R_a. */

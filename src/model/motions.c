@@ -1,5 +1,5 @@
-/* motions.c: checks of motions, estimates of their displacements, and driven disks; see
- * motions.h. */
+/* motions.c: checks of prescribed motions, estimates of their displacements, and the search for
+ * disks that motions prescribe; see motions.h. */
 #include "model/motions.h"
 
 #include <assert.h>
@@ -83,7 +83,8 @@ void motion_shape(const sd_motion *q, double shape[WAVE_SHAPE]) {
 #undef SHAPE_CASE
 }
 
-/* Value of a table at time t, linear between its rows, times the amplitude. */
+/* Value of a tabulated motion at time t: linear interpolation between rows of the table, times
+ * the amplitude. */
 static double table_at(const sd_motion *q, double t) {
   const size_t last = q->n_table - 1;
   const double from = q->table_time[0], to = q->table_time[last];
@@ -116,7 +117,8 @@ double motion_first(const sd_motion *q) {
   return motion_source(q) == SIGNAL_RANDOM ? 3 * q->amplitude : motion_at(q, 0);
 }
 
-/* Largest displacement of a table within dt before or after one of its rows. */
+/* Largest displacement of a tabulated motion within a time dt before or after any row of the
+ * table. */
 static double table_stride(const sd_motion *q, double dt) {
   double most = 0;
   for (size_t r = 0; r < q->n_table; r++) {
@@ -138,15 +140,15 @@ double motion_stride(const sd_motion *q, double dt) {
     case SIGNAL_FEEDBACK: return q->kind == SD_MOTION_SERVO ? q->velocity * dt : 0;
     case SIGNAL_WAVE: break;
   }
-  motion_shape(q, shape); /* shape[1] is the largest velocity */
+  motion_shape(q, shape); /* shape[1] is the largest velocity of the wave */
   return fmin(fabs(shape[1]) * dt, 2 * fabs(q->amplitude));
 }
 
 /* --- prescribed disks ------------------------------------------------------------------------- */
 
-/* Makes a driven disk free, with all coordinates locked. Contacts need one free body; without
- * any free disk, the disks that motions move become free in this way so that their contacts are
- * evaluated, and if motions move walls, all disks do. */
+/* Makes a driven disk free, with all coordinates locked. Contacts are evaluated only if one of
+ * the bodies is a free disk; in a model without free disks, this function is applied to the
+ * disks that motions move, or to all disks if motions move walls. */
 static void free_one(sd_model *m, size_t disk) {
   sd_disk *d = &m->disks[disk];
   if (!d->driven || !(d->mass > 0) || d->clump > 0) return;
@@ -155,7 +157,8 @@ static void free_one(sd_model *m, size_t disk) {
   m->n_free++;
 }
 
-/* Makes disks free, with locked coordinates, in a model without free disks. */
+/* Makes disks free, with locked coordinates, in a model without free disks: those that motions
+ * move, and all disks if motions move walls. */
 static void free_the_led(sd_model *m) {
   bool walls = false;
   for (size_t k = 0; k < m->n_motions; k++)
@@ -207,15 +210,15 @@ double strides_arm(const sd_model *m, uint32_t body) {
   return ends;
 }
 
-/* Displacement of a body's farthest point per unit of the motion, over the radius of the
- * smallest free disk; 0: surface motion or no free disk. */
+/* Displacement of a body's farthest point per unit of motion q, divided by the radius of the
+ * smallest free disk; 0: motion of a surface, or no free disk. */
 static double lever(const sd_model *m, const sd_motion *q, uint32_t body) {
   if (!(m->smallest_radius > 0) || !isfinite(m->smallest_radius) || q->coordinate == SD_SURFACE)
     return 0;
   return (q->coordinate == SD_THETA ? strides_arm(m, body) : 1) / m->smallest_radius;
 }
 
-/* True if the motion is on in any phase. */
+/* True if the motion is switched on in any phase of the run. */
 static bool runs(const sd_model *m, size_t motion) {
   bool any = m->n_phases == 0;
   for (size_t k = 0; k < m->n_phases; k++)
@@ -249,8 +252,8 @@ bool strides_longest(const sd_model *m, body_stride *longest) {
   return longest->length > 0;
 }
 
-/* Safety factor: a random motion, or the spline through a table, can move farther than
- * motion_stride says, but not by this factor. */
+/* Safety factor: in one step a random motion, or the spline through a table, can move farther
+ * than the estimate motion_stride, but not by this factor. */
 static const double FARTHER = 3;
 
 bool strides_are_long(const sd_model *m) {

@@ -1,5 +1,5 @@
-/* motions.h: the kinds of motion, the disks that motions prescribe, displacements of bodies in
- * one step, and numbers of random streams. */
+/* motions.h: the kinds of prescribed motion, the disks that motions prescribe, displacements of
+ * bodies in one step, and numbers of random streams. */
 #ifndef SLIPDISK_MODEL_MOTIONS_H
 #define SLIPDISK_MODEL_MOTIONS_H
 
@@ -12,11 +12,12 @@
 
 /* --- kinds of motion -------------------------------------------------------------------------- */
 
-/* One row per kind of motion; deck keys, checks, signals and documentation follow from it.
+/* Table of the kinds of motion, one row per kind; deck keys, checks, signals and documentation
+ * follow from it.
  *
- * ROW(number, name in the deck, source, amplitude, check, keys in the deck, meaning): the source
- * tells how values are computed; keys are as in deck_shape (keys.h). waveforms.h has the rows of
- * periodic waves.
+ * ROW(number, name in the deck, source, amplitude, check, keys in the deck, meaning): source is the
+ * method by which values are computed; keys are as in deck_shape (keys.h). waveforms.h has the rows
+ * of periodic waves.
  */
 
 #define MOTION_KINDS(ROW)                                                                          \
@@ -38,18 +39,19 @@ typedef enum signal_source {
   SIGNAL_WAVE,
   SIGNAL_RANDOM,
   SIGNAL_TABLE,
-  /* Computed from the contact forces at each step: values are not computed ahead, and lanes do not
-   * support it. */
+  /* Computed from the contact forces at each step, so that values cannot be computed ahead; not
+   * available to small systems that run side by side in SIMD lanes. */
   SIGNAL_FEEDBACK
 } signal_source;
 
 typedef struct motion_kind {
   const char *name;
   signal_source source;
-  /* Amplitude A of which the largest acceleration is a omega^2; NULL: the kind has none. */
+  /* Returns the amplitude A at which the largest acceleration is a omega^2; NULL: this kind of
+   * motion cannot be given by an acceleration. */
   double (*amplitude)(const sd_motion *motion, double a);
-  /* Reports errors for sd_model_finish; NULL: none of its own. loads_check (model.h) checks
-   * feedback. */
+  /* Reports errors in the parameters of this kind; NULL: it has no checks of its own. Loads and
+   * servos are checked by loads_check (model.h). */
   void (*check)(const sd_motion *motion, double dt, const char *name, sd_messages *messages);
 } motion_kind;
 
@@ -63,23 +65,25 @@ static inline bool motion_is_feedback(const sd_motion *q) {
   return motion_source(q) == SIGNAL_FEEDBACK;
 }
 
-/* Reports errors of a motion: fewer than 4 steps per cycle of a wave, and those of its kind.
- * name: for the message, as from model_motion_name. */
+/* Reports errors of a motion: fewer than 4 time steps per cycle of a wave, or wrong parameters
+ * of its kind. name: name of the motion for messages, as from model_motion_name. */
 void motion_check(const sd_motion *motion, double dt, const char *name, sd_messages *messages);
 
 /* Period of a motion, time; 0: not periodic. */
 double motion_period(const sd_motion *motion);
-/* Amplitude of a wave, rms displacement of a random motion; infinite for other motions. */
+/* Amplitude of a periodic wave, or rms displacement of a random motion; infinite for other
+ * motions. */
 double motion_reach(const sd_motion *motion);
-/* Computes the constants of a wave that its lane functions read (waveforms.h). */
+/* Computes the constants shape[] of a wave, which are arguments of its functions in waveforms.h. */
 void motion_shape(const sd_motion *wave, double shape[WAVE_SHAPE]);
-/* Estimates the displacement at a time after the motion is switched on: tables and ramps are
- * linear in between; 0 for random motions and feedback. */
+/* Estimates the displacement at `time` after the motion was switched on, with linear
+ * interpolation between rows of a table and a linear ramp; 0 for random motions, loads and
+ * servos. */
 double motion_at(const sd_motion *motion, double time);
-/* Displacement at the start, 0 with a ramp; random motion: three standard deviations; feedback:
- * 0. */
+/* Displacement with which a motion begins: 0 with a ramp; random motion: three standard
+ * deviations; loads and servos: 0. */
 double motion_first(const sd_motion *motion);
-/* Largest displacement in one step while the motion runs; random motion: three standard
+/* Largest displacement in one step of a motion that is on; random motion: three standard
  * deviations; load: 0. */
 double motion_stride(const sd_motion *motion, double dt);
 
@@ -89,11 +93,11 @@ double motion_stride(const sd_motion *motion, double dt);
  * ones. If none is free, some become free with all coordinates locked, so that contacts are
  * evaluated. SD_ERROR_IO: out of memory. */
 sd_status model_find_driven(sd_model *model);
-/* Returns the coordinates that motions prescribe, for each of the model_held disks: bits 1 <<
- * coordinate. The caller frees them. NULL: out of memory. */
+/* Returns which coordinates motions prescribe, for each disk that all ranks store: bits 1 <<
+ * coordinate. The caller frees the array. NULL: out of memory. */
 unsigned char *model_moved(const sd_model *model);
 
-/* --- displacements of bodies in one step, estimated before the run -------------------------- */
+/* --- displacements of bodies in one step, estimated before the run ---------------------------- */
 
 /* A prescribed body jumps if in one step it moves farther than its velocity accounts for, by
  * more than this fraction of limits.displacement. */
@@ -103,33 +107,34 @@ unsigned char *model_moved(const sd_model *model);
  * and for disks. */
 double strides_arm(const sd_model *model, uint32_t body);
 
-/* The body that moves farthest in a step, the motion that contributes most, and the length moved
- * over the radius of the smallest free disk. */
+/* The body that moves farthest in a step, the motion that contributes most to this, and the
+ * distance moved divided by the radius of the smallest free disk. */
 typedef struct body_stride {
   uint32_t body;
   size_t motion;
   double length;
 } body_stride;
 
-/* Finds the body that moves farthest in a step, with all its motions running. False: no body
- * moves, or out of memory (shortage_note in memory.h). */
+/* Finds the body that moves farthest in one step if all its motions are switched on. False: no
+ * body moves, or out of memory (shortage_note in memory.h). */
 bool strides_longest(const sd_model *model, body_stride *longest);
 /* True if a prescribed body may jump or exceed limits.displacement in a step, or has a motion of
- * kind load or servo; only then a run checks prescribed bodies. */
+ * kind load or servo; only in this case a run checks the steps of prescribed bodies. */
 bool strides_are_long(const sd_model *model);
-/* Displacement with which a motion begins, at the farthest point of its bodies, over the radius
- * of the smallest free disk; 0 for moving surfaces and for disks that turn. */
+/* Displacement with which a motion begins, at the farthest point of the bodies that it moves,
+ * divided by the radius of the smallest free disk; 0 for moving surfaces and for disks that
+ * turn. */
 double strides_first_jump(const sd_model *model, size_t motion);
 
 /* --- random streams --------------------------------------------------------------------------- */
 
-/* Kind of body that a random stream drives. The stream's index is the number of the disk, the
- * wall, the group, or the first body of a list. */
+/* Kind of body that a random stream moves, part of the number of the stream. Another part is the
+ * index: the number of the disk, the wall, the group, or of the first body in a list. */
 enum { STREAM_DISK, STREAM_WALL, STREAM_GROUP, STREAM_LIST, STREAM_THINGS };
 enum { STREAM_INDICES = 1 << 24, STREAM_ORDINALS = 16 };
 
-/* Number of a random stream; ordinal counts the random motions of the same coordinate and
- * bodies, in the order in which they were given. */
+/* Returns the number of a random stream. thing: STREAM_DISK ...; ordinal: number of earlier
+ * random motions of the same coordinate and bodies. */
 static inline uint32_t stream_number(int thing, uint32_t index, unsigned ordinal, int coordinate) {
   return index << 8 | ordinal << 4 | (unsigned)coordinate << 2 | (unsigned)thing;
 }

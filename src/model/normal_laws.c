@@ -1,5 +1,5 @@
-/* normal_laws.c: the table of normal laws, and damping from a coefficient of restitution; see
- * normal_laws.h. */
+/* normal_laws.c: the table of normal contact laws, and damping from a coefficient of
+ * restitution; see normal_laws.h. */
 #include "model/normal_laws.h"
 
 #define ROW_OF(number, word, keys, meaning)                                                        \
@@ -8,8 +8,8 @@
 const normal_law normal_laws[SD_NORMAL_LAWS] = {NORMAL_LAWS(ROW_OF)};
 #undef ROW_OF
 
-/* Coefficient of restitution e(b) of a damped oscillator with w_0 = 1 whose force never pulls
- * (physics.md 2); it falls from 1 towards 0 as b grows. */
+/* Coefficient of restitution e(b) of a damped oscillator with w_0 = 1 and damping ratio b whose
+ * force never pulls (docs/physics.md 2); it falls from 1 towards 0 as b grows. */
 static double restitution_of(double b) {
   double t;
   if (b < 1.0) {

@@ -1,25 +1,28 @@
-/* normal_laws.h: the normal laws: elastic force, damping, stored energy and tangent stiffness.
+/* normal_laws.h: the normal contact laws: elastic force, damping, stored energy and tangent
+ * stiffness.
  *
- * A law is one row and one header law_NAME.h; its number is in sd_normal_law (slipdisk/model.h),
- * its deck keys and documentation follow from the row. A law defines these functions of the
- * stiffness k and the overlap delta > 0:
+ * A law is one row of the table below and one header law_NAME.h; its number is in the enum
+ * sd_normal_law (slipdisk/model.h), its deck keys and documentation follow from the row. A law
+ * defines these functions of the stiffness k and the overlap delta > 0:
+ *
  *   NAME_force(k, delta)      elastic force, without damping
  *   NAME_energy(k, delta)     stored energy
  *   NAME_stiffness(k, delta)  dF/ddelta, for time steps, loads, compression
  *   NAME_viscosity(tsuji, delta)  coefficient of the damping by restitution;
  *                             tsuji = alpha sqrt(m_eff k)
  *   NAME_factor(b)            alpha of this damping, if its restitution is that of a linear
- *                             oscillator of frequency 1 damped by b
- * and over lanes
+ *                             oscillator of frequency 1 with damping ratio b
+ * and these functions of several contacts at once, one per SIMD lane:
  *   NAME_elastic(k, delta)    elastic force, without damping
  *   NAME_damping(gamma_n, tsuji, delta)  coefficient gamma of the damping force -gamma u_n;
  *                             tsuji = alpha sqrt(m_eff k)
  *   NAME_stored(k, delta)     stored energy
- * Normal forces act along the line of centres and exert no torque. The tangential tau turns both
- * bodies in the same sense, times their radii (SUM_TURN of physics/system/work.h); the couple of
- * rolling turns them in opposite senses (SUM_COUPLE).
  *
- * The rows are read once; the lane functions are compiled once per LANE_WIDTH, after
+ * Normal forces act along the line of centres and exert no torque. The tangential force tau turns
+ * both bodies in the same sense, times their radii (SUM_TURN of physics/system/work.h); the couple
+ * of rolling friction turns them in opposite senses (SUM_COUPLE).
+ *
+ * The rows are read once; the functions for SIMD lanes are compiled once per LANE_WIDTH, after
  * base/lane.h.
  */
 #ifndef MODEL_NORMAL_LAWS_H
@@ -29,7 +32,8 @@
 
 #include "model/model.h"
 
-/* ROW(number, name in the deck, keys as in deck_shape (keys.h), meaning) */
+/* Table of normal contact laws: ROW(number, name in the deck, keys as in deck_shape (keys.h),
+ * meaning). */
 #define NORMAL_LAWS(ROW)                                                                           \
   ROW(SD_NORMAL_LINEAR, linear, "", "F = k_n delta (eq. 2)")                                       \
   ROW(SD_NORMAL_HERTZ, hertz, "", "F = k_n delta^(3/2)")
@@ -62,10 +66,11 @@ static inline double law_stiffness(const sd_contact_law *law, double delta) {
 static inline double law_typical_stiffness(const sd_contact_law *law, double radius) {
   return law_stiffness(law, 0.01 * radius);
 }
-/* Damping b of a linear oscillator of frequency 1 whose collisions have this restitution; pulls:
- * the force may become attractive, else it is cut off at 0. */
+/* Returns the damping ratio b of a linear oscillator whose collisions have this coefficient of
+ * restitution. pulls: true if the force may become attractive, false if it is cut off at 0. */
 double law_damping_ratio(double restitution, bool pulls);
-/* Coefficient alpha of the damping by restitution; 0 if the law has none. */
+/* Returns the coefficient alpha of the damping by which a law reaches its coefficient of
+ * restitution (Tsuji et al.); 0 if the law gives no restitution. */
 double law_tsuji(const sd_contact_law *law);
 
 #endif

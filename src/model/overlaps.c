@@ -1,10 +1,10 @@
 /* overlaps.c: finds overlapping bodies; see overlaps.h.
  *
- * Each pair of disks is found from its smaller disk. Disks are sorted by size into levels, each
- * a factor of two in radius; a level has a grid of cells, as wide as its largest diameter, in a
- * hash table of lists. So a disk searches nine cells in its own level and in each level of
- * larger disks, whatever the sizes are. Blocks of 8 by 8 cells are contiguous in the table, so
- * that neighbouring cells are near in memory.
+ * Each pair of disks is found from its smaller disk. Disks are sorted by size into levels, each a
+ * factor of two in radius; a level has a grid of cells, as wide as its largest diameter, and a hash
+ * table of cells with a list of disks for each. So a disk searches nine cells in its own level and
+ * in each level of larger disks, whatever the sizes are. Blocks of 8 by 8 cells are contiguous in
+ * the table, so that neighbouring cells are near in memory.
  */
 #include "model/overlaps.h"
 
@@ -21,30 +21,30 @@
 /* A level: disks whose radii lie within a factor of two. Cell indices have type double, so that
  * far cells do not overflow. */
 typedef struct level {
-  double largest; /* largest radius of the level */
+  double largest; /* largest radius of a disk in this level */
   /* width of a cell, length */
   double cell;
-  size_t n_disks, n_cells; /* cells: size of the hash table, a power of two */
-  /* [n_cells] first disk of each list; NONE: empty */
+  size_t n_disks, n_cells; /* number of disks; size of the hash table of cells, a power of two */
+  /* [n_cells] first disk in the list of each cell; NONE: empty */
   uint32_t *head;
 } level;
 
-/* Number of levels, and the least exponent of a radius: all exponents of type double are
- * covered. */
+/* Number of size levels, and smallest binary exponent of a radius: all exponents of type double
+ * are covered. */
 enum { EXPONENTS = 2200, LEAST_EXPONENT = -1100 };
 
 typedef struct grid {
   const sd_model *m;
   overlap_visitor *visit;
   void *user;
-  level *levels;         /* levels by exponent of the radius; n_disks 0: unused */
-  int smallest, largest; /* first and last level in use */
-  uint32_t *next;        /* [disks] next disk in the same list; NONE: last */
-  uint32_t *heads;       /* heads of all levels, one after the other */
-  double length[2];      /* period of the box; 0: open */
+  level *levels;         /* one level per binary exponent of the radius; n_disks 0: unused */
+  int smallest, largest; /* smallest and largest level in use */
+  uint32_t *next;        /* [disks] next disk in the list of the same cell; NONE: last */
+  uint32_t *heads;       /* memory of the arrays `head` of all levels, one after the other */
+  double length[2];      /* length of the periodic box along x and y; 0: not periodic */
 } grid;
 
-/* True if the position is finite and the radius > 0. */
+/* True if the position of a disk is finite and its radius > 0. */
 static bool sound(const sd_disk *disk) {
   return isfinite(disk->position[0]) && isfinite(disk->position[1]) && disk->radius > 0;
 }
@@ -65,9 +65,9 @@ static uint64_t mixed(double i, double j) {
   return h * 0xBF58476D1CE4E5B9u >> 20;
 }
 
-/* Hash of cell (i, j). The 64 cells of a block of 8 by 8 get distinct neighbouring slots: XOR
- * with the block's hash spreads the blocks even if each has disks in the same one of its cells
- * only. */
+/* Hash of cell (i, j). The 64 cells of a block of 8 by 8 get distinct neighbouring entries of
+ * the table: XOR with the hash of the block spreads the blocks, even if each block has disks
+ * only in the same one of its cells. */
 static size_t hash(const level *l, double i, double j) {
   enum { SIDE = 8 };
   const double p = floor(i / SIDE) + 0.0, q = floor(j / SIDE) + 0.0;
@@ -79,8 +79,9 @@ static size_t hash(const level *l, double i, double j) {
 /* Index of the cell of coordinate x; + 0.0 turns -0.0 into 0.0. */
 static double cell_of(const level *l, double x) { return floor(x / l->cell) + 0.0; }
 
-/* Visits the pair (i, j) if disk j is the larger (or, if equal, has the higher number) and
- * overlaps an image of disk i at the distance (dx, dy). True: end the search for disk i. */
+/* Reports the pair of disks (i, j) to the caller's visitor if j is the larger (or, if equal, has
+ * the higher number) and overlaps an image of i at the distance (dx, dy). True: end the search
+ * for overlaps of disk i. */
 static bool check_pair(grid *g, size_t i, size_t j, double dx, double dy) {
   const sd_disk *a = &g->m->disks[i], *b = &g->m->disks[j];
   if (b->radius < a->radius || (b->radius == a->radius && j <= i)) return false;
@@ -89,7 +90,8 @@ static bool check_pair(grid *g, size_t i, size_t j, double dx, double dy) {
   return found.depth > 0 && g->visit(g->user, &found);
 }
 
-/* Searches the disks of cell (p, q). True: end the search for disk i. */
+/* Compares disk i, whose image is at `at`, with the disks in cell (p, q) of a level. True: end
+ * the search for overlaps of disk i. */
 static bool check_cell(grid *g, const level *l, size_t i, const double at[2], double p, double q) {
   for (uint32_t j = l->head[hash(l, p, q)]; j != NONE; j = g->next[j]) {
     const sd_disk *d = &g->m->disks[j];
@@ -104,8 +106,8 @@ static bool check_cell(grid *g, const level *l, size_t i, const double at[2], do
   return false;
 }
 
-/* Searches the cells around an image of disk i at `at`: the sum of its radius and that of any
- * disk in the level is at most one cell width. True: end the search for disk i. */
+/* Searches the nine cells of a level around an image of disk i at `at`: the sum of its radius
+ * and that of any disk in the level is at most one cell width. True: end the search for disk i. */
 static bool check_around(grid *g, const level *l, size_t i, const double at[2]) {
   const double reach = (g->m->disks[i].radius + l->largest) * (1 + 1e-9);
   const double x = cell_of(l, at[0]), left = cell_of(l, at[0] - reach),
@@ -122,8 +124,8 @@ static bool check_around(grid *g, const level *l, size_t i, const double at[2]) 
   return false;
 }
 
-/* Searches a level around all periodic images of disk i that may touch its disks. True: end the
- * search. */
+/* Searches a level of disks around all periodic images of disk i that may touch them. True: end
+ * the search for overlaps of disk i. */
 static bool check_level(grid *g, const level *l, size_t i) {
   double x[2] = {wrapped(g, g->m->disks[i].position[0], 0),
                  wrapped(g, g->m->disks[i].position[1], 1)};
@@ -142,16 +144,17 @@ static bool check_level(grid *g, const level *l, size_t i) {
   return false;
 }
 
-/* Level of a radius. */
+/* Returns the size level of a radius, from its binary exponent. */
 static int level_of(double radius) {
   int exponent;
   frexp(radius, &exponent);
   return exponent - LEAST_EXPONENT;
 }
 
-/* --- lists of cells ------------------------------------------------------------------------- */
+/* --- lists of cells --------------------------------------------------------------------------- */
 
-/* Computes the cells of each level and allocates the lists. False: out of memory. */
+/* Computes the cells of each size level and allocates their lists of disks. False: out of
+ * memory. */
 static bool make_levels(grid *g) {
   size_t n_cells = 0;
   g->levels = memory_new(EXPONENTS, sizeof *g->levels);
@@ -185,14 +188,14 @@ static bool make_levels(grid *g) {
   return true;
 }
 
-/* Order within a list, for a merge sort: the larger disk first, of equal ones the one with the
- * higher number. */
+/* Order of disks within the list of a cell: the larger disk first, of equal ones the one with
+ * the higher number. */
 static bool comes_first(const grid *g, uint32_t a, uint32_t b) {
   const double p = g->m->disks[a].radius, q = g->m->disks[b].radius;
   return p != q ? p > q : a > b;
 }
 
-/* Merges two sorted lists and returns the first disk. */
+/* Merges two sorted linked lists of disks and returns the first disk. */
 static uint32_t merge(grid *g, uint32_t a, uint32_t b) {
   uint32_t first = NONE, *end = &first;
   while (a != NONE && b != NONE) {
@@ -205,7 +208,7 @@ static uint32_t merge(grid *g, uint32_t a, uint32_t b) {
   return first;
 }
 
-/* Sorts a list and returns its first disk. */
+/* Sorts a linked list of disks and returns its first disk. */
 static uint32_t sorted(grid *g, uint32_t list) {
   enum { RUNS = 33 };
   uint32_t run[RUNS], all = NONE; /* run[k]: NONE, or a sorted list of 2^k disks */
@@ -225,8 +228,8 @@ static uint32_t sorted(grid *g, uint32_t list) {
   return all;
 }
 
-/* Fills the grid. Each list begins with its largest disk, so that if many disks lie on each
- * other, all but that one find a larger one at once. False: out of memory. */
+/* Fills the grid with disks. The list of each cell begins with its largest disk, so that if many
+ * disks lie on each other, all but that one find a larger one at once. False: out of memory. */
 static bool make_grid(grid *g) {
   if (!make_levels(g)) return false;
   for (size_t i = 0; i < model_held(g->m); i++) {
@@ -263,7 +266,7 @@ sd_status overlaps_of_disks(const sd_model *m, overlap_visitor *visit, void *use
   return made ? SD_OK : SD_ERROR_IO;
 }
 
-/* --- walls ---------------------------------------------------------------------------------- */
+/* --- walls ------------------------------------------------------------------------------------ */
 
 static double distance_to_segment(const double *p, const double *a, const double *b, bool endless) {
   double tx = b[0] - a[0], ty = b[1] - a[1], l2 = tx * tx + ty * ty;
@@ -361,7 +364,7 @@ void overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) 
   }
 }
 
-/* --- gap between two bodies ----------------------------------------------------------------- */
+/* --- gap between two bodies ------------------------------------------------------------------- */
 
 /* Gap between a disk at p and a wall at its initial position. */
 static double gap_to_wall(const sd_wall *w, const double *p, double radius) {
@@ -377,8 +380,9 @@ static double gap_to_wall(const sd_wall *w, const double *p, double radius) {
   return nearest - radius;
 }
 
-/* Largest number of periods between the image of a wall that is nearest to a disk and the image
- * whose pivot is nearest; 0 for circles and along open directions, 1 for lines. */
+/* Largest number of box lengths between the image of a wall that is nearest to a disk and the
+ * image whose pivot is nearest; 0 for circles and along directions that are not periodic, 1 for
+ * lines. */
 static int images_of(const sd_wall *w, double length) {
   double farthest = 0;
   if (!(length > 0) || w->kind == SD_WALL_CIRCLE) return 0;

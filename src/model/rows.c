@@ -1,5 +1,5 @@
-/* rows.c: disks of a model that ranks share: reductions over ranks, and a rank's own rows; see
- * rows.h. */
+/* rows.c: disks of a model that is distributed over MPI ranks: reductions over ranks, and the
+ * disks that a rank has for itself; see rows.h. */
 #include "model/rows.h"
 
 #include <assert.h>
@@ -9,7 +9,7 @@
 
 #include "base/memory.h"
 
-/* --- reductions over all ranks -------------------------------------------------------------- */
+/* --- reductions over all ranks ---------------------------------------------------------------- */
 
 double rows_largest(const sd_model *m, double value) { return comm_largest(m->comm, value); }
 double rows_least(const sd_model *m, double value) { return -comm_largest(m->comm, -value); }
@@ -73,7 +73,7 @@ sd_disk model_tile_disk(const sd_tiles *t, double radius, const double position[
                    .waiting = t->kind == SD_PACKING_RAIN};
 }
 
-/* --- distribution over ranks ---------------------------------------------------------------- */
+/* --- distribution over ranks ------------------------------------------------------------------ */
 
 bool rows_special(const sd_disk *d) {
   bool special = d->driven || d->clump > 0 || d->name;
@@ -100,14 +100,14 @@ typedef struct run_of {
   size_t begin, end;
 } run_of;
 
-/* This rank's range of n items; few: rank 0 has all. */
+/* Returns the range of n items that belongs to this rank; few: rank 0 has all of them. */
 static run_of share(const comm *c, size_t n, bool few) {
   const size_t rank = (size_t)comm_rank(c), size = (size_t)comm_size(c);
   if (few) return (run_of){rank > 0 ? n : 0, n};
   return (run_of){n * rank / size, n * (rank + 1) / size};
 }
 
-/* Appends a disk of model->disks to this rank's own rows. */
+/* Appends a disk of model->disks to the disks stored on this rank only. */
 static void add_own(sd_model *m, uint32_t disk) {
   sd_rows *r = m->mine;
   if (disk < m->n_derivatives)
@@ -115,8 +115,8 @@ static void add_own(sd_model *m, uint32_t disk) {
   rows_add(m, &m->disks[disk], disk);
 }
 
-/* Appends this rank's range of the free disks in model->disks to its own rows. False: out of
- * memory. */
+/* Appends this rank's range of the free disks in model->disks to the disks stored on this rank
+ * only. False: out of memory. */
 static bool take_own(sd_model *m, bool few) {
   size_t n = 0, k = 0;
   for (size_t i = 0; i < model_held(m); i++) n += !m->disks[i].driven;
@@ -136,7 +136,8 @@ static bool take_own(sd_model *m, bool few) {
   return true;
 }
 
-/* Copies this rank's range of the restored contacts to its own. False: out of memory. */
+/* Copies this rank's range of the restored contacts to the contacts stored on this rank only.
+ * False: out of memory. */
 static bool take_memories(sd_model *m, bool few) {
   const run_of own = share(m->comm, m->n_memories, few);
   sd_rows *r = m->mine;
@@ -147,8 +148,8 @@ static bool take_memories(sd_model *m, bool few) {
   return true;
 }
 
-/* Replaces the rows that not all ranks must know by zeros, in pages that are never written and
- * so take no memory. False: out of memory. */
+/* Replaces data of disks that not all ranks must know by zeros, in memory pages that are never
+ * written and so take no memory. False: out of memory. */
 static bool drop_ordinary(sd_model *m) {
   const size_t held = model_held(m);
   sd_disk *disks;

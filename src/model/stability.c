@@ -28,14 +28,15 @@
 static const double STIFF[] = {[SD_GEAR5] = 47.0 / 30, [SD_VERLET] = 0.25};
 static const double VISCOUS[] = {[SD_GEAR5] = 551.0 / 90, [SD_VERLET] = 1};
 
-/* Oscillations of a disk between two bodies of one material. */
+/* Normal and tangential oscillation of a disk between two bodies of one material. */
 typedef struct oscillator {
   double normal2, tangential2; /* squared angular frequencies w^2, 1/time^2 */
   double damping, friction;    /* damping rates c of the two oscillations, 1/time */
 } oscillator;
 
-/* Returns the oscillations of a disk (physics.md 5). tsuji: law_tsuji of the law; moved: bits 1
- * << coordinate of the coordinates that motions prescribe. */
+/* Returns frequencies and damping rates of a disk between two bodies (docs/physics.md 5). tsuji:
+ * coefficient of the damping by restitution, from law_tsuji; moved: bits 1 << coordinate for
+ * each coordinate that motions prescribe. */
 static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, double tsuji,
                                 unsigned moved) {
   bool still = (d->locked[SD_X] || moved & 1u << SD_X) && (d->locked[SD_Y] || moved & 1u << SD_Y);
@@ -53,8 +54,8 @@ static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, dou
                       .friction = law->gamma_t * rubs + 2.0 * law->gamma_r * inverse_inertia};
 }
 
-/* Returns the disk of a row with the smallest mass and inertia that a contact can feel
- * (clumps_felt). */
+/* Returns the disk in this row; if it belongs to a clump, with the smallest effective mass and
+ * inertia that a contact sees (clumps_felt). */
 static sd_disk felt_at(const sd_model *m, size_t row) {
   return row < model_held(m) ? clumps_felt(m, row) : *rows_disk(m, row);
 }
@@ -79,16 +80,17 @@ double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
   return fastest > 0.0 ? 2.0 * M_PI / sqrt(fastest) : HUGE_VAL;
 }
 
-/* Returns the positive root t of a w2 t^2 + b c t = 1. */
+/* Returns the longest stable time step t of an oscillation with squared frequency w2 and damping
+ * rate c: the positive root of a w2 t^2 + b c t = 1. HUGE_VAL: no limit. */
 static double longest(const sd_model *m, double w2, double c) {
   double a = STIFF[m->integrator] * w2, b = VISCOUS[m->integrator] * c,
          s = b + sqrt(b * b + 4.0 * a);
   return s > 0.0 ? 2.0 / s : HUGE_VAL;
 }
 
-/* Limit of the time step from the oscillations of one disk. */
+/* Returns the limit of the time step that the oscillations of one disk set. */
 static sd_step_limit limit_of(const sd_model *m, const oscillator *o, uint32_t disk) {
-  /* value of the term b c dt at the stability limit, out of 1 */
+  /* viscous: value of the term b c dt at the limit, where a (w dt)^2 + b c dt is 1 */
   const double normal = longest(m, o->normal2, o->damping),
                tangential = longest(m, o->tangential2, o->friction),
                viscous = VISCOUS[m->integrator] * o->damping * normal;
@@ -99,12 +101,12 @@ static sd_step_limit limit_of(const sd_model *m, const oscillator *o, uint32_t d
                                                       : SD_BOUND_NORMAL};
 }
 
-/* True if limit a is shorter, or equal and of a disk with a lower number. */
+/* True if limit a is shorter than limit b, or equal and set by a disk with a lower number. */
 static bool is_shorter(const sd_step_limit *a, const sd_step_limit *b) {
   return a->dt < b->dt || (a->dt == b->dt && isfinite(a->dt) && a->disk < b->disk);
 }
 
-/* Collective. Limit that contacts set for the disks of this rank. */
+/* Collective. Returns the limit of the time step that contacts set for the disks of this rank. */
 static sd_step_limit limit_here(const sd_model *m) {
   sd_step_limit limit = {.dt = HUGE_VAL};
   size_t laws = m->n_materials * m->n_materials;

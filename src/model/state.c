@@ -1,5 +1,5 @@
-/* state.c: the table of state columns, and the allocation, hash and comparison of states that
- * follow it. */
+/* state.c: the table of state columns, and the functions that loop over it: allocation, hash and
+ * comparison of states. */
 #include "model/state.h"
 
 #include <assert.h>
@@ -313,13 +313,13 @@ void *sd_field_data(const sd_state *s, const sd_field *f) {
   return f->extent == SD_PER_RUN ? (void *)at : *(void **)(void *)at;
 }
 
-/* Address of the member that points to a column. */
+/* Returns the address of the struct member that points to a column's data. */
 static void **field_pointer(sd_state *s, const sd_field *f) {
   return (void **)(void *)((char *)s + f->offset);
 }
 
-/* Allocates a contact column of n zeroed elements, padded to whole 64-byte vectors. NULL: out of
- * memory. */
+/* Allocates a column of n zeroed elements, one per contact, padded to whole 64-byte vectors.
+ * NULL: out of memory. */
 static void *column_new(size_t n, sd_type type) {
   size_t bytes = (n * sd_type_size(type) + 127) / 64 * 64;
   void *p = memory_fits((double)bytes) ? aligned_alloc(64, bytes) : NULL;
@@ -327,12 +327,14 @@ static void *column_new(size_t n, sd_type type) {
   return p;
 }
 
-/* True if the column lies in the common memory block s->columns. */
+/* True if the column lies in the memory block s->columns, which all columns but those of
+ * contacts share. */
 static bool in_room(const sd_field *f) {
   return f->extent != SD_PER_RUN && !state_of_contacts(f->extent);
 }
 
-/* Allocates the common memory block and sets the pointers of its columns. */
+/* Allocates the memory block of all columns but those of contacts, and sets the pointers to
+ * these columns. */
 static sd_status columns_new(sd_state *s) {
   arena_plan plan = {0};
   for (size_t k = 0; k < sd_field_count; k++)
@@ -349,13 +351,13 @@ static sd_status columns_new(sd_state *s) {
   return SD_OK;
 }
 
-/* Task that copies the columns to the new memory block of s. */
+/* Arguments of a task for several threads that copies the columns to the new memory block of s. */
 typedef struct spread_task {
   const sd_state *s;
-  void **from; /* [sd_field_count] old addresses of the columns */
+  void **from; /* [sd_field_count] old address of each column */
 } spread_task;
 
-/* Copies one thread's range of each column. */
+/* Copies the calling thread's range of rows of each column. */
 static void copy_share(const team *t, void *with) {
   const spread_task *f = with;
   for (size_t k = 0; k < sd_field_count; k++) {
@@ -410,7 +412,7 @@ sd_state state_sizes(const sd_model *m) {
   return s;
 }
 
-/* Bytes of all columns. */
+/* Returns the number of bytes in all columns of a state. */
 static double bytes_of(const sd_state *s) {
   double bytes = 0;
   for (size_t k = 0; k < sd_field_count; k++)
@@ -438,7 +440,8 @@ double state_least_bytes(const sd_model *m) {
   sd_state s = state_sizes(m);
   bool measured = false;
   for (size_t k = 0; k < m->n_phases; k++) measured |= m->phases[k].measure;
-  if (!measured) s.n_means = 0; /* columns of means are not written without measured phases */
+  /* without measured phases these columns are never written and take no memory */
+  if (!measured) s.n_means = 0;
   return (double)(m->n_disks * sizeof(sd_disk)) + bytes_of(&s);
 }
 
@@ -598,7 +601,8 @@ double visits_left(const sd_state *s, size_t k, int64_t now) {
   return b < VISIT_AGES - 1 ? (double)(since + ((int64_t)VISIT_YOUNG << b) - now) : HUGE_VAL;
 }
 
-/* Adds the sums of the current part of pair k to those of its class, and begins a new part. */
+/* Ends the current part of the visit of pair k (see visits in state.h): adds its sums to those
+ * of the visit's class, and begins a new part. */
 static void end_part(sd_state *s, size_t k, const double *part, size_t stride, int64_t now) {
   size_t class = VISIT_CLASSES * k + (size_t)s->visit_class[k];
   double *sum = s->visit_sum + VISIT_SUMS * class;

@@ -8,195 +8,227 @@
 #include "model/model.h"
 #include "slipdisk/state.h"
 
-/* Offset added to contact_slide, until step 0, if the contact's stored force is valid
- * (force_carried of sd_contact_memory). */
+/* Offset added to the column contact_slide, until step 0, if the stored force of the contact is
+ * valid (force_carried of sd_contact_memory). */
 enum { SD_FORCE_CARRIED = 4 };
 
 struct sd_state {
   /* The following members have one value per run. */
-  int64_t step;       /* steps completed since the start */
-  int64_t phase;      /* index of the current phase; n_phases: the run is over */
-  int64_t phase_step; /* steps completed in the current phase */
+  int64_t step;       /* number of steps completed since the start */
+  int64_t phase;      /* index of the current phase of the run; n_phases: the run is over */
+  int64_t phase_step; /* number of steps completed in the current phase */
   /* Work done by prescribed bodies and coordinates, and by the program's force fields, since
    * step 0. */
   double work_driven;
-  double energy_start;  /* kinetic + elastic + external energy at step 0 */
-  int64_t measured;     /* number of measured steps */
-  int64_t bin_steps;    /* steps per bin of the angle record, a power of two */
-  int64_t bins;         /* completed bins of the angle record */
-  double box_scale;     /* lengths of the region over those of the model; 1: not compressed */
-  double field_power;   /* power of the program's force fields at the end of the last step */
-  double relaxed;       /* energy removed by the relaxer (FIRE) since step 0 */
-  double relax_alpha;   /* FIRE's mixing parameter alpha; set when a phase begins */
-  int64_t relax_steps;  /* FIRE: steps with positive power since velocities were last set to 0 */
-  int64_t released;     /* number of disks released by rain */
-  int64_t outside;      /* number of times that a disk has left the bounds */
-  int64_t mean_samples; /* samples of the contacts taken for the means of disks */
-  /* bin_steps and bins of the angle records of all disks (mean_bin) */
+  double energy_start; /* kinetic + elastic + external energy at step 0 */
+  int64_t measured;    /* number of steps in which statistics were gathered */
+  int64_t bin_steps;   /* number of steps per bin of the angle record, a power of two */
+  int64_t bins;        /* number of completed bins of the angle record */
+  double box_scale;    /* lengths of the region divided by those of the model; 1: not compressed */
+  double field_power;  /* power of the program's force fields at the end of the last step */
+  double relaxed;      /* energy removed by the relaxer (FIRE) since step 0 */
+  double relax_alpha;  /* FIRE's mixing parameter alpha; set when a phase begins */
+  /* FIRE: number of steps with positive power since velocities were last set to 0 */
+  int64_t relax_steps;
+  int64_t released; /* number of disks released by rain */
+  /* number of times that a disk has left the bounds, the rectangle in which disks should stay */
+  int64_t outside;
+  int64_t mean_samples; /* number of samples of the contacts that the means of each disk include */
+  /* Number of steps per bin, and number of completed bins, of the angle records of all free
+   * disks (mean_bin). */
   int64_t mean_bin_steps, mean_bins;
-  /* First step after which a free disk or a moved body exceeded limits.displacement; -1: none. */
+  /* First step after which a free disk or a moved body had moved farther in one step than
+   * limits.displacement allows; -1: none. */
   int64_t fast_step;
   /* body number of the disk or wall that was too fast at fast_step; -1: none */
   int64_t fast_disk;
-  /* Displacement of fast_disk in that step over its radius; for a prescribed body over the
-   * smallest radius of a free disk. */
+  /* Displacement of fast_disk in that step divided by its radius; for a prescribed body divided
+   * by the smallest radius of a free disk. */
   double fast_displacement;
 
   void *columns; /* Memory block that holds all columns except those of contacts; owned. */
 
-  /* Numbers of rows of the columns. */
+  /* Number of free disks; of all disks, ghosts included; of all disks and walls. */
   size_t n_free, n_disks, n_bodies;
-  /* Ghosts: copies of disks that other ranks own, in the slots from n_free on; counted in
-   * n_disks. */
+  /* Number of ghosts, which are copies of disks that other ranks own, in the slots from n_free
+   * on; n_disks includes them. */
   size_t n_ghosts;
   size_t n_contacts, contact_capacity;
   size_t n_motions, n_phases, n_rotations, n_slides, n_means, n_visits, n_fielded, n_clumps;
-  /* Rows of the cell_* columns, and of cell_u ... nonaffine_y; 0 unless a phase deforms the box. */
+  /* Number of rows of the columns cell ... cell_mean, and of cell_u ... nonaffine_y; 0 unless a
+   * phase deforms the box. */
   size_t n_cell, n_cell_disks;
-  size_t n_surfaces;  /* number of walls if a motion moves the surface of any, else 0 */
-  size_t law_columns; /* 1: the state has the columns of SD_CONTACT_MORE; 0: these are empty */
+  size_t n_surfaces; /* number of walls if a motion moves the surface of any, else 0 */
+  /* 1: the state has the columns of SD_CONTACT_MORE, which some contact laws need; 0: these are
+   * empty */
+  size_t law_columns;
 
-  /* The following columns have one row per body, by slot. */
+  /* The following columns have one row per body, in the order of slots: free disks, other disks,
+   * walls. */
   uint32_t *id; /* body number in the model */
-  /* Position in the box, and angle: the angle is turn + theta, theta within [-4, 4] rad, turn a
-   * multiple of 8 rad. */
+  /* Position in the periodic box, and angle turn + theta with theta within [-4, 4] rad and turn
+   * a multiple of 8 rad. */
   double *x, *y, *theta, *turn;
   double *vx, *vy, *omega;
-  /* periods crossed along x and y: absolute position = x + image_x * box length */
+  /* number of box lengths crossed along x and y: absolute position = x + image_x * box length */
   int32_t *image_x, *image_y;
   double *radius, *mass, *inertia;
   int32_t *material, *group;
-  /* Prescribed coordinates: position and angle without the displacement of the running motions. */
+  /* Position and angle without the displacement by the running motions, for coordinates that
+   * motions prescribe. */
   double *base_x, *base_y, *base_theta;
-  double *force_x, *force_y, *torque; /* contact forces and torque at the last step */
-  /* Energy dissipated by viscosity in this body's contacts since step 0: half of each contact's
-   * loss, all of it if the partner is a wall or a driven disk. */
+  /* sum of the contact forces on the body, and of their torques, at the last step */
+  double *force_x, *force_y, *torque;
+  /* Energy dissipated by viscosity in this body's contacts since step 0. Each of two bodies
+   * takes half of the loss in their contact; a body takes all of it if its partner is a wall or
+   * a driven disk. */
   double *loss_viscous;
-  double *loss_friction; /* energy dissipated by sliding, shared as loss_viscous */
-  /* energy still stored in contacts when they opened, shared as loss_viscous */
+  /* energy dissipated by sliding, divided between two bodies like loss_viscous */
+  double *loss_friction;
+  /* energy still stored in contacts when they opened, divided between two bodies like
+   * loss_viscous */
   double *loss_opening;
-  /* Work of the paper's tangential force beyond what derives from the tangential energy
-   * (SD_PAPER), shared as loss_viscous. */
+  /* Work done by the part of the paper's tangential force that does not derive from the
+   * tangential energy (SD_PAPER), divided between two bodies like loss_viscous. */
   double *nonconservative_work;
   /* Parts of loss_viscous, loss_friction and nonconservative_work that belong to contacts that
    * have ended. */
   double *past_viscous, *past_friction, *past_nonconservative_work;
 
   /* The following columns have one row per wall if a motion moves the surface of any wall, else
-   * none. The displacement of the surface along the wall is surface + surface_turn; then its
-   * velocity, the force of the contacts on it, and its prescribed displacement without the
-   * running motions. */
+   * none: displacement of the surface along the wall, which is surface + surface_turn; velocity
+   * of the surface; force of the contacts on it; its prescribed displacement without the running
+   * motions. */
   double *surface, *surface_turn, *surface_speed, *surface_force, *base_surface;
 
-  /* The following columns have one row per free disk. Column k of the Nordsieck vector (x2 ...)
-   * is dt^k/k! times the k-th derivative. */
+  /* The following columns have one row per free disk. Columns x2 ... x5 (and y, theta) of the
+   * integrator hold dt^k/k! times the k-th derivative, k = 2 ... 5. */
   int32_t *activity; /* SD_IN_PLAY, SD_WAITING, SD_REMOVED or SD_OUTSIDE */
-  /* Energy lost to rolling in contacts that have ended, shared as loss_viscous; only with
-   * law_columns. */
+  /* Energy lost to rolling in contacts that have ended, divided between two bodies like
+   * loss_viscous; only if law_columns is 1. */
   double *past_rolling;
-  double *loss_bridge; /* energy lost when capillary bridges formed; only with law_columns */
+  double *loss_bridge; /* energy lost when capillary bridges formed; only if law_columns is 1 */
   double *x2, *y2, *theta2;
   double *x3, *y3, *theta3, *x4, *y4, *theta4, *x5, *y5, *theta5;
 
-  /* The following columns have one row per free disk if the model has fields (physics.md 15):
-   * forces and torque of the fields at the last step, the powers of their work, drag and
-   * damping, and the time integrals of these powers since step 0. */
+  /* The following columns have one row per free disk if the model has force fields
+   * (docs/physics.md 15): forces and torque of the fields at the last step; power of their work,
+   * of drag and of damping; and the time integrals of these powers since step 0. */
   double *field_x, *field_y, *field_torque;
   double *power_work, *power_drag, *power_damping;
   double *field_work, *loss_drag, *loss_damping;
 
-  /* The following columns have one row per closed contact, ordered by (lower slot, partner). */
+  /* The following columns have one row per closed contact, ordered by the lower slot of its two
+   * bodies, then by its partner. */
   uint32_t *contact_a;    /* body number of the disk */
   uint32_t *contact_b;    /* body number of the partner disk or wall */
-  uint32_t *contact_part; /* index of the wall segment; 0 for round bodies */
+  uint32_t *contact_part; /* index of the wall segment that is touched; 0 for round bodies */
   double *contact_side;   /* +1, -1: side of a straight wall on which the disk is; 0: round body */
-  /* 0: stuck; +1, -1: sliding with that sign of the torque; plus SD_FORCE_CARRIED before step 0 */
+  /* 0: contact sticks; +1, -1: slides with that sign of the torque; plus SD_FORCE_CARRIED before
+   * step 0 */
   int32_t *contact_slide;
 #define SD_CONTACT_POINTER(name, unit, meaning) double *contact_##name;
-  SD_CONTACT_RECORD(SD_CONTACT_POINTER) /* columns of contact.h */
-  /* columns of contact.h that only some laws need; empty unless law_columns is 1 */
+  SD_CONTACT_RECORD(SD_CONTACT_POINTER) /* columns in the first table of contact.h */
+  /* columns in the second table of contact.h, which some laws need; empty unless law_columns is
+   * 1 */
   SD_CONTACT_MORE(SD_CONTACT_POINTER)
 #undef SD_CONTACT_POINTER
 
   /* The following columns have one row per motion. */
   int64_t *motion_start; /* step at which the motion was switched on; -1: off */
-  /* Random motion: displacement and velocity of the oscillator at the last draw (0) and at the
-   * next one (1). Load, servo: u0 and v0 are displacement and velocity; servo: u1 is the
-   * smoothed force on the disks. */
+  /* Random motion: displacement and velocity of the oscillator when random numbers were last
+   * drawn (u0, v0), and when the next ones are due (u1, v1). Load, servo: u0 and v0 are
+   * displacement and velocity of the wall; servo: u1 is the smoothed force on the disks. */
   double *motion_u0, *motion_v0, *motion_u1, *motion_v1;
 
-  /* Shape of the periodic box, CELL_X ... of cell.h, relative to its lengths before it deformed. */
+  /* Shape of the periodic box (CELL_X ... of cell.h), relative to the box lengths before it
+   * deformed. */
   double *cell;
-  double *cell_start; /* shape at step cell_from; since then it changes at the rate cell_speed */
+  /* shape of the box at step cell_from; since then it changes at the rate cell_speed */
+  double *cell_start;
   int64_t *cell_from;
   double *cell_speed;
-  /* Sum of f_i n_j over contacts with an image n cells away, f the force: xx, xy, yx, yy. */
+  /* [4] Sum of f_i n_j (xx, xy, yx, yy) over contacts with a periodic image that is displaced by
+   * n boxes; f is the contact force. */
   double *cell_force;
-  double *cell_mean; /* running means of the stress-controlled rates: xx, yy, xy */
-  /* Position in the box relative to its edges, when the nonaffine displacement was last updated. */
+  double *cell_mean; /* [3] running means of the stress-controlled rates of the box: xx, yy, xy */
+  /* Position in the box relative to the box edges, when the nonaffine displacement was last
+   * updated. */
   double *cell_u, *cell_v;
-  /* Displacement since the phase began, minus that of the deforming box. */
+  /* Displacement of each disk since the phase began, minus that of the deforming box. */
   double *nonaffine_x, *nonaffine_y;
 
-  /* The following columns have one row per phase, filled in when the phase ends. */
-  int64_t *phase_steps;   /* steps that the phase took; 0: not over */
-  int32_t *phase_reached; /* 1 if the goals of settle and compress were met */
-  /* settle: kinetic energy per disk, unbalanced force */
+  /* The following columns have one row per phase of the run, filled in when the phase ends. */
+  int64_t *phase_steps; /* number of steps that the phase took; 0: it is not over */
+  /* 1 if the goals at which the phase may end (settle, compress) were met */
+  int32_t *phase_reached;
+  /* phase that may end by settle: kinetic energy per disk and unbalanced force ratio at its end */
   double *phase_kinetic, *phase_unbalanced;
-  double *phase_target; /* compress: pressure or packing fraction that was reached */
+  double *phase_target; /* phase that compresses: pressure or packing fraction that was reached */
 
-  /* The following columns hold statistics of the measured phases: rotation_* by disk in
-   * rotations, slide_* by entry of slides. */
-  /* Angle when measuring began, plus what the disk has since turned while not measured. */
+  /* The following columns hold statistics of the measured phases: rotation_* with a row per disk
+   * in model->rotations, slide_* with a row per watched pair of contacts in model->slides. */
+  /* Angle of the disk when measuring began, plus the angle that it has turned since in phases
+   * that are not measured. */
   double *rotation_start;
-  double *rotation_bin;  /* angle turned in each completed bin */
-  double *rotation_last; /* angle at the end of the last completed bin */
-  /* Angle when measuring last paused; the angle turned until it resumes is left out. */
+  double *rotation_bin;  /* angle turned by the disk in each completed bin of time */
+  double *rotation_last; /* angle of the disk at the end of the last completed bin */
+  /* Angle of the disk when measuring last paused; the angle turned until it resumes is not
+   * counted. */
   double *rotation_stop;
-  /* number of steps in configuration 4 * (first contact) + (second contact) */
+  /* Number of steps for each joint state of the two contacts, at index 4 * (state of the first)
+   * + (state of the second). */
   int64_t *slide_count;
-  double *slide_force_min; /* smallest normal force of a contact; 0 if it was open */
-  int64_t *slide_openings; /* number of times the contact opened */
-  int32_t *slide_was_open; /* 1 if the contact was open at the last step */
+  /* smallest normal force of each watched contact; 0 if the contact was open */
+  double *slide_force_min;
+  int64_t *slide_openings; /* number of times that each watched contact opened */
+  int32_t *slide_was_open; /* 1 if the watched contact was open at the last step */
 
-  /* The following columns describe the visits of watched pairs of contacts to their sliding
-   * configurations (sd_visit sums below). */
-  int32_t *visit_class; /* class of the current visit; -1: none */
-  /* number of measured steps when the visit began; -1: it began before measuring did */
+  /* The following columns have one row (or block) per watched pair of contacts if their
+   * configurations are measured. A visit is an unbroken run of steps in one sliding
+   * configuration, called class; details are at the end of this file. */
+  int32_t *visit_class; /* sliding configuration (class) of the current visit; -1: none */
+  /* number of measured steps when the current visit began; -1: it began before measuring did */
   int64_t *visit_since;
-  int64_t *visit_from; /* number of measured steps when the visit's current part began */
-  /* reference normal forces, subtracted from the force sums to keep them small */
+  int64_t *visit_from; /* number of measured steps when the current part of the visit began */
+  /* Reference normal force of each contact, subtracted from the summed forces to keep sums
+   * small. */
   double *visit_reference;
-  double *visit_part;   /* sums over the current part of the visit: VISIT_TORQUE ... */
-  double *visit_sum;    /* sums per class over completed parts of visits */
-  int64_t *visit_count; /* number of visits that began and ended while measured */
-  int64_t *visit_steps; /* number of steps of these visits */
-  double *visit_steps2; /* sum of the squared numbers of steps of these visits */
-  /* Sum of the torque, and number of steps, per class and octave of the visit's age, over
-   * completed parts. */
+  double *visit_part; /* [VISIT_SUMS] sums over the current part of the visit */
+  /* sums over all completed parts of visits, per class (sliding configuration) */
+  double *visit_sum;
+  int64_t *visit_count; /* number of visits that began and ended in measured steps, per class */
+  int64_t *visit_steps; /* number of steps of these completed visits, per class */
+  /* sum of the squared durations of these completed visits, per class, steps^2 */
+  double *visit_steps2;
+  /* Sum of the torque, and number of steps, per class and age of the visit (bins of a factor of
+   * two), over completed parts. */
   double *visit_age_torque;
   int64_t *visit_age_steps;
 
-  /* The following columns hold sums for time averages of the free disks, by slot. sum_* are sums
-   * over samples unless stated otherwise. */
-  /* angles defined as rotation_start, rotation_last, rotation_stop */
+  /* The following columns hold sums for time averages, with one row per free disk, in the order
+   * of slots. sum_* are sums over samples unless stated otherwise. */
+  /* angles of each free disk, defined like rotation_start, rotation_last and rotation_stop */
   double *mean_angle, *mean_last, *mean_stop;
-  double *mean_bin; /* angle turned in each completed bin */
-  /* absolute position when measuring began; NAN: the disk was not in play */
+  double *mean_bin; /* angle turned by the disk in each completed bin of time */
+  /* absolute position of the disk when measuring began; NAN: it did not take part then */
   double *mean_x0, *mean_y0;
-  /* sums of the displacement from (mean_x0, mean_y0), and of its square */
+  /* sums of the displacement of the disk from (mean_x0, mean_y0), and of its square */
   double *sum_x, *sum_y, *sum_xx, *sum_yy;
-  double *sum_contacts, *sum_sliding; /* sums of the numbers of closed and of sliding contacts */
-  double *sum_force;                  /* sum of the normal forces of the disk's contacts */
-  double *sum_injected;               /* sum of the power of prescribed bodies on this disk */
-  /* sums of the kinetic energies of translation and of rotation */
+  /* sums of the numbers of closed and of sliding contacts of the disk */
+  double *sum_contacts, *sum_sliding;
+  double *sum_force; /* sum of the normal forces of the disk's contacts, over samples */
+  /* sum of the power that prescribed bodies transfer to this disk */
+  double *sum_injected;
+  /* sums of the disk's kinetic energies of translation and of rotation */
   double *sum_kinetic, *sum_spin;
-  /* Losses in measured phases; during a measured phase minus the value of loss_* at its begin. */
+  /* Energy lost in measured phases. During a measured phase, the value of the column loss_* at
+   * its begin is subtracted already, and that at its end is not added yet. */
   double *sum_viscous, *sum_friction, *sum_opening;
-  int64_t *sum_openings; /* number of contacts that opened in measured steps */
+  int64_t *sum_openings; /* number of contacts of the disk that opened in measured steps */
 
-  /* The following columns have one row per clump: motion of its centre of mass, with the same
-   * columns as a body. */
+  /* The following columns have one row per clump: motion of its centre of mass, in columns like
+   * those of a body. */
   double *clump_x, *clump_y, *clump_theta, *clump_turn;
   double *clump_vx, *clump_vy, *clump_omega;
   int32_t *clump_image_x, *clump_image_y;
@@ -208,12 +240,13 @@ struct sd_state {
   double *clump_x4, *clump_y4, *clump_theta4, *clump_x5, *clump_y5, *clump_theta5;
 };
 
-/* True if the column has one row (or a block) per free disk and no other rows. */
+/* True if columns with this extent (meaning of rows) have one row or block per free disk, and no
+ * other rows. */
 static inline bool state_of_free(sd_extent extent) {
   return extent == SD_PER_FREE || extent == SD_PER_MEAN || extent == SD_PER_MEAN_BIN ||
          extent == SD_PER_FIELDED || extent == SD_PER_LAW_FREE || extent == SD_PER_CELL_DISK;
 }
-/* True if the column has one row per closed contact. */
+/* True if columns with this extent (meaning of rows) have one row per closed contact. */
 static inline bool state_of_contacts(sd_extent extent) {
   return extent == SD_PER_CONTACT || extent == SD_PER_LAW_CONTACT;
 }
@@ -224,28 +257,29 @@ static inline bool state_of_contacts(sd_extent extent) {
 sd_state *sd_state_new(const sd_model *model);
 /* Returns a state that has only the row counts for all disks of the model; it has no columns. */
 sd_state state_sizes(const sd_model *model);
-/* Bytes of the columns of a state of the model with this many contacts. */
+/* Returns the number of bytes in the columns of a state of this model with this many contacts. */
 double state_bytes(const sd_model *model, size_t contacts);
 /* Returns a lower estimate, in bytes, of the memory of a simulation in one process: the model's
  * disks and the state's columns without contacts. Columns that stay 0 (derivatives, losses) may
  * take no memory, but neighbour lists and forces, which are not counted, take more than these
  * save. */
 double state_least_bytes(const sd_model *model);
-/* Bytes that each disk adds to state_least_bytes, at least, whatever the model; free: for a free
- * disk. */
+/* Returns the smallest number of bytes that each further disk adds to state_least_bytes,
+ * whatever the model; free: for a free disk. */
 size_t state_disk_bytes(bool free);
-/* Reports an error and returns SD_ERROR_IO if state_least_bytes exceed the available memory
- * (memory_fits). */
+/* Reports an error and returns SD_ERROR_IO if a simulation needs more memory (state_least_bytes)
+ * than is available. */
 sd_status state_refuse(const sd_model *model, sd_messages *messages);
-/* Does what sd_state_new does for a state with n_free of the free disks, slots for n_ghosts
- * ghosts, and all prescribed bodies of the model. */
+/* Returns the state of one rank, made like sd_state_new, with n_free of the free disks, slots
+ * for n_ghosts ghosts (copies of disks of other ranks), and all prescribed bodies of the model.
+ * NULL: out of memory. */
 sd_state *state_new_part(const sd_model *model, size_t n_free, size_t n_ghosts);
-/* Moves the columns, except those of contacts, to new memory that each thread touches first for
- * its range, so that the pages are local to it (NUMA). They stay in place without threads (c
- * NULL) or without memory. */
+/* Moves the columns, except those of contacts, to new memory in which each thread first touches
+ * its own range of rows, so that the pages are local to it (NUMA). Columns stay in place if
+ * there are no threads (c is NULL) or no memory. */
 void state_spread(sd_state *state, pool *c);
-/* Initial value of FNV-1a, and the hash of further bytes: sd_state_hash applies it to the
- * columns one after the other. */
+/* Initial value of the hash FNV-1a. state_hash_bytes continues a hash with further bytes;
+ * sd_state_hash applies it to the columns one after the other. */
 #define STATE_HASH UINT64_C(14695981039346656037)
 uint64_t state_hash_bytes(uint64_t hash, const void *data, size_t bytes);
 /* Makes the contact columns hold at least n rows and keeps the existing ones. SD_ERROR_IO: out
@@ -256,18 +290,18 @@ sd_contact_record sd_state_record(const sd_state *state, size_t c);
 /* Sets the history of stored contact c. */
 void sd_state_set_record(sd_state *state, size_t c, const sd_contact_record *record);
 
-/* Finds the slot of a body in a state from the body's number.
+/* A table that gives the slot of a body in a state from the body's number.
  *
  * The table is an array if the state has all bodies. A rank with some of them uses a hash table
- * (open addressing), so that its memory does not grow with the whole system. The numbers on a
- * rank form runs, such as rows of a packing: blocks of 8 numbers stay together in the table, and
- * blocks are spread by multiplication with an odd number (Knuth's multiplicative hashing).
+ * (open addressing), so that its memory does not grow with the whole system. The body numbers on a
+ * rank form runs, such as rows of a packing: blocks of 8 numbers stay together in the hash table,
+ * and blocks are spread by multiplication with an odd number (Knuth's multiplicative hashing).
  */
 
 #define SLOT_NONE UINT32_MAX
 
 typedef struct slot_table {
-  uint32_t *slot; /* array: slot of each body; hash table: slot of each entry */
+  uint32_t *slot; /* array: slot of each body; hash table: slot of the body in each entry */
   /* Body number of each entry, SLOT_NONE: empty. NULL: the table is the array slot[body]. */
   uint32_t *body;
   uint32_t mask;   /* hash table: number of entries, a power of two, minus 1 */
@@ -282,7 +316,7 @@ void slot_table_free(slot_table *t);
 /* Updates the table after the same bodies have changed their slots. */
 void slot_table_fill(slot_table *t, const sd_state *state);
 
-/* Entry at which the search for a body begins. */
+/* Returns the entry of the hash table at which the search for a body begins. */
 static inline uint32_t slot_table_home(const slot_table *t, uint32_t body) {
   return (body / 8 * UINT32_C(2654435769) >> t->shift) * 8 + body % 8;
 }
@@ -295,40 +329,43 @@ static inline uint32_t slot_of(const slot_table *t, uint32_t body) {
   return t->body[k] == body ? t->slot[k] : SLOT_NONE;
 }
 
-/* Statistics of the visits of a watched pair of contacts to each of its sliding
- * configurations: torque, normal forces and duration.
+/* Statistics of the visits of a watched pair of contacts to each of its sliding configurations:
+ * torque, normal forces and duration.
  *
- * A visit is an unbroken run of measured steps in one of six classes. Each step adds to the sums
- * of the current part of the visit, which are added to the sums of the class when the part ends:
- * when the class changes, or when the age of the visit reaches the next octave. So a step costs
- * a few additions, and short sums lose no digits.
+ * A visit is an unbroken run of measured steps in one of six classes. Each step adds to the sums of
+ * the current part of the visit, which are added to the sums of the class when the part ends: when
+ * the class changes, or when the age of the visit reaches the next power of two. So a step costs a
+ * few additions, and short sums lose no digits.
  */
 
-/* Classes: S++, S+-, S-+ and S-- are 2 * (first contact) + (second contact); stick: at least one
- * contact stuck, none open; open: at least one contact open. */
+/* Classes of a visit: S++, S+-, S-+ and S-- have the number 2 * (first contact) + (second
+ * contact); stick: at least one contact stuck, none open; open: at least one contact open. */
 enum { VISIT_STICK = 4, VISIT_OPEN = 5, VISIT_CLASSES = SD_CONFIGURATIONS, VISIT_NONE = -1 };
-/* Sums of a part: torque and its square; then per contact the normal force minus its reference,
- * and the square of this. */
+/* Indices of the sums over a part of a visit: torque and its square; then per contact the normal
+ * force minus its reference, and the square of this. */
 enum { VISIT_TORQUE, VISIT_TORQUE2, VISIT_FORCE, VISIT_FORCE2, VISIT_SUMS = VISIT_FORCE + 4 };
-/* Bins of a visit's age: below VISIT_YOUNG steps, then octaves; the last bin is unbounded. */
+/* Bins of a visit's age: the first is below VISIT_YOUNG steps, each further one is a factor of
+ * two in age; the last bin is unbounded. */
 enum { VISIT_YOUNG = 32, VISIT_AGES = SD_AGES };
 
-/* Class of a pair of contacts in the states first and second (SD_SLIDE_POSITIVE ... SD_OPEN). */
+/* Returns the class of a pair of contacts in the states `first` and `second` (SD_SLIDE_POSITIVE
+ * ... SD_OPEN). */
 static inline int visits_class(int first, int second) {
   int more = first > second ? first : second;
   return more >= SD_STUCK ? more + 2 : 2 * first + second;
 }
 
-/* Bin of an age >= 0, in steps. */
+/* Returns the bin for the age of a visit, in steps, >= 0. */
 static inline int visits_octave(int64_t age) {
   int b = 63 - __builtin_clzll((unsigned long long)age | (VISIT_YOUNG / 2)) - 4;
   return b < VISIT_AGES - 1 ? b : VISIT_AGES - 1;
 }
-/* Number of measured steps from `now` until the current part ends because of its age; HUGE_VAL:
- * it does not. */
+/* Returns the number of measured steps from `now` until the current part of pair k's visit ends
+ * because of its age; HUGE_VAL: it does not. */
 double visits_left(const sd_state *s, size_t k, int64_t now);
-/* Ends the current part of pair k after `now` measured steps; the next step is in `class`. The
- * part's sums are part[q * stride]; the caller sets them to 0 afterwards. */
+/* Ends the current part of pair k's visit after `now` measured steps, and begins a new visit if
+ * `class`, that of the next step, differs. The sums of the part are part[q * stride]; the caller
+ * sets them to 0 afterwards. */
 void visits_next(sd_state *s, size_t k, int class, const double *part, size_t stride, int64_t now);
 /* Ends the current visit of pair k when measuring pauses or begins; its duration stays unknown. */
 void visits_cut(sd_state *s, size_t k);

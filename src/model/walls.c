@@ -16,8 +16,8 @@ bool model_moves_surfaces(const sd_model *m) {
   return false;
 }
 
-/* Makes the segments into which side k of a wall is cut; *arc: length of the wall so far.
- * Returns their number. */
+/* Makes the segments into which side k of a wall is cut; *arc: length of the wall up to this
+ * side, which is updated. Returns their number. */
 static size_t derive_side(const sd_model *m, const sd_wall *w, size_t k, uint32_t body,
                           sd_segment *first, double *arc) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
@@ -39,7 +39,7 @@ static size_t derive_side(const sd_model *m, const sd_wall *w, size_t k, uint32_
 }
 
 /* Makes the segments of a wall that is no arc and links each to the next; number: index of the
- * first. */
+ * wall's first segment in the model. */
 static void derive_wall(const sd_model *m, size_t wall, uint32_t body, sd_segment *first,
                         size_t number) {
   const sd_wall *w = &m->walls[wall];
@@ -88,21 +88,21 @@ void model_find_pieces(sd_model *m) {
 
 /* Relative tolerance of positions and directions in a periodic box. */
 static const double NEARLY = 1e-9;
-/* Sides up to WHOLE periods are not cut: disks are smaller than the gap between a segment and
- * its image (check_width). Longer ones are cut into CUTS_PER_PERIOD segments per period. So are
- * walls that meet their images, because with three segments it is unique which one follows
- * which. */
+/* In a periodic box, sides of up to WHOLE box lengths are not cut: disks are smaller than the
+ * gap between a segment and its image (check_width). Longer sides are cut into CUTS_PER_PERIOD
+ * segments per box length. So are walls that continue in their own images, because with three
+ * segments it is unique which one follows which. */
 static const double WHOLE = 0.5, CUTS_PER_PERIOD = 3.0;
-/* Largest number of segments of all walls. */
+/* Upper limit of the number of segments of all walls together. */
 static const double MOST_PIECES = 1e7;
 
-/* Length of the box along c; 0: not periodic. */
+/* Length of the box along coordinate c; 0: not periodic. */
 static double period_of(const sd_model *m, int c) {
   const double length = m->upper[c] - m->lower[c];
   return m->periodic[c] && length > 0.0 ? length : 0.0;
 }
 
-/* Shortest length of the box along a periodic direction; 0: none is periodic. */
+/* Length of the box along its shorter periodic direction; 0: no direction is periodic. */
 static double shortest_period(const sd_model *m) {
   const double x = period_of(m, 0), y = period_of(m, 1);
   return x > 0.0 && y > 0.0 ? fmin(x, y) : fmax(x, y);
@@ -110,7 +110,8 @@ static double shortest_period(const sd_model *m) {
 
 /* --- pieces in a periodic box ----------------------------------------------------------------- */
 
-/* True if the last point of an open wall is a periodic image of the first, cells periods away. */
+/* True if the last point of an open wall is a periodic image of the first. cells: number of box
+ * lengths between these two points, along x and y. */
 static bool ends_on_image(const sd_model *m, const sd_wall *w, int cells[2]) {
   if ((w->kind != SD_WALL_SEGMENT && w->kind != SD_WALL_POLYLINE) || w->closed || w->n_points < 2)
     return false;
@@ -125,7 +126,7 @@ static bool ends_on_image(const sd_model *m, const sd_wall *w, int cells[2]) {
   return cells[0] != 0 || cells[1] != 0;
 }
 
-/* Length of side k of a wall. */
+/* Length of side k of a wall, from point k to the next one. */
 static double side_of(const sd_wall *w, size_t k) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
   return hypot(q[0] - p[0], q[1] - p[1]);
@@ -144,7 +145,7 @@ static double cuts_of(const sd_model *m, const sd_wall *w, size_t k) {
 
 size_t wall_cuts(const sd_model *m, const sd_wall *w, size_t k) { return (size_t)cuts_of(m, w, k); }
 
-/* Number of segments of a wall, as a double. */
+/* Number of segments of a wall after cutting, as a double. */
 static double count_pieces(const sd_model *m, const sd_wall *w) {
   double n = 0.0;
   for (size_t k = 0; k < wall_segments(w); k++) n += cuts_of(m, w, k);
@@ -153,7 +154,7 @@ static double count_pieces(const sd_model *m, const sd_wall *w) {
 
 size_t wall_pieces(const sd_model *m, const sd_wall *w) { return (size_t)count_pieces(m, w); }
 
-/* Index of a motion that turns the wall; n_motions: none. */
+/* Returns the index of a motion that turns wall w; n_motions: none does. */
 static size_t turned_by(const sd_model *m, size_t w) {
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; m->motions[k].coordinate == SD_THETA && b < m->motions[k].n_bodies; b++)
@@ -167,7 +168,7 @@ bool wall_meets_image(const sd_model *m, size_t w, int cells[2]) {
 
 void wall_piece_images(const sd_model *m, bool endless, sd_segment *s) {
   for (int c = 0; c < 2; c++) {
-    /* a line along c has no images along c */
+    /* an infinite line along coordinate c has no images along c */
     s->image[c] = period_of(m, c) > 0.0 && (!endless || fabs(s->tangent[c]) <= NEARLY);
     switch (s->piece) {
       case SD_PIECE_STRAIGHT: s->center[c] = endless ? 0.0 : 0.5 * s->length * s->tangent[c]; break;
@@ -182,7 +183,7 @@ void wall_piece_images(const sd_model *m, bool endless, sd_segment *s) {
 
 /* --- checks ----------------------------------------------------------------------------------- */
 
-/* Diameter of the circle around the longest segment of a wall. */
+/* Diameter of the smallest circle around the longest segment of a wall. */
 static double width_of(const sd_model *m, const sd_wall *w) {
   const double part = arc_is_ring(w) ? 2.0 * M_PI / 3.0 : w->to - w->from;
   if (w->kind == SD_WALL_ARC) return 2.0 * w->radius * (part > M_PI ? 1.0 : sin(0.5 * part));
@@ -192,7 +193,7 @@ static double width_of(const sd_model *m, const sd_wall *w) {
   return longest;
 }
 
-/* Extent of a wall's points along c. */
+/* Difference between the largest and smallest coordinate c of a wall's points. */
 static double span_of(const sd_wall *w, int c) {
   double lower = HUGE_VAL, upper = -HUGE_VAL;
   for (size_t k = 0; k < w->n_points; k++) {
@@ -257,8 +258,8 @@ static void check_width(const sd_model *m, size_t w, const char *name, sd_messag
   }
 }
 
-/* True if side k and another side, displaced by v, overlap along side k for a finite length and
- * are nowhere farther apart than `near`. */
+/* True if two sides of a wall, of which side `other` is displaced by v, overlap along side k for
+ * a finite length and are nowhere farther apart than `near`. */
 static bool lie_together(const sd_wall *w, size_t k, size_t other, const double v[2], double near) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points], length = side_of(w, k);
   const double t[2] = {(q[0] - p[0]) / length, (q[1] - p[1]) / length};
@@ -274,8 +275,8 @@ static bool lie_together(const sd_wall *w, size_t k, size_t other, const double 
   return fmax(across[0], across[1]) < near && to - from > NEARLY * length;
 }
 
-/* True if the wall covers a periodic image of itself. near: distance below which a side covers
- * its own image. */
+/* True if the wall lies on a periodic image of itself. near: distance below which a side counts
+ * as lying on its own image. */
 static bool covers_image(const sd_model *m, const sd_wall *w, double near) {
   const double x = period_of(m, 0), y = period_of(m, 1);
   const double wide[2] = {span_of(w, 0), span_of(w, 1)}, slight = NEARLY * shortest_period(m);
@@ -292,8 +293,8 @@ static bool covers_image(const sd_model *m, const sd_wall *w, double near) {
   return false;
 }
 
-/* Reports a wall longer than the box that lies on its own image, or may turn onto it: disks
- * would feel it twice. */
+/* Reports a wall longer than the box that lies on its own image, or may turn onto it: a disk
+ * would be pushed twice. */
 static void check_length(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
   enum { MOST_SIDES = 2000 };
   const sd_wall *wall = &m->walls[w];
@@ -346,9 +347,10 @@ static bool is_copy(const sd_model *m, const sd_wall *a, const sd_wall *b) {
   return shifted;
 }
 
-/* Reports wall w if an earlier wall's image lies at its place. */
+/* Reports an error if wall w lies where a periodic image of an earlier wall is. */
 static void check_copies(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
-  enum { MOST_WALLS = 1000 }; /* most walls compared, each with all before it */
+  /* only the first MOST_WALLS walls are compared, each with all before it */
+  enum { MOST_WALLS = 1000 };
   char other[96];
   for (size_t k = 0; k < w && w < MOST_WALLS; k++) {
     if (!is_copy(m, &m->walls[k], &m->walls[w])) continue;
@@ -384,7 +386,7 @@ void wall_images_check(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* --- periodic images near a wall ------------------------------------------------------------ */
+/* --- periodic images near a wall -------------------------------------------------------------- */
 
 wall_bounds wall_bounds_of(const sd_wall *w) {
   const bool round = w->kind == SD_WALL_CIRCLE || w->kind == SD_WALL_ARC;
@@ -408,7 +410,8 @@ wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds 
     const double lower = b->lower[c], upper = b->upper[c], period = period_of(m, c);
     /* a wall without points has no position */
     if (!(period > 0.0) || !(lower <= upper)) continue;
-    /* a line has no images along itself; a disk in a drum has one image */
+    /* an infinite line has no images along itself; a disk in a round container touches one image
+     * only */
     if (w->kind == SD_WALL_LINE && upper - lower > NEARLY * side_of(w, 0)) continue;
     r.length[c] = period;
     if (w->kind == SD_WALL_CIRCLE && w->inside) {
@@ -423,16 +426,16 @@ wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds 
 
 /* --- finds ends of walls that meet and numbers their vertices --------------------------------- */
 
-/* --- ends ----------------------------------------------------------------------------------- */
+/* --- ends ------------------------------------------------------------------------------------- */
 
-/* True if the wall has two free ends. */
+/* True if the wall has two ends: a segment, open polyline or arc. */
 static bool has_ends(const sd_wall *w) {
   if (w->kind == SD_WALL_ARC) return !arc_is_ring(w);
   return w->n_points >= 2 &&
          (w->kind == SD_WALL_SEGMENT || (w->kind == SD_WALL_POLYLINE && !w->closed));
 }
 
-/* Returns the first (0) or last (1) end of a wall. */
+/* Returns one end of a wall; end: 0 for the first point, 1 for the last. */
 static wall_end end_of(const sd_wall *w, uint32_t number, int end) {
   wall_end e = {.wall = number, .end = end};
   if (w->kind == SD_WALL_ARC) {
@@ -453,8 +456,8 @@ static wall_end end_of(const sd_wall *w, uint32_t number, int end) {
   return e;
 }
 
-/* Moves an end into the periodic box, so that ends that meet across an edge get the same
- * position; ends within rounding of an edge go to the lower one. */
+/* Moves the end of a wall into the periodic box, so that ends that meet across an edge get the
+ * same position; ends within rounding of an edge go to the lower edge. */
 static void into_box(const sd_model *m, wall_end *e) {
   for (int c = 0; c < 2; c++) {
     const double length = m->upper[c] - m->lower[c];
@@ -484,7 +487,7 @@ wall_end *joints_ends(const sd_model *m, size_t *n) {
   return ends;
 }
 
-/* The two terms are the rounding errors of lengths and of coordinates. */
+/* The first term is the rounding error of lengths, the second that of coordinates. */
 double joints_tolerance(const wall_end *e) {
   return 1e-9 * e->along + 16.0 * DBL_EPSILON * (fabs(e->at[0]) + fabs(e->at[1]));
 }
@@ -500,7 +503,7 @@ size_t joints_near(const wall_end *ends, size_t n, size_t k) {
   return last;
 }
 
-/* --- motions -------------------------------------------------------------------------------- */
+/* --- motions ---------------------------------------------------------------------------------- */
 
 static bool moves(const sd_motion *q, uint32_t body) {
   for (size_t k = 0; k < q->n_bodies; k++)
@@ -526,7 +529,7 @@ bool joints_rigid(const sd_model *m, const wall_end *one, const wall_end *two) {
   return true;
 }
 
-/* --- vertices ------------------------------------------------------------------------------- */
+/* --- vertices --------------------------------------------------------------------------------- */
 
 /* Root of vertex v in a union-find forest of coinciding vertices: same[v] is its parent,
  * same[root] = root. */
@@ -544,7 +547,8 @@ static void list_pieces(const sd_model *m, size_t *first) {
   }
 }
 
-/* Numbers the vertices of each wall by itself, from 1 on; a line has none, 0. */
+/* Numbers the vertices of all walls from 1 on, so that no two walls share a vertex; infinite
+ * lines have none, 0. */
 static void number_own(sd_model *m, const size_t *first) {
   uint32_t last = 0;
   for (size_t w = 0; w < m->n_walls; w++) {
@@ -562,13 +566,14 @@ static void number_own(sd_model *m, const size_t *first) {
   }
 }
 
-/* Number of the vertex at an end of a wall. */
+/* Returns the number of the vertex at an end of a wall. first: index of each wall's first
+ * segment. */
 static uint32_t vertex_at(const sd_model *m, const size_t *first, const wall_end *e) {
   return m->segments[e->end ? first[e->wall + 1] - 1 : first[e->wall]].vertex[e->end];
 }
 
-/* Merges the vertices of ends that meet and stay together in all motions, and marks them in
- * `meets`. */
+/* Merges the vertices of wall ends that meet and stay together in all motions: same[] links
+ * equal vertices, and meets[v] becomes true for the vertices that were merged. */
 static void join(const sd_model *m, const size_t *first, const wall_end *ends, size_t n,
                  uint32_t *same, bool *meets) {
   for (size_t k = 0; k < n; k++)

@@ -32,22 +32,24 @@ static inline void wall_set_pivot(sd_wall *w) {
 
 /* --- periodic boxes --------------------------------------------------------------------------- */
 
-/* Each segment and each arc repeats with the box; a disk touches the nearest image of a segment.
- * To make this image unique, long straight segments are cut, and walls whose images are too near
- * are rejected. */
+/* In a periodic box each segment and each arc has images; a disk touches the nearest image of a
+ * segment. To make this image unique, long straight segments are cut, and walls whose images are
+ * too near are rejected. */
 
-/* Number of equal segments into which side k of a wall is cut; none is longer than half of the
- * shortest period. */
+/* Number of equal segments into which side k of a wall is cut, so that none is longer than half
+ * of the shorter box length; 1 in an open box, and for lines and arcs. */
 size_t wall_cuts(const sd_model *m, const sd_wall *w, size_t k);
-/* Number of segments of a wall after cutting for the periodic box; wall_segments in an open box. */
+/* Number of segments of a wall after cutting for the periodic box; in an open box that of
+ * wall_segments. */
 size_t wall_pieces(const sd_model *m, const sd_wall *w);
 /* True if the last point of wall w is a periodic image of its first and no motion turns the
- * wall: its images are then joined. cells: number of periods between them. */
+ * wall, so that it continues in its image. cells: number of box lengths between these two
+ * points, along x and y. */
 bool wall_meets_image(const sd_model *m, size_t w, int cells[2]);
-/* Sets the directions in which a segment has images, and its midpoint. endless: the wall is a
- * line. */
+/* Sets the periodic directions in which a segment has images, and its midpoint. endless: the
+ * wall is an infinite line. */
 void wall_piece_images(const sd_model *m, bool endless, sd_segment *piece);
-/* Reports walls whose images are too near to each other or do not fit together. */
+/* Reports walls whose periodic images are too near to each other or do not fit together. */
 void wall_images_check(const sd_model *m, sd_messages *messages);
 
 /* Bounding box of a wall at the start; empty (lower > upper) for a wall without points. */
@@ -56,14 +58,15 @@ typedef struct wall_bounds {
 } wall_bounds;
 wall_bounds wall_bounds_of(const sd_wall *w);
 
-/* Periodic images of a point, displaced by first to last periods per direction, that may be
- * nearer to a wall than a given distance. */
+/* Periodic images of a point that may be nearer to a wall than a given distance: those displaced
+ * by first[c] ... last[c] box lengths along coordinate c. */
 typedef struct wall_range {
-  double length[2]; /* period of the box; 0: no images along this direction */
+  double length[2]; /* length of the periodic box; 0: no images along this direction */
   double first[2], last[2];
 } wall_range;
 
-/* Finds the images of `at` that may be nearer than `reach` to the wall, as it is at the start. */
+/* Finds the periodic images of the point `at` that may be nearer than `reach` to the wall in its
+ * position at the start. */
 wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds *bounds,
                          const double at[2], double reach);
 
@@ -72,26 +75,28 @@ wall_range wall_range_of(const sd_model *m, const sd_wall *w, const wall_bounds 
 /* One end of a segment, an open polyline or an arc. */
 typedef struct wall_end {
   uint32_t wall;
-  int end; /* 0: first point of the wall, 1: last point */
-  /* Position at the start of the run; in a periodic box of the image inside the box. */
+  int end; /* 0: the end at the first point of the wall, 1: at the last point */
+  /* Position at the start of the run; in a periodic box that of its image inside the box. */
   double at[2];
-  int cells[2];  /* number of periods from the end to this image */
+  int cells[2];  /* number of box lengths from the end to this image, along x and y */
   double along;  /* length of the side of the wall that ends here */
-  double way[2]; /* unit vector from the end along the wall */
+  double way[2]; /* unit vector that points from the end along the wall */
 } wall_end;
 
-/* Returns the ends of all walls, sorted by x, and their number in *n. The caller frees them. */
+/* Returns the ends of all walls (segments, open polylines, arcs), sorted by x, and the number of
+ * ends in *n. The caller frees them. */
 wall_end *joints_ends(const sd_model *model, size_t *n);
-/* Distance within which another point counts as the same point. */
+/* Distance within which another point counts as the same point as this end. */
 double joints_tolerance(const wall_end *end);
 /* True if two ends are at the same point. */
 bool joints_meet(const wall_end *a, const wall_end *b);
-/* Returns the index after the last of the ends that follow end k and may meet it, by their x. */
+/* Ends are sorted by x. Returns the index after the last end that follows end k and is so near
+ * in x that it may meet end k. */
 size_t joints_near(const wall_end *ends, size_t n, size_t k);
 /* True if the walls of two ends keep their relative position in all motions. */
 bool joints_rigid(const sd_model *model, const wall_end *a, const wall_end *b);
-/* Numbers the vertices of all segments of walls (sd_segment.vertex and meets). model->segments
- * must exist. */
+/* Numbers the vertices of all wall segments: fills in `vertex` and `meets` of sd_segment.
+ * model->segments must exist. */
 void joints_number(sd_model *model);
 
 #endif

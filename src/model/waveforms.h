@@ -1,11 +1,11 @@
-/* waveforms.h: periodic motions u(t) = A f(w t + phi), f(z + pi) = -f(z).
+/* waveforms.h: periodic motions u(t) = A f(w t + phi) with f(z + pi) = -f(z).
  *
  * A waveform is one row and one block of functions here, from which deck keys, checks,
  * documentation, the amplitude for a given acceleration, value and velocity follow. A new one needs
  * its number in sd_motion_kind (slipdisk/model.h), a row and its functions here, and the rows of
  * docs/deck.md that test_deck_reference asks for.
  *
- * The rows are read once; the lane functions are compiled once per LANE_WIDTH, after
+ * The rows are read once; the functions for SIMD lanes are compiled once per LANE_WIDTH, after
  * base/lane.h.
  */
 #ifndef MODEL_WAVEFORMS_H
@@ -15,8 +15,8 @@
 
 #include "model/model.h"
 
-/* Rows for MOTION_KINDS (motions.h). Rotated waves advance sine and cosine from step to step by
- * a rotation; phased waves are computed from the phase. */
+/* Rows of the table MOTION_KINDS (motions.h). Rotated waves advance sine and cosine by a
+ * rotation from step to step; phased waves are computed from the phase (PHASED_WAVES). */
 #define ROTATED_WAVES(ROW)                                                                         \
   ROW(SD_MOTION_HARMONIC, harmonic, SIGNAL_WAVE, harmonic_amplitude, NULL,                         \
       "amplitude/acceleration* frequency/omega* phase ramp", "u = A sin(w t + phi) (eq. 20)")
@@ -32,14 +32,16 @@
       "rests at -A and A in turn, with smooth changes of sides")
 #define WAVEFORMS(ROW) ROTATED_WAVES(ROW) PHASED_WAVES(ROW)
 
-/* Deck keys that set a member of sd_motion: member and key, kind, range, unit, default, meaning. */
+/* Deck keys that set a member of sd_motion. Columns: member and key, kind, range, unit, default,
+ * meaning. */
 #define WAVE_KEYS(KEY)                                                                             \
   KEY(phase, DECK_KEY_ANGLE, DECK_ANY, "rad", "0.0", "phase phi in sin(w t + phi)")                \
   KEY(rise, DECK_KEY_NUMBER, DECK_UP_TO_1, "-", "-",                                               \
       "square: share of half a period that a change of sides takes")
 
-/* Per waveform, NAME_amplitude returns the amplitude A of which the largest acceleration is a
- * w^2; NAME_shape computes WAVE_SHAPE constants for the lane functions below. */
+/* Number of constants of a waveform, which NAME_shape computes from the motion and the functions
+ * for SIMD lanes below read. NAME_amplitude returns the amplitude A at which the largest
+ * acceleration is a w^2. */
 enum { WAVE_SHAPE = 3 };
 
 static inline double harmonic_amplitude(const sd_motion *q, double a) { return (void)q, a; }
@@ -48,7 +50,8 @@ static inline void harmonic_shape(const sd_motion *q, double shape[WAVE_SHAPE]) 
   shape[1] = q->amplitude * q->omega;
 }
 
-/* u = 4A(z - z|z|), z = (w t + phi)/pi in [-1, 1]: |u''| is 8A (w/pi)^2 at all times. */
+/* Parabolic wave u = 4A(z - z|z|) with z = (w t + phi)/pi in [-1, 1]: |u''| is 8A (w/pi)^2 at
+ * all times. */
 static inline double parabolic_amplitude(const sd_motion *q, double a) {
   return (void)q, a * M_PI * M_PI / 8;
 }
@@ -57,15 +60,16 @@ static inline void parabolic_shape(const sd_motion *q, double shape[WAVE_SHAPE])
   shape[1] = 4.0 * q->amplitude * (q->omega / M_PI);
 }
 
-/* The speed is constant, 4 A per period; the acceleration is infinite at the turning points. */
+/* Triangle wave: the speed is constant, 4 A per period; the acceleration is infinite at the
+ * turning points. */
 static inline void triangle_shape(const sd_motion *q, double shape[WAVE_SHAPE]) {
   shape[0] = 4.0 * q->amplitude;
   shape[1] = 2.0 * q->amplitude * (q->omega / M_PI);
 }
 
-/* The change from one side to the other is u = A (15 q - 10 q^3 + 3 q^5)/8, q from -1 to 1 in
- * the time rise pi/w, so that velocity and acceleration are continuous. |u'| is at most 15/8 A
- * q', |u''| at most 5/sqrt(3) A q'^2, q' = 2 w/(pi rise). */
+/* Square wave: each change from one side to the other is u = A (15 q - 10 q^3 + 3 q^5)/8, q from
+ * -1 to 1 in the time rise pi/w, so that velocity and acceleration are continuous. |u'| is at
+ * most 15/8 A q', |u''| at most 5/sqrt(3) A q'^2, q' = 2 w/(pi rise). */
 static inline double square_amplitude(const sd_motion *q, double a) {
   double per_rate = 0.5 * M_PI * q->rise;
   return a * per_rate * per_rate * sqrt(3.0) / 5.0;
@@ -73,11 +77,11 @@ static inline double square_amplitude(const sd_motion *q, double a) {
 static inline void square_shape(const sd_motion *q, double shape[WAVE_SHAPE]) {
   shape[0] = q->amplitude;
   shape[1] = 1.875 * q->amplitude * (2.0 * q->omega / (M_PI * q->rise));
-  shape[2] = 4.0 / q->rise; /* dq/dt, t in turns */
+  shape[2] = 4.0 / q->rise; /* dq/dt with the time t in periods */
 }
 static inline void check_square(const sd_motion *q, double dt, const char *name,
                                 sd_messages *messages) {
-  const double least = 8.0; /* fewest steps per change of sides */
+  const double least = 8.0; /* smallest number of time steps per change of sides */
   double steps = q->rise * M_PI / (fabs(q->omega) * dt);
   if (!(q->rise > 0.0 && q->rise <= 1.0))
     sd_fail(messages, SD_ERROR_USER, "motion \"%s\": rise = %g: expected a number > 0, at most 1",
@@ -92,12 +96,12 @@ static inline void check_square(const sd_motion *q, double dt, const char *name,
 
 #endif
 
-/* --- value and velocity after t turns, over lanes ------------------------------------------- */
+/* --- value and velocity after t turns, over lanes --------------------------------------------- */
 
 #ifdef LANE_WIDTH
 
-/* Parabolic wave, eq. 21, and its derivative (22): with w in [-1/2, 1/2], u = 8 A w (1 - 2 |w|),
- * u' = 4 A (omega/pi) (1 - 4 |w|). */
+/* Parabolic wave (eq. 21 of the paper) and its derivative (eq. 22) after t periods: with w = t
+ * reduced to [-1/2, 1/2], u = 8 A w (1 - 2 |w|), u' = 4 A (omega/pi) (1 - 4 |w|). */
 LANE_INLINE void LANE(parabolic)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE], LANE(real) * u,
                                  LANE(real) * v) {
   LANE(real) w = t - LANE(nearest)(t), a = shape[0], b = shape[1];
@@ -106,15 +110,15 @@ LANE_INLINE void LANE(parabolic)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE
   *v = b - (4.0 * b) * size;
 }
 
-/* Position within a period after t turns, relative to the nearest zero of the wave: distance x
- * in [0, 1/4] turns from it, the sign bit of the wave there, and whether the wave rises there. */
+/* Position on a wave after t periods, relative to the nearest zero of the wave: distance x from
+ * the zero in [0, 1/4] periods, sign bit of the wave, and whether the wave rises at that zero. */
 typedef struct LANE(flank) {
   LANE(real) x;
   LANE(bits) side;
   LANE(mask) rises;
 } LANE(flank);
 
-/* Finds the flank for a phase of t turns. */
+/* Computes the position relative to the nearest zero of a wave after t periods. */
 LANE_INLINE LANE(flank) LANE(flank_at)(LANE(real) t) {
   LANE(real) w = t - LANE(nearest)(t);
   LANE(real) size = LANE(as_real)(LANE(as_bits)(w) & 0x7fffffffffffffffu), rest = 0.5 - size;
@@ -128,7 +132,7 @@ LANE_INLINE LANE(real) LANE(signed_as)(LANE(bits) side, LANE(real) a) {
   return LANE(as_real)(LANE(as_bits)(a) ^ side);
 }
 
-/* Triangle wave: displacement u and velocity v after t turns. */
+/* Triangle wave: displacement u and velocity v after t periods. */
 LANE_INLINE void LANE(triangle)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE], LANE(real) * u,
                                 LANE(real) * v) {
   LANE(flank) f = LANE(flank_at)(t);
@@ -136,7 +140,7 @@ LANE_INLINE void LANE(triangle)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE]
   *v = LANE(select)(f.rises, shape[1], -shape[1]);
 }
 
-/* Square wave with smooth changes of sides: displacement u and velocity v after t turns. */
+/* Square wave with smooth changes of sides: displacement u and velocity v after t periods. */
 LANE_INLINE void LANE(square)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE], LANE(real) * u,
                               LANE(real) * v) {
   LANE(flank) f = LANE(flank_at)(t);
@@ -146,14 +150,14 @@ LANE_INLINE void LANE(square)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE], 
   *v = LANE(select)(f.rises, speed, -speed);
 }
 
-/* Displacement u and velocity v of any phased waveform after t turns. */
+/* Displacement u and velocity v after t periods of any waveform in PHASED_WAVES. */
 LANE_INLINE void LANE(wave_at)(sd_motion_kind form, LANE(real) t,
                                const LANE(real) shape[WAVE_SHAPE], LANE(real) * u, LANE(real) * v) {
 #define WAVE_CASE(kind, word, ...)                                                                 \
   case kind: LANE(word)(t, shape, u, v); return;
   switch (form) {
     PHASED_WAVES(WAVE_CASE)
-    default: __builtin_unreachable(); /* kernels switch over the forms */
+    default: __builtin_unreachable(); /* callers pass only waveforms of PHASED_WAVES */
   }
 #undef WAVE_CASE
 }

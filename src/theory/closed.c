@@ -1,11 +1,12 @@
 /* closed.c: closed forms: mean rotation, torques at the equilibrium points, single collisions,
- * random vibration. The first part is the mean rotation for supports of equal radius that turn in
- * phase or in opposite phase.
+ * random vibration. Numbers in parentheses are equations of the paper. The first part is the mean
+ * rotation for supports of equal radius that turn in phase or in opposite phase.
  *
- * In phase only S++ (for a fraction f of the period) and S-- occur, and the torques must cancel
- * over a period: f = -T--/(T++ - T--) = (1 - mu tan theta_T)/2, whatever the waveform. What
- * remains is to find two points of the support's velocity curve that are as far apart in time as
- * S-- lasts and whose velocities differ by the change of Omega during S--.
+ * In phase only two configurations occur: S++, in which both contacts slide with positive torque,
+ * for a fraction f of the period, and S--. Their torques must cancel over a period: f = -T--/(T++ -
+ * T--) = (1 - mu tan theta_T)/2, whatever the waveform. It remains to find two points of the
+ * support's velocity curve that are as far apart in time as S-- lasts and whose velocities differ
+ * by the change of Omega during S--.
  */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_linalg.h>
@@ -16,7 +17,7 @@
 sd_sync sd_sync_parabola(const sd_three_disk *disk, double amplitude, double omega) {
   double plus = sd_tep_torque(disk, 1, 1), minus = sd_tep_torque(disk, -1, -1);
   double period = 2 * M_PI / omega;
-  /* 4 m R^2 in the paper equals 8 I of a disk */
+  /* 4 m R^2 in the paper equals 8 I, with I = m R^2/2 of a disk */
   double drive = 8 * disk->inertia * amplitude * omega * omega;
   double scale = M_PI * plus / (drive * (plus - minus) * omega);
   return (sd_sync){
@@ -37,10 +38,10 @@ double sd_sync_limit_sine(const sd_three_disk *disk, double amplitude, double om
   return amplitude * omega * sin(M_PI / 2 * disk->mu * tan(disk->tilt));
 }
 
-/* Omega changes linearly between the two phases at which it equals the support's velocity, so
- * its mean is the mean of the two velocities. With u_c the middle of S-- and h = pi (1 - f) half
- * its length, both as phases, the velocities are -cos(u_c -+ h); their difference gives sin u_c
- * = q, their mean is -cos(u_c) cos(h). */
+/* Omega changes linearly between the two phases of the support at which Omega equals the
+ * support's velocity, so the mean of Omega is the mean of these two velocities. With u_c the
+ * middle of S-- and h = pi (1 - f) half its length, both as phases, the velocities are -cos(u_c
+ * -+ h); their difference gives sin u_c = q, their mean is -cos(u_c) cos(h). */
 double sd_sync_mean_sine(const sd_three_disk *disk, double amplitude, double omega) {
   double plus = sd_tep_torque(disk, 1, 1), minus = sd_tep_torque(disk, -1, -1);
   /* change of Omega/(Theta_b w_b) per unit torque and unit phase */
@@ -48,8 +49,8 @@ double sd_sync_mean_sine(const sd_three_disk *disk, double amplitude, double ome
   double h = M_PI * plus / (plus - minus), q = rate * minus * h / sin(h);
   if (!(fabs(q) < 1)) return NAN;
 
-  /* At both phases where Omega equals the support's velocity, the latter must change faster than
-   * Omega, else the contact sticks. */
+  /* At both phases where Omega equals the support's velocity, the support's velocity must change
+   * faster than Omega, else the contact sticks. */
   double centre = asin(q), first = sin(centre - h), second = sin(centre + h);
   if (!(first < rate * minus && second > rate * plus)) return NAN;
   return -amplitude * omega * cos(centre) * cos(h);
@@ -61,9 +62,9 @@ double sd_async_first_order(const sd_three_disk *disk, double amplitude, double 
          ((mu2 + 1) * cos(2 * disk->half_aperture) + mu2 - 1);
 }
 
-/* Omega is constant in this limit. For a fraction x of the period it exceeds both supports'
- * velocities or is below both, in S++ if it is negative and S-- if positive; S+- and S-+ share
- * the rest equally: T x + (T+- + T-+) (1 - x)/2 = 0. */
+/* Omega is constant in this limit. For a fraction x of the period Omega is above both supports'
+ * velocities (in S--, if Omega is positive) or below both (in S++, if negative); S+- and S-+
+ * share the rest of the period equally: T x + (T+- + T-+) (1 - x)/2 = 0. */
 double sd_async_limit(const sd_three_disk *disk, sd_waveform waveform, double amplitude,
                       double omega) {
   double mixed = sd_tep_torque(disk, 1, -1) + sd_tep_torque(disk, -1, 1);
@@ -72,22 +73,24 @@ double sd_async_limit(const sd_three_disk *disk, sd_waveform waveform, double am
   return amplitude * omega * (waveform == SD_SINE ? sin(M_PI / 2 * x) : 4 / M_PI * x);
 }
 
-/* Without rotation, supports with a phase difference psi spend (1 - psi/pi)/2 of the period in
- * each of S++, S-- and psi/(2 pi) in each of S+-, S-+; the returned psi is that at which the
- * mean torque vanishes. */
+/* Without rotation of the disk, supports with a phase difference psi spend (1 - psi/pi)/2 of the
+ * period in each of S++ and S--, and psi/(2 pi) in each of S+- and S-+; the returned psi is that
+ * at which the mean torque vanishes. */
 double sd_reversal_phase(const sd_three_disk *disk) {
   double c = cos(disk->half_aperture), s = sin(disk->half_aperture), mu = disk->mu;
   return M_PI * (s - mu * c) * (s + mu * c);
 }
 
-/* Torques at the translational equilibrium points, (13)-(19) and (31).
+/* Torques at the translational equilibrium points, (13)-(19) and (31) of the paper.
  *
  * If both contacts slide, tau_i = s_i mu n_i, the centre is in equilibrium for one pair (n_1, n_2).
  * With friction angles phi_i = s_i atan(mu) the contact force F_i = n_i/cos(phi_i) is inclined to
  * its normal by phi_i, and the balance of two forces and a weight is the law of sines:
+ *
  *   F_1 = m g sin(alpha_2 - phi_2)/D,  F_2 = m g sin(alpha_1 + phi_1)/D,
  *   D = sin(alpha_1 + alpha_2 + phi_1 - phi_2),  torque = R (F_1 sin phi_1 + F_2 sin phi_2).
- * (15)-(18) are the special cases phi_i = +-phi.
+ *
+ * Equations (15)-(18) are the special cases phi_i = +-phi.
  */
 
 sd_tep sd_tep_solve(const sd_three_disk *disk, int s1, int s2) {
@@ -95,14 +98,14 @@ sd_tep sd_tep_solve(const sd_three_disk *disk, int s1, int s2) {
   double a1 = disk->half_aperture - disk->tilt, a2 = disk->half_aperture + disk->tilt;
   double m1 = s1 * disk->mu, m2 = s2 * disk->mu;
 
-  /* rows: force components x and y; columns: coefficients of n_1 and n_2 */
+  /* rows: x and y components of the force; columns: coefficients of n_1 and n_2 */
   double a[4] = {sin(a1) + m1 * cos(a1), -sin(a2) + m2 * cos(a2), cos(a1) - m1 * sin(a1),
                  cos(a2) + m2 * sin(a2)};
   double b[2] = {0, disk->weight}, n[2];
 
-  /* Equal springs along the contact normals push back along the columns: their stiffness matrix
-   * has a positive trace, and its determinant has the sign of this determinant times sin(2
-   * theta_h). */
+  /* Equal springs along the contact normals push back along the columns of this matrix: the
+   * stiffness matrix of the springs has a positive trace, and its determinant has the sign of
+   * the determinant of `a` times sin(2 theta_h). */
   bool stable = a[0] * a[3] - a[1] * a[2] > 0;
   size_t order[2];
   gsl_matrix_view matrix = gsl_matrix_view_array(a, 2, 2);
@@ -127,9 +130,9 @@ sd_tep sd_tep_solve(const sd_three_disk *disk, int s1, int s2) {
 double sd_tep_torque(const sd_three_disk *disk, int s1, int s2) {
   double phi = atan(disk->mu), scale = disk->weight * disk->radius;
   double tilt = disk->tilt, half = disk->half_aperture;
-  if (s1 == s2) /* equal signs: (15), (16) */
+  if (s1 == s2) /* equal signs: eqs. (15), (16) of the paper */
     return scale * sin(s1 * phi) * cos(tilt - s1 * phi) / cos(half);
-  if (s1 == -s2) /* opposite signs: (17), (18) */
+  if (s1 == -s2) /* opposite signs: eqs. (17), (18) of the paper */
     return scale * sin(phi) * sin(tilt) * s1 / sin(half + s1 * phi);
   double phi1 = s1 * phi, phi2 = s2 * phi;
   return scale * (sin(half + tilt - phi2) * sin(phi1) + sin(half - tilt + phi1) * sin(phi2)) /
@@ -142,7 +145,7 @@ double sd_slight_tilt_torque(const sd_three_disk *disk) {
          sin(disk->tilt) / (c * c * c * 2 * (1 + mu2) * (mu2 - t * t));
 }
 
-/* The paper's (31) has mu where the half sum of (15) and (16) has mu^2. */
+/* The paper's (31) has mu where the mean of (15) and (16) has mu^2. */
 double sd_slight_tilt_torque_sync(const sd_three_disk *disk) {
   double mu = disk->mu;
   return disk->weight * disk->radius * mu * mu * sin(disk->tilt) /
@@ -151,10 +154,10 @@ double sd_slight_tilt_torque_sync(const sd_three_disk *disk) {
 
 /* --- closed forms of single collisions, for tests --------------------------------------------- */
 
-/* The force of (2) vanishes when tan(w t) = -2 b w/(w^2 - b^2), b = gamma_n/(2 m), w^2 = k_n/m -
- * b^2. As 2 b w/(w^2 - b^2) = tan(2 atan(b/w)), t_c = (pi - 2 atan(b/w))/w = (2/w) atan(w/b) on
- * every branch; the speed is then exp(-b t_c) times the initial one. Above critical damping w =
- * i v, and atan becomes atanh. */
+/* The normal force (2) of the paper vanishes when tan(w t) = -2 b w/(w^2 - b^2), b = gamma_n/(2
+ * m), w^2 = k_n/m - b^2. As 2 b w/(w^2 - b^2) = tan(2 atan(b/w)), t_c = (pi - 2 atan(b/w))/w =
+ * (2/w) atan(w/b) on every branch; the speed is then exp(-b t_c) times the initial one. Above
+ * critical damping w = i v, and atan becomes atanh. */
 sd_collision sd_restitution(double k_n, double gamma_n, double m_eff) {
   double b = gamma_n / (2 * m_eff), w0 = sqrt(k_n / m_eff), t;
   if (b < w0) {
@@ -193,15 +196,16 @@ void sd_slide_to_roll(double mass, double inertia, double radius, double mu, dou
   *speed = u * ratio / (1 + ratio);
 }
 
-/* Stationary covariances of the random vibration (52),
+/* Stationary covariances of the random vibration, (52) of the paper,
+ *
  *   x'' + 2 c w x' + w^2 x = xi, <xi xi'> = 4 c w^3 rms^2 delta(t - t').
  *
  * By the regression theorem <x(0) x(t)>/rms^2 = exp(-c w t) (C + c w S) with C = cos(w1 t), S =
- * sin(w1 t)/w1, w1^2 = w^2 (1 - c^2); the other covariances are its derivatives. C and S are
- * entire functions of w1^2: cosh and sinh above critical damping, 1 and t at it.
+ * sin(w1 t)/w1, w1^2 = w^2 (1 - c^2); the other covariances are its derivatives. C and S are entire
+ * functions of w1^2: cosh and sinh above critical damping, 1 and t at it.
  */
 
-/* Computes exp(-g t) C and exp(-g t) S, g = damping * omega. */
+/* Computes exp(-g t) C and exp(-g t) S in the covariances above, with g = damping * omega. */
 static void decaying(double omega, double damping, double t, double *c, double *s) {
   double g = damping * omega, d = omega * omega * (1 - damping) * (1 + damping), z = d * t * t;
   if (fabs(z) < 1e-3) { /* power series to z^5: its error 1e-15 z^6/12! is far below rounding */

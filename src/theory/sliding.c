@@ -1,16 +1,18 @@
-/* sliding.c: the periodic state of a disk on two turning supports, under permanent sliding.
+/* sliding.c: the periodic state of a disk on two turning supports, if its contacts slide all the
+ * time.
  *
  *   I dOmega/dt = T(s_1, s_2),  s_i = sign(w_i(t) - Omega),  w_i = -theta_i' R_i/R,
  *
- * with the constant TEP torques (15)-(18): Omega(t) is piecewise linear, and its corners are the
- * transition times of (23)-(24) and (32)-(33). Time is measured as the phase u = w_b t and Omega in
- * units of w_b. The map Omega(0) -> Omega(2 pi) is followed from corner to corner, each found to
- * rounding; its fixed point is the root of the net change of Omega, which decreases monotonically
- * with Omega(0), found by Brent's method.
+ * with the constant torques (15)-(18) of the paper at the translational equilibrium points:
+ * Omega(t) is piecewise linear, and its corners are the transition times of (23)-(24) and
+ * (32)-(33). Time is measured as the phase u = w_b t and Omega in units of w_b. The map Omega(0) ->
+ * Omega(2 pi) is followed from corner to corner, each found to rounding; its fixed point is the
+ * root of the net change of Omega, which decreases monotonically with Omega(0), found by Brent's
+ * method.
  *
  * If w_i changes more slowly than the torques on either side would change Omega, no sign is
- * consistent: the contact sticks and Omega follows w_i (the solution in the sense of Filippov).
- * Two supports that move alike act as one contact with the torques T++ and T--.
+ * consistent: the contact sticks and Omega follows w_i (the solution in the sense of Filippov). Two
+ * supports that move alike act as one contact with the torques T++ and T--.
  */
 #include "theory/sliding.h"
 
@@ -21,15 +23,15 @@
 #include "base/memory.h"
 #include "slipdisk/theory.h"
 
-/* Rate dOmega/du for the signs of sliding s. */
+/* Returns dOmega/du if the contacts slide with the signs s. */
 static double rate_of(const sliding_system *y, const int s[2]) {
   return y->n == 1 ? y->rate[s[0] < 0][s[0] < 0] : y->rate[s[0] < 0][s[1] < 0];
 }
 
-/* Sets the signs of sliding s from the signs of w_i - Omega just after u. Contacts in `active`
- * have w_i = Omega now, and their sign must be consistent with the motion that it causes; 0: the
- * contact sticks. Torques decrease with Omega, so exactly one choice is consistent, except for
- * ties. */
+/* Sets the signs of sliding s just after phase u; the sign of contact i is that of w_i - Omega.
+ * Contacts in `active` have w_i = Omega now, and their sign must be consistent with the motion
+ * that it causes; 0: the contact sticks. Torques decrease with Omega, so exactly one choice is
+ * consistent, except for ties. */
 static void choose(const sliding_system *y, double u, const bool active[2], int s[2]) {
   double d[2] = {sliding_slope(y, 0, u), y->n == 2 ? sliding_slope(y, 1, u) : 0};
   for (int k = 0; k < 4; k++) {
@@ -56,10 +58,12 @@ static void choose(const sliding_system *y, double u, const bool active[2], int 
       return;
     }
   }
-  s[active[0] ? 0 : 1] = 0; /* a tie: both supports have the same slope at this moment */
+  /* a tie: the velocities of both supports have the same slope at this moment */
+  s[active[0] ? 0 : 1] = 0;
 }
 
-/* End of a sliding piece that starts at (u, omega); *which: the contact that reverses, -1: none
+/* Returns the phase at which sliding with the signs s ends, for a piece of the path that starts
+ * at phase u with the angular velocity omega. *which: the contact that reverses then; -1: none
  * before the end of the period. */
 static double slide_until(const sliding_system *y, double u, double omega, const int s[2],
                           int *which) {
@@ -75,7 +79,8 @@ static double slide_until(const sliding_system *y, double u, double omega, const
   return next;
 }
 
-/* Follows Omega from u = 0 to 2 pi and stores the path. False: it has too many pieces. */
+/* Follows Omega from phase u = 0 to 2 pi and stores the path, which begins with Omega = start.
+ * False: the path has too many pieces. */
 static bool follow(const sliding_system *y, double start, sliding_path *path) {
   double u = 0, omega = start, tiny = 1e-13 * y->peak;
   int s[2] = {1, 1};
@@ -95,8 +100,8 @@ static bool follow(const sliding_system *y, double start, sliding_path *path) {
     double next = stuck < 0 ? slide_until(y, u, omega, s, &which)
                             : sliding_stuck_until(y, stuck, u, s, &release, &which);
 
-    /* Adds this piece to the path. The net change is summed from the torques themselves, so that
-     * nothing cancels near the root. */
+    /* Adds this piece to the path. The net change of Omega is summed from the torques
+     * themselves, so that nothing cancels near the root. */
     double length = next - u, after = omega + rate * length;
     double area = (omega + rate * length / 2) * length;
     if (stuck >= 0 || which >= 0) after = sliding_wave(y, stuck >= 0 ? stuck : which, next);
@@ -113,8 +118,8 @@ static bool follow(const sliding_system *y, double start, sliding_path *path) {
     omega = after;
     if (u >= y->end) return true;
 
-    /* Finds the next signs: those of a released contact are known; contacts at equal velocities
-     * need `choose`. */
+    /* Finds the next signs of sliding: that of a contact that sticking has released is known;
+     * contacts at equal velocities need `choose`. */
     if (release) {
       s[stuck] = release;
       continue;
@@ -126,19 +131,19 @@ static bool follow(const sliding_system *y, double start, sliding_path *path) {
   return false;
 }
 
-/* --- roots ---------------------------------------------------------------------------------- */
+/* --- roots ------------------------------------------------------------------------------------ */
 
-/* Arguments of the function whose root is sought. */
+/* Arguments of `net`, the function whose root is sought. */
 typedef struct task {
   const sliding_system *system;
-  /* NULL: net change of Omega; else [4] torques by configuration, for the limit of constant
-   * Omega */
+  /* NULL: the function is the net change of Omega over a period; else [4] torques by
+   * configuration, for the limit of constant Omega */
   const double *weight;
   bool failed;
 } task;
 
-/* Net change of Omega over a period that begins with omega, or net torque if Omega stays
- * constant. */
+/* Returns the net change of Omega over a period that begins with Omega = omega, or, if weights
+ * are given, the net torque for constant Omega. */
 static double net(double omega, void *argument) {
   task *t = argument;
   sliding_path path;
@@ -149,16 +154,16 @@ static double net(double omega, void *argument) {
   return sum;
 }
 
-/* Finds the root of net. The tolerance scales with the support's velocity, as rounding does,
- * since near zero tilt the root itself is near zero. */
+/* Finds the root of the function `net`. The tolerance scales with the supports' largest
+ * velocity, as rounding does, since near zero tilt the root itself is near zero. */
 static bool solve(task *t, double *root) {
   const double most = 1.001 * t->system->peak;
   return sliding_root(net, t, -most, most, 1e-15 * t->system->peak, 0, root) && !t->failed;
 }
 
-/* --- public functions ----------------------------------------------------------------------- */
+/* --- public functions ------------------------------------------------------------------------- */
 
-/* signs of sliding by configuration, SD_PP ... */
+/* signs of sliding of contacts 1 and 2 in each configuration, SD_PP ... */
 static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
 
 static sd_status check(const sd_three_disk *disk, const sd_drive *drive, sd_messages *messages) {
@@ -180,7 +185,8 @@ static sd_status check(const sd_three_disk *disk, const sd_drive *drive, sd_mess
   return SD_OK;
 }
 
-/* Fills in the system in units of the phase, and the torques by configuration. */
+/* Checks the arguments and fills in *y, with the phase as time, and the torque in each
+ * configuration. */
 static sd_status prepare(const sd_three_disk *disk, const sd_drive *drive, sliding_system *y,
                          double torque[4], sd_messages *messages) {
   sd_status status = check(disk, drive, messages);
@@ -264,7 +270,8 @@ double sd_sliding_angle(const sd_drive *drive, int i, double t) {
   sliding_system y = {.waveform = drive->waveform, .n = 2};
   y.amplitude[i] = drive->amplitude[i];
   y.phase[i] = drive->phase[i];
-  return -sliding_turned(&y, i, -drive->phase[i], drive->omega * t); /* theta is 0 at phase 0 */
+  /* the angle theta_i is 0 at phase 0 */
+  return -sliding_turned(&y, i, -drive->phase[i], drive->omega * t);
 }
 
 double sd_sliding_omega(const sd_sliding *solution, double t) {
@@ -277,10 +284,11 @@ double sd_sliding_omega(const sd_sliding *solution, double t) {
   return p->omega + p->acceleration * (in - p->start);
 }
 
-/* The supports' velocities for the waveforms (20) and (21), and where Omega equals them.
+/* The supports' velocities for the waveforms (20) and (21) of the paper, and the phases at which
+ * Omega equals them.
  *
- * w = -amplitude cos(u + phase), or the triangle wave (22), -amplitude (4/pi)(1 - 2 |v|/pi) with
- * v = u + phase reduced to [-pi, pi]. Both are odd about their zeros and have their extrema at
+ * w = -amplitude cos(u + phase), or the triangle wave (22), -amplitude (4/pi)(1 - 2 |v|/pi) with v
+ * = u + phase reduced to [-pi, pi]. Both are odd about their zeros and have their extrema at
  * multiples of pi.
  */
 
@@ -293,12 +301,14 @@ double sliding_wave(const sliding_system *y, int i, double u) {
 double sliding_slope(const sliding_system *y, int i, double u) {
   double v = u + y->phase[i];
   if (y->waveform == SD_SINE) return y->amplitude[i] * sin(v);
-  /* at a corner the slope after it is returned, also if u was rounded to just before it */
+  /* at a corner of the triangle wave, the slope after the corner is returned, also if u was
+   * rounded to just before it */
   double slope = y->amplitude[i] * 8 / (M_PI * M_PI), w = remainder(v + 1e-12, 2 * M_PI);
   return w >= 0 ? slope : -slope;
 }
 
-/* The integral of w from u to v is minus the angle that the support turns, times R_i/R. */
+/* The integral of the velocity w_i from u to v is minus the angle that the support turns, times
+ * R_i/R. */
 double sliding_turned(const sliding_system *y, int i, double u, double v) {
   double angle[2], at[2] = {u + y->phase[i], v + y->phase[i]};
   for (int k = 0; k < 2; k++) {
@@ -314,10 +324,10 @@ static double next_at(double v, double phase, double u) {
   return first + 2 * M_PI * ceil((from - first) / (2 * M_PI));
 }
 
-/* --- meetings while sliding ----------------------------------------------------------------- */
+/* --- meetings while sliding ------------------------------------------------------------------- */
 
-/* Difference between the velocity of support i and an Omega that changes linearly from (u,
- * omega). */
+/* Difference between the velocity of support i and an Omega that changes linearly from the value
+ * omega at phase u. */
 typedef struct gap {
   const sliding_system *y;
   int i;
@@ -350,22 +360,25 @@ bool sliding_root(double (*of)(double, void *), void *with, double lower, double
   return found;
 }
 
-/* Root of the gap in [p, q], where the gap is monotonic and changes sign. */
+/* Returns the phase in [p, q] at which the velocity difference g is 0; it must be monotonic
+ * there and change sign. */
 static double root_between(gap *g, double p, double q) {
   const double fp = gap_at(p, g), fq = gap_at(q, g), rounding = 4e-16;
   double root;
   if (g->y->waveform == SD_PARABOLA || fp == 0 || fq == 0)
-    return fp == fq ? p : p + (q - p) * (fp / (fp - fq)); /* exact for a linear gap */
+    /* exact for a linear velocity difference */
+    return fp == fq ? p : p + (q - p) * (fp / (fp - fq));
   sliding_root(gap_at, g, p, q, rounding, rounding, &root);
   return root;
 }
 
-/* Finds the phases in (u, end) between which the gap is monotonic, in ascending order; returns
- * their number. */
+/* Finds the phases in (u, end) between which the velocity difference g is monotonic, in
+ * ascending order; returns their number. */
 static int corners_of(const gap *g, double end, double corner[8]) {
   double amplitude = g->y->amplitude[g->i], turn[2] = {0, M_PI};
   int n = 0;
-  if (g->y->waveform == SD_SINE) { /* corners where amplitude sin(v) = rate */
+  /* corners where the slope of the support's velocity equals `rate` */
+  if (g->y->waveform == SD_SINE) {
     if (!(fabs(g->rate) < amplitude)) return 0;
     turn[0] = asin(g->rate / amplitude);
     turn[1] = M_PI - turn[0];
@@ -386,8 +399,8 @@ double sliding_meeting(const sliding_system *y, int i, double u, double omega, d
   for (int k = 0; k <= n; k++) {
     double to = k < n ? corner[k] : y->end;
     if (s * gap_at(to, &g) < 0) {
-      /* a piece that starts where the velocities are equal has a gap of rounding size, maybe of
-       * the wrong sign */
+      /* A piece that starts where the velocities are equal has a difference of rounding size,
+       * which may have the wrong sign. */
       if (s * gap_at(from, &g) <= 0) return from;
       return root_between(&g, from, to);
     }
@@ -396,9 +409,10 @@ double sliding_meeting(const sliding_system *y, int i, double u, double omega, d
   return HUGE_VAL;
 }
 
-/* --- the end of sticking -------------------------------------------------------------------- */
+/* --- the end of sticking ---------------------------------------------------------------------- */
 
-/* First phase after u at which w_i and w_j are equal again; HUGE_VAL: none within a period. */
+/* Returns the first phase after u at which the velocities w_i and w_j of the supports are equal
+ * again; HUGE_VAL: none within a period. */
 static double supports_meet(const sliding_system *y, int i, int j, double u) {
   if (y->waveform == SD_SINE) {
     /* w_j - w_i = |c| cos(u + arg c), c = a_i exp(i phase_i) - a_j exp(i phase_j) */
@@ -407,7 +421,7 @@ static double supports_meet(const sliding_system *y, int i, int j, double u) {
     double phase = atan2(im, re);
     return fmin(next_at(M_PI / 2, phase, u), next_at(-M_PI / 2, phase, u));
   }
-  /* both velocities are linear between the corners of either */
+  /* both velocities are linear between the corners of either wave */
   double from = u + 1e-12, limit = u + 2 * M_PI;
   double before = sliding_wave(y, j, from) - sliding_wave(y, i, from);
   while (from < limit) {
@@ -422,8 +436,8 @@ static double supports_meet(const sliding_system *y, int i, int j, double u) {
   return HUGE_VAL;
 }
 
-/* First phase after u at which the slope of w_i leaves [low, high]; *release: sign with which
- * the contact then slides. */
+/* Returns the first phase after u at which the slope of w_i leaves [low, high]; *release: sign
+ * with which the contact then slides. */
 static double outruns(const sliding_system *y, int i, double u, double low, double high,
                       int *release) {
   double a = y->amplitude[i], plus = HUGE_VAL, minus = HUGE_VAL;

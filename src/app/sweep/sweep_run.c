@@ -310,7 +310,7 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   return status == SD_OK && w.in_doubt ? SD_DOUBTFUL : status;
 }
 
-/* --- checks before any point runs: mistakes, lengths, memory, columns of the table ----------- */
+/* --- checks before any point runs: mistakes, lengths, memory, columns of the table ------------ */
 
 /* Largest number of kinds of systems that are told apart in one sweep; points of further kinds run
  * alone. */

@@ -162,7 +162,7 @@ void walls_pose(engine *e);
  * other segments have old positions until walls_pose is called. */
 void walls_pose_listed(engine *e);
 
-/* --- joints, at which segments meet --- */
+/* --- joints, at which segments meet ----------------------------------------------------------- */
 
 /* Returns true if the disk of `pair` touches the segment of this pair at its nearest point q, and
  * false if the contact belongs to another segment that meets it there. */

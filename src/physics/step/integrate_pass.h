@@ -65,7 +65,7 @@ LANE_INLINE LANE(real) LANE(accelerate)(LANE(real) force, LANE(real) constant, L
   return force * (half_dt2 * inverse) + constant * (half_dt2 * inverse);
 }
 
-/* --- disks in columns --- */
+/* --- disks in columns ------------------------------------------------------------------------- */
 
 #ifndef INTEGRATE_VIEW
 #define INTEGRATE_VIEW
