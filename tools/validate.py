@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs what docs/validation.md reports about the 3-disk ratchet, and prints its tables.
+"""Runs what docs/validation.md and docs/studies/checks.md report about the 3-disk ratchet, and prints its tables.
 
     tools/validate.py [--program build/release/slipdisk] [--out build/validation] [TABLE ...]
 

@@ -1,4 +1,4 @@
-/* slow_until.c: the table of docs/physics.md, section 9, on runs that end by their own error bar. */
+/* slow_until.c: the table of docs/studies/checks.md on runs that end by their own error bar. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -421,20 +421,39 @@ bool deck_names_kind(const char *name, bool flag) {
 /* Prints a table of the words that a key accepts; for kinds (of wall, packing, motion, ...) also
  * the keys that each kind reads. */
 static void print_shapes(FILE *out, const char *heading, const deck_shape *shape) {
-  fprintf(out, "| %s | keys | meaning |\n|---|---|---|\n", heading);
+  fprintf(out, "|%s|keys|meaning|\n|---|---|---|\n", heading);
   for (; shape->name; shape++)
-    fprintf(out, "| `\"%s\"` | %s | %s |\n", shape->name, *shape->keys ? shape->keys : "-",
+    fprintf(out, "|`\"%s\"`|%s|%s|\n", shape->name, *shape->keys ? shape->keys : "-",
             shape->meaning);
   fprintf(out, "\n");
 }
 
-static void print_key(FILE *out, const deck_key *key) {
-  const char *range = deck_range_text(key->range);
-  fprintf(out, "| `%s` | %s | %s", key->name, deck_kind_text(key->kind),
-          *range || key->words ? range : "-");
-  for (const deck_shape *word = key->words; word && word->name; word++)
-    fprintf(out, "%s%s", word == key->words ? "" : " ", word->name);
-  fprintf(out, " | %s | %s | %s |\n", key->unit, key->initial, key->meaning);
+/* Returns true if a table of the key's words follows. */
+static bool has_shapes(const deck_key *key) { return key->words && key->words[0].keys; }
+
+/* Columns that are left out of tables in which no key fills them. */
+enum { COLUMN_RANGE, COLUMN_UNIT, COLUMN_DEFAULT, COLUMN_COUNT };
+
+static const char *const columns[COLUMN_COUNT] = {"range", "unit", "default"};
+
+/* Returns true if the key has something in the column. */
+static bool fills(const deck_key *key, int column) {
+  if (column == COLUMN_UNIT) return strcmp(key->unit, "-") != 0;
+  if (column == COLUMN_DEFAULT) return strcmp(key->initial, "-") != 0;
+  return *deck_range_text(key->range) || (key->words && !has_shapes(key));
+}
+
+static void print_key(FILE *out, const deck_key *key, const bool *shown) {
+  fprintf(out, "|`%s`|%s|", key->name, deck_kind_text(key->kind));
+  if (shown[COLUMN_RANGE]) {
+    fprintf(out, "%s", fills(key, COLUMN_RANGE) ? deck_range_text(key->range) : "-");
+    for (const deck_shape *word = key->words; word && word->name && !has_shapes(key); word++)
+      fprintf(out, "%s%s", word == key->words ? "" : " ", word->name);
+    fprintf(out, "|");
+  }
+  if (shown[COLUMN_UNIT]) fprintf(out, "%s|", key->unit);
+  if (shown[COLUMN_DEFAULT]) fprintf(out, "%s|", key->initial);
+  fprintf(out, "%s|\n", key->meaning);
 }
 
 /* Returns the table whose keys are repeated in this table; NULL: none. */
@@ -448,29 +467,52 @@ static bool repeats(const deck_table *base, const deck_key *key) {
   return other && other->kind == key->kind && strcmp(other->meaning, key->meaning) == 0;
 }
 
-/* Prints one row that lists all keys repeated from the base table. */
-static void print_repeated(FILE *out, const deck_table *table, const deck_table *base) {
+/* Prints one row that lists all keys repeated from the base table. shown: the columns that this
+ * table has. */
+static void print_repeated(FILE *out, const deck_table *table, const deck_table *base,
+                           const bool *shown) {
   const deck_key *key;
-  fprintf(out, "| the same as in [`%s`](#%s) | | | | |", base->name, base->name);
+  fprintf(out, "|the same as in [`%s`](#%s)||", base->name, base->name);
+  for (int k = 0; k < COLUMN_COUNT; k++)
+    if (shown[k]) fprintf(out, "|");
+  const char *space = "";
+  for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
+    if (!repeats(base, key)) continue;
+    fprintf(out, "%s`%s`", space, key->name);
+    space = " ";
+  }
+  fprintf(out, "|\n");
+}
+
+/* Prints the keys of a table, without columns that none of them fills. */
+static void print_keys(FILE *out, const deck_table *table) {
+  const deck_table *base = base_of(table);
+  const deck_key *key;
+  bool shown[COLUMN_COUNT] = {false};
   for (size_t k = 0; (key = deck_key_at(table, k)); k++)
-    if (repeats(base, key)) fprintf(out, " `%s`", key->name);
-  fprintf(out, " |\n");
+    for (int column = 0; column < COLUMN_COUNT && !repeats(base, key); column++)
+      shown[column] = shown[column] || fills(key, column);
+  fprintf(out, "|key|type|");
+  for (int k = 0; k < COLUMN_COUNT; k++)
+    if (shown[k]) fprintf(out, "%s|", columns[k]);
+  fprintf(out, "meaning|\n|---|---|");
+  for (int k = 0; k < COLUMN_COUNT; k++)
+    if (shown[k]) fprintf(out, "---|");
+  fprintf(out, "---|\n");
+  for (size_t k = 0; (key = deck_key_at(table, k)); k++)
+    if (!repeats(base, key)) print_key(out, key, shown);
+  if (base) print_repeated(out, table, base, shown);
+  fprintf(out, "\n");
 }
 
 void deck_keys_print(FILE *out) {
   for (size_t t = 0; t < deck_table_count; t++) {
-    const deck_table *table = deck_tables[t], *base = base_of(table);
-    fprintf(out,
-            "### %s\n\n%s\n\n| key | type | range | unit | default | meaning "
-            "|\n|---|---|---|---|---|---|\n",
-            table->name, table->meaning);
+    const deck_table *table = deck_tables[t];
+    fprintf(out, "### %s\n\n%s\n\n", table->name, table->meaning);
+    print_keys(out, table);
     const deck_key *key;
-    for (size_t k = 0; (key = deck_key_at(table, k)); k++)
-      if (!repeats(base, key)) print_key(out, key);
-    if (base) print_repeated(out, table, base);
-    fprintf(out, "\n");
     for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
-      if (!key->words || !key->words[0].keys || repeats(base, key)) continue;
+      if (!has_shapes(key) || repeats(base_of(table), key)) continue;
       char heading[96];
       /* Without the plural s: "walls" becomes "wall type" */
       size_t n = strlen(table->name) - !table->one;
