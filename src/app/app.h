@@ -119,7 +119,7 @@ void report_summary(FILE *out, const summary *found);
 /* Prints each line of `text` with the prefix `before`. */
 void report_lines(FILE *out, const char *before, const char *text);
 /* Replaces the last line of a terminal by `text`, cut to the width of the terminal. */
-void report_bottom(FILE *out, const char *text);
+void report_status_line(FILE *out, const char *text);
 /* Prints one line on the cost of a run: number of steps, wall time, ns per step, number of
  * threads. */
 void report_cost(FILE *out, const summary *found, const provenance *origin);
@@ -189,10 +189,10 @@ sd_status stored_open(frames *f, const char *name, bool *alone, sd_messages *mes
 /* Counts the frames into *count. The state at the end of the run counts as one more frame if it is
  * newer than the newest frame and alone is false. */
 sd_status stored_count(const frames *f, bool alone, size_t *count, sd_messages *messages);
-/* Opens file k of the files of a run that have rows, f->sources[k]; close it with stored_release.
- * *out is NULL if it cannot be opened. */
-sd_status stored_source(const frames *f, size_t k, h5_file **out, sd_messages *messages);
-void stored_release(const frames *f, h5_file *file);
+/* Opens file k of the files of a run that have rows, f->sources[k]; close it with
+ * frames_source_close. *out is NULL if it cannot be opened. */
+sd_status frames_source_open(const frames *f, size_t k, h5_file **out, sd_messages *messages);
+void frames_source_close(const frames *f, h5_file *file);
 /* Returns the number of the body (disks first, then walls) to which element k of a time series
  * belongs, as stored in the file, or as in the model if the file does not say. file: may be NULL.
  * UINT32_MAX: the element belongs to no body. */

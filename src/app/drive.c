@@ -94,7 +94,7 @@ static void show(void *user, const session_progress *p) {
   char text[400];
   describe(p, text, sizeof text);
   if (t->screen && t->terminal) {
-    report_bottom(t->screen, text);
+    report_status_line(t->screen, text);
     t->line_open = true;
   }
   double now = clock_seconds();
@@ -318,7 +318,7 @@ static int open_log(teller *t, const char *path) {
   if (fd >= 0 && (t->log = fdopen(fd, "a"))) return SD_OK;
   bool link = fd < 0 && errno == ELOOP;
   app_line(stderr, "error: cannot write %s: %s", path,
-           link ? "it is a symbolic link" : file_trouble(errno));
+           link ? "it is a symbolic link" : file_error_text(errno));
   if (fd >= 0) close(fd);
   return link ? SD_ERROR_USER : SD_ERROR_IO;
 }
@@ -342,7 +342,7 @@ int drive_begin(const drive_options *options, sd_messages *messages) {
 
 int drive_agree(int status, sd_messages *messages) {
   int first = status;
-  comm_share(comm_world(), &first, sizeof first);
+  comm_broadcast(comm_world(), &first, sizeof first);
   if (status != SD_OK && (comm_rank(comm_world()) == 0 || first == SD_OK))
     sd_messages_print(messages, stderr);
   if (comm_rank(comm_world()) > 0) sd_messages_clear(messages);
@@ -361,7 +361,7 @@ int drive_run(const sd_model *model, const drive_options *options, sd_messages *
   if (options->log && leads) status = open_log(&t, options->log);
   status = run_session(model, options, &t, status, messages);
   if (t.log) fclose(t.log);
-  comm_share(comm_world(), &status, sizeof status);
+  comm_broadcast(comm_world(), &status, sizeof status);
   return status;
 }
 

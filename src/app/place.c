@@ -158,13 +158,13 @@ sd_status stored_count(const frames *f, bool alone, size_t *count, sd_messages *
   return status;
 }
 
-sd_status stored_source(const frames *f, size_t k, h5_file **out, sd_messages *messages) {
+sd_status frames_source_open(const frames *f, size_t k, h5_file **out, sd_messages *messages) {
   const char *path = f->sources[k].path;
   *out = f->base;
   return strcmp(path, f->path) == 0 ? SD_OK : h5_open_again(path, out, messages);
 }
 
-void stored_release(const frames *f, h5_file *file) {
+void frames_source_close(const frames *f, h5_file *file) {
   if (file != f->base) h5_close(file, NULL);
 }
 

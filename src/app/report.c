@@ -28,7 +28,7 @@ void report_lines(FILE *out, const char *before, const char *text) {
   }
 }
 
-void report_bottom(FILE *out, const char *text) {
+void report_status_line(FILE *out, const char *text) {
   struct winsize window;
   int width =
       ioctl(fileno(out), TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col - 1 : 100;

@@ -126,7 +126,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   bool found = false;
   int status =
       drive_agree(leads ? find_origin(name, &p, &origin, &found, messages) : SD_OK, messages);
-  comm_share(c, &found, sizeof found);
+  comm_broadcast(c, &found, sizeof found);
   if (status == SD_OK && !found && !drive->quiet && leads)
     app_line(stderr, "%s is finished already", p.result);
   if (status == SD_OK && found)

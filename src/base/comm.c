@@ -62,7 +62,7 @@ int comm_max(const comm *c, int value) {
   return c->kind->max(c, value);
 }
 
-void comm_share(const comm *c, void *data, size_t bytes) {
+void comm_broadcast(const comm *c, void *data, size_t bytes) {
   if (!c) return;
   meet(c);
   c->kind->share(c, data, bytes);
@@ -71,9 +71,9 @@ void comm_share(const comm *c, void *data, size_t bytes) {
 char *comm_text(const comm *c, const char *text) {
   const bool mine = comm_rank(c) == 0;
   uint64_t bytes[1] = {mine ? strlen(text) + 1 : 0};
-  comm_share(c, bytes, sizeof bytes);
+  comm_broadcast(c, bytes, sizeof bytes);
   char *same = mine ? memory_text(text) : memory_new((size_t)bytes[0], 1);
-  comm_share(c, same, (size_t)bytes[0]);
+  comm_broadcast(c, same, (size_t)bytes[0]);
   return same;
 }
 

@@ -49,10 +49,10 @@ void comm_abort(const comm *c, int status);
 void comm_fail(const comm *c, const char *why);
 void comm_on_fail(void (*tell)(const char *why));
 
-/* comm_max returns the largest value over all ranks. comm_share broadcasts `bytes` bytes at `data`
- * from rank 0 to all ranks. In both, ranks that wait sleep and do not spin. */
+/* comm_max returns the largest value over all ranks. comm_broadcast broadcasts `bytes` bytes at
+ * `data` from rank 0 to all ranks. In both, ranks that wait sleep and do not spin. */
 int comm_max(const comm *c, int value);
-void comm_share(const comm *c, void *data, size_t bytes);
+void comm_broadcast(const comm *c, void *data, size_t bytes);
 /* Broadcasts a text from rank 0; the other ranks may pass NULL. Returns a copy of the text on every
  * rank, which the caller frees. */
 char *comm_text(const comm *c, const char *text);
@@ -108,7 +108,7 @@ void comm_links_free(comm_links *links);
 #define COMM_HERE comm_at(__FILE__ ":" COMM_LINE(__LINE__))
 void comm_at(const char *place);
 #define comm_max(...) (COMM_HERE, comm_max(__VA_ARGS__))
-#define comm_share(...) (COMM_HERE, comm_share(__VA_ARGS__))
+#define comm_broadcast(...) (COMM_HERE, comm_broadcast(__VA_ARGS__))
 #define comm_text(...) (COMM_HERE, comm_text(__VA_ARGS__))
 #define comm_or(...) (COMM_HERE, comm_or(__VA_ARGS__))
 #define comm_agree(...) (COMM_HERE, comm_agree(__VA_ARGS__))

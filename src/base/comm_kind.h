@@ -11,7 +11,7 @@
  * not overwrite the source location that the caller of comm.h has stored. */
 #include "base/comm.h"
 #undef comm_max
-#undef comm_share
+#undef comm_broadcast
 #undef comm_text
 #undef comm_or
 #undef comm_agree

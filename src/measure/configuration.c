@@ -194,7 +194,7 @@ static void fill_disks(configuration *c, const sd_model *from, const frame_data 
     int32_t activity = from->disks[i].driven ? SD_IN_PLAY : f->activity[i];
     c->n_waiting += activity == SD_WAITING;
     c->n_removed += activity == SD_REMOVED;
-    if (!configuration_in_play(activity)) continue;
+    if (!activity_is_present(activity)) continue;
     const sd_disk *d = &from->disks[i];
     double at[2] = {f->position[i][0], f->position[i][1]};
     into_box(c, at);

@@ -218,7 +218,7 @@ static inline bool configuration_is_free(const configuration *c, uint32_t body) 
 void configuration_wall_point(const sd_wall *wall, const frame_data *frame, size_t body, size_t k,
                               double at[2]);
 /* Returns true if a disk of this activity is present: neither waiting nor removed. */
-static inline bool configuration_in_play(int32_t activity) {
+static inline bool activity_is_present(int32_t activity) {
   return activity == SD_IN_PLAY || activity == SD_OUTSIDE;
 }
 /* Replaces the difference d of two positions by that of the nearest periodic image. */

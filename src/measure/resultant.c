@@ -290,8 +290,8 @@ static void round_all(resultants *r, const sd_model *m, const sd_state *s) {
   round_rows(r->disk, disks_of(r, m), m->n_contact_disks);
 }
 
-sd_status resultants_take(resultants *r, const sd_model *m, const sd_state *s,
-                          const slot_table *slots, const comm *c, sd_messages *messages) {
+sd_status resultants_compute(resultants *r, const sd_model *m, const sd_state *s,
+                             const slot_table *slots, const comm *c, sd_messages *messages) {
   const part p = {m, s, slots, c};
   sd_status status = SD_OK;
   memset(r->sums, 0, r->n_sums * sizeof *r->sums);

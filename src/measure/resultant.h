@@ -48,7 +48,7 @@ void resultants_free(resultants *r);
  * of the ranks, NULL: one process. Several ranks all call this, each with its part of the state,
  * and all receive the total sums; a rank without memory ends the job. SD_ERROR_IO: out of
  * memory. */
-sd_status resultants_take(resultants *r, const sd_model *model, const sd_state *state,
-                          const slot_table *slots, const comm *c, sd_messages *messages);
+sd_status resultants_compute(resultants *r, const sd_model *model, const sd_state *state,
+                             const slot_table *slots, const comm *c, sd_messages *messages);
 
 #endif

@@ -135,7 +135,7 @@ void sample_bins(engine *e) {
   if (s->n_rotations && (s->measured & (s->bin_steps - 1)) == 0) close_bin(e);
 }
 
-int64_t sample_room(const engine *e) {
+int64_t sample_steps_to_bin_end(const engine *e) {
   const sd_state *s = e->state;
   return s->n_rotations ? s->bin_steps - (s->measured & (s->bin_steps - 1)) : INT64_MAX;
 }
@@ -152,7 +152,7 @@ static double absolute_y(const engine *e, size_t i) {
 
 void disks_begin(engine *e) {
   sd_state *s = e->state;
-  losses_show(e);
+  losses_update(e);
   for (size_t i = 0; i < s->n_means; i++) {
     double angle = angle_of(s, i);
     if (s->measured == 0) {
@@ -173,7 +173,7 @@ void disks_begin(engine *e) {
 
 void disks_end(engine *e) {
   sd_state *s = e->state;
-  losses_show(e);
+  losses_update(e);
   for (size_t i = 0; i < s->n_means; i++) {
     s->mean_stop[i] = angle_of(s, i);
     s->sum_viscous[i] += s->loss_viscous[i];
@@ -304,7 +304,7 @@ static void add_power(engine *e, size_t kept) {
 /* Adds the powers of all bodies with prescribed coordinates, in the order of their slots. They are
  * few, so one thread does it. */
 static void sample_powers(engine *e) {
-  for (size_t k = 0; k < engine_kept(e); k++) add_power(e, k);
+  for (size_t k = 0; k < engine_listed(e); k++) add_power(e, k);
 }
 
 /* --- step ------------------------------------------------------------------------------------- */

@@ -14,10 +14,10 @@ void sample_end(engine *e);
 void sample_step(engine *e);
 /* Parts of sample_step for loops that count steps and sliding configurations themselves.
  * sample_bins closes the current bin of angles if it is complete; angles must be current.
- * sample_room returns the number of measured steps until the bin is complete, INT64_MAX without
- * watched angles. */
+ * sample_steps_to_bin_end returns the number of measured steps until the bin is complete,
+ * INT64_MAX without watched angles. */
 void sample_bins(engine *e);
-int64_t sample_room(const engine *e);
+int64_t sample_steps_to_bin_end(const engine *e);
 
 /* Means of every free disk, summed in the state's columns mean_* and sum_* while a run measures.
  *

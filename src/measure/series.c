@@ -92,13 +92,13 @@ OBSERVABLE_GET(offset, moment, cell_offset(at->model, at->state))
 static double deviation(const sd_state *s, const double *x) {
   double n = 0.0, mean = 0.0, sum = 0.0;
   for (size_t i = 0; i < s->n_cell_disks; i++) {
-    if (!configuration_in_play(s->activity[i])) continue;
+    if (!activity_is_present(s->activity[i])) continue;
     mean += x[i];
     n += 1.0;
   }
   mean /= n;
   for (size_t i = 0; i < s->n_cell_disks; i++)
-    if (configuration_in_play(s->activity[i])) sum += (x[i] - mean) * (x[i] - mean);
+    if (activity_is_present(s->activity[i])) sum += (x[i] - mean) * (x[i] - mean);
   return n > 0.0 ? sqrt(sum / n) : NAN;
 }
 OBSERVABLE_GET(nonaffine_x, moment, deviation(at->state, at->state->nonaffine_x))

@@ -217,7 +217,7 @@ static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
       return "settle waits for rest, but a motion shakes all the time: switch it off with motions "
              "= ()";
   }
-  if (!p->relax && each_law(m, loses_energy, NULL) == 0 && !body_forces_lose(m, p - m->phases))
+  if (!p->relax && each_law(m, loses_energy, NULL) == 0 && !body_forces_dissipate(m, p - m->phases))
     return "settle waits for rest, but nothing takes energy out (gamma_n, restitution, mu with "
            "k_t, drag, "
            "damping): "

@@ -10,7 +10,7 @@
 /* The box must be longer than twice the range of neighbour lists, which may be 1.2 times the
  * distance at which disks touch plus the longest range of attraction of any law. */
 double cell_least_length(const sd_model *m, double *reach) {
-  const double farthest = laws_reach(m);
+  const double farthest = laws_range(m);
   double largest = 0.0;
   for (size_t row = 0; row < rows_count(m); row++)
     largest = fmax(largest, rows_disk(m, row)->radius);

@@ -201,7 +201,7 @@ static unsigned closes_around(const sd_model *m, const member *of, size_t n) {
   return around;
 }
 
-sd_disk clumps_felt(const sd_model *m, size_t disk) {
+sd_disk clump_effective_disk(const sd_model *m, size_t disk) {
   sd_disk d = m->disks[disk];
   if (d.clump == 0 || !m->clump_offsets) return d;
   const sd_clump *c = &m->clumps[d.clump - 1];

@@ -23,7 +23,7 @@ clump_grain clumps_grain(const sd_model *model, size_t first, size_t end);
  * and inertia I, its mass and inertia are replaced by those of a single disk that yields as much
  * to a normal force (1/M + d^2/I) and to a tangential one (1/M + (d + R)^2/I), with d its
  * distance from the clump's centre: the smallest effective values in any contact. */
-sd_disk clumps_felt(const sd_model *model, size_t disk);
+sd_disk clump_effective_disk(const sd_model *model, size_t disk);
 
 /* True if both disks belong to the same clump, so that they do not interact. */
 static inline bool clumps_join(const sd_model *m, size_t a, size_t b) {

@@ -66,7 +66,7 @@ bool body_force_is_on(const sd_model *m, size_t k, int64_t phase) {
   return !on || on[k];
 }
 
-bool body_forces_lose(const sd_model *m, int64_t phase) {
+bool body_forces_dissipate(const sd_model *m, int64_t phase) {
   for (size_t k = 0; k < m->n_fields; k++) {
     const sd_body_force *f = &m->fields[k];
     if (f->n_disks || !body_force_is_on(m, k, phase)) continue;

@@ -55,7 +55,7 @@ void body_forces_limit(const sd_model *model, sd_step_limit *limit);
 double body_forces_drag_rate(const sd_model *model, uint32_t *disk);
 /* True if a drag or damping field that acts on all disks is switched on in this phase of the
  * run. */
-bool body_forces_lose(const sd_model *model, int64_t phase);
+bool body_forces_dissipate(const sd_model *model, int64_t phase);
 /* True if the force field is switched on in this phase of the run; always true after the last
  * phase. */
 bool body_force_is_on(const sd_model *model, size_t field, int64_t phase);

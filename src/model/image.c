@@ -208,7 +208,7 @@ static void walk(image *im, sd_model *m) {
   array(im, &m->contact_disks, m->n_contact_disks, sizeof *m->contact_disks);
 }
 
-void *image_of_model(const sd_model *model, size_t *size) {
+void *model_serialize(const sd_model *model, size_t *size) {
   image im = {.writes = true};
   /* a shallow copy, since `walk` takes a model that is not const; it only changes one that it
    * reads */
@@ -283,7 +283,7 @@ sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages
 sd_model *sd_model_clone(const sd_model *model) {
   size_t size;
   sd_model *copy = NULL;
-  void *bytes = image_of_model(model, &size);
+  void *bytes = model_serialize(model, &size);
   if (bytes) image_read(bytes, size, &copy, NULL);
   free(bytes);
   if (copy) model_copy_mistakes(copy, model);

@@ -29,10 +29,10 @@ static inline bool law_is_constant(const sd_contact_law *l) {
   /* limit of the tangential displacement while the contact slides, over the normal force */       \
   ROW(LAW_KINETIC, cap_kinetic, law_ratio(l->mu_kinetic > 0.0 ? l->mu_kinetic : l->mu, l->k_t))    \
   ROW(LAW_MINDLIN, mindlin, l->tangential == SD_TANGENTIAL_MINDLIN)                                \
-  ROW(LAW_DASHPOT, lag, law_ratio(l->gamma_t, l->k_t))                                             \
+  ROW(LAW_DASHPOT, dashpot_ratio, law_ratio(l->gamma_t, l->k_t))                                   \
   ROW(LAW_ROLLING, k_r, l->k_r)                                                                    \
   ROW(LAW_ROLLING, cap_r, law_ratio(l->mu_r, l->k_r))                                              \
-  ROW(LAW_ROLLING, lag_r, law_ratio(l->gamma_r, l->k_r))                                           \
+  ROW(LAW_ROLLING, dashpot_ratio_r, law_ratio(l->gamma_r, l->k_r))                                 \
   ROW(LAW_COHESION, bridge, law_is_bridge(l))                                                      \
   ROW(LAW_COHESION, pull_off, l->cohesion == SD_COHESION_NONE ? 0.0 : l->pull_off)                 \
   ROW(LAW_COHESION, range, l->cohesion == SD_COHESION_NONE ? 0.0 : l->range)                       \

@@ -130,7 +130,7 @@ static double reach_of(const sd_contact_law *law) {
                                                  : 0.0;
 }
 
-double laws_reach(const sd_model *m) {
+double laws_range(const sd_model *m) {
   double farthest = 0.0;
   for (size_t k = 0; m->laws && k < m->n_materials * m->n_materials; k++)
     farthest = fmax(farthest, reach_of(&m->laws[k]));

@@ -36,6 +36,6 @@ void laws_count_uses(const sd_model *model, law_use *use);
 bool laws_find_missing(const sd_model *model, const law_use *use, size_t *a, size_t *b);
 
 /* Returns the largest gap at which any contact law of the model attracts; 0: none does. */
-double laws_reach(const sd_model *model);
+double laws_range(const sd_model *model);
 
 #endif

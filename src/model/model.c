@@ -631,7 +631,7 @@ void arc_trace(sd_wall *w) {
 /* The three segments of an arc are its first end, its curve and its last end; those of a full
  * circle are three curves, joined to one another. Arc length is measured from the middle of the
  * arc. */
-void arc_pieces(const sd_wall *w, uint32_t body, sd_segment piece[3], int64_t number) {
+void arc_segments(const sd_wall *w, uint32_t body, sd_segment piece[3], int64_t number) {
   const bool ring = arc_is_ring(w);
   const double opening = ring ? 2.0 * M_PI : w->to - w->from, part = ring ? opening / 3.0 : opening;
   for (int k = 0; k < 3; k++) {

@@ -355,7 +355,7 @@ void loads_check_steps(const sd_model *model, sd_messages *messages);
 
 /* Returns the model as *size bytes, followed by a 32-bit zero; the caller frees them. NULL: out
  * of memory. Equal models give equal bytes. The model must not be distributed over ranks. */
-void *image_of_model(const sd_model *model, size_t *size);
+void *model_serialize(const sd_model *model, size_t *size);
 /* Restores a model in *out, finished if the original was; the caller frees it with
  * sd_model_free. SD_ERROR_USER: the bytes are those of another version; SD_ERROR_IO: damaged, or
  * out of memory; *out is then NULL. */
@@ -374,7 +374,7 @@ bool arc_is_ring(const sd_wall *arc);
 void arc_trace(sd_wall *arc);
 /* Makes the three segments of an arc: first end, curve, last end, or the three thirds of a full
  * circle. number: index of the first of them among the model's segments. */
-void arc_pieces(const sd_wall *arc, uint32_t body, sd_segment piece[3], int64_t number);
+void arc_segments(const sd_wall *arc, uint32_t body, sd_segment piece[3], int64_t number);
 /* Distance from the point `at` to the arc, >= 0. */
 double arc_distance(const sd_wall *arc, const double at[2]);
 

@@ -69,7 +69,7 @@ void motion_check(const sd_motion *q, double dt, const char *name, sd_messages *
     motion_kinds[q->kind].check(q, dt, q->name ? q->name : "?", messages);
 }
 
-double motion_reach(const sd_motion *q) {
+double motion_amplitude(const sd_motion *q) {
   return motion_is_wave(q) || motion_source(q) == SIGNAL_RANDOM ? fabs(q->amplitude) : HUGE_VAL;
 }
 
@@ -159,7 +159,7 @@ static void free_one(sd_model *m, size_t disk) {
 
 /* Makes disks free, with locked coordinates, in a model without free disks: those that motions
  * move, and all disks if motions move walls. */
-static void free_the_led(sd_model *m) {
+static void free_moved_disks(sd_model *m) {
   bool walls = false;
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
@@ -193,7 +193,7 @@ sd_status model_find_driven(sd_model *m) {
     m->n_free += !m->disks[i].driven;
   }
   free(held);
-  if (m->n_free == 0) free_the_led(m);
+  if (m->n_free == 0) free_moved_disks(m);
   assert(m->n_free <= m->n_disks);
   return SD_OK;
 }

@@ -73,7 +73,7 @@ void motion_check(const sd_motion *motion, double dt, const char *name, sd_messa
 double motion_period(const sd_motion *motion);
 /* Amplitude of a periodic wave, or rms displacement of a random motion; infinite for other
  * motions. */
-double motion_reach(const sd_motion *motion);
+double motion_amplitude(const sd_motion *motion);
 /* Computes the constants shape[] of a wave, which are arguments of its functions in waveforms.h. */
 void motion_shape(const sd_motion *wave, double shape[WAVE_SHAPE]);
 /* Estimates the displacement at `time` after the motion was switched on, with linear

@@ -18,13 +18,12 @@
  *                             tsuji = alpha sqrt(m_eff k)
  *   NAME_stored(k, delta)     stored energy
  *
- * Normal forces act along the line of centres and exert no torque. The tangential force tau turns
- * both bodies in the same sense, times their radii (SUM_TURN of physics/system/work.h); the couple
- * of rolling friction turns them in opposite senses (SUM_COUPLE).
+ * Normal forces act along the line of centres and exert no torque. The tangential force tau
+ * turns both bodies in the same sense, times their radii (SUM_TORQUE of physics/system/work.h);
+ * the couple of rolling friction turns them in opposite senses (SUM_COUPLE).
  *
  * The rows are read once; the functions for SIMD lanes are compiled once per LANE_WIDTH, after
- * base/lane.h.
- */
+ * base/lane.h. */
 #ifndef MODEL_NORMAL_LAWS_H
 #define MODEL_NORMAL_LAWS_H
 

@@ -55,9 +55,9 @@ static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, dou
 }
 
 /* Returns the disk in this row; if it belongs to a clump, with the smallest effective mass and
- * inertia that a contact sees (clumps_felt). */
+ * inertia that a contact sees (clump_effective_disk). */
 static sd_disk felt_at(const sd_model *m, size_t row) {
-  return row < model_held(m) ? clumps_felt(m, row) : *rows_disk(m, row);
+  return row < model_held(m) ? clump_effective_disk(m, row) : *rows_disk(m, row);
 }
 
 double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {

@@ -70,7 +70,7 @@ void model_find_pieces(sd_model *m) {
     const sd_wall *wall = &m->walls[w];
     const uint32_t body = (uint32_t)(m->n_disks + w);
     if (wall->kind == SD_WALL_ARC)
-      arc_pieces(wall, body, m->segments + at, (int64_t)at);
+      arc_segments(wall, body, m->segments + at, (int64_t)at);
     else
       derive_wall(m, w, body, m->segments + at, at);
     const size_t n = wall_pieces(m, wall);

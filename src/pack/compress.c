@@ -137,7 +137,7 @@ static double factor(const engine *e) {
  * image is not unique; the same limit holds at the start (cell_least_length). */
 static sd_status check_width(const engine *e, double f, sd_messages *messages) {
   const sd_state *s = e->state;
-  const double reach = laws_reach(e->model);
+  const double reach = laws_range(e->model);
   double largest = 0.0;
   for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
   largest = comm_largest(e->comm, largest);

@@ -98,7 +98,7 @@ static double root(double square, double scale) {
 
 static void two_circles(const place_space *s, const body *a, const body *b, double r, int variant,
                         double p[2]) {
-  double dx = place_apart(s, b->x, a->x, 0), dy = place_apart(s, b->y, a->y, 1);
+  double dx = periodic_difference(s, b->x, a->x, 0), dy = periodic_difference(s, b->y, a->y, 1);
   double from_a = a->radius + r, from_b = b->radius + r, square = dx * dx + dy * dy;
   double along = (square + (from_a - from_b) * (from_a + from_b)) / (2 * square);
   double across = root(from_a * from_a / square - along * along, from_a * from_a / square);
@@ -157,7 +157,7 @@ static bool place_in(const front *f, const pocket *q, double r, double p[2]) {
     two_circles(s, &a, &b, r, q->variant, p);
   if (!isfinite(p[0]) || !isfinite(p[1]) || !beside(&a, p) || !beside(&b, p)) return false;
   if (!s->edge[1] && (p[1] < s->lower[1] || p[1] >= s->upper[1])) return false;
-  for (int c = 0; c < 2; c++) p[c] = place_wrapped(s, p[c], c);
+  for (int c = 0; c < 2; c++) p[c] = periodic_wrap(s, p[c], c);
   return place_fits(s, p[0], p[1], r);
 }
 
@@ -206,7 +206,8 @@ static bool near_fixed(const front *f, const body *b, const double *disk) {
   if (b->straight) {
     gap = fabs((disk[0] - b->x) * -b->ty + (disk[1] - b->y) * b->tx) - disk[2];
   } else {
-    gap = hypot(place_apart(f->s, disk[0], b->x, 0), place_apart(f->s, disk[1], b->y, 1));
+    gap = hypot(periodic_difference(f->s, disk[0], b->x, 0),
+                periodic_difference(f->s, disk[1], b->y, 1));
     gap = b->radius < 0 ? -b->radius - gap - disk[2] : gap - b->radius - disk[2];
   }
   return gap <= 2 * f->largest;

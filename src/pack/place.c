@@ -188,13 +188,13 @@ void place_end(place_space *s) {
 
 /* --- overlap tests ---------------------------------------------------------------------------- */
 
-double place_wrapped(const place_space *s, double x, int c) {
+double periodic_wrap(const place_space *s, double x, int c) {
   if (!(s->period[c] > 0)) return x;
   double low = s->model->lower[c], in = x - floor((x - low) / s->period[c]) * s->period[c];
   return in >= s->model->upper[c] || in < low ? low : in;
 }
 
-double place_apart(const place_space *s, double a, double b, int c) {
+double periodic_difference(const place_space *s, double a, double b, int c) {
   double d = a - b;
   return s->period[c] > 0 ? d - s->period[c] * rint(d / s->period[c]) : d;
 }
@@ -253,7 +253,8 @@ static bool clear_of_disks(const place_space *s, double x, double y, double radi
     for (int64_t i = along[0]; i <= along[1]; i++)
       for (int64_t k = s->head[cell_number(s, i, j)]; k >= 0; k = s->next[k]) {
         const double *other = s->disk[s->holder[k]];
-        double dx = place_apart(s, x, other[0], 0), dy = place_apart(s, y, other[1], 1);
+        double dx = periodic_difference(s, x, other[0], 0),
+               dy = periodic_difference(s, y, other[1], 1);
         double touch = (radius + other[2]) * (1 - PLACE_SLACK);
         if (dx * dx + dy * dy < touch * touch) return false;
       }
@@ -282,7 +283,8 @@ size_t place_near(place_space *s, double x, double y, double reach) {
         const double *disk = s->disk[number];
         if (s->stamp[number] == s->stamps) continue;
         s->stamp[number] = s->stamps;
-        if (hypot(place_apart(s, x, disk[0], 0), place_apart(s, y, disk[1], 1)) < reach + disk[2])
+        if (hypot(periodic_difference(s, x, disk[0], 0), periodic_difference(s, y, disk[1], 1)) <
+            reach + disk[2])
           s->near[n++] = number;
       }
   return n;
@@ -307,7 +309,7 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
     while (!found && left-- > 0) {
       for (int c = 0; c < 2; c++) {
         double margin = s->edge[c] ? r : 0, low = s->lower[c] + margin, high = s->upper[c] - margin;
-        point[c] = place_wrapped(s, low + gsl_rng_uniform(rng) * (high - low), c);
+        point[c] = periodic_wrap(s, low + gsl_rng_uniform(rng) * (high - low), c);
       }
       found = place_fits(s, point[0], point[1], r);
     }
@@ -402,6 +404,6 @@ void lattice_jitter(const place_space *s, gsl_rng *rng, double spacing, double j
     double room = jitter * fmax(0, spacing / 2 - radius[k]), direction[2];
     gsl_ran_dir_2d(rng, &direction[0], &direction[1]);
     double way = room * sqrt(gsl_rng_uniform(rng));
-    for (int c = 0; c < 2; c++) site[k][c] = place_wrapped(s, site[k][c] + way * direction[c], c);
+    for (int c = 0; c < 2; c++) site[k][c] = periodic_wrap(s, site[k][c] + way * direction[c], c);
   }
 }

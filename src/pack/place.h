@@ -66,10 +66,10 @@ void place_end(place_space *s);
 
 /* Wraps coordinate c (0: x, 1: y) into the periodic box; returns it unchanged along an open
  * direction. */
-double place_wrapped(const place_space *s, double x, int c);
+double periodic_wrap(const place_space *s, double x, int c);
 /* Returns the difference a - b of two values of coordinate c, reduced to the nearest periodic
  * image. */
-double place_apart(const place_space *s, double a, double b, int c);
+double periodic_difference(const place_space *s, double a, double b, int c);
 /* Returns true if a disk at (x, y) lies inside the rectangle, has its centre in the container and
  * overlaps no disk or wall. */
 bool place_fits(const place_space *s, double x, double y, double radius);

@@ -339,7 +339,7 @@ static sd_status release(engine *e, const sd_rain *r, sd_messages *messages) {
   if (status == SD_OK && comm_rank(c) == 0)
     status = plan(e, r, top, c ? radius : NULL, drops, messages);
   status = comm_agree(c, status);
-  if (status == SD_OK) comm_share(c, drops, n * sizeof *drops);
+  if (status == SD_OK) comm_broadcast(c, drops, n * sizeof *drops);
   if (status == SD_OK) set_out(e, r, drops);
   free(bits);
   free(radius);

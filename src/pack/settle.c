@@ -69,7 +69,7 @@ static void add_up(const engine *e, settle_sums *all) {
   add_contacts(e, all);
 }
 
-settle_measure settle_look(const engine *e) {
+settle_measure settle_measure_now(const engine *e) {
   settle_sums all;
   add_up(e, &all);
   comm_total_exact(e->comm, all.of, SETTLE_SUMS);

@@ -8,12 +8,12 @@
  * kinetic energy per disk, translation and rotation. unbalanced: mean resultant force on a disk
  * (contacts, gravity, body forces; free coordinates only) divided by the mean normal force of the
  * closed contacts; 0 if the resultants are 0, else infinite without contacts. Without disks both
- * are 0, or infinite if disks lie beyond the bounds. settle_look is collective. */
+ * are 0, or infinite if disks lie beyond the bounds. settle_measure_now is collective. */
 typedef struct settle_measure {
   double kinetic, unbalanced;
 } settle_measure;
 
-settle_measure settle_look(const engine *e);
+settle_measure settle_measure_now(const engine *e);
 /* Returns true if all criteria of the running phase are met, no disk waits for its release (rain),
  * servo walls and a box under stress control are within 1 % of their targets, and no wall under a
  * load has more kinetic energy than a disk may have. */

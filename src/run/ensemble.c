@@ -70,7 +70,7 @@ static size_t find_together(const ensemble *e, const share *shares, size_t first
         (!lanes_alike(leader->model, s->engine->model) || !lanes_in_step(leader, s->engine)))
       continue;
     who[n++] = k;
-    int64_t room = loop_room(s->engine), now = s->left < room ? s->left : room;
+    int64_t room = loop_steps_left(s->engine), now = s->left < room ? s->left : room;
     if (now < *steps) *steps = now;
   }
   assert(n <= LANES_MOST && (n == 0 || *steps > 0));

@@ -120,7 +120,7 @@ sd_status loop_start(engine *e, sd_messages *messages) {
 /* Ends the phase and, unless it was the last, begins the next one. */
 static sd_status end_phase(engine *e, sd_messages *messages) {
   const bool settles = phase_of(e)->settle.asked;
-  const settle_measure rest = settles ? settle_look(e) : (settle_measure){0};
+  const settle_measure rest = settles ? settle_measure_now(e) : (settle_measure){0};
   close_phase(e, settles ? &rest : NULL);
   if (loop_finished(e)) return SD_OK;
   const sd_status status = order_again(e, messages);
@@ -170,7 +170,7 @@ static sd_status between_steps(engine *e, sd_messages *messages) {
   int64_t now = e->state->phase_step;
   sd_status status = SD_OK;
   if (e->model->bounds.given && e->state->step % OUTSIDE_EVERY == 0)
-    status = outside_look(e, messages);
+    status = outside_check(e, messages);
   if (status == SD_OK && rain_is_due(e)) status = rain_release(e, messages);
   if (status == SD_OK && p->compress.asked && now % COMPRESS_EVERY == 0)
     status = compress_step(e, messages);
@@ -181,7 +181,7 @@ static sd_status between_steps(engine *e, sd_messages *messages) {
 /* Returns true if the settle criteria are due and met. */
 static bool settled(const engine *e) {
   if (!settle_is_due(e)) return false;
-  const settle_measure now = settle_look(e);
+  const settle_measure now = settle_measure_now(e);
   return settle_reached(e, &now);
 }
 
@@ -198,7 +198,7 @@ static bool phase_is_over(const engine *e) {
   return goal_is_due(e) && sd_goal_of(e->model, e->state).reached;
 }
 
-int64_t loop_room(const engine *e) {
+int64_t loop_steps_left(const engine *e) {
   int64_t room = next_stop(e) - e->state->phase_step;
   assert(room > 0 && e->state->phase_step + room <= phase_of(e)->steps);
   return room;
@@ -211,7 +211,7 @@ sd_status loop_pause(engine *e, int64_t from, sd_messages *messages) {
   sd_status status = comm_agree(e->comm, engine_status(e));
   if (status == SD_OK) status = between_steps(e, messages);
   if (status != SD_OK || !phase_is_over(e)) return status;
-  if (e->model->bounds.given) status = outside_look(e, messages);
+  if (e->model->bounds.given) status = outside_check(e, messages);
   return status == SD_OK ? end_phase(e, messages) : status;
 }
 
@@ -219,7 +219,7 @@ sd_status loop_pause(engine *e, int64_t from, sd_messages *messages) {
 
 sd_status loop_advance(engine *e, int64_t n, sd_messages *messages) {
   const int64_t from = e->state->step;
-  assert(n > 0 && n <= loop_room(e));
+  assert(n > 0 && n <= loop_steps_left(e));
   if (e->comm)
     ranks_steps(e, n);
   else

@@ -25,12 +25,12 @@ void loop_begin_phase(engine *e);
 sd_status loop_start(engine *e, sd_messages *messages);
 /* Returns the number of steps until the next check or action between steps, at least 1. The run
  * must not be finished. */
-int64_t loop_room(const engine *e);
+int64_t loop_steps_left(const engine *e);
 /* Does the work between steps that is due after the steps from `from` to the present one (at most
- * loop_room of them), and begins the next phase if this one is over. */
+ * loop_steps_left of them), and begins the next phase if this one is over. */
 sd_status loop_pause(engine *e, int64_t from, sd_messages *messages);
-/* Takes up to n steps, n <= loop_room, and then calls loop_pause. After a failure or a stop fewer
- * than n steps were taken; state->step is the step reached. */
+/* Takes up to n steps, n <= loop_steps_left, and then calls loop_pause. After a failure or a
+ * stop fewer than n steps were taken; state->step is the step reached. */
 sd_status loop_advance(engine *e, int64_t n, sd_messages *messages);
 
 #endif

@@ -29,7 +29,7 @@ static sd_status advance(ranks *r, int64_t n) {
   engine_ready(e, r->messages);
   r->bits = 0;
   while (status == SD_OK && n > 0 && !loop_finished(e) && !(r->bits & HALO_STOP)) {
-    const int64_t from = e->state->step, room = loop_room(e);
+    const int64_t from = e->state->step, room = loop_steps_left(e);
     status = loop_advance(e, n < room ? n : room, r->messages);
     n -= e->state->step - from;
   }
@@ -39,8 +39,8 @@ static sd_status advance(ranks *r, int64_t n) {
 /* Ends a collective operation: all ranks get the same status, and rank 0 gets the messages of
  * all. */
 static sd_status tell(ranks *r, sd_status status, sd_messages *messages) {
-  return ranks_tell(r->comm, comm_agree(r->comm, status), r->messages,
-                    comm_rank(r->comm) == 0 ? messages : NULL);
+  return ranks_report(r->comm, comm_agree(r->comm, status), r->messages,
+                      comm_rank(r->comm) == 0 ? messages : NULL);
 }
 
 /* --- Beginning and advancing ------------------------------------------------------------------ */
@@ -50,7 +50,7 @@ static sd_status spread(ranks *r, sd_state *state, uint32_t *order, int threads)
   halo unconnected = {.comm = r->comm, .n_own = state->n_free, .order = order};
   const engine first = {.comm = r->comm, .model = r->model, .state = state, .halo = &unconnected};
   int32_t of_each[1] = {threads};
-  comm_share(r->comm, of_each, sizeof of_each);
+  comm_broadcast(r->comm, of_each, sizeof of_each);
   r->threads = of_each[0];
   r->skin = engine_first_skin(r->model);
   r->cut_step = state->step;
@@ -158,8 +158,8 @@ sd_status ranks_store(ranks *r, bool rows, sd_messages *messages) {
 }
 
 const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
-  const sd_status status = resultants_take(&r->sums, r->model, r->part->state,
-                                           engine_slots(r->part), r->comm, r->messages);
+  const sd_status status = resultants_compute(&r->sums, r->model, r->part->state,
+                                              engine_slots(r->part), r->comm, r->messages);
   return tell(r, status, messages) == SD_OK ? &r->sums : NULL;
 }
 
@@ -192,7 +192,7 @@ sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *me
 sd_status ranks_sample(ranks *r, unsigned what, int64_t frame, int64_t moment_number,
                        size_t *n_contacts, size_t *bytes, sd_messages *messages) {
   int64_t at[2] = {frame, moment_number};
-  comm_share(r->comm, at, sizeof at);
+  comm_broadcast(r->comm, at, sizeof at);
   const sd_status status =
       tell(r, ranks_sample_share(r->part, what, at[0], at[1], &r->rows, r->messages), messages);
   if (status != SD_OK) return status;

@@ -56,7 +56,7 @@ sd_status ranks_load(const comm *c, const char *text, const char *path, size_t n
   if (status == SD_OK)
     status = load(c, read ? read : text, text ? path : deck_source(path), n_overrides, overrides,
                   out, own);
-  ranks_tell(c, status, own, leads ? messages : NULL);
+  ranks_report(c, status, own, leads ? messages : NULL);
   sd_messages_free(own);
   free(read);
   return status;
@@ -73,13 +73,13 @@ static const sd_tile_wall *wall_of(const sd_tiles *t, const sd_contact_memory *c
  * (directory), by their numbers in the file. */
 static void tell_turned(const comm *c, const sd_model *m, directory *d) {
   const sd_rows *own = m->mine;
-  uint32_t *number = route_room(c, own->n, sizeof *number);
-  deck_turned *turned = route_room(c, own->n, sizeof *turned);
+  uint32_t *number = route_allocate(c, own->n, sizeof *number);
+  disk_angle_shift *turned = route_allocate(c, own->n, sizeof *turned);
   size_t n = 0;
   for (size_t k = 0; k < own->n; k++) {
     if (own->number[k] < m->tiles.first) continue;
     number[n] = own->number[k] - (uint32_t)m->tiles.first;
-    turned[n++] = (deck_turned){own->disk[k].radius, own->shift[k]};
+    turned[n++] = (disk_angle_shift){own->disk[k].radius, own->shift[k]};
   }
   directory_put(d, n, number, turned);
   free(number);
@@ -93,8 +93,8 @@ static void fill_contacts(const sd_model *m, const directory *d, sd_state *s) {
   const sd_contact_memory *list = m->mine->contacts;
   const size_t n = m->mine->n_contacts;
   /* [2 n] numbers of the first disks of the n contacts, then of the second disks */
-  uint32_t *number = route_room(d->comm, 2 * n, sizeof *number);
-  deck_turned *turned = route_room(d->comm, 2 * n, sizeof *turned);
+  uint32_t *number = route_allocate(d->comm, 2 * n, sizeof *number);
+  disk_angle_shift *turned = route_allocate(d->comm, 2 * n, sizeof *turned);
   for (size_t k = 0; k < n; k++) {
     number[k] = list[k].a;
     number[n + k] = wall_of(t, &list[k]) ? list[k].a : list[k].b;
@@ -116,7 +116,7 @@ static void fill_contacts(const sd_model *m, const directory *d, sd_state *s) {
 
 static void take_contacts(const comm *c, const sd_model *m, sd_state *s) {
   directory d;
-  directory_new(&d, c, m->tiles.count, sizeof(deck_turned));
+  directory_new(&d, c, m->tiles.count, sizeof(disk_angle_shift));
   tell_turned(c, m, &d);
   fill_contacts(m, &d, s);
   directory_free(&d);
@@ -142,7 +142,7 @@ sd_status ranks_first_new(const comm *c, const sd_model *m, sd_state **state, ui
   const sd_rows *own = m->mine;
   assert(m->parted && own);
   sd_state *s = *state = state_new_part(m, own->n, 0);
-  *order = route_room(c, own->n, sizeof **order);
+  *order = route_allocate(c, own->n, sizeof **order);
   if (!s) return give_up(c, "no memory for its disks");
   for (size_t k = 0; k < own->n; k++)
     engine_fill_disk(s, &own->disk[k], own->number[k], (uint32_t)k);

@@ -196,7 +196,7 @@ static box box_of(const shares *p, const sd_state *s) {
 static sd_status choose_ghosts(shares *p, double skin) {
   sends list = {0};
   const box b = box_of(p, p->from->state);
-  const double reach = p->model->largest_radius + (skin + laws_reach(p->model)) * (1.0 + 1e-9);
+  const double reach = p->model->largest_radius + (skin + laws_range(p->model)) * (1.0 + 1e-9);
   int *ranks = memory_new((size_t)comm_size(p->comm), sizeof *ranks);
   uint8_t *seen = memory_new((size_t)comm_size(p->comm), 1);
   sd_status status = SD_OK;
@@ -242,9 +242,9 @@ static int32_t *look_up_owners(const shares *p) {
   const sd_state *s = p->from->state;
   const size_t n = s->n_contacts, disks = p->model->n_disks;
   directory d;
-  int32_t *mine = route_room(p->comm, s->n_free, sizeof *mine),
-          *found = route_room(p->comm, 2 * n, sizeof *found);
-  uint32_t *number = route_room(p->comm, 2 * n, sizeof *number);
+  int32_t *mine = route_allocate(p->comm, s->n_free, sizeof *mine),
+          *found = route_allocate(p->comm, 2 * n, sizeof *found);
+  uint32_t *number = route_allocate(p->comm, 2 * n, sizeof *number);
   for (size_t i = 0; i < s->n_free; i++) mine[i] = 1 + p->owner[i];
   for (size_t k = 0; k < n; k++) {
     number[k] = s->contact_a[k];
@@ -269,7 +269,7 @@ static int32_t *look_up_owners(const shares *p) {
 static int32_t *find_contact_owners(const shares *p) {
   const sd_state *s = p->from->state;
   const size_t n = s->n_contacts, known = s->n_free + s->n_ghosts;
-  int32_t *found = route_room(p->comm, 2 * n, sizeof *found);
+  int32_t *found = route_allocate(p->comm, 2 * n, sizeof *found);
   for (size_t k = 0; k < n; k++) {
     const uint32_t a = engine_slot(p->from, s->contact_a[k]),
                    b = engine_slot(p->from, s->contact_b[k]);
@@ -484,7 +484,7 @@ static sd_status find_order(const comm *c, const order_place *list, size_t n, in
     status = route_columns(&r, &(route_column){list, came, sizeof *came}, 1, NULL);
   if (status == SD_OK) {
     number_places(came, n_came, first_kept(c, &b), number);
-    route_answer(&r, (route_column){number, order, sizeof *order});
+    route_send_back(&r, (route_column){number, order, sizeof *order});
   }
   for (size_t k = 1; k < n && status == SD_OK; k++) assert(order[k - 1] < order[k]);
   route_free(&r);

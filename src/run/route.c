@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "base/runs.h"
 
-void *route_room(const comm *c, size_t n, size_t size) {
+void *route_allocate(const comm *c, size_t n, size_t size) {
   void *rows;
   assert(comm_size(c) > 1);
   while (!memory_row(&rows, n, size)) comm_fail(c, "no memory");
@@ -143,13 +143,13 @@ sd_status route_columns(route *r, const route_column *column, size_t n, const ui
   return SD_OK;
 }
 
-void route_answer(const route *r, route_column column) {
+void route_send_back(const route *r, route_column column) {
   route back = {.comm = r->comm,
                 .n_send = r->n_receive,
                 .n_receive = r->n_send,
                 .to = r->from,
                 .from = r->to};
-  back.row = route_room(r->comm, back.n_send, sizeof *back.row);
+  back.row = route_allocate(r->comm, back.n_send, sizeof *back.row);
   for (size_t k = 0; k < back.n_send; k++) back.row[k] = (uint32_t)k;
   route_columns(&back, &column, 1, r->row);
   back.to = back.from = NULL; /* r owns these two arrays: do not free them with `back` */
@@ -181,7 +181,7 @@ void route_merge(const route *r, const uint32_t *order, uint32_t *place) {
 void directory_new(directory *d, const comm *c, size_t n, size_t size) {
   *d = (directory){.comm = c, .width = n / (size_t)comm_size(c) + 1, .size = size};
   d->first = (size_t)comm_rank(c) * d->width;
-  d->rows = route_room(c, d->width, size);
+  d->rows = route_allocate(c, d->width, size);
 }
 
 void directory_free(directory *d) {
@@ -192,12 +192,12 @@ void directory_free(directory *d) {
 /* Sends the numbers to the ranks that store their rows. Returns the numbers that this rank receives
  * from others, which the caller frees. */
 static uint32_t *call(const directory *d, route *r, size_t n, const uint32_t *number) {
-  int *keeper = route_room(d->comm, n, sizeof *keeper);
+  int *keeper = route_allocate(d->comm, n, sizeof *keeper);
   for (size_t k = 0; k < n; k++) keeper[k] = (int)(number[k] / d->width);
   if (route_new(r, d->comm, n, NULL, keeper) != SD_OK) comm_fail(d->comm, "no memory");
   free(keeper);
   route_count(r);
-  uint32_t *come = route_room(d->comm, r->n_receive, sizeof *come);
+  uint32_t *come = route_allocate(d->comm, r->n_receive, sizeof *come);
   route_columns(r, &(route_column){number, come, sizeof *come}, 1, NULL);
   return come;
 }
@@ -211,7 +211,7 @@ static char *row_of(const directory *d, uint32_t number) {
 void directory_put(directory *d, size_t n, const uint32_t *number, const void *rows) {
   route r;
   uint32_t *come = call(d, &r, n, number);
-  char *values = route_room(d->comm, r.n_receive, d->size);
+  char *values = route_allocate(d->comm, r.n_receive, d->size);
   route_columns(&r, &(route_column){rows, values, d->size}, 1, NULL);
   for (size_t k = 0; k < r.n_receive; k++)
     memcpy(row_of(d, come[k]), values + k * d->size, d->size);
@@ -223,10 +223,10 @@ void directory_put(directory *d, size_t n, const uint32_t *number, const void *r
 void directory_get(const directory *d, size_t n, const uint32_t *number, void *rows) {
   route r;
   uint32_t *come = call(d, &r, n, number);
-  char *values = route_room(d->comm, r.n_receive, d->size);
+  char *values = route_allocate(d->comm, r.n_receive, d->size);
   for (size_t k = 0; k < r.n_receive; k++)
     memcpy(values + k * d->size, row_of(d, come[k]), d->size);
-  route_answer(&r, (route_column){values, rows, d->size});
+  route_send_back(&r, (route_column){values, rows, d->size});
   route_free(&r);
   free(come);
   free(values);

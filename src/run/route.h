@@ -32,7 +32,7 @@ typedef struct route_column {
 
 /* Allocates n rows of zeros, which the caller frees. Without memory it ends the job, since the
  * other ranks would wait. */
-void *route_room(const comm *c, size_t n, size_t size);
+void *route_allocate(const comm *c, size_t n, size_t size);
 
 /* Sets up a route by which row number row[k] goes to rank[k], 0 <= k < n; row NULL: row number k.
  * SD_ERROR_IO: out of memory. Afterwards every rank must call route_count. */
@@ -47,7 +47,7 @@ void route_free(route *r);
 sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place);
 /* Collective: sends row k of a column with one row per received row back to the rank and row from
  * which row k came. A rank without memory ends the job. */
-void route_answer(const route *r, route_column column);
+void route_send_back(const route *r, route_column column);
 /* Merges the received rows into one ascending sequence; those from each rank already ascend by
  * `order`. place[k]: receives the position of row k in the sequence. */
 void route_merge(const route *r, const uint32_t *order, uint32_t *place);

@@ -134,7 +134,7 @@ static sd_status seal(session *s, sd_messages *messages) {
   record *rows = session_leads(s) ? full_rows(s) : NULL;
   /* broadcast from rank 0, so that all ranks write a part file or none */
   int32_t what[2] = {rows != NULL, rows == &s->shared};
-  comm_share(s->options.comm, what, sizeof what);
+  comm_broadcast(s->options.comm, what, sizeof what);
   if (!what[0]) return SD_OK;
   char *path = session_leads(s) ? folder_part(s->parts_folder.path, s->parts + 1) : NULL;
   sd_status status = agree(s, session_leads(s) ? folder_check(&s->parts_folder, messages) : SD_OK);
@@ -316,7 +316,7 @@ void session_report(session *s, bool always) {
   bool new_phase = !finished && stage.phase != s->told_phase;
   int32_t tells = s->options.progress &&
                   (always || new_phase || passed >= fmax(PROGRESS_SECONDS, s->tell_every));
-  comm_share(s->options.comm, &tells, sizeof tells);
+  comm_broadcast(s->options.comm, &tells, sizeof tells);
   if (!tells) return;
 
   /* the rate is averaged over about the last 3 seconds */
@@ -356,11 +356,11 @@ void session_report(session *s, bool always) {
 
 bool session_is_stopped(const session *s) { return s->options.stop && *s->options.stop; }
 
-void session_look(session *s, int64_t chunk) {
-  s->world = (session_world){.chunk = chunk, .stopped = session_is_stopped(s)};
+void session_poll(session *s, int64_t chunk) {
+  s->world = (session_signals){.chunk = chunk, .stopped = session_is_stopped(s)};
   if (session_leads(s))
     s->world.save = clock_seconds() - s->saved_at >= sd_model_deck(s->model)->checkpoint_seconds;
-  comm_share(s->options.comm, &s->world, sizeof s->world);
+  comm_broadcast(s->options.comm, &s->world, sizeof s->world);
 }
 
 /* --- After a chunk of steps ------------------------------------------------------------------- */
@@ -375,7 +375,7 @@ sd_status session_stop(session *s, sd_messages *messages) {
 static bool is_full(session *s, size_t most_bytes) {
   int32_t full = session_leads(s) &&
                  record_bytes(&s->rows) + record_bytes(&s->shared) + s->shared_bytes > most_bytes;
-  comm_share(s->options.comm, &full, sizeof full);
+  comm_broadcast(s->options.comm, &full, sizeof full);
   return full != 0;
 }
 

@@ -245,7 +245,7 @@ static sd_status read_some(session *s, sd_state **state, uint32_t **order, sd_me
   const sd_status status =
       comm_agree(c, checkpoint_get_some(path, s->model, (size_t)comm_rank(c), (size_t)comm_size(c),
                                         state, order, mine));
-  ranks_tell(c, status, mine, session_leads(s) ? messages : NULL);
+  ranks_report(c, status, mine, session_leads(s) ? messages : NULL);
   sd_messages_free(mine);
   free(path);
   free(parts);
@@ -327,7 +327,7 @@ static sd_status begin(session *s, sd_messages *messages) {
   sd_status status = session_leads(s) ? find_beginning(s, &found, &state, messages) : SD_OK;
   int64_t how[2] = {found, s->saved_step};
   status = comm_wait(s->options.comm, status);
-  comm_share(s->options.comm, how, sizeof how);
+  comm_broadcast(s->options.comm, how, sizeof how);
   if (status != SD_OK) {
     if (state) sd_state_free(state);
     return status;

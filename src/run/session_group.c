@@ -169,7 +169,7 @@ static void save(group *g) {
 /* Checks signals and the clock on rank 0, and broadcasts the outcome. */
 static void look(group *g) {
   for (size_t k = 0; k < g->n; k++) {
-    session_look(session_of(g, k), g->chunk);
+    session_poll(session_of(g, k), g->chunk);
     if (session_of(g, k)->options.comm) g->chunk = session_of(g, k)->world.chunk;
   }
 }

@@ -8,11 +8,11 @@
 #include "run/session.h"
 
 /* Decisions that rank 0 makes and broadcasts before each chunk of steps. */
-typedef struct session_world {
+typedef struct session_signals {
   int64_t chunk; /* length of the next chunk, in steps */
   /* stopped: 1 if a signal asks to stop, else 0; save: 1 if a checkpoint is due, else 0 */
   int32_t stopped, save;
-} session_world;
+} session_signals;
 
 struct session {
   const sd_model *model;
@@ -43,13 +43,13 @@ struct session {
   /* shortest time until the next progress report, s (session_report) */
   double tell_every;
   int64_t told_step, told_phase;
-  session_world world;
+  session_signals world;
 };
 
 /* Returns true on rank 0, and in a run in one process: there, all files are written.
  *
  * Functions below that return a status are collective, except session_identity and
- * session_may_publish; session_look and session_report are collective, too. */
+ * session_may_publish; session_poll and session_report are collective, too. */
 bool session_leads(const session *s);
 /* session_due returns bits (RECORD_SERIES ...) that tell which rows are to be sampled at this stage
  * of the run; session_next returns the next step at which rows may be due, and must not be called
@@ -70,7 +70,7 @@ sd_status session_may_publish(const session *s, sd_status kind, sd_messages *mes
 bool session_is_stopped(const session *s);
 /* Sets s->world on all ranks to the values of rank 0: whether a signal asks to stop, whether a
  * checkpoint is due, and the length of the next chunk of steps. */
-void session_look(session *s, int64_t chunk);
+void session_poll(session *s, int64_t chunk);
 /* Reports progress if the time for the next report has come, or if `always` is true. */
 void session_report(session *s, bool always);
 

@@ -202,7 +202,7 @@ bool simulation_is_small(const sd_simulation *sim) { return engine_lanes(&sim->e
 
 bool simulation_is_spread(const sd_simulation *sim) { return sim->ranks != NULL; }
 
-settle_measure simulation_rest(sd_simulation *sim) { return settle_look(&sim->engine); }
+settle_measure simulation_rest(sd_simulation *sim) { return settle_measure_now(&sim->engine); }
 
 bool simulation_finished(const sd_simulation *sim) { return loop_finished(&sim->engine); }
 
@@ -220,7 +220,7 @@ sd_status sd_simulation_observe(sd_simulation *sim, int64_t every, sd_observer *
   return SD_OK;
 }
 
-int64_t observers_room(const sd_simulation *sim, int64_t most) {
+int64_t observers_steps_left(const sd_simulation *sim, int64_t most) {
   const int64_t step = sim->engine.state->step;
   for (size_t k = 0; k < sim->n_observers; k++) {
     const int64_t left = sim->observers[k].every - step % sim->observers[k].every;
@@ -255,7 +255,7 @@ static sd_status advance_all(sd_simulation *sim, int64_t n, sd_messages *message
   if (!e->fields) e->state->field_power = 0.0;
   engine_ready(e, messages);
   while (n > 0 && !loop_finished(e)) {
-    const int64_t from = e->state->step, room = observers_room(sim, loop_room(e));
+    const int64_t from = e->state->step, room = observers_steps_left(sim, loop_steps_left(e));
     sd_status status = loop_advance(e, n < room ? n : room, messages);
     n -= e->state->step - from;
     sim->door.broken = pool_forked(e->pool);
@@ -302,7 +302,7 @@ enum { DOOMED = 1 };
 static _Thread_local int thread_mark;
 static uintptr_t me(void) { return (uintptr_t)&thread_mark; }
 
-static simulation_door *door_of(const sd_simulation *sim) {
+static simulation_lock *door_of(const sd_simulation *sim) {
   /* the cast is safe: reading a number from outside does not change the system */
   return &((sd_simulation *)(uintptr_t)sim)->door;
 }
@@ -320,7 +320,7 @@ static bool refuse(const char *call, const char *why, sd_messages *messages) {
 
 bool simulation_enter(sd_simulation *sim, simulation_need need, const char *call, bool *outer,
                       sd_messages *messages) {
-  simulation_door *d = &sim->door;
+  simulation_lock *d = &sim->door;
   uintptr_t holder = 0;
   *outer = atomic_compare_exchange_strong(&d->holder, &holder, me());
   if (!*outer && (holder & ~(uintptr_t)DOOMED) != me())
@@ -346,7 +346,7 @@ void sd_simulation_free(sd_simulation *sim) {
 }
 
 bool simulation_read_begin(const sd_simulation *sim) {
-  simulation_door *d = door_of(sim);
+  simulation_lock *d = door_of(sim);
   atomic_fetch_add(&d->readers, 1);
   const uintptr_t holder = atomic_load(&d->holder) & ~(uintptr_t)DOOMED;
   if (holder == 0 || holder == me()) return true;
@@ -518,9 +518,9 @@ static const char IMAGE[] = "/model/image";
 /* Stores the bytes of the model in the file, as 4-byte words. */
 static void put_image(h5_file *file, const sd_model *model) {
   size_t size = 0;
-  void *bytes = image_of_model(model, &size);
+  void *bytes = model_serialize(model, &size);
   const size_t n = (size + 3) / 4;
-  if (h5_have(file, bytes, IMAGE)) {
+  if (h5_check_memory(file, bytes, IMAGE)) {
     h5_put(file, IMAGE, SD_U32, 1, &n, bytes, true);
     h5_attr_i64(file, IMAGE, "bytes", (int64_t)size);
     h5_attr_text(file, IMAGE, "description", "the model, for this version of the library");

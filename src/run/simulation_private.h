@@ -17,7 +17,7 @@
 /* --- The lock of a simulation ----------------------------------------------------------------- */
 
 /* Kind of access that a function of slipdisk/simulation.h needs. Each call of such a function takes
- * the lock of the simulation (simulation_door). While it is taken, calls by other threads are
+ * the lock of the simulation (simulation_lock). While it is taken, calls by other threads are
  * refused, and callbacks of the running call may call only functions that do not disturb it. */
 typedef enum simulation_need {
   /* reads the state between two steps: allowed if no call is running, and in observers */
@@ -26,7 +26,7 @@ typedef enum simulation_need {
 } simulation_need;
 
 /* Lock of a simulation against calls by several threads, and by callbacks. */
-typedef struct simulation_door {
+typedef struct simulation_lock {
   /* number that identifies the thread whose call is running, 0: none; plus DOOMED if the simulation
    * was freed during the call */
   atomic_uintptr_t holder;
@@ -36,7 +36,7 @@ typedef struct simulation_door {
   /* true: the process was forked while a force function was called, and the step can never end,
    * because the child process lacks the other threads */
   bool broken;
-} simulation_door;
+} simulation_lock;
 
 /* Begins a call of a public function. Returns true if the call is allowed; end it by
  * simulation_leave with *outer. Returns false if it is refused, after an error message that names
@@ -67,7 +67,7 @@ typedef struct simulation_observer {
 
 struct sd_simulation {
   engine engine;
-  simulation_door door;
+  simulation_lock door;
   sd_model *owned; /* model that the simulation frees; NULL: the caller owns the model */
   ranks *ranks;    /* ranks that share the simulation; NULL: one process */
   size_t n_observers;
@@ -105,7 +105,7 @@ bool simulation_is_small(const sd_simulation *simulation);
 
 /* --- Observers -------------------------------------------------------------------------------- */
 /* Returns the number of steps until the next call of an observer, at most `most`. */
-int64_t observers_room(const sd_simulation *simulation, int64_t most);
+int64_t observers_steps_left(const sd_simulation *simulation, int64_t most);
 /* Calls the observers that are due at this step. Returns the first status that is not SD_OK. */
 sd_status observers_call(sd_simulation *simulation, sd_messages *messages);
 

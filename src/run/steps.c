@@ -258,7 +258,7 @@ void ranks_steps(engine *e, int64_t n) {
 static int64_t least_room(const lanes *l) {
   int64_t least = INT64_MAX;
   for (size_t k = 0; k < l->count; k++) {
-    int64_t room = sample_room(l->system[k]);
+    int64_t room = sample_steps_to_bin_end(l->system[k]);
     if (room < least) least = room;
   }
   return least;
@@ -354,7 +354,7 @@ static void tell_errors(const comm *c, sd_status status, const sd_messages *own,
   free(text);
 }
 
-sd_status ranks_tell(const comm *c, sd_status status, sd_messages *own, sd_messages *messages) {
+sd_status ranks_report(const comm *c, sd_status status, sd_messages *own, sd_messages *messages) {
   for (size_t k = 0; messages && k < sd_messages_count(own); k++)
     if (sd_messages_kind(own, k) == SD_OK) sd_warn(messages, "%s", sd_messages_text(own, k));
   if (status != SD_OK) tell_errors(c, status, own, messages);

@@ -73,6 +73,6 @@ void lanes_loop(lanes *l, int64_t n, bool measure);
  * All ranks must pass the same status, which is returned. messages: on rank 0, receives the
  * warnings of its own list, since all ranks have the same ones, and after a failure the errors of
  * all ranks, equal ones once; NULL on the other ranks. */
-sd_status ranks_tell(const comm *c, sd_status status, sd_messages *own, sd_messages *messages);
+sd_status ranks_report(const comm *c, sd_status status, sd_messages *own, sd_messages *messages);
 
 #endif

@@ -375,8 +375,8 @@ char *sweep_strangers_text(const sweep *s, const sweep_contents *c) {
   return text;
 }
 
-sd_status sweep_refuse_strangers(const sweep *s, const sweep_contents *c, const char *instead,
-                                 sd_messages *messages) {
+sd_status sweep_refuse_unknown_points(const sweep *s, const sweep_contents *c, const char *instead,
+                                      sd_messages *messages) {
   if (c->known > 0 || c->results + c->parts == 0) return SD_OK;
   char *text = sweep_strangers_text(s, c);
   assert(text);
@@ -387,8 +387,8 @@ sd_status sweep_refuse_strangers(const sweep *s, const sweep_contents *c, const 
   return SD_ERROR_USER;
 }
 
-sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *instead,
-                              sd_messages *messages) {
+sd_status sweep_refuse_other_decks(const sweep *s, const sweep_tally *t, const char *instead,
+                                   sd_messages *messages) {
   if (t->points == 0) return SD_OK;
   sd_fail(messages, SD_ERROR_USER,
           "%s%zu point%s in %s %s of another deck: %s. Is a -D missing? -o writes elsewhere, --mix "

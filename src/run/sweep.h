@@ -114,12 +114,12 @@ char *sweep_strangers_text(const sweep *s, const sweep_contents *c);
 void sweep_contents_free(sweep_contents *c);
 /* Returns SD_ERROR_USER if the folder has results of other points but none of this sweep. instead:
  * text for the message that says what is not done therefore, such as "nothing is run". */
-sd_status sweep_refuse_strangers(const sweep *s, const sweep_contents *c, const char *instead,
-                                 sd_messages *messages);
+sd_status sweep_refuse_unknown_points(const sweep *s, const sweep_contents *c, const char *instead,
+                                      sd_messages *messages);
 /* Returns SD_ERROR_USER if the tally has points that were run with another deck. instead: as for
- * sweep_refuse_strangers. */
-sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *instead,
-                              sd_messages *messages);
+ * sweep_refuse_unknown_points. */
+sd_status sweep_refuse_other_decks(const sweep *s, const sweep_tally *t, const char *instead,
+                                   sd_messages *messages);
 
 /* Outcome of a point that was given to sweep_run. */
 typedef struct sweep_end {

@@ -226,7 +226,7 @@ static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
     put_point(&t, s, k, k, &results[k]);
     if (!mix) sweep_tally_add(&others, &results[k]);
   }
-  sd_status status = sweep_refuse_others(s, &others, "no table is written", messages);
+  sd_status status = sweep_refuse_other_decks(s, &others, "no table is written", messages);
   sweep_tally_free(&others);
   result_table_keep_all(&t);
   for (size_t k = 0; k < s->deck.n_points; k++) {

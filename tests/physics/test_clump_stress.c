@@ -26,7 +26,7 @@ static resultants row_of(sd_simulation *s) {
   const sd_model *m = sd_simulation_model(s);
   resultants_new(&r, m);
   assert_int_equal(
-      resultants_take(&r, m, sd_simulation_state(s), engine_slots(engine_of(s)), NULL, NULL),
+      resultants_compute(&r, m, sd_simulation_state(s), engine_slots(engine_of(s)), NULL, NULL),
       SD_OK);
   return r;
 }
@@ -265,7 +265,7 @@ static void walls_feel_the_stress(sd_simulation *s, double small) {
 static void check_pressed(const char *name, sd_simulation *s, double size) {
   const double p = compress_pressure(engine_of(s)), small = 1e-7 * p;
   measurement found = measurement_of(s, false);
-  const double unbalanced = settle_look(engine_of(s)).unbalanced;
+  const double unbalanced = settle_measure_now(engine_of(s)).unbalanced;
   print_message(
       "  %s: pressure %.6g, stress %.6g %.6g %.6g %.6g, unbalanced %.2g, %zu rattlers of %zu\n",
       name, p, found.s.contact[0], found.s.contact[1], found.s.contact[2], found.s.contact[3],

@@ -154,8 +154,8 @@ static void check_series(sd_simulation *s, int shape, size_t law, int variant) {
   const system_body a = system_at(s, 0), b = system_at(s, 1);
   resultants r;
   resultants_new(&r, m);
-  assert_int_equal(resultants_take(&r, m, sd_simulation_state(s),
-                                   engine_slots(simulation_engine(s)), NULL, NULL),
+  assert_int_equal(resultants_compute(&r, m, sd_simulation_state(s),
+                                      engine_slots(simulation_engine(s)), NULL, NULL),
                    SD_OK);
   const resultant *of_b = m->n_walls ? r.wall : &r.group[1];
   NEAR(r.group[0].force_x, a.force_x, "x of the group");

@@ -119,11 +119,11 @@ static void the_first_ranks_data_reach_all(void **unused) {
     assert_non_null(data);
     for (size_t k = 0; k <= sizes[s]; k++)
       data[k] = (unsigned char)(comm_rank(comm_world()) == 0 ? k % 251 : 255);
-    comm_share(comm_world(), data, sizes[s]);
+    comm_broadcast(comm_world(), data, sizes[s]);
     bool right = data[sizes[s]] == (comm_rank(comm_world()) == 0 ? sizes[s] % 251 : 255);
     for (size_t k = 0; k < sizes[s]; k++) right = right && data[k] == k % 251;
     free(data);
-    agree(right, "comm_share: other data than those of rank 0");
+    agree(right, "comm_broadcast: other data than those of rank 0");
   }
 }
 

@@ -250,12 +250,12 @@ static void save_touching(const char *to, const char *disks) {
 /* Contacts of all ranks, turned into those of the model, are those of one process. */
 static void check_contacts(const reading *r, const sd_model *all) {
   const sd_tiles *t = &r->model[0]->tiles;
-  deck_turned *turned = calloc(t->count, sizeof *turned);
+  disk_angle_shift *turned = calloc(t->count, sizeof *turned);
   size_t n = 0;
   for (int q = 0; q < r->ranks; q++) {
     const sd_rows *mine = r->model[q]->mine;
     for (size_t k = 0; k < mine->n; k++)
-      turned[mine->number[k] - t->first] = (deck_turned){mine->disk[k].radius, mine->shift[k]};
+      turned[mine->number[k] - t->first] = (disk_angle_shift){mine->disk[k].radius, mine->shift[k]};
   }
   for (int q = 0; q < r->ranks; q++) {
     const sd_model *m = r->model[q];
@@ -265,7 +265,7 @@ static void check_contacts(const reading *r, const sd_model *all) {
       sd_contact_memory c = m->mine->contacts[k];
       const sd_tile_wall *wall = c.b < t->count ? NULL : &t->walls[c.b - t->count];
       assert_true(deck_contact_is_kept(&c, wall));
-      deck_carry_contact(&c, turned[c.a], wall ? (deck_turned){0} : turned[c.b], wall,
+      deck_carry_contact(&c, turned[c.a], wall ? (disk_angle_shift){0} : turned[c.b], wall,
                          t->forces_carried);
       c.a += 1;
       c.b = wall ? (uint32_t)m->n_disks + wall->wall : c.b + 1;

@@ -129,7 +129,7 @@ static void a_damaged_image_is_refused(void **unused) {
   (void)unused;
   sd_model *m = whole(), *copy;
   size_t size;
-  unsigned char *bytes = image_of_model(m, &size);
+  unsigned char *bytes = model_serialize(m, &size);
   assert_non_null(bytes);
   for (size_t less = 1; less < size; less += 97)
     assert_int_not_equal(image_read(bytes, size - less, &copy, NULL), SD_OK);

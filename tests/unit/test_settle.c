@@ -49,12 +49,12 @@ static void a_disk_in_flight_and_one_at_rest(void **unused) {
                          "  { x = 5; y = 9; vx = 3; omega = 2; radius = 1; mass = 0.2; } );");
   sd_simulation *sim = begin_run(m, 1);
   /* one carries its weight m g = 1 with an overlap of 1e-3, the other falls: resultants 0 and 2, one contact of 1 */
-  settle_measure now = settle_look(engine_of(sim));
+  settle_measure now = settle_measure_now(engine_of(sim));
   between(now.kinetic, (0.9 + 0.2) / 2 - 1e-12, (0.9 + 0.2) / 2 + 1e-12, "kinetic energy per disk");
   between(now.unbalanced, 1 - 1e-12, 1 + 1e-12, "unbalanced force");
   /* what is out of play or lost does not count, nor does what is held */
   engine_of(sim)->state->activity[1] = SD_OUTSIDE;
-  now = settle_look(engine_of(sim));
+  now = settle_measure_now(engine_of(sim));
   between(now.kinetic, 0, 0, "kinetic energy of the disk at rest");
   between(now.unbalanced, 0, 1e-12, "its unbalanced force");
   sd_simulation_free(sim);
@@ -68,11 +68,11 @@ static void without_contacts_nothing_is_balanced(void **unused) {
                          "disks = ( { x = 0; y = 0; radius = 1; mass = 1; }, { x = 9; y = 0; "
                          "radius = 1; mass = 1; } );");
   sd_simulation *sim = begin_run(m, 1);
-  assert_true(isinf(settle_look(engine_of(sim)).unbalanced));
+  assert_true(isinf(settle_measure_now(engine_of(sim)).unbalanced));
   sd_simulation_free(sim);
   m->gravity[1] = 0; /* free and at rest: balanced */
   sim = begin_run(m, 1);
-  assert_true(settle_look(engine_of(sim)).unbalanced == 0);
+  assert_true(settle_measure_now(engine_of(sim)).unbalanced == 0);
   sd_simulation_free(sim);
   sd_model_free(m);
 }
@@ -95,7 +95,7 @@ static void ends_at_the_first_look(void **unused) {
         assert_true((asked->kinetic > 0 && last.kinetic > asked->kinetic) ||
                     (asked->unbalanced > 0 && last.unbalanced > asked->unbalanced));
       advance(sim, asked->every);
-      last = settle_look(engine_of(sim));
+      last = settle_measure_now(engine_of(sim));
     }
     const sd_state *s = sd_simulation_state(sim);
     assert_int_equal(s->phase_steps[0], looks * asked->every);

@@ -35,7 +35,7 @@ export_writer export_h5md, export_dump, export_data, export_xyz, export_vtk, exp
 sd_status export_frame(const export_job *job, size_t k, frame_data *frame);
 /* True if the disk is in the frame: neither waiting for its release nor removed. */
 static inline bool export_has(const export_job *job, const frame_data *frame, size_t disk) {
-  return job->m->disks[disk].driven || configuration_in_play(frame->activity[disk]);
+  return job->m->disks[disk].driven || activity_is_present(frame->activity[disk]);
 }
 size_t export_count(const export_job *job, const frame_data *frame);
 

@@ -217,7 +217,7 @@ static sd_status put_series(const export_job *job, FILE *out, FILE *units) {
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < f->n_sources; k++) {
     h5_file *file;
-    status = stored_source(f, k, &file, job->messages);
+    status = frames_source_open(f, k, &file, job->messages);
     if (status == SD_OK && h5_exists(file, SERIES_CLOCK "/step")) {
       if (s.n == 0) {
         status = series_find(&s, file, job->messages);
@@ -225,7 +225,7 @@ static sd_status put_series(const export_job *job, FILE *out, FILE *units) {
       }
       if (status == SD_OK) status = series_rows(&s, file, out, job->messages);
     }
-    stored_release(f, file);
+    frames_source_close(f, file);
   }
   series_free(&s);
   return status;

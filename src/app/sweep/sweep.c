@@ -234,7 +234,7 @@ static sd_status write_table(const sweep *s, bool mix, sd_messages *messages) {
                    s->folder);
   sweep_list(s, &there);
   sd_status status =
-      mix ? SD_OK : sweep_refuse_strangers(s, &there, "no table is written", messages);
+      mix ? SD_OK : sweep_refuse_unknown_points(s, &there, "no table is written", messages);
   if (status == SD_OK) status = sweep_write_tables(s, TABLE_PATIENCE, mix, messages);
   if (status == SD_OK) {
     app_line(stdout, "%s/table.csv, table.h5, means.csv", s->folder);

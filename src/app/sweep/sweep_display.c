@@ -105,7 +105,7 @@ void sweep_draw(scheduler *w) {
   if (done > 0) left = (w->steps_total - spared - done) / done * (now - w->began);
   snprintf(text + n, sizeof text - (size_t)n, "  ETA %s",
            report_duration(left, duration, sizeof duration));
-  report_bottom(stderr, text);
+  report_status_line(stderr, text);
   w->line_open = true;
 }
 

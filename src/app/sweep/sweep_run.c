@@ -103,7 +103,7 @@ static size_t find_todo(scheduler *w, size_t *todo, sd_messages *messages) {
     }
     sweep_result_free(&r);
   }
-  sd_status status = sweep_refuse_others(w->s, &others, "nothing is run", messages);
+  sd_status status = sweep_refuse_other_decks(w->s, &others, "nothing is run", messages);
   sweep_tally_free(&others);
   return status == SD_OK ? n : refuse(messages);
 }
@@ -115,7 +115,7 @@ static size_t agree_on_todo(scheduler *w, size_t *todo) {
   sd_messages *messages = sd_messages_new();
   if (comm_rank(comm_world()) == 0) todo[places - 1] = find_todo(w, todo, messages);
   sd_messages_free(messages);
-  comm_share(comm_world(), todo, places * sizeof *todo);
+  comm_broadcast(comm_world(), todo, places * sizeof *todo);
   return todo[places - 1];
 }
 
@@ -304,7 +304,7 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   free(todo);
   if (c->workers == 0) {
     status = comm_max(comm_world(), status);
-    comm_share(comm_world(), &w.in_doubt, sizeof w.in_doubt);
+    comm_broadcast(comm_world(), &w.in_doubt, sizeof w.in_doubt);
     comm_end();
   }
   return status == SD_OK && w.in_doubt ? SD_DOUBTFUL : status;
@@ -521,7 +521,7 @@ static sd_status look_at_sample(const sweep *s, const sweep_contents *there, siz
     sweep_tally_add(&others, &r);
     sweep_result_free(&r);
   }
-  sd_status status = sweep_refuse_others(s, &others, "nothing is run", messages);
+  sd_status status = sweep_refuse_other_decks(s, &others, "nothing is run", messages);
   sweep_tally_free(&others);
   return status;
 }
@@ -531,7 +531,7 @@ sd_status sweep_guard(const sweep *s, const sweep_command *c, size_t first, size
   sweep_contents there;
   if (c->mix) return SD_OK;
   sweep_list(s, &there);
-  sd_status status = sweep_refuse_strangers(s, &there, "nothing is run", messages);
+  sd_status status = sweep_refuse_unknown_points(s, &there, "nothing is run", messages);
   if (status == SD_OK && !c->force) status = look_at_sample(s, &there, first, end, messages);
   sweep_contents_free(&there);
   return status;

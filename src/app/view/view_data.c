@@ -271,11 +271,11 @@ static size_t rows_of(const h5_file *file, const char *path, size_t *width) {
   return dims[0];
 }
 
-/* Opens file k of the files that have time series; close it with stored_release. NULL: the file
- * cannot be opened, and r->status is set. */
+/* Opens file k of the files that have time series; close it with frames_source_close. NULL: the
+ * file cannot be opened, and r->status is set. */
 static h5_file *open_source(reader *r, size_t k) {
   h5_file *file;
-  r->status = stored_source(r->f, k, &file, r->messages);
+  r->status = frames_source_open(r->f, k, &file, r->messages);
   return file;
 }
 
@@ -319,7 +319,7 @@ static double *read_all(reader *r, const char *path, size_t width) {
           sd_fail(r->messages, SD_ERROR_IO, "%s: %s is too long", r->f->sources[k].path, path);
     if (r->status == SD_OK && n > 0) at = read_rows(r, file, path, before, n, width, at, values);
     before += n;
-    stored_release(r->f, file);
+    frames_source_close(r->f, file);
   }
   for (size_t k = at; k < r->kept * (width > 0); k++)
     for (size_t c = 0; c < width; c++) values[k * width + c] = NAN;
@@ -376,7 +376,7 @@ static void add_series(reader *r, view_chunk *c, json_t *meta, const observable 
   snprintf(path, sizeof path, "/observables/%s/value", o->name);
   h5_file *file = open_source(r, 0);
   bool there = file && rows_of(file, path, &width) > 0 && width > 0;
-  stored_release(r->f, file);
+  frames_source_close(r->f, file);
   if (!there || r->status != SD_OK) return;
   double *values = read_all(r, path, width);
   for (size_t k = 0; r->status == SD_OK && k < width && k < MOST_ELEMENTS; k++) {
@@ -396,7 +396,7 @@ sd_status view_series_read(view_chunk *c, const frames *f, json_t *meta, size_t 
     size_t width;
     h5_file *file = open_source(&r, k);
     if (file) r.n += rows_of(file, CLOCK, &width);
-    stored_release(f, file);
+    frames_source_close(f, file);
   }
   if (r.status != SD_OK || r.n == 0) return r.status;
   r.every = (r.n + VIEW_MOST_ROWS - 1) / VIEW_MOST_ROWS;

@@ -49,7 +49,8 @@ bool view_page_tail(FILE *out) {
 }
 
 static sd_status fail(const view_page *p, sd_messages *messages) {
-  return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", p->file.path, file_trouble(errno));
+  return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", p->file.path,
+                 file_error_text(errno));
 }
 
 sd_status view_page_open(view_page *p, const char *path, const json_t *meta,

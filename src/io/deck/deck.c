@@ -62,9 +62,9 @@ static void read_all(deck *d, bool point) {
   deck_read_walls(d);
   deck_container_bodies(d);
   deck_read_packings(d);
-  deck_meet(d);
+  deck_agree_on_errors(d);
   deck_read_memories(d);
-  deck_meet(d);
+  deck_agree_on_errors(d);
   deck_read_forces(d);
   deck_read_locks(d);
   deck_read_clumps(d);
@@ -94,12 +94,12 @@ static char *join_settings(size_t n, const deck_setting *settings) {
 /* Checks and finishes the model, and stores the full deck (with all defaults) in it. suits: an
  * additional check of the finished model; NULL: none. */
 static sd_status finish(deck *d, deck_suits *suits) {
-  deck_meet(d);
+  deck_agree_on_errors(d);
   if (d->reported > 0 || d->wrong) return SD_ERROR_USER;
   d->found = sd_messages_new();
   sd_status status = sd_model_finish(d->model, d->found);
   if (status == SD_OK && suits) status = suits(d->model, d->found);
-  deck_tell(d, d->found);
+  deck_report_model_messages(d, d->found);
   if (status != SD_OK) return status;
   char *unstable = advice_unstable(d->model);
   if (unstable) deck_fail_child(d, d->root, "dt", "%s", unstable);

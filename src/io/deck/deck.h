@@ -105,16 +105,16 @@ sd_status deck_load_for_ranks(const comm *c, const char *text, const char *path,
 
 /* One disk of a contact that is read from a file: its radius, and the difference (rad) between its
  * angle in the new model and its angle in the file. */
-typedef struct deck_turned {
+typedef struct disk_angle_shift {
   double radius, shift;
-} deck_turned;
+} disk_angle_shift;
 /* Returns true if a contact read from a file can be kept: its partner is a disk (wall NULL), or a
  * wall, or segment of a wall, that the model has too. */
 bool deck_contact_is_kept(const sd_contact_memory *contact, const sd_tile_wall *wall);
 /* Converts a contact read from a file to the angles and wall segments of the model; its body
  * numbers stay those of the file. a, b: its disks; wall: the partner if it is a wall (b is then
  * unused), else NULL. carried: the contact force in the file is valid at step 0. */
-void deck_carry_contact(sd_contact_memory *contact, deck_turned a, deck_turned b,
+void deck_carry_contact(sd_contact_memory *contact, disk_angle_shift a, disk_angle_shift b,
                         const sd_tile_wall *wall, bool carried);
 
 /* Prints all keys as Markdown, in the form of docs/deck.md. */

@@ -27,7 +27,7 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
   if (node->type == DECK_INT) {
     size_t n = disks ? m->n_disks : m->n_walls;
     if (disks && node->value.integer >= (int64_t)model_held(m) && (uint64_t)node->value.integer < n)
-      deck_leave(d, "the deck speaks of single disks of it");
+      deck_restart_with_all_disks(d, "the deck speaks of single disks of it");
     if (node->value.integer >= 0 && (uint64_t)node->value.integer < n) {
       *body = (uint32_t)node->value.integer + (disks ? 0 : (uint32_t)m->n_disks);
       return true;
@@ -103,7 +103,7 @@ static void add_group(deck *d, const deck_node *node, deck_bodies *list) {
   uint32_t k;
   if (!deck_index_look_up(d, &d->groups, "group of disks", node, remark(d), &k)) return;
   if (k < d->n_away_groups && d->away_group[k])
-    deck_leave(d, "the deck speaks of single disks of it");
+    deck_restart_with_all_disks(d, "the deck speaks of single disks of it");
   list->group = (int)k;
   sort_by_group(d);
   for (size_t i = d->group_start[k]; i < d->group_start[k + 1]; i++) add(d, list, d->grouped[i]);
@@ -170,7 +170,7 @@ void deck_note_away(deck *d, int group) {
   if (group < 0) return;
   const size_t n = (size_t)group + 1;
   if (n > d->n_away_groups)
-    d->away_group = deck_more(d, d->away_group, d->n_away_groups, n, sizeof(bool));
+    d->away_group = deck_array_grow(d, d->away_group, d->n_away_groups, n, sizeof(bool));
   if (n > d->n_away_groups) d->n_away_groups = n;
   d->away_group[group] = true;
 }
@@ -267,7 +267,7 @@ static void order_clumps(deck *d, size_t packed) {
   sd_model *m = d->model;
   const size_t listed = m->n_clumps - packed;
   if (packed == 0 || listed == 0) return;
-  sd_clump *copy = deck_more(d, m->clumps, m->n_clumps, m->n_clumps, sizeof *copy);
+  sd_clump *copy = deck_array_grow(d, m->clumps, m->n_clumps, m->n_clumps, sizeof *copy);
   memcpy(m->clumps, copy + packed, listed * sizeof *copy);
   memcpy(m->clumps + listed, copy, packed * sizeof *copy);
   for (size_t i = 0; i < m->n_disks; i++) {

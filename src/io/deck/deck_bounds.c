@@ -20,8 +20,9 @@
  * MOST_ALIKE: number of errors of one kind that are shown; further ones are only counted, since one
  * wrong number can displace all disks. */
 enum { FAR = 10, MOST_ALIKE = 8 };
-/* Largest displacement that a motion is assumed to cause, divided by motion_reach (amplitude, or
- * rms displacement of a random motion); a random motion rarely exceeds 4 times its rms value. */
+/* Largest displacement that a motion is assumed to cause, divided by motion_amplitude
+ * (amplitude, or rms displacement of a random motion); a random motion rarely exceeds 4 times
+ * its rms value. */
 static const double SWING = 4;
 
 static double largest_radius(const sd_model *m) {
@@ -61,7 +62,7 @@ static double travel(const sd_model *m, uint32_t body, int coordinate) {
                  m->walls[body - m->n_disks].kind != SD_WALL_CIRCLE;
     if (!turns && q->coordinate != coordinate) continue;
     for (size_t b = 0; b < q->n_bodies; b++)
-      if (q->bodies[b] == body) sum += turns ? HUGE_VAL : SWING * motion_reach(q);
+      if (q->bodies[b] == body) sum += turns ? HUGE_VAL : SWING * motion_amplitude(q);
   }
   return sum;
 }

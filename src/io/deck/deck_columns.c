@@ -72,9 +72,9 @@ void deck_columns_reserve(deck *d, deck_columns *t, size_t capacity) {
   size_t cells = capacity * t->n_columns, before = t->n_rows * t->n_columns;
   bool texts = false;
   for (size_t c = 0; c < t->n_columns; c++) texts |= t->column[c] >= COLUMN_NUMBERS;
-  t->number = deck_more(d, t->number, before, cells, sizeof *t->number);
-  if (texts) t->text = deck_more(d, t->text, before, cells, sizeof *t->text);
-  t->place = deck_more(d, t->place, t->n_rows, capacity, sizeof *t->place);
+  t->number = deck_array_grow(d, t->number, before, cells, sizeof *t->number);
+  if (texts) t->text = deck_array_grow(d, t->text, before, cells, sizeof *t->text);
+  t->place = deck_array_grow(d, t->place, t->n_rows, capacity, sizeof *t->place);
   t->capacity = capacity;
 }
 

@@ -112,7 +112,7 @@ static void check_cell(deck *d, const values *v, int column) {
   const deck_key *key = deck_key_find(&deck_disks, deck_column_names[column]);
   double x = v->number[column];
   if (isnan(x) || deck_in_range(key->range, x)) return;
-  if (deck_told(d)) {
+  if (deck_error_limit_reached(d)) {
     d->reported++;
     return;
   }

@@ -233,8 +233,8 @@ static bool has_path(const grid_axis *a, const char *path) {
 static void check_path(deck *d, const grid *g, const grid_axis *a, size_t p) {
   for (const grid_axis *other = g->axes; other <= a; other++)
     for (size_t q = 0; q < (other == a ? p : other->n_paths); q++) {
-      deck_meeting met = deck_paths_meet(d, a->paths[p], other->paths[q]);
-      if (met == DECK_APART || (other == a && met == DECK_SAME_KEY)) continue;
+      deck_paths_relation met = deck_paths_compare(d, a->paths[p], other->paths[q]);
+      if (met == DECK_DIFFERENT_KEYS || (other == a && met == DECK_SAME_KEY)) continue;
       const deck_place *place = &deck_child(other->node, "path")->place;
       const char *where =
           place->line > 0 ? deck_format(d, "%s:%d", place->file, place->line) : place->file;
@@ -268,8 +268,8 @@ static void check_paths(deck *d, grid *g) {
 
 static void read_collect(deck *d, deck_node *collect, deck_grids *all) {
   size_t names = deck_each_count(collect);
-  all->collect =
-      deck_more(d, all->collect, all->n_collect, all->n_collect + names + 1, sizeof *all->collect);
+  all->collect = deck_array_grow(d, all->collect, all->n_collect, all->n_collect + names + 1,
+                                 sizeof *all->collect);
   for (size_t k = 0; k < names; k++) {
     const deck_node *name = deck_each(collect, k);
     if (name->type != DECK_STRING)

@@ -117,7 +117,7 @@ static const char *locate(deck *d, const char *text, deck_place *place) {
   return text;
 }
 
-void deck_tell(deck *d, const sd_messages *found) {
+void deck_report_model_messages(deck *d, const sd_messages *found) {
   size_t told = 0;
   for (size_t k = 0; k < sd_messages_count(found); k++) {
     const sd_status kind = sd_messages_kind(found, k);

@@ -143,13 +143,13 @@ static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_w
 
 /* Returns the signed radius R_b of the partner at the contact: negative inside a round wall or an
  * arc, 0 for straight segments and ends of walls. */
-static double radius_of(const sd_contact_memory *c, deck_turned b, const sd_tile_wall *wall) {
+static double radius_of(const sd_contact_memory *c, disk_angle_shift b, const sd_tile_wall *wall) {
   if (!wall) return b.radius;
   if (wall->pieces == 0) return wall->radius;
   return wall->ring || c->part - wall->first == 1 ? -c->side * wall->arc : 0.0;
 }
 
-void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b,
+void deck_carry_contact(sd_contact_memory *c, disk_angle_shift a, disk_angle_shift b,
                         const sd_tile_wall *wall, bool carried) {
   const double rb = radius_of(c, b, wall);
   /* Change of lambda_ref, the reference value of the tangential displacement */
@@ -206,8 +206,8 @@ static uint32_t *map_disks(deck *d, const deck_columns *t) {
   return body;
 }
 
-static deck_turned turned_of(const deck_result *r, uint32_t disk) {
-  return (deck_turned){r->radius[disk], deck_result_shift(r, disk)};
+static disk_angle_shift turned_of(const deck_result *r, uint32_t disk) {
+  return (disk_angle_shift){r->radius[disk], deck_result_shift(r, disk)};
 }
 
 /* Returns the number that material k of the file has in the model; -1: no disk has it. */
@@ -296,7 +296,7 @@ static bool take_contacts(our_walls *ours, const deck_columns *t) {
       if (lost.n++ == 0) lost.first = c.b;
       continue;
     }
-    deck_carry_contact(&c, turned_of(r, c.a), two ? turned_of(r, c.b) : (deck_turned){0}, wall,
+    deck_carry_contact(&c, turned_of(r, c.a), two ? turned_of(r, c.b) : (disk_angle_shift){0}, wall,
                        carried);
     c.a = body[c.a];
     c.b = two ? body[c.b] : (uint32_t)m->n_disks + wall->wall;

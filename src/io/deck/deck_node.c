@@ -39,7 +39,7 @@ void *deck_alloc(deck *d, size_t n, size_t size) {
   return memset(start, 0, need);
 }
 
-void *deck_more(deck *d, const void *old, size_t n, size_t capacity, size_t size) {
+void *deck_array_grow(deck *d, const void *old, size_t n, size_t capacity, size_t size) {
   void *grown = deck_alloc(d, capacity, size);
   if (n) memcpy(grown, old, n * size);
   return grown;
@@ -48,13 +48,13 @@ void *deck_more(deck *d, const void *old, size_t n, size_t capacity, size_t size
 void *deck_extend(deck *d, void *old, size_t n, size_t *capacity, size_t size) {
   if (n < *capacity) return old;
   *capacity = 2 * n + 16;
-  return deck_more(d, old, n, *capacity, size);
+  return deck_array_grow(d, old, n, *capacity, size);
 }
 
 void deck_put(deck *d, deck_buffer *b, const char *text, size_t n) {
   if (b->n + n + 1 > b->capacity) {
     b->capacity = 2 * (b->n + n + 1) + 1024;
-    b->bytes = deck_more(d, b->bytes, b->n, b->capacity, 1);
+    b->bytes = deck_array_grow(d, b->bytes, b->n, b->capacity, 1);
   }
   memcpy(b->bytes + b->n, text, n);
   b->n += n;
@@ -67,7 +67,7 @@ char *deck_copy(deck *d, const char *text, size_t n) {
   return copy;
 }
 
-char *deck_words(deck *d, const char *format, va_list args) {
+char *deck_format_v(deck *d, const char *format, va_list args) {
   char *text;
   if (vasprintf(&text, format, args) < 0) memory_lacks(0);
   char *copy = deck_copy(d, text, strlen(text));
@@ -78,7 +78,7 @@ char *deck_words(deck *d, const char *format, va_list args) {
 char *deck_format(deck *d, const char *format, ...) {
   va_list args;
   va_start(args, format);
-  char *text = deck_words(d, format, args);
+  char *text = deck_format_v(d, format, args);
   va_end(args);
   return text;
 }
@@ -194,11 +194,11 @@ const char *deck_node_value(deck *d, const deck_node *node) {
 
 /* --- messages --------------------------------------------------------------------------------- */
 
-bool deck_told(const deck *d) { return d->reported >= LIMIT_DECK_ERRORS; }
+bool deck_error_limit_reached(const deck *d) { return d->reported >= LIMIT_DECK_ERRORS; }
 
 /* If enough errors were shown already, counts one more without showing it and returns true. */
 static bool counted(deck *d) {
-  if (!deck_told(d)) return false;
+  if (!deck_error_limit_reached(d)) return false;
   d->reported++;
   return true;
 }
@@ -213,7 +213,7 @@ const char *deck_place_text(deck *d, deck_place place) {
 
 static void report(deck *d, deck_place place, const char *head, const char *format, va_list args) {
   d->reported++;
-  const char *text = deck_words(d, format, args), *colon = *head ? ": " : "";
+  const char *text = deck_format_v(d, format, args), *colon = *head ? ": " : "";
   sd_fail(d->messages, SD_ERROR_USER, "%s: %s%s%s", deck_place_text(d, place), head, colon, text);
 }
 
@@ -289,12 +289,12 @@ deck_place deck_disk_place(const deck *d, uint32_t disk) {
   return place;
 }
 
-void deck_leave(deck *d, const char *why) {
+void deck_restart_with_all_disks(deck *d, const char *why) {
   *d->whole = why;
   longjmp(d->out_of_memory, 1);
 }
 
-void deck_meet(deck *d) {
+void deck_agree_on_errors(deck *d) {
   if (!d->comm || comm_or(d->comm, d->reported > 0) == 0) return;
   d->wrong = true;
   d->comm = d->model->comm = NULL;
@@ -356,14 +356,14 @@ bool deck_index_add(deck *d, deck_index *x, const char *name, uint32_t number) {
 }
 
 void deck_index_guess(const deck *d, const deck_index *x, guess *near) {
-  for (size_t k = 0; k < x->n && k < MOST_GUESSES && !deck_told(d); k++)
+  for (size_t k = 0; k < x->n && k < MOST_GUESSES && !deck_error_limit_reached(d); k++)
     guess_add(near, x->name[k].name);
 }
 
 const char *deck_index_list(deck *d, const deck_index *x) {
   enum { FEW = 8 };
   const char *text = "", *before = x->n == 1 ? "; there is " : "; there are ";
-  for (size_t k = 0; k < x->n && x->n <= FEW && !deck_told(d); k++) {
+  for (size_t k = 0; k < x->n && x->n <= FEW && !deck_error_limit_reached(d); k++) {
     const char *name = x->name[k].name;
     text = deck_format(d, "%s%s\"%s\"", text, before, deck_quote(d, name, strlen(name)));
     before = k + 2 < x->n ? ", " : " and ";

@@ -35,7 +35,7 @@ static void fail(deck *d, const deck_setting *s, const char *format, ...) SD_PRI
 static void fail(deck *d, const deck_setting *s, const char *format, ...) {
   va_list args;
   va_start(args, format);
-  const char *words = deck_words(d, format, args), *equals = strchr(s->text, '=');
+  const char *words = deck_format_v(d, format, args), *equals = strchr(s->text, '=');
   va_end(args);
   if (s->place.file && equals)
     deck_fail_place(d, s->place, "%s = %s: %s", deck_quote(d, s->text, (size_t)(equals - s->text)),
@@ -283,17 +283,17 @@ static size_t entries_of(step_text one, const deck_node *list, size_t *first) {
 
 /* Compares two paths step by step, from p to p_end and from q to q_end. at: node that both paths
  * have reached; NULL: the deck lacks it. */
-static deck_meeting meet(const deck_node *at, const char *p, const char *p_end, const char *q,
-                         const char *q_end) {
+static deck_paths_relation meet(const deck_node *at, const char *p, const char *p_end,
+                                const char *q, const char *q_end) {
   /* One path is the start of the other, or both are the same */
   if (p == p_end || q == q_end) return DECK_SAME_KEY;
   step_text a = next_step(&p, p_end), b = next_step(&q, q_end);
-  if (a.n == 0 || b.n == 0) return DECK_APART; /* A path is not valid */
+  if (a.n == 0 || b.n == 0) return DECK_DIFFERENT_KEYS; /* A path is not valid */
   if (at && at->type == DECK_LIST) {
-    deck_meeting met = DECK_APART;
+    deck_paths_relation met = DECK_DIFFERENT_KEYS;
     size_t from_a, from_b, n_a = entries_of(a, at, &from_a), n_b = entries_of(b, at, &from_b);
     for (size_t k = from_a > from_b ? from_a : from_b; k < from_a + n_a && k < from_b + n_b; k++)
-      if (met == DECK_APART) met = meet(at->child[k], p, p_end, q, q_end);
+      if (met == DECK_DIFFERENT_KEYS) met = meet(at->child[k], p, p_end, q, q_end);
     return met;
   }
   if (a.n == b.n && memcmp(a.start, b.start, a.n) == 0) {
@@ -303,7 +303,7 @@ static deck_meeting meet(const deck_node *at, const char *p, const char *p_end, 
     return meet(child, p, p_end, q, q_end);
   }
   bool last = p == p_end && q == q_end;
-  return last && exclude(a, b) ? DECK_ALTERNATIVES : DECK_APART;
+  return last && exclude(a, b) ? DECK_ALTERNATIVES : DECK_DIFFERENT_KEYS;
 }
 
 /* Returns a pointer to the end of a path: its "=" or the end of the text, less the blanks before
@@ -314,6 +314,6 @@ static const char *path_end(const char *path) {
   return path + n;
 }
 
-deck_meeting deck_paths_meet(const deck *d, const char *p, const char *q) {
+deck_paths_relation deck_paths_compare(const deck *d, const char *p, const char *q) {
   return meet(d->root, p, path_end(p), q, path_end(q));
 }

@@ -527,8 +527,9 @@ static void count_batch(const packing *p, sd_rain *r, double rows) {
       r->batch += rain_row(&first, r->first + r->batch, r->first + known, r->upper - r->lower);
   }
   if (!away) return;
-  comm_share(d->comm, &r->batch, sizeof r->batch);
-  if (r->batch >= known) deck_leave(d, "tiles have fewer disks than a batch of rain");
+  comm_broadcast(d->comm, &r->batch, sizeof r->batch);
+  if (r->batch >= known)
+    deck_restart_with_all_disks(d, "tiles have fewer disks than a batch of rain");
 }
 
 static void make_rain(packing *p) {
@@ -555,7 +556,7 @@ static void make_rain(packing *p) {
   if (d->reported > before) return;
   rain.interval = (int64_t)fmin(fmax(1, ceil(deck_number(g, "interval") / m->dt)), 1e18);
   make_waiting(p, 2.1 * largest);
-  deck_meet(d);
+  deck_agree_on_errors(d);
   if (d->reported > before || d->wrong) return;
   count_batch(p, &rain, rows);
   m->rains = memory_grow(m->rains, m->n_rains + 1, sizeof *m->rains);
@@ -610,7 +611,7 @@ static void enlarge(deck *d, sizes *s, double by) {
 static void read_packing(deck *d, deck_node *node, size_t number, bool last) {
   packing p = {.number = number, .last = last, .sizes = &p.v.sizes};
   d->model->tiles = (sd_tiles){0};
-  if (last) deck_meet(d);
+  if (last) deck_agree_on_errors(d);
   if (!deck_enter(d, node, &deck_packings, &p.g)) return;
   size_t before = d->reported;
   bool known = deck_fill(&p.g, &p.v);

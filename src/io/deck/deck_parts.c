@@ -310,7 +310,7 @@ static void read_head(survey *s, deck_columns *table) {
 
 /* Returns true if this or another rank has found a mistake. Collective. */
 static bool has_failed(deck *d) {
-  deck_meet(d);
+  deck_agree_on_errors(d);
   d->disks_missing = d->disks_missing || !d->comm;
   return !d->comm;
 }
@@ -333,11 +333,11 @@ bool deck_parts_begin(deck *d, size_t entry) {
   if (read_own(s) != SD_OK) d->reported++;
   if (has_failed(d)) return true;
   if (comm_or(d->comm, s->special))
-    deck_leave(d, "some of its disks are fixed, named or out of play");
+    deck_restart_with_all_disks(d, "some of its disks are fixed, named or out of play");
   share_survey(s);
   share_groups(s);
   if (s->special || s->numbers != (uint64_t)s->all * (s->all - 1) / 2)
-    deck_leave(d, "its disks have no numbers of their own, or too many groups");
+    deck_restart_with_all_disks(d, "its disks have no numbers of their own, or too many groups");
   name_groups(s);
   d->away_place = (deck_place){deck_resolve(d, d->path, file_node(d, entry)->value.text),
                                table->result ? PLACE_DISK : -1};
@@ -437,7 +437,7 @@ void deck_read_disks(deck *d) {
   d->file_tables = deck_alloc(d, d->n_file_tables, sizeof(deck_columns));
   for (size_t k = 0; list && k < list->n; k++) {
     const bool last = k + 1 == list->n;
-    if (last) deck_meet(d);
+    if (last) deck_agree_on_errors(d);
     if (last && deck_parts_begin(d, k)) break;
     d->file_tables[k] = deck_read_table(d, list->child[k], &deck_disk_files);
     if (last) deck_parts_note(d, k, &d->file_tables[k]);

@@ -30,7 +30,7 @@ static void check_keys(deck *d, deck_node *node, const deck_table *table) {
   for (size_t k = 0; k < node->n; k++) {
     deck_node *child = node->child[k];
     if (deck_key_find(table, child->name)) continue;
-    bool told = deck_told(d);
+    bool told = deck_error_limit_reached(d);
     guess near = guess_start(child->name);
     const deck_key *key;
     for (size_t j = 0; !told && (key = deck_key_at(table, j)); j++) guess_add(&near, key->name);

@@ -75,7 +75,7 @@ char *deck_result_text(deck *d, const result_wall *walls) {
 static void add_name(deck *d, result_names *list, size_t at, const char *name) {
   if (at >= list->n) {
     size_t n = at + 1 + list->n;
-    list->name = deck_more(d, list->name, list->n, n, sizeof *list->name);
+    list->name = deck_array_grow(d, list->name, list->n, n, sizeof *list->name);
     list->n = n;
   }
   list->name[at] = name;
@@ -119,7 +119,7 @@ static void parse_text(deck *d, deck_result *r, char *text) {
 
 /* --- state ------------------------------------------------------------------------------------ */
 
-bool deck_result_there(const char *path) {
+bool deck_result_has_state(const char *path) {
   h5_file *file;
   bool sealed = false;
   uint64_t sum;

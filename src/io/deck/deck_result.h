@@ -74,7 +74,7 @@ typedef struct deck_result {
 
 /* Returns true if the file holds a state of this program, or is damaged but has the checksum that
  * results have at their end. Gives no messages. */
-bool deck_result_there(const char *path);
+bool deck_result_has_state(const char *path);
 /* Reads the last state in a file: the rows that d->asked selects, and the contacts if `contacts` is
  * true. The state is in the arena. Returns NULL after an error, which is reported at the node. */
 deck_result *deck_result_read(deck *d, const deck_node *node, const char *path, bool contacts);

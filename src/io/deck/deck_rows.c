@@ -266,7 +266,7 @@ static bool is_hdf5(deck *d, const deck_node *file, const char *path) {
   if (h5_is_file(path)) return true;
   const int there = file_open_quiet(path, &size);
   if (there < 0) {
-    deck_fail(d, file, "cannot be read: %s%s", file_trouble(errno), deck_result_maker(d, path));
+    deck_fail(d, file, "cannot be read: %s%s", file_error_text(errno), deck_result_maker(d, path));
     return false;
   }
   const bool known = file_read_at(there, 0, head, sizeof head, &have);
@@ -356,7 +356,7 @@ static void hdf5_or_result(deck_group *g, deck_node *file, deck_columns *t) {
   bool whole = !deck_given(g, "columns") &&
                (!dataset ||
                 (dataset->type == DECK_STRING && strcmp(dataset->value.text, RESULT_DISKS) == 0));
-  if (whole && deck_result_there(path)) {
+  if (whole && deck_result_has_state(path)) {
     deck_default_text(g, "dataset", RESULT_DISKS);
     deck_result_rows(g, file, path, t);
     return;

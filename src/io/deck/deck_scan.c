@@ -91,7 +91,7 @@ static bool in_group(scanner *s) { return top(s)->open == 0 || top(s)->open == '
 /* Returns the path of the value being read, followed by " = ", for messages; "" before the first
  * key. */
 static const char *path(scanner *s) {
-  if (s->override || deck_told(s->d)) return "";
+  if (s->override || deck_error_limit_reached(s->d)) return "";
   const char *text = "";
   for (int k = 0; k <= s->depth; k++) {
     const level *l = &s->levels[k];
@@ -113,7 +113,7 @@ static void fail_form(scanner *s, const char *format, ...) {
   s->torn = true;
   va_list args;
   va_start(args, format);
-  const char *words = deck_words(s->d, format, args);
+  const char *words = deck_format_v(s->d, format, args);
   va_end(args);
   deck_fail_place(s->d, s->here, "%s", words);
 }
@@ -370,7 +370,8 @@ static void scan_word(scanner *s) {
   if (scan_unquoted(s, n)) return;
   begin_value(s);
   s->p += n;
-  const char *word = deck_quote(s->d, name, n), *owner = deck_told(s->d) ? "" : key_name(s);
+  const char *word = deck_quote(s->d, name, n),
+             *owner = deck_error_limit_reached(s->d) ? "" : key_name(s);
   s->broken |= s->override;
   /* Write a value of the right type instead, so that later errors are found too */
   if (deck_names_kind(owner, true)) {

@@ -283,12 +283,12 @@ static size_t expand(deck *d, deck_grids all, size_t reported, deck_sweep *s) {
 static void warn_of_overrides(const deck *d, const deck_grids *all, const deck_sweep *s,
                               sd_messages *messages) {
   for (size_t o = 0; o < s->n_overrides; o++) {
-    deck_meeting met = DECK_APART;
+    deck_paths_relation met = DECK_DIFFERENT_KEYS;
     for (size_t i = 0; i < all->n; i++)
       for (size_t k = 0; k < all->grid[i].n_axes; k++)
-        for (size_t j = 0; j < all->grid[i].axes[k].n_paths && met == DECK_APART; j++)
-          met = deck_paths_meet(d, s->overrides[o], all->grid[i].axes[k].paths[j]);
-    if (met != DECK_APART)
+        for (size_t j = 0; j < all->grid[i].axes[k].n_paths && met == DECK_DIFFERENT_KEYS; j++)
+          met = deck_paths_compare(d, s->overrides[o], all->grid[i].axes[k].paths[j]);
+    if (met != DECK_DIFFERENT_KEYS)
       sd_warn(messages, "-D %s: the sweep sets %s; it counts for points that do not set it",
               s->overrides[o],
               met == DECK_SAME_KEY ? "this key" : "a key that takes this one away");
@@ -315,7 +315,7 @@ static void warn_of_tilts(const deck *d, const deck_grids *all, sd_messages *mes
       const grid_axis *a = &all->grid[i].axes[k];
       bool tilts = false;
       for (size_t j = 0; j < a->n_paths; j++)
-        tilts = tilts || deck_paths_meet(d, a->paths[j], "gravity.tilt") == DECK_SAME_KEY;
+        tilts = tilts || deck_paths_compare(d, a->paths[j], "gravity.tilt") == DECK_SAME_KEY;
       const grid_value *worst = NULL;
       for (size_t v = 0; tilts && v < a->n_values; v++)
         if (!isnan(a->values[v].number) && !has_unit(a, &a->values[v]) &&

@@ -111,7 +111,8 @@ typedef struct deck_rows_asked {
 typedef struct deck {
   const char *path; /* Path of the deck, as the caller gave it */
   sd_messages *messages;
-  /* Messages of the model's checks, before deck_tell adds their source locations */
+  /* Messages of the model's checks, before deck_report_model_messages adds their source
+   * locations */
   sd_messages *found;
   /* Number of errors found in this deck so far, including those that are not shown */
   size_t reported;
@@ -140,11 +141,11 @@ typedef struct deck {
   bool disks_missing;    /* True if some disks could not be read */
   /* Communicator of the ranks that read this deck together; NULL: a single process */
   const comm *comm;
-  bool wrong; /* True after deck_meet if any rank has found a mistake */
-  /* Receives from deck_leave why every rank must have all disks; NULL: every rank has them in any
-   * case */
+  bool wrong; /* True after deck_agree_on_errors if any rank has found a mistake */
+  /* Receives from deck_restart_with_all_disks why every rank must have all disks; NULL: every
+   * rank has them in any case */
   const char **whole;
-  /* During the second reading, which deck_leave causes: its reason; else NULL */
+  /* During the second reading, which deck_restart_with_all_disks causes: its reason; else NULL */
   const char *why;
   /* [n_away_groups]: true for groups with disks that are stored on other ranks */
   bool *away_group;
@@ -182,12 +183,12 @@ void *deck_alloc(deck *d, size_t n, size_t size);
 void *deck_extend(deck *d, void *old, size_t n, size_t *capacity, size_t size);
 /* Returns an array in the arena for `capacity` elements: the first n copied from `old`, the
  * others zero. */
-void *deck_more(deck *d, const void *old, size_t n, size_t capacity, size_t size);
+void *deck_array_grow(deck *d, const void *old, size_t n, size_t capacity, size_t size);
 void deck_put(deck *d, deck_buffer *b, const char *text, size_t n);
 /* Returns a copy of n bytes, with a final zero byte, in the arena */
 char *deck_copy(deck *d, const char *text, size_t n);
 char *deck_format(deck *d, const char *format, ...) SD_PRINTF(2, 3);
-char *deck_words(deck *d, const char *format, va_list args);
+char *deck_format_v(deck *d, const char *format, va_list args);
 /* Takes ownership of p, which malloc returned: it is freed with the arena */
 void deck_own(deck *d, void *p);
 /* Returns the first n bytes of a text as messages show them: a long text is cut and ends in
@@ -237,16 +238,16 @@ deck_place deck_disk_place(const deck *d, uint32_t disk);
 /* Gives up this reading, which distributes disks over the ranks, for the reason `why`;
  * deck_load_for_ranks then reads the deck again with all disks on each rank. Every rank must call
  * it. */
-_Noreturn void deck_leave(deck *d, const char *why);
+_Noreturn void deck_restart_with_all_disks(deck *d, const char *why);
 /* Collective. If any rank has found an error, every rank sets d->wrong, clears d->comm and reads on
  * without the others. It must be called before the next collective function wherever one rank may
  * have found an error that the others did not. */
-void deck_meet(deck *d);
+void deck_agree_on_errors(deck *d);
 /* Reports an error if the text of the node is not printable UTF-8. */
 void deck_check_text(deck *d, const deck_node *node);
 /* Returns true if so many errors were reported (LIMIT_DECK_ERRORS) that further ones are only
  * counted; callers then need not search for hints. */
-bool deck_told(const deck *d);
+bool deck_error_limit_reached(const deck *d);
 /* Reports the number of errors that were counted and not shown. */
 void deck_report_rest(deck *d);
 
@@ -300,7 +301,7 @@ void deck_parse_free(deck *d);
 /* --- deck_locate.c ---------------------------------------------------------------------------- */
 
 /* Passes on the messages of sd_model_finish, each error with its source location in the deck. */
-void deck_tell(deck *d, const sd_messages *found);
+void deck_report_model_messages(deck *d, const sd_messages *found);
 
 /* --- deck_override.c -------------------------------------------------------------------------- */
 
@@ -310,8 +311,12 @@ void deck_override(deck *d, const deck_setting *setting);
  * SAME_KEY: they set the same key of some group. ALTERNATIVES: they set two keys of which only one
  * may be given (amplitude, acceleration), so that the second removes the first. A path may be
  * followed by =value. */
-typedef enum deck_meeting { DECK_APART, DECK_SAME_KEY, DECK_ALTERNATIVES } deck_meeting;
-deck_meeting deck_paths_meet(const deck *d, const char *p, const char *q);
+typedef enum deck_paths_relation {
+  DECK_DIFFERENT_KEYS,
+  DECK_SAME_KEY,
+  DECK_ALTERNATIVES
+} deck_paths_relation;
+deck_paths_relation deck_paths_compare(const deck *d, const char *p, const char *q);
 
 /* --- deck_echo.c ------------------------------------------------------------------------------ */
 

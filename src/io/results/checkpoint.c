@@ -184,7 +184,7 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state,
   const bool room = memory_resize_row(&scratch, state->n_contacts, sizeof(double));
   h5_put(file, "/disks/key", SD_I64, 1, &state->n_free, order->disk_key, false);
   h5_put(file, "/contacts/key", SD_I64, 1, &state->n_contacts, order->contact_key, false);
-  for (size_t k = 0; h5_have(file, room, "/contacts") && k < sd_field_count; k++) {
+  for (size_t k = 0; h5_check_memory(file, room, "/contacts") && k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     const void *data = sd_field_data(state, f);
     const bool of_body = f->extent == SD_PER_BODY;
@@ -702,7 +702,7 @@ sd_status checkpoint_collect_disks(const h5_file *file, const sd_model *model, s
   if (status == SD_OK) status = read_means(file, model, &all, means, threads, messages);
   if (status == SD_OK) {
     summary_disks_announce(s, model, &all);
-    status = summary_disks_take(s, model, &all, means, messages);
+    status = summary_disks_fill(s, model, &all, means, messages);
   }
   free(all.id);
   free(all.radius);

@@ -291,7 +291,7 @@ static void put_bodies(h5_file *file, const char *group, const sd_model *m, size
     named = named || name;
   }
   members_put(file, group, "id", SD_U32, 1, &n, id, true, "1", meaning);
-  if (h5_have(file, room, group) && named) {
+  if (h5_check_memory(file, room, group) && named) {
     members_write_lines(file, path, n, names);
     h5_attr_text(file, path, "description", "names, one per line, in the order of id");
   }

@@ -53,7 +53,7 @@ sd_status record_sample(record *r, unsigned what, const sd_state *state, const s
   assert(r->kind == RECORD_HEAD ||
          (r->kind == RECORD_WHOLE && state->n_bodies == sd_model_bodies(r->model)));
   const moment now = {r->model, state, &sums->energy, slots, take ? &r->sums : sums->others};
-  if (take) status = resultants_take(&r->sums, r->model, state, slots, NULL, messages);
+  if (take) status = resultants_compute(&r->sums, r->model, state, slots, NULL, messages);
   if (what & RECORD_SERIES && status == SD_OK) status = series_sample(&r->series, &now, messages);
   if (what & RECORD_FRAMES && status == SD_OK)
     status = trajectory_sample_bodies(&r->disks, &now, false, r->kind == RECORD_HEAD, messages);

@@ -471,7 +471,7 @@ void summary_disks_announce(summary_disks *s, const sd_model *model, const sd_st
                        .measured = (double)state->measured * model->dt};
 }
 
-sd_status summary_disks_take(summary_disks *s, const sd_model *model, const sd_state *state,
+sd_status summary_disks_fill(summary_disks *s, const sd_model *model, const sd_state *state,
                              const sd_disk_mean *means, sd_messages *messages) {
   uint32_t *place;
   const memory_column rows[] = {{&s->disks, s->n, sizeof *s->disks},
@@ -492,7 +492,7 @@ sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const s
   sd_disk_mean *means;
   if (!memory_row(&means, s->n, sizeof *means)) return no_memory(messages);
   summary_disks_means(means, s->n, model, state, threads);
-  const sd_status status = summary_disks_take(s, model, state, means, messages);
+  const sd_status status = summary_disks_fill(s, model, state, means, messages);
   free(means);
   return status;
 }

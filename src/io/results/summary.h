@@ -53,14 +53,14 @@ void summary_disks_announce(summary_disks *s, const sd_model *model, const sd_st
  * summary_disks_free also after a failure. */
 sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state,
                                 int threads, sd_messages *messages);
-/* summary_disks_means and summary_disks_take do the work of summary_disks_collect in two steps.
+/* summary_disks_means and summary_disks_fill do the work of summary_disks_collect in two steps.
  * summary_disks_means computes the time averages of the disks in slots [0, n) of a state, which may
- * hold only some of the disks. summary_disks_take gets the time averages of all disks, in the order
+ * hold only some of the disks. summary_disks_fill gets the time averages of all disks, in the order
  * of slots, sorts them by body number and adds the fastest disks and the totals; it needs id,
  * radius and contacts of all bodies in the state. */
 void summary_disks_means(sd_disk_mean *means, size_t n, const sd_model *model,
                          const sd_state *state, int threads);
-sd_status summary_disks_take(summary_disks *s, const sd_model *model, const sd_state *state,
+sd_status summary_disks_fill(summary_disks *s, const sd_model *model, const sd_state *state,
                              const sd_disk_mean *means, sd_messages *messages);
 void summary_disks_free(summary_disks *s);
 /* Writes the group /summary/disks: nothing if n = 0, only the counts if s->disks is NULL. */

@@ -391,7 +391,7 @@ static int open_regular(int base, const char *name, int flags, uint64_t *size) {
   return -1;
 }
 
-const char *file_trouble(int error) {
+const char *file_error_text(int error) {
   return error == EISDIR                     ? "it is a folder, not a file"
          : error == ENODEV || error == ENXIO ? "it is a device or a pipe, not a file"
                                              : strerror(error);
@@ -406,7 +406,7 @@ int file_open(int folder, const char *path, sd_messages *messages) {
   uint64_t size;
   int base = base_of(folder, path, &name),
       fd = open_regular(base, name, folder < 0 ? 0 : O_NOFOLLOW, &size);
-  if (fd < 0) sd_fail(messages, SD_ERROR_IO, "cannot open %s: %s", path, file_trouble(errno));
+  if (fd < 0) sd_fail(messages, SD_ERROR_IO, "cannot open %s: %s", path, file_error_text(errno));
   return fd;
 }
 
@@ -444,7 +444,7 @@ sd_status file_text(const char *path, uint64_t most, char **text, char trouble[F
     int error = errno;
     bool mistake =
         error == ENOENT || error == ENOTDIR || error == EISDIR || error == ENODEV || error == ENXIO;
-    snprintf(trouble, FILE_TROUBLE, "%s", file_trouble(error));
+    snprintf(trouble, FILE_TROUBLE, "%s", file_error_text(error));
     return mistake ? SD_ERROR_USER : SD_ERROR_IO;
   }
   sd_status status = SD_ERROR_IO;
@@ -471,7 +471,7 @@ sd_status file_text(const char *path, uint64_t most, char **text, char trouble[F
   return status;
 }
 
-char *file_again(int fd, const char *path) {
+char *file_reopen_path(int fd, const char *path) {
   char *again = format_text("/proc/self/fd/%d", fd);
   struct stat held, named;
   if (fstat(fd, &held) == 0 && stat(again, &named) == 0 && held.st_ino == named.st_ino &&

@@ -116,12 +116,12 @@ sd_status file_reserve(int fd, const char *path, uint64_t bytes, sd_messages *me
 int file_open(int folder, const char *path, sd_messages *messages);
 /* Returns a path by which a library can open the file of an open descriptor again, even if its name
  * now belongs to another file; the caller frees it. */
-char *file_again(int fd, const char *path);
+char *file_reopen_path(int fd, const char *path);
 /* Opens a regular file for reading without a message; *size receives its size. Returns -1, with
  * errno set, if that fails. */
 int file_open_quiet(const char *path, uint64_t *size);
 /* Returns a text that explains the errno that file_open_quiet has set. */
-const char *file_trouble(int error);
+const char *file_error_text(int error);
 /* Size of the argument `trouble` of file_text, bytes. */
 enum { FILE_TROUBLE = 120 };
 /* Reads a text file into *text, with a zero byte behind it; the caller frees it. On failure trouble

@@ -134,7 +134,7 @@ bool h5_failed(const h5_file *file);
 void h5_no_memory(h5_file *file, const char *path);
 /* Returns `got`, which is true if memory was allocated; if it is false, records in the file that
  * there is no memory for the object at path. */
-static inline bool h5_have(h5_file *file, bool got, const char *path) {
+static inline bool h5_check_memory(h5_file *file, bool got, const char *path) {
   if (!got) h5_no_memory(file, path);
   return got;
 }

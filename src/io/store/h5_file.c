@@ -64,7 +64,7 @@ const char *h5_version(char *text, size_t size) {
 bool h5_is_file(const char *path) {
   uint64_t size;
   const int fd = file_open_quiet(path, &size);
-  char *again = fd < 0 ? NULL : file_again(fd, path);
+  char *again = fd < 0 ? NULL : file_reopen_path(fd, path);
   h5_quiet();
   const bool found = again && H5Fis_hdf5(again) > 0;
   free(again);
@@ -125,7 +125,7 @@ void h5_release(h5_file *file) {
 
 sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages) {
   *out = h5_allocate(path);
-  char *again = file_again(fd, path), reason[200];
+  char *again = file_reopen_path(fd, path), reason[200];
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
 #if H5_VERSION_GE(1, 10, 7)
   /* no lock is needed, since files were renamed into place whole, and some file systems cannot
@@ -167,7 +167,7 @@ void h5_flush_sets(h5_file *file) {
 
 /* Flushes and closes the file and reports the first failure of a write. The caller must still call
  * h5_release. */
-sd_status h5_end(h5_file *file, sd_messages *messages) {
+sd_status h5_flush_and_close(h5_file *file, sd_messages *messages) {
   char reason[200];
   h5_flush_sets(file);
   /* After a failed write the library keeps buffers that it cannot release, and closing may crash:
@@ -183,7 +183,7 @@ sd_status h5_end(h5_file *file, sd_messages *messages) {
 
 sd_status h5_close(h5_file *file, sd_messages *messages) {
   if (!file) return SD_OK;
-  sd_status status = h5_end(file, messages);
+  sd_status status = h5_flush_and_close(file, messages);
   h5_release(file);
   return status;
 }

@@ -105,7 +105,7 @@ void h5_flush_sets(h5_file *file);
 
 /* Flushes and closes a file and reports the first failure of a write. The caller must still call
  * h5_release. */
-sd_status h5_end(h5_file *file, sd_messages *messages);
+sd_status h5_flush_and_close(h5_file *file, sd_messages *messages);
 /* Records a failed operation on the object at path, unless `good` is true; only the first failure
  * is kept. */
 void h5_require(h5_file *file, bool good, const char *path);

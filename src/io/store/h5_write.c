@@ -16,7 +16,7 @@ sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_m
   file->writing = file->on_disk = true;
   sd_status status = file_reserve(draft->fd, draft->path, bytes, messages);
   if (status == SD_OK) {
-    char *again = file_again(draft->fd, draft->path), reason[200];
+    char *again = file_reopen_path(draft->fd, draft->path), reason[200];
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     /* without its sieve buffer the library writes at once, and the call that writes returns the
      * failure */
@@ -39,7 +39,7 @@ sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *message
   uint64_t small = 0;
   int64_t one = 1;
   h5_attr(file, "/", "sealed", SD_I64, 0, &one);
-  sd_status status = h5_end(file, messages);
+  sd_status status = h5_flush_and_close(file, messages);
   if (status == SD_OK) status = h5_open_descriptor(draft->fd, draft->path, &back, messages);
   if (status == SD_OK) status = h5_compare(back, file, messages);
   if (status == SD_OK) status = h5_small_sum(back, &small, messages);

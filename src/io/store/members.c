@@ -40,7 +40,7 @@ static const char *attr_name(const h5_file *file, const char *path, const char *
 void members_put(h5_file *file, const char *group, const char *name, sd_type type, int rank,
                  const size_t *dims, const void *data, bool compress, const char *unit,
                  const char *meaning) {
-  if (!h5_have(file, data, group)) return;
+  if (!h5_check_memory(file, data, group)) return;
   char *path = format_text("%s/%s", group, name);
   h5_put(file, path, type, rank, dims, data, compress);
   h5_attr_text(file, path, "unit", unit);
@@ -64,7 +64,7 @@ void members_write(h5_file *file, const char *group, const observable_list *list
                    size_t stride, size_t n) {
   h5_group(file, group);
   void *dense = make_room(list, n);
-  for (size_t k = 0; h5_have(file, dense, group) && k < list->n; k++) {
+  for (size_t k = 0; h5_check_memory(file, dense, group) && k < list->n; k++) {
     const observable *o = &list->rows[k];
     assert(o->width >= 1);
     sd_type type = observable_stored(o);

@@ -56,7 +56,7 @@ typedef struct LANE(pair_distance) {
   /* nx^2 + ny^2, if the nearest image of b is (nx, ny) cells away; only set in a deforming box */
   LANE(real) away;
   /* cross product of (dx, dy) and (dvx, dvy); only set in passes of kind PASS_GENERAL */
-  LANE(real) swing;
+  LANE(real) cross_velocity;
 } LANE(pair_distance);
 
 /* Geometry and relative motion of a pair of bodies a and b. */
@@ -492,25 +492,26 @@ LANE_INLINE void LANE(springs_begin_end)(const LANE(pair_geometry) * g,
   out->dropped = out->dropped + LANE(edge_stored)(&s);
 }
 
-/* Completes a step in which contacts begin or end. before: record before the step; bent: dt^2/2
- * times the acceleration of b relative to a along the normal before the step, so that the surfaces
- * approach by bent - u_n dt in this step.
+/* Completes a step in which contacts begin or end. before: record before the step;
+ * half_relative_acceleration: dt^2/2 times the acceleration of b relative to a along the normal
+ * before the step, so that the surfaces approach by half_relative_acceleration - u_n dt in this
+ * step.
  *
- * The first force of a contact is taken to act over the whole approach in its step, not only over
- * the part in which the disks overlap, and so is the last force. The errors of the losses in these
- * two steps compensate each other, so that the energy budget of elastic contacts does not drift.
- * out->dropped is set to the energy left in the springs of a contact that opens.
- */
+ * The first force of a contact is taken to act over the whole approach in its step, not only
+ * over the part in which the disks overlap, and so is the last force. The errors of the losses
+ * in these two steps compensate each other, so that the energy budget of elastic contacts does
+ * not drift. out->dropped is set to the energy left in the springs of a contact that opens. */
 LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
                                          const LANE(contact_constants) * k, LANE(mask) touching,
-                                         LANE(mask) was_closed, LANE(real) dt, LANE(real) bent,
+                                         LANE(mask) was_closed, LANE(real) dt,
+                                         LANE(real) half_relative_acceleration,
                                          const unsigned features,
                                          const LANE(contact_memory) * before,
                                          LANE(contact_memory) * m, LANE(contact_output) * out) {
   const LANE(mask) opened = was_closed & LANE(not )(touching),
                    begun = LANE(not )(was_closed) & touching;
   const LANE(mask) meet = LANE(surfaces_meet)(g, before->overlap, touching, was_closed, features);
-  const LANE(real) half = LANE(splat)(0.5), way = bent - g->approach * dt;
+  const LANE(real) half = LANE(splat)(0.5), way = half_relative_acceleration - g->approach * dt;
   const LANE(real) overlap = LANE(select)(begun, m->overlap, before->overlap);
   LANE(real) stored = LANE(law_stored)(k, LANE(max)(overlap, LANE(splat)(0.0)), features);
   if (features & LAW_COHESION) {

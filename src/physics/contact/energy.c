@@ -176,7 +176,7 @@ void losses_end_all(engine *e, pairs *p) {
 
 /* Adds the losses of each disk's contacts in the order of the pairs, so that the bits of the sums
  * do not depend on the number of threads. */
-void losses_show(engine *e) {
+void losses_update(engine *e) {
   sd_state *s = e->state;
   const incidence *n = &e->work.incidence;
   const pairs *p = &e->work.pairs;

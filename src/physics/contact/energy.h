@@ -32,7 +32,7 @@ static inline double energy_lost(const sd_energy *e) {
  * Each step adds the losses of a contact to the contact's record. When the contact ends, these sums
  * are added to those of the two bodies (state->past_*): half to each disk, or all to the disk if
  * its partner is a wall or prescribed. state->loss_viscous, loss_friction and nonconservative_work
- * include contacts that have ended and those that are closed now; losses_show updates them before
+ * include contacts that have ended and those that are closed now; losses_update updates them before
  * they are read.
  */
 
@@ -57,6 +57,6 @@ static inline void losses_forget(pairs *p, size_t k) {
 }
 /* Updates loss_viscous, loss_friction and nonconservative_work in the state, for every free
  * disk. */
-void losses_show(engine *e);
+void losses_update(engine *e);
 
 #endif

@@ -33,7 +33,7 @@ LANE_INLINE void LANE(rolling_history)(const LANE(pair_geometry) * g,
   rho = LANE(mask_zero)(closed, g->rho - m->rho_ref), moved = LANE(mask_zero)(closed, rho - m->rho);
   LANE(real) cap = k->cap_r * limit;
   LANE(real) capped = LANE(max)(LANE(min)(rho, cap), -cap), slip = rho - capped;
-  LANE(real) both = LANE(max)(LANE(min)(capped + k->lag_r * g->rolls, cap), -cap);
+  LANE(real) both = LANE(max)(LANE(min)(capped + k->dashpot_ratio_r * g->rolls, cap), -cap);
   LANE(real) drag = k->k_r * (both - capped), drag_before = -m->roll - k->k_r * m->rho;
   out->rolling = half * k->k_r * (m->rho + capped) * slip;
   out->viscous = out->viscous + half * (drag_before + drag) * moved;

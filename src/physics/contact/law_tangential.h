@@ -15,14 +15,14 @@
  * with y = sqrt(K) zeta, and y_new = y + (sqrt(K) + sqrt(K_new))/2 dlambda. */
 
 /* Factor K/k_t in the previous step (before) and in this step (now), and 1/now (inverse). */
-typedef struct LANE(firmness) {
+typedef struct LANE(stiffness_factor) {
   LANE(real) before, now, inverse;
-} LANE(firmness);
+} LANE(stiffness_factor);
 
 /* Computes the factor K/k_t: sqrt(overlap) with Mindlin's law, else 1. before: overlap in the
  * previous step; overlap: that in this step, not negative. */
 LANE_INLINE void LANE(firmness_of)(const LANE(contact_constants) * k, LANE(real) before,
-                                   LANE(real) overlap, LANE(firmness) * f) {
+                                   LANE(real) overlap, LANE(stiffness_factor) * f) {
   const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0);
   const LANE(mask) mindlin = LANE(greater)(k->mindlin, zero);
   f->before = LANE(select)(mindlin, LANE(sqrt)(LANE(max)(before, zero)), one);
@@ -40,7 +40,7 @@ LANE_INLINE void LANE(tangential_history)(const LANE(pair_geometry) * g,
                                           const unsigned features, LANE(contact_memory) * m,
                                           LANE(contact_output) * out) {
   const LANE(real) one = LANE(splat)(1.0), half = LANE(splat)(0.5);
-  LANE(firmness) f = {one, one, one};
+  LANE(stiffness_factor) f = {one, one, one};
   const LANE(real) way = g->lambda - m->lambda_ref, moved = way - m->zeta;
   LANE(real) zeta = way, kept = m->zeta, cap = k->cap;
   if (features & LAW_MINDLIN) {
@@ -56,7 +56,7 @@ LANE_INLINE void LANE(tangential_history)(const LANE(pair_geometry) * g,
   LANE(real) capped = LANE(max)(LANE(min)(zeta, cap), -cap), slip = zeta - capped, both = capped;
   LANE(real) stiffness = k->k_t * f.now;
   if (features & LAW_DASHPOT) {
-    both = LANE(max)(LANE(min)(capped + k->lag * f.inverse * g->slide, cap), -cap);
+    both = LANE(max)(LANE(min)(capped + k->dashpot_ratio * f.inverse * g->slide, cap), -cap);
     LANE(real)
     drag = stiffness * (both - capped), drag_before = -m->tau - (k->k_t * f.before) * m->zeta;
     out->viscous = out->viscous + half * (drag_before + drag) * LANE(mask_zero)(closed, moved);

@@ -192,8 +192,10 @@ LANE_INLINE void LANE(set_slides)(pair_flags *flags, size_t l, LANE(real) slip) 
 /* Adds the contact forces to the force sums of both bodies: the force to that of b, the opposite
  * force to that of a, and tau (torque divided by radius) to both. */
 LANE_INLINE void LANE(scatter)(double *sum, LANE(location) at, const LANE(contact_output) * out) {
-  const LANE(real) row[SUM_ROW] = {
-      [SUM_X] = out->fx, [SUM_Y] = out->fy, [SUM_TURN] = out->tau, [SUM_COUPLE] = LANE(splat)(0.0)};
+  const LANE(real) row[SUM_ROW] = {[SUM_X] = out->fx,
+                                   [SUM_Y] = out->fy,
+                                   [SUM_TORQUE] = out->tau,
+                                   [SUM_COUPLE] = LANE(splat)(0.0)};
   LANE(add4)(sum, at.b->sum_b + at.l, at.b->sum_a + at.l, row);
 }
 
@@ -211,7 +213,7 @@ LANE_INLINE void LANE(scatter_couple)(const engine *e, LANE(location) at,
     if (p->b[k + l] < (int32_t)e->state->n_disks)
       on_b[SUM_COUPLE] -= couple[l];
     else
-      on_b[SUM_TURN] -= couple[l] / e->state->radius[p->b[k + l]];
+      on_b[SUM_TORQUE] -= couple[l] / e->state->radius[p->b[k + l]];
   }
 }
 
@@ -223,7 +225,7 @@ LANE_INLINE void LANE(turning)(const work *w, LANE(location) at, const unsigned 
   if (!(features & (LAW_DASHPOT | LAW_ROLLING))) return;
   spin_a = LANE(gather)(w->packed + PACKED_SPIN, at.b->packed_a + at.l);
   spin_b = LANE(gather)(w->packed + PACKED_SPIN, at.b->packed_b + at.l);
-  g->slide = (spin_b + spin_a) - g->lever * (d->swing * d->inverse_r);
+  g->slide = (spin_b + spin_a) - g->lever * (d->cross_velocity * d->inverse_r);
   if (!(features & LAW_ROLLING)) return;
   LANE(real) of_a[4], of_b[4];
   LANE(gather4)(w->packed, at.b->packed_a + at.l, of_a);
@@ -274,7 +276,7 @@ LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind
     if (w->periodic[1]) in.dy = in.dy - w->length[1] * LANE(nearest)(in.dy * w->inverse_length[1]);
   }
   LANE(pair_distance_of)(&in, d);
-  if (kind & PASS_GENERAL) d->swing = in.dx * in.dvy - in.dy * in.dvx;
+  if (kind & PASS_GENERAL) d->cross_velocity = in.dx * in.dvy - in.dy * in.dvx;
 }
 
 /* Returns R omega of the body in this slot, 0 for padding. It is read from the state; for ghosts
@@ -299,7 +301,7 @@ LANE_INLINE LANE(real) LANE(slide_of)(const engine *e, LANE(location) at, const 
     a[l] = LANE(spin_in)(e, p->a[k + l]);
     b[l] = LANE(spin_in)(e, p->b[k + l]);
   }
-  return (LANE(load)(b) + LANE(load)(a)) - g->lever * (d.swing * d.inverse_r);
+  return (LANE(load)(b) + LANE(load)(a)) - g->lever * (d.cross_velocity * d.inverse_r);
 }
 
 /* Returns dt^2/2 times the acceleration of b relative to a along the normal n. Prescribed bodies

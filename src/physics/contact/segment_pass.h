@@ -118,11 +118,11 @@ LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(nearest
     double *on_a = row + PAIR(p, at + l, sum_a), *on_b = row + PAIR(p, at + l, sum_b);
     on_b[SUM_X] += fx[l];
     on_b[SUM_Y] += fy[l];
-    on_b[SUM_TURN] += turn;
+    on_b[SUM_TORQUE] += turn;
     on_b[SUM_SURFACE] -= tau[l];
     on_a[SUM_X] -= fx[l];
     on_a[SUM_Y] -= fy[l];
-    on_a[SUM_TURN] += tau[l];
+    on_a[SUM_TORQUE] += tau[l];
     if (features & LAW_ROLLING) on_a[SUM_COUPLE] += couple[l];
   }
 }
@@ -157,13 +157,13 @@ LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_
 }
 
 /* Moves the contact records of disks that pass from one wall segment to the next
- * (joints_hand_over). which: bit l is set if the contact in lane l would begin or end; closed: bit
+ * (joint_transfer). which: bit l is set if the contact in lane l would begin or end; closed: bit
  * l is set if it was closed before. Returns true if any record was moved. */
 static __attribute__((noinline, cold)) bool LANE(hand_over)(engine *e, size_t at, unsigned which,
                                                             unsigned closed) {
   bool any = false;
   for (size_t l = 0; l < LANE_WIDTH; l++)
-    if (which >> l & 1u && joints_hand_over(e, at + l, (closed >> l & 1u) != 0)) any = true;
+    if (which >> l & 1u && joint_transfer(e, at + l, (closed >> l & 1u) != 0)) any = true;
   return any;
 }
 

@@ -308,7 +308,7 @@ static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
   p->side[from] = 0.0;
 }
 
-bool joints_hand_over(engine *e, size_t k, bool closed) {
+bool joint_transfer(engine *e, size_t k, bool closed) {
   const pairs *p = &e->work.pairs;
   size_t begin, end;
   joint found = {0};

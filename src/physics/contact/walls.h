@@ -181,7 +181,7 @@ static inline bool joints_active(const engine *e, size_t pair, const placed_segm
  * contact of `pair` is about to open (closed: true) or to begin (closed: false). If the disk passes
  * a joint, the contact record is moved from the pair with one segment to the pair with the other,
  * so that no contact opens or begins. Returns true if a record was moved. */
-bool joints_hand_over(engine *e, size_t pair, bool closed);
+bool joint_transfer(engine *e, size_t pair, bool closed);
 /* Returns R_b of the second body of `pair`: the radius of a round body or an arc, negative if the
  * disk is inside; 0 for straight segments and end points. pair: a pair of round bodies, or a closed
  * contact with a wall segment. */

@@ -55,7 +55,7 @@ static bool near_image(const engine *e, uint32_t i, const placed_segment *g) {
 
 /* Returns true if disk i is near any periodic image of a wall segment. All images are tested, since
  * the disk may come to touch another image than the one nearest now before the list is rebuilt. */
-static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
+static bool near_segment(const engine *e, uint32_t i, const placed_segment *g) {
   if (!(g->image[0] || g->image[1])) return near_image(e, i, g);
   bool near = false;
   double n[2];
@@ -181,7 +181,7 @@ static void find_image(const engine *e, const grid *g, uint32_t m, const placed_
     for (size_t r = 0; r < runs->count; r++)
       for (uint32_t n = runs->run[r].from; n < runs->run[r].to; n++) {
         const uint32_t i = level->disks[n];
-        if (i < e->state->n_free && near_piece(e, i, &e->work.segments[m])) add_wall(l, i, m);
+        if (i < e->state->n_free && near_segment(e, i, &e->work.segments[m])) add_wall(l, i, m);
       }
   }
 }
@@ -269,7 +269,7 @@ static void add_closed_segments(const engine *e, const closed_before *c, uint32_
                                 numbers *found) {
   const pairs *old = &e->work.pairs;
   for (size_t k = c->from; k < c->to; k++)
-    if (pairs_closed(old, k) && !near_piece(e, i, &e->work.segments[old->part[k]]))
+    if (pairs_closed(old, k) && !near_segment(e, i, &e->work.segments[old->part[k]]))
       numbers_add(found, (size_t)old->part[k]);
 }
 

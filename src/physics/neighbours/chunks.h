@@ -29,13 +29,13 @@ int chunks_thread_of_pair(const engine *e, size_t pair);
 int chunks_thread_of_disk(const engine *e, size_t slot);
 /* Marks the chunk of the disk in this slot as boundary_last. It is for a disk with contacts that
  * another thread evaluates: its chunk is corrected after all threads have evaluated their pairs. */
-static inline void chunks_put_off(chunks *c, size_t slot) {
+static inline void chunks_mark_boundary_last(chunks *c, size_t slot) {
   c->boundary_last[chunks_of_disk(c, slot)] = true;
 }
 /* Assigns rows in the tables of packed bodies (the data that pairs read of a body) and of force
- * sums to the chunks; call it after the last chunks_put_off. When no further pair reads the rows of
- * a chunk, a later chunk of the same thread reuses them, so that they stay in the cache. Chunks
- * whose rows other threads read or write keep their rows. */
+ * sums to the chunks; call it after the last chunks_mark_boundary_last. When no further pair
+ * reads the rows of a chunk, a later chunk of the same thread reuses them, so that they stay in
+ * the cache. Chunks whose rows other threads read or write keep their rows. */
 void chunks_plan_rows(chunks *c, size_t n_free);
 
 #endif

@@ -316,7 +316,7 @@ static sd_status list_listed(engine *e) {
   for (size_t t = 0; t < WORK_MAX_THREADS; t++) free(f.found[t].at);
   for (size_t k = 0; status == SD_OK && k < m->n_listed && m->listed[k] < e->state->n_free; k++) {
     assert(k == 0 || m->listed[k - 1] < m->listed[k]);
-    chunks_put_off(&w->chunks, m->listed[k]);
+    chunks_mark_boundary_last(&w->chunks, m->listed[k]);
   }
   return status;
 }

@@ -534,7 +534,7 @@ static void check_gaps(const engine *e) {
  * sum of these rows, in their order, and that a prescribed body has the same force in the state.
  * With several ranks prescribed bodies are not checked, since they have contacts on other ranks,
  * too. */
-static void check_loss_sums(const engine *e) {
+static void check_force_sums(const engine *e) {
   const sd_state *s = e->state;
   const work *w = &e->work;
   const sums *m = &w->sums;
@@ -548,7 +548,8 @@ static void check_loss_sums(const engine *e) {
     for (size_t c = 0; c < SUM_ROW; c++) assert(row[c] == sum[c]);
     if (slot < s->n_free) continue;
     assert(s->force_x[slot] == sum[SUM_X] && s->force_y[slot] == sum[SUM_Y]);
-    const double turn = s->radius[slot] != 0.0 ? sum[SUM_TURN] * s->radius[slot] : sum[SUM_TURN];
+    const double turn =
+        s->radius[slot] != 0.0 ? sum[SUM_TORQUE] * s->radius[slot] : sum[SUM_TORQUE];
     assert(s->torque[slot] == turn || s->torque[slot] == turn + sum[SUM_COUPLE]);
   }
 }
@@ -573,6 +574,6 @@ void validity_check_step(const engine *e) {
   check_work(&e->work);
   check_contacts(e);
   check_gaps(e);
-  check_loss_sums(e);
+  check_force_sums(e);
   check_energies(e);
 }

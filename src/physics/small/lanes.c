@@ -389,8 +389,8 @@ static void store_memory(const lanes *l, size_t lane) {
            *on_b = e->work.sums.row + PAIR(p, n, sum_b);
     on_a[SUM_X] -= push[0], on_b[SUM_X] += push[0];
     on_a[SUM_Y] -= push[1], on_b[SUM_Y] += push[1];
-    on_a[SUM_TURN] += tau;
-    on_b[SUM_TURN] += l->straight[k] ? *cell(l, l->of_straight[k], STRAIGHT_TURN, lane) : tau;
+    on_a[SUM_TORQUE] += tau;
+    on_b[SUM_TORQUE] += l->straight[k] ? *cell(l, l->of_straight[k], STRAIGHT_TURN, lane) : tau;
     if (l->straight[k]) p->side[n] = *cell(l, l->of_straight[k], STRAIGHT_SIDE, lane);
     if (!(l->features & LAW_ROLLING)) continue;
     const double couple = *cell(l, l->pair[k], PAIR_COUPLE, lane);
@@ -398,7 +398,7 @@ static void store_memory(const lanes *l, size_t lane) {
     if (l->b[k] < l->n_disks)
       on_b[SUM_COUPLE] -= couple;
     else
-      on_b[SUM_TURN] -= couple / e->state->radius[l->b[k]];
+      on_b[SUM_TORQUE] -= couple / e->state->radius[l->b[k]];
   }
 }
 

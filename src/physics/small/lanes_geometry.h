@@ -30,8 +30,8 @@ LANE_INLINE void PASS(turning)(const lanes *l, const PASS(shape) * s, PASS(step_
   LANE(real) ra = PASS(row)(p, PAIR_RA), rb = PASS(row)(p, PAIR_RB);
   LANE(real)
   spin_a = ra * f->c[a][SD_THETA].v, spin_b = rb * PASS(pose)(l, s, f, b, POSE_VX + SD_THETA, at);
-  d.swing = in->dx * in->dvy - in->dy * in->dvx;
-  g->slide = (spin_b + spin_a) - g->lever * (d.swing * d.inverse_r);
+  d.cross_velocity = in->dx * in->dvy - in->dy * in->dvx;
+  g->slide = (spin_b + spin_a) - g->lever * (d.cross_velocity * d.inverse_r);
   if (!(s->features & LAW_ROLLING)) return;
   LANE(rolled)
   (ra, rb, ra * f->c[a][SD_THETA].q, rb * PASS(pose)(l, s, f, b, POSE_THETA, at), spin_a, spin_b,

@@ -119,18 +119,18 @@ static inline size_t engine_partner(const engine *e, size_t at) {
  * with the largest normal force. */
 int64_t engine_watched(const engine *e, size_t k);
 
-/* Force and torque of one contact on a body. They are stored singly for all prescribed bodies and
- * some free disks: engine_kept returns the number of these bodies, engine_kept_slot the slot of the
- * k-th, and engine_push the force of its i-th candidate on it. */
+/* Force and torque of one contact on a body. They are stored singly for all prescribed bodies
+ * and some free disks: engine_listed returns the number of these bodies, engine_kept_slot the
+ * slot of the k-th, and engine_push the force of its i-th candidate on it. */
 typedef struct contact_push {
   double x, y, torque;
 } contact_push;
-static inline size_t engine_kept(const engine *e) { return e->work.sums.n_listed; }
+static inline size_t engine_listed(const engine *e) { return e->work.sums.n_listed; }
 static inline size_t engine_kept_slot(const engine *e, size_t k) { return e->work.sums.listed[k]; }
 static inline contact_push engine_push(const engine *e, size_t k, size_t i) {
   const double *row = e->work.sums.row + SUM_ROW * (e->work.sums.single[k] + i);
   double radius = e->state->radius[engine_kept_slot(e, k)];
-  double torque = radius != 0.0 ? row[SUM_TURN] * radius : row[SUM_TURN];
+  double torque = radius != 0.0 ? row[SUM_TORQUE] * radius : row[SUM_TORQUE];
   if (e->work.features & LAW_ROLLING && engine_kept_slot(e, k) < e->state->n_disks)
     torque += row[SUM_COUPLE];
   return (contact_push){row[SUM_X], row[SUM_Y], torque};

@@ -331,7 +331,7 @@ static void exchange_places(const engine *e, halo_wait *ghosts) {
 /* Updates contacts with ghosts in the same order as a run on one rank does: first reference
  * directions are renewed, at the positions before disks were wrapped; then wraps are applied, in
  * the order of global slots. */
-sd_status contacts_follow(engine *e) {
+sd_status contacts_update_ghosts(engine *e) {
   halo *h = e->halo;
   halo_waits *wrapped = &h->wrapped;
   const sd_state *s = e->state;
@@ -458,7 +458,7 @@ sd_status contacts_end(engine *e, const bool *gone) {
 }
 
 sd_status contacts_store(engine *e) {
-  losses_show(e);
+  losses_update(e);
   return contacts_store_rows(e);
 }
 
@@ -551,7 +551,7 @@ static bool slid_before(const engine *e, size_t k) {
   return fabs(MORE(p, k, tau)) <= (1.0 + 1e-6) * l->cap_kinetic * l->k_t * limit;
 }
 
-void contacts_recall(engine *e) {
+void contacts_restore_before(engine *e) {
   pairs *p = &e->work.pairs;
   for (size_t k = 0, c = 0; p->more && next_stored(e, &k, &c); k++, c++) {
     if (pairs_slide_sign(p, k) != 0 && !slid_before(e, k)) pairs_set_flags(p, k, true, 0);
@@ -572,7 +572,7 @@ static bool is_in_place(const engine *e, size_t k, size_t c) {
   return fabs(far) <= 1e-5 * s->radius[p->a[k]];
 }
 
-void contacts_remember(engine *e) {
+void contacts_restore_after(engine *e) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
   for (size_t k = 0, c = 0; next_stored(e, &k, &c); k++, c++) {

@@ -25,7 +25,7 @@ static inline bool contacts_any_event(const work *w) {
 
 /* Updates the poses of ghosts between steps, then the reference values of contacts with ghosts,
  * whose change had to wait for these poses. Collective. Returns SD_ERROR_IO if memory runs out. */
-sd_status contacts_follow(engine *e);
+sd_status contacts_update_ghosts(engine *e);
 
 /* Checks pairs of disks before the first step. *deepest: the largest overlap (relative to the
  * smaller radius) among pairs that are not contacts of the input packing; it is used for advice to
@@ -48,12 +48,13 @@ sd_status contacts_store(engine *e);
  * must be open; a stored contact whose bodies are too far apart to be a candidate is left out. */
 sd_status contacts_store_rows(engine *e);
 void contacts_load(engine *e);
-/* Restore contacts that come from a file: call contacts_recall before contacts are evaluated for
- * step 0, contacts_remember after it. A contact whose force is to be taken from the file
- * (SD_FORCE_CARRIED) gets the file's record back; forces must then be summed again (SWEEP_SUM). Any
- * other contact keeps only whether it slides, which selects the static or kinetic friction limit.
- * If the file has no rolling spring for a contact, the spring begins without deformation. */
-void contacts_recall(engine *e);
-void contacts_remember(engine *e);
+/* Restore contacts that come from a file: call contacts_restore_before before contacts are
+ * evaluated for step 0, contacts_restore_after after it. A contact whose force is to be taken
+ * from the file (SD_FORCE_CARRIED) gets the file's record back; forces must then be summed again
+ * (SWEEP_SUM). Any other contact keeps only whether it slides, which selects the static or
+ * kinetic friction limit. If the file has no rolling spring for a contact, the spring begins
+ * without deformation. */
+void contacts_restore_before(engine *e);
+void contacts_restore_after(engine *e);
 
 #endif

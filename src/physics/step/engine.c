@@ -385,9 +385,9 @@ static sd_status start_part(engine *e, size_t *kept, sd_messages *messages) {
   *kept = contacts_count(e);
   motion_first_speeds(e);
   clumps_place_all(e);
-  contacts_recall(e);
+  contacts_restore_before(e);
   sweep_forces(e, SWEEP_EVALUATE);
-  contacts_remember(e);
+  contacts_restore_after(e);
   if (e->model->forces_carried) sweep_forces(e, SWEEP_SUM);
   if (cell_work(e, true) != SD_OK) return SD_ERROR_IO;
   /* evaluations at step 0 must not count as energy losses */

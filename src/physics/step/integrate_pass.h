@@ -224,7 +224,7 @@ LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORD
   LANE(load4)(v->sums + SUM_ROW * (i + v->shift), SUM_ROW, row);
   sum[SD_X] = row[SUM_X];
   sum[SD_Y] = row[SUM_Y];
-  sum[SD_THETA] = row[SUM_TURN] * LANE(load)(v->radius + i);
+  sum[SD_THETA] = row[SUM_TORQUE] * LANE(load)(v->radius + i);
   if (i < v->couples) sum[SD_THETA] = sum[SD_THETA] + row[SUM_COUPLE];
   for (int n = 0; v->show && n < SD_COORDINATES; n++) LANE(store)(v->k[n].force + i, sum[n]);
 }

@@ -111,7 +111,7 @@ static void gather(engine *e, size_t begin, size_t end) {
   sums_add_listed(e, begin, end);
   for (size_t i = begin; i < end; i++) {
     const double *row = v.sums + SUM_ROW * (i + v.shift), radius = v.radius[i],
-                 turn = row[SUM_TURN];
+                 turn = row[SUM_TORQUE];
     double sum[SD_COORDINATES], slide = radius > 0.0   ? turn
                                         : radius < 0.0 ? -turn
                                                        : row[SUM_SURFACE];

@@ -168,7 +168,7 @@ static sd_status remove_left(engine *e, const outside_left *mine, size_t n, cons
   return SD_OK;
 }
 
-sd_status outside_look(engine *e, sd_messages *messages) {
+sd_status outside_check(engine *e, sd_messages *messages) {
   outside_left *mine, *all = NULL;
   size_t n, n_all = 0;
   sd_status status = comm_agree(e->comm, find_left(e, &mine, &n));

@@ -16,7 +16,7 @@ enum { OUTSIDE_TOLD = 8 };
  * each, further ones are only counted. A disk that comes back becomes SD_IN_PLAY again. Bounds are
  * scaled with the box. The energy of removed disks is subtracted from state->energy_start. Returns
  * SD_ERROR_NUMERIC if the run is to stop, SD_ERROR_IO if memory runs out. */
-sd_status outside_look(engine *e, sd_messages *messages);
+sd_status outside_check(engine *e, sd_messages *messages);
 
 /* Returns the number of this state's free disks that are outside the bounds now, or were
  * removed. */

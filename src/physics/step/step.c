@@ -126,7 +126,7 @@ unsigned step_agree(engine *e, bool stop) {
   if (w->status != SD_OK) h->bits |= HALO_FAILED;
   if (stop) h->bits |= HALO_STOP;
   const unsigned all = halo_agree(h);
-  if (all & HALO_WAITS && contacts_follow(e) != SD_OK)
+  if (all & HALO_WAITS && contacts_update_ghosts(e) != SD_OK)
     w->status = sd_fail(w->messages, SD_ERROR_IO, "out of memory for contact events");
   h->shifted.count = 0;
   return all;

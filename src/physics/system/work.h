@@ -117,10 +117,10 @@ typedef struct incidence {
  * contact of the body has a row of its own, and `gather` adds these rows up in the order of the
  * pairs. So the order of summation is always the same.
  */
-enum { SUM_X, SUM_TURN, SUM_Y, SUM_COUPLE, SUM_ROW, SUM_SURFACE = SUM_COUPLE };
+enum { SUM_X, SUM_TORQUE, SUM_Y, SUM_COUPLE, SUM_ROW, SUM_SURFACE = SUM_COUPLE };
 /* add4 in base/lane.h adds a row to one body and subtracts it from the other, except numbers at odd
- * indices (SUM_TURN), which it adds to both. */
-_Static_assert(SUM_X % 2 == 0 && SUM_Y % 2 == 0 && SUM_TURN % 2 == 1, "add4");
+ * indices (SUM_TORQUE), which it adds to both. */
+_Static_assert(SUM_X % 2 == 0 && SUM_Y % 2 == 0 && SUM_TORQUE % 2 == 1, "add4");
 typedef struct sums {
   /* [end][SUM_ROW] one row per body, then one row per contact of each listed body */
   double *row;
