@@ -187,7 +187,7 @@ typedef struct sd_energy {
   /* energy lost to rolling, to bridges that form, to contacts that open */
   double rolling, bridge, opening;
   double drag, damping; /* energy lost to viscous drag of fields, and to non-viscous damping */
-  double relaxed;       /* kinetic energy taken out by the relaxer (sd_phase.relax) */
+  double relaxed;       /* kinetic energy taken out by the relaxer (key relax of a phase) */
   double residual;      /* error of the budget, by the formula above */
   /* Energy to which the residual is compared: the larger of |work| + losses and the kinetic
    * energy; at rest 1e-9 times the other energies */

@@ -24,6 +24,7 @@ def body_of(comment, functions):
     """The text of a comment; behind the names of functions stand brackets, of which Doxygen makes links."""
     body = "\n".join(re.sub(r"^\s*\* ?", "", line) for line in comment[2:-2].strip().splitlines())
     body = re.sub(r"`([^`<>]+)`", r"<tt>\1</tt>", body)
+    body = re.sub(r"\b(SD_[A-Z]+\()", r"%\1", body)  # no links to macros with arguments: Sphinx cannot read these
     return re.sub(r"\bsd_\w+\b(?!\()", lambda name: name[0] + "()" * (name[0] in functions), body)
 
 
