@@ -140,12 +140,12 @@ static bool is_choice(const char *words, const char *text) {
   return false;
 }
 
-static bool is_deck(const char *path) {
-  return (text_ends(path, ".cfg") || text_ends(path, ".inc")) && file_exists(path);
+/* Returns what would be lost if the program wrote to this path: "deck", "result", or NULL. */
+static const char *lost_with(const char *path) {
+  const file_kind kind = h5_kind_of(path);
+  if (kind == FILE_DECK) return file_exists(path) ? "deck" : NULL;
+  return kind != FILE_H5MD && h5_is_file(path) ? "result" : NULL;
 }
-
-/* True if the file is HDF5 and its name does not end in .h5md, as those of exports do. */
-static bool is_result(const char *path) { return !text_ends(path, ".h5md") && h5_is_file(path); }
 
 /* Stores the value of an option in `arguments`. Returns 0; if the value is wrong, prints why and
  * returns the exit status. */
@@ -157,6 +157,7 @@ static int take(const command_line *line, const option_row *row, const char *val
     snprintf(shown, sizeof shown, "-%c", row->letter);
   else
     snprintf(shown, sizeof shown, "--%s", row->name);
+  const char *lost;
   bool good = true;
   switch (row->kind) {
     case OPTION_FLAG: *(bool *)field = true; break;
@@ -189,10 +190,11 @@ static int take(const command_line *line, const option_row *row, const char *val
       if (!*value)
         return app_misuse(line->name, "%s needs the name of a file or a folder, not an empty one",
                           shown);
-      if (is_deck(value) || (row->kind != OPTION_RESULT && is_result(value)))
+      lost = lost_with(value);
+      if (lost && (row->kind != OPTION_RESULT || strcmp(lost, "deck") == 0))
         return app_misuse(line->name,
                           "%s %s: that is a %s, which would be lost; expected another name", shown,
-                          value, is_deck(value) ? "deck" : "result");
+                          value, lost);
       break;
     case OPTION_LIST: {
       option_list *list = field;

@@ -25,7 +25,7 @@ static bool ends_with(const char *text, size_t length, const char *tail) {
 
 sd_status place_find(place *p, const char *name, sd_messages *messages) {
   *p = (place){0};
-  if (text_ends(name, ".cfg") && file_exists(name))
+  if (h5_kind_of(name) == FILE_DECK && file_exists(name))
     return sd_fail(messages, SD_ERROR_USER, "%s is a deck; slipdisk run %s makes a result of it",
                    name, name);
   size_t length = strlen(name), tail = strlen(".parts");

@@ -52,7 +52,8 @@ static bool is_result(const char *name) {
   char *parts = format_text("%s.parts", name);
   const bool folder = file_is_folder(name) || file_is_folder(parts);
   free(parts);
-  return folder || text_ends(name, ".h5") || h5_is_file(name);
+  const file_kind kind = h5_kind_of(name);
+  return folder || kind == FILE_HDF5 || kind == FILE_H5MD;
 }
 
 static bool is_same(const char *a, const char *b) {

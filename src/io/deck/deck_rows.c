@@ -370,20 +370,13 @@ static void hdf5_or_result(deck_group *g, deck_node *file, deck_columns *t) {
   read_hdf5(g, file, t, path);
 }
 
-static bool ends_in(const char *name, const char *const *endings) {
-  const char *dot = strrchr(name, '.');
-  for (; dot && *endings; endings++)
-    if (strcmp(dot, *endings) == 0) return true;
-  return false;
-}
-
 int deck_file_format(deck *d, const char *name) {
-  static const char *const hdf5[] = {".h5", ".hdf5", ".h5md", NULL},
-                           *const table[] = {".csv", ".txt", NULL},
-                           *const lammps[] = {".data", ".lmp", ".lammps", NULL};
-  if (ends_in(name, hdf5)) return DECK_HDF5;
-  if (ends_in(name, lammps)) return DECK_LAMMPS;
-  return !ends_in(name, table) && h5_is_file(deck_resolve(d, d->path, name)) ? DECK_HDF5 : DECK_CSV;
+  switch (h5_kind_of(deck_resolve(d, d->path, name))) {
+    case FILE_HDF5:
+    case FILE_H5MD: return DECK_HDF5;
+    case FILE_LAMMPS: return DECK_LAMMPS;
+    default: return DECK_CSV;
+  }
 }
 
 void deck_columns_from_file(deck_group *g, deck_columns *t) {

@@ -241,5 +241,17 @@ sd_status h5_particles_box(const h5_file *file, bool *found, h5_box *box, sd_mes
 char *h5_only_particles(const char *path);
 /* Returns true if the library takes the file for an HDF5 file, also behind a user block. */
 bool h5_is_file(const char *path);
+/* Kinds of files that a user may name. */
+typedef enum file_kind {
+  FILE_OTHER,
+  FILE_DECK,
+  FILE_HDF5,
+  FILE_H5MD,
+  FILE_LAMMPS,
+  FILE_TABLE
+} file_kind;
+/* Returns the kind of a file from the ending of its name, such as ".cfg"; if this is none of the
+ * known endings, FILE_HDF5 if the content is HDF5, else FILE_OTHER. The file need not exist. */
+file_kind h5_kind_of(const char *path);
 
 #endif
