@@ -30,7 +30,8 @@ typedef struct sd_mean {
  * transient at the start and leave it out. */
 SD_API sd_mean sd_mean_of(const double *x, size_t n, bool transient);
 
-/* Mean angular velocity of one disk over the measured time without its transient. */
+/* Mean angular velocity of one disk; the transient at the beginning of the measured time is left
+ * out. */
 typedef struct sd_rotation {
   uint32_t disk;       /* body number of the disk */
   double omega, error; /* mean angular velocity and one standard error of it, rad/time */

@@ -146,7 +146,7 @@ typedef struct sd_wall {
   const char *name;    /* name of the wall in messages and results; NULL: none */
   sd_wall_kind kind;   /* shape */
   int material;        /* number of the wall's material */
-  double pivot[2];     /* point about which the wall turns, and which motions along x and y move */
+  double pivot[2];     /* point about which the wall turns; motions along x and y displace it */
   size_t n_points;     /* number of points of the wall; line, segment: 2 */
   double (*points)[2]; /* [n_points] absolute coordinates at the start; line, segment, polyline */
   bool closed;         /* polyline: true if its last vertex is joined to the first */

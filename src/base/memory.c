@@ -32,7 +32,7 @@ _Noreturn void memory_lacks(size_t bytes) {
   if (call) call(bytes);
   static const char text[] = "slipdisk: no memory\n";
   ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
-  (void)told; /* An error of write() cannot be reported either. */
+  (void)told; /* If write() fails too, there is no way left to report it. */
   abort();
 }
 

@@ -324,8 +324,9 @@ drift drift_of(const double *x, size_t n, double error) {
   for (size_t k = 0; k < 4; k++) q[k] = sums_mean(x + (n - (4 - k) * quarter), quarter);
   double fall = fabs(q[0] - (q[1] + q[2] + q[3]) / 3);
   bool rounding = fall <= 8 * DBL_EPSILON * fabs(q[3]);
-  /* Variance of a mean of L samples: error^2 n/L due to correlated noise, plus c/L^2 due to bounded
-   * noise; c follows from the scatter of means of n/ENOUGH samples. */
+  /* The variance of a mean of L samples is error^2 n/L (correlated noise) plus c/L^2 (bounded
+   * noise). With L = n/ENOUGH and ENOUGH = 16, c/L^2 is the variance of such means minus 16
+   * error^2. */
   double bounded = fmax(0, pow(scatter_of(x, n, n / ENOUGH), 2) - 16 * error * error);
   double sigma = sqrt((4 + 4. / 3) * error * error + bounded * (1. / 16 + 1. / 144));
   result.sigmas = rounding ? 0 : fall / sigma;
@@ -335,8 +336,9 @@ drift drift_of(const double *x, size_t n, double error) {
   return result;
 }
 
-/* Returns the bias that a relaxation over x[0..d) leaves in the mean of x[d..n): the excess of the
- * mean of the first and second half of x[0..d) is continued as a geometric series. */
+/* Returns the bias that a relaxation over x[0..d) leaves in the mean of x[d..n): the means of
+ * the first and of the second half of x[0..d), minus the final mean, are continued as a
+ * geometric series. */
 static double tail_of(const double *x, size_t d, size_t n) {
   size_t half = d / 2;
   if (half == 0) return 0;

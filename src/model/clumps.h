@@ -21,8 +21,9 @@ clump_grain clumps_grain(const sd_model *model, size_t first, size_t end);
 
 /* Returns a copy of a disk for estimates of time steps. If the disk belongs to a clump of mass M
  * and inertia I, its mass and inertia are replaced by those of a single disk that yields as much
- * to a normal force (1/M + d^2/I) and to a tangential one (1/M + (d + R)^2/I), with d its
- * distance from the clump's centre: the smallest effective values in any contact. */
+ * to a normal force (1/M + d^2/I) and to a tangential one (1/M + (d + R)^2/I), where d is the
+ * distance of the disk from the clump's centre. These are the smallest effective mass and
+ * inertia that the disk has in any contact. */
 sd_disk clump_effective_disk(const sd_model *model, size_t disk);
 
 /* True if both disks belong to the same clump, so that they do not interact. */

@@ -223,7 +223,8 @@ static void check_watches(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* Reports errors in the goal `until`, an error bar that ends the last phase of the run. */
+/* Reports errors in the goal `until`: the last phase ends when an error bar has fallen to this
+ * goal. */
 static void check_until(const sd_model *m, sd_messages *msg) {
   const sd_until *u = &m->until;
   if (!u->asked || m->n_phases == 0) return;

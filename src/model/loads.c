@@ -142,7 +142,7 @@ void loads_check(const sd_model *m, sd_messages *msg) {
 enum { STEPS_PER_PERIOD = 20 };
 
 /* Collective. Number of free disks that fit side by side along a wall; across: index of the
- * coordinate that runs along the wall. */
+ * coordinate parallel to the wall, at right angles to its motion. */
 static double disks_along(const sd_model *m, const sd_wall *wall, int across) {
   double low = HUGE_VAL, high = -HUGE_VAL, radius = HUGE_VAL;
   for (size_t row = 0; row < rows_count(m); row++) {

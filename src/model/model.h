@@ -346,8 +346,9 @@ sd_status model_part(sd_model *m, size_t few);
 /* Checks motions of the kinds load and servo: their ranges, the bodies that they move, and that
  * no other motion moves the same coordinate. Warns of a wall that is pushed away from all disks. */
 void loads_check(const sd_model *model, sd_messages *messages);
-/* Warns if the time step is long for the oscillation of a wall, moved as a load, on as many
- * disks as fit side by side along it. The contact laws and n_free must be known. */
+/* Warns if the time step is too long for a wall that moves as a load: the wall oscillates on the
+ * disks that carry it, at most as many as fit side by side along it. The contact laws and n_free
+ * must be known. */
 void loads_check_steps(const sd_model *model, sd_messages *messages);
 
 /* A model serialized to bytes, from which the same program restores it; used for clones

@@ -80,8 +80,8 @@ static size_t hash(const level *l, double i, double j) {
 static double cell_of(const level *l, double x) { return floor(x / l->cell) + 0.0; }
 
 /* Reports the pair of disks (i, j) to the caller's visitor if j is the larger (or, if equal, has
- * the higher number) and overlaps an image of i at the distance (dx, dy). True: end the search
- * for overlaps of disk i. */
+ * the higher number) and overlaps an image of i whose centre lies (dx, dy) away from its own.
+ * True: end the search for overlaps of disk i. */
 static bool check_pair(grid *g, size_t i, size_t j, double dx, double dy) {
   const sd_disk *a = &g->m->disks[i], *b = &g->m->disks[j];
   if (b->radius < a->radius || (b->radius == a->radius && j <= i)) return false;

@@ -1,18 +1,17 @@
 /* stability.c: stability limit of the time step.
  *
  * A disk between two supports is an oscillator x'' = -w^2 x - c x' with w^2 = 2 k/m and c = 2
- * gamma_n/m along the normal, and w^2 = 2 k_t (1/m + R^2/I), c = 2 gamma_t (1/m + R^2/I) along the
- * tangent; rolling between walls adds 2 k_r R^2/I and 2 gamma_r R^2/I to the rotation. A stiffness
- * that depends on the overlap is taken at 0.01 R. Both integrators use the velocity predicted from
- * the old acceleration. An eigenvalue of their step passes -1, and the motion blows up within a few
- * steps, beyond
+ * gamma_n/m along the normal, and w^2 = 2 k_t (1/m + R^2/I), c = 2 gamma_t (1/m + R^2/I) along
+ * the tangent; rolling resistance at both supports adds 2 k_r R^2/I to this w^2 and 2 gamma_r
+ * R^2/I to this c. A stiffness that depends on the overlap is taken at 0.01 R. Both integrators
+ * use the velocity predicted from the old acceleration. An eigenvalue of their step passes -1,
+ * and the motion blows up within a few steps, beyond
  *
  *   a (w dt)^2 + b c dt = 1        Verlet: a = 1/4,   b = 1
  *                                  Gear:   a = 47/30, b = 551/90
  *
  * (tests/physics/test_stability.c). In a packing, where a disk has up to six contacts, the limit
- * is up to three times shorter.
- */
+ * is up to three times shorter. */
 #include <math.h>
 #include <stdlib.h>
 

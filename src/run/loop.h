@@ -1,7 +1,7 @@
-/* loop.h: the loop over steps and the work between steps for one engine, which holds a whole system
- * or the domain of one of several ranks. Functions that return a status are collective, except
- * loop_build and loop_rebuild: all ranks must call them with the same arguments, and get the same
- * status. */
+/* loop.h: the loop over steps and the work between steps for one engine, which holds a whole
+ * system or the domain of one of several ranks. All functions that return a status, except
+ * loop_build and loop_rebuild, are collective: every rank must call them with the same
+ * arguments, and gets the same status. */
 #ifndef RUN_LOOP_H
 #define RUN_LOOP_H
 

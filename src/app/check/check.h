@@ -12,7 +12,7 @@ typedef struct check_sweep {
   size_t points, sets;
   size_t together; /* Number of points that can share SIMD lanes with others */
   size_t width;    /* Largest number of systems that run side by side in SIMD lanes */
-  double steps;    /* Number of steps of all points together, at most */
+  double steps;    /* Largest possible number of steps, summed over all points of the sweep */
   double seconds;  /* Wall time of the sweep with one worker process, s; NAN: not known */
   bool lanes;      /* True if `seconds` assumes that systems run side by side in SIMD lanes */
 } check_sweep;

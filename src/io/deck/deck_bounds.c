@@ -1,11 +1,12 @@
-/* deck_bounds.c: reads the group `bounds`, the region that disks should not leave, and checks the
- * positions of bodies at the start. See deck_tree.h and sd_bounds in slipdisk/model.h.
+/* deck_bounds.c: reads the group `bounds`, the region that disks should not leave, and checks
+ * the positions of bodies at the start. See deck_tree.h and sd_bounds in slipdisk/model.h.
  *
- * Without explicit limits the bounds follow the container: its walls, plus the largest radius, plus
- * the distance that motions may move these walls; below the outlet of a hopper is outside. Without
- * a container the limits are far out: FAR times the extent of all bodies at the start. These limits
- * apply even without the group `bounds` if gravity may pull a disk past the walls, that is, if
- * there are walls and none of them is an infinite line. */
+ * Without explicit limits the bounds follow the container: its walls, plus the largest radius,
+ * plus the distance that motions may move these walls; a disk below the outlet of a hopper is
+ * outside. Without a container the limits are far out: FAR times the extent of all bodies at the
+ * start. Bounds without explicit limits apply even if the deck has no group `bounds`, if gravity
+ * may pull a disk past the walls, that is, if there are walls and none of them is an infinite
+ * line. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -169,7 +169,7 @@ extern const char *const summary_configurations[];
 extern const observable_list fact_observables;
 /* descriptions of members of struct summary: relative residual and wall time per step */
 extern const observable_list outcome_observables;
-/* descriptions of members of struct summary: the goal `until` */
+/* members of struct summary that belong to the goal `until` */
 extern const observable_list until_observables;
 /* descriptions of the members of struct summary_phase */
 extern const observable_list phase_observables;

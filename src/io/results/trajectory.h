@@ -36,9 +36,9 @@ sd_status trajectory_sample_contacts(table *index, table *rows, const moment *no
                                      sd_messages *messages);
 
 /* trajectory_add_bodies adds the columns of bodies to a table, below the path `group`: each row
- * holds n bodies, or one body if n = 0. trajectory_put_bodies fills these columns for n bodies,
- * beginning with column number `column`, and returns the number of the next column. slots: slots of
- * the bodies; NULL: all bodies in the order of their numbers. */
+ * holds an array of n bodies, or a single body (no array) if n = 0. trajectory_put_bodies fills
+ * these columns for n bodies, beginning with column number `column`, and returns the number of
+ * the next column. slots: slots of the bodies; NULL: all bodies in the order of their numbers. */
 void trajectory_add_bodies(table *t, const sd_model *model, const char *group, bool walls,
                            size_t n);
 size_t trajectory_put_bodies(table *t, size_t column, const moment *now, bool walls, size_t n,

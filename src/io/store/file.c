@@ -73,7 +73,7 @@ bool file_write_all(int fd, const void *bytes, size_t size) {
 
 /* --- Names ------------------------------------------------------------------------------------ */
 
-/* Returns the part of a path behind its last slash. */
+/* Returns the part of a path after its last slash. */
 static const char *last_component(const char *path) {
   const char *slash = strrchr(path, '/');
   return slash ? slash + 1 : path;

@@ -95,8 +95,8 @@ static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t en
     correct(e, mine, begin, end, 0, NULL);
 }
 
-/* Recomputes the field forces on free disks in slots [begin, end) from the contact forces in the
- * state. */
+/* Recomputes the forces of the model's fields on the free disks in slots [begin, end). They
+ * depend on the coordinates and, for damping, on the contact forces, which the state holds. */
 static void renew_fields(engine *e, size_t begin, size_t end) {
   const view v = view_of(e, begin);
   FOR_LANES(LANE(field_renew)(e->work.body_forces, &v, i),

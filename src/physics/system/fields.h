@@ -28,8 +28,9 @@ sd_status fields_add(engine *e, sd_force_field *call, void *user);
 void fields_free(engine *e);
 /* Resizes the columns of forces to the present number of free disks. SD_ERROR_IO: no memory. */
 sd_status fields_resize(engine *e);
-/* Makes the integrator use the sum of constant forces and fields of the calling program. To be
- * called after constant forces have changed or have moved in memory. */
+/* Computes `total`, the constant forces of the model plus the forces of the calling program's
+ * fields, and makes the integrator read it. Call it after constant forces have changed or have
+ * moved in memory. */
 void fields_attach(engine *e);
 /* Evaluates the calling program's fields at the predicted coordinates of the present step. */
 void fields_apply(engine *e);
