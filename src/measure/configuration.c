@@ -6,21 +6,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/comm.h"
 #include "base/memory.h"
 #include "base/team.h"
 #include "model/cell.h"
 #include "model/laws.h"
+#include "model/walls.h"
 #include "physics/system/bodies.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
 #include "physics/contact/evaluate.h"
 
+static const disk_extent NO_DISKS = {{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL},
+                                     {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+
+void disk_extent_add(disk_extent *e, const double at[2], double radius, bool free) {
+  for (int k = 0; k < 4; k++) {
+    const double way = k < 2 ? -at[k] : at[k - 2];
+    if (free && way > e->centre[k]) e->centre[k] = way;
+    if (way + radius > e->edge[k]) e->edge[k] = way + radius;
+  }
+}
+
 /* --- frame ------------------------------------------------------------------------------------ */
 
 sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messages *messages) {
   size_t n = n_disks + n_walls;
-  *f = (frame_data){.scale = 1.0, .stretch = {1.0, 1.0}, .n_bodies = n, .n_disks = n_disks};
+  *f = (frame_data){
+      .scale = 1.0, .stretch = {1.0, 1.0}, .n_bodies = n, .n_disks = n_disks, .extent = NO_DISKS};
   const memory_column rows[] = {{&f->position, n, sizeof *f->position},
                                 {&f->velocity, n, sizeof *f->velocity},
                                 {&f->angle, n, sizeof *f->angle},
@@ -73,17 +85,15 @@ static void fill_body(frame_data *f, size_t body, const sd_state *s, size_t slot
   f->image[body][1] = s->image_y[slot];
 }
 
-/* Fills row k of the frame's contact table from stored contact k of the state. a, b: numbers of its
- * two bodies in the frame; materials: model whose bodies are numbered as in the frame. */
-static void fill_contact(frame_data *f, size_t k, const sd_model *materials, const sd_state *s,
-                         uint32_t a, uint32_t b) {
-  f->a[k] = a;
-  f->b[k] = b;
+/* Fills row k of the frame's contact table from stored contact k of the state. */
+static void fill_contact(frame_data *f, size_t k, const sd_model *m, const sd_state *s) {
+  f->a[k] = s->contact_a[k];
+  f->b[k] = s->contact_b[k];
   f->part[k] = s->contact_part[k];
   f->overlap[k] = s->contact_overlap[k];
   f->force[k] = s->contact_force[k];
-  f->tau[k] = configuration_tau_of(materials, s, k, configuration_material(materials, a),
-                                   configuration_material(materials, b));
+  f->tau[k] = configuration_tau_of(m, s, k, configuration_material(m, f->a[k]),
+                                   configuration_material(m, f->b[k]));
   f->roll[k] = s->law_columns ? s->contact_roll[k] : 0.0;
   f->slide[k] = s->contact_slide[k];
 }
@@ -95,36 +105,16 @@ sd_status frame_data_of_state(frame_data *f, const sd_model *m, const sd_state *
   if (status != SD_OK) return status;
   fill_moment(f, m, s);
   for (size_t k = 0; k < s->n_bodies; k++) fill_body(f, s->id[k], s, k);
-  for (size_t k = 0; k < s->n_contacts; k++)
-    fill_contact(f, k, m, s, s->contact_a[k], s->contact_b[k]);
+  for (size_t k = 0; k < s->n_contacts; k++) fill_contact(f, k, m, s);
   return SD_OK;
 }
 
-sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *m,
-                             const sd_state *s, const slot_table *slots, const comm *c,
-                             sd_messages *messages) {
-  *constants = *m;
-  constants->n_disks = s->n_disks;
-  constants->disks = NULL;
-  sd_status status = frame_data_new(f, s->n_disks, m->n_walls, messages);
-  if (status == SD_OK) status = frame_data_contacts(f, s->n_contacts, messages);
+sd_status frame_data_of_walls(frame_data *f, const sd_model *m, const sd_state *s,
+                              sd_messages *messages) {
+  const sd_status status = frame_data_new(f, 0, m->n_walls, messages);
   if (status != SD_OK) return status;
-  if (!memory_row(&constants->disks, s->n_disks, sizeof *constants->disks))
-    return sd_fail(messages, SD_ERROR_IO, "no memory for %zu disks", s->n_disks);
-  f->comm = c;
-  f->n_own = s->n_free;
   fill_moment(f, m, s);
-  for (size_t k = 0; k < s->n_disks; k++)
-    constants->disks[k] = (sd_disk){.radius = s->radius[k],
-                                    .mass = s->mass[k],
-                                    .inertia = s->inertia[k],
-                                    .material = s->material[k],
-                                    .group = s->group[k],
-                                    .driven = k >= s->n_free + s->n_ghosts};
-  for (size_t k = 0; k < s->n_bodies; k++) fill_body(f, k, s, k);
-  for (size_t k = 0; k < s->n_contacts; k++)
-    fill_contact(f, k, constants, s, slot_of(slots, s->contact_a[k]),
-                 slot_of(slots, s->contact_b[k]));
+  for (size_t k = s->n_disks; k < s->n_bodies; k++) fill_body(f, s->id[k] - m->n_disks, s, k);
   return SD_OK;
 }
 
@@ -173,9 +163,7 @@ static void fill_constants(configuration *c, const sd_model *from, const frame_d
   for (int k = 0; k < 2; k++) c->length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0.0;
 }
 
-/* Wraps a position into the periodic box. If rounding puts a coordinate on the upper edge, it is
- * set to the lower edge. */
-static void into_box(const configuration *c, double at[2]) {
+void configuration_wrap(const configuration *c, double at[2]) {
   const sd_model *m = c->model;
   for (int k = 1; k >= 0; k--) {
     if (!m->periodic[k]) continue;
@@ -197,7 +185,8 @@ static void fill_disks(configuration *c, const sd_model *from, const frame_data 
     if (!activity_is_present(activity)) continue;
     const sd_disk *d = &from->disks[i];
     double at[2] = {f->position[i][0], f->position[i][1]};
-    into_box(c, at);
+    configuration_wrap(c, at);
+    disk_extent_add(&c->extent, at, d->radius, !d->driven);
     renumbered[i] = (uint32_t)m->n_disks;
     c->number[m->n_disks] = i;
     m->disks[m->n_disks++] =
@@ -252,23 +241,16 @@ static double across(const sd_wall *w, int c) {
 }
 
 /* Returns the side of the line {coordinate c = at} on which all free disks lie: -1 below, +1 above,
- * 0: on both sides, or there are none. Collective. */
-static int side_of_disks(const sd_model *m, const comm *ranks, int c, double at) {
-  enum { BELOW = 1, ABOVE = 2 };
-  unsigned sides = 0;
-  for (size_t i = 0; i < m->n_disks; i++) {
-    if (m->disks[i].driven) continue;
-    if (m->disks[i].position[c] < at) sides |= BELOW;
-    if (m->disks[i].position[c] > at) sides |= ABOVE;
-  }
-  sides = comm_or(ranks, sides);
-  return (sides & ABOVE ? 1 : 0) - (sides & BELOW ? 1 : 0);
+ * 0: on both sides, or there are none. */
+static int side_of_disks(const disk_extent *e, int c, double at) {
+  return (e->centre[2 + c] > at) - (-e->centre[c] < at);
 }
 
 /* Moves edges of the region: an edge that was a straight wall at the start follows this wall, and a
  * straight wall inside the region becomes an edge if no disk is behind it, as for lids and servo
- * walls. Collective. */
-static void follow_walls(sd_model *m, const sd_model *from, const comm *ranks) {
+ * walls. */
+static void follow_walls(configuration *config, const sd_model *from) {
+  sd_model *m = config->model;
   for (size_t w = 0; w < m->n_walls; w++)
     for (int c = 0; c < 2; c++) {
       double before = across(&from->walls[w], c), now = across(&m->walls[w], c);
@@ -281,7 +263,7 @@ static void follow_walls(sd_model *m, const sd_model *from, const comm *ranks) {
     for (int c = 0; c < 2; c++) {
       double now = across(&m->walls[w], c);
       if (!(now > m->region_lower[c] && now < m->region_upper[c])) continue;
-      int side = side_of_disks(m, ranks, c, now);
+      int side = side_of_disks(&config->extent, c, now);
       if (side > 0) m->region_lower[c] = now;
       if (side < 0) m->region_upper[c] = now;
     }
@@ -306,7 +288,7 @@ static void fill_bodies(configuration *c, const sd_model *from, const frame_data
     renumbered[from->n_disks + w] = (uint32_t)m->n_disks + w;
     fill_wall(&m->walls[w], &from->walls[w], f, from->n_disks + w);
   }
-  follow_walls(m, from, f->comm);
+  follow_walls(c, from);
 }
 
 /* --- contacts --------------------------------------------------------------------------------- */
@@ -328,12 +310,12 @@ static placed_segment place(const configuration *c, uint32_t part, const double 
   return *walls_image(c->length, &g, at[0], at[1], &image);
 }
 
-/* Returns positions and radii of a contact in the form that contact_reaction_at needs. *g receives
- * the wall segment that the result points to. */
-static contact_place place_of(const configuration *c, const config_contact *k, placed_segment *g) {
+/* Returns positions and radii of a contact between disk a and a disk b or, if it is NULL, a wall, in
+ * the form that contact_reaction_at needs. *g receives the wall segment that the result points to. */
+static contact_place place_of(const configuration *c, const config_contact *k, const sd_disk *a,
+                              const sd_disk *b, placed_segment *g) {
   const sd_model *m = c->model;
-  const sd_disk *a = &m->disks[k->a];
-  const sd_wall *wall = k->b < m->n_disks ? NULL : &m->walls[k->b - m->n_disks];
+  const sd_wall *wall = b ? NULL : &m->walls[k->b - m->n_disks];
   contact_place at = {.ra = a->radius, .conservative = m->variant == SD_CONSERVATIVE};
   if (wall && wall->kind != SD_WALL_CIRCLE) {
     *g = place(c, k->part, a->position);
@@ -345,28 +327,25 @@ static contact_place place_of(const configuration *c, const config_contact *k, p
     at.arm_y = a->position[1] - (wall->pivot[1] + g->shift_y);
     return at;
   }
-  double d[2];
-  for (int x = 0; x < 2; x++)
-    d[x] = (wall ? wall->pivot[x] : m->disks[k->b].position[x]) - a->position[x];
+  const double *centre = wall ? wall->pivot : b->position;
+  double d[2] = {centre[0] - a->position[0], centre[1] - a->position[1]};
   configuration_nearest(c, d);
   at.dx = d[0];
   at.dy = d[1];
-  at.rb = !wall ? m->disks[k->b].radius : wall->inside ? -wall->radius : wall->radius;
+  at.rb = !wall ? b->radius : wall->inside ? -wall->radius : wall->radius;
   return at;
 }
 
-/* Computes the normal, branch vector, point and force of a contact from the poses of its bodies,
- * the normal force F_n, the tangential force tau and the rolling force. */
-static void complete(const configuration *c, config_contact *k) {
+void configuration_complete(const configuration *c, config_contact *k, const sd_disk *a,
+                            const sd_disk *b) {
   const sd_model *m = c->model;
-  const sd_disk *a = &m->disks[k->a];
   placed_segment g;
-  const contact_place at = place_of(c, k, &g);
+  const contact_place at = place_of(c, k, a, b, &g);
   const contact_reaction r =
       contact_reaction_at(&at, k->force, isfinite(k->tau) ? k->tau : 0.0, k->roll);
   k->nx = r.nx;
   k->ny = r.ny;
-  bool free = configuration_is_free(c, k->b);
+  bool free = b && !b->driven;
   double to_point = a->radius - (free ? 0.5 : 1.0) * k->overlap;
   k->x = a->position[0] + to_point * k->nx;
   k->y = a->position[1] + to_point * k->ny;
@@ -376,7 +355,7 @@ static void complete(const configuration *c, config_contact *k) {
   k->fy = r.fy;
   k->couple = r.couple;
   const sd_contact_law *law =
-      sd_model_law(m, configuration_material(m, k->a), configuration_material(m, k->b));
+      sd_model_law(m, a->material, b ? b->material : m->walls[k->b - m->n_disks].material);
   k->mu = law->mu;
   k->push = k->force + law_pull(law, k->overlap);
   k->k_t = law->gamma_t > 0.0 || law->tangential != SD_TANGENTIAL_SPRING ? 0.0 : law->k_t;
@@ -484,10 +463,14 @@ static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_d
 /* --- whole configuration ---------------------------------------------------------------------- */
 
 static void complete_together(const team *t, void *with) {
-  configuration *c = with;
+  const configuration *c = with;
+  const sd_model *m = c->model;
   size_t begin, end;
   team_share(t, c->n_contacts, &begin, &end);
-  for (size_t k = begin; k < end; k++) complete(c, &c->contacts[k]);
+  for (size_t k = begin; k < end; k++) {
+    config_contact *q = &c->contacts[k];
+    configuration_complete(c, q, &m->disks[q->a], q->b < m->n_disks ? &m->disks[q->b] : NULL);
+  }
 }
 
 static bool is_frictionless(const sd_model *m) {
@@ -501,8 +484,7 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
   *c = (configuration){.step = frame->step,
                        .time = frame->time,
                        .n_deck = frame->n_disks,
-                       .comm = frame->comm,
-                       .n_own = frame->n_own,
+                       .extent = frame->extent,
                        .recomputed = !frame->has_contacts};
   if (frame->n_disks != constants->n_disks || frame->n_bodies != sd_model_bodies(constants))
     return sd_fail(messages, SD_ERROR_USER,
@@ -521,6 +503,8 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
   if (any) {
     c->frictionless = is_frictionless(m);
     status = sd_model_finish(m, messages);
+  } else if (status == SD_OK) {
+    model_find_pieces(m);
   }
   if (any && status == SD_OK)
     status = frame->has_contacts ? take_contacts(c, constants, frame, renumbered, messages)
@@ -540,18 +524,6 @@ void configuration_free(configuration *c) {
 
 /* --- region ----------------------------------------------------------------------------------- */
 
-static void about_disks(const configuration *config, int c, double *lower, double *upper) {
-  const sd_model *m = config->model;
-  *lower = HUGE_VAL;
-  *upper = -HUGE_VAL;
-  for (size_t i = 0; i < m->n_disks; i++) {
-    *lower = fmin(*lower, m->disks[i].position[c] - m->disks[i].radius);
-    *upper = fmax(*upper, m->disks[i].position[c] + m->disks[i].radius);
-  }
-  *lower = -comm_largest(config->comm, -*lower);
-  *upper = comm_largest(config->comm, *upper);
-}
-
 region configuration_region(const configuration *c, const double *wanted) {
   const sd_model *m = c->model;
   region g = {0};
@@ -567,7 +539,8 @@ region configuration_region(const configuration *c, const double *wanted) {
       g.lower[k] = m->region_lower[k];
       g.upper[k] = m->region_upper[k];
     } else {
-      about_disks(c, k, &g.lower[k], &g.upper[k]);
+      g.lower[k] = -c->extent.edge[k];
+      g.upper[k] = c->extent.edge[2 + k];
     }
     double length = c->length[k];
     g.whole[k] = length > 0.0 && g.upper[k] - g.lower[k] >= length * (1.0 - 1e-12);

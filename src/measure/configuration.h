@@ -16,7 +16,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "base/comm.h"
 #include "model/model.h"
 #include "model/state.h"
 
@@ -54,6 +53,14 @@ double region_circle_polygon(double radius, size_t n, const double (*corner)[2])
 
 /* --- frames and configurations ---------------------------------------------------------------- */
 
+/* Extent of the disks in play: the largest values of -x, -y, x and y, in this order, of the centres
+ * of free disks, and of the edges of all disks; -HUGE_VAL: there are none. */
+typedef struct disk_extent {
+  double centre[4], edge[4];
+} disk_extent;
+/* Extends *e so that it includes a disk with centre at[]. */
+void disk_extent_add(disk_extent *e, const double at[2], double radius, bool free);
+
 /* Stored frame: arrays with one row per body of the run, disks first, then walls. */
 typedef struct frame_data {
   int64_t step;
@@ -65,10 +72,7 @@ typedef struct frame_data {
   double stretch[2], offset;
   double gradient[SD_CELL_COMPONENTS]; /* velocity gradient of the box, 1/time: xx, yy, xy */
   size_t n_bodies, n_disks;
-  const comm *comm; /* communicator of the ranks that share the frame; NULL: all bodies are here */
-  /* number of this rank's free disks if comm is set: they come first, then ghosts, then the
-   * prescribed bodies, which all ranks have */
-  size_t n_own;
+  disk_extent extent; /* extent of disks in play that have no rows in the frame */
   /* [n_bodies] x and y of the position, wrapped into the periodic box, and of the velocity */
   double (*position)[2], (*velocity)[2];
   double *angle, *spin;
@@ -92,12 +96,10 @@ void frame_data_free(frame_data *f);
  * SD_ERROR_IO: out of memory. */
 sd_status frame_data_of_state(frame_data *f, const sd_model *model, const sd_state *state,
                               sd_messages *messages);
-/* Copies the bodies and contacts that one rank has into a frame that numbers bodies by their index
- * in the state (slot). *constants becomes a copy of `model` with these bodies: it shares all
- * members with `model` except `disks`, which the caller frees, also when the function fails. */
-sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *model,
-                             const sd_state *part, const slot_table *slots, const comm *c,
-                             sd_messages *messages);
+/* Copies walls and deformation of the box from the state into a frame without disks; `model` is the
+ * model of the run. Errors are those of frame_data_of_state. */
+sd_status frame_data_of_walls(frame_data *f, const sd_model *model, const sd_state *state,
+                              sd_messages *messages);
 
 typedef struct config_contact {
   /* a, b: numbers of the two bodies in configuration.model, a is always a free disk; part: index of
@@ -118,7 +120,7 @@ typedef struct config_contact {
   int slide;
 } config_contact;
 
-/* Rigid body made of several disks. */
+/* Rigid body made of several disks, or one disk in no clump. */
 typedef struct config_clump {
   size_t n_disks;  /* number of disks of the clump that are in play; 0: the clump is absent */
   uint32_t *disks; /* [n_disks] numbers of these disks, ascending */
@@ -138,10 +140,7 @@ typedef struct configuration {
   double length[2]; /* lengths of the periodic box along x and y, 0: not periodic */
   double offset;    /* x shift of the periodic image above, in a sheared box */
   double gradient[SD_CELL_COMPONENTS]; /* velocity gradient of a box that deforms: xx, yy, xy */
-  /* comm: ranks that share the disks, or NULL; n_own: number of this rank's free disks (as in
-   * frame_data) */
-  const comm *comm;
-  size_t n_own;
+  disk_extent extent;                  /* that of the frame, and of the disks in model */
   /* true if the contacts were not stored but computed from positions and velocities */
   bool recomputed;
   bool frictionless; /* true if no pair of materials has k_t > 0 and mu > 0 */
@@ -158,7 +157,7 @@ typedef struct configuration {
 /* Builds the configuration of a frame. constants: model of the run (disks, walls, laws, box,
  * region), from which everything is read that the frame lacks. Without a disk in play only walls,
  * box and region are set. Call configuration_free also when it fails. SD_ERROR_USER: the frame does
- * not fit the model. Collective. */
+ * not fit the model. */
 sd_status configuration_new(configuration *c, const sd_model *constants, const frame_data *frame,
                             sd_messages *messages);
 void configuration_free(configuration *c);
@@ -167,11 +166,25 @@ void configuration_free(configuration *c);
  * configuration_new, which calls this function. SD_ERROR_IO: out of memory. */
 sd_status configuration_clumps(configuration *c, const sd_model *from, const frame_data *frame);
 void configuration_clumps_free(configuration *c);
-/* Computes the branch vector l[] between the two rigid bodies of a contact. It starts at from[],
- * the centre of disk a or of its clump, and ends at the centre of disk b or of its clump, or on the
- * surface of b if it is a wall or a prescribed disk. */
-void configuration_branch(const configuration *c, const config_contact *k, double from[2],
-                          double l[2]);
+/* Computes mass, moment of inertia, centre of mass, velocity and force of a clump from the rows
+ * disks[i] of its disks, i in k->disks. arm[i]: vector to each disk, from the first disk before the
+ * call, from the centre of mass after it. */
+void configuration_clump(config_clump *k, const sd_disk *disks, double (*arm)[2]);
+/* Returns a disk in no clump as a rigid body, without force. */
+static inline config_clump configuration_alone(const sd_disk *d) {
+  config_clump body = {.mass = d->mass, .inertia = d->inertia};
+  for (int q = 0; q < 3; q++) body.velocity[q] = d->velocity[q];
+  for (int q = 0; q < 2; q++) body.position[q] = d->position[q];
+  return body;
+}
+/* Computes normal, branch vector, point and force of a contact, and the numbers of its law, from the
+ * members part, overlap, force, tau and roll, and from its disks a and b; b: NULL for wall k->b -
+ * n_disks of c->model. */
+void configuration_complete(const configuration *c, config_contact *k, const sd_disk *a,
+                            const sd_disk *b);
+/* Wraps a position into the periodic box. If rounding puts a coordinate on the upper edge, it is
+ * set to the lower edge. */
+void configuration_wrap(const configuration *c, double at[2]);
 /* Returns true if the disk belongs to a clump. */
 static inline bool configuration_in_clump(const configuration *c, size_t disk) {
   return c->n_clumps > 0 && c->clump_of[disk] >= 0;
@@ -179,7 +192,7 @@ static inline bool configuration_in_clump(const configuration *c, size_t disk) {
 
 /* Returns the region that is measured. wanted: x0, x1, y0, y1 of a region; NULL: the region of the
  * model, with edges that follow walls that have moved; the periodic box along periodic directions;
- * the bounding box of all disks if the model has no region. Collective. */
+ * the bounding box of all disks if the model has no region. */
 region configuration_region(const configuration *c, const double *wanted);
 /* Returns a bit mask of those edges of the model's region that are neither walls nor periodic, so
  * that results per area depend on their position: bit 2 c is the lower, bit 2 c + 1 the upper edge
@@ -202,12 +215,6 @@ static inline double configuration_tau(const sd_model *m, const sd_state *s,
                                        const slot_table *slots, size_t c) {
   return configuration_tau_of(m, s, c, s->material[slot_of(slots, s->contact_a[c])],
                               s->material[slot_of(slots, s->contact_b[c])]);
-}
-/* Returns true if this rank includes the disk in its sums: each rank includes its own free disks,
- * and rank 0 also the prescribed disks. */
-static inline bool configuration_counts(const configuration *c, uint32_t disk) {
-  return !c->comm || c->number[disk] < c->n_own ||
-         (c->model->disks[disk].driven && comm_rank(c->comm) == 0);
 }
 /* Returns true if the body is a free disk. */
 static inline bool configuration_is_free(const configuration *c, uint32_t body) {

@@ -40,34 +40,38 @@ static double between(const configuration *c, const frame_data *f, uint32_t firs
   return (f->position[b][q] - f->position[a][q]) + (f->image[b][q] - f->image[a][q]) * c->length[q];
 }
 
-/* Computes mass, centre of mass, velocity, force and moment of inertia of clump k, and the vectors
- * c->arm from its centre to its disks. Positions are computed relative to the first disk. */
-static void measure(configuration *c, const frame_data *f, config_clump *k) {
-  const sd_model *m = c->model;
+void configuration_clump(config_clump *k, const sd_disk *disks, double (*arm)[2]) {
   double centre[2] = {0.0, 0.0};
   for (size_t n = 0; n < k->n_disks; n++) {
     const uint32_t i = k->disks[n];
-    const sd_disk *d = &m->disks[i];
+    const sd_disk *d = &disks[i];
     k->mass += d->mass;
     for (int q = 0; q < 2; q++) {
-      c->arm[i][q] = between(c, f, k->disks[0], i, q);
-      centre[q] += d->mass * c->arm[i][q];
+      centre[q] += d->mass * arm[i][q];
       k->velocity[q] += d->mass * d->velocity[q];
       k->force[q] += d->force[q];
     }
   }
+  const sd_disk *first = &disks[k->disks[0]];
   for (int q = 0; q < 2; q++) {
     centre[q] /= k->mass;
     k->velocity[q] /= k->mass;
-    k->position[q] = m->disks[k->disks[0]].position[q] + centre[q];
+    k->position[q] = first->position[q] + centre[q];
   }
-  k->velocity[SD_THETA] = m->disks[k->disks[0]].velocity[SD_THETA];
+  k->velocity[SD_THETA] = first->velocity[SD_THETA];
   for (size_t n = 0; n < k->n_disks; n++) {
     const uint32_t i = k->disks[n];
-    for (int q = 0; q < 2; q++) c->arm[i][q] -= centre[q];
-    k->inertia += m->disks[i].inertia +
-                  m->disks[i].mass * (c->arm[i][0] * c->arm[i][0] + c->arm[i][1] * c->arm[i][1]);
+    for (int q = 0; q < 2; q++) arm[i][q] -= centre[q];
+    k->inertia +=
+        disks[i].inertia + disks[i].mass * (arm[i][0] * arm[i][0] + arm[i][1] * arm[i][1]);
   }
+}
+
+/* Computes clump k and the vectors c->arm from its centre to its disks. */
+static void measure(configuration *c, const frame_data *f, config_clump *k) {
+  for (size_t n = 0; n < k->n_disks; n++)
+    for (int q = 0; q < 2; q++) c->arm[k->disks[n]][q] = between(c, f, k->disks[0], k->disks[n], q);
+  configuration_clump(k, c->model->disks, c->arm);
 }
 
 /* Applies the values that the model gives for the clump itself: its moment of inertia, if given,
@@ -105,17 +109,4 @@ void configuration_clumps_free(configuration *c) {
   free(c->clump_of);
   free(c->clump_disks);
   free(c->arm);
-}
-
-void configuration_branch(const configuration *c, const config_contact *k, double from[2],
-                          double l[2]) {
-  const double *centre = c->model->disks[k->a].position, between[2] = {k->lx, k->ly};
-  for (int q = 0; q < 2; q++) {
-    from[q] = centre[q];
-    l[q] = between[q];
-    if (c->n_clumps == 0) continue;
-    from[q] -= c->arm[k->a][q];
-    l[q] += c->arm[k->a][q];
-    if (k->b < c->model->n_disks) l[q] -= c->arm[k->b][q];
-  }
 }

@@ -4,9 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/comm.h"
 #include "base/memory.h"
-#include "measure/configuration.h"
 #include "measure/observable.h"
 #include "measure/stress.h"
 #include "pack/compress.h"
@@ -15,9 +13,10 @@
 
 static const size_t NONE = SIZE_MAX;
 
-/* Layout of resultants.sums: first WHOLE sums over all contacts and disks, with these indices; then
- * ROW sums (FORCE_X, ...) for each wall, each group and each chosen disk. */
-enum { CONTACTS, SLIDING, OUTSIDE, VIRIAL, SQUARES, WHOLE };
+/* Layout of resultants.sums: first WHOLE sums over all contacts and disks, with these indices (those of
+ * the contact stress, xx ... yy, are TENSOR to TENSOR + 3); then ROW sums (FORCE_X, ...) for each
+ * wall, each group and each chosen disk. */
+enum { CONTACTS, SLIDING, OUTSIDE, VIRIAL, SQUARES, TENSOR, WHOLE = TENSOR + 4 };
 enum { FORCE_X, FORCE_Y, TORQUE, NORMAL, TANGENTIAL, ROW_CONTACTS, ROW_SLIDING, ROW };
 
 /* A state, or the part of it that one rank has. */
@@ -27,6 +26,12 @@ typedef struct part {
   const slot_table *slots;
   /* ranks that share the state; NULL: the state is complete */
   const comm *comm;
+  /* Box, region and walls at this time, without disks and contacts, and the region that is
+   * measured; set if the model asks for groups, box or stress. */
+  configuration space;
+  region region;
+  double (
+      *arm)[2]; /* [n_free] vector from the centre of its clump to each disk, if there are clumps */
 } part;
 
 static exact_sum *walls_of(const resultants *r) { return r->sums + WHOLE; }
@@ -166,101 +171,194 @@ static void add_whole(const resultants *r, const part *p) {
   exact_sum_add(&r->sums[OUTSIDE], (double)outside_count(s));
 }
 
-/* --- groups ----------------------------------------------------------------------------------- */
+/* --- geometry --------------------------------------------------------------------------------- */
+
+/* Sets box, walls and region. Collective. */
+static sd_status take_space(part *p, sd_messages *messages) {
+  const sd_state *s = p->state;
+  sd_model constants = *p->model;
+  frame_data f;
+  constants.n_disks = 0;
+  sd_status status = frame_data_of_walls(&f, p->model, s, messages);
+  for (size_t i = 0; status == SD_OK && i < s->n_disks; i++)
+    if (i >= s->n_free || body_in_play(s, i))
+      disk_extent_add(&f.extent, (double[]){s->x[i], s->y[i]}, s->radius[i], i < s->n_free);
+  for (int k = 0; status == SD_OK && k < 4; k++) {
+    f.extent.centre[k] = comm_largest(p->comm, f.extent.centre[k]);
+    f.extent.edge[k] = comm_largest(p->comm, f.extent.edge[k]);
+  }
+  if (status == SD_OK) status = configuration_new(&p->space, &constants, &f, messages);
+  if (status == SD_OK) p->region = configuration_region(&p->space, NULL);
+  frame_data_free(&f);
+  return status;
+}
+
+/* Returns the disk in this slot, with its position wrapped into the periodic box. */
+static sd_disk disk_in(const part *p, size_t slot) {
+  const sd_state *s = p->state;
+  sd_disk d = {.position = {s->x[slot], s->y[slot]},
+               .velocity = {s->vx[slot], s->vy[slot]},
+               .radius = s->radius[slot],
+               .mass = s->mass[slot],
+               .material = s->material[slot],
+               .driven = slot >= s->n_free + s->n_ghosts};
+  configuration_wrap(&p->space, d.position);
+  return d;
+}
 
 /* Computes the unwrapped position at[] of the disk in this slot, from its image counts. */
-static void absolute(const configuration *c, const sd_state *s, uint32_t slot, double at[2]) {
+static void absolute(const part *p, size_t slot, double at[2]) {
+  const sd_state *s = p->state;
+  const configuration *c = &p->space;
   at[0] = s->x[slot] + s->image_x[slot] * c->length[0] + s->image_y[slot] * c->offset;
   at[1] = s->y[slot] + s->image_y[slot] * c->length[1];
 }
 
-/* Returns the index in the state (slot) of a disk of the configuration. If several ranks share the
- * state, frames number disks by their slots. */
-static uint32_t slot_in(const part *p, const configuration *c, uint32_t disk) {
-  return p->comm ? c->number[disk] : slot_of(p->slots, c->number[disk]);
-}
+/* --- groups ----------------------------------------------------------------------------------- */
 
 /* Indices of the sums for the centre of mass of a group: mass, mass times x, mass times y; their
  * number. */
 enum { MASS, MASS_X, MASS_Y, CENTRE };
 
-static void add_masses(exact_sum *sum, const part *p, const configuration *c) {
-  double at[2];
-  for (uint32_t i = 0; i < c->model->n_disks; i++) {
-    const sd_disk *d = &c->model->disks[i];
-    if (d->group < 0 || !configuration_counts(c, i)) continue;
-    exact_sum *centre = sum + CENTRE * (size_t)d->group;
-    absolute(c, p->state, slot_in(p, c, i), at);
-    exact_sum_add(&centre[MASS], d->mass);
-    exact_sum_add(&centre[MASS_X], d->mass * at[0]);
-    exact_sum_add(&centre[MASS_Y], d->mass * at[1]);
-  }
-  add_up(p, sum, CENTRE * p->model->n_groups);
-}
-
-static void add_group_forces(exact_sum *rows, const double (*centre)[2], const part *p,
-                             const configuration *c) {
-  for (size_t k = 0; k < c->n_contacts; k++) {
-    const config_contact *q = &c->contacts[k];
-    const uint32_t body[2] = {q->a, q->b};
-    int group[2];
-    double at[2];
-    for (int x = 0; x < 2; x++)
-      group[x] = body[x] < c->model->n_disks ? c->model->disks[body[x]].group : -1;
-    for (int x = 0; group[0] != group[1] && x < 2; x++) {
-      if (group[x] < 0) continue;
-      const double sign = x == 0 ? -1.0 : 1.0, fx = sign * q->fx, fy = sign * q->fy;
-      const double *g = centre[group[x]];
-      exact_sum *row = rows + ROW * (size_t)group[x];
-      absolute(c, p->state, slot_in(p, c, body[x]), at);
-      exact_sum_add(&row[FORCE_X], fx);
-      exact_sum_add(&row[FORCE_Y], fy);
-      const double turn = c->model->disks[body[x]].radius * q->tau - sign * q->couple;
-      exact_sum_add(&row[TORQUE], (at[0] - g[0]) * fy - (at[1] - g[1]) * fx + turn);
-    }
-  }
-}
-
-static void group_forces(const resultants *r, const part *p, const configuration *c) {
+/* Returns the centres of mass of all groups. */
+static double (*group_centres(const part *p))[2] {
+  const sd_state *s = p->state;
   const size_t n = p->model->n_groups;
   exact_sum *sum = memory_new(CENTRE * n, sizeof *sum);
-  double(*centre)[2] = memory_new(n, sizeof *centre);
-  add_masses(sum, p, c);
+  double(*centre)[2] = memory_new(n, sizeof *centre), at[2];
+  for (size_t i = 0; i < s->n_disks; i++) {
+    if (s->group[i] < 0 || !counts(p, i) || (i < s->n_free && !body_in_play(s, i))) continue;
+    exact_sum *of = sum + CENTRE * (size_t)s->group[i];
+    absolute(p, i, at);
+    exact_sum_add(&of[MASS], s->mass[i]);
+    exact_sum_add(&of[MASS_X], s->mass[i] * at[0]);
+    exact_sum_add(&of[MASS_Y], s->mass[i] * at[1]);
+  }
+  add_up(p, sum, CENTRE * n);
   for (size_t k = 0; k < n; k++)
     for (int x = 0; x < 2; x++)
       centre[k][x] = exact_sum_value(&sum[CENTRE * k + MASS_X + (size_t)x]) /
                      exact_sum_value(&sum[CENTRE * k]);
-  add_group_forces(groups_of(r, p->model), (const double(*)[2])centre, p, c);
   free(sum);
-  free(centre);
+  return centre;
 }
 
-/* --- region and stress ------------------------------------------------------------------------ */
-
-static sd_status take_geometry(resultants *r, const part *p, const sd_model *constants,
-                               const frame_data *f, sd_messages *messages) {
-  configuration c;
-  sd_status status = configuration_new(&c, constants, f, messages);
-  if (status == SD_OK) {
-    region g = configuration_region(&c, NULL);
-    r->width = isfinite(g.upper[0]) ? g.upper[0] - g.lower[0] : NAN;
-    r->height = isfinite(g.upper[1]) ? g.upper[1] - g.lower[1] : NAN;
-    if (p->model->measure_stress) stress_tensors(r->stress, r->kinetic, &c, &g);
+/* Adds the force and torque of a contact to the sums of the groups of its bodies. */
+static void add_group_force(exact_sum *rows, const part *p, const config_contact *q,
+                            const uint32_t slot[2], double (*centre)[2]) {
+  const sd_state *s = p->state;
+  double at[2];
+  for (int x = 0; s->group[slot[0]] != s->group[slot[1]] && x < 2; x++) {
+    const int32_t group = s->group[slot[x]];
+    if (group < 0) continue;
+    const double sign = x == 0 ? -1.0 : 1.0, fx = sign * q->fx, fy = sign * q->fy;
+    const double *g = centre[group];
+    exact_sum *row = rows + ROW * (size_t)group;
+    absolute(p, slot[x], at);
+    exact_sum_add(&row[FORCE_X], fx);
+    exact_sum_add(&row[FORCE_Y], fy);
+    const double turn = s->radius[slot[x]] * q->tau - sign * q->couple;
+    exact_sum_add(&row[TORQUE], (at[0] - g[0]) * fy - (at[1] - g[1]) * fx + turn);
   }
-  if (status == SD_OK && p->model->measure_groups) group_forces(r, p, &c);
-  configuration_free(&c);
-  return status;
 }
 
-static sd_status take_frame(resultants *r, const part *p, sd_messages *messages) {
-  frame_data f;
-  sd_model constants = {0};
-  sd_status status =
-      p->comm ? frame_data_of_part(&f, &constants, p->model, p->state, p->slots, p->comm, messages)
-              : frame_data_of_state(&f, p->model, p->state, messages);
-  if (status == SD_OK) status = take_geometry(r, p, p->comm ? &constants : p->model, &f, messages);
-  frame_data_free(&f);
-  free(constants.disks);
+/* --- stress ----------------------------------------------------------------------------------- */
+
+/* Returns clump k as a rigid body, of mass 0 if it is not in play, and sets the arms of its disks.
+ * disks, slots: [n_free] temporary. */
+static config_clump clump_in(const part *p, size_t k, sd_disk *disks, uint32_t *slots) {
+  const sd_state *s = p->state;
+  const sd_clump *of = &p->model->clumps[k];
+  const double *length = p->space.length;
+  config_clump clump = {.disks = slots};
+  for (size_t n = 0; n < of->n_disks; n++) {
+    const uint32_t i = slot_of(p->slots, of->disks[n]);
+    if (!body_in_play(s, i)) continue;
+    slots[clump.n_disks++] = i;
+    const uint32_t first = slots[0];
+    disks[i] = disk_in(p, i);
+    p->arm[i][0] = s->x[i] - s->x[first] + (s->image_x[i] - s->image_x[first]) * length[0];
+    p->arm[i][1] = s->y[i] - s->y[first] + (s->image_y[i] - s->image_y[first]) * length[1];
+  }
+  if (clump.n_disks > 0) configuration_clump(&clump, disks, p->arm);
+  return clump;
+}
+
+/* Returns the disk in this slot as a rigid body, of mass 0 if it is not in play or in a clump. */
+static config_clump alone(const part *p, size_t slot) {
+  const sd_state *s = p->state;
+  const bool joined = s->n_clumps > 0 && p->model->disks[s->id[slot]].clump > 0;
+  const sd_disk d = disk_in(p, slot);
+  return joined || !body_in_play(s, slot) ? (config_clump){0} : configuration_alone(&d);
+}
+
+/* Computes the kinetic stress, and sets the arms of disks in clumps. Collective. */
+static sd_status take_motion(resultants *r, part *p, sd_messages *messages) {
+  const sd_state *s = p->state;
+  const size_t n = s->n_clumps > 0 ? s->n_free : 0;
+  config_clump *list;
+  sd_disk *disks;
+  uint32_t *slots;
+  size_t inside = 0;
+  const memory_column rows[] = {{&list, s->n_free + s->n_clumps, sizeof *list},
+                                {&disks, n, sizeof *disks},
+                                {&slots, n, sizeof *slots},
+                                {&p->arm, n, sizeof *p->arm}};
+  if (!memory_rows(sizeof rows / sizeof *rows, rows))
+    return sd_fail(messages, SD_ERROR_IO, "no memory for %zu disks", s->n_free);
+  for (size_t k = 0; k < s->n_free + s->n_clumps; k++) {
+    config_clump *b = &list[inside];
+    *b = k < s->n_free ? alone(p, k) : clump_in(p, k - s->n_free, disks, slots);
+    inside += b->mass > 0.0 && region_holds(&p->region, b->position[0], b->position[1]);
+  }
+  stress_kinetic(r->kinetic, &p->space, region_area(&p->region), inside, list, p->comm);
+  free(list);
+  free(disks);
+  free(slots);
+  return SD_OK;
+}
+
+/* --- forces of contacts ----------------------------------------------------------------------- */
+
+/* Adds the forces of all contacts to the sums of the contact stress and of the groups. centre:
+ * centres of the groups; NULL: no groups. */
+static void add_forces(const resultants *r, const part *p, double (*centre)[2]) {
+  const sd_state *s = p->state;
+  for (size_t k = 0; k < s->n_contacts; k++) {
+    const uint32_t slot[2] = {slot_of(p->slots, s->contact_a[k]),
+                              slot_of(p->slots, s->contact_b[k])};
+    const bool wall = slot[1] >= s->n_disks;
+    const sd_disk a = disk_in(p, slot[0]), b = wall ? (sd_disk){0} : disk_in(p, slot[1]);
+    config_contact q = {.b = wall ? s->contact_b[k] - (uint32_t)p->model->n_disks : 0,
+                        .part = s->contact_part[k],
+                        .overlap = s->contact_overlap[k],
+                        .force = s->contact_force[k],
+                        .tau = configuration_tau(p->model, s, p->slots, k),
+                        .roll = s->law_columns ? s->contact_roll[k] : 0.0};
+    configuration_complete(&p->space, &q, &a, wall ? NULL : &b);
+    double arm[2][2] = {0};
+    for (int e = 0; s->n_clumps > 0 && e < 2; e++)
+      if (slot[e] < s->n_free) memcpy(arm[e], p->arm[slot[e]], sizeof arm[e]);
+    if (p->model->measure_stress)
+      stress_add_contact(r->sums + TENSOR, &p->region, &q, a.position, arm);
+    if (centre) add_group_force(groups_of(r, p->model), p, &q, slot, centre);
+  }
+}
+
+static sd_status take_geometry(resultants *r, part *p, sd_messages *messages) {
+  const sd_model *m = p->model;
+  sd_status status = take_space(p, messages);
+  if (status == SD_OK && m->measure_stress) status = take_motion(r, p, messages);
+  if (status == SD_OK && (m->measure_stress || m->measure_groups)) {
+    double(*centre)[2] = m->measure_groups ? group_centres(p) : NULL;
+    add_forces(r, p, centre);
+    free(centre);
+  }
+  const region *g = &p->region;
+  r->width = isfinite(g->upper[0]) ? g->upper[0] - g->lower[0] : NAN;
+  r->height = isfinite(g->upper[1]) ? g->upper[1] - g->lower[1] : NAN;
+  configuration_free(&p->space);
+  free(p->arm);
   if (p->comm && status != SD_OK) comm_fail(p->comm, "no memory");
   return status;
 }
@@ -278,8 +376,11 @@ static void round_rows(resultant *out, const exact_sum *row, size_t n) {
                          .sliding = (int64_t)exact_sum_value(&row[ROW_SLIDING])};
 }
 
-static void round_all(resultants *r, const sd_model *m, const sd_state *s) {
-  const double area = compress_area(m, s);
+static void round_all(resultants *r, const part *p) {
+  const sd_model *m = p->model;
+  const double area = compress_area(m, p->state);
+  for (int k = 0; m->measure_stress && k < 4; k++)
+    r->stress[k] = exact_sum_value(&r->sums[TENSOR + k]) / region_area(&p->region);
   r->contacts = (int64_t)exact_sum_value(&r->sums[CONTACTS]);
   r->sliding = (int64_t)exact_sum_value(&r->sums[SLIDING]);
   r->outside = (int64_t)exact_sum_value(&r->sums[OUTSIDE]);
@@ -292,7 +393,7 @@ static void round_all(resultants *r, const sd_model *m, const sd_state *s) {
 
 sd_status resultants_compute(resultants *r, const sd_model *m, const sd_state *s,
                              const slot_table *slots, const comm *c, sd_messages *messages) {
-  const part p = {m, s, slots, c};
+  part p = {.model = m, .state = s, .slots = slots, .comm = c};
   sd_status status = SD_OK;
   memset(r->sums, 0, r->n_sums * sizeof *r->sums);
   add_whole(r, &p);
@@ -304,8 +405,8 @@ sd_status resultants_compute(resultants *r, const sd_model *m, const sd_state *s
   for (size_t k = 0; k < m->n_contact_disks; k++)
     add_force(&p, disks_of(r, m) + ROW * k, m->contact_disks[k]);
   if (m->measure_groups || m->measure_box || m->measure_stress)
-    status = take_frame(r, &p, messages);
+    status = take_geometry(r, &p, messages);
   add_up(&p, r->sums, r->n_sums);
-  if (status == SD_OK) round_all(r, m, s);
+  if (status == SD_OK) round_all(r, &p);
   return status;
 }

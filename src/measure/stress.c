@@ -2,8 +2,8 @@
 #include "measure/stress.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-#include "base/comm.h"
 #include "base/memory.h"
 
 principal stress_principal(const double t[4]) {
@@ -71,6 +71,9 @@ typedef struct scratch {
   /* stack of new rattlers, whose contacts are still to be taken from their partners */
   uint32_t *stack;
   incidence_list list;
+  /* [n_bodies] rigid bodies with their centre in the region: disks in no clump, then clumps */
+  config_clump *bodies;
+  size_t n_bodies;
 } scratch;
 
 /* Fills the list of load-bearing contacts. bearing: number of such contacts of each rigid body. */
@@ -115,52 +118,40 @@ static void find_rattlers(stress *s, const configuration *c, const scratch *room
 
 /* --- sums over the region --------------------------------------------------------------------- */
 
-/* Rigid body that is not prescribed: a clump, or a disk in no clump. */
-typedef struct body {
-  double mass, inertia;
-  const double *position, *velocity;
-  double resultant; /* absolute value of the total force on the body; NAN if unknown */
-} body;
-
-static size_t n_bodies(const configuration *c) { return c->model->n_disks + c->n_clumps; }
-
-/* Fills *b with rigid body k (disks first, then clumps). Returns false unless it is free and has
- * its centre in the region. s may be NULL: the resultant is then NAN. */
-static bool body_moves(body *b, const configuration *c, const region *g, const stress *s,
+/* Fills *b with rigid body k (disks first, then clumps); its force becomes the total force. Returns
+ * false unless it is free and has its centre in the region. */
+static bool body_moves(config_clump *b, const configuration *c, const region *g, const stress *s,
                        size_t k) {
   const sd_model *m = c->model;
   if (k < m->n_disks) {
-    const sd_disk *d = &m->disks[k];
-    if (d->driven || configuration_in_clump(c, k)) return false;
-    *b = (body){d->mass, d->inertia, d->position, d->velocity,
-                s ? hypot(s->resultant[k][0], s->resultant[k][1]) : NAN};
+    if (!configuration_is_free(c, (uint32_t)k) || configuration_in_clump(c, k)) return false;
+    *b = configuration_alone(&m->disks[k]);
+    memcpy(b->force, s->resultant[k], sizeof b->force);
   } else {
-    const config_clump *of = &c->clumps[k - m->n_disks];
-    double sum[2] = {of->force[0], of->force[1]};
-    if (of->n_disks == 0) return false;
-    for (size_t n = 0; s && n < of->n_disks; n++)
-      for (int q = 0; q < 2; q++) sum[q] += s->resultant[of->disks[n]][q];
-    *b = (body){of->mass, of->inertia, of->position, of->velocity, s ? hypot(sum[0], sum[1]) : NAN};
+    *b = c->clumps[k - m->n_disks];
+    if (b->n_disks == 0) return false;
+    for (size_t n = 0; n < b->n_disks; n++)
+      for (int q = 0; q < 2; q++) b->force[q] += s->resultant[b->disks[n]][q];
   }
   return region_holds(g, b->position[0], b->position[1]);
 }
 
-static void sum_bodies(stress *s, const configuration *c, const region *g) {
+static void sum_bodies(stress *s, const configuration *c, const region *g, scratch *room) {
   double resultant = 0.0;
-  size_t bodies = 0;
-  body b;
-  for (size_t k = 0; k < n_bodies(c); k++) {
-    if (!body_moves(&b, c, g, s, k)) continue;
-    const double *v = b.velocity;
-    bodies++;
+  for (size_t k = 0; k < c->model->n_disks + c->n_clumps; k++) {
+    config_clump *b = &room->bodies[room->n_bodies];
+    if (!body_moves(b, c, g, s, k)) continue;
+    const double *v = b->velocity;
+    room->n_bodies++;
     s->clumps += k >= c->model->n_disks;
-    resultant += b.resultant;
-    s->energy_translation += 0.5 * b.mass * (v[0] * v[0] + v[1] * v[1]);
-    s->energy_rotation += 0.5 * b.inertia * v[2] * v[2];
+    resultant += hypot(b->force[0], b->force[1]);
+    s->energy_translation += 0.5 * b->mass * (v[0] * v[0] + v[1] * v[1]);
+    s->energy_rotation += 0.5 * b->inertia * v[2] * v[2];
   }
-  s->energy_translation = ratio(s->energy_translation, bodies);
-  s->energy_rotation = ratio(s->energy_rotation, bodies);
-  s->unbalanced = ratio(resultant, bodies); /* sum_contacts divides this by the mean force */
+  s->energy_translation = ratio(s->energy_translation, room->n_bodies);
+  s->energy_rotation = ratio(s->energy_rotation, room->n_bodies);
+  s->unbalanced =
+      ratio(resultant, room->n_bodies); /* sum_contacts divides this by the mean force */
 }
 
 static void count_disks(stress *s, const configuration *c, const region *g, const bool *inside,
@@ -189,65 +180,60 @@ static void count_disks(stress *s, const configuration *c, const region *g, cons
 }
 
 /* Computes the velocity v of a body relative to the homogeneous flow of a box that deforms. */
-static void beside_flow(const configuration *c, const body *b, double v[2]) {
+static void beside_flow(const configuration *c, const config_clump *b, double v[2]) {
   const double *g = c->gradient, x = b->position[0] - c->model->lower[0],
                y = b->position[1] - c->model->lower[1];
   v[0] = b->velocity[0] - (g[SD_CELL_XX] * x + g[SD_CELL_XY] * y);
   v[1] = b->velocity[1] - g[SD_CELL_YY] * y;
 }
 
-/* Returns true if this rank includes body k in its sums. Runs on several ranks have no clumps. */
-static bool body_counts(const configuration *c, size_t k) {
-  return k >= c->model->n_disks || configuration_counts(c, (uint32_t)k);
-}
-
-/* Adds up exact sums over the ranks that share the configuration. */
-static void add_up(const configuration *c, exact_sum *sums, size_t n) {
-  comm_total_exact(c->comm, sums, n);
-}
-
-static void kinetic_stress(double out[4], const configuration *c, const region *g, double area) {
+void stress_kinetic(double out[4], const configuration *c, double area, size_t n,
+                    const config_clump *bodies, const comm *ranks) {
   /* momentum: sums of m v_x, m v_y and m; sum: sums of m v_i v_j */
   exact_sum momentum[3] = {0}, sum[4] = {0};
   double v[2];
-  body b;
-  for (size_t i = 0; i < n_bodies(c); i++) {
-    if (!body_moves(&b, c, g, NULL, i) || !body_counts(c, i)) continue;
-    beside_flow(c, &b, v);
-    for (int k = 0; k < 2; k++) exact_sum_add(&momentum[k], b.mass * v[k]);
-    exact_sum_add(&momentum[2], b.mass);
+  for (size_t i = 0; i < n; i++) {
+    const double mass = bodies[i].mass;
+    beside_flow(c, &bodies[i], v);
+    for (int k = 0; k < 2; k++) exact_sum_add(&momentum[k], mass * v[k]);
+    exact_sum_add(&momentum[2], mass);
   }
-  add_up(c, momentum, 3);
-  const double mass = exact_sum_value(&momentum[2]);
-  const double mean[2] = {exact_sum_value(&momentum[0]) / mass,
-                          exact_sum_value(&momentum[1]) / mass};
-  for (size_t i = 0; i < n_bodies(c); i++) {
-    if (!body_moves(&b, c, g, NULL, i) || !body_counts(c, i)) continue;
-    beside_flow(c, &b, v);
+  comm_total_exact(ranks, momentum, 3);
+  const double all = exact_sum_value(&momentum[2]);
+  const double mean[2] = {exact_sum_value(&momentum[0]) / all, exact_sum_value(&momentum[1]) / all};
+  for (size_t i = 0; i < n; i++) {
+    beside_flow(c, &bodies[i], v);
     for (int k = 0; k < 2; k++) v[k] -= mean[k];
-    for (int k = 0; k < 4; k++) exact_sum_add(&sum[k], b.mass * v[k / 2] * v[k % 2]);
+    for (int k = 0; k < 4; k++) exact_sum_add(&sum[k], bodies[i].mass * v[k / 2] * v[k % 2]);
   }
-  add_up(c, sum, 4);
+  comm_total_exact(ranks, sum, 4);
   for (int k = 0; k < 4; k++) out[k] = exact_sum_value(&sum[k]) / area;
 }
 
-static void contact_stress(double out[4], const configuration *c, const region *g, double area) {
+void stress_add_contact(exact_sum sum[4], const region *g, const config_contact *contact,
+                        const double at[2], double arm[2][2]) {
+  const double f[2] = {contact->fx, contact->fy};
+  double from[2], l[2] = {contact->lx, contact->ly};
+  for (int q = 0; q < 2; q++) {
+    from[q] = at[q] - arm[0][q];
+    l[q] = l[q] + arm[0][q] - arm[1][q];
+  }
+  const double part = region_line(g, from[0], from[1], l[0], l[1]);
+  for (int e = 0; e < 4; e++) exact_sum_add(&sum[e], part * l[e / 2] * f[e % 2]);
+}
+
+static void contact_stress(stress *s, const configuration *c, const region *g) {
+  const sd_model *m = c->model;
   exact_sum sum[4] = {0};
   for (size_t k = 0; k < c->n_contacts; k++) {
     const config_contact *q = &c->contacts[k];
-    const double f[2] = {q->fx, q->fy};
-    double from[2], l[2];
-    configuration_branch(c, q, from, l);
-    double part = region_line(g, from[0], from[1], l[0], l[1]);
-    for (int e = 0; e < 4; e++) exact_sum_add(&sum[e], part * l[e / 2] * f[e % 2]);
+    const uint32_t body[2] = {q->a, q->b};
+    double arm[2][2] = {0};
+    for (int e = 0; c->n_clumps > 0 && e < 2; e++)
+      if (body[e] < m->n_disks) memcpy(arm[e], c->arm[body[e]], sizeof arm[e]);
+    stress_add_contact(sum, g, q, m->disks[q->a].position, arm);
   }
-  add_up(c, sum, 4);
-  for (int e = 0; e < 4; e++) out[e] = exact_sum_value(&sum[e]) / area;
-}
-
-void stress_tensors(double contact[4], double kinetic[4], const configuration *c, const region *g) {
-  contact_stress(contact, c, g, region_area(g));
-  kinetic_stress(kinetic, c, g, region_area(g));
+  for (int e = 0; e < 4; e++) s->contact[e] = exact_sum_value(&sum[e]) / s->area;
 }
 
 static void sum_contacts(stress *s, const configuration *c, const region *g) {
@@ -285,7 +271,7 @@ sd_status stress_new(stress *s, const configuration *c, const region *g, sd_mess
   const sd_model *m = c->model;
   size_t n = m->n_disks;
   *s = (stress){.area = region_area(g)};
-  scratch room;
+  scratch room = {0};
   const memory_column rows[] = {{&s->contacts, n, sizeof *s->contacts},
                                 {&s->bearing, n, sizeof *s->bearing},
                                 {&s->rattler, n, sizeof *s->rattler},
@@ -294,6 +280,7 @@ sd_status stress_new(stress *s, const configuration *c, const region *g, sd_mess
                                 {&room.left, n, sizeof *room.left},
                                 {&room.inside, n, sizeof *room.inside},
                                 {&room.stack, n, sizeof *room.stack},
+                                {&room.bodies, n + c->n_clumps, sizeof *room.bodies},
                                 {&room.list.start, n + 2, sizeof *room.list.start},
                                 {&room.list.partner, 2 * c->n_contacts, sizeof *room.list.partner}};
   if (!memory_rows(sizeof rows / sizeof *rows, rows))
@@ -304,12 +291,14 @@ sd_status stress_new(stress *s, const configuration *c, const region *g, sd_mess
     room.inside[i] = region_holds(g, m->disks[i].position[0], m->disks[i].position[1]);
   find_rattlers(s, c, &room);
   count_disks(s, c, g, room.inside, room.left);
-  sum_bodies(s, c, g);
-  stress_tensors(s->contact, s->kinetic, c, g);
+  sum_bodies(s, c, g, &room);
+  stress_kinetic(s->kinetic, c, s->area, room.n_bodies, room.bodies, NULL);
+  contact_stress(s, c, g);
   sum_contacts(s, c, g);
   free(room.left);
   free(room.inside);
   free(room.stack);
+  free(room.bodies);
   free(room.list.start);
   free(room.list.partner);
   return SD_OK;

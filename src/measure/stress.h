@@ -16,6 +16,8 @@
 #ifndef MEASURE_STRESS_H
 #define MEASURE_STRESS_H
 
+#include "base/comm.h"
+#include "base/exact_sum.h"
 #include "measure/configuration.h"
 
 enum { STRESS_XX, STRESS_XY, STRESS_YX, STRESS_YY };
@@ -81,7 +83,15 @@ typedef struct stress {
  * memory. */
 sd_status stress_new(stress *s, const configuration *c, const region *g, sd_messages *messages);
 void stress_free(stress *s);
-/* Computes only the contact stress and the kinetic stress, by exact sums. Collective. */
-void stress_tensors(double contact[4], double kinetic[4], const configuration *c, const region *g);
+
+/* Computes the kinetic stress (xx, xy, yx, yy) of n rigid bodies in a region of this area. ranks:
+ * ranks that share the bodies, NULL: none. Collective. */
+void stress_kinetic(double out[4], const configuration *c, double area, size_t n,
+                    const config_clump *bodies, const comm *ranks);
+/* Adds a contact to the exact sums (xx, xy, yx, yy) of contact stress times area. at: centre of its
+ * first disk; arm: vectors to the centres of its two disks from those of their clumps, 0: no
+ * clump. */
+void stress_add_contact(exact_sum sum[4], const region *g, const config_contact *contact,
+                        const double at[2], double arm[2][2]);
 
 #endif
