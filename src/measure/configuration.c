@@ -310,8 +310,9 @@ static placed_segment place(const configuration *c, uint32_t part, const double 
   return *walls_image(c->length, &g, at[0], at[1], &image);
 }
 
-/* Returns positions and radii of a contact between disk a and a disk b or, if it is NULL, a wall, in
- * the form that contact_reaction_at needs. *g receives the wall segment that the result points to. */
+/* Returns positions and radii of a contact between disk a and a disk b or, if it is NULL, a
+ * wall, in the form that contact_reaction_at needs. *g receives the wall segment that the result
+ * points to. */
 static contact_place place_of(const configuration *c, const config_contact *k, const sd_disk *a,
                               const sd_disk *b, placed_segment *g) {
   const sd_model *m = c->model;

@@ -177,9 +177,9 @@ static inline config_clump configuration_alone(const sd_disk *d) {
   for (int q = 0; q < 2; q++) body.position[q] = d->position[q];
   return body;
 }
-/* Computes normal, branch vector, point and force of a contact, and the numbers of its law, from the
- * members part, overlap, force, tau and roll, and from its disks a and b; b: NULL for wall k->b -
- * n_disks of c->model. */
+/* Computes normal, branch vector, point and force of a contact, and the numbers of its law, from
+ * the members part, overlap, force, tau and roll, and from its disks a and b; b: NULL for wall
+ * k->b - n_disks of c->model. */
 void configuration_complete(const configuration *c, config_contact *k, const sd_disk *a,
                             const sd_disk *b);
 /* Wraps a position into the periodic box. If rounding puts a coordinate on the upper edge, it is

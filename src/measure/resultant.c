@@ -13,9 +13,9 @@
 
 static const size_t NONE = SIZE_MAX;
 
-/* Layout of resultants.sums: first WHOLE sums over all contacts and disks, with these indices (those of
- * the contact stress, xx ... yy, are TENSOR to TENSOR + 3); then ROW sums (FORCE_X, ...) for each
- * wall, each group and each chosen disk. */
+/* Layout of resultants.sums: first WHOLE sums over all contacts and disks, with these indices
+ * (those of the contact stress, xx ... yy, are TENSOR to TENSOR + 3); then ROW sums (FORCE_X,
+ * ...) for each wall, each group and each chosen disk. */
 enum { CONTACTS, SLIDING, OUTSIDE, VIRIAL, SQUARES, TENSOR, WHOLE = TENSOR + 4 };
 enum { FORCE_X, FORCE_Y, TORQUE, NORMAL, TANGENTIAL, ROW_CONTACTS, ROW_SLIDING, ROW };
 
@@ -30,8 +30,8 @@ typedef struct part {
    * measured; set if the model asks for groups, box or stress. */
   configuration space;
   region region;
-  double (
-      *arm)[2]; /* [n_free] vector from the centre of its clump to each disk, if there are clumps */
+  /* [n_free] vector from the centre of a clump to each of its disks; NULL: no clumps */
+  double (*arm)[2];
 } part;
 
 static exact_sum *walls_of(const resultants *r) { return r->sums + WHOLE; }
