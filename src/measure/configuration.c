@@ -317,6 +317,7 @@ static contact_place place_of(const configuration *c, const config_contact *k, c
                               const sd_disk *b, placed_segment *g) {
   const sd_model *m = c->model;
   const sd_wall *wall = b ? NULL : &m->walls[k->b - m->n_disks];
+  assert(a && (b || wall));
   contact_place at = {.ra = a->radius, .conservative = m->variant == SD_CONSERVATIVE};
   if (wall && wall->kind != SD_WALL_CIRCLE) {
     *g = place(c, k->part, a->position);

@@ -30,7 +30,8 @@ typedef struct part {
    * measured; set if the model asks for groups, box or stress. */
   configuration space;
   region region;
-  /* [n_free] vector from the centre of a clump to each of its disks; NULL: no clumps */
+  /* [n_free] vector from the centre of a clump to each of its disks, if there are clumps; NULL: the
+   * model does not ask for stress */
   double (*arm)[2];
 } part;
 
@@ -337,7 +338,7 @@ static void add_forces(const resultants *r, const part *p, double (*centre)[2]) 
                         .roll = s->law_columns ? s->contact_roll[k] : 0.0};
     configuration_complete(&p->space, &q, &a, wall ? NULL : &b);
     double arm[2][2] = {0};
-    for (int e = 0; s->n_clumps > 0 && e < 2; e++)
+    for (int e = 0; s->n_clumps > 0 && p->arm && e < 2; e++)
       if (slot[e] < s->n_free) memcpy(arm[e], p->arm[slot[e]], sizeof arm[e]);
     if (p->model->measure_stress)
       stress_add_contact(r->sums + TENSOR, &p->region, &q, a.position, arm);

@@ -646,6 +646,7 @@ static sd_status load(h5_file *file, const char *name, int threads, sd_simulatio
   if (status == SD_OK)
     status = h5_exists(file, IMAGE) ? get_image(file, &model, messages)
                                     : get_deck(file, &model, messages);
+  assert(status != SD_OK || model);
   if (status == SD_OK) status = checkpoint_get_state(file, model, &state, messages);
   h5_close(file, NULL);
   if (status == SD_OK) status = sd_simulation_resume(model, state, threads, out, messages);
