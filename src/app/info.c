@@ -58,8 +58,7 @@ static void complete_means(facts *f, const h5_file *file, sd_messages *messages)
   sd_messages *own = sd_messages_new();
   if (checkpoint_complete(file, f->path, NULL, sd_deck_load_text, &f->found.packing, own) !=
       SD_OK) {
-    for (size_t k = 0; k < sd_messages_count(own); k++)
-      sd_warn(messages, "%s", sd_messages_text(own, k));
+    messages_append(messages, SD_OK, own);
     sd_warn(messages, "%s: the means of every disk cannot be told", f->path);
     summary_disks_free(&f->found.packing);
   }

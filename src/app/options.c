@@ -19,9 +19,7 @@
 /* --- lines ------------------------------------------------------------------------------------ */
 
 static char *shown_text(const char *format, va_list args) {
-  char *text = NULL;
-  if (vasprintf(&text, format, args) < 0) memory_lacks(LIMIT_LINE);
-  char *shown = text_escaped(text, LIMIT_LINE);
+  char *text = format_text_v(format, args), *shown = text_escaped(text, LIMIT_LINE);
   free(text);
   return shown;
 }

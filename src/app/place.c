@@ -83,8 +83,7 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
     }
     for (size_t k = 0; *path && k < sd_messages_count(why); k++)
       sd_warn(messages, "%s; an older checkpoint is read: %s", sd_messages_text(why, k), *path);
-    for (size_t k = 0; !*path && attempt == 2 && k < sd_messages_count(why); k++)
-      sd_fail(messages, SD_ERROR_IO, "%s", sd_messages_text(why, k));
+    if (!*path && attempt == 2) messages_append(messages, SD_ERROR_IO, why);
     sd_messages_free(why);
     free(steps);
     if (status != SD_OK || *path) return status;

@@ -1,64 +1,94 @@
-/* message.c: implements the list of messages of slipdisk/status.h. */
+/* message.c: implements the list of messages of slipdisk/status.h and message.h. */
+#include "base/message.h"
+
 #include <assert.h>
 #include <stdarg.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "slipdisk/status.h"
-
-typedef struct line {
-  sd_status kind; /* status of an error; SD_OK: a warning */
-  char *text;
-} line;
 
 struct sd_messages {
   size_t count, capacity, errors, warnings;
   size_t more; /* number of messages that were counted but not kept */
-  line *lines;
+  message *list;
 };
 
 sd_messages *sd_messages_new(void) { return memory_new(1, sizeof(sd_messages)); }
 
+static void subject_free(subject about) {
+  free(about.place);
+  free(about.name);
+  free(about.value);
+}
+
 void sd_messages_clear(sd_messages *m) {
-  for (size_t k = 0; m && k < m->count; k++) free(m->lines[k].text);
+  for (size_t k = 0; m && k < m->count; k++) {
+    subject_free(m->list[k].about);
+    free(m->list[k].wrong);
+    free(m->list[k].text);
+  }
   if (m) m->count = m->errors = m->warnings = m->more = 0;
 }
 
 void sd_messages_free(sd_messages *m) {
   if (!m) return;
   sd_messages_clear(m);
-  free(m->lines);
+  free(m->list);
   free(m);
 }
 
-/* Formats a message. Control characters become \xHH, so that a text from a file cannot send
- * commands to the terminal. */
-static char *words(const char *format, va_list args) {
-  char text[LIMIT_LINE + 2];
-  return vsnprintf(text, sizeof text, format, args) < 0 ? memory_text("")
-                                                        : text_escaped(text, LIMIT_LINE);
+subject about_path(const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  const subject about = {.kind = SUBJECT_PATH, .name = format_text_v(format, args)};
+  va_end(args);
+  return about;
 }
 
-static void add(sd_messages *m, sd_status kind, const char *format, va_list args) {
-  if (!m) return;
-  size_t alike = kind == SD_OK ? m->warnings++ : m->errors++;
-  if (alike >= LIMIT_MESSAGES) {
-    m->more++;
+subject about_value(subject about, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  about.value = format_text_v(format, args);
+  va_end(args);
+  return about;
+}
+
+/* Control characters become \xHH in the text, so that a text from a file cannot send commands to
+ * the terminal. */
+static void add(sd_messages *m, sd_status kind, subject about, const char *format, va_list args) {
+  if (m && (kind == SD_OK ? m->warnings++ : m->errors++) < LIMIT_MESSAGES) {
+    if (m->count == m->capacity) {
+      m->capacity = 2 * m->capacity + 8;
+      m->list = memory_grow(m->list, m->capacity, sizeof *m->list);
+    }
+    char *wrong = format_text_v(format, args), *whole = memory_text("");
+    if (about.place) whole = append_text(whole, "%s: ", about.place);
+    if (about.name) whole = append_text(whole, "%s", about.name);
+    if (about.value) whole = append_text(whole, " = %s", about.value);
+    whole = append_text(whole, "%s%s", about.name ? ": " : "", wrong);
+    m->list[m->count++] = (message){kind, about, wrong, text_escaped(whole, LIMIT_LINE)};
+    free(whole);
     return;
   }
-  if (m->count == m->capacity) {
-    m->capacity = 2 * m->capacity + 8;
-    m->lines = memory_grow(m->lines, m->capacity, sizeof *m->lines);
-  }
-  m->lines[m->count++] = (line){kind, words(format, args)};
+  if (m) m->more++;
+  subject_free(about);
+}
+
+sd_status fail_about(sd_messages *m, subject about, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  add(m, SD_ERROR_USER, about, format, args);
+  va_end(args);
+  return SD_ERROR_USER;
 }
 
 sd_status sd_fail(sd_messages *m, sd_status kind, const char *format, ...) {
   va_list args;
   va_start(args, format);
-  add(m, kind, format, args);
+  add(m, kind, (subject){0}, format, args);
   va_end(args);
   return kind;
 }
@@ -66,31 +96,41 @@ sd_status sd_fail(sd_messages *m, sd_status kind, const char *format, ...) {
 void sd_warn(sd_messages *m, const char *format, ...) {
   va_list args;
   va_start(args, format);
-  add(m, SD_OK, format, args);
+  add(m, SD_OK, (subject){0}, format, args);
   va_end(args);
 }
 
 size_t sd_messages_errors(const sd_messages *m) { return m ? m->errors : 0; }
 size_t sd_messages_count(const sd_messages *m) { return m ? m->count : 0; }
-const char *sd_messages_text(const sd_messages *m, size_t k) {
+
+const message *messages_at(const sd_messages *m, size_t k) {
   assert(k < m->count);
-  return m->lines[k].text;
+  return &m->list[k];
 }
 
-sd_status sd_messages_kind(const sd_messages *m, size_t k) {
-  assert(k < m->count);
-  return m->lines[k].kind;
+const char *sd_messages_text(const sd_messages *m, size_t k) { return messages_at(m, k)->text; }
+sd_status sd_messages_kind(const sd_messages *m, size_t k) { return messages_at(m, k)->kind; }
+
+bool messages_have(const sd_messages *m, const char *text) {
+  for (size_t k = 0; k < sd_messages_count(m); k++)
+    if (strcmp(sd_messages_text(m, k), text) == 0) return true;
+  return false;
+}
+
+void messages_append(sd_messages *to, sd_status kind, const sd_messages *from) {
+  for (size_t k = 0; k < sd_messages_count(from); k++)
+    sd_fail(to, kind, "%s", sd_messages_text(from, k));
 }
 
 sd_status sd_messages_status(const sd_messages *m) {
   for (size_t k = 0; m && k < m->count; k++)
-    if (m->lines[k].kind != SD_OK) return m->lines[k].kind;
+    if (m->list[k].kind != SD_OK) return m->list[k].kind;
   return SD_OK;
 }
 
 void sd_messages_print(const sd_messages *m, FILE *out) {
   for (size_t k = 0; m && k < m->count; k++)
-    fprintf(out, "%s: %s\n", m->lines[k].kind == SD_OK ? "warning" : "error", m->lines[k].text);
+    fprintf(out, "%s: %s\n", m->list[k].kind == SD_OK ? "warning" : "error", m->list[k].text);
   if (m && m->more > 0) fprintf(out, "... and %zu more\n", m->more);
 }
 

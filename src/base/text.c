@@ -2,7 +2,6 @@
 #include "base/text.h"
 
 #include <ctype.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -81,10 +80,14 @@ static char *format_behind(char *text, size_t length, const char *format, va_lis
   return text;
 }
 
+char *format_text_v(const char *format, va_list args) {
+  return format_behind(NULL, 0, format, args);
+}
+
 char *format_text(const char *format, ...) {
   va_list args;
   va_start(args, format);
-  char *text = format_behind(NULL, 0, format, args);
+  char *text = format_text_v(format, args);
   va_end(args);
   return text;
 }

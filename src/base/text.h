@@ -2,6 +2,7 @@
 #ifndef SLIPDISK_BASE_TEXT_H
 #define SLIPDISK_BASE_TEXT_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -25,6 +26,7 @@ char *text_escaped(const char *text, size_t most);
 
 /* Returns a text formatted as by printf; the caller frees it. */
 char *format_text(const char *format, ...) SD_PRINTF(1, 2);
+char *format_text_v(const char *format, va_list args);
 /* Appends formatted text to `text`, which must be allocated and may move, and returns the result;
  * NULL if text is NULL. */
 char *append_text(char *text, const char *format, ...) SD_PRINTF(2, 3);

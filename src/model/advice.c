@@ -539,8 +539,7 @@ advice_check *const advice_checks[] = {check_time_step, check_friction, check_re
 const size_t advice_count = sizeof advice_checks / sizeof *advice_checks;
 
 void sd_model_advise(const sd_model *m, sd_messages *messages) {
-  for (size_t k = 0; m->advised && k < sd_messages_count(m->advised); k++)
-    sd_warn(messages, "%s", sd_messages_text(m->advised, k));
+  messages_append(messages, SD_OK, m->advised);
   if (m->advised) return;
   for (size_t k = 0; k < advice_count; k++) advice_checks[k](m, messages);
 }

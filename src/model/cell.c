@@ -5,8 +5,6 @@
 
 #include <math.h>
 
-#define FAIL(...) sd_fail(msg, SD_ERROR_USER, __VA_ARGS__)
-
 /* The box must be longer than twice the range of neighbour lists, which may be 1.2 times the
  * distance at which disks touch plus the longest range of attraction of any law. */
 double cell_least_length(const sd_model *m, double *reach) {
@@ -19,10 +17,8 @@ double cell_least_length(const sd_model *m, double *reach) {
 }
 
 /* Reports an error for the first disk that is prescribed, locked in place, waiting or subject to
- * a force of its own: it would not move with the flow. Messages begin with the name of the body,
- * by which the reader of the input deck finds the line. */
+ * a force of its own: it would not move with the flow. */
 static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
-  char name[96];
   for (size_t row = 0; row < rows_count(m); row++) {
     const sd_disk *d = rows_disk(m, row);
     const char *what = d->driven                                        ? "is prescribed"
@@ -31,8 +27,9 @@ static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
                        : d->waiting                                     ? "waits"
                                                                         : NULL;
     if (!what) continue;
-    FAIL("%s: it %s in the box of phases[%zu].cell; expected disks that contacts alone move",
-         sd_model_body_name(m, rows_number(m, row), name, sizeof name), what, phase);
+    fail_about(msg, about_body(m, rows_number(m, row)),
+               "it %s in the box of phases[%zu].cell; expected disks that contacts alone move",
+               what, phase);
     return;
   }
 }
@@ -40,29 +37,30 @@ static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
 /* Reports walls, clumps, gravity and motions of positions, which a deforming box cannot have,
  * and a box that is not periodic in x and y. */
 static void check_bodies(const sd_model *m, size_t phase, sd_messages *msg) {
-  char name[96];
   if (!m->periodic[0] || !m->periodic[1])
-    FAIL("phases[%zu].cell: the box is not periodic in %s; expected a box that is periodic in x "
-         "and y",
-         phase,
-         m->periodic[0]   ? "y"
-         : m->periodic[1] ? "x"
-                          : "x and y");
+    fail_about(msg, about_path("phases[%zu].cell", phase),
+               "the box is not periodic in %s; expected a box that is periodic in x and y",
+               m->periodic[0]   ? "y"
+               : m->periodic[1] ? "x"
+                                : "x and y");
   if (m->n_walls > 0)
-    FAIL("%s: it does not deform with the box of phases[%zu].cell; expected no walls",
-         sd_model_body_name(m, (uint32_t)m->n_disks, name, sizeof name), phase);
+    fail_about(msg, about_wall(m, 0),
+               "it does not deform with the box of phases[%zu].cell; expected no walls", phase);
   if (m->n_clumps > 0)
-    FAIL("%s: rigid bodies do not deform with the box of phases[%zu].cell; expected no clumps",
-         sd_model_body_name(m, (uint32_t)sd_model_bodies(m), name, sizeof name), phase);
+    fail_about(msg, about_body(m, sd_model_bodies(m)),
+               "rigid bodies do not deform with the box of phases[%zu].cell; expected no clumps",
+               phase);
   if (m->gravity[0] != 0.0 || m->gravity[1] != 0.0)
-    FAIL("gravity: disks fall through the periodic box of phases[%zu].cell; expected no gravity",
-         phase);
+    fail_about(msg, about_path("gravity"),
+               "disks fall through the periodic box of phases[%zu].cell; expected no gravity",
+               phase);
   check_disks(m, phase, msg);
   for (size_t q = 0; q < m->n_motions; q++)
     if (m->motions[q].coordinate != SD_THETA)
-      FAIL("%s: it prescribes positions in the box of phases[%zu].cell; expected motions of theta "
-           "alone",
-           model_motion_name(m, q, name, sizeof name), phase);
+      fail_about(
+          msg, about_motion(m, q),
+          "it prescribes positions in the box of phases[%zu].cell; expected motions of theta alone",
+          phase);
 }
 
 /* Reports errors in the rates and stresses of a phase that deforms the box. */
@@ -75,20 +73,25 @@ static void check_rates(const sd_model *m, size_t phase, sd_messages *msg) {
     controlled |= c->controlled[k];
     if (c->controlled[k]) largest = fmax(largest, fabs(c->stress[k]));
     if (!(fabs(c->rate[k]) * m->dt <= 1e-3))
-      FAIL("phases[%zu].cell.rate_%s = %g: expected at most %g, a thousandth per time step", phase,
-           component[k], c->rate[k], 1e-3 / m->dt);
+      fail_about(msg,
+                 about_value(about_path("phases[%zu].cell.rate_%s", phase, component[k]), "%g",
+                             c->rate[k]),
+                 "expected at most %g, a thousandth per time step", 1e-3 / m->dt);
     if (c->controlled[k] && c->rate[k] != 0.0)
-      FAIL("phases[%zu].cell: rate_%s and stress_%s; expected one of them", phase, component[k],
-           component[k]);
+      fail_about(msg, about_path("phases[%zu].cell", phase),
+                 "rate_%s and stress_%s; expected one of them", component[k], component[k]);
     if (!isfinite(c->stress[k]))
-      FAIL("phases[%zu].cell.stress_%s = %g: expected a number", phase, component[k], c->stress[k]);
+      fail_about(msg,
+                 about_value(about_path("phases[%zu].cell.stress_%s", phase, component[k]), "%g",
+                             c->stress[k]),
+                 "expected a number");
   }
   if (controlled && largest == 0.0)
-    FAIL("phases[%zu].cell: all stresses are 0, and give no scale; expected one that is not",
-         phase);
+    fail_about(msg, about_path("phases[%zu].cell", phase),
+               "all stresses are 0, and give no scale; expected one that is not");
   if (!(c->response >= 0.0) || !(c->max_rate >= 0.0))
-    FAIL("phases[%zu].cell: response = %g, max_rate = %g: expected numbers >= 0", phase,
-         c->response, c->max_rate);
+    fail_about(msg, about_path("phases[%zu].cell", phase),
+               "response = %g, max_rate = %g: expected numbers >= 0", c->response, c->max_rate);
 }
 
 /* Reports a phase that makes the box too short along coordinate c. Lengths are followed only
@@ -108,11 +111,11 @@ static void check_lengths(const sd_model *m, int c, sd_messages *msg) {
     if (rate != 0.0 && ends_early) return;
     length *= exp(rate * (double)p->steps * m->dt);
     if (length > least || rate == 0.0) continue;
-    FAIL("phases[%zu].cell.%s = %g: the box is %.4g long in %c at the end of this phase; expected "
-         "more than "
-         "%.4g, 4.8 times the largest radius%s",
-         k, keys[c], rate, length, "xy"[c], least,
-         reach > 0.0 ? " and twice the gap over which disks attract each other" : "");
+    fail_about(msg, about_value(about_path("phases[%zu].cell.%s", k, keys[c]), "%g", rate),
+               "the box is %.4g long in %c at the end of this phase; expected more than %.4g, 4.8 "
+               "times the largest radius%s",
+               length, "xy"[c], least,
+               reach > 0.0 ? " and twice the gap over which disks attract each other" : "");
     return;
   }
 }
@@ -126,9 +129,11 @@ void cell_check(const sd_model *m, sd_messages *msg) {
     any = true;
     check_rates(m, k, msg);
     if (p->compress.asked || p->relax)
-      FAIL("phases[%zu].cell: expected a phase without %s", k, p->relax ? "relax" : "compress");
+      fail_about(msg, about_path("phases[%zu].cell", k), "expected a phase without %s",
+                 p->relax ? "relax" : "compress");
   }
   for (int c = 0; any && c < 2; c++) check_lengths(m, c, msg);
   if (any && m->measure_disks)
-    FAIL("measure.disks: means of every disk are not taken in a box that deforms; expected false");
+    fail_about(msg, about_path("measure.disks"),
+               "means of every disk are not taken in a box that deforms; expected false");
 }

@@ -12,8 +12,8 @@ const sd_clump *sd_model_clump(const sd_model *m, size_t k) {
   return k < m->n_clumps ? &m->clumps[k] : NULL;
 }
 
-static const char *name_of(const sd_model *m, size_t k, char text[96]) {
-  return sd_model_body_name(m, (uint32_t)(sd_model_bodies(m) + k), text, 96);
+static subject about_clump(const sd_model *m, size_t k) {
+  return about_body(m, sd_model_bodies(m) + k);
 }
 
 /* Lists the disks of each clump in the order of disk numbers, and allocates their offsets. */
@@ -244,26 +244,24 @@ static void derive(sd_model *m, sd_clump *c, member *of) {
 
 /* Reports an error if disk i of a clump is locked, has a motion of its own, or waits to be
  * released while other disks of the clump do not. */
-static void check_disk(const sd_model *m, const char *clump, uint32_t i, bool waiting,
-                       sd_messages *msg) {
+static void check_disk(const sd_model *m, size_t k, uint32_t i, bool waiting, sd_messages *msg) {
   const sd_disk *d = &m->disks[i];
   char text[96];
   const char *name = sd_model_body_name(m, i, text, sizeof text);
   if (d->driven || d->locked[SD_X] || d->locked[SD_Y] || d->locked[SD_THETA])
-    sd_fail(msg, SD_ERROR_USER,
-            "%s: %s is fixed, locked or moved: expected that of the whole clump", clump, name);
+    fail_about(msg, about_clump(m, k),
+               "%s is fixed, locked or moved: expected that of the whole clump", name);
   if (d->velocity[SD_X] != 0.0 || d->velocity[SD_Y] != 0.0 || d->velocity[SD_THETA] != 0.0)
-    sd_fail(msg, SD_ERROR_USER, "%s: %s has a velocity: expected one of the whole clump", clump,
-            name);
+    fail_about(msg, about_clump(m, k), "%s has a velocity: expected one of the whole clump", name);
   if (d->waiting != waiting)
-    sd_fail(msg, SD_ERROR_USER, "%s: %s %s for rain, others do not: expected all or none", clump,
-            name, d->waiting ? "waits" : "does not wait");
+    fail_about(msg, about_clump(m, k), "%s %s for rain, others do not: expected all or none", name,
+               d->waiting ? "waits" : "does not wait");
 }
 
 /* Reports a clump that could turn into its own periodic image: it is longer than the box or
  * closes around it, and its rotation is not locked. */
-static void check_length(const sd_model *m, const sd_clump *c, const member *of, const char *name,
-                         sd_messages *msg) {
+static void check_length(const sd_model *m, size_t k, const member *of, sd_messages *msg) {
+  const sd_clump *c = &m->clumps[k];
   const double(*offset)[2] = (const double(*)[2])m->clump_offsets + (c->disks - m->clump_disks);
   const unsigned around = c->locked[SD_THETA] ? 0 : closes_around(m, of, c->n_disks);
   double reach = 0.0;
@@ -271,49 +269,43 @@ static void check_length(const sd_model *m, const sd_clump *c, const member *of,
     reach = fmax(reach, hypot(offset[n][0], offset[n][1]) + m->disks[c->disks[n]].radius);
   for (int q = 0; q < 2; q++)
     if (m->periodic[q] && !c->locked[SD_THETA] && !(2.0 * reach < m->upper[q] - m->lower[q]))
-      sd_fail(msg, SD_ERROR_USER,
-              "%s: it is longer than the periodic box in %c: expected locked = \"theta\"", name,
-              "xy"[q]);
+      fail_about(msg, about_clump(m, k),
+                 "it is longer than the periodic box in %c: expected locked = \"theta\"", "xy"[q]);
     else if (around >> q & 1u)
-      sd_fail(msg, SD_ERROR_USER,
-              "%s: it closes around the periodic box in %c: expected locked = \"theta\"", name,
-              "xy"[q]);
+      fail_about(msg, about_clump(m, k),
+                 "it closes around the periodic box in %c: expected locked = \"theta\"", "xy"[q]);
 }
 
 static void check_clump(const sd_model *m, size_t k, const member *of, sd_messages *msg) {
   const sd_clump *c = &m->clumps[k];
-  char text[96];
-  const char *name = name_of(m, k, text);
   for (size_t n = 0; n < c->n_disks; n++)
-    check_disk(m, name, c->disks[n], m->disks[c->disks[0]].waiting, msg);
+    check_disk(m, k, c->disks[n], m->disks[c->disks[0]].waiting, msg);
   if (!(c->mass > 0.0) || !isfinite(c->mass) || !(c->inertia > 0.0) || !isfinite(c->inertia))
-    sd_fail(msg, SD_ERROR_USER, "%s: mass = %g, inertia = %g: expected numbers > 0", name, c->mass,
-            c->inertia);
+    fail_about(msg, about_clump(m, k), "mass = %g, inertia = %g: expected numbers > 0", c->mass,
+               c->inertia);
   for (int q = 0; q < SD_COORDINATES; q++) {
     if (!isfinite(c->velocity[q]) || !isfinite(c->force[q]))
-      sd_fail(msg, SD_ERROR_USER, "%s: velocity and force must be finite", name);
+      fail_about(msg, about_clump(m, k), "velocity and force must be finite");
     if (c->locked[q] && c->velocity[q] != 0.0)
-      sd_fail(msg, SD_ERROR_USER, "%s: a locked coordinate cannot have a velocity", name);
+      fail_about(msg, about_clump(m, k), "a locked coordinate cannot have a velocity");
   }
-  check_length(m, c, of, name, msg);
+  check_length(m, k, of, msg);
 }
 
 /* Reports motions that name a disk of a clump. */
 static void check_motions(const sd_model *m, sd_messages *msg) {
-  char text[96], motion[96];
+  char text[96];
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       const uint32_t body = m->motions[k].bodies[b];
       if (body < m->n_disks && m->disks[body].clump > 0)
-        sd_fail(msg, SD_ERROR_USER, "%s: %s belongs to a clump: expected the clump",
-                model_motion_name(m, k, motion, sizeof motion),
-                sd_model_body_name(m, body, text, sizeof text));
+        fail_about(msg, about_motion(m, k), "%s belongs to a clump: expected the clump",
+                   sd_model_body_name(m, body, text, sizeof text));
     }
 }
 
 sd_status clumps_derive(sd_model *m, sd_messages *msg) {
   const size_t before = sd_messages_errors(msg);
-  char text[96];
   if (m->n_clumps == 0) return SD_OK;
   for (size_t i = 0; i < m->n_disks; i++)
     if (m->disks[i].clump < 0 || (size_t)m->disks[i].clump > m->n_clumps) m->disks[i].clump = 0;
@@ -324,7 +316,7 @@ sd_status clumps_derive(sd_model *m, sd_messages *msg) {
   member *of = memory_new(most, sizeof *of);
   for (size_t k = 0; k < m->n_clumps; k++) {
     if (m->clumps[k].n_disks == 0) {
-      sd_fail(msg, SD_ERROR_USER, "%s: it has no disk", name_of(m, k, text));
+      fail_about(msg, about_clump(m, k), "it has no disk");
       continue;
     }
     derive(m, &m->clumps[k], of);

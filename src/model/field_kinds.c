@@ -161,16 +161,16 @@ static void check_one(const sd_model *m, const sd_body_force *f, const char *nam
                             f->omega};
   for (size_t k = 0; k < COUNT(numbers); k++)
     if (!isfinite(numbers[k])) {
-      sd_fail(msg, SD_ERROR_USER, "%s: expected finite numbers", name);
+      fail_about(msg, about_path("%s", name), "expected finite numbers");
       return;
     }
   deck_key_check(&deck_fields, f, name, msg);
   if (f->power < -FIELD_MOST_POWER || f->power > FIELD_MOST_POWER)
-    sd_fail(msg, SD_ERROR_USER, "%s.power = %lld: expected %d to %d", name, (long long)f->power,
-            -FIELD_MOST_POWER, FIELD_MOST_POWER);
+    fail_about(msg, about_value(about_path("%s.power", name), "%lld", (long long)f->power),
+               "expected %d to %d", -FIELD_MOST_POWER, FIELD_MOST_POWER);
   for (size_t k = 0; k < f->n_disks; k++)
     if (f->disks[k] >= m->n_disks)
-      sd_fail(msg, SD_ERROR_USER, "%s: disk %u does not exist", name, f->disks[k]);
+      fail_about(msg, about_path("%s", name), "disk %u does not exist", f->disks[k]);
 }
 
 /* Reports damping fields that together remove all of the force on a disk. */
@@ -193,9 +193,8 @@ static void check_damping(const sd_model *m, sd_messages *msg) {
   }
   free(sum);
   if (worst >= 1)
-    sd_fail(msg, SD_ERROR_USER,
-            "fields[%zu].alpha: damping fields take %g of the force: expected less than 1", at,
-            worst);
+    fail_about(msg, about_path("fields[%zu].alpha", at),
+               "damping fields take %g of the force: expected less than 1", worst);
 }
 
 void body_forces_check(const sd_model *m, sd_messages *msg) {

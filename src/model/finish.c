@@ -26,36 +26,33 @@
 static void check_run(const sd_model *m, sd_messages *msg) {
   deck_key_check(&deck_top, m, "", msg);
   deck_key_check(&deck_limits, &m->limits, "limits", msg);
-  if (m->n_disks == 0) sd_fail(msg, SD_ERROR_USER, "disks: expected at least one disk");
+  if (m->n_disks == 0) fail_about(msg, about_path("disks"), "expected at least one disk");
   if (m->n_phases == 0)
-    sd_fail(msg, SD_ERROR_USER, "phases: expected a duration, `steps` or `time`");
-  if (m->n_materials == 0) sd_fail(msg, SD_ERROR_USER, "materials: expected at least one material");
+    fail_about(msg, about_path("phases"), "expected a duration, `steps` or `time`");
+  if (m->n_materials == 0)
+    fail_about(msg, about_path("materials"), "expected at least one material");
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].steps < 1)
-      sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
+      fail_about(msg, about_path("phases[%zu]", k), "expected at least one step");
 }
 
 /* Reports an error if the parameter `key` of a body is below `least` (or equal to it, if `open`
  * is true), not finite, or beyond LIMIT_NUMBER. */
 static void check_number(const sd_model *m, uint32_t body, const char *key, double value,
                          double least, bool open, sd_messages *msg) {
-  char name[96];
   const bool large = value >= least && !(value <= LIMIT_NUMBER),
              good = open ? value > least : value >= least;
   if (good && !large) return;
-  sd_model_body_name(m, body, name, sizeof name);
   if (large || least < 0.0)
-    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number of at most 1e100", name, key,
-            value);
+    fail_about(msg, about_body(m, body), "%s = %g: expected a number of at most 1e100", key, value);
   else
-    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number %s 0", name, key, value,
-            open ? ">" : ">=");
+    fail_about(msg, about_body(m, body), "%s = %g: expected a number %s 0", key, value,
+               open ? ">" : ">=");
 }
 
 static void check_disks(const sd_model *m, sd_messages *msg) {
   static const char *const keys[3][3] = {
       {"x", "y", "theta"}, {"vx", "vy", "omega"}, {"force x", "force y", "torque"}};
-  char name[96];
   for (size_t row = 0; row < rows_count(m); row++) {
     const sd_disk *d = rows_disk(m, row);
     const uint32_t i = rows_number(m, row);
@@ -64,15 +61,14 @@ static void check_disks(const sd_model *m, sd_messages *msg) {
       for (int k = 0; k < 3; k++)
         check_number(m, i, keys[k][c], numbers[k][c], -LIMIT_NUMBER, false, msg);
       if (d->locked[c] && d->velocity[c] != 0.0)
-        sd_fail(msg, SD_ERROR_USER, "%s: a locked coordinate cannot have a velocity",
-                sd_model_body_name(m, i, name, sizeof name));
+        fail_about(msg, about_body(m, i), "a locked coordinate cannot have a velocity");
     }
     check_number(m, i, "radius", d->radius, 0.0, true, msg);
     check_number(m, i, "mass", d->mass, 0.0, true, msg);
     check_number(m, i, "inertia", d->inertia, 0.0, false, msg);
     if (d->material < 0 || (size_t)d->material >= m->n_materials)
-      sd_fail(msg, SD_ERROR_USER, "%s: material %d: expected one of the %zu that there are",
-              sd_model_body_name(m, i, name, sizeof name), d->material, m->n_materials);
+      fail_about(msg, about_body(m, i), "material %d: expected one of the %zu that there are",
+                 d->material, m->n_materials);
   }
 }
 
@@ -89,36 +85,32 @@ static bool wall_is_finite(const sd_wall *w) {
 }
 
 static void check_walls(const sd_model *m, sd_messages *msg) {
-  char name[96];
-  for (uint32_t w = 0; w < m->n_walls; w++) {
+  for (size_t w = 0; w < m->n_walls; w++) {
     const sd_wall *wall = &m->walls[w];
-    sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
     if (wall->material < 0 || (size_t)wall->material >= m->n_materials)
-      sd_fail(msg, SD_ERROR_USER, "%s: material: no such material", name);
+      fail_about(msg, about_wall(m, w), "material: no such material");
     if ((unsigned)wall->kind >= SD_WALL_KINDS)
-      sd_fail(msg, SD_ERROR_USER, "%s: kind %d: expected SD_WALL_LINE ...", name, (int)wall->kind);
+      fail_about(msg, about_wall(m, w), "kind %d: expected SD_WALL_LINE ...", (int)wall->kind);
     if (!wall_is_finite(wall))
-      sd_fail(msg, SD_ERROR_USER, "%s: points, pivot and radius must be finite, at most 1e100",
-              name);
+      fail_about(msg, about_wall(m, w), "points, pivot and radius must be finite, at most 1e100");
     const bool arc = wall->kind == SD_WALL_ARC;
     if ((arc || wall->kind == SD_WALL_CIRCLE) && !(wall->radius > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
+      fail_about(msg, about_wall(m, w), "radius = %g: expected a number > 0", wall->radius);
     if (arc && !(wall->to > wall->from && wall->to - wall->from <= ARC_RING))
-      sd_fail(msg, SD_ERROR_USER,
-              "%s: from = %g, to = %g: expected from < to, at most a whole turn apart", name,
-              wall->from, wall->to);
+      fail_about(msg, about_wall(m, w),
+                 "from = %g, to = %g: expected from < to, at most a whole turn apart", wall->from,
+                 wall->to);
     if (arc || wall->kind == SD_WALL_CIRCLE) continue;
-    size_t least = 2;
-    if (wall->n_points < least || (wall->kind != SD_WALL_POLYLINE && wall->n_points != 2)) {
-      sd_fail(msg, SD_ERROR_USER, "%s: %zu points: expected %s", name, wall->n_points,
-              wall->kind == SD_WALL_POLYLINE ? "two or more" : "two");
+    if (wall->n_points < 2 || (wall->kind != SD_WALL_POLYLINE && wall->n_points != 2)) {
+      fail_about(msg, about_wall(m, w), "%zu points: expected %s", wall->n_points,
+                 wall->kind == SD_WALL_POLYLINE ? "two or more" : "two");
       continue;
     }
     for (size_t k = 0; k < wall->n_points - (wall->closed ? 0 : 1); k++) {
       size_t next = (k + 1) % wall->n_points;
       if (wall->points[k][0] == wall->points[next][0] &&
           wall->points[k][1] == wall->points[next][1])
-        sd_fail(msg, SD_ERROR_USER, "%s: points %zu and %zu coincide", name, k, next);
+        fail_about(msg, about_wall(m, w), "points %zu and %zu coincide", k, next);
     }
   }
 }
@@ -139,28 +131,24 @@ static bool rolls_on_surface(const sd_model *m, size_t body) {
 static void check_motions(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *q = &m->motions[k];
-    char text[96];
-    const char *name = model_motion_name(m, k, text, sizeof text);
-    if (q->n_bodies == 0) sd_fail(msg, SD_ERROR_USER, "%s: it moves no disk and no wall", name);
+    if (q->n_bodies == 0) fail_about(msg, about_motion(m, k), "it moves no disk and no wall");
     for (size_t b = 0; b < q->n_bodies; b++)
       if (q->bodies[b] >= model_movables(m))
-        sd_fail(msg, SD_ERROR_USER, "%s: body %u does not exist", name, q->bodies[b]);
+        fail_about(msg, about_motion(m, k), "body %u does not exist", q->bodies[b]);
       else if (q->coordinate == SD_SURFACE &&
                (q->bodies[b] < m->n_disks || q->bodies[b] >= m->n_disks + m->n_walls))
-        sd_fail(msg, SD_ERROR_USER, "%s: only walls have a surface that moves; others turn (theta)",
-                name);
+        fail_about(msg, about_motion(m, k),
+                   "only walls have a surface that moves; others turn (theta)");
       else if (q->coordinate == SD_SURFACE && rolls_on_surface(m, q->bodies[b]))
-        sd_fail(msg, SD_ERROR_USER,
-                "%s: the surface of a round wall with rolling resistance (k_r); turn the wall "
-                "(theta) instead",
-                name);
+        fail_about(msg, about_motion(m, k),
+                   "the surface of a round wall with rolling resistance (k_r); turn the wall "
+                   "(theta) instead");
     if (!has_size(q->amplitude) || !has_size(q->omega) || !has_size(q->phase) ||
         !has_size(q->velocity))
-      sd_fail(msg, SD_ERROR_USER,
-              "%s: amplitude, omega, phase and velocity must be finite, at most 1e100", name);
-    if (!(q->ramp >= 0.0))
-      sd_fail(msg, SD_ERROR_USER, "%s: ramp = %g: expected >= 0", name, q->ramp);
-    motion_check(q, m->dt, name, msg);
+      fail_about(msg, about_motion(m, k),
+                 "amplitude, omega, phase and velocity must be finite, at most 1e100");
+    if (!(q->ramp >= 0.0)) fail_about(msg, about_motion(m, k), "ramp = %g: expected >= 0", q->ramp);
+    motion_check(m, k, msg);
   }
 }
 
@@ -176,7 +164,9 @@ static void check_law(const sd_model *m, size_t a, size_t b, sd_messages *msg) {
   deck_key_check(&law_table, law, material_name(m, a), msg);
   double value = 0.0;
   char *text = law_mistake(law, &key, &value);
-  if (text) sd_fail(msg, SD_ERROR_USER, "%s.%s = %g: %s", material_name(m, a), key, value, text);
+  if (text)
+    fail_about(msg, about_value(about_path("%s.%s", material_name(m, a), key), "%g", value), "%s",
+               text);
   free(text);
 }
 
@@ -200,7 +190,8 @@ static void check_memories(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_memories; k++) {
     const sd_contact_memory *c = &m->memories[k];
     if (c->a >= m->n_disks || c->b >= sd_model_bodies(m) || c->a == c->b)
-      sd_fail(msg, SD_ERROR_USER, "memories[%zu]: expected a disk, and another disk or a wall", k);
+      fail_about(msg, about_path("memories[%zu]", k),
+                 "expected a disk, and another disk or a wall");
   }
 }
 
@@ -208,18 +199,19 @@ static void check_memories(const sd_model *m, sd_messages *msg) {
 static void check_watches(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_rotations; k++)
     if (m->rotations[k] >= m->n_disks)
-      sd_fail(msg, SD_ERROR_USER, "measure.rotation: disk %u does not exist", m->rotations[k]);
+      fail_about(msg, about_path("measure.rotation"), "disk %u does not exist", m->rotations[k]);
   for (size_t k = 0; k < m->n_contact_disks; k++)
     if (m->contact_disks[k] >= m->n_disks)
-      sd_fail(msg, SD_ERROR_USER, "measure.contacts: disk %u does not exist", m->contact_disks[k]);
+      fail_about(msg, about_path("measure.contacts"), "disk %u does not exist",
+                 m->contact_disks[k]);
   for (size_t k = 0; k < m->n_slides; k++) {
     const sd_slide_watch *s = &m->slides[k];
     if (s->disk >= m->n_disks || s->partner[0] >= sd_model_bodies(m) ||
         s->partner[1] >= sd_model_bodies(m))
-      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: no such disk or wall", k);
+      fail_about(msg, about_path("measure.sliding[%zu]", k), "no such disk or wall");
     else if (m->disks[s->disk].driven)
-      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: the disk is prescribed; name a free one",
-              k);
+      fail_about(msg, about_path("measure.sliding[%zu]", k),
+                 "the disk is prescribed; name a free one");
   }
 }
 
@@ -230,16 +222,17 @@ static void check_until(const sd_model *m, sd_messages *msg) {
   if (!u->asked || m->n_phases == 0) return;
   const sd_phase *last = &m->phases[m->n_phases - 1];
   if (u->rotation >= m->n_rotations)
-    sd_fail(msg, SD_ERROR_USER, "until.observable: expected a disk that measure.rotation watches");
+    fail_about(msg, about_path("until.observable"),
+               "expected a disk that measure.rotation watches");
   if (!(u->error >= 0.0) || !(u->relative >= 0.0) || (u->error > 0.0) == (u->relative > 0.0))
-    sd_fail(msg, SD_ERROR_USER, "until: expected either error > 0 or relative > 0");
+    fail_about(msg, about_path("until"), "expected either error > 0 or relative > 0");
   if (u->scaled && m->gravity[0] == 0.0 && m->gravity[1] == 0.0)
-    sd_fail(msg, SD_ERROR_USER, "until.observable: t_g Omega does not exist without gravity");
-  if (!last->measure) sd_fail(msg, SD_ERROR_USER, "until: expected a last phase that measures");
+    fail_about(msg, about_path("until.observable"), "t_g Omega does not exist without gravity");
+  if (!last->measure) fail_about(msg, about_path("until"), "expected a last phase that measures");
   if (u->least < 1 || u->least > last->steps)
-    sd_fail(msg, SD_ERROR_USER,
-            "until: expected 1 to %lld steps at least, the length of the last phase",
-            (long long)last->steps);
+    fail_about(msg, about_path("until"),
+               "expected 1 to %lld steps at least, the length of the last phase",
+               (long long)last->steps);
 }
 
 /* Collective. Reports a periodic box that is too short, and disks outside it. */
@@ -251,23 +244,20 @@ static void check_box(const sd_model *m, sd_messages *msg) {
     double length = m->upper[c] - m->lower[c];
     char axis = c == SD_X ? 'x' : 'y';
     if (!(length > least) && reach > 0.0)
-      sd_fail(msg, SD_ERROR_USER,
-              "box.%c: length %g: expected more than %.6g, 4.8 times the largest radius and twice "
-              "the gap "
-              "(%g) over which disks attract each other",
-              axis, length, least, reach);
+      fail_about(msg, about_path("box.%c", axis),
+                 "length %g: expected more than %.6g, 4.8 times the largest radius and twice the "
+                 "gap (%g) over which disks attract each other",
+                 length, least, reach);
     else if (!(length > least))
-      sd_fail(msg, SD_ERROR_USER,
-              "box.%c: length %g: expected more than 4.8 times the largest radius (%g)", axis,
-              length, least / 4.8);
+      fail_about(msg, about_path("box.%c", axis),
+                 "length %g: expected more than 4.8 times the largest radius (%g)", length,
+                 least / 4.8);
     for (size_t row = 0; row < rows_count(m); row++) {
       double p = rows_disk(m, row)->position[c];
-      if (p < m->lower[c] || p >= m->upper[c]) {
-        char name[96];
-        sd_fail(msg, SD_ERROR_USER, "%s: %c = %g lies outside the periodic box [%g, %g)",
-                sd_model_body_name(m, rows_number(m, row), name, sizeof name), axis, p, m->lower[c],
-                m->upper[c]);
-      }
+      if (p < m->lower[c] || p >= m->upper[c])
+        fail_about(msg, about_body(m, rows_number(m, row)),
+                   "%c = %g lies outside the periodic box [%g, %g)", axis, p, m->lower[c],
+                   m->upper[c]);
     }
   }
 }
@@ -277,54 +267,46 @@ static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages 
   char name[96];
   for (uint32_t w = 0; w < m->n_walls; w++)
     if (m->walls[w].kind != SD_WALL_LINE)
-      sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu].compress: %s has a size of its own, which does not change; expected "
-              "lines only",
-              phase, sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
+      fail_about(msg, about_path("phases[%zu].compress", phase),
+                 "%s has a size of its own, which does not change; expected lines only",
+                 sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
 }
 
 /* Reports a load or servo that may have moved its wall before a phase that compresses: the
  * packing fraction would refer to the area of the original container. */
 static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg) {
-  char name[96];
   for (size_t q = 0; q < m->n_motions; q++) {
     const sd_motion *motion = &m->motions[q];
     bool moved = false;
     for (size_t k = 0; k < phase; k++) moved |= m->phases[k].active && m->phases[k].active[q];
     if (moved && motion_is_feedback(motion))
-      sd_fail(msg, SD_ERROR_USER,
-              "%s: its wall may be anywhere when phases[%zu].compress begins, which expects walls "
-              "that only "
-              "compression moves, or servo walls all the time",
-              model_motion_name(m, q, name, sizeof name), phase);
+      fail_about(msg, about_motion(m, q),
+                 "its wall may be anywhere when phases[%zu].compress begins, which expects walls "
+                 "that only compression moves, or servo walls all the time",
+                 phase);
   }
 }
 
 static void check_compress(const sd_model *m, sd_messages *msg) {
-  char name[96];
   for (size_t k = 0; k < m->n_phases; k++) {
     const sd_phase *p = &m->phases[k];
     const sd_compress *c = &p->compress;
     if (!c->asked) continue;
     if ((c->pressure > 0.0) == (c->fraction > 0.0))
-      sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu].compress: expected either pressure > 0 or fraction > 0", k);
+      fail_about(msg, about_path("phases[%zu].compress", k),
+                 "expected either pressure > 0 or fraction > 0");
     if (!(c->rate > 0.0) || !(c->rate * m->dt <= 1e-3))
-      sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu].compress.rate = %g: expected a number > 0 and at most %g, a thousandth "
-              "per time "
-              "step",
-              k, c->rate, 1e-3 / m->dt);
+      fail_about(msg, about_value(about_path("phases[%zu].compress.rate", k), "%g", c->rate),
+                 "expected a number > 0 and at most %g, a thousandth per time step", 1e-3 / m->dt);
     if (!(m->region_upper[0] > m->region_lower[0] && m->region_upper[1] > m->region_lower[1]))
-      sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: there is no region to compress", k);
+      fail_about(msg, about_path("phases[%zu].compress", k), "there is no region to compress");
     check_compressed_walls(m, k, msg);
     for (size_t q = 0; q < m->n_motions; q++)
       if (p->active && p->active[q] && m->motions[q].coordinate < SD_THETA)
-        sd_fail(msg, SD_ERROR_USER,
-                "%s: it prescribes positions that phases[%zu].compress changes; expected a phase "
-                "in which it "
-                "is off",
-                model_motion_name(m, q, name, sizeof name), k);
+        fail_about(msg, about_motion(m, q),
+                   "it prescribes positions that phases[%zu].compress changes; expected a phase in "
+                   "which it is off",
+                   k);
     check_moved_walls(m, k, msg);
   }
 }
@@ -333,38 +315,37 @@ static void check_settle(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_phases; k++) {
     const sd_settle *s = &m->phases[k].settle;
     if (s->asked && (s->every < 1 || !(s->kinetic > 0.0 || s->unbalanced > 0.0)))
-      sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu].settle: expected kinetic > 0 or unbalanced > 0, and every >= 1", k);
+      fail_about(msg, about_path("phases[%zu].settle", k),
+                 "expected kinetic > 0 or unbalanced > 0, and every >= 1");
   }
 }
 
 static void check_bounds(const sd_model *m, sd_messages *msg) {
   for (int c = 0; m->bounds.given && c < 2; c++)
     if (!(m->bounds.lower[c] < m->bounds.upper[c]))
-      sd_fail(msg, SD_ERROR_USER, "bounds.%c: expected (lower, upper) with lower < upper",
-              c == SD_X ? 'x' : 'y');
+      fail_about(msg, about_path("bounds.%c", c == SD_X ? 'x' : 'y'),
+                 "expected (lower, upper) with lower < upper");
 }
 
 /* Reports round walls that do not fit into the periodic box, since a disk could touch two images
  * of them, and disks that do not fit into a round container. */
 static void check_round_walls(const sd_model *m, sd_messages *msg) {
-  char name[96], disk[96];
-  for (uint32_t w = 0; w < m->n_walls; w++) {
+  char disk[96];
+  for (size_t w = 0; w < m->n_walls; w++) {
     const sd_wall *wall = &m->walls[w];
     if (wall->kind != SD_WALL_CIRCLE) continue;
-    sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
     double reach = wall->inside ? wall->radius : wall->radius + m->largest_radius;
     for (int c = 0; c < 2; c++)
       if (m->periodic[c] && !(m->upper[c] - m->lower[c] > 2.0 * reach))
-        sd_fail(msg, SD_ERROR_USER,
-                "%s: radius = %g: the periodic box must be wider than %g to hold it", name,
-                wall->radius, 2.0 * reach);
+        fail_about(msg, about_wall(m, w),
+                   "radius = %g: the periodic box must be wider than %g to hold it", wall->radius,
+                   2.0 * reach);
     for (size_t row = 0; wall->inside && row < rows_count(m); row++) {
       const sd_disk *d = rows_disk(m, row);
       if (!d->driven && d->radius >= wall->radius)
-        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: %s, of radius %g, does not fit into it", name,
-                wall->radius, sd_model_body_name(m, rows_number(m, row), disk, sizeof disk),
-                d->radius);
+        fail_about(msg, about_wall(m, w), "radius = %g: %s, of radius %g, does not fit into it",
+                   wall->radius, sd_model_body_name(m, rows_number(m, row), disk, sizeof disk),
+                   d->radius);
     }
   }
 }
@@ -384,16 +365,13 @@ static double farthest_of(const sd_wall *w) {
 
 /* Reports an error if a coordinate as large as `far` has a rounding error that is too large for
  * the smallest disk; returns true if it did. */
-static bool tell_rounding(const sd_model *m, uint32_t body, double far, sd_messages *msg) {
-  char name[96];
+static bool tell_rounding(const sd_model *m, size_t body, double far, sd_messages *msg) {
   const double rounding = DBL_EPSILON * far;
   if (!(rounding > COARSE * m->smallest_radius)) return false;
-  sd_fail(msg, SD_ERROR_USER,
-          "%s: a coordinate of %.3g is rounded by %.2g, and the smallest disk has a radius of %g: "
-          "expected at "
-          "most %.3g",
-          sd_model_body_name(m, body, name, sizeof name), far, rounding, m->smallest_radius,
-          COARSE * m->smallest_radius / DBL_EPSILON);
+  fail_about(msg, about_body(m, body),
+             "a coordinate of %.3g is rounded by %.2g, and the smallest disk has a radius of %g: "
+             "expected at most %.3g",
+             far, rounding, m->smallest_radius, COARSE * m->smallest_radius / DBL_EPSILON);
   return true;
 }
 
@@ -402,8 +380,8 @@ static void check_rounding(const sd_model *m, sd_messages *msg) {
     const double *at = rows_disk(m, row)->position;
     if (tell_rounding(m, rows_number(m, row), fmax(fabs(at[0]), fabs(at[1])), msg)) return;
   }
-  for (uint32_t w = 0; w < m->n_walls; w++)
-    if (tell_rounding(m, (uint32_t)m->n_disks + w, farthest_of(&m->walls[w]), msg)) return;
+  for (size_t w = 0; w < m->n_walls; w++)
+    if (tell_rounding(m, m->n_disks + w, farthest_of(&m->walls[w]), msg)) return;
 }
 
 /* Reports an error if a disk that rain k shall release is not free, does not wait for its
@@ -414,18 +392,16 @@ static void check_raining(const sd_model *m, size_t k, size_t row, sd_messages *
   const uint32_t i = rows_number(m, row);
   const double radius =
       i < model_held(m) ? clumps_grain(m, i, r->first + r->count).radius : d->radius;
-  char name[96];
-  sd_model_body_name(m, i, name, sizeof name);
   if (!d->waiting || d->driven)
-    sd_fail(msg, SD_ERROR_USER, "%s: expected a free disk that waits for rains[%zu]", name, k);
+    fail_about(msg, about_body(m, i), "expected a free disk that waits for rains[%zu]", k);
   if (!(2.0 * radius <= r->upper - r->lower))
-    sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: it does not fit into rain %g wide", name,
-            d->radius, r->upper - r->lower);
+    fail_about(msg, about_body(m, i), "radius = %g: it does not fit into rain %g wide", d->radius,
+               r->upper - r->lower);
 }
 
 /* Collective. Reports errors in the rains, which release disks in batches, and in their disks. */
 static void check_rains(const sd_model *m, sd_messages *msg) {
-  char name[96], motion[96];
+  char name[96];
   const size_t held = model_held(m), n = rows_count(m);
   /* number of disks that wait for their release, number of disks that belong to a rain */
   int64_t counts[2] = {0};
@@ -434,10 +410,10 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
     const sd_rain *r = &m->rains[k];
     const size_t end = r->first + r->count;
     if (r->count < 1 || end > m->n_disks || r->batch < 1 || r->interval < 1)
-      sd_fail(msg, SD_ERROR_USER,
-              "rains[%zu]: expected disks that exist, a batch and an interval >= 1", k);
+      fail_about(msg, about_path("rains[%zu]", k),
+                 "expected disks that exist, a batch and an interval >= 1");
     if (!(r->gap >= 0.0) || !isfinite(r->gap) || !isfinite(r->speed) || !isfinite(r->floor))
-      sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected a gap >= 0, and a speed and a floor", k);
+      fail_about(msg, about_path("rains[%zu]", k), "expected a gap >= 0, and a speed and a floor");
     for (size_t row = r->first < held ? r->first : held; row < n; row++) {
       const uint32_t i = rows_number(m, row);
       /* continue with the disks that are stored on this rank only */
@@ -456,9 +432,8 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       uint32_t body = m->motions[k].bodies[b];
       if (body < held && m->disks[body].waiting)
-        sd_fail(msg, SD_ERROR_USER, "%s: %s waits for rain, which says where it begins",
-                model_motion_name(m, k, motion, sizeof motion),
-                sd_model_body_name(m, body, name, sizeof name));
+        fail_about(msg, about_motion(m, k), "%s waits for rain, which says where it begins",
+                   sd_model_body_name(m, body, name, sizeof name));
     }
 }
 
@@ -466,7 +441,7 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
  * reports it instead, with the line. */
 static void check_step(const sd_model *m, sd_messages *msg) {
   char *text = advice_unstable(m);
-  if (text) sd_fail(msg, SD_ERROR_USER, "dt = %g: %s", m->dt, text);
+  if (text) fail_about(msg, about_value(about_path("dt"), "%g", m->dt), "%s", text);
   free(text);
 }
 

@@ -351,8 +351,9 @@ void deck_key_check(const deck_table *table, const void *members, const char *pl
     double x = deck_key_value(key, members);
     bool absent = x == 0 && strchr("-(", key->initial[0]);
     if (!absent && !has_sign(key->range, x))
-      sd_fail(messages, SD_ERROR_USER, "%s%s%s = %g: expected a number %s", place,
-              *place ? "." : "", key->name, x,
-              deck_range_text(key->range == DECK_UP_TO_1 ? DECK_POSITIVE : key->range));
+      fail_about(messages,
+                 about_value(about_path("%s%s%s", place, *place ? "." : "", key->name), "%g", x),
+                 "expected a number %s",
+                 deck_range_text(key->range == DECK_UP_TO_1 ? DECK_POSITIVE : key->range));
   }
 }

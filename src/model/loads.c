@@ -83,30 +83,27 @@ bool sd_model_clash(const sd_model *m, size_t phase, size_t motion[2]) {
 
 /* Reports errors of a load or servo (docs/physics.md 6), and warns if it pushes its wall away
  * from the disks. */
-static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
-  const char *name = q->name ? q->name : "?", *kind = motion_kinds[q->kind].name;
+static void check_one(const sd_model *m, size_t k, sd_messages *msg) {
+  const sd_motion *q = &m->motions[k];
+  const char *kind = motion_kinds[q->kind].name;
   size_t before = sd_messages_errors(msg);
   char wall[96];
   if (q->n_bodies != 1 || !is_wall(m, q->bodies[0]) || q->coordinate > SD_Y)
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": a %s moves one wall along x or y", name, kind);
+    fail_about(msg, about_motion(m, k), "a %s moves one wall along x or y", kind);
   if (!isfinite(q->force) || !isfinite(q->pressure) || q->ramp > 0.0)
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected a finite force or pressure, and no ramp",
-            name);
+    fail_about(msg, about_motion(m, k), "expected a finite force or pressure, and no ramp");
   if (q->kind == SD_MOTION_LOAD && !(q->mass > 0.0))
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": mass = %g: expected a number > 0", name, q->mass);
+    fail_about(msg, about_motion(m, k), "mass = %g: expected a number > 0", q->mass);
   if (q->kind == SD_MOTION_SERVO) {
     if (!(q->velocity > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": speed = %g: expected a number > 0", name,
-              q->velocity);
+      fail_about(msg, about_motion(m, k), "speed = %g: expected a number > 0", q->velocity);
     if ((q->force == 0.0) == (q->pressure == 0.0))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected either a force or a pressure, not 0",
-              name);
+      fail_about(msg, about_motion(m, k), "expected either a force or a pressure, not 0");
     if (q->pressure != 0.0 && !(q->length > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": length = %g: expected a number > 0", name,
-              q->length);
-    for (int k = 0; k < 2; k++)
-      if (q->beside[k] != 0 && !is_wall(m, q->beside[k]))
-        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u is no wall", name, q->beside[k]);
+      fail_about(msg, about_motion(m, k), "length = %g: expected a number > 0", q->length);
+    for (int side = 0; side < 2; side++)
+      if (q->beside[side] != 0 && !is_wall(m, q->beside[side]))
+        fail_about(msg, about_motion(m, k), "body %u is no wall", q->beside[side]);
   }
   if (sd_messages_errors(msg) > before) return;
   double push = q->kind == SD_MOTION_SERVO && q->pressure != 0.0 ? q->pressure : q->force;
@@ -114,7 +111,7 @@ static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
     sd_warn(msg,
             "motion \"%s\": a %s of %g along %c pushes %s away from the disks, and nothing will "
             "hold it",
-            name, kind, push, q->coordinate == SD_X ? 'x' : 'y',
+            q->name ? q->name : "?", kind, push, q->coordinate == SD_X ? 'x' : 'y',
             sd_model_body_name(m, q->bodies[0], wall, sizeof wall));
 }
 
@@ -123,15 +120,15 @@ static void check_clashes(const sd_model *m, sd_messages *msg) {
   size_t q[2];
   for (size_t k = 0; k < m->n_phases; k++)
     if (sd_model_clash(m, k, q))
-      sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu]: motion \"%s\" leaves a wall to the disks that motion \"%s\" moves too",
-              k, m->motions[q[0]].name ? m->motions[q[0]].name : "?",
-              m->motions[q[1]].name ? m->motions[q[1]].name : "?");
+      fail_about(msg, about_path("phases[%zu]", k),
+                 "motion \"%s\" leaves a wall to the disks that motion \"%s\" moves too",
+                 m->motions[q[0]].name ? m->motions[q[0]].name : "?",
+                 m->motions[q[1]].name ? m->motions[q[1]].name : "?");
 }
 
 void loads_check(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_motions; k++)
-    if (motion_is_feedback(&m->motions[k])) check_one(m, &m->motions[k], msg);
+    if (motion_is_feedback(&m->motions[k])) check_one(m, k, msg);
   check_clashes(m, msg);
 }
 

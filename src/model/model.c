@@ -146,6 +146,20 @@ const char *model_motion_name(const sd_model *m, size_t number, char *text, size
   return text;
 }
 
+subject about_body(const sd_model *m, size_t body) {
+  char text[96];
+  sd_model_body_name(m, (uint32_t)body, text, sizeof text);
+  return (subject){.kind = SUBJECT_BODY, .number = body, .name = memory_text(text)};
+}
+
+subject about_wall(const sd_model *m, size_t wall) { return about_body(m, m->n_disks + wall); }
+
+subject about_motion(const sd_model *m, size_t motion) {
+  char text[96];
+  model_motion_name(m, motion, text, sizeof text);
+  return (subject){.kind = SUBJECT_MOTION, .number = motion, .name = memory_text(text)};
+}
+
 int64_t sd_model_steps(const sd_model *m) {
   int64_t steps = 0;
   for (size_t k = 0; k < m->n_phases; k++) steps += m->phases[k].steps;
@@ -590,17 +604,14 @@ void model_complete(sd_model *m) {
 }
 
 sd_status model_tell_mistakes(sd_model *m, sd_messages *messages) {
-  if (!m->mistakes) return SD_OK;
   const sd_status status = sd_messages_status(m->mistakes);
-  for (size_t k = 0; status != SD_OK && k < sd_messages_count(m->mistakes); k++)
-    sd_fail(messages, status, "%s", sd_messages_text(m->mistakes, k));
+  messages_append(messages, status, m->mistakes);
   return status;
 }
 
 void model_copy_mistakes(sd_model *to, const sd_model *from) {
-  for (size_t k = 0; from->mistakes && k < sd_messages_count(from->mistakes); k++)
-    sd_fail(mistakes(to), sd_messages_status(from->mistakes), "%s",
-            sd_messages_text(from->mistakes, k));
+  if (from->mistakes)
+    messages_append(mistakes(to), sd_messages_status(from->mistakes), from->mistakes);
 }
 
 /* --- circular arcs: segments, points and distances -------------------------------------------- */

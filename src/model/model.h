@@ -4,6 +4,7 @@
 #ifndef MODEL_MODEL_H
 #define MODEL_MODEL_H
 
+#include "base/message.h"
 #include "slipdisk/contact.h"
 #include "slipdisk/model.h"
 
@@ -320,6 +321,10 @@ static inline size_t model_movables(const sd_model *m) {
 /* Writes the name of a motion for messages to text[size]: `motion "shake"`, or `motion 3` if it
  * has no name. Returns text. */
 const char *model_motion_name(const sd_model *model, size_t number, char *text, size_t size);
+/* Return the subject (base/message.h) of a message about a body, a wall or a motion, by number. */
+subject about_body(const sd_model *model, size_t body);
+subject about_wall(const sd_model *model, size_t wall);
+subject about_motion(const sd_model *model, size_t motion);
 
 /* Completes a model that was built by functions: adds a phase if there is none, turns SD_WALL(w)
  * and SD_CLUMP(k) into body numbers, and gives each random motion the number of a random

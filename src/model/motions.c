@@ -16,31 +16,27 @@
 
 /* --- kinds of motion -------------------------------------------------------------------------- */
 
-static void check_random(const sd_motion *q, double dt, const char *name, sd_messages *msg) {
-  (void)dt;
+static void check_random(const sd_model *m, size_t k, sd_messages *msg) {
+  const sd_motion *q = &m->motions[k];
   if (!(q->omega > 0.0) || !(q->damping > 0.0) || q->interval < 1)
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected omega > 0, damping > 0, interval >= 1",
-            name);
+    fail_about(msg, about_motion(m, k), "expected omega > 0, damping > 0, interval >= 1");
 }
 
-static void check_table(const sd_motion *q, double dt, const char *name, sd_messages *msg) {
-  (void)dt;
-  if (q->n_table < 3)
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: expected 3 rows or more", name);
+static void check_table(const sd_model *m, size_t k, sd_messages *msg) {
+  const sd_motion *q = &m->motions[k];
+  if (q->n_table < 3) fail_about(msg, about_motion(m, k), "table: expected 3 rows or more");
   for (size_t r = 0; r < q->n_table; r++)
     if (!isfinite(q->table_time[r]) || !isfinite(q->table_value[r])) {
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: expected finite numbers (row %zu)", name,
-              r);
+      fail_about(msg, about_motion(m, k), "table: expected finite numbers (row %zu)", r);
       break;
     }
   for (size_t r = 1; r < q->n_table; r++)
     if (!(q->table_time[r] > q->table_time[r - 1])) {
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: time must increase (row %zu)", name, r);
+      fail_about(msg, about_motion(m, k), "table: time must increase (row %zu)", r);
       break;
     }
   if (q->periodic && q->n_table && q->table_value[0] != q->table_value[q->n_table - 1])
-    sd_fail(msg, SD_ERROR_USER,
-            "motion \"%s\": table: periodic, so the last value must equal the first", name);
+    fail_about(msg, about_motion(m, k), "table: periodic, so the last value must equal the first");
 }
 
 #define ROW(kind, word, source, amplitude, check, ...) [kind] = {#word, source, amplitude, check},
@@ -58,15 +54,15 @@ double motion_period(const sd_motion *q) {
  * (aliasing). */
 static const double FEWEST_STEPS = 4;
 
-void motion_check(const sd_motion *q, double dt, const char *name, sd_messages *messages) {
-  const bool swings = motion_is_wave(q) && q->amplitude != 0 && dt > 0;
-  const double steps = swings ? motion_period(q) / dt : HUGE_VAL;
+void motion_check(const sd_model *m, size_t k, sd_messages *msg) {
+  const sd_motion *q = &m->motions[k];
+  const bool swings = motion_is_wave(q) && q->amplitude != 0 && m->dt > 0;
+  const double steps = swings ? motion_period(q) / m->dt : HUGE_VAL;
   if (steps < FEWEST_STEPS)
-    sd_fail(messages, SD_ERROR_USER,
-            "%s: a cycle takes %.3g steps: expected %g or more: a lower frequency or a smaller dt",
-            name, steps, FEWEST_STEPS);
-  if (motion_kinds[q->kind].check)
-    motion_kinds[q->kind].check(q, dt, q->name ? q->name : "?", messages);
+    fail_about(msg, about_motion(m, k),
+               "a cycle takes %.3g steps: expected %g or more: a lower frequency or a smaller dt",
+               steps, FEWEST_STEPS);
+  if (motion_kinds[q->kind].check) motion_kinds[q->kind].check(m, k, msg);
 }
 
 double motion_amplitude(const sd_motion *q) {

@@ -52,7 +52,7 @@ typedef struct motion_kind {
   double (*amplitude)(const sd_motion *motion, double a);
   /* Reports errors in the parameters of this kind; NULL: it has no checks of its own. Loads and
    * servos are checked by loads_check (model.h). */
-  void (*check)(const sd_motion *motion, double dt, const char *name, sd_messages *messages);
+  void (*check)(const sd_model *model, size_t motion, sd_messages *messages);
 } motion_kind;
 
 extern const motion_kind motion_kinds[SD_MOTION_KINDS];
@@ -66,8 +66,8 @@ static inline bool motion_is_feedback(const sd_motion *q) {
 }
 
 /* Reports errors of a motion: fewer than 4 time steps per cycle of a wave, or wrong parameters
- * of its kind. name: name of the motion for messages, as from model_motion_name. */
-void motion_check(const sd_motion *motion, double dt, const char *name, sd_messages *messages);
+ * of its kind. */
+void motion_check(const sd_model *model, size_t motion, sd_messages *messages);
 
 /* Period of a motion, time; 0: not periodic. */
 double motion_period(const sd_motion *motion);

@@ -209,30 +209,27 @@ static const char *periodic_in(const sd_model *m) {
 
 /* Reports a line that is neither along x nor along y, or that a motion turns: it does not fit
  * its images. */
-static void check_line(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
+static void check_line(const sd_model *m, size_t w, sd_messages *msg) {
   const sd_wall *wall = &m->walls[w];
   const double dx = wall->points[1][0] - wall->points[0][0],
                dy = wall->points[1][1] - wall->points[0][1];
   const size_t turned = turned_by(m, w);
   char motion[96];
   if (fmin(fabs(dx), fabs(dy)) > NEARLY * hypot(dx, dy))
-    sd_fail(msg, SD_ERROR_USER,
-            "%s: a line along (%g, %g) does not fit to its images in a box that is periodic in %s; "
-            "expected "
-            "a line "
-            "along x or y, or a segment or polyline",
-            name, dx, dy, periodic_in(m));
+    fail_about(msg, about_wall(m, w),
+               "a line along (%g, %g) does not fit to its images in a box that is periodic in %s; "
+               "expected a line along x or y, or a segment or polyline",
+               dx, dy, periodic_in(m));
   else if (turned < m->n_motions)
-    sd_fail(msg, SD_ERROR_USER,
-            "%s: %s turns a line, which does not fit to its images in a box that is periodic in "
-            "%s; expected a "
-            "segment or polyline, which has ends",
-            name, model_motion_name(m, turned, motion, sizeof motion), periodic_in(m));
+    fail_about(msg, about_wall(m, w),
+               "%s turns a line, which does not fit to its images in a box that is periodic in %s; "
+               "expected a segment or polyline, which has ends",
+               model_motion_name(m, turned, motion, sizeof motion), periodic_in(m));
 }
 
 /* Reports a wall whose images are so near that a disk could touch two of them; contacts use only
  * the image whose midpoint is nearest. */
-static void check_width(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
+static void check_width(const sd_model *m, size_t w, sd_messages *msg) {
   const sd_wall *wall = &m->walls[w];
   double gap;
   const double least = cell_least_length(m, &gap), largest = (least - 2.0 * gap) / 4.8;
@@ -242,19 +239,15 @@ static void check_width(const sd_model *m, size_t w, const char *name, sd_messag
     const double room = period - 2.0 * (largest + gap);
     if (!(period > 0.0) || width < room) continue;
     if (wall->kind == SD_WALL_ARC)
-      sd_fail(msg, SD_ERROR_USER,
-              "%s: the arc, %g wide, and its image in %c can touch a disk at the same time; "
-              "expected less "
-              "than %g, or "
-              "several arcs",
-              name, width, "xy"[c], room);
+      fail_about(msg, about_wall(m, w),
+                 "the arc, %g wide, and its image in %c can touch a disk at the same time; "
+                 "expected less than %g, or several arcs",
+                 width, "xy"[c], room);
     else
-      sd_fail(msg, SD_ERROR_USER,
-              "%s: the wall and its image in %c can touch a disk at the same time: box.%c has the "
-              "length %g; "
-              "expected "
-              "more than %g",
-              name, "xy"[c], "xy"[c], period, width + 2.0 * (largest + gap));
+      fail_about(msg, about_wall(m, w),
+                 "the wall and its image in %c can touch a disk at the same time: box.%c has the "
+                 "length %g; expected more than %g",
+                 "xy"[c], "xy"[c], period, width + 2.0 * (largest + gap));
   }
 }
 
@@ -295,7 +288,7 @@ static bool covers_image(const sd_model *m, const sd_wall *w, double near) {
 
 /* Reports a wall longer than the box that lies on its own image, or may turn onto it: a disk
  * would be pushed twice. */
-static void check_length(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
+static void check_length(const sd_model *m, size_t w, sd_messages *msg) {
   enum { MOST_SIDES = 2000 };
   const sd_wall *wall = &m->walls[w];
   const size_t turned = turned_by(m, w);
@@ -308,20 +301,16 @@ static void check_length(const sd_model *m, size_t w, const char *name, sd_messa
     longer = longer || (m->periodic[c] && wide[c] > period_of(m, c) - slight);
   if (wall->kind == SD_WALL_LINE || wall->kind == SD_WALL_ARC) return;
   if (turned < m->n_motions && hypot(wide[0], wide[1]) > shortest_period(m) - slight)
-    sd_fail(msg, SD_ERROR_USER,
-            "%s: %s turns a wall of size %g, which may come to lie on its own image; expected less "
-            "than the "
-            "length %g of "
-            "the periodic box",
-            name, model_motion_name(m, turned, motion, sizeof motion), hypot(wide[0], wide[1]),
-            shortest_period(m));
+    fail_about(msg, about_wall(m, w),
+               "%s turns a wall of size %g, which may come to lie on its own image; expected less "
+               "than the length %g of the periodic box",
+               model_motion_name(m, turned, motion, sizeof motion), hypot(wide[0], wide[1]),
+               shortest_period(m));
   else if (longer && (wall_segments(wall) > MOST_SIDES || covers_image(m, wall, near)))
-    sd_fail(msg, SD_ERROR_USER,
-            "%s: longer than the periodic box, it lies on or too near to its own image, which "
-            "would push as "
-            "well; expected "
-            "a line, or a wall whose last point is the image of its first",
-            name);
+    fail_about(
+        msg, about_wall(m, w),
+        "longer than the periodic box, it lies on or too near to its own image, which would push "
+        "as well; expected a line, or a wall whose last point is the image of its first");
 }
 
 /* True if wall b is a periodic image of wall a that was added as a wall of its own. */
@@ -348,40 +337,36 @@ static bool is_copy(const sd_model *m, const sd_wall *a, const sd_wall *b) {
 }
 
 /* Reports an error if wall w lies where a periodic image of an earlier wall is. */
-static void check_copies(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
+static void check_copies(const sd_model *m, size_t w, sd_messages *msg) {
   /* only the first MOST_WALLS walls are compared, each with all before it */
   enum { MOST_WALLS = 1000 };
   char other[96];
   for (size_t k = 0; k < w && w < MOST_WALLS; k++) {
     if (!is_copy(m, &m->walls[k], &m->walls[w])) continue;
     sd_model_body_name(m, (uint32_t)(m->n_disks + k), other, sizeof other);
-    sd_fail(msg, SD_ERROR_USER,
-            "%s: it stands where an image of %s is, which pushes as well; expected one of them",
-            name, other);
+    fail_about(msg, about_wall(m, w),
+               "it stands where an image of %s is, which pushes as well; expected one of them",
+               other);
     return;
   }
 }
 
 void wall_images_check(const sd_model *m, sd_messages *msg) {
-  char name[96];
   double pieces = 0.0;
   if (!(shortest_period(m) > 0.0)) return;
   for (size_t w = 0; w < m->n_walls; w++) {
     const sd_wall *wall = &m->walls[w];
     if (wall->kind == SD_WALL_CIRCLE) continue;
-    sd_model_body_name(m, (uint32_t)(m->n_disks + w), name, sizeof name);
-    if (wall->kind == SD_WALL_LINE) check_line(m, w, name, msg);
-    check_width(m, w, name, msg);
-    check_length(m, w, name, msg);
-    check_copies(m, w, name, msg);
+    if (wall->kind == SD_WALL_LINE) check_line(m, w, msg);
+    check_width(m, w, msg);
+    check_length(m, w, msg);
+    check_copies(m, w, msg);
     pieces += count_pieces(m, wall);
     if (pieces <= MOST_PIECES) continue;
-    sd_fail(msg, SD_ERROR_USER,
-            "%s: too long for a box of length %g: it would be cut into more than %g pieces; "
-            "expected a line, "
-            "or a "
-            "shorter wall",
-            name, shortest_period(m), MOST_PIECES);
+    fail_about(msg, about_wall(m, w),
+               "too long for a box of length %g: it would be cut into more than %g pieces; "
+               "expected a line, or a shorter wall",
+               shortest_period(m), MOST_PIECES);
     return;
   }
 }

@@ -3,7 +3,6 @@
 #include "run/ranks.h"
 
 #include <assert.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/comm.h"
@@ -168,35 +167,30 @@ static size_t moves_free_disk(const sd_model *m) {
   return m->n_motions;
 }
 
-static void refuse(sd_messages *messages, const char *key, const char *what) {
-  sd_fail(messages, SD_ERROR_USER,
-          "%s: %s, which ranks do not share; run it without mpirun, with --threads", key, what);
+static void refuse(sd_messages *messages, subject about, const char *what) {
+  fail_about(messages, about, "%s, which ranks do not share; run it without mpirun, with --threads",
+             what);
 }
 
 sd_status ranks_suit(const sd_model *m, sd_messages *messages) {
   const size_t before = sd_messages_errors(messages);
   const size_t motion = moves_free_disk(m);
-  char name[100];
   if (lanes_suit(m))
-    return sd_fail(messages, SD_ERROR_USER,
-                   "disks: %zu free disk%s, so few are for one process; run it without mpirun, or "
-                   "the points of a "
-                   "sweep under it",
-                   m->n_free, m->n_free == 1 ? "" : "s");
-  if (m->n_clumps > 0) refuse(messages, "clumps", "rigid bodies of several disks");
+    return fail_about(messages, about_path("disks"),
+                      "%zu free disk%s, so few are for one process; run it without mpirun, or the "
+                      "points of a sweep under it",
+                      m->n_free, m->n_free == 1 ? "" : "s");
+  if (m->n_clumps > 0) refuse(messages, about_path("clumps"), "rigid bodies of several disks");
   for (size_t k = 0; k < m->n_phases; k++)
-    if (m->phases[k].cell.asked) {
-      snprintf(name, sizeof name, "phases[%zu].cell", k);
-      refuse(messages, name, "a box that deforms");
-    }
+    if (m->phases[k].cell.asked)
+      refuse(messages, about_path("phases[%zu].cell", k), "a box that deforms");
   if (m->n_rotations > 0)
-    refuse(messages, "measure.rotation", "means of single disks (() watches none)");
+    refuse(messages, about_path("measure.rotation"), "means of single disks (() watches none)");
   if (m->n_slides > 0)
-    refuse(messages, "measure.sliding", "contacts of single disks that are watched");
+    refuse(messages, about_path("measure.sliding"), "contacts of single disks that are watched");
   if (motion < m->n_motions)
-    sd_fail(messages, SD_ERROR_USER,
-            "%s: it moves a free disk, which ranks do not share; fix the disk, or run it without "
-            "mpirun",
-            model_motion_name(m, motion, name, sizeof name));
+    fail_about(
+        messages, about_motion(m, motion),
+        "it moves a free disk, which ranks do not share; fix the disk, or run it without mpirun");
   return sd_messages_errors(messages) > before ? SD_ERROR_USER : SD_OK;
 }

@@ -147,8 +147,7 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
  * in them. */
 static void step_back(session *s, const int64_t *steps, size_t n, const sd_messages *why,
                       sd_messages *messages) {
-  for (size_t k = 0; k < sd_messages_count(why); k++)
-    sd_warn(messages, "%s", sd_messages_text(why, k));
+  messages_append(messages, SD_OK, why);
   for (size_t k = 0; k < n; k++) folder_set_aside(&s->parts_folder, steps[k]);
   sd_warn(messages,
           "the checkpoint of step %" PRId64 " cannot be used, that of step %" PRId64 " is taken",
@@ -171,8 +170,7 @@ static sd_status find_checkpoint(session *s, const char *finished, sd_state **st
     if (status == SD_OK && k > 0 && !s->was_finished) {
       step_back(s, steps, k, why, messages);
     } else if (status != SD_OK) {
-      for (size_t m = 0; m < sd_messages_count(why); m++)
-        sd_fail(messages, status, "%s", sd_messages_text(why, m));
+      messages_append(messages, status, why);
       if (status == SD_ERROR_IO && shortage_seen())
         sd_fail(messages, status, "no memory to go on with %s; what is saved is left as it is",
                 s->result);

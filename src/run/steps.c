@@ -330,12 +330,6 @@ static char *errors_of(const sd_messages *m, size_t *length) {
   return text;
 }
 
-static bool is_told(const sd_messages *m, const char *text) {
-  for (size_t k = 0; k < sd_messages_count(m); k++)
-    if (strcmp(sd_messages_text(m, k), text) == 0) return true;
-  return false;
-}
-
 /* Collective: adds the error messages of all ranks to `messages` on rank 0; equal ones are added
  * once. */
 static void tell_errors(const comm *c, sd_status status, const sd_messages *own,
@@ -348,7 +342,7 @@ static void tell_errors(const comm *c, sd_status status, const sd_messages *own,
   char *text = memory_new(bytes, 1);
   comm_gather(c, mine, text, counts, 1);
   for (size_t at = 0; messages && at < bytes; at += strlen(text + at) + 1)
-    if (!is_told(messages, text + at)) sd_fail(messages, status, "%s", text + at);
+    if (!messages_have(messages, text + at)) sd_fail(messages, status, "%s", text + at);
   free(mine);
   free(counts);
   free(text);

@@ -9,6 +9,7 @@
 
 #include "base/limits.h"
 #include "base/memory.h"
+#include "base/message.h"
 #include "base/text.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
@@ -37,6 +38,9 @@ enum { MOST_MISTAKES = 40 };
 
 typedef struct mistake {
   char *text;
+  /* path of the key and what is wrong with it, without its value; equal in messages that report
+   * the same mistake */
+  char *same;
   /* first point with this mistake, number of sets of parameter values that have it */
   size_t point, sets;
 } mistake;
@@ -46,35 +50,19 @@ typedef struct mistakes {
   mistake list[MOST_MISTAKES];
 } mistakes;
 
-/* Finds path and last part in a message of the form "file:line: path = value: what is wrong".
- * Returns false if the message has another form. */
-static bool cut(const char *text, const char **path, size_t *n, const char **wrong) {
-  const char *equals = strstr(text, " = ");
-  if (!equals) return false;
-  for (*path = equals; *path > text && (*path)[-1] != ' ';) --*path;
-  *n = (size_t)(equals - *path);
-  *wrong = strrchr(equals, ':');
-  return *wrong != NULL;
-}
-
-/* Returns true if both messages report the same mistake about the same path, whatever the value. */
-static bool same_mistake(const char *a, const char *b) {
-  const char *path, *other, *wrong, *amiss;
-  size_t n, m;
-  if (!cut(a, &path, &n, &wrong) || !cut(b, &other, &m, &amiss)) return strcmp(a, b) == 0;
-  return n == m && strncmp(path, other, n) == 0 && strcmp(wrong, amiss) == 0;
-}
-
-static void note_mistake(mistakes *all, size_t point, const char *text) {
-  for (size_t k = 0; k < all->n; k++)
-    if (same_mistake(all->list[k].text, text)) {
-      all->list[k].sets++;
-      return;
-    }
-  if (all->n < MOST_MISTAKES)
-    all->list[all->n++] = (mistake){memory_text(text), point, 1};
+static void note_mistake(mistakes *all, size_t point, const message *found) {
+  const subject *about = &found->about;
+  char *same =
+      about->name ? format_text("%s: %s", about->name, found->wrong) : memory_text(found->text);
+  size_t k = 0;
+  while (k < all->n && strcmp(all->list[k].same, same) != 0) k++;
+  if (k < all->n)
+    all->list[k].sets++;
+  else if (k < MOST_MISTAKES)
+    all->list[all->n++] = (mistake){memory_text(found->text), memory_text(same), point, 1};
   else
     all->more++;
+  free(same);
 }
 
 static void tell_mistakes(mistakes *all, const sweep *s, sd_messages *messages) {
@@ -89,6 +77,7 @@ static void tell_mistakes(mistakes *all, const sweep *s, sd_messages *messages) 
       sd_fail(messages, SD_ERROR_USER, "%s (point %zu, %s, and others: %zu of %zu sets of values)",
               m->text, m->point, s->deck.points[m->point].name, m->sets, s->deck.n_sets);
     free(m->text);
+    free(m->same);
   }
   if (all->more > 0)
     sd_fail(messages, SD_ERROR_USER, "%zu more mistakes of other points", all->more);
@@ -111,7 +100,7 @@ sd_status sweep_check(const sweep *s, sweep_visitor *visit, void *user, size_t *
     *usable += one == SD_OK;
     if (one != SD_OK) status = one;
     for (size_t m = 0; one != SD_OK && m < sd_messages_count(mine); m++)
-      note_mistake(&all, k, sd_messages_text(mine, m));
+      note_mistake(&all, k, messages_at(mine, m));
     sd_model_free(model);
     sd_messages_free(mine);
   }

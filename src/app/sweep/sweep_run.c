@@ -20,6 +20,7 @@
 #include "base/clock.h"
 #include "base/comm.h"
 #include "base/memory.h"
+#include "base/message.h"
 #include "model/advice.h"
 #include "model/state.h"
 #include "run/ensemble.h"
@@ -352,12 +353,6 @@ typedef struct precheck {
 
 /* --- points ----------------------------------------------------------------------------------- */
 
-static bool is_told(const sd_messages *messages, const char *text) {
-  for (size_t k = 0; k < sd_messages_count(messages); k++)
-    if (strcmp(sd_messages_text(messages, k), text) == 0) return true;
-  return false;
-}
-
 /* Finds the kind to which a model belongs; a new kind begins if it matches none. *kind =
  * SWEEP_ALONE: the model cannot share SIMD lanes. Returns true if the model is now stored as the
  * first of its kind. */
@@ -421,7 +416,7 @@ static void conclude(const precheck *v, bool all, sd_messages *messages) {
             d->deck_path, d->points[0].name);
   for (size_t k = 0; k < advice_count; k++) {
     const advice *a = &v->advice[k];
-    if (a->warning && !is_told(messages, a->warning))
+    if (a->warning && !messages_have(messages, a->warning))
       sd_warn(messages, "%s (point %zu, %s%s; %zu of %zu sets of values)", a->warning, a->point,
               d->points[a->point].name, a->n > 1 ? ", the worst" : "", a->n, d->n_sets);
   }

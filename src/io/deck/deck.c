@@ -219,10 +219,7 @@ sd_status deck_load_for_ranks(const comm *c, const char *text, const char *path,
     if (*out) warn_of_whole(&(*out)->tiles, why, own);
   }
   for (size_t k = 0; k < sd_messages_count(own); k++)
-    if (sd_messages_kind(own, k) == SD_OK)
-      sd_warn(messages, "%s", sd_messages_text(own, k));
-    else
-      sd_fail(messages, sd_messages_kind(own, k), "%s", sd_messages_text(own, k));
+    sd_fail(messages, sd_messages_kind(own, k), "%s", sd_messages_text(own, k));
   sd_messages_free(own);
   status = comm_agree(c, status);
   if (status == SD_OK) return status;

@@ -68,9 +68,7 @@ char *deck_copy(deck *d, const char *text, size_t n) {
 }
 
 char *deck_format_v(deck *d, const char *format, va_list args) {
-  char *text;
-  if (vasprintf(&text, format, args) < 0) memory_lacks(0);
-  char *copy = deck_copy(d, text, strlen(text));
+  char *text = format_text_v(format, args), *copy = deck_copy(d, text, strlen(text));
   free(text);
   return copy;
 }
@@ -170,7 +168,7 @@ const char *deck_body_name(deck *d, uint32_t body) {
   return deck_format(d, "%s", sd_model_body_name(d->model, body, name, sizeof name));
 }
 
-const char *deck_node_value(deck *d, const deck_node *node) {
+static const char *node_value(deck *d, const deck_node *node) {
   char text[32];
   switch (node->type) {
     case DECK_BOOL: return node->value.flag ? "true" : "false";
@@ -188,7 +186,7 @@ const char *deck_node_value(deck *d, const deck_node *node) {
   if (node->n > 4 || within) return deck_format(d, "(list of %zu)", node->n);
   char *list = deck_format(d, "(");
   for (size_t k = 0; k < node->n; k++)
-    list = deck_format(d, "%s%s%s", list, k ? ", " : "", deck_node_value(d, node->child[k]));
+    list = deck_format(d, "%s%s%s", list, k ? ", " : "", node_value(d, node->child[k]));
   return deck_format(d, "%s)", list);
 }
 
@@ -211,20 +209,30 @@ const char *deck_place_text(deck *d, deck_place place) {
                      disk ? PLACE_DISK - place.line : -(place.line + 1));
 }
 
-static void report(deck *d, deck_place place, const char *head, const char *format, va_list args) {
+void deck_report(deck *d, deck_place place, const char *path, const char *value, const char *format,
+                 va_list args) {
+  if (counted(d)) return;
   d->reported++;
-  const char *text = deck_format_v(d, format, args), *colon = *head ? ": " : "";
-  sd_fail(d->messages, SD_ERROR_USER, "%s: %s%s%s", deck_place_text(d, place), head, colon, text);
+  const char *text = deck_format_v(d, format, args), *where = deck_place_text(d, place);
+  fail_about(d->messages,
+             (subject){.kind = path ? SUBJECT_PATH : SUBJECT_NONE,
+                       .place = memory_text(where),
+                       .name = memory_text(path),
+                       .value = memory_text(value)},
+             "%s", text);
+}
+
+/* Returns the value of a node for a message about it; NULL: a group, whose value is not shown. */
+static const char *value_of(deck *d, const deck_node *node) {
+  return node->type == DECK_GROUP ? NULL : node_value(d, node);
 }
 
 void deck_fail(deck *d, const deck_node *node, const char *format, ...) {
   if (counted(d)) return;
-  const char *path = deck_node_path(d, node);
-  bool leaf = node->type != DECK_GROUP;
   va_list args;
   va_start(args, format);
-  report(d, node->place, leaf ? deck_format(d, "%s = %s", path, deck_node_value(d, node)) : path,
-         format, args);
+  const char *path = deck_node_path(d, node);
+  deck_report(d, node->place, *path ? path : NULL, value_of(d, node), format, args);
   va_end(args);
 }
 
@@ -234,10 +242,9 @@ static void fail_child(deck *d, const deck_node *group, const char *key, const c
   const char *path = deck_node_path(d, group);
   const deck_node *node = deck_child(group, key);
   if (node && node->defaulted) node = NULL;
-  const char *head = *path ? deck_format(d, "%s.%s", path, key) : key;
-  if (node && node->type != DECK_GROUP)
-    head = deck_format(d, "%s = %s", head, deck_node_value(d, node));
-  report(d, node ? node->place : group->place, head, format, args);
+  deck_report(d, node ? node->place : group->place,
+              *path ? deck_format(d, "%s.%s", path, key) : key, node ? value_of(d, node) : NULL,
+              format, args);
 }
 
 void deck_fail_child(deck *d, const deck_node *group, const char *key, const char *format, ...) {
@@ -301,10 +308,9 @@ void deck_agree_on_errors(deck *d) {
 }
 
 void deck_fail_place(deck *d, deck_place place, const char *format, ...) {
-  if (counted(d)) return;
   va_list args;
   va_start(args, format);
-  report(d, place, "", format, args);
+  deck_report(d, place, NULL, NULL, format, args);
   va_end(args);
 }
 

@@ -33,15 +33,12 @@ static deck_place place_of(deck *d, const deck_setting *s) {
  * ...". */
 static void fail(deck *d, const deck_setting *s, const char *format, ...) SD_PRINTF(3, 4);
 static void fail(deck *d, const deck_setting *s, const char *format, ...) {
+  const char *value = s->place.file ? strchr(s->text, '=') : NULL;
   va_list args;
   va_start(args, format);
-  const char *words = deck_format_v(d, format, args), *equals = strchr(s->text, '=');
+  deck_report(d, place_of(d, s), value ? deck_quote(d, s->text, (size_t)(value - s->text)) : NULL,
+              value ? deck_quote(d, value + 1, strlen(value + 1)) : NULL, format, args);
   va_end(args);
-  if (s->place.file && equals)
-    deck_fail_place(d, s->place, "%s = %s: %s", deck_quote(d, s->text, (size_t)(equals - s->text)),
-                    deck_quote(d, equals + 1, strlen(equals + 1)), words);
-  else
-    deck_fail_place(d, place_of(d, s), "%s", words);
 }
 
 /* Parses the value of a setting in the syntax of a deck. Other texts that begin with neither a
@@ -71,7 +68,7 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
     fail(d, s, "expected a text in UTF-8 without control characters");
     return NULL;
   }
-  const char *why = sd_messages_count(mine) > 0 ? sd_messages_text(mine, 0) : ": ";
+  const char *why = sd_messages_count(mine) > 0 ? messages_at(mine, 0)->wrong : "";
   why = deck_copy(d, why, strlen(why));
   sd_messages_free(mine);
   /* If the value was parsed, the only possible error is a text that is not printable UTF-8 */
@@ -82,7 +79,7 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   if (too_large)
     fail(d, s, "the number is out of range");
   else
-    fail(d, s, "the value cannot be read%s%s", why[2] ? ": " : "", why + 2);
+    fail(d, s, "the value cannot be read%s%s", *why ? ": " : "", why);
   return NULL;
 }
 

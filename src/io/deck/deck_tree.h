@@ -207,8 +207,6 @@ deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type
 deck_node *deck_child(const deck_node *group, const char *name);
 void deck_remove(deck_node *parent, const deck_node *child);
 const char *deck_node_path(deck *d, const deck_node *node);
-/* Returns the value of a node in a short form, for messages */
-const char *deck_node_value(deck *d, const deck_node *node);
 /* Returns the name of a body for messages, such as "disk 3" */
 const char *deck_body_name(deck *d, uint32_t body);
 /* Returns the shortest decimal form that reads back as the same double, always with a point or
@@ -230,6 +228,9 @@ void deck_need(deck *d, const deck_node *group, const char *key, double n, size_
  * moved by forces. */
 size_t deck_disk_bytes(bool free);
 void deck_fail_place(deck *d, deck_place place, const char *format, ...) SD_PRINTF(3, 4);
+/* Reports one error at a place: "file:line: path = value: ..."; path and value may be NULL. */
+void deck_report(deck *d, deck_place place, const char *path, const char *value, const char *format,
+                 va_list args);
 /* Returns a source location in the form with which messages begin: "file:line", "file: row 3" or
  * "file: disk 3". */
 const char *deck_place_text(deck *d, deck_place place);
