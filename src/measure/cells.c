@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/buckets.h"
 #include "base/gsl.h"
 #include "base/memory.h"
 #include "base/team.h"
@@ -25,13 +26,10 @@
 enum { SITES_OCTAVES = 10 };
 
 typedef struct sites_grid {
-  double largest; /* largest radius of the sites in the grid */
-  double lower[2], width;
-  size_t cells[2];
-  /* [number of cells + 1] index in `site` of the first site of each cell; NULL: the octave is
-   * empty */
-  size_t *start;
-  uint32_t *site;
+  size_t n;                         /* number of sites in the grid */
+  double largest;                   /* largest radius of these sites */
+  double lower[2], upper[2], width; /* rectangle around their centres; width of a cell */
+  size_t cells[2], first;           /* number of cells along x and y; first bucket of the grid */
 } sites_grid;
 
 typedef struct sites {
@@ -44,6 +42,7 @@ typedef struct sites {
   bool one_octave;          /* true if all sites have the same octave */
   double centre[2], size;   /* centre and side length of a square around the region and all sites */
   sites_grid octave[SITES_OCTAVES];
+  buckets sorted; /* sites of each cell, all grids one after the other */
 } sites;
 
 /* Rectangle of grid cells that was searched for sites. */
@@ -72,10 +71,7 @@ static void sites_free(sites *s) {
   free(s->at);
   free(s->radius);
   free(s->octave_of);
-  for (int o = 0; o < SITES_OCTAVES; o++) {
-    free(s->octave[o].start);
-    free(s->octave[o].site);
-  }
+  buckets_free(&s->sorted);
   *s = (sites){0};
 }
 
@@ -90,64 +86,51 @@ static int octave_of(double radius, double largest) {
 /* Returns the index along coordinate k (0: x, 1: y) of the grid cell that contains the coordinate
  * `at`; the first or the last cell if `at` is outside the grid. */
 static size_t cell_along(const sites_grid *g, int k, double at) {
-  double place = floor((at - g->lower[k]) / g->width);
-  return place > 0.0 ? (size_t)fmin(place, (double)(g->cells[k] - 1)) : 0;
+  return cell_nearest((at - g->lower[k]) / g->width, g->cells[k]);
 }
 
-static size_t cell_of(const sites_grid *g, const double at[2]) {
-  return cell_along(g, 1, at[1]) * g->cells[0] + cell_along(g, 0, at[0]);
+static size_t cell_of(const void *with, size_t i) {
+  const sites *s = with;
+  const sites_grid *g = &s->octave[s->octave_of[i]];
+  const double *at = s->at[i];
+  return g->first + cell_along(g, 1, at[1]) * g->cells[0] + cell_along(g, 0, at[0]);
 }
 
-/* Divides the rectangle from g->lower to `upper` into square cells with about two of the n sites
- * each, and allocates them. */
-static sd_status shape(sites_grid *g, const double upper[2], size_t n) {
-  const double x = upper[0] - g->lower[0], y = upper[1] - g->lower[1];
-  g->width = fmax(sqrt(2.0 * x * y / (double)n), fmax(x, y) / (double)n);
+/* Divides the rectangle of the grid into square cells with about two sites each. Returns the number
+ * of cells. */
+static size_t shape(sites_grid *g) {
+  const double x = g->upper[0] - g->lower[0], y = g->upper[1] - g->lower[1], n = (double)g->n;
+  g->width = fmax(sqrt(2.0 * x * y / n), fmax(x, y) / n);
   if (!(g->width > 0.0)) g->width = 1.0;
   g->cells[0] = (size_t)floor(x / g->width) + 1;
   g->cells[1] = (size_t)floor(y / g->width) + 1;
-  const memory_column rows[] = {{&g->start, g->cells[0] * g->cells[1] + 2, sizeof *g->start},
-                                {&g->site, n, sizeof *g->site}};
-  return memory_rows(sizeof rows / sizeof *rows, rows) ? SD_OK : SD_ERROR_IO;
-}
-
-static sd_status sort_octave(sites *s, sites_grid *g, int octave) {
-  double upper[2] = {-HUGE_VAL, -HUGE_VAL};
-  size_t n = 0;
-  for (int k = 0; k < 2; k++) g->lower[k] = HUGE_VAL;
-  for (size_t i = 0; i < s->n; i++) {
-    if (s->octave_of[i] != octave) continue;
-    n++;
-    g->largest = fmax(g->largest, s->radius[i]);
-    for (int k = 0; k < 2; k++) {
-      g->lower[k] = fmin(g->lower[k], s->at[i][k]);
-      upper[k] = fmax(upper[k], s->at[i][k]);
-    }
-  }
-  if (n == 0) return SD_OK;
-  if (shape(g, upper, n) != SD_OK) return SD_ERROR_IO;
-  for (size_t i = 0; i < s->n; i++)
-    if (s->octave_of[i] == octave) g->start[cell_of(g, s->at[i]) + 2]++;
-  for (size_t c = 0; c < g->cells[0] * g->cells[1]; c++) g->start[c + 2] += g->start[c + 1];
-  for (size_t i = 0; i < s->n; i++)
-    if (s->octave_of[i] == octave) g->site[g->start[cell_of(g, s->at[i]) + 1]++] = (uint32_t)i;
-  return SD_OK;
+  return g->cells[0] * g->cells[1];
 }
 
 /* Sorts all sites into the grids of their octaves. Call it when all sites have been added.
  * SD_ERROR_IO: out of memory. */
 static sd_status sites_sort(sites *s) {
   double largest = 0.0;
-  size_t in_octave[SITES_OCTAVES] = {0};
-  sd_status status = SD_OK;
+  size_t n_cells = 0;
   for (size_t i = 0; i < s->n; i++) largest = fmax(largest, s->radius[i]);
-  for (size_t i = 0; i < s->n; i++)
-    in_octave[s->octave_of[i] = (unsigned char)octave_of(s->radius[i], largest)]++;
-  for (int o = 0; status == SD_OK && o < SITES_OCTAVES; o++) {
-    if (in_octave[o] > 0) status = sort_octave(s, &s->octave[o], o);
-    s->one_octave = s->one_octave || in_octave[o] == s->n;
+  for (int o = 0; o < SITES_OCTAVES; o++)
+    s->octave[o] = (sites_grid){.lower = {HUGE_VAL, HUGE_VAL}, .upper = {-HUGE_VAL, -HUGE_VAL}};
+  for (size_t i = 0; i < s->n; i++) {
+    sites_grid *g = &s->octave[s->octave_of[i] = (unsigned char)octave_of(s->radius[i], largest)];
+    g->n++;
+    g->largest = fmax(g->largest, s->radius[i]);
+    for (int k = 0; k < 2; k++) {
+      g->lower[k] = fmin(g->lower[k], s->at[i][k]);
+      g->upper[k] = fmax(g->upper[k], s->at[i][k]);
+    }
   }
-  return status;
+  for (int o = 0; o < SITES_OCTAVES; o++) {
+    sites_grid *g = &s->octave[o];
+    g->first = n_cells;
+    if (g->n > 0) n_cells += shape(g);
+    s->one_octave = s->one_octave || g->n == s->n;
+  }
+  return buckets_new(&s->sorted, s->n, n_cells, cell_of, s) ? SD_OK : SD_ERROR_IO;
 }
 
 /* --- searches --------------------------------------------------------------------------------- */
@@ -160,9 +143,10 @@ typedef struct search {
 } search;
 
 static void look(search *q, const sites_grid *g, size_t x, size_t y) {
-  const size_t c = y * g->cells[0] + x;
-  for (size_t k = g->start[c]; k < g->start[c + 1]; k++) {
-    const size_t i = g->site[k];
+  const size_t c = g->first + y * g->cells[0] + x;
+  const buckets *b = &q->s->sorted;
+  for (size_t k = b->start[c]; k < b->start[c + 1]; k++) {
+    const size_t i = b->item[k];
     const double dx = q->s->at[i][0] - q->at[0], dy = q->s->at[i][1] - q->at[1],
                  r = q->s->radius[i];
     const double power = dx * dx + dy * dy - r * r;
@@ -221,7 +205,7 @@ static void search_octave(search *q, const sites_grid *g) {
 static size_t sites_nearest(const sites *s, size_t own, const double at[2], double most) {
   search q = {.s = s, .own = own, .found = SIZE_MAX, .at = {at[0], at[1]}, .least = most};
   for (int o = 0; o < SITES_OCTAVES; o++)
-    if (s->octave[o].start) search_octave(&q, &s->octave[o]);
+    if (s->octave[o].n > 0) search_octave(&q, &s->octave[o]);
   return q.found;
 }
 
@@ -234,9 +218,9 @@ static size_t sites_around(const sites *s, size_t i, uint32_t *found, size_t roo
   size_t n = 0;
   for (size_t v = y > 0 ? y - 1 : 0; v <= y + 1 && v < g->cells[1]; v++)
     for (size_t u = x > 0 ? x - 1 : 0; u <= x + 1 && u < g->cells[0]; u++)
-      for (size_t k = g->start[v * g->cells[0] + u];
-           k < g->start[v * g->cells[0] + u + 1] && n < room; k++)
-        if (g->site[k] != i) found[n++] = g->site[k];
+      for (size_t c = g->first + v * g->cells[0] + u, k = s->sorted.start[c];
+           k < s->sorted.start[c + 1] && n < room; k++)
+        if (s->sorted.item[k] != i) found[n++] = s->sorted.item[k];
   block->complete = s->one_octave && n < room;
   for (int k = 0; k < 2; k++) {
     block->lower[k] = g->lower[k] + ((double)(k ? y : x) - 1.0) * g->width;

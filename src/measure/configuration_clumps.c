@@ -5,6 +5,7 @@
  * the relative positions of a clump's disks across the edges of a periodic box. */
 #include <stdlib.h>
 
+#include "base/buckets.h"
 #include "base/memory.h"
 #include "measure/configuration.h"
 
@@ -15,23 +16,23 @@ static size_t clump_of(const configuration *c, const sd_model *from, size_t disk
   return clump > 0 && (size_t)clump <= from->n_disks ? (size_t)clump : 0;
 }
 
+static size_t listed_clump(const void *with, size_t disk) {
+  return (size_t)((const configuration *)with)->clump_of[disk];
+}
+
 /* Lists the disks of each clump in ascending order of their numbers. */
-static void list_disks(configuration *c, const sd_model *from) {
+static sd_status list_disks(configuration *c, const sd_model *from) {
   const size_t n = c->model->n_disks;
-  for (size_t i = 0; i < n; i++) {
-    c->clump_of[i] = (int32_t)clump_of(c, from, i) - 1;
-    if (c->clump_of[i] >= 0) c->clumps[c->clump_of[i]].n_disks++;
+  buckets b;
+  for (size_t i = 0; i < n; i++) c->clump_of[i] = (int32_t)clump_of(c, from, i) - 1;
+  if (!buckets_new(&b, n, c->n_clumps, listed_clump, c)) return SD_ERROR_IO;
+  c->clump_disks = b.item;
+  for (size_t k = 0; k < c->n_clumps; k++) {
+    c->clumps[k].n_disks = b.start[k + 1] - b.start[k];
+    c->clumps[k].disks = b.item + b.start[k];
   }
-  for (size_t k = 0, first = 0; k < c->n_clumps; k++) {
-    c->clumps[k].disks = c->clump_disks + first;
-    first += c->clumps[k].n_disks;
-    c->clumps[k].n_disks = 0;
-  }
-  for (size_t i = 0; i < n; i++) {
-    if (c->clump_of[i] < 0) continue;
-    config_clump *k = &c->clumps[c->clump_of[i]];
-    k->disks[k->n_disks++] = (uint32_t)i;
-  }
+  free(b.start);
+  return SD_OK;
 }
 
 static double between(const configuration *c, const frame_data *f, uint32_t first, uint32_t disk,
@@ -83,19 +84,16 @@ static void take_given(config_clump *k, const sd_clump *given) {
 
 sd_status configuration_clumps(configuration *c, const sd_model *from, const frame_data *f) {
   const size_t n = c->model->n_disks;
-  size_t members = 0;
   for (size_t i = 0; i < n; i++) {
     const size_t k = clump_of(c, from, i);
-    members += k > 0;
     if (k > c->n_clumps) c->n_clumps = k;
   }
-  if (members == 0) return SD_OK;
+  if (c->n_clumps == 0) return SD_OK;
   const memory_column rows[] = {{&c->clumps, c->n_clumps, sizeof *c->clumps},
                                 {&c->clump_of, n, sizeof *c->clump_of},
-                                {&c->clump_disks, members, sizeof *c->clump_disks},
                                 {&c->arm, n, sizeof *c->arm}};
-  if (!memory_rows(sizeof rows / sizeof *rows, rows)) return SD_ERROR_IO;
-  list_disks(c, from);
+  if (!memory_rows(sizeof rows / sizeof *rows, rows) || list_disks(c, from) != SD_OK)
+    return SD_ERROR_IO;
   for (size_t k = 0; k < c->n_clumps; k++) {
     if (c->clumps[k].n_disks == 0) continue;
     measure(c, f, &c->clumps[k]);

@@ -5,6 +5,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
+#include "base/buckets.h"
 #include "base/memory.h"
 #include "base/team.h"
 
@@ -22,27 +23,24 @@ typedef struct grid {
   bool wraps[2];
   double offset; /* x shift of the periodic image above, in a sheared box */
   size_t cells[2];
-  size_t *start;
+  buckets sorted; /* disk centres of each grid cell */
   /* [n] coordinates of the disk centres, ordered by grid cell */
   double *x, *y;
 } grid;
 
-static size_t grid_cell(const grid *g, const double at[2]) {
+static size_t grid_cell(const void *with, size_t i) {
+  const grid *g = with;
   size_t cell[2];
-  for (int k = 0; k < 2; k++) {
-    double place = (at[k] - g->lower[k]) / g->width[k] * (double)g->cells[k];
-    cell[k] = place > 0.0 ? (size_t)fmin(place, (double)(g->cells[k] - 1)) : 0;
-  }
+  for (int k = 0; k < 2; k++)
+    cell[k] =
+        cell_nearest((g->at[i][k] - g->lower[k]) / g->width[k] * (double)g->cells[k], g->cells[k]);
   return cell[1] * g->cells[0] + cell[0];
 }
 
-/* Returns the largest number of grid cells along one side for n disks; at most about four cells per
- * disk in all. */
-static size_t most_cells(size_t n) { return (size_t)(2.0 * sqrt((double)n)) + 1; }
-
-static void grid_fill(grid *g, double reach) {
+/* Sorts the disk centres into grid cells, of which there are at most about four per disk. */
+static sd_status grid_fill(grid *g, double reach) {
   for (int k = 0; k < 2; k++) {
-    const double most = (double)most_cells(g->n);
+    const double most = floor(2.0 * sqrt((double)g->n)) + 1.0;
     g->cells[k] = (size_t)fmax(fmin(floor(g->width[k] / reach), most), 1.0);
     /* with two cells along a periodic direction, each would be the other's neighbour twice */
     if (g->wraps[k] && g->cells[k] < 3) g->cells[k] = 1;
@@ -50,19 +48,17 @@ static void grid_fill(grid *g, double reach) {
     g->narrows[k] = g->wraps[k] ? 0.0 : 1.0;
   }
   if (g->offset != 0.0 && g->cells[1] == 1) g->cells[0] = 1;
-  size_t cells = g->cells[0] * g->cells[1];
-  for (size_t i = 0; i < g->n; i++) g->start[grid_cell(g, g->at[i]) + 2]++;
-  for (size_t c = 0; c < cells; c++) g->start[c + 2] += g->start[c + 1];
-  for (size_t i = 0; i < g->n; i++) {
-    const size_t k = g->start[grid_cell(g, g->at[i]) + 1]++;
-    g->x[k] = g->at[i][0];
-    g->y[k] = g->at[i][1];
+  if (!buckets_new(&g->sorted, g->n, g->cells[0] * g->cells[1], grid_cell, g)) return SD_ERROR_IO;
+  for (size_t k = 0; k < g->n; k++) {
+    g->x[k] = g->at[g->sorted.item[k]][0];
+    g->y[k] = g->at[g->sorted.item[k]][1];
   }
+  return SD_OK;
 }
 
 static void grid_free(grid *g) {
   free(g->at);
-  free(g->start);
+  buckets_free(&g->sorted);
   free(g->x);
   free(g->y);
   *g = (grid){0};
@@ -133,7 +129,7 @@ static void count_run(const counter *q, double *bin, size_t i, size_t first, siz
 /* Counts the pairs of centres in cells c and `other`. The callers' loops visit each pair of cells
  * in both orders, so calls with other < c do nothing. */
 static void count_cells(const counter *q, double *bin, size_t c, size_t other) {
-  const size_t *start = q->g->start;
+  const uint32_t *start = q->g->sorted.start;
   for (size_t p = start[c]; other >= c && p < start[c + 1]; p++)
     count_run(q, bin, p, c == other ? p + 1 : start[other], start[other + 1]);
 }
@@ -200,11 +196,9 @@ static void count_pairs(const grid *g, gsl_histogram *h, double reach) {
 static sd_status fill_window(grid *g, const configuration *c, const region *r) {
   const sd_model *m = c->model;
   double upper[2], low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
-  const size_t most = most_cells(m->n_disks);
   const memory_column rows[] = {{&g->at, m->n_disks, sizeof *g->at},
                                 {&g->x, m->n_disks, sizeof *g->x},
-                                {&g->y, m->n_disks, sizeof *g->y},
-                                {&g->start, most * most + 2, sizeof *g->start}};
+                                {&g->y, m->n_disks, sizeof *g->y}};
   if (!memory_rows(sizeof rows / sizeof *rows, rows)) return SD_ERROR_IO;
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
@@ -235,11 +229,12 @@ static sd_status correlate(correlation *t, const configuration *c, const region 
   t->n_disks = g.n;
   t->reach = 10.0 * configuration_radius(c);
   for (int k = 0; k < 2; k++) t->reach = fmin(t->reach, 0.5 * g.width[k]);
-  if (status == SD_OK && g.n > 1 && t->reach > 0.0) {
+  const bool pairs = g.n > 1 && t->reach > 0.0;
+  if (status == SD_OK && pairs) status = grid_fill(&g, t->reach);
+  if (status == SD_OK && pairs) {
     double area = g.width[0] * g.width[1], n = (double)g.n;
     t->density = n / area;
     t->pairs = histogram_new(bins, t->reach);
-    grid_fill(&g, t->reach);
     count_pairs(&g, t->pairs, t->reach);
     for (size_t k = 0; k < bins; k++) {
       double low, high;

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/buckets.h"
 #include "base/memory.h"
 
 size_t sd_model_clumps(const sd_model *m) { return m->n_clumps; }
@@ -16,28 +17,25 @@ static subject about_clump(const sd_model *m, size_t k) {
   return about_body(m, sd_model_bodies(m) + k);
 }
 
+static size_t clump_of(const void *with, size_t disk) {
+  return (size_t)((const sd_model *)with)->disks[disk].clump - 1;
+}
+
 /* Lists the disks of each clump in the order of disk numbers, and allocates their offsets. */
 static sd_status list_disks(sd_model *m) {
-  size_t *end, n = 0;
+  buckets b;
   free(m->clump_disks);
   free(m->clump_offsets);
-  for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].clump > 0;
-  if (!memory_rows(3, (memory_column[]){{&end, m->n_clumps, sizeof *end},
-                                        {&m->clump_disks, n, sizeof *m->clump_disks},
-                                        {&m->clump_offsets, n, sizeof *m->clump_offsets}}))
-    return SD_ERROR_IO;
-  for (size_t i = 0; i < m->n_disks; i++)
-    if (m->disks[i].clump > 0) end[m->disks[i].clump - 1]++;
-  for (size_t k = 0, first = 0; k < m->n_clumps; k++) {
-    m->clumps[k].n_disks = end[k];
-    m->clumps[k].disks = m->clump_disks + first;
-    end[k] = first;
-    first += m->clumps[k].n_disks;
+  m->clump_offsets = NULL;
+  bool made = buckets_new(&b, m->n_disks, m->n_clumps, clump_of, m);
+  m->clump_disks = b.item;
+  for (size_t k = 0; made && k < m->n_clumps; k++) {
+    m->clumps[k].n_disks = b.start[k + 1] - b.start[k];
+    m->clumps[k].disks = b.item + b.start[k];
   }
-  for (size_t i = 0; i < m->n_disks; i++)
-    if (m->disks[i].clump > 0) m->clump_disks[end[m->disks[i].clump - 1]++] = (uint32_t)i;
-  free(end);
-  return SD_OK;
+  made = made && memory_row(&m->clump_offsets, b.start[m->n_clumps], sizeof *m->clump_offsets);
+  free(b.start);
+  return made ? SD_OK : SD_ERROR_IO;
 }
 
 /* --- shape ------------------------------------------------------------------------------------ */

@@ -2,9 +2,9 @@
  *
  * Each pair of disks is found from its smaller disk. Disks are sorted by size into levels, each a
  * factor of two in radius; a level has a grid of cells, as wide as its largest diameter, and a hash
- * table of cells with a list of disks for each. So a disk searches nine cells in its own level and
- * in each level of larger disks, whatever the sizes are. Blocks of 8 by 8 cells are contiguous in
- * the table, so that neighbouring cells are near in memory.
+ * table of cells with a bucket of disks for each. So a disk searches nine cells in its own level
+ * and in each level of larger disks, whatever the sizes are. Blocks of 8 by 8 cells are contiguous
+ * in the table, so that neighbouring cells are near in memory.
  */
 #include "model/overlaps.h"
 
@@ -12,11 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/buckets.h"
 #include "base/memory.h"
 #include "model/clumps.h"
 #include "model/walls.h"
-
-#define NONE UINT32_MAX
 
 /* A level: disks whose radii lie within a factor of two. Cell indices have type double, so that
  * far cells do not overflow. */
@@ -25,8 +24,7 @@ typedef struct level {
   /* width of a cell, length */
   double cell;
   size_t n_disks, n_cells; /* number of disks; size of the hash table of cells, a power of two */
-  /* [n_cells] first disk in the list of each cell; NONE: empty */
-  uint32_t *head;
+  size_t first;            /* first bucket of the table */
 } level;
 
 /* Number of size levels, and smallest binary exponent of a radius: all exponents of type double
@@ -39,9 +37,10 @@ typedef struct grid {
   void *user;
   level *levels;         /* one level per binary exponent of the radius; n_disks 0: unused */
   int smallest, largest; /* smallest and largest level in use */
-  uint32_t *next;        /* [disks] next disk in the list of the same cell; NONE: last */
-  uint32_t *heads;       /* memory of the arrays `head` of all levels, one after the other */
-  double length[2];      /* length of the periodic box along x and y; 0: not periodic */
+  size_t n_cells;        /* number of buckets: cells of all levels, one level after the other */
+  buckets sorted;
+  const sd_disk **disk; /* [disks] the disks of each bucket, in the order of larger_first */
+  double length[2];     /* length of the periodic box along x and y; 0: not periodic */
 } grid;
 
 /* True if the position of a disk is finite and its radius > 0. */
@@ -65,7 +64,7 @@ static uint64_t mixed(double i, double j) {
   return h * 0xBF58476D1CE4E5B9u >> 20;
 }
 
-/* Hash of cell (i, j). The 64 cells of a block of 8 by 8 get distinct neighbouring entries of
+/* Bucket of cell (i, j). The 64 cells of a block of 8 by 8 get distinct neighbouring entries of
  * the table: XOR with the hash of the block spreads the blocks, even if each block has disks
  * only in the same one of its cells. */
 static size_t hash(const level *l, double i, double j) {
@@ -73,35 +72,35 @@ static size_t hash(const level *l, double i, double j) {
   const double p = floor(i / SIDE) + 0.0, q = floor(j / SIDE) + 0.0;
   const uint64_t block = mixed(p, q),
                  within = (uint64_t)fmax(0.0, (i - SIDE * p) + SIDE * (j - SIDE * q));
-  return (size_t)((block ^ within) & (l->n_cells - 1));
+  return l->first + (size_t)((block ^ within) & (l->n_cells - 1));
 }
 
 /* Index of the cell of coordinate x; + 0.0 turns -0.0 into 0.0. */
 static double cell_of(const level *l, double x) { return floor(x / l->cell) + 0.0; }
 
-/* Reports the pair of disks (i, j) to the caller's visitor if j is the larger (or, if equal, has
- * the higher number) and overlaps an image of i whose centre lies (dx, dy) away from its own.
- * True: end the search for overlaps of disk i. */
-static bool check_pair(grid *g, size_t i, size_t j, double dx, double dy) {
-  const sd_disk *a = &g->m->disks[i], *b = &g->m->disks[j];
-  if (b->radius < a->radius || (b->radius == a->radius && j <= i)) return false;
-  const double r = hypot(dx, dy);
-  const overlap found = {(uint32_t)i, (uint32_t)j, i, a->radius + b->radius - r, r == 0};
-  return found.depth > 0 && g->visit(g->user, &found);
+/* Order of the disks of a bucket: larger ones first, of equal ones those of higher numbers. */
+static int larger_first(const void *a, const void *b) {
+  const sd_disk *p = *(const sd_disk *const *)a, *q = *(const sd_disk *const *)b;
+  if (p->radius != q->radius) return p->radius > q->radius ? -1 : 1;
+  return p > q ? -1 : p < q;
 }
 
-/* Compares disk i, whose image is at `at`, with the disks in cell (p, q) of a level. True: end
- * the search for overlaps of disk i. */
+/* Reports the overlaps of disk i, whose image is at `at`, with those disks in cell (p, q) of a
+ * level that come before it in the order of buckets. True: end the search for overlaps of disk i. */
 static bool check_cell(grid *g, const level *l, size_t i, const double at[2], double p, double q) {
-  for (uint32_t j = l->head[hash(l, p, q)]; j != NONE; j = g->next[j]) {
-    const sd_disk *d = &g->m->disks[j];
+  const sd_disk *const disks = g->m->disks, *const own = &disks[i];
+  const uint32_t *start = &g->sorted.start[hash(l, p, q)];
+  for (size_t k = start[0]; k < start[1] && larger_first(&g->disk[k], &own) < 0; k++) {
+    const sd_disk *d = g->disk[k];
     const double x = wrapped(g, d->position[0], 0), y = wrapped(g, d->position[1], 1);
-    const double dx = x - at[0], dy = y - at[1],
-                 touch = (d->radius + g->m->disks[i].radius) * (1 + 1e-9);
-    if (j == i || fabs(dx) > touch || fabs(dy) > touch) continue;
+    const double dx = x - at[0], dy = y - at[1], touch = (d->radius + own->radius) * (1 + 1e-9);
+    if (fabs(dx) > touch || fabs(dy) > touch) continue;
     /* another cell may have the same hash */
-    bool here = cell_of(l, x) == p && cell_of(l, y) == q;
-    if (here && !clumps_join(g->m, i, j) && check_pair(g, i, j, dx, dy)) return true;
+    if (cell_of(l, x) != p || cell_of(l, y) != q) continue;
+    const size_t j = (size_t)(d - disks);
+    const double r = hypot(dx, dy);
+    const overlap found = {(uint32_t)i, (uint32_t)j, i, own->radius + d->radius - r, r == 0};
+    if (found.depth > 0 && !clumps_join(g->m, i, j) && g->visit(g->user, &found)) return true;
   }
   return false;
 }
@@ -151,12 +150,10 @@ static int level_of(double radius) {
   return exponent - LEAST_EXPONENT;
 }
 
-/* --- lists of cells --------------------------------------------------------------------------- */
+/* --- buckets of cells ------------------------------------------------------------------------- */
 
-/* Computes the cells of each size level and allocates their lists of disks. False: out of
- * memory. */
-static bool make_levels(grid *g) {
-  size_t n_cells = 0;
+/* Computes the cells of each size level. */
+static void make_levels(grid *g) {
   g->levels = memory_new(EXPONENTS, sizeof *g->levels);
   for (size_t i = 0; i < model_held(g->m); i++) {
     if (!sound(&g->m->disks[i])) continue;
@@ -174,78 +171,33 @@ static bool make_levels(grid *g) {
     l->cell = 2 * l->largest;
     l->n_cells = 64;
     while (l->n_cells < 2 * l->n_disks) l->n_cells *= 2;
-    n_cells += l->n_cells;
+    l->first = g->n_cells;
+    g->n_cells += l->n_cells;
   }
-  if (!memory_resize(2, (memory_column[]){{&g->next, model_held(g->m), sizeof *g->next},
-                                          {&g->heads, n_cells, sizeof *g->heads}}))
-    return false;
-  memset(g->heads, 0xff, n_cells * sizeof *g->heads);
-  uint32_t *head = g->heads;
-  for (int k = g->smallest; k <= g->largest; k++) {
-    g->levels[k].head = head;
-    head += g->levels[k].n_cells;
-  }
-  return true;
 }
 
-/* Order of disks within the list of a cell: the larger disk first, of equal ones the one with
- * the higher number. */
-static bool comes_first(const grid *g, uint32_t a, uint32_t b) {
-  const double p = g->m->disks[a].radius, q = g->m->disks[b].radius;
-  return p != q ? p > q : a > b;
+static size_t bucket_of_disk(const void *with, size_t i) {
+  const grid *g = with;
+  const sd_disk *d = &g->m->disks[i];
+  if (!sound(d)) return SIZE_MAX;
+  const level *l = &g->levels[level_of(d->radius)];
+  return hash(l, cell_of(l, wrapped(g, d->position[0], 0)),
+              cell_of(l, wrapped(g, d->position[1], 1)));
 }
 
-/* Merges two sorted linked lists of disks and returns the first disk. */
-static uint32_t merge(grid *g, uint32_t a, uint32_t b) {
-  uint32_t first = NONE, *end = &first;
-  while (a != NONE && b != NONE) {
-    uint32_t *lead = comes_first(g, a, b) ? &a : &b;
-    *end = *lead;
-    end = &g->next[*lead];
-    *lead = *end;
-  }
-  *end = a != NONE ? a : b;
-  return first;
-}
-
-/* Sorts a linked list of disks and returns its first disk. */
-static uint32_t sorted(grid *g, uint32_t list) {
-  enum { RUNS = 33 };
-  uint32_t run[RUNS], all = NONE; /* run[k]: NONE, or a sorted list of 2^k disks */
-  memset(run, 0xff, sizeof run);
-  while (list != NONE) {
-    uint32_t one = list;
-    list = g->next[list];
-    g->next[one] = NONE;
-    int k = 0;
-    for (; run[k] != NONE; k++) {
-      one = merge(g, run[k], one);
-      run[k] = NONE;
-    }
-    run[k] = one;
-  }
-  for (int k = 0; k < RUNS; k++) all = merge(g, run[k], all);
-  return all;
-}
-
-/* Fills the grid with disks. The list of each cell begins with its largest disk, so that if many
- * disks lie on each other, all but that one find a larger one at once. False: out of memory. */
+/* Sorts the disks into buckets. Each begins with its largest disk, so that if many disks lie on
+ * each other, all but that one find a larger one at once. False: out of memory. */
 static bool make_grid(grid *g) {
-  if (!make_levels(g)) return false;
-  for (size_t i = 0; i < model_held(g->m); i++) {
-    const sd_disk *d = &g->m->disks[i];
-    if (!sound(d)) continue;
-    const level *l = &g->levels[level_of(d->radius)];
-    uint32_t *head = &l->head[hash(l, cell_of(l, wrapped(g, d->position[0], 0)),
-                                   cell_of(l, wrapped(g, d->position[1], 1)))];
-    g->next[i] = *head;
-    *head = (uint32_t)i;
-  }
-  for (int k = g->smallest; k <= g->largest; k++)
-    for (size_t slot = 0; slot < g->levels[k].n_cells; slot++) {
-      uint32_t *head = &g->levels[k].head[slot];
-      if (*head != NONE && g->next[*head] != NONE) *head = sorted(g, *head);
-    }
+  const size_t n = model_held(g->m);
+  make_levels(g);
+  if (!buckets_new(&g->sorted, n, g->n_cells, bucket_of_disk, g) ||
+      !memory_resize_row(&g->disk, n, sizeof *g->disk))
+    return false;
+  const uint32_t *start = g->sorted.start;
+  for (size_t k = 0; k < start[g->n_cells]; k++) g->disk[k] = &g->m->disks[g->sorted.item[k]];
+  for (size_t c = 0; c < g->n_cells; c++)
+    if (start[c + 1] > start[c] + 1)
+      qsort(g->disk + start[c], start[c + 1] - start[c], sizeof *g->disk, larger_first);
   return true;
 }
 
@@ -261,8 +213,8 @@ sd_status overlaps_of_disks(const sd_model *m, overlap_visitor *visit, void *use
       if (g.levels[k].n_disks > 0) done = check_level(&g, &g.levels[k], i);
   }
   free(g.levels);
-  free(g.heads);
-  free(g.next);
+  buckets_free(&g.sorted);
+  free(g.disk);
   return made ? SD_OK : SD_ERROR_IO;
 }
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/buckets.h"
 #include "base/comm.h"
 #include "base/memory.h"
 #include "base/runs.h"
@@ -25,18 +26,20 @@ void route_free(route *r) {
   *r = (route){0};
 }
 
+static size_t rank_of(const void *with, size_t k) { return (size_t)((const int *)with)[k]; }
+
 sd_status route_new(route *r, const comm *c, size_t n, const uint32_t *row, const int *rank) {
   const size_t ranks = (size_t)comm_size(c);
   *r = (route){.comm = c,
                .n_send = n,
                .to = memory_new(ranks, sizeof *r->to),
                .from = memory_new(ranks, sizeof *r->from)};
-  if (!memory_resize_row(&r->row, n, sizeof *r->row)) return SD_ERROR_IO;
-  size_t *at = memory_new(ranks + 1, sizeof *at);
-  for (size_t k = 0; k < n; k++) r->to[rank[k]]++;
-  for (size_t q = 0; q < ranks; q++) at[q + 1] = at[q] + (size_t)r->to[q];
-  for (size_t k = 0; k < n; k++) r->row[at[rank[k]]++] = row ? row[k] : (uint32_t)k;
-  free(at);
+  buckets b;
+  if (!buckets_new(&b, n, ranks, rank_of, rank)) return SD_ERROR_IO;
+  r->row = b.item;
+  for (size_t q = 0; q < ranks; q++) r->to[q] = (int)(b.start[q + 1] - b.start[q]);
+  for (size_t k = 0; row && k < n; k++) r->row[k] = row[r->row[k]];
+  free(b.start);
   return SD_OK;
 }
 

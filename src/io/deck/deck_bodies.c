@@ -81,22 +81,20 @@ static void add(deck *d, deck_bodies *list, uint32_t body) {
   list->body[list->n++] = body;
 }
 
+static size_t group_of(const void *with, size_t disk) {
+  return (size_t)((const sd_model *)with)->disks[disk].group;
+}
+
 /* Sorts the numbers of all disks by group. This is done only once, so that the cost is linear in
  * the number of disks even with many groups. */
 static void sort_by_group(deck *d) {
   const sd_model *m = d->model;
   const size_t n = model_held(m);
-  if (d->group_start && d->n_grouped == n) return;
+  if (d->grouped.start && d->n_grouped == n) return;
   d->n_grouped = n;
-  d->grouped = deck_alloc(d, n, sizeof *d->grouped);
-  d->group_start = deck_alloc(d, m->n_groups + 2, sizeof *d->group_start);
-  /* While d->grouped is filled, end[k] is the index at which the next disk of group k goes */
-  size_t *end = d->group_start + 1;
-  for (size_t i = 0; i < n; i++)
-    if (m->disks[i].group >= 0) end[m->disks[i].group + 1]++;
-  for (size_t k = 1; k <= m->n_groups; k++) end[k] += end[k - 1];
-  for (size_t i = 0; i < n; i++)
-    if (m->disks[i].group >= 0) d->grouped[end[m->disks[i].group]++] = (uint32_t)i;
+  if (!buckets_new(&d->grouped, n, m->n_groups, group_of, m)) longjmp(d->out_of_memory, 1);
+  deck_own(d, d->grouped.start);
+  deck_own(d, d->grouped.item);
 }
 
 static void add_group(deck *d, const deck_node *node, deck_bodies *list) {
@@ -106,7 +104,8 @@ static void add_group(deck *d, const deck_node *node, deck_bodies *list) {
     deck_restart_with_all_disks(d, "the deck speaks of single disks of it");
   list->group = (int)k;
   sort_by_group(d);
-  for (size_t i = d->group_start[k]; i < d->group_start[k + 1]; i++) add(d, list, d->grouped[i]);
+  for (size_t i = d->grouped.start[k]; i < d->grouped.start[k + 1]; i++)
+    add(d, list, d->grouped.item[i]);
 }
 
 static int by_number(const void *a, const void *b) {

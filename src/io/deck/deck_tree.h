@@ -24,6 +24,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/buckets.h"
 #include "model/rows.h"
 
 /* Source location of a value or body. A -D setting has the file name "-D path=value" and line 0. In
@@ -128,10 +129,8 @@ typedef struct deck {
   deck_place *disk_place;
   size_t disk_capacity;
   deck_index disks, materials, groups, walls, clumps, motions, fields;
-  /* Numbers of the disks sorted by group; those of group k have the indices group_start[k] to
-   * group_start[k + 1] - 1 */
-  uint32_t *grouped;
-  size_t *group_start, n_grouped;
+  buckets grouped; /* disks of each group */
+  size_t n_grouped;
   /* [n_file_tables]: table of each entry of disk_files, kept until deck_echo_files */
   struct deck_columns *file_tables;
   size_t n_file_tables;

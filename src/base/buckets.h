@@ -1,0 +1,30 @@
+/* buckets.h: sorts items by bucket (cell of a grid, clump, group, rank) with a counting sort. */
+#ifndef SLIPDISK_BASE_BUCKETS_H
+#define SLIPDISK_BASE_BUCKETS_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Items 0 to n - 1 sorted by bucket; those of one bucket ascend. */
+typedef struct buckets {
+  uint32_t *start; /* [number of buckets + 1] index in `item` of each bucket's first item */
+  uint32_t *item;
+} buckets;
+
+/* Returns the bucket of an item; an item whose bucket does not exist is left out. */
+typedef size_t bucket_of(const void *with, size_t item);
+
+/* Sorts n items into n_buckets buckets; calls `of` twice for each item. Returns false if memory
+ * runs out; *b is empty then. Free it with buckets_free. */
+bool buckets_new(buckets *b, size_t n, size_t n_buckets, bucket_of *of, const void *with);
+void buckets_free(buckets *b);
+
+/* Returns the index, along a line of n grid cells, of the cell at x, or of the cell nearest to x if
+ * x is outside the grid. x: distance from the lower end of the grid, in cell widths. */
+static inline size_t cell_nearest(double x, size_t n) {
+  return x > 0.0 ? (size_t)fmin(x, (double)(n - 1)) : 0;
+}
+
+#endif
