@@ -13,7 +13,7 @@
 
 #include "app/app.h"
 #include "app/view/view.h"
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/comm.h"
 #include "base/text.h"
 #include "io/store/file.h"

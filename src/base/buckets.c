@@ -1,6 +1,8 @@
 /* buckets.c: implements buckets.h. */
 #include "base/buckets.h"
 
+#include <assert.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #include "base/memory.h"
@@ -23,4 +25,48 @@ void buckets_free(buckets *b) {
   free(b->start);
   free(b->item);
   *b = (buckets){0};
+}
+
+/* --- merging of ascending sequences ------------------------------------------------------------- */
+
+void runs_new(runs *r, size_t n) { *r = (runs){.heap = memory_new(n, sizeof *r->heap)}; }
+
+void runs_free(runs *r) {
+  free(r->heap);
+  *r = (runs){0};
+}
+
+static bool before(runs_head p, runs_head q) {
+  return p.key < q.key || (p.key == q.key && p.run < q.run);
+}
+
+void runs_add(runs *r, size_t run, int64_t key) {
+  const runs_head head = {key, run};
+  size_t k = r->n++;
+  for (; k > 0 && before(head, r->heap[(k - 1) / 2]); k = (k - 1) / 2)
+    r->heap[k] = r->heap[(k - 1) / 2];
+  r->heap[k] = head;
+}
+
+/* Inserts `head` at the root of the heap and moves it down until the heap is in order. */
+static void sink(runs *r, runs_head head) {
+  size_t k = 0, next;
+  while ((next = 2 * k + 1) < r->n) {
+    if (next + 1 < r->n && before(r->heap[next + 1], r->heap[next])) next++;
+    if (!before(r->heap[next], head)) break;
+    r->heap[k] = r->heap[next];
+    k = next;
+  }
+  r->heap[k] = head;
+}
+
+void runs_step(runs *r, int64_t key) {
+  assert(r->n > 0);
+  sink(r, (runs_head){key, r->heap[0].run});
+}
+
+void runs_end(runs *r) {
+  assert(r->n > 0);
+  r->n--;
+  if (r->n > 0) sink(r, r->heap[r->n]);
 }

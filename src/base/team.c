@@ -8,9 +8,9 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <time.h>
 #include <unistd.h>
 
-#include "base/clock.h"
 #include "base/memory.h"
 
 /* Times of the barrier, s. A thread that waits spins first, then sleeps. On free cores the threads
@@ -240,4 +240,12 @@ void pool_run_once(size_t items, team_task *task, void *with) {
   pool *c = items > FEW ? pool_new(pool_most()) : NULL;
   pool_run(c, task, with);
   pool_free(c);
+}
+
+/* --- the clock --------------------------------------------------------------------------------- */
+
+double clock_seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }

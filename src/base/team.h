@@ -72,4 +72,9 @@ static inline void team_share(const team *t, size_t n, size_t *begin, size_t *en
   if (*end > n) *end = n;
 }
 
+/* --- a monotonic clock, for progress reports and for measuring run times ---------------------- */
+
+/* Returns the time in seconds since an arbitrary fixed moment; it never goes backwards. */
+double clock_seconds(void);
+
 #endif

@@ -86,7 +86,8 @@ static int larger_first(const void *a, const void *b) {
 }
 
 /* Reports the overlaps of disk i, whose image is at `at`, with those disks in cell (p, q) of a
- * level that come before it in the order of buckets. True: end the search for overlaps of disk i. */
+ * level that come before it in the order of buckets. True: end the search for overlaps of disk
+ * i. */
 static bool check_cell(grid *g, const level *l, size_t i, const double at[2], double p, double q) {
   const sd_disk *const disks = g->m->disks, *const own = &disks[i];
   const uint32_t *start = &g->sorted.start[hash(l, p, q)];

@@ -8,7 +8,6 @@
 #include "base/buckets.h"
 #include "base/comm.h"
 #include "base/memory.h"
-#include "base/runs.h"
 
 void *route_allocate(const comm *c, size_t n, size_t size) {
   void *rows;

@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/comm.h"
 #include "base/memory.h"
 #include "io/results/merge.h"

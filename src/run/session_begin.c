@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/comm.h"
 #include "base/memory.h"
 #include "base/text.h"

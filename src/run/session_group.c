@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/memory.h"
 #include "run/ensemble.h"
 #include "run/session_private.h"

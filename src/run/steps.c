@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/comm.h"
 #include "base/comm_cuts.h"
 #include "base/memory.h"

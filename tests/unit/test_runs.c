@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "base/runs.h"
+#include "base/buckets.h"
 
 enum { RUNS = 37, MOST = 60 };
 

@@ -11,7 +11,7 @@
 #include "app/app.h"
 #include "app/check/check.h"
 #include "app/sweep/sweep.h"
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/memory.h"
 #include "io/deck/deck.h"
 #include "run/ensemble.h"

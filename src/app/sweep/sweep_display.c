@@ -7,7 +7,7 @@
 #include "app/app.h"
 #include "app/json.h"
 #include "app/sweep/sweep.h"
-#include "base/clock.h"
+#include "base/team.h"
 
 const char *sweep_finding(const sweep_result *r, char *text, size_t size) {
   *text = 0;

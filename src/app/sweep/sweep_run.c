@@ -17,7 +17,7 @@
 
 #include "app/app.h"
 #include "app/sweep/sweep.h"
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/comm.h"
 #include "base/memory.h"
 #include "base/message.h"

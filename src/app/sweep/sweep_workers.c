@@ -11,7 +11,7 @@
 
 #include "app/app.h"
 #include "app/sweep/sweep.h"
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/memory.h"
 #include "base/text.h"
 

@@ -18,7 +18,7 @@
 #include <unistd.h>
 #endif
 
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/memory.h"
 #include "io/results/record.h"
 #include "measure/configuration.h"

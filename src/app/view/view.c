@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/h5.h"

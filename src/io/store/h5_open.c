@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
-#include "base/runs.h"
+#include "base/buckets.h"
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/h5_private.h"

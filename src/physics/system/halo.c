@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clock.h"
+#include "base/team.h"
 #include "base/comm.h"
 #include "base/memory.h"
 #include "physics/system/list.h"
