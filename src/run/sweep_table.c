@@ -1,6 +1,7 @@
 /* sweep_table.c: writes the table of a sweep's results, with a row per point, and the means over
  * replicas; see sweep.h. docs/sweep.md lists the columns. Only finished points have numbers;
  * `--status` shows the results of unfinished points so far. */
+#include <assert.h>
 #include <fnmatch.h>
 #include <inttypes.h>
 #include <math.h>
@@ -167,6 +168,7 @@ static void fill_means(result_table *m, const sweep *s, const result_table *t) {
     put_parameters(m, p->set, s, p);
   }
   const result_column *status = result_table_find(t, "status");
+  assert(!status || status->text || t->n_rows == 0);
   for (size_t set = 0; set < m->n_rows; set++)
     result_table_integer(m, set, "replicas", "finished replicas", 0);
   result_column *replicas = result_table_find(m, "replicas");
