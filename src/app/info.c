@@ -90,7 +90,7 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_m
     f->parts = f->finished ? -1 : checkpoint_get_parts(file);
     f->bytes = file_size(f->path);
     f->clumps = h5_get_attr_i64(file, "/state", "n_clumps", 0);
-    /* From here on the path is only displayed: replace its control characters */
+    /* The path is only displayed after this: replace its control characters */
     text_clean(f->path);
   }
   h5_close(file, NULL);

@@ -27,7 +27,7 @@ void buckets_free(buckets *b) {
   *b = (buckets){0};
 }
 
-/* --- merging of ascending sequences ------------------------------------------------------------- */
+/* --- merging of ascending sequences ----------------------------------------------------------- */
 
 void runs_new(runs *r, size_t n) { *r = (runs){.heap = memory_new(n, sizeof *r->heap)}; }
 

@@ -242,7 +242,7 @@ void pool_run_once(size_t items, team_task *task, void *with) {
   pool_free(c);
 }
 
-/* --- the clock --------------------------------------------------------------------------------- */
+/* --- the clock -------------------------------------------------------------------------------- */
 
 double clock_seconds(void) {
   struct timespec t;

@@ -88,7 +88,7 @@ void model_find_pieces(sd_model *m) {
 
 /* Relative tolerance of positions and directions in a periodic box. */
 static const double NEARLY = 1e-9;
-/* In a periodic box, sides of up to WHOLE box lengths are not cut: disks are smaller than the
+/* Sides of up to WHOLE box lengths are not cut in a periodic box: disks are smaller than the
  * gap between a segment and its image (check_width). Longer sides are cut into CUTS_PER_PERIOD
  * segments per box length. So are walls that continue in their own images, because with three
  * segments it is unique which one follows which. */

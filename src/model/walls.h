@@ -32,7 +32,7 @@ static inline void wall_set_pivot(sd_wall *w) {
 
 /* --- periodic boxes --------------------------------------------------------------------------- */
 
-/* In a periodic box each segment and each arc has images; a disk touches the nearest image of a
+/* Each segment and each arc has images in a periodic box; a disk touches the nearest image of a
  * segment. To make this image unique, long straight segments are cut, and walls whose images are
  * too near are rejected. */
 

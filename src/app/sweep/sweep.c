@@ -97,8 +97,8 @@ static int parse_range(const sweep *s, sweep_command *c) {
 
 /* --- state of the points ---------------------------------------------------------------------- */
 
-/* Prints a line about a sweep point (one run). Returns true if the line has a star, which marks an
- * error bar as not reliable. */
+/* Prints a line about a sweep point (one run). Returns true if the line has an asterisk, which
+ * marks an error bar as not reliable. */
 static bool print_point(const sweep *s, size_t k, const sweep_result *r) {
   char finding[200] = "", part[24] = "";
   bool told = r->status == SWEEP_DONE || !*r->message;

@@ -302,7 +302,7 @@ void sweep_worsen(scheduler *w, int status) {
  * them. */
 void sweep_make_tables(scheduler *w, bool last) {
   double start = clock_seconds();
-  /* With --point other processes run the other points; the user then writes the tables with
+  /* Other processes run the other points if --point is given; the user then writes the tables with
    * --table. */
   if (sweep_is_part(w->c)) return;
   if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;

@@ -438,7 +438,7 @@ static enum MHD_Result serve(void *user, connection *c, const char *url, const c
                              void **state) {
   live *l = user;
   (void)version, (void)upload;
-  /* In the first call only the headers have arrived, and an answer would end the connection */
+  /* Only the headers have arrived in the first call, and an answer would end the connection */
   if (!*state) {
     *state = l;
     return MHD_YES;

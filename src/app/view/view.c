@@ -139,7 +139,7 @@ static sd_status view_live(const view_options *o, sd_messages *messages) {
     sd_model_advise(model, messages);
     status = sd_simulation_new(model, (int)o->threads, &s, messages);
   }
-  app_begin_saving(); /* From here on a signal only sets app_stop */
+  app_begin_saving(); /* A signal only sets app_stop after this */
   if (status == SD_OK) status = show(o, model, s, messages);
   sd_simulation_free(s);
   sd_model_free(model);
@@ -180,7 +180,7 @@ static sd_status view(const view_options *o, sd_messages *messages) {
 int app_view(int argc, char **argv) {
   view_options o = {0};
   sd_messages *messages = sd_messages_new();
-  signal(SIGXFSZ, SIG_IGN); /* With SIGXFSZ ignored, exceeding a file-size limit makes write fail */
+  signal(SIGXFSZ, SIG_IGN); /* write then fails where a file-size limit is exceeded */
   int status = options_parse(&app_view_line, argc, argv, &o);
   if (status == SD_OK) status = (int)view(&o, messages);
   fflush(stdout);

@@ -143,7 +143,7 @@ sd_status view_file(const view_options *o, char **path, bool *made, sd_messages 
   if (status == SD_OK) status = note_first(&j, messages);
   if (status == SD_OK) status = describe(&j, messages);
   app_catch_signals();
-  /* From here on a signal only sets app_stop, so that an incomplete page is removed */
+  /* A signal only sets app_stop after this, so that an incomplete page is removed */
   app_begin_saving();
   if (status == SD_OK) status = write_page(&j, *path, messages);
   if (status == SD_INTERRUPTED) fprintf(stderr, "stopped: no page is written\n");

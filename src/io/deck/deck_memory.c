@@ -161,9 +161,9 @@ void deck_carry_contact(sd_contact_memory *c, disk_angle_shift a, disk_angle_shi
     if (wall->pieces)
       c->part = (uint32_t)(c->part - wall->first + wall->own_first);
     else
-      /* In the new run the angle of a round wall starts at 0, not at its value in the file */
+      /* The angle of a round wall starts at 0 in the new run, not at its value in the file */
       shift -= wall->radius * wall->theta;
-    /* In the new run the displacement of a wall's surface along the wall starts at 0 */
+    /* The displacement of a wall's surface along the wall starts at 0 in the new run */
     shift += wall->radius > 0 ? -wall->surface : wall->surface;
   }
   c->record.lambda_ref += shift;

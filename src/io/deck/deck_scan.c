@@ -37,16 +37,16 @@ typedef struct key {
 typedef struct level {
   char open;
   deck_place place;
-  bool value;       /* In a group: true after "key =", before the value */
-  bool key;         /* In a group: true after a key, before its = */
-  bool full;        /* In a list: true if an element was read since the last comma */
-  size_t comma;     /* In a list: index of the last comma in the clean text */
-  const char *name; /* In a group: name of the key being read */
+  bool value;       /* Groups: true after "key =", before the value */
+  bool key;         /* Groups: true after a key, before its = */
+  bool full;        /* Lists: true if an element was read since the last comma */
+  size_t comma;     /* Lists: index of the last comma in the clean text */
+  const char *name; /* Groups: name of the key being read */
   size_t length;
-  size_t index; /* In a list: index of the element being read */
+  size_t index; /* Lists: index of the element being read */
   key *keys;
   size_t n_keys, key_capacity;
-  size_t n_seen; /* In a group: number of keys read, repeated ones included */
+  size_t n_seen; /* Groups: number of keys read, repeated ones included */
 } level;
 
 typedef struct scanner {

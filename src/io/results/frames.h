@@ -52,7 +52,7 @@ sd_status frames_read(const frames *f, size_t k, frame_data *out, sd_messages *m
 /* Finds file, row, step and time of frame k; k < frames.n. */
 sd_status frames_entry(const frames *f, size_t k, frame_entry *out, sd_messages *messages);
 /* Finds the number of the frame that is nearest in time; the final state has the number frames.n.
- * Of two equally near frames the earlier one is taken. */
+ * If two frames are equally near, the earlier one is taken. */
 sd_status frames_nearest(const frames *f, double time, size_t *nearest, sd_messages *messages);
 
 #endif

@@ -92,7 +92,7 @@ contact_energies contact_energies_of(const engine *e, size_t k) {
   const sd_contact_law *law = &e->model->laws[PAIR(p, k, law)];
   double delta = PAIR(p, k, overlap), zeta = PAIR(p, k, zeta),
          rho = p->more ? MORE(p, k, rho) : 0.0;
-  /* With Gear's integrator the record has values at the predicted coordinates, but the energy is
+  /* The record has, with Gear's integrator, values at the predicted coordinates, but the energy is
    * that at the corrected ones. */
   if (e->model->integrator == SD_GEAR5) {
     const contact_geometry g = contact_geometry_of(e, k);

@@ -159,8 +159,8 @@ LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_
 /* Moves the contact records of disks that pass from one wall segment to the next
  * (joint_transfer). which: bit l is set if the contact in lane l would begin or end; closed: bit
  * l is set if it was closed before. Returns true if any record was moved. */
-static __attribute__((noinline, cold)) bool LANE(hand_over)(engine *e, size_t at, unsigned which,
-                                                            unsigned closed) {
+static __attribute__((noinline, cold)) bool
+LANE(transfer_records)(engine *e, size_t at, unsigned which, unsigned closed) {
   bool any = false;
   for (size_t l = 0; l < LANE_WIDTH; l++)
     if (which >> l & 1u && joint_transfer(e, at + l, (closed >> l & 1u) != 0)) any = true;
@@ -233,7 +233,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   LANE(mask) was_closed = LANE(closed_before)(&w->pairs, at);
   const LANE(mask) changes = was_closed ^ LANE(lasts)(&g, &k, active, features);
   if (LANE(any)(changes) &&
-      LANE(hand_over)(e, at, LANE(bits_of)(changes), LANE(bits_of)(was_closed))) {
+      LANE(transfer_records)(e, at, LANE(bits_of)(changes), LANE(bits_of)(was_closed))) {
     was_closed = LANE(closed_before)(&w->pairs, at);
     active = LANE(nearest_of)(e, at, &in, &found);
     g = LANE(pair_geometry_of)(&in);
