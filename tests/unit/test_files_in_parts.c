@@ -87,10 +87,11 @@ static void test_files_of_ranks(void **state) {
  * them. */
 static void test_files_that_stay(void **state) {
   (void)state;
+  static const char packing[] = "packings = ( { type = \"square\"; count = 1; x = (0, 9); "
+                                "y = (300, 310); radius = 1; mass = 1; } );";
   static const char *const more[] = {"locks = ( { disk = 20000; coordinates = \"x\"; } );",
                                      "forces = ( { group = \"grains\"; force = (1, 0); } );",
-                                     "packings = ( { type = \"square\"; count = 1; x = (0, 9); y = "
-                                     "(300, 310); radius = 1; mass = 1; } );"};
+                                     packing};
   fill();
   put_table(ROWS);
   for (size_t k = 0; k < sizeof more / sizeof *more; k++) {
