@@ -352,8 +352,9 @@ typedef struct sd_until {
   double relative; /* error bar to be reached, as a fraction of |mean| */
 } sd_until;
 
-/* A disk and two partners; the sliding configuration of the disk's contacts with them (each
- * sliding with + or -, stuck, or open) is counted in every measured step. */
+/* A disk and two partners. The sliding configuration of the disk's contacts with them is counted in
+ * every measured step: each contact slides with positive or negative torque on the disk, sticks, or
+ * is open. */
 typedef struct sd_slide_watch {
   uint32_t disk;       /* number of the disk */
   uint32_t partner[2]; /* body numbers of the two partners */

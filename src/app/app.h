@@ -40,8 +40,8 @@ extern volatile sig_atomic_t app_stop;
  * until app_begin_saving is called, each ends the process at once with exit status
  * SD_INTERRUPTED. Ignores SIGXFSZ and SIGPIPE, which then are errors of write. */
 void app_catch_signals(void);
-/* Makes these signals set app_stop from now on, so that the program can save its state and end in
- * order. */
+/* Makes these signals set app_stop from now on, so that the program can save its state before it
+ * ends. */
 void app_begin_saving(void);
 /* Prints one line to stderr: the run was stopped before its first step, and there was nothing new
  * to save. Signal handlers may call it. */
@@ -182,9 +182,9 @@ void place_free(place *p);
 sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages);
 
 /* --- place.c: frames of a result or of an unfinished run -------------------------------------- */
-/* Opens the frames of a run. name: as for place_find, or a single part file (some of the frames).
- * *alone: true if `name` is a part file; then its frames are all. Call frames_close also after an
- * error. */
+/* Opens the frames of a run. name: as for place_find, or a single part file (some of the
+ * frames). *alone: true if `name` is a part file; then only the frames of this file are opened.
+ * Call frames_close also after an error. */
 sd_status stored_open(frames *f, const char *name, bool *alone, sd_messages *messages);
 /* Counts the frames into *count. The state at the end of the run counts as one more frame if it is
  * newer than the newest frame and alone is false. */

@@ -111,8 +111,8 @@ double size_memory(const sd_model *m) {
   return stored_bytes(m, most_contacts(m)) + (WORK_BYTES + sizeof(sd_disk)) * (double)m->n_disks;
 }
 
-/* Returns the memory in bytes of rows that wait for the next part or checkpoint, without the
- * first and last frame and contact table, which every run has. */
+/* Returns the memory in bytes of the rows that are kept until the next part file or checkpoint is
+ * written. The first and the last frame and contact table, which every run has, are not counted. */
 static double unsaved_bytes(const sd_model *m, const record *r, const rows *n) {
   const double tables = (double)most_contacts(m) * row_bytes(&r->contact_rows, 1);
   const double disk_rows = row_bytes(&r->disks, 1) + row_bytes(&r->clumps, 1);

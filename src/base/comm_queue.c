@@ -3,8 +3,10 @@
  * Ranks exchange messages with rank 0 only. A message is one 64-bit integer, a task number or one
  * of the codes below; all have the same tag, so that they arrive in order:
  *
- *   to rank 0:    ASK -> a task or NONE   STOP   LEAVE (in comm_queue_end, STOP may follow)   END
- *   from rank 0:  STOP                    END (all have left) -> END
+ * - A rank sends ASK, and rank 0 answers with a task or NONE.
+ * - A rank sends LEAVE when it wants no more tasks (comm_queue_end).
+ * - Any rank sends STOP to rank 0, also after LEAVE, and rank 0 sends it on to the others.
+ * - When all ranks have left, rank 0 sends END, and each rank answers with END.
  *
  * Both sides send END last, and a barrier follows, so that no message of one queue arrives in the
  * next one.

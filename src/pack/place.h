@@ -26,8 +26,8 @@ typedef struct place_interior {
   double bottom, top, rise;
 } place_interior;
 
-/* Returns half the width of the container at height y: infinite for a rectangle, negative where y
- * is outside. */
+/* Returns half the width of the container at height y: negative where y is outside, infinite for a
+ * rectangle, whose sides are given by place_space.edge. */
 double place_half_width(const place_interior *inside, double y);
 /* Returns the area of the part of the rectangle from lower to upper that lies inside the
  * container. */

@@ -168,9 +168,9 @@ void sweep_worsen(scheduler *w, int status);
 void sweep_make_tables(scheduler *w, bool last);
 /* Counts a point by its status r->status, as read from the folder, and stores its doubts. */
 void sweep_remember(scheduler *w, size_t point, const sweep_result *r);
-/* Counts and shows a point whose run has ended, by its state in the folder. status, text: status
- * and messages of the process that ran the point; ran: progress and outcome of the run; seconds:
- * wall time. */
+/* Looks in the folder of the sweep how the run of a point ended, adds the point to the counts
+ * (done, stopped, failed) and prints a line about it. status, text: status and messages of the
+ * process that ran the point; ran: progress and outcome of the run; seconds: wall time. */
 void sweep_account(scheduler *w, size_t point, sd_status status, const char *text, const cell *ran,
                    double seconds);
 /* Takes the next group from the list. Fills points[] with its points, without those that other

@@ -1,8 +1,9 @@
-/* deck_parts.c: reads a large file of disks in parts, some on each rank (sd_tiles in model.h). See
- * deck_rows.h.
+/* deck_parts.c: reads a large file of disks in parts, some on each rank (sd_tiles in model.h).
+ * See deck_rows.h.
  *
- * For each part the deck reader opens the deck again; it then reads only the groups that rows of
- * the file depend on, and only the rows of this part. */
+ * For each part the deck reader opens the deck again; from the deck it then reads only the
+ * groups that the rows refer to (such as materials), and from the file of disks only the rows of
+ * this part. */
 #include "io/deck/deck_rows.h"
 
 #include <math.h>

@@ -48,7 +48,8 @@ static inline void losses_share(const engine *e, double *sum, int32_t a, int32_t
 /* Adds the losses of contact k, which has ended, to the sums of its bodies, and sets those in its
  * record to 0. */
 void losses_end(engine *e, pairs *p, size_t k);
-/* Adds all losses that are left in a list of pairs to the sums of the bodies. */
+/* Adds the energy losses that the contacts of a list of pairs still hold to the losses of their
+ * bodies. */
 void losses_end_all(engine *e, pairs *p);
 /* Sets the losses in the record of contact k to 0. */
 static inline void losses_forget(pairs *p, size_t k) {

@@ -257,7 +257,8 @@ static bool is_moved(const engine *e, size_t place) {
   return false;
 }
 
-/* Puts a coordinate at rest at its base pose, minus full turns or periods removed by wrapping. */
+/* Moves a coordinate to its base pose, minus full turns or periods removed by wrapping, and sets
+ * its velocity to 0. */
 static void rest(engine *e, uint32_t slot, int coordinate) {
   const mover b = mover_of(e->state, slot);
   double off, base;

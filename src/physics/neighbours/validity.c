@@ -235,7 +235,8 @@ static void check_reader(const engine *e, size_t k, size_t end, size_t pair) {
     assert(of >= k && needs(c, k, of));
     if (of < end) continue;
     assert(c->boundary_last[of] && c->boundary_first[of] && c->any_boundary_first);
-    assert((size_t)sum / SUM_ROW >= count_rows(e)); /* the contact has its own row of forces */
+    /* There is a row of sums for the forces of this contact. */
+    assert((size_t)sum / SUM_ROW >= count_rows(e));
   }
 }
 
