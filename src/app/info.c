@@ -217,13 +217,9 @@ static json_t *contacts_json(const observable_list *list, const void *row, char 
   return contacts;
 }
 
-/* Returns the quantity `name` of sliding configuration k as an array. */
-static json_t *ages_json(const summary *s, size_t k, const char *name) {
-  const observable *o = observable_find(&configuration_observables, name);
-  json_t *list = json_array();
-  for (size_t b = 0; b < o->width; b++)
-    json_array_append_new(list, json_observable(o, &s->configurations[k], b));
-  return list;
+/* Returns the quantity `name` of a sliding configuration as an array. */
+static json_t *ages_json(const sd_configuration *c, const char *name) {
+  return json_elements(observable_find(&configuration_observables, name), c);
 }
 
 /* Returns an array of the sliding configurations of watched disk w; empty if they were not
@@ -238,8 +234,8 @@ static json_t *configurations_json(const summary *s, size_t w) {
     json_object_set_new(object, "name", json_string(names[k % SD_CONFIGURATIONS]));
     json_object_set_new(object, "contacts",
                         contacts_json(&configuration_observables, c, s->slide_names + 3 * w));
-    json_object_set_new(object, "age_torque", ages_json(s, k, "age_torque"));
-    json_object_set_new(object, "age_steps", ages_json(s, k, "age_steps"));
+    json_object_set_new(object, "age_torque", ages_json(c, "age_torque"));
+    json_object_set_new(object, "age_steps", ages_json(c, "age_steps"));
     json_array_append_new(list, object);
   }
   return list;

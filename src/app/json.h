@@ -18,8 +18,11 @@ json_t *json_messages(const sd_messages *messages);
 /* Returns element k of a quantity of the row as a JSON boolean, integer or real, by the type of the
  * quantity; null if it is not finite. */
 json_t *json_observable(const observable *o, const void *row, size_t k);
+/* Returns an array with all elements of a quantity of the row. */
+json_t *json_elements(const observable *o, const void *row);
 /* Adds element k of all quantities of the row that have `width` elements to `object`, under their
- * JSON names. A name "group.name" puts the value into the member object "group". */
+ * JSON names; width 0: adds all quantities, as arrays if they have several elements. A name
+ * "group.name" puts the value into the member object "group". */
 void json_add(json_t *object, const observable_list *list, const void *row, size_t width, size_t k);
 /* Returns a new object with all quantities of a row that are single numbers (width 1). */
 json_t *json_row(const observable_list *list, const void *row);

@@ -93,6 +93,13 @@ static void visit_restitutions(const sd_model *m, restitution_visitor *visit, vo
     }
 }
 
+/* Returns the number of disks in a group. */
+static size_t group_size(const sd_model *m, size_t group) {
+  size_t n = 0;
+  for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].group == (int)group;
+  return n;
+}
+
 /* Returns the wall time of the whole run, s, for the deck without its sweep. */
 static double run_seconds(const check_found *f) {
   return (double)sd_model_steps(f->model) / f->speed;
@@ -120,11 +127,8 @@ static void print_counts(const sd_model *m) {
     printf("# clumps      %zu, of %zu disks\n", m->n_clumps, n);
   }
   if (m->n_walls) printf("# walls       %zu\n", m->n_walls);
-  for (size_t k = 0; k < m->n_groups; k++) {
-    size_t n = 0;
-    for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].group == (int)k;
-    printf("# group       \"%s\": %zu disks\n", m->groups[k], n);
-  }
+  for (size_t k = 0; k < m->n_groups; k++)
+    printf("# group       \"%s\": %zu disks\n", m->groups[k], group_size(m, k));
 }
 
 /* Prints the deformation of the periodic box: for each component its rate, or the stress that is to
@@ -335,11 +339,8 @@ static json_t *body_json(const sd_model *m, uint32_t body) {
 
 static json_t *groups_json(const sd_model *m) {
   json_t *object = json_object();
-  for (size_t k = 0; k < m->n_groups; k++) {
-    json_int_t n = 0;
-    for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].group == (int)k;
-    json_object_set_new(object, m->groups[k], json_integer(n));
-  }
+  for (size_t k = 0; k < m->n_groups; k++)
+    json_object_set_new(object, m->groups[k], json_integer((json_int_t)group_size(m, k)));
   return object;
 }
 

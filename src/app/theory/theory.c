@@ -103,18 +103,17 @@ static sd_status table_close(table *t, const char *path, sd_status status, sd_me
  * are empty, and a warning says why. */
 static sd_status add_row(const deck_sweep *s, size_t point, FILE *out, sd_messages *messages) {
   theory_case c;
-  theory_result r;
   sd_model *model = NULL;
   sd_status status = deck_sweep_model(s, point, &model, messages);
   if (status == SD_OK) status = theory_case_read(model, &c, messages);
   if (status == SD_OK) {
     sd_messages *own = sd_messages_new();
-    theory_case_solve(&c, &r, own);
+    theory_case_solve(&c, own);
     for (size_t k = 0; k < sd_messages_count(own); k++)
       sd_warn(messages, "%s: point %s: %s", s->deck_path, s->points[point].name,
               sd_messages_text(own, k));
     sd_messages_free(own);
-    theory_table_row(out, s, point, &c, &r);
+    theory_table_row(out, s, point, &c);
   } else if (s->n_points > 1) {
     sd_warn(messages, "%s: that was point %s", s->deck_path, s->points[point].name);
   }
@@ -146,16 +145,16 @@ static sd_status write_csv(const arguments *a, sd_messages *messages) {
   return status;
 }
 
-static sd_status write_wave(const arguments *a, const theory_result *r, sd_messages *messages) {
+static sd_status write_wave(const arguments *a, const theory_case *c, sd_messages *messages) {
   table t;
-  if (!r->solved)
+  if (!c->solved)
     return sd_fail(messages, SD_ERROR_USER,
                    "%s: theory: there is no periodic solution to be written; expected supports "
                    "that turn to and "
                    "fro",
                    a->deck);
   table_open(&t);
-  theory_wave(t.out, r);
+  theory_wave(t.out, c);
   return table_close(&t, a->wave, SD_OK, messages);
 }
 
@@ -165,17 +164,16 @@ static sd_status write_wave(const arguments *a, const theory_result *r, sd_messa
  * without its sweep. */
 static sd_status tell(const arguments *a, sd_messages *messages) {
   theory_case c;
-  theory_result r;
   sd_model *model = NULL;
   sd_status status = sd_deck_load(a->deck, a->overrides.n, a->overrides.item, &model, messages);
   if (status == SD_OK) status = theory_case_read(model, &c, messages);
   if (status == SD_OK) {
-    status = theory_case_solve(&c, &r, messages);
+    status = theory_case_solve(&c, messages);
     /* Print the results also if no periodic state was found, since the other results are valid. */
-    if (a->json && !theory_json(stdout, model, &c, &r))
+    if (a->json && !theory_json(stdout, model, &c))
       status = sd_fail(messages, SD_ERROR_IO, "cannot write to the standard output");
-    if (!a->json && !a->wave) theory_page(stdout, model, &c, &r);
-    if (a->wave && status == SD_OK) status = write_wave(a, &r, messages);
+    if (!a->json && !a->wave) theory_page(stdout, model, &c);
+    if (a->wave && status == SD_OK) status = write_wave(a, &c, messages);
   }
   sd_model_free(model);
   return status;
@@ -207,10 +205,14 @@ static void line(FILE *out, const char *label, double value, const char *note) {
   fprintf(out, "  %-34s %14.8g%s%s\n", label, value + 0.0, *note ? "   " : "", note);
 }
 
-static void angle_line(FILE *out, const char *label, double value) {
-  char note[64];
-  snprintf(note, sizeof note, "= %.8g pi", value / M_PI);
-  line(out, label, value, note);
+/* Prints the line of a row of theory_facts. note NULL: the note is the value over pi. */
+static void fact(FILE *out, const theory_case *c, const char *name, const char *note) {
+  const observable *o = observable_find(&theory_facts, name);
+  assert(o && o->meaning);
+  const double value = observable_value(o, c, 0);
+  char angle[64];
+  snprintf(angle, sizeof angle, "= %.8g pi", value / M_PI);
+  line(out, o->meaning, value, note ? note : angle);
 }
 
 static void print_geometry(FILE *out, const theory_case *c) {
@@ -221,9 +223,9 @@ static void print_geometry(FILE *out, const theory_case *c) {
   for (int i = 0; i < 2; i++)
     fprintf(out, "  contact %d (%s) with %s: R %.8g, alpha_%d = %.8g = %.8g pi\n", i + 1, side[i],
             c->support[i], c->support_radius[i], i + 1, c->alpha[i], c->alpha[i] / M_PI);
-  angle_line(out, "half aperture theta_h", c->disk.half_aperture);
-  angle_line(out, "tilt theta_T", c->disk.tilt);
-  line(out, "friction mu", c->disk.mu, "");
+  fact(out, c, "geometry.half_aperture", NULL);
+  fact(out, c, "geometry.tilt", NULL);
+  fact(out, c, "geometry.mu", "");
   if (c->swapped)
     fprintf(out,
             "  the deck names the right support first: its S+- is S-+ here, and its S-+ S+-\n");
@@ -234,55 +236,51 @@ static void print_geometry(FILE *out, const theory_case *c) {
         c->offset);
 }
 
-static void print_torques(FILE *out, const theory_case *c, const theory_result *r) {
+static void print_torques(FILE *out, const theory_case *c) {
   static const char *const label[4] = {
       [SD_PP] = "(15)", [SD_MM] = "(16)", [SD_PM] = "(17)", [SD_MP] = "(18)"};
   fprintf(out, "\ntranslational equilibrium points (both contacts slide)\n");
   fprintf(out, "       %14s %14s %14s %14s\n", "normal 1", "normal 2", "torque", "closed form");
   for (int k = 0; k < 4; k++) {
-    const sd_tep *t = &r->tep[k];
+    const sd_tep *t = &c->tep[k];
     fprintf(out, "  S%s  %14.8g %14.8g %14.8g %14.8g  %s  %s, %s\n", theory_configurations[k],
-            t->normal[0], t->normal[1], t->torque, r->torque[k], label[k],
+            t->normal[0], t->normal[1], t->torque, c->torque[k], label[k],
             t->compressive ? "compressive" : "NOT COMPRESSIVE",
             t->stable ? "stable" : "NOT STABLE");
   }
   fprintf(out, "mean torque just after tilting\n");
-  line(out, "all four equally long (19)", r->slight, "random and independent supports");
-  line(out, "S++ and S-- only (31)", r->sync,
-       "supports in phase; with mu^2 where the print has mu");
-  if (c->disk.half_aperture > 0 && tan(c->disk.half_aperture) > c->disk.mu)
-    angle_line(out, "phase at which the sense turns over", sd_reversal_phase(&c->disk));
+  fact(out, c, "slight_tilt.all", "random and independent supports");
+  fact(out, c, "slight_tilt.sync", "supports in phase; with mu^2 where the print has mu");
+  if (isfinite(c->reversal)) fact(out, c, "formulas.reversal_phase", NULL);
 }
 
-static const char *sense(double torque) {
-  return torque > 0 ? "positive (counter-clockwise)" : torque < 0 ? "negative (clockwise)" : "none";
+static const char *sense(int sign) {
+  return sign > 0 ? "positive (counter-clockwise)" : sign < 0 ? "negative (clockwise)" : "none";
 }
 
-static void print_random(FILE *out, const theory_case *c, const theory_result *r) {
+static void print_random(FILE *out, const theory_case *c) {
   fprintf(out, "\ndrive: random vibration\n");
   if (c->shared)
     fprintf(out,
             "  both supports turn by one signal: S++ and S-- only, sense of rotation by (31): %s\n",
-            sense(r->sync));
+            sense(c->sense));
   else
     fprintf(out, "  all four configurations occur, sense of rotation by (19): %s\n",
-            sense(r->slight));
+            sense(c->sense));
   fprintf(
       out,
       "  valid for strong drive that changes slowly enough for the centre to find its equilibria;\n"
       "  there is no formula for the velocity\n");
 }
 
-static void print_steady(FILE *out, const theory_case *c, const theory_result *r) {
+static void print_steady(FILE *out, const theory_case *c) {
   fprintf(out, "\ndrive: the supports turn steadily, by %.8g and %.8g\n", c->velocity[0],
           c->velocity[1]);
-  const int *s = r->signs;
-  if (s[0] && s[1]) {
-    int k = 2 * (s[0] < 0) + (s[1] < 0);
-    fprintf(out, "  %sconfiguration S%s\n", c->locked ? "" : "at the start ",
-            theory_configurations[k]);
-    line(out, "torque", r->torque[k], "");
-    if (!c->locked) line(out, "angular acceleration", r->torque[k] / c->disk.inertia, "");
+  const char *name = theory_configuration(c->signs);
+  if (name) {
+    fprintf(out, "  %sconfiguration S%s\n", c->locked ? "" : "at the start ", name);
+    fact(out, c, "steady.torque", "");
+    if (!c->locked) line(out, "angular acceleration", c->start_torque / c->disk.inertia, "");
   } else {
     fprintf(
         out,
@@ -291,9 +289,8 @@ static void print_steady(FILE *out, const theory_case *c, const theory_result *r
   }
   if (c->locked)
     fprintf(out, "  the upper disk cannot turn\n");
-  else if (isfinite(r->final_spin))
-    line(out, "angular velocity that it tends to", r->final_spin,
-         "it rolls with that support then");
+  else if (isfinite(c->final_spin))
+    fact(out, c, "steady.final", "it rolls with that support then");
   else
     fprintf(out,
             "  between the velocities of the supports there is no torque: any of these remains\n");
@@ -303,42 +300,42 @@ static void print_steady(FILE *out, const theory_case *c, const theory_result *r
 
 /* Returns as text the value of torque/(I Theta_b w_b^2) below which no contact sticks. I: moment of
  * inertia of the upper disk; Theta_b, w_b: amplitude and angular frequency of the drive. */
-static const char *sticking(const theory_case *c, const theory_result *r) {
-  if (r->even && c->drive.waveform == SD_PARABOLA)
+static const char *sticking(const theory_case *c) {
+  if (c->even && c->drive.waveform == SD_PARABOLA)
     return "no contact ever sticks below 8/pi^2 = 0.811";
-  if (r->even && r->relation == THEORY_IN_PHASE)
+  if (c->even && c->relation == THEORY_IN_PHASE)
     return "no contact ever sticks below 1/sqrt(1 + pi^2/4) = 0.537 (small tilt)";
-  if (r->even && r->relation == THEORY_OPPOSITE)
+  if (c->even && c->relation == THEORY_OPPOSITE)
     return "no contact ever sticks below 1 (small tilt)";
   return "no contact ever sticks where it is small";
 }
 
-static void print_drive(FILE *out, const theory_case *c, const theory_result *r) {
+static void print_drive(FILE *out, const theory_case *c) {
   const sd_drive *d = &c->drive;
   bool sine = d->waveform == SD_SINE;
   fprintf(out, "\ndrive: the supports turn to and fro, %s; ",
           sine ? "sines (20)" : "parabolas (21)");
   if (!(d->amplitude[0] > 0) || !(d->amplitude[1] > 0))
     fprintf(out, "one of them is at rest\n");
-  else if (r->relation == THEORY_OTHER_PHASE)
-    fprintf(out, "phase of the right one ahead by %.8g pi\n", r->apart / M_PI);
+  else if (c->relation == THEORY_OTHER_PHASE)
+    fprintf(out, "phase of the right one ahead by %.8g pi\n", c->apart / M_PI);
   else
-    fprintf(out, "%s\n", r->relation == THEORY_IN_PHASE ? "in phase" : "in opposite phases");
+    fprintf(out, "%s\n", c->relation == THEORY_IN_PHASE ? "in phase" : "in opposite phases");
   for (int i = 0; i < 2; i++)
     fprintf(out, "  %s: amplitude %.8g, phase %.8g pi\n", c->support[i], d->amplitude[i],
             d->phase[i] / M_PI);
   char note[96];
   snprintf(note, sizeof note, "= %.8g pi, period %.8g", d->omega / M_PI, 2 * M_PI / d->omega);
-  line(out, "w_b", d->omega, note);
-  line(out, "Theta_b", r->amplitude,
-       r->even ? "" : "the larger of Theta_i R_i/R, whose units are used below");
-  line(out, "Theta_b w_b", r->amplitude * d->omega, "");
-  line(out, "torque/(I Theta_b w_b^2)", r->ratio, sticking(c, r));
+  fact(out, c, "periodic.omega", note);
+  fact(out, c, "periodic.amplitude",
+       c->even ? "" : "the larger of Theta_i R_i/R, whose units are used below");
+  line(out, "Theta_b w_b", c->amplitude * d->omega, "");
+  fact(out, c, "periodic.ratio", sticking(c));
   line(out, "w_b sqrt(m/k_n)", d->omega * sqrt(c->mass / c->stiffness),
        "the centre is at its equilibria in time where this is small");
   for (int i = 0; i < 2; i++) {
     double stroke = d->amplitude[i] * d->support_radius[i];
-    double slip = c->disk.mu * fmax(r->tep[SD_PP].normal[i], r->tep[SD_MM].normal[i]) / c->k_t[i];
+    double slip = c->disk.mu * fmax(c->tep[SD_PP].normal[i], c->tep[SD_MM].normal[i]) / c->k_t[i];
     if (!(slip > 0.1 * stroke) || !(stroke > 0)) continue;
     snprintf(note, sizeof note, "of support %d's stroke %.3g: the rigid spring below is no good",
              i + 1, stroke);
@@ -348,66 +345,66 @@ static void print_drive(FILE *out, const theory_case *c, const theory_result *r)
 
 /* Prints a line with an angular velocity three times: as it is, divided by Theta_b w_b (amplitude
  * times frequency of the drive), and times t_g = sqrt(2 R/g); prints nothing if it is NAN. */
-static void velocity(FILE *out, const theory_case *c, const theory_result *r, const char *label,
-                     double value, const char *note) {
+static void velocity(FILE *out, const theory_case *c, const char *label, double value,
+                     const char *note) {
   if (isnan(value)) return;
   fprintf(out, "  %-34s %14.8g %14.8g %14.8g%s%s\n", label, value,
-          value / (r->amplitude * c->drive.omega), value * c->t_g, *note ? "  " : "", note);
+          value / (c->amplitude * c->drive.omega), value * c->t_g, *note ? "  " : "", note);
 }
 
-static void print_formulas(FILE *out, const theory_case *c, const theory_result *r) {
+static void print_formulas(FILE *out, const theory_case *c) {
   const sd_drive *d = &c->drive;
   const sd_three_disk *disk = &c->disk;
-  bool sine = d->waveform == SD_SINE, in_phase = r->relation == THEORY_IN_PHASE;
-  if (r->even && in_phase && !sine) {
-    const sd_sync *p = &r->parabola;
+  bool sine = d->waveform == SD_SINE, in_phase = c->relation == THEORY_IN_PHASE;
+  if (c->even && in_phase && !sine) {
+    const sd_sync *p = &c->parabola;
     fprintf(out, "\nin phase, parabola: (25), (43), (26), (27)%s\n",
             p->permanent ? "" : "; NOT VALID: the drive is too weak for permanent sliding");
     if (p->permanent) {
-      line(out, "t1: S-- begins", p->t1,
-           "t = 0 where the supports pass their middle, turning positively");
-      line(out, "t2: S++ begins", p->t2, "");
-      line(out, "T++", p->pp, "");
-      line(out, "T--", p->mm, "");
+      fact(out, c, "sync.t1", "t = 0 where the supports pass their middle, turning positively");
+      fact(out, c, "sync.t2", "");
+      fact(out, c, "sync.++", "");
+      fact(out, c, "sync.--", "");
     }
   }
   fprintf(out, "\nmean angular velocity              %16s %14s %14s\n", "Omega", "/(Theta_b w_b)",
           "t_g Omega");
-  if (r->even && in_phase && !sine) {
-    const char *note = r->parabola.permanent ? "exact for permanent sliding" : "not valid";
-    velocity(out, c, r, "(29)", r->parabola.mean, note);
-    velocity(out, c, r, "(30)", r->first_order, note);
-  } else if (r->even && in_phase) {
-    velocity(out, c, r, "as (30), sine", sd_sync_limit_sine(disk, r->amplitude, d->omega),
+  if (c->even && in_phase && !sine) {
+    const char *note = c->parabola.permanent ? "exact for permanent sliding" : "not valid";
+    velocity(out, c, "(29)", c->parabola.mean, note);
+    velocity(out, c, "(30)", c->first_order, note);
+  } else if (c->even && in_phase) {
+    velocity(out, c, "as (30), sine", sd_sync_limit_sine(disk, c->amplitude, d->omega),
              "limit of strong drive");
-    velocity(out, c, r, "closed form, sine", r->sine, "exact for permanent sliding");
-  } else if (r->even && r->relation == THEORY_OPPOSITE) {
-    velocity(out, c, r, sine ? "(35) x pi^2/8, sine" : "(35), with w_b/pi", r->first_order,
+    velocity(out, c, "closed form, sine", c->sine, "exact for permanent sliding");
+  } else if (c->even && c->relation == THEORY_OPPOSITE) {
+    velocity(out, c, sine ? "(35) x pi^2/8, sine" : "(35), with w_b/pi", c->first_order,
              "first order in the tilt");
-    velocity(out, c, r, "closed form, any tilt",
-             sd_async_limit(disk, d->waveform, r->amplitude, d->omega), "limit of strong drive");
+    velocity(out, c, "closed form, any tilt",
+             sd_async_limit(disk, d->waveform, c->amplitude, d->omega), "limit of strong drive");
   }
-  velocity(out, c, r, "balance of torques", r->limit, "limit of strong drive");
-  velocity(out, c, r, "periodic solution", r->solution.mean,
-           r->solution.permanent ? "exact for permanent sliding" : "contacts stick at times");
+  velocity(out, c, "balance of torques", c->limit, "limit of strong drive");
+  velocity(out, c, "periodic solution", c->solution.mean,
+           c->solution.permanent ? "exact for permanent sliding" : "contacts stick at times");
 }
 
-static void print_solution(FILE *out, const sd_sliding *s) {
+static void print_solution(FILE *out, const theory_case *c) {
+  const sd_sliding *s = &c->solution;
   fprintf(out, "\nperiodic solution: %s\n",
           s->permanent ? "permanent sliding"
                        : "NOT permanent: contacts stick at times (rigid tangential spring)");
   fprintf(out, "  %-34s %14s %14s\n", "", "time", "of the period");
   for (int k = 0; k < 4; k++)
     fprintf(out, "  T%-33s %14.8g %14.8g\n", theory_configurations[k], s->duration[k],
-            s->duration[k] / s->period);
-  fprintf(out, "  %-34s %14.8g %14.8g\n", "stuck", s->stuck, s->stuck / s->period);
+            c->fraction[k]);
+  fprintf(out, "  %-34s %14.8g %14.8g\n", "stuck", s->stuck, c->stuck);
   fprintf(out, "  %-34s %14s %14s\n", "from t", "", "Omega");
   for (size_t k = 0; k < s->n_pieces; k++) {
     const sd_sliding_piece *p = &s->pieces[k];
+    const char *name = theory_configuration(p->sign);
     char text[32];
-    if (p->sign[0] && p->sign[1])
-      snprintf(text, sizeof text, "S%s",
-               theory_configurations[2 * (p->sign[0] < 0) + (p->sign[1] < 0)]);
+    if (name)
+      snprintf(text, sizeof text, "S%s", name);
     else if (!p->sign[0] && !p->sign[1])
       snprintf(text, sizeof text, "rolls with both supports");
     else
@@ -416,146 +413,27 @@ static void print_solution(FILE *out, const sd_sliding *s) {
   }
 }
 
-void theory_page(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r) {
+void theory_page(FILE *out, const sd_model *m, const theory_case *c) {
   fprintf(out, "%s: %s\n", sd_model_deck(m)->path, m->title && *m->title ? m->title : "(no title)");
   if (sd_model_deck(m)->sweep_points > 0)
     fprintf(out, "the deck as it stands; its sweep of %zu points: --csv FILE\n",
             sd_model_deck(m)->sweep_points);
   print_geometry(out, c);
-  print_torques(out, c, r);
+  print_torques(out, c);
   switch (c->kind) {
     case THEORY_REST:
       fprintf(out, "\ndrive: nothing moves the supports while it is measured\n");
       break;
-    case THEORY_STEADY: print_steady(out, c, r); break;
-    case THEORY_RANDOM: print_random(out, c, r); break;
+    case THEORY_STEADY: print_steady(out, c); break;
+    case THEORY_RANDOM: print_random(out, c); break;
     case THEORY_PERIODIC:
-      print_drive(out, c, r);
-      if (r->solved) {
-        print_formulas(out, c, r);
-        print_solution(out, &r->solution);
+      print_drive(out, c);
+      if (c->solved) {
+        print_formulas(out, c);
+        print_solution(out, c);
       } else {
         fprintf(out, "\nno periodic state: see the message\n");
       }
       break;
   }
-}
-
-/* --- JSON output; names and units: docs/theory.md --------------------------------------------- */
-
-static const char *const relations[] = {
-    [THEORY_OTHER_PHASE] = "other", [THEORY_IN_PHASE] = "in phase", [THEORY_OPPOSITE] = "opposite"};
-
-static json_t *pair(const double value[2]) { return json_numbers(2, value); }
-
-static json_t *by_configuration(const double value[4]) {
-  json_t *object = json_object();
-  for (int k = 0; k < 4; k++)
-    json_object_set_new(object, theory_configurations[k], json_number(value[k]));
-  return object;
-}
-
-static json_t *geometry_json(const theory_case *c) {
-  return json_pack("{s:s, s:[s, s], s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}",
-                   "upper", c->upper, "supports", c->support[0], c->support[1], "swapped",
-                   (int)c->swapped, "tilt", json_number(c->disk.tilt), "half_aperture",
-                   json_number(c->disk.half_aperture), "alpha", pair(c->alpha), "mu",
-                   json_number(c->disk.mu), "weight", json_number(c->disk.weight), "radius",
-                   json_number(c->disk.radius), "support_radius", pair(c->support_radius),
-                   "inertia", json_number(c->disk.inertia), "t_g", json_number(c->t_g), "offset",
-                   json_number(c->offset), "locked", (int)c->locked);
-}
-
-static json_t *tep_json(const theory_result *r) {
-  json_t *list = json_array();
-  for (int k = 0; k < 4; k++) {
-    const sd_tep *t = &r->tep[k];
-    json_array_append_new(list,
-                          json_pack("{s:s, s:o, s:o, s:o, s:b, s:b}", "configuration",
-                                    theory_configurations[k], "normal", pair(t->normal), "torque",
-                                    json_number(t->torque), "closed", json_number(r->torque[k]),
-                                    "compressive", (int)t->compressive, "stable", (int)t->stable));
-  }
-  return list;
-}
-
-static json_t *steady_json(const theory_case *c, const theory_result *r) {
-  const int *s = r->signs, k = 2 * (s[0] < 0) + (s[1] < 0);
-  return json_pack("{s:s, s:o, s:[i, i], s:o, s:o}", "kind", "steady", "velocity",
-                   pair(c->velocity), "signs", s[0], s[1], "torque",
-                   json_number(s[0] && s[1] ? r->torque[k] : NAN), "final",
-                   json_number(r->final_spin));
-}
-
-static json_t *random_json(const theory_case *c, const theory_result *r) {
-  const double torque = c->shared ? r->sync : r->slight;
-  return json_pack("{s:s, s:b, s:i}", "kind", "random", "shared", (int)c->shared, "sign",
-                   (torque > 0) - (torque < 0));
-}
-
-static json_t *periodic_json(const theory_case *c, const theory_result *r) {
-  const sd_drive *d = &c->drive;
-  return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:b, s:o, s:s, s:o}", "kind", "periodic",
-                   "waveform", d->waveform == SD_SINE ? "sine" : "parabola", "amplitudes",
-                   pair(d->amplitude), "phases", pair(d->phase), "omega", json_number(d->omega),
-                   "amplitude", json_number(r->amplitude), "even", (int)r->even, "phase",
-                   json_number(r->apart), "relation", relations[r->relation], "ratio",
-                   json_number(r->ratio));
-}
-
-static json_t *drive_json(const theory_case *c, const theory_result *r) {
-  switch (c->kind) {
-    case THEORY_STEADY: return steady_json(c, r);
-    case THEORY_PERIODIC: return periodic_json(c, r);
-    case THEORY_RANDOM: return random_json(c, r);
-    case THEORY_REST: break;
-  }
-  return json_pack("{s:s}", "kind", "rest");
-}
-
-static json_t *formulas_json(const theory_case *c, const theory_result *r) {
-  const sd_sync *p = &r->parabola;
-  json_t *sync = isnan(p->mean) ? json_null()
-                                : json_pack("{s:o, s:o, s:o, s:o, s:o, s:b}", "t1",
-                                            json_number(p->t1), "t2", json_number(p->t2), "++",
-                                            json_number(p->pp), "--", json_number(p->mm), "mean",
-                                            json_number(p->mean), "permanent", (int)p->permanent);
-  double turn = tan(c->disk.half_aperture) > c->disk.mu ? sd_reversal_phase(&c->disk) : NAN;
-  return json_pack(
-      "{s:o, s:o, s:o, s:o, s:o, s:o}", "sync", sync, "first_order", json_number(r->first_order),
-      "sine", json_number(r->sine), "limit", json_number(r->limit), "reversal_phase",
-      json_number(turn), "slight_tilt",
-      json_pack("{s:o, s:o}", "all", json_number(r->slight), "sync", json_number(r->sync)));
-}
-
-static json_t *solution_json(const theory_case *c, const theory_result *r) {
-  if (!r->solved) return json_null();
-  const sd_sliding *s = &r->solution;
-  json_t *pieces = json_array();
-  for (size_t k = 0; k < s->n_pieces; k++) {
-    const sd_sliding_piece *p = &s->pieces[k];
-    json_array_append_new(pieces,
-                          json_pack("{s:o, s:o, s:o, s:[i, i]}", "start", json_number(p->start),
-                                    "omega", json_number(p->omega), "acceleration",
-                                    json_number(p->acceleration), "signs", p->sign[0], p->sign[1]));
-  }
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o}", "mean", json_number(s->mean),
-                   "mean_scaled", json_number(s->mean * c->t_g), "mean_normalised",
-                   json_number(s->mean / (r->amplitude * c->drive.omega)), "period",
-                   json_number(s->period), "durations", by_configuration(s->duration), "stuck",
-                   json_number(s->stuck), "permanent", (int)s->permanent, "pieces", pieces);
-}
-
-bool theory_json(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r) {
-  char *deck = text_clean(memory_text(sd_model_deck(m)->path));
-  json_t *root =
-      json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "deck", deck, "title",
-                m->title ? m->title : "", "geometry", geometry_json(c), "tep", tep_json(r), "drive",
-                drive_json(c, r), "formulas", formulas_json(c, r), "solution",
-                c->kind == THEORY_PERIODIC ? solution_json(c, r) : json_null());
-  bool done = root && json_dumpf(root, out, JSON_INDENT(2)) == 0;
-  if (done) fputc('\n', out);
-  json_decref(root);
-  free(deck);
-  return done;
 }

@@ -2,7 +2,8 @@
  * and the predictions of the theory (include/slipdisk/theory.h) for it.
  *
  * theory_case_read finds the free disk and its two supports, and how the supports are driven in the
- * phases that measure; theory_case_solve evaluates the formulas that apply. Contact 1 is the left
+ * phases that measure; theory_case_solve evaluates the formulas that apply. Numbers that several of
+ * the outputs (text, JSON, CSV) show have a row in theory_facts. Contact 1 is the left
  * one, seen with gravity pointing down, contact 2 the right one, whatever their order in the deck.
  */
 #ifndef SLIPDISK_APP_THEORY_H
@@ -11,6 +12,7 @@
 #include <stdio.h>
 
 #include "io/deck/deck.h"
+#include "measure/observable.h"
 #include "model/model.h"
 #include "slipdisk/theory.h"
 
@@ -59,9 +61,8 @@ typedef struct theory_case {
   /* Periodic drive of both supports; its time t = 0 is when the motion of the left support begins,
    * or that of the right one if the left one is at rest */
   sd_drive drive;
-} theory_case;
 
-typedef struct theory_result {
+  /* --- results of theory_case_solve; NAN: a number does not apply ----------------------------- */
   /* Equilibrium points of the four sliding configurations, indexed by SD_PP ... SD_MM */
   sd_tep tep[4];
   /* Torque on the upper disk in each sliding configuration, equations (15)-(18) of the paper,
@@ -73,9 +74,14 @@ typedef struct theory_result {
   /* Mean torque just after tilting if only S++ and S-- occur, equation (31) of the paper,
    * corrected: with mu^2 where the paper has mu */
   double sync;
+  /* Phase between equal supports at which the sense of rotation reverses; NAN: there is none */
+  double reversal;
+  /* Random drive: sign of the mean torque just after tilting */
+  int sense;
   /* Steady drive: at the start, signs of the torques that the left and the right contact exert on
    * the upper disk; 0: the contact sticks */
   int signs[2];
+  double start_torque; /* Steady drive: torque at the start; NAN: a contact sticks */
   /* Steady drive: final angular velocity of the upper disk; NAN: the disk cannot rotate, or any
    * value in a range is possible */
   double final_spin;
@@ -102,11 +108,17 @@ typedef struct theory_result {
   double sine;
   double limit;        /* Mean angular velocity in the limit Theta_b -> infinity */
   bool solved;         /* True if a periodic state was found numerically */
-  sd_sliding solution; /* Periodic state; valid only if `solved` is true */
-} theory_result;
+  sd_sliding solution; /* Periodic state; mean and period are NAN if `solved` is false */
+  /* Mean angular velocity times t_g, and divided by Theta_b w_b; fractions of the period in each
+   * configuration and with sticking contacts; 1: contacts never stick, 0: they do. NAN: no periodic
+   * state */
+  double mean_scaled, mean_normalised, fraction[4], stuck, permanent;
+} theory_case;
 
 /* Names "++", "+-", "-+", "--" of the sliding configurations, indexed by SD_PP ... SD_MM */
 extern const char *const theory_configurations[4];
+/* Returns the name of the configuration with these signs of sliding; NULL: a contact sticks. */
+const char *theory_configuration(const int sign[2]);
 
 /* --- theory_case.c, theory_solve.c: the case and its solution --------------------------------- */
 /* Finds the three disks and their drive in a model. SD_ERROR_USER: the deck is not such a case;
@@ -116,19 +128,22 @@ sd_status theory_case_read(const sd_model *m, theory_case *c, sd_messages *messa
  * numbers of the disks. */
 sd_status theory_drive_read(const sd_model *m, uint32_t upper, const uint32_t support[2],
                             theory_case *c, sd_messages *messages);
-/* Evaluates all formulas that apply, and stores the results in r. After an error of
+/* Evaluates all formulas that apply, and stores the results in c. After an error of
  * sd_sliding_solve (SD_ERROR_USER, SD_ERROR_NUMERIC) the other results are stored all the same. */
-sd_status theory_case_solve(const theory_case *c, theory_result *r, sd_messages *messages);
+sd_status theory_case_solve(theory_case *c, sd_messages *messages);
 
-/* --- theory.c: output as text and as JSON ----------------------------------------------------- */
-void theory_page(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r);
-bool theory_json(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r);
-
-/* --- theory_solve.c: tables as CSV ------------------------------------------------------------ */
+/* --- theory_facts.c: the numbers, as JSON and as CSV ------------------------------------------ */
+/* Numbers of a theory_case, in the order of CSV columns. `name` is "group.name" in JSON; the groups
+ * steady, random and periodic hold the members of "drive". `meaning` is the label in text, `column`
+ * the name in CSV. */
+extern const observable_list theory_facts;
+bool theory_json(FILE *out, const sd_model *m, const theory_case *c);
 void theory_table_head(FILE *out, const deck_sweep *s);
-void theory_table_row(FILE *out, const deck_sweep *s, size_t point, const theory_case *c,
-                      const theory_result *r);
-/* Writes one period of the periodic state r->solution as CSV; r->solved must be true. */
-void theory_wave(FILE *out, const theory_result *r);
+void theory_table_row(FILE *out, const deck_sweep *s, size_t point, const theory_case *c);
+/* Writes one period of the periodic state c->solution as CSV; c->solved must be true. */
+void theory_wave(FILE *out, const theory_case *c);
+
+/* --- theory.c: output as text ----------------------------------------------------------------- */
+void theory_page(FILE *out, const sd_model *m, const theory_case *c);
 
 #endif

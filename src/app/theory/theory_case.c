@@ -293,7 +293,19 @@ static sd_status check_bonds(const sd_model *m, theory_case *c, uint32_t upper,
 
 sd_status theory_case_read(const sd_model *m, theory_case *c, sd_messages *messages) {
   uint32_t upper = 0, support[2] = {0, 0};
-  *c = (theory_case){0};
+  *c = (theory_case){.drive.omega = NAN,
+                     .reversal = NAN,
+                     .start_torque = NAN,
+                     .final_spin = NAN,
+                     .apart = NAN,
+                     .amplitude = NAN,
+                     .ratio = NAN,
+                     .parabola.mean = NAN,
+                     .first_order = NAN,
+                     .sine = NAN,
+                     .limit = NAN,
+                     .solution.period = NAN,
+                     .solution.mean = NAN};
   sd_status status = find_disks(m, &upper, support, messages), found;
   if (status) return status;
   sd_model_body_name(m, upper, c->upper, sizeof c->upper);
