@@ -245,22 +245,9 @@ void sd_model_set(sd_model *m, const char *path, double value) {
   void *members;
   const deck_key *key = key_of(m, path, &members);
   if (!key) return;
-  void *at = (char *)members + key->offset;
-  bool whole = value == nearbyint(value) && fabs(value) < 0x1p53;
-  switch (key->target) {
-    case DECK_SETS_NUMBER: *(double *)at = value; return;
-    case DECK_SETS_INTEGER:
-      if (whole) *(int64_t *)at = (int64_t)value;
-      break;
-    case DECK_SETS_UNSIGNED:
-      whole = whole && value >= 0;
-      if (whole) *(uint64_t *)at = (uint64_t)value;
-      break;
-    case DECK_SETS_BOOL: *(bool *)at = value != 0.0; return;
-    case DECK_SETS_OFF: *(bool *)at = value == 0.0; return;
-    default: sd_fail(mistakes(m), SD_ERROR_USER, "%s = %g: expected a text", path, value); return;
-  }
-  if (!whole)
+  if (key->target == DECK_SETS_TEXT || key->target == DECK_SETS_ENUM)
+    sd_fail(mistakes(m), SD_ERROR_USER, "%s = %g: expected a text", path, value);
+  else if (!deck_key_store(key, members, key->target == DECK_SETS_OFF ? value == 0.0 : value))
     sd_fail(mistakes(m), SD_ERROR_USER, "%s = %.17g: expected a whole number", path, value);
 }
 
