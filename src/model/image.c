@@ -1,8 +1,8 @@
-/* image.c: serializes and restores a model; see model.h.
+/* image.c: serializes, restores, copies and frees a model; see model.h.
  *
- * One walk over everything that a model owns, in a fixed order, serves writing and reading: the
- * struct, then each array, then what the elements of the array point to. Pointers are stored as
- * zeros.
+ * Two tables name everything that a model owns: its lists, and the data to which elements of a list
+ * point. The serialized model is the struct, then each list, followed by the data of its elements.
+ * Pointers are stored as zeros.
  */
 #include "model/model.h"
 
@@ -11,7 +11,83 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "slipdisk/model.h"
+#include "model/rows.h"
+#include "slipdisk/deck.h"
+
+/* Lists of a model: offsets of the pointer and of the number of elements, and bytes of one element.
+ * Laws have one element for each pair of materials. */
+#define LIST(list, number)                                                                         \
+  { offsetof(sd_model, list), offsetof(sd_model, number), sizeof *((sd_model *)NULL)->list }
+static const struct list {
+  size_t pointer, number, size;
+} lists[] = {LIST(materials, n_materials),
+             LIST(laws, n_materials),
+             LIST(groups, n_groups),
+             LIST(disks, n_disks),
+             LIST(walls, n_walls),
+             LIST(clumps, n_clumps),
+             LIST(motions, n_motions),
+             LIST(fields, n_fields),
+             LIST(phases, n_phases),
+             LIST(rains, n_rains),
+             LIST(memories, n_memories),
+             LIST(derivatives, n_derivatives),
+             LIST(tiles.walls, tiles.n_walls),
+             LIST(rotations, n_rotations),
+             LIST(slides, n_slides),
+             LIST(contact_disks, n_contact_disks)};
+enum { LISTS = sizeof lists / sizeof *lists };
+
+/* Pointers in the elements of a list, with the offset of the number of elements to which each
+ * points, and their size. */
+#define TEXT(list, pointer)                                                                        \
+  { OWNED_TEXT, offsetof(sd_model, list), pointer, 0, 1 }
+#define NAME(list, type) TEXT(list, offsetof(type, name))
+#define ARRAY(list, type, member, number)                                                          \
+  {                                                                                                \
+    OWNED_ARRAY, offsetof(sd_model, list), offsetof(type, member), offsetof(type, number),         \
+        sizeof *((type *)NULL)->member                                                             \
+  }
+#define SWITCHES(member, number)                                                                   \
+  {                                                                                                \
+    OWNED_SWITCHES, offsetof(sd_model, phases), offsetof(sd_phase, member),                        \
+        offsetof(sd_model, number), sizeof(bool)                                                   \
+  }
+static const struct owned {
+  enum {
+    OWNED_TEXT,
+    OWNED_ARRAY,
+    OWNED_SWITCHES, /* on/off flags of a phase, one per motion or field; NULL: all are on */
+    BORROWED        /* part of another array; model_finish_again sets the pointer */
+  } kind;
+  size_t list, pointer, number, size;
+} owned[] = {NAME(materials, sd_material),
+             TEXT(groups, 0),
+             NAME(disks, sd_disk),
+             NAME(walls, sd_wall),
+             ARRAY(walls, sd_wall, points, n_points),
+             NAME(clumps, sd_clump),
+             {BORROWED, offsetof(sd_model, clumps), offsetof(sd_clump, disks), 0, 0},
+             NAME(motions, sd_motion),
+             ARRAY(motions, sd_motion, bodies, n_bodies),
+             ARRAY(motions, sd_motion, table_time, n_table),
+             ARRAY(motions, sd_motion, table_value, n_table),
+             NAME(fields, sd_body_force),
+             ARRAY(fields, sd_body_force, disks, n_disks),
+             NAME(phases, sd_phase),
+             SWITCHES(active, n_motions),
+             SWITCHES(fields, n_fields)};
+enum { OWNED = sizeof owned / sizeof *owned };
+
+/* Returns the number, or the pointer, at an offset of a struct. */
+static size_t number_at(const void *from, size_t offset) {
+  return *(const size_t *)((const char *)from + offset);
+}
+static char *pointer_at(const void *from, size_t offset) {
+  char *pointer;
+  memcpy(&pointer, (const char *)from + offset, sizeof pointer);
+  return pointer;
+}
 
 /* State of a pass over a model that writes it to bytes or reads it back. */
 typedef struct image {
@@ -98,114 +174,47 @@ static void text(image *im, void *place) {
   }
 }
 
-#define FORGET_ALL(im, list, n, member)                                                            \
-  for (size_t k_ = 0; k_ < (n); k_++) forget(im, &(list)[k_].member)
-
-static void walk_disks(image *im, sd_model *m) {
-  array(im, &m->disks, m->n_disks, sizeof *m->disks);
-  if (failed(im)) return;
-  FORGET_ALL(im, m->disks, m->n_disks, name);
-  for (size_t k = 0; k < m->n_disks; k++) text(im, &m->disks[k].name);
-}
-
-static void walk_bodies(image *im, sd_model *m) {
-  walk_disks(im, m);
-  if (failed(im)) return;
-  array(im, &m->walls, m->n_walls, sizeof *m->walls);
-  if (failed(im)) return;
-  FORGET_ALL(im, m->walls, m->n_walls, name);
-  FORGET_ALL(im, m->walls, m->n_walls, points);
-  for (size_t k = 0; k < m->n_walls; k++) {
-    text(im, &m->walls[k].name);
-    array(im, &m->walls[k].points, m->walls[k].n_points, sizeof *m->walls->points);
-  }
-  array(im, &m->clumps, m->n_clumps, sizeof *m->clumps);
-  if (failed(im)) return;
-  FORGET_ALL(im, m->clumps, m->n_clumps, name);
-  /* the list of each clump's disks is rebuilt from the clump numbers stored in the disks */
-  FORGET_ALL(im, m->clumps, m->n_clumps, disks);
-  for (size_t k = 0; k < m->n_clumps; k++) text(im, &m->clumps[k].name);
-}
-
-static void walk_motions(image *im, sd_model *m) {
-  array(im, &m->motions, m->n_motions, sizeof *m->motions);
-  if (failed(im)) return;
-  FORGET_ALL(im, m->motions, m->n_motions, name);
-  FORGET_ALL(im, m->motions, m->n_motions, bodies);
-  FORGET_ALL(im, m->motions, m->n_motions, table_time);
-  FORGET_ALL(im, m->motions, m->n_motions, table_value);
-  for (size_t k = 0; k < m->n_motions; k++) {
-    sd_motion *q = &m->motions[k];
-    text(im, &q->name);
-    array(im, &q->bodies, q->n_bodies, sizeof *q->bodies);
-    array(im, &q->table_time, q->n_table, sizeof(double));
-    array(im, &q->table_value, q->n_table, sizeof(double));
+/* Writes or reads the data to which element `at` of a list points. */
+static void walk_element(image *im, sd_model *m, size_t list, char *at) {
+  for (const struct owned *o = owned; o < owned + OWNED; o++) {
+    char *place = at + o->pointer;
+    uint8_t has = 1;
+    if (o->list != list || o->kind == BORROWED) continue;
+    if (o->kind == OWNED_SWITCHES) {
+      has = pointer_at(place, 0) != NULL;
+      transfer(im, &has, 1);
+    }
+    if (o->kind == OWNED_TEXT)
+      text(im, place);
+    else if (has)
+      array(im, place, number_at(o->kind == OWNED_ARRAY ? at : (char *)m, o->number), o->size);
   }
 }
 
-/* Writes or reads the on/off flags of a phase, one per motion or field; NULL: all are on. */
-static void switches(image *im, bool **list, size_t n) {
-  uint8_t has = *list != NULL;
-  transfer(im, &has, 1);
-  if (has) array(im, list, n, sizeof(bool));
-}
-
-static void walk_phases(image *im, sd_model *m) {
-  array(im, &m->fields, m->n_fields, sizeof *m->fields);
-  if (failed(im)) return;
-  FORGET_ALL(im, m->fields, m->n_fields, name);
-  FORGET_ALL(im, m->fields, m->n_fields, disks);
-  for (size_t k = 0; k < m->n_fields; k++) {
-    text(im, &m->fields[k].name);
-    array(im, &m->fields[k].disks, m->fields[k].n_disks, sizeof(uint32_t));
+static void walk_list(image *im, sd_model *m, const struct list *list) {
+  char *place = (char *)m + list->pointer;
+  size_t n = number_at(m, list->number);
+  if (place == (char *)&m->laws) {
+    im->damaged |= n > UINT32_MAX;
+    n *= n;
   }
-  array(im, &m->phases, m->n_phases, sizeof *m->phases);
+  array(im, place, n, list->size);
   if (failed(im)) return;
-  FORGET_ALL(im, m->phases, m->n_phases, name);
-  FORGET_ALL(im, m->phases, m->n_phases, active);
-  FORGET_ALL(im, m->phases, m->n_phases, fields);
-  for (size_t k = 0; k < m->n_phases; k++) {
-    text(im, &m->phases[k].name);
-    switches(im, &m->phases[k].active, m->n_motions);
-    switches(im, &m->phases[k].fields, m->n_fields);
-  }
+  char *first = pointer_at(place, 0);
+  for (size_t k = 0; k < n; k++)
+    for (const struct owned *o = owned; o < owned + OWNED; o++)
+      if (o->list == list->pointer) forget(im, first + k * list->size + o->pointer);
+  for (size_t k = 0; k < n; k++) walk_element(im, m, list->pointer, first + k * list->size);
 }
 
-static void walk_materials(image *im, sd_model *m) {
-  text(im, &m->title);
-  array(im, &m->materials, m->n_materials, sizeof *m->materials);
-  if (failed(im)) return;
-  FORGET_ALL(im, m->materials, m->n_materials, name);
-  for (size_t k = 0; k < m->n_materials; k++) text(im, &m->materials[k].name);
-  im->damaged = m->n_materials > UINT32_MAX;
-  array(im, &m->laws, m->n_materials * m->n_materials, sizeof *m->laws);
-  array(im, &m->groups, m->n_groups, sizeof *m->groups);
-  if (failed(im)) return;
-  for (size_t k = 0; k < m->n_groups; k++) forget(im, &m->groups[k]);
-  for (size_t k = 0; k < m->n_groups; k++) text(im, &m->groups[k]);
-}
-
-/* Writes or reads all arrays of a model; the struct itself precedes them. */
+/* Writes or reads all that a model owns; the struct itself precedes it. */
 static void walk(image *im, sd_model *m) {
-  void *places[] = {&m->title,         &m->materials,   &m->laws,        &m->groups,
-                    &m->disks,         &m->walls,       &m->motions,     &m->fields,
-                    &m->phases,        &m->rains,       &m->memories,    &m->rotations,
-                    &m->slides,        &m->mistakes,    &m->deck,        &m->segments,
-                    &m->contact_disks, &m->clumps,      &m->clump_disks, &m->clump_offsets,
-                    &m->advised,       &m->tiles.walls, &m->derivatives, &m->mine,
-                    &m->known,         &m->comm};
+  void *places[] = {&m->title,         &m->mistakes, &m->deck, &m->segments, &m->clump_disks,
+                    &m->clump_offsets, &m->advised,  &m->mine, &m->known,    &m->comm};
   for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
-  if (!failed(im)) walk_materials(im, m);
-  if (!failed(im)) walk_bodies(im, m);
-  if (!failed(im)) walk_motions(im, m);
-  if (!failed(im)) walk_phases(im, m);
-  array(im, &m->rains, m->n_rains, sizeof *m->rains);
-  array(im, &m->memories, m->n_memories, sizeof *m->memories);
-  array(im, &m->derivatives, m->n_derivatives, sizeof *m->derivatives);
-  array(im, &m->tiles.walls, m->tiles.n_walls, sizeof *m->tiles.walls);
-  array(im, &m->rotations, m->n_rotations, sizeof *m->rotations);
-  array(im, &m->slides, m->n_slides, sizeof *m->slides);
-  array(im, &m->contact_disks, m->n_contact_disks, sizeof *m->contact_disks);
+  for (size_t k = 0; k < LISTS; k++) forget(im, (char *)m + lists[k].pointer);
+  text(im, &m->title);
+  for (size_t k = 0; k < LISTS; k++) walk_list(im, m, &lists[k]);
 }
 
 void *model_serialize(const sd_model *model, size_t *size) {
@@ -224,20 +233,6 @@ void *model_serialize(const sd_model *model, size_t *size) {
   if (!failed(&im)) return im.bytes;
   free(im.bytes);
   return NULL;
-}
-
-/* Frees a model of which only a part could be read, after setting the counts of missing arrays
- * to 0. */
-static void drop(sd_model *m) {
-  if (!m->materials) m->n_materials = 0;
-  if (!m->groups) m->n_groups = 0;
-  if (!m->disks) m->n_disks = 0;
-  if (!m->walls) m->n_walls = 0;
-  if (!m->clumps) m->n_clumps = 0;
-  if (!m->motions) m->n_motions = 0;
-  if (!m->fields) m->n_fields = 0;
-  if (!m->phases) m->n_phases = 0;
-  sd_model_free(m);
 }
 
 /* True if all enum values that are used as indices of tables, before sd_model_finish checks
@@ -276,7 +271,7 @@ sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages
   if (status == SD_OK)
     *out = m;
   else
-    drop(m);
+    sd_model_free(m);
   return status;
 }
 
@@ -288,4 +283,30 @@ sd_model *sd_model_clone(const sd_model *model) {
   free(bytes);
   if (copy) model_copy_mistakes(copy, model);
   return copy;
+}
+
+/* Lists are missing in a model of which only a part could be read. */
+void sd_model_free(sd_model *m) {
+  if (!m) return;
+  const size_t known = m->parted ? m->n_known : model_held(m);
+  for (const struct list *list = lists; list < lists + LISTS; list++) {
+    const bool disks = list->pointer == offsetof(sd_model, disks);
+    char *first = pointer_at(m, list->pointer);
+    const size_t n = disks ? known : number_at(m, list->number);
+    for (const struct owned *o = owned; first && o < owned + OWNED; o++)
+      for (size_t k = 0; o->list == list->pointer && o->kind != BORROWED && k < n; k++)
+        free(pointer_at(first + (disks ? model_known_disk(m, k) : k) * list->size, o->pointer));
+    free(first);
+  }
+  rows_free(m->mine);
+  sd_messages_free(m->mistakes);
+  sd_messages_free(m->advised);
+  if (m->deck) {
+    char *const texts[] = {m->deck->path, m->deck->text, m->deck->overrides, m->deck->full,
+                           m->deck->bodies};
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) free(texts[k]);
+  }
+  void *const rest[] = {m->title,       m->known,         m->mine, m->segments,
+                        m->clump_disks, m->clump_offsets, m->deck, m};
+  for (size_t k = 0; k < sizeof rest / sizeof *rest; k++) free(rest[k]);
 }

@@ -301,15 +301,12 @@ static int word_value(const deck_shape *word, const char *quoted) {
 void deck_key_defaults(const deck_table *table, void *members) {
   const deck_key *key;
   for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
-    void *member = (char *)members + key->offset;
     const char *text = key->initial;
     if (text[0] == '(' || strcmp(text, "-") == 0 || strcmp(text, "required") == 0) continue;
-    if (key->target == DECK_SETS_NUMBER) *(double *)member = strtod(text, NULL);
-    if (key->target == DECK_SETS_INTEGER || key->target == DECK_SETS_UNSIGNED)
-      *(int64_t *)member = strtoll(text, NULL, 10);
-    if (key->target == DECK_SETS_BOOL) *(bool *)member = text[0] == 't';
-    if (key->target == DECK_SETS_OFF) *(bool *)member = text[0] != 't';
-    if (key->target == DECK_SETS_ENUM) *(int *)member = word_value(key->words, text);
+    deck_key_store(key, members,
+                   key->kind == DECK_KEY_BOOL ? (text[0] == 't') != (key->target == DECK_SETS_OFF)
+                   : key->words               ? word_value(key->words, text)
+                                              : strtod(text, NULL));
   }
 }
 
@@ -341,6 +338,31 @@ double deck_key_value(const deck_key *key, const void *members) {
   }
   assert(false);
   return NAN;
+}
+
+bool deck_key_store(const deck_key *key, void *members, double value) {
+  void *member = (char *)members + key->offset;
+  const deck_shape *word = key->words;
+  switch (key->target) {
+    case DECK_SETS_NUMBER: *(double *)member = value; return true;
+    case DECK_SETS_INTEGER:
+    case DECK_SETS_UNSIGNED:
+      if (value != nearbyint(value) || !(fabs(value) < 0x1p53) ||
+          (value < 0 && key->target == DECK_SETS_UNSIGNED))
+        return false;
+      *(int64_t *)member = (int64_t)value;
+      return true;
+    case DECK_SETS_BOOL:
+    case DECK_SETS_OFF: *(bool *)member = value != 0.0; return true;
+    case DECK_SETS_ENUM:
+      while (word->name && word->kind != value) word++;
+      if (word->name) *(int *)member = word->kind;
+      return word->name;
+    case DECK_SETS_NOTHING:
+    case DECK_SETS_PAIR:
+    case DECK_SETS_TEXT: break;
+  }
+  return false;
 }
 
 void deck_key_check(const deck_table *table, const void *members, const char *place,

@@ -78,6 +78,7 @@ typedef struct deck_key {
   const char *meaning;
   size_t offset; /* offset of the member in its struct; its type (the macro SETS gives both) */
   deck_target target;
+  const char *member; /* name of the member; NULL: the key sets none */
 } deck_key;
 
 typedef struct deck_table {
@@ -133,9 +134,9 @@ extern const deck_table deck_top, deck_gravity, deck_box, deck_bounds, deck_limi
                bool: DECK_SETS_BOOL,                \
                char *: DECK_SETS_TEXT,              \
                const char *: DECK_SETS_TEXT,        \
-               default: DECK_SETS_ENUM)
+               default: DECK_SETS_ENUM), #member
 
-#define SETS_OFF(type, member) offsetof(type, member), DECK_SETS_OFF
+#define SETS_OFF(type, member) offsetof(type, member), DECK_SETS_OFF, #member
 
 /* --- functions of rows ------------------------------------------------------------------------ */
 
@@ -156,6 +157,9 @@ const char *deck_expected(deck_range range, double x);
 /* Returns the member that the key sets as a number: a flag is 0 or 1 and a choice the value of its
  * enumerator. The key must set one number (not a pair or a text). */
 double deck_key_value(const deck_key *key, const void *members);
+/* Sets the member to a number that means the same as in deck_key_value. Returns false, without a
+ * change, if the member cannot hold it: no whole number, no value of a word, a pair or a text. */
+bool deck_key_store(const deck_key *key, void *members, double value);
 /* Sets the members of a new struct to the defaults of the keys in a table, if these are plain
  * values. */
 void deck_key_defaults(const deck_table *table, void *members);

@@ -24,66 +24,6 @@ sd_model *sd_model_new(void) {
   return m;
 }
 
-void sd_model_free(sd_model *m) {
-  if (!m) return;
-  for (size_t k = 0; k < m->n_materials; k++) free(m->materials[k].name);
-  for (size_t k = 0; k < m->n_groups; k++) free(m->groups[k]);
-  for (size_t k = 0; k < (m->parted ? m->n_known : model_held(m)); k++)
-    free((char *)m->disks[model_known_disk(m, k)].name);
-  for (size_t k = 0; k < m->n_walls; k++) {
-    free((char *)m->walls[k].name);
-    free(m->walls[k].points);
-  }
-  for (size_t k = 0; k < m->n_motions; k++) {
-    free((char *)m->motions[k].name);
-    free(m->motions[k].bodies);
-    free(m->motions[k].table_time);
-    free(m->motions[k].table_value);
-  }
-  for (size_t k = 0; k < m->n_phases; k++) {
-    free((char *)m->phases[k].name);
-    free(m->phases[k].active);
-    free(m->phases[k].fields);
-  }
-  for (size_t k = 0; k < m->n_fields; k++) {
-    free((char *)m->fields[k].name);
-    free(m->fields[k].disks);
-  }
-  free(m->title);
-  free(m->materials);
-  free(m->laws);
-  free(m->groups);
-  free(m->disks);
-  free(m->known);
-  rows_free(m->mine);
-  free(m->mine);
-  free(m->walls);
-  free(m->motions);
-  free(m->fields);
-  free(m->phases);
-  free(m->rains);
-  free(m->memories);
-  free(m->derivatives);
-  free(m->tiles.walls);
-  free(m->rotations);
-  free(m->contact_disks);
-  free(m->slides);
-  free(m->segments);
-  for (size_t k = 0; k < m->n_clumps; k++) free((char *)m->clumps[k].name);
-  free(m->clumps);
-  free(m->clump_disks);
-  free(m->clump_offsets);
-  sd_messages_free(m->mistakes);
-  sd_messages_free(m->advised);
-  if (m->deck) {
-    char *const texts[] = {m->deck->path, m->deck->text, m->deck->overrides, m->deck->full,
-                           m->deck->bodies};
-    for (size_t k = 0; k < COUNT(texts); k++) free(texts[k]);
-  }
-  free(m->deck);
-  free(m);
-}
-
 const sd_deck *sd_model_deck(const sd_model *m) {
   static char none[] = "";
   static const sd_deck by_hand = {none, none, none, none, none, 60.0, 0};
@@ -245,22 +185,9 @@ void sd_model_set(sd_model *m, const char *path, double value) {
   void *members;
   const deck_key *key = key_of(m, path, &members);
   if (!key) return;
-  void *at = (char *)members + key->offset;
-  bool whole = value == nearbyint(value) && fabs(value) < 0x1p53;
-  switch (key->target) {
-    case DECK_SETS_NUMBER: *(double *)at = value; return;
-    case DECK_SETS_INTEGER:
-      if (whole) *(int64_t *)at = (int64_t)value;
-      break;
-    case DECK_SETS_UNSIGNED:
-      whole = whole && value >= 0;
-      if (whole) *(uint64_t *)at = (uint64_t)value;
-      break;
-    case DECK_SETS_BOOL: *(bool *)at = value != 0.0; return;
-    case DECK_SETS_OFF: *(bool *)at = value == 0.0; return;
-    default: sd_fail(mistakes(m), SD_ERROR_USER, "%s = %g: expected a text", path, value); return;
-  }
-  if (!whole)
+  if (key->target == DECK_SETS_TEXT || key->target == DECK_SETS_ENUM)
+    sd_fail(mistakes(m), SD_ERROR_USER, "%s = %g: expected a text", path, value);
+  else if (!deck_key_store(key, members, key->target == DECK_SETS_OFF ? value == 0.0 : value))
     sd_fail(mistakes(m), SD_ERROR_USER, "%s = %.17g: expected a whole number", path, value);
 }
 

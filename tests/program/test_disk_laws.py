@@ -4,6 +4,7 @@ import unittest
 import h5py
 import numpy
 
+from results_common import changed
 from test_disk_files import Files, contacts
 
 
@@ -51,6 +52,11 @@ class Laws(Files):
         disks = ('disk_rows = ( { columns = ("x", "y", "radius", "theta", "fixed", "omega"); density = 3.57;'
                  f' rows = ({", ".join(rows)}); }} );')
         self.run_deck(f"{head} {disks} steps = 30;", name="one")
+        if integrator == "gear5" and "mu_kinetic" in keys:  # the columns are read by their names
+            with changed(self.folder / "one.h5") as f:
+                laws = f["parameters/model/general_laws"]
+                laws[...] = laws[...][:, :, ::-1]
+                laws.attrs["description"] = b", ".join(laws.attrs["description"].split(b", ")[::-1])
         whole = self.run_deck(f"{head} {disks} phases = ( {{ steps = 30; }}, {{ steps = 10; contacts = 1; }} );",
                               name="whole")
         again = self.run_deck(f'{head} disk_files = ( {{ file = "one.h5"; contacts = true; }} );'

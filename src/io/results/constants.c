@@ -12,7 +12,7 @@
 #include "io/results/provenance.h"
 #include "io/results/trajectory.h"
 #include "io/store/members.h"
-#include "model/model.h"
+#include "model/laws.h"
 #include "model/rows.h"
 
 #define MODEL "/parameters/model"
@@ -27,133 +27,83 @@ typedef struct reader {
   sd_messages *messages;
 } reader;
 
-enum { LAW = 4 }; /* number of values per pair of materials in the dataset `laws` */
+/* --- Contact laws ----------------------------------------------------------------------------- */
 
-/* --- Write laws ------------------------------------------------------------------------------- */
+/* Members of sd_contact_law in the datasets laws and normal_laws. Later members of the struct are
+ * in general_laws, whose description lists them. */
+#define LAW_MEMBERS "k_n, k_t, gamma_n, mu"
+#define NORMAL_MEMBERS "normal, restitution"
 
-/* Writes `width` numbers for each of the n x n pairs of materials. */
-static void put_per_pair(h5_file *file, const char *name, size_t n, size_t width, const void *data,
-                         const char *unit, const char *meaning) {
-  const size_t dims[3] = {n, n, width};
-  members_put(file, MODEL, name, SD_F64, 3, dims, data, false, unit, meaning);
+/* Returns the names of the members in general_laws: flags and kinds, then numbers. */
+static char *general_members(void) {
+  char *list = memory_text("");
+  const deck_key *key;
+  for (int numbers = 0; numbers < 2; numbers++)
+    for (size_t k = 0; (key = deck_key_at(&law_table, k)); k++)
+      if (key->offset > offsetof(sd_contact_law, restitution) &&
+          (key->target == DECK_SETS_NUMBER) == numbers)
+        list = append_text(list, "%s%s", *list ? ", " : "", key->member);
+  return list;
 }
 
-static void put_laws(h5_file *file, const sd_model *m) {
-  size_t n = m->n_materials;
-  double(*laws)[LAW] = memory_new(n * n, sizeof *laws);
-  for (size_t k = 0; k < n * n; k++) {
-    const sd_contact_law *law = &m->laws[k];
-    const double value[LAW] = {law->k_n, law->k_t, law->gamma_n, law->mu};
-    for (int c = 0; c < LAW; c++) laws[k][c] = value[c];
+static size_t count_members(const char *list) {
+  size_t n = 1;
+  for (; (list = strchr(list, ',')); list++) n++;
+  return n;
+}
+
+/* Returns the key that sets the first member in the list, and moves the list on to the next one;
+ * NULL: laws have no member of this name. */
+static const deck_key *next_member(const char **list) {
+  const size_t n = strcspn(*list, ",");
+  const deck_key *key;
+  for (size_t k = 0; (key = deck_key_at(&law_table, k)); k++)
+    if (strncmp(key->member, *list, n) == 0 && !key->member[n]) break;
+  *list += n + strspn(*list + n, ", ");
+  return key;
+}
+
+/* Writes the listed members for each of the n x n pairs of materials; if all are 0, only the
+ * dataset `laws` is written. */
+static void put_laws(h5_file *file, const sd_model *m, const char *name, const char *list,
+                     const char *unit, const char *meaning) {
+  const size_t n = m->n_materials, width = count_members(list), dims[3] = {n, n, width};
+  double *values = memory_new(n * n * width, sizeof *values);
+  bool used = strcmp(name, "laws") == 0;
+  for (size_t c = 0; c < width; c++) {
+    const deck_key *key = next_member(&list);
+    for (size_t k = 0; k < n * n; k++) {
+      values[k * width + c] = deck_key_value(key, &m->laws[k]);
+      used = used || values[k * width + c] != 0.0;
+    }
   }
-  put_per_pair(file, "laws", n, LAW, laws, "force/length, force/length, force time/length, 1",
-               "k_n, k_t, gamma_n, mu of each pair of materials; k_n = 0: not given");
-  free(laws);
-}
-
-/* Writes the dataset normal_laws, unless all laws are linear with damping coefficient gamma_n. */
-static void put_normal_laws(h5_file *file, const sd_model *m) {
-  size_t n = m->n_materials;
-  bool linear = true;
-  for (size_t k = 0; k < n * n; k++)
-    linear = linear && m->laws[k].normal == SD_NORMAL_LINEAR && m->laws[k].restitution == 0.0;
-  if (linear) return;
-  double(*laws)[2] = memory_new(n * n, sizeof *laws);
-  for (size_t k = 0; k < n * n; k++) {
-    laws[k][0] = m->laws[k].normal;
-    laws[k][1] = m->laws[k].restitution;
-  }
-  put_per_pair(
-      file, "normal_laws", n, 2, laws, "1",
-      "normal law (0 linear, 1 Hertz) and coefficient of restitution of each pair of materials");
-  free(laws);
-}
-
-/* Further members of sd_contact_law, which the datasets laws and normal_laws do not hold. They are
- * written if any law uses them. */
-static const struct law_member {
-  const char *name;
-  size_t offset;
-} law_members[] = {{"damping_pulls", offsetof(sd_contact_law, damping_pulls)},
-                   {"tangential", offsetof(sd_contact_law, tangential)},
-                   {"cohesion", offsetof(sd_contact_law, cohesion)},
-                   {"mu_kinetic", offsetof(sd_contact_law, mu_kinetic)},
-                   {"gamma_t", offsetof(sd_contact_law, gamma_t)},
-                   {"k_r", offsetof(sd_contact_law, k_r)},
-                   {"gamma_r", offsetof(sd_contact_law, gamma_r)},
-                   {"mu_r", offsetof(sd_contact_law, mu_r)},
-                   {"pull_off", offsetof(sd_contact_law, pull_off)},
-                   {"range", offsetof(sd_contact_law, range)},
-                   {"rupture", offsetof(sd_contact_law, rupture)}};
-enum { LAW_MEMBERS = sizeof law_members / sizeof *law_members, LAW_WORDS = 3 };
-
-/* Returns member number c (index in law_members) of a contact law as a number; the first LAW_WORDS
- * members are a flag and two enumerators. */
-static double get_law_member(const sd_contact_law *law, size_t c) {
-  const double words[LAW_WORDS] = {law->damping_pulls, law->tangential, law->cohesion};
-  double x;
-  if (c < LAW_WORDS) return words[c];
-  memcpy(&x, (const char *)law + law_members[c].offset, sizeof x);
-  return x;
-}
-
-static void put_general_laws(h5_file *file, const sd_model *m) {
-  size_t n = m->n_materials;
-  if (!(laws_features(m) & LAW_GENERAL)) return;
-  double(*laws)[LAW_MEMBERS] = memory_new(n * n, sizeof *laws);
-  for (size_t k = 0; k < n * n; k++)
-    for (size_t c = 0; c < LAW_MEMBERS; c++) laws[k][c] = get_law_member(&m->laws[k], c);
-  char *text = memory_text("");
-  for (size_t c = 0; c < LAW_MEMBERS; c++)
-    text = append_text(text, "%s%s", c ? ", " : "", law_members[c].name);
-  put_per_pair(file, "general_laws", n, LAW_MEMBERS, laws, "mixed", text);
-  free(text);
-  free(laws);
+  if (used) members_put(file, MODEL, name, SD_F64, 3, dims, values, false, unit, meaning);
+  free(values);
 }
 
 static void write_laws(h5_file *file, const sd_model *m) {
-  put_laws(file, m);
-  put_normal_laws(file, m);
-  put_general_laws(file, m);
+  char *general = general_members();
+  put_laws(file, m, "laws", LAW_MEMBERS, "force/length, force/length, force time/length, 1",
+           LAW_MEMBERS " of each pair of materials; k_n = 0: not given");
+  put_laws(
+      file, m, "normal_laws", NORMAL_MEMBERS, "1",
+      "normal law (0 linear, 1 Hertz) and coefficient of restitution of each pair of materials");
+  put_laws(file, m, "general_laws", general, "mixed", general);
+  free(general);
 }
 
-/* --- Read laws -------------------------------------------------------------------------------- */
-
-static void read_normal_laws(reader *r, sd_model *m) {
-  if (!h5_exists(r->file, MODEL "/normal_laws")) return;
-  size_t n = m->n_materials;
-  double *laws =
-      h5_column(r->file, MODEL "/normal_laws", SD_F64, n * n * 2, &r->status, r->messages);
-  for (size_t k = 0; laws && r->status == SD_OK && k < n * n; k++) {
-    if (!(laws[2 * k] >= 0.0 && laws[2 * k] < SD_NORMAL_LAWS))
-      r->status = sd_fail(r->messages, SD_ERROR_IO, "the laws of the contacts are damaged");
-    else
-      m->laws[k].normal = (sd_normal_law)laws[2 * k];
-    m->laws[k].restitution = laws[2 * k + 1];
+/* Reads the listed members of all laws, if the file has the dataset. */
+static void get_laws(reader *r, sd_model *m, const char *path, const char *list) {
+  if (r->status != SD_OK || !h5_exists(r->file, path)) return;
+  const size_t n = m->n_materials, width = count_members(list);
+  double *values = h5_column(r->file, path, SD_F64, n * n * width, &r->status, r->messages);
+  for (size_t c = 0; values && c < width; c++) {
+    const deck_key *key = next_member(&list);
+    for (size_t k = 0; k < n * n && r->status == SD_OK; k++)
+      if (!key || !deck_key_store(key, &m->laws[k], values[k * width + c]))
+        r->status = sd_fail(r->messages, SD_ERROR_IO, "the laws of the contacts are damaged");
   }
-  free(laws);
-}
-
-static void read_general_laws(reader *r, sd_model *m) {
-  if (r->status != SD_OK || !h5_exists(r->file, MODEL "/general_laws")) return;
-  size_t n = m->n_materials;
-  double *laws = h5_column(r->file, MODEL "/general_laws", SD_F64, n * n * LAW_MEMBERS, &r->status,
-                           r->messages);
-  for (size_t k = 0; laws && r->status == SD_OK && k < n * n; k++) {
-    const double *x = laws + LAW_MEMBERS * k;
-    sd_contact_law *law = &m->laws[k];
-    if (!(x[1] >= 0.0 && x[1] <= SD_TANGENTIAL_MINDLIN && x[2] >= 0.0 &&
-          x[2] <= SD_COHESION_BRIDGE)) {
-      r->status = sd_fail(r->messages, SD_ERROR_IO, "the laws of the contacts are damaged");
-      break;
-    }
-    law->damping_pulls = x[0] != 0.0;
-    law->tangential = (sd_tangential_law)x[1];
-    law->cohesion = (sd_cohesion_law)x[2];
-    for (size_t c = LAW_WORDS; c < LAW_MEMBERS; c++)
-      memcpy((char *)law + law_members[c].offset, &x[c], sizeof *x);
-  }
-  free(laws);
+  free(values);
 }
 
 /* Reads the materials, without their names, and the contact laws. */
@@ -165,19 +115,14 @@ static void read_laws(reader *r, sd_model *m) {
   if (n > LIMIT_MATERIALS)
     r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu materials: the laws are damaged", n);
   if (r->status != SD_OK) return;
-  double *laws = h5_column(r->file, MODEL "/laws", SD_F64, n * n * LAW, &r->status, r->messages);
-  if (!laws) return;
   m->materials = memory_new(n, sizeof *m->materials);
   m->laws = memory_new(n * n, sizeof *m->laws);
   m->n_materials = n;
-  for (size_t k = 0; k < n * n; k++)
-    m->laws[k] = (sd_contact_law){.k_n = laws[LAW * k],
-                                  .k_t = laws[LAW * k + 1],
-                                  .gamma_n = laws[LAW * k + 2],
-                                  .mu = laws[LAW * k + 3]};
-  free(laws);
-  read_normal_laws(r, m);
-  read_general_laws(r, m);
+  char *general = h5_get_attr_text(r->file, MODEL "/general_laws", "description");
+  get_laws(r, m, MODEL "/laws", LAW_MEMBERS);
+  get_laws(r, m, MODEL "/normal_laws", NORMAL_MEMBERS);
+  get_laws(r, m, MODEL "/general_laws", general ? general : "");
+  free(general);
 }
 
 sd_model *constants_laws_model(const h5_file *file) {
