@@ -22,23 +22,6 @@ typedef enum sd_container_kind {
   SD_CONTAINER_PERIODIC
 } sd_container_kind;
 
-typedef enum sd_packing_kind {
-  SD_PACKING_TRIANGULAR,
-  SD_PACKING_SQUARE,
-  SD_PACKING_RANDOM,
-  SD_PACKING_FRONT,
-  SD_PACKING_RAIN
-} sd_packing_kind;
-
-typedef enum sd_size_kind {
-  SD_SIZES_MONO,
-  SD_SIZES_LIST,
-  SD_SIZES_UNIFORM,
-  SD_SIZES_GAUSSIAN,
-  SD_SIZES_LOGNORMAL,
-  SD_SIZES_POWERLAW
-} sd_size_kind;
-
 /* A rain releases the disks first ... first + count - 1 into the system in batches, lowest
  * numbers first; until its release a disk waits and touches nothing. Batch k is released k *
  * interval steps after the start: its disks are placed in rows between x = `lower` and `upper`,
@@ -52,8 +35,6 @@ typedef struct sd_rain {
   /* height of the lowest row above the disks, downward speed at release */
   double gap, speed;
 } sd_rain;
-
-enum { SD_TILE_RADII = 16 };
 
 /* A wall of the result file from which contacts are restored, and the wall of the model that
  * corresponds to it. */
@@ -89,19 +70,11 @@ typedef struct sd_tiles {
   size_t n_walls;
   bool forces_carried; /* true: forces stored with the file's contacts are still valid at step 0 */
   sd_tile_wall *walls; /* [n_walls] the walls of the file from which contacts are restored */
-  sd_packing_kind kind;
-  /* Rectangle that the packing fills, x and y, or in which the disks of a rain wait, there at
-   * least `spacing` from its edges in y. For lattices spacing is the lattice constant, and
-   * jitter the largest random displacement of a site, as a fraction of spacing/2 minus radius. */
-  double lower[2], upper[2], spacing, jitter;
-  double mass, density; /* mass of a disk, or mass per area; the other one is 0 */
-  int material, group;  /* Index of the material, index of the group; group -1: none. */
-  /* Distribution of the radii. Its parameters follow; they are those of `sizes` in sizes.h,
-   * whose `lower` and `upper` are called `least` and `most` here. */
-  sd_size_kind sizes;
-  double radius, deviation, exponent, least, most;
-  size_t n_radii;
-  double radii[SD_TILE_RADII], weights[SD_TILE_RADII];
+  /* Rectangle that the packing fills, x and y, or in which the disks of a rain wait; file:
+   * rectangle around its disks. */
+  double lower[2], upper[2];
+  double most;  /* largest possible radius */
+  int material; /* file: index of the material of its disks */
 } sd_tiles;
 
 /* Rectangle in which the centres of the free disks must stay; infinite where there is no limit. */

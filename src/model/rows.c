@@ -61,18 +61,6 @@ size_t rows_of_tiles(const sd_model *m) {
   return n;
 }
 
-sd_disk model_tile_disk(const sd_tiles *t, double radius, const double position[2]) {
-  const double mass =
-      t->mass == 0.0 ? t->density * 3.14159265358979323846 * radius * radius : t->mass;
-  return (sd_disk){.position = {position[0], position[1], 0.0},
-                   .radius = radius,
-                   .mass = mass,
-                   .inertia = 0.5 * mass * radius * radius,
-                   .material = t->material,
-                   .group = t->group,
-                   .waiting = t->kind == SD_PACKING_RAIN};
-}
-
 /* --- distribution over ranks ------------------------------------------------------------------ */
 
 bool rows_special(const sd_disk *d) {

@@ -73,8 +73,6 @@ static inline size_t model_tile_size(const sd_tiles *t, size_t part) {
 /* Number of disks in the parts (tiles of a packing, rows of a file) that this rank stores: rank
  * q has the parts q, q + ranks, ... */
 size_t rows_of_tiles(const sd_model *m);
-/* Returns a disk of a packing, with the mass, material and group that `tiles` gives. */
-sd_disk model_tile_disk(const sd_tiles *tiles, double radius, const double position[2]);
 
 /* --- rows during a run ------------------------------------------------------------------------ */
 

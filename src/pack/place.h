@@ -92,6 +92,14 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
 void place_waiting(double lower, double upper, double y, double spacing, size_t first, size_t n,
                    double (*position)[2]);
 
+typedef enum sd_packing_kind {
+  SD_PACKING_TRIANGULAR,
+  SD_PACKING_SQUARE,
+  SD_PACKING_RANDOM,
+  SD_PACKING_FRONT,
+  SD_PACKING_RAIN
+} sd_packing_kind;
+
 /* Disks on a triangular or a square lattice, with random displacements (jitter).
  *
  * Every site owns a circle of diameter `spacing`, which lies inside the space and overlaps no

@@ -9,6 +9,15 @@
 #include "base/gsl.h"
 #include "model/model.h"
 
+typedef enum sd_size_kind {
+  SD_SIZES_MONO,
+  SD_SIZES_LIST,
+  SD_SIZES_UNIFORM,
+  SD_SIZES_GAUSSIAN,
+  SD_SIZES_LOGNORMAL,
+  SD_SIZES_POWERLAW
+} sd_size_kind;
+
 typedef struct sizes {
   sd_size_kind kind;
   /* mono: radius of all disks; gaussian: mean radius; lognormal: median radius; both before

@@ -174,8 +174,7 @@ void deck_note_away(deck *d, int group) {
   d->away_group[group] = true;
 }
 
-void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group,
-                    deck_place place) {
+void deck_push_disk(deck *d, const sd_disk *disk, const char *name, deck_place place) {
   sd_model *m = d->model;
   size_t capacity = d->disk_capacity;
   d->disk_place = deck_extend(d, d->disk_place, m->n_disks, &d->disk_capacity, sizeof place);
@@ -185,7 +184,6 @@ void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *
   sd_disk *own = &m->disks[m->n_disks++];
   *own = *disk;
   own->name = memory_text(name);
-  own->group = deck_group_number(d, group);
   if (name && !deck_index_add(d, &d->disks, own->name, (uint32_t)(m->n_disks - 1)))
     deck_fail_place(d, place, "name = \"%s\": two disks have this name", name);
 }
@@ -238,12 +236,8 @@ static void read_clump(deck_group *g, uint32_t number) {
   const char *name = deck_text_of(g, "name");
   const deck_bodies bodies = deck_select(g, false);
   for (size_t b = 0; b < bodies.n; b++) check_disk(d, g, bodies.body[b]);
-  sd_clump c = {.mass = deck_get(g, "mass") ? deck_number(g, "mass") : 0,
-                .inertia = deck_get(g, "inertia") ? deck_number(g, "inertia") : 0};
-  deck_pair(g, "velocity", c.velocity);
-  c.velocity[SD_THETA] = deck_number(g, "omega");
-  deck_pair(g, "force", c.force);
-  c.force[SD_THETA] = deck_number(g, "torque");
+  sd_clump c = {0};
+  deck_fill(g, &c);
   const unsigned locked = deck_coordinates(g, "locked");
   for (int q = 0; q < SD_COORDINATES; q++) {
     c.locked[q] = locked >> q & 1;
@@ -340,7 +334,7 @@ bool deck_read_grain(deck_group *packing, deck_grain *grain) {
 }
 
 void deck_push_grain(deck *d, const deck_grain *grain, const sd_disk *like, double radius,
-                     double angle, const char *group, deck_place place) {
+                     double angle, deck_place place) {
   const sd_model *m = d->model;
   const double c = cos(angle), s = sin(angle);
   push(d);
@@ -357,7 +351,7 @@ void deck_push_grain(deck *d, const deck_grain *grain, const sd_disk *like, doub
       if (m->periodic[q])
         disk.position[q] -= length * floor((disk.position[q] - m->lower[q]) / length);
     }
-    deck_push_disk(d, &disk, NULL, group, place);
+    deck_push_disk(d, &disk, NULL, place);
   }
 }
 

@@ -188,7 +188,7 @@ static void add_drum(deck *d) {
 /* Adds the floor of a bed: a row of fixed disks whose tops touch the lower edge of the region. */
 static void add_bed(deck *d) {
   const sd_model *m = d->model;
-  deck_group g = {d, deck_child(d->root, "container"), &deck_container};
+  deck_group g = {d, deck_child(d->root, "container"), &deck_container, NULL};
   uint32_t group;
   if (deck_index_find(&d->groups, floor_group, &group))
     deck_fail_key(&g, "type", "its floor is the group \"%s\", but the deck has disks in this group",
@@ -208,8 +208,9 @@ static void add_bed(deck *d) {
         /* Any mass will do, since the disk is fixed */
         .mass = 3.14159265358979323846 * radius * radius,
         .material = d->container->material,
+        .group = deck_group_number(d, floor_group),
         .driven = true};
-    deck_push_disk(d, &disk, NULL, floor_group, g.node->place);
+    deck_push_disk(d, &disk, NULL, g.node->place);
   }
 }
 

@@ -73,13 +73,14 @@ static void add_disk(deck *d, const values *v) {
                   .inertia = x[COLUMN_INERTIA],
                   .force = {v->force[0], v->force[1], v->force[2]},
                   .material = v->material,
+                  .group = deck_group_number(d, v->group),
                   .driven = x[COLUMN_FIXED] != 0};
   if (isnan(x[COLUMN_MASS]) && disk.mass >= 0 && !deck_in_range(DECK_POSITIVE, disk.mass))
     fail_value(d, v, "density",
                deck_format(d, "the mass is %g; expected a number %s", disk.mass,
                            deck_expected(DECK_POSITIVE, disk.mass)));
   for (int c = 0; c < 3; c++) disk.locked[c] = v->locked >> c & 1;
-  deck_push_disk(d, &disk, v->name, v->group, v->place);
+  deck_push_disk(d, &disk, v->name, v->place);
 }
 
 /* --- common values of a group ----------------------------------------------------------------- */
@@ -245,14 +246,11 @@ void deck_read_forces(deck *d) {
   deck_group g;
   for (size_t k = 0; deck_next(d, &deck_forces, &k, &g);) {
     deck_bodies bodies = deck_select(&g, false);
-    double force[2], torque = deck_number(&g, "torque");
-    deck_pair(&g, "force", force);
-    for (size_t b = 0; b < bodies.n; b++) {
-      double *sum = d->model->disks[bodies.body[b]].force;
-      sum[0] += force[0];
-      sum[1] += force[1];
-      sum[2] += torque;
-    }
+    sd_disk added = {0};
+    deck_fill(&g, &added);
+    for (size_t b = 0; b < bodies.n; b++)
+      for (int c = 0; c < SD_COORDINATES; c++)
+        d->model->disks[bodies.body[b]].force[c] += added.force[c];
   }
 }
 

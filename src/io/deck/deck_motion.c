@@ -27,29 +27,26 @@ typedef struct streams {
 
 static const double pi = 3.14159265358979323846;
 
-static double read_omega(deck_group *g) {
-  if (!deck_given(g, "frequency")) {
-    double w = deck_get(g, "omega") ? deck_number(g, "omega") : NAN;
-    if (w <= 0) deck_fail_key(g, "omega", "expected an angular frequency > 0");
-    return w;
-  }
-  return 2 * pi * deck_number(g, "frequency");
+static void read_omega(deck_group *g, sd_motion *motion) {
+  if (deck_given(g, "frequency"))
+    motion->omega = 2 * pi * deck_number(g, "frequency");
+  else if (deck_get(g, "omega") && motion->omega <= 0)
+    deck_fail_key(g, "omega", "expected an angular frequency > 0");
 }
 
-/* Returns the value of the key `amplitude`, or the amplitude that follows from the key
- * `acceleration`, the largest acceleration in units of g (motion_kind.amplitude). */
-static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned mask) {
-  if (!deck_given(g, "acceleration")) return deck_number(g, "amplitude");
+/* Sets the amplitude that follows from the key `acceleration`, the largest acceleration in units
+ * of g (motion_kind.amplitude). */
+static void read_acceleration(deck_group *g, sd_motion *motion, unsigned mask) {
   const motion_kind *kind = &motion_kinds[motion->kind];
-  /* This kind of motion has no key `acceleration`, which deck_shape_of has reported */
-  if (!kind->amplitude) return NAN;
+  /* If this kind of motion has no key `acceleration`, deck_fill has reported it */
+  if (!deck_given(g, "acceleration") || !kind->amplitude) return;
   const double *gravity = g->d->model->gravity;
   double strength = hypot(gravity[0], gravity[1]), w = motion->omega;
   if (mask >> SD_THETA & 1)
     deck_fail_key(g, "acceleration", "theta has none in units of g; expected amplitude");
   if (!(strength > 0))
     deck_fail_key(g, "acceleration", "in units of g, but there is no gravity; expected amplitude");
-  return kind->amplitude(motion, deck_number(g, "acceleration") * strength / (w * w));
+  motion->amplitude = kind->amplitude(motion, deck_number(g, "acceleration") * strength / (w * w));
 }
 
 /* --- tables ----------------------------------------------------------------------------------- */
@@ -104,8 +101,6 @@ static void read_table(deck_group *g, sd_motion *motion) {
   size_t n, before = d->reported;
   bool from_file = deck_given(g, "file");
   deck_node *at = deck_get(g, from_file ? "file" : "times");
-  motion->periodic = deck_bool(g, "periodic");
-  motion->amplitude = deck_number(g, "factor");
   if (from_file) {
     if (deck_given(g, "values"))
       deck_fail_key(g, "values", "given together with file; expected one of them");
@@ -266,10 +261,8 @@ static void read_length(deck_group *g, sd_motion *motion, const sd_wall *wall, i
   static const char *const beside[2][2] = {{"left", "right"}, {"floor", "lid"}};
   const sd_model *m = g->d->model;
   int across = coordinate == SD_X ? SD_Y : SD_X;
-  motion->beside[0] = motion->beside[1] = 0;
-  if (deck_given(g, "length")) {
-    motion->length = deck_number(g, "length");
-  } else if (wall->kind == SD_WALL_SEGMENT && wall->n_points == 2) {
+  if (deck_given(g, "length")) return;
+  if (wall->kind == SD_WALL_SEGMENT && wall->n_points == 2) {
     motion->length =
         hypot(wall->points[1][0] - wall->points[0][0], wall->points[1][1] - wall->points[0][1]);
   } else if (wall->kind == SD_WALL_LINE && m->periodic[across]) {
@@ -285,28 +278,17 @@ static void read_length(deck_group *g, sd_motion *motion, const sd_wall *wall, i
 
 static void read_servo(deck_group *g, sd_motion *motion, uint32_t body, int coordinate) {
   const sd_model *m = g->d->model;
-  motion->velocity = deck_number(g, "speed");
   if (deck_given(g, "force")) {
-    motion->force = deck_number(g, "force");
     if (motion->force == 0) deck_fail_key(g, "force", "expected a force other than 0");
     if (deck_given(g, "length")) deck_fail_key(g, "length", "expected with pressure only");
   } else if (deck_given(g, "pressure")) {
     int side = sd_model_side(m, body, coordinate);
-    motion->pressure = side * deck_number(g, "pressure");
+    motion->pressure *= side;
     if (side == 0)
       deck_fail_key(g, "pressure", "this wall does not press along %s; expected force",
                     coordinate == SD_X ? "x" : "y");
     read_length(g, motion, &m->walls[body - m->n_disks], coordinate);
   }
-}
-
-static void read_load(deck_group *g, sd_motion *motion, int coordinate) {
-  if (!deck_get(g, "force")) {
-    deck_node *force = deck_node_new(g->d, g->node, "force", DECK_FLOAT, g->node->place);
-    force->defaulted = true;
-  }
-  motion->mass = deck_number(g, "mass");
-  motion->force = deck_number(g, "force") + motion->mass * g->d->model->gravity[coordinate];
 }
 
 /* Reads a motion of the kind load or servo. Each wall gets a separate motion, since the walls move
@@ -325,41 +307,28 @@ static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const 
   if (mask && mask != 1u << SD_X && mask != 1u << SD_Y)
     deck_fail_key(g, "coordinate",
                   "a %s moves its wall along one direction; expected \"x\" or \"y\"", what);
-  if (motion->kind == SD_MOTION_LOAD) read_load(g, motion, coordinate);
+  if (motion->kind == SD_MOTION_LOAD) {
+    deck_default_number(g, "force", 0);
+    motion->force += motion->mass * d->model->gravity[coordinate];
+  }
   for (size_t b = 0; d->reported == before && b < bodies->n; b++) {
-    if (motion->kind == SD_MOTION_SERVO) read_servo(g, motion, bodies->body[b], coordinate);
-    push(d, motion, entry, coordinate, 1, &bodies->body[b]);
+    sd_motion own = *motion;
+    if (motion->kind == SD_MOTION_SERVO) read_servo(g, &own, bodies->body[b], coordinate);
+    push(d, &own, entry, coordinate, 1, &bodies->body[b]);
   }
 }
 
 /* --- signals ---------------------------------------------------------------------------------- */
 
-static void read_wave_keys(deck_group *g, const deck_shape *shape, sd_motion *motion) {
-#define READ(member, ...)                                                                          \
-  if (deck_listed(shape->keys, #member)) motion->member = deck_number(g, #member);
-  WAVE_KEYS(READ)
-#undef READ
-}
-
-static void read_signal(deck_group *g, const deck_shape *shape, unsigned mask, sd_motion *motion) {
-  motion->ramp = deck_number(g, "ramp");
-  switch (motion_source(motion)) {
-    case SIGNAL_STEADY: motion->velocity = deck_number(g, "velocity"); break;
-    case SIGNAL_TABLE: read_table(g, motion); break;
-    case SIGNAL_WAVE:
-      motion->omega = read_omega(g);
-      read_wave_keys(g, shape, motion);
-      motion->amplitude = read_amplitude(g, motion, mask);
-      break;
-    case SIGNAL_RANDOM:
-      motion->omega = read_omega(g);
-      motion->amplitude = read_amplitude(g, motion, mask);
-      motion->damping = deck_number(g, "damping");
-      motion->interval = deck_integer(g, "interval");
-      if (motion->amplitude < 0) deck_fail_key(g, "amplitude", "expected an rms displacement >= 0");
-      break;
-    case SIGNAL_FEEDBACK: break;
-  }
+/* Completes the signal of a motion, most of whose numbers deck_fill has read. */
+static void read_signal(deck_group *g, unsigned mask, sd_motion *motion) {
+  const signal_source source = motion_source(motion);
+  if (source == SIGNAL_TABLE) read_table(g, motion);
+  if (source != SIGNAL_WAVE && source != SIGNAL_RANDOM) return;
+  read_omega(g, motion);
+  read_acceleration(g, motion, mask);
+  if (source == SIGNAL_RANDOM && motion->amplitude < 0)
+    deck_fail_key(g, "amplitude", "expected an rms displacement >= 0");
 }
 
 /* --- the list --------------------------------------------------------------------------------- */
@@ -367,21 +336,15 @@ static void read_signal(deck_group *g, const deck_shape *shape, unsigned mask, s
 static void read_motion(deck_group *g, size_t entry, streams *s) {
   deck *d = g->d;
   size_t before = d->reported;
-  const char *name = deck_text_of(g, "name");
+  sd_motion motion = {.name = deck_text_of(g, "name"), .interval = 1};
   deck_bodies bodies = deck_select(g, true);
   unsigned mask = deck_coordinates(g, "coordinate");
-  const deck_shape *shape = deck_shape_of(g, "type");
-  if (!shape) return;
-  char *own_name = name ? deck_copy(d, name, strlen(name)) : NULL;
-  bool fixed = shape->kind == DECK_MOTION_FIXED; /* A motion of the type "fixed" has velocity 0 */
-  sd_motion motion = {.name = own_name,
-                      .kind = fixed ? SD_MOTION_VELOCITY : (sd_motion_kind)shape->kind,
-                      .interval = 1};
+  if (!deck_fill(g, &motion)) return;
   if (motion_is_feedback(&motion)) {
     read_feedback(g, &motion, entry, &bodies, mask);
     return;
   }
-  if (!fixed) read_signal(g, shape, mask, &motion);
+  read_signal(g, mask, &motion);
   check_held(d, g, &bodies, mask);
   check_surface(d, g, &bodies, mask);
   check_clumped(d, g, &bodies);

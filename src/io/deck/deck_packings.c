@@ -20,17 +20,14 @@ static const double DENSEST = 0.90689968211710892;
 
 typedef struct packing {
   deck_group g;
-  size_t number;
   bool last; /* True for the last entry of the list `packings` */
-  deck_packing_values v;
-  sizes *sizes; /* Distribution of the radii; points to v.sizes */
+  packing_spec spec;
   double mean_area;
   double lower[2], upper[2]; /* Lower left and upper right corner of the region to fill */
   /* Area of the region inside the container; NAN: the container has errors */
   double area;
-  int material;
-  const char *group;
-  deck_grain grain; /* Shape of the grains; generators place the circles that enclose the grains */
+  const char *group; /* Group that the disks join; NULL: none */
+  deck_grain grain;  /* Shape of the grains; generators place the circles that enclose the grains */
 } packing;
 
 /* --- region ----------------------------------------------------------------------------------- */
@@ -97,7 +94,7 @@ static void read_region(packing *p) {
 static void check_room(packing *p, double width, double height) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
-  double largest = p->sizes->upper, extent[2] = {width, height};
+  double largest = p->spec.sizes.upper, extent[2] = {width, height};
   for (int c = 0; c < 2; c++) {
     bool wraps = m->periodic[c] && extent[c] >= m->upper[c] - m->lower[c];
     if (2 * largest > extent[c] * (1 + 1e-12) && !wraps)
@@ -108,7 +105,7 @@ static void check_room(packing *p, double width, double height) {
 
 static void check_area(packing *p, double count, double area) {
   deck *d = p->g.d;
-  if (p->v.fraction > 0 && p->v.fraction > DENSEST)
+  if (p->spec.fraction > 0 && p->spec.fraction > DENSEST)
     deck_fail_key(&p->g, "fraction",
                   "more than the densest packing of equal disks has; expected at most 0.9069");
   else if (count > LIMIT_DISKS)
@@ -126,7 +123,7 @@ static void check_area(packing *p, double count, double area) {
 static double *draw_angles(packing *p, size_t n) {
   deck *d = p->g.d;
   double *angle = deck_alloc(d, n, sizeof *angle);
-  gsl_rng *rng = sizes_random(d->model->seed, p->number + LIMIT_ENTRIES);
+  gsl_rng *rng = sizes_random(d->model->seed, p->spec.number + LIMIT_ENTRIES);
   for (size_t k = 0; k < n; k++) angle[k] = 2 * M_PI * gsl_rng_uniform(rng);
   gsl_rng_free(rng);
   return angle;
@@ -144,27 +141,21 @@ static bool mass_is_good(const packing *p, double mass) {
 
 static void push_disks(const packing *p, size_t n, const sd_disk *disks) {
   for (size_t k = 0; k < n && mass_is_good(p, disks[k].mass); k++)
-    deck_push_disk(p->g.d, &disks[k], NULL, p->group, p->g.node->place);
+    deck_push_disk(p->g.d, &disks[k], NULL, p->g.node->place);
 }
 
-static void push(packing *p, size_t n, const double *circle, double (*position)[2], bool waiting) {
+static void push(packing *p, size_t n, const double *circle, double (*position)[2]) {
   const deck_grain *grain = &p->grain;
   const double *angle = grain->at ? draw_angles(p, n) : NULL;
+  p->spec.group = deck_group_number(p->g.d, p->group);
   for (size_t k = 0; k < n; k++) {
-    const double radius = circle[k] / grain->reach;
-    double mass = p->v.mass == 0
-                      ? p->v.density * 3.14159265358979323846 * radius * radius * grain->area
-                      : p->v.mass;
-    if (!mass_is_good(p, mass)) return;
-    sd_disk disk = {.position = {position[k][0], position[k][1], 0},
-                    .radius = radius,
-                    .mass = mass,
-                    .material = p->material,
-                    .waiting = waiting};
+    sd_disk disk = packing_disk(&p->spec, circle[k] / grain->reach, position[k]);
+    if (p->spec.mass == 0) disk.mass *= grain->area;
+    if (!mass_is_good(p, disk.mass)) return;
     if (angle)
-      deck_push_grain(p->g.d, grain, &disk, radius, angle[k], p->group, p->g.node->place);
+      deck_push_grain(p->g.d, grain, &disk, disk.radius, angle[k], p->g.node->place);
     else
-      deck_push_disk(p->g.d, &disk, NULL, p->group, p->g.node->place);
+      deck_push_disk(p->g.d, &disk, NULL, p->g.node->place);
   }
 }
 
@@ -175,11 +166,11 @@ static size_t draw_area(const packing *p, gsl_rng *rng, double area, size_t capa
                         double *radius) {
   double sum = 0;
   size_t n = (size_t)fmax(1, fmin(rint(area / p->mean_area), (double)capacity));
-  sizes_draw(p->sizes, rng, n, radius);
-  if (p->sizes->kind == SD_SIZES_MONO || p->sizes->kind == SD_SIZES_LIST) return n;
+  sizes_draw(&p->spec.sizes, rng, n, radius);
+  if (p->spec.sizes.kind == SD_SIZES_MONO || p->spec.sizes.kind == SD_SIZES_LIST) return n;
   for (size_t k = 0; k < n; k++) sum += M_PI * radius[k] * radius[k];
   for (; n < capacity; n++) {
-    sizes_draw(p->sizes, rng, 1, &radius[n]);
+    sizes_draw(&p->spec.sizes, rng, 1, &radius[n]);
     double more = M_PI * radius[n] * radius[n];
     if (sum + more / 2 > area) break;
     sum += more;
@@ -220,7 +211,7 @@ static bench open_bench(const packing *p, double capacity) {
   b.position = deck_alloc(d, b.capacity, sizeof *b.position);
   b.status = place_begin(&b.space, d->model, d->model->n_disks, &d->container->interior, p->lower,
                          p->upper, b.capacity);
-  b.rng = sizes_random(d->model->seed, p->number);
+  b.rng = sizes_random(d->model->seed, p->spec.number);
   return b;
 }
 
@@ -230,25 +221,20 @@ static void close_bench(const packing *p, bench *b) {
   if (b->status != SD_OK) longjmp(p->g.d->out_of_memory, 1);
 }
 
-/* Returns the lattice spacing; 0 after errors, which are reported. */
-static double read_spacing(packing *p) {
-  deck *d = p->g.d;
+static void check_lattice(packing *p) {
   deck_group *g = &p->g;
-  size_t before = d->reported;
-  deck_default_number(g, "spacing", 2 * p->sizes->upper);
-  double spacing = deck_number(g, "spacing");
-  if (spacing < 2 * p->sizes->upper)
-    deck_fail_key(g, "spacing", "expected at least the largest diameter, %g", 2 * p->sizes->upper);
-  if (p->v.jitter > 1)
+  const double largest = 2 * p->spec.sizes.upper;
+  deck_default_number(g, "spacing", largest);
+  if (p->spec.spacing < largest)
+    deck_fail_key(g, "spacing", "expected at least the largest diameter, %g", largest);
+  if (p->spec.jitter > 1)
     deck_fail_key(g, "jitter", "expected at most 1; beyond it disks could overlap");
-  return d->reported > before ? 0 : spacing;
 }
 
 static void make_lattice(packing *p) {
   deck *d = p->g.d;
   deck_group *g = &p->g;
-  const double spacing = read_spacing(p);
-  if (spacing == 0) return;
+  const double spacing = p->spec.spacing;
   double sites = ((p->upper[0] - p->lower[0]) / spacing + 1) *
                  ((p->upper[1] - p->lower[1]) / (spacing * sqrt(0.75)) + 1);
   if (sites > LIMIT_DISKS) {
@@ -256,35 +242,33 @@ static void make_lattice(packing *p) {
                   LIMIT_DISKS);
     return;
   }
-  if (p->v.count == 0) deck_need(d, g->node, "spacing", rint(sites), BENCH_BYTES, "sites");
-  bench b = open_bench(p, p->v.count > 0 ? fmin((double)p->v.count, sites) : sites);
-  const tiles_fill how = {p->v.kind, p->sizes, spacing, p->v.jitter};
+  if (p->spec.count == 0) deck_need(d, g->node, "spacing", rint(sites), BENCH_BYTES, "sites");
+  bench b = open_bench(p, p->spec.count > 0 ? fmin((double)p->spec.count, sites) : sites);
   if (b.status == SD_OK)
-    b.status = tiles_place(&b.space, b.rng, &how, b.capacity, b.radius, b.position, &b.n);
+    b.status = tiles_place(&b.space, b.rng, &p->spec, b.capacity, b.radius, b.position, &b.n);
   close_bench(p, &b);
   if (b.n == 0)
     deck_fail(d, g->node, "the lattice has no free site in the region");
-  else if ((int64_t)b.n < p->v.count)
+  else if ((int64_t)b.n < p->spec.count)
     deck_fail_key(g, "count", "the lattice has %zu free sites only", b.n);
   else
-    push(p, b.n, b.radius, b.position, false);
+    push(p, b.n, b.radius, b.position);
 }
 
 static void make_random(packing *p) {
-  bool by_count = p->v.fraction == 0;
-  double target = by_count ? (double)p->v.count * p->mean_area : p->v.fraction * p->area;
-  bench b = open_bench(p, by_count ? (double)p->v.count : 2 * target / p->mean_area + 100);
+  bool by_count = p->spec.fraction == 0;
+  double target = by_count ? (double)p->spec.count * p->mean_area : p->spec.fraction * p->area;
+  bench b = open_bench(p, by_count ? (double)p->spec.count : 2 * target / p->mean_area + 100);
   size_t placed = 0;
   b.n = b.capacity;
-  const tiles_fill how = {.kind = p->v.kind, .sizes = p->sizes};
   if (b.status == SD_OK && by_count)
-    b.status = tiles_place(&b.space, b.rng, &how, b.n, b.radius, b.position, &placed);
+    b.status = tiles_place(&b.space, b.rng, &p->spec, b.n, b.radius, b.position, &placed);
   if (b.status == SD_OK && !by_count) b.n = draw_area(p, b.rng, target, b.capacity, b.radius);
   if (b.status == SD_OK && !by_count)
     b.status = place_random(&b.space, b.rng, b.n, b.radius, b.position, &placed);
   close_bench(p, &b);
   if (placed == b.n) {
-    push(p, b.n, b.radius, b.position, false);
+    push(p, b.n, b.radius, b.position);
     return;
   }
   double all = fraction_of(p, b.n, b.radius);
@@ -302,88 +286,54 @@ static void make_random(packing *p) {
 static void make_front(packing *p) {
   deck *d = p->g.d;
   double target = 1.05 * p->area + p->mean_area, most = 2 * target / p->mean_area + 100;
-  if (p->v.count == 0) deck_need(d, p->g.node, "type", rint(most), BENCH_BYTES, "disks");
-  bench b = open_bench(p, p->v.count > 0 ? (double)p->v.count : most);
+  if (p->spec.count == 0) deck_need(d, p->g.node, "type", rint(most), BENCH_BYTES, "disks");
+  bench b = open_bench(p, p->spec.count > 0 ? (double)p->spec.count : most);
   size_t placed = 0;
   b.n = b.capacity;
-  if (p->v.count > 0)
-    sizes_draw(p->sizes, b.rng, b.n, b.radius);
+  if (p->spec.count > 0)
+    sizes_draw(&p->spec.sizes, b.rng, b.n, b.radius);
   else
     b.n = draw_area(p, b.rng, target, b.capacity, b.radius);
   if (b.status == SD_OK) b.status = front_fill(&b.space, b.n, b.radius, b.position, &placed);
   close_bench(p, &b);
   if (placed == 0)
     deck_fail(d, p->g.node, "the front found no place for a disk in the region");
-  else if ((int64_t)placed < p->v.count)
+  else if ((int64_t)placed < p->spec.count)
     deck_fail_key(&p->g, "count",
                   "the front has filled the region with %zu disks, a fraction of %.3f", placed,
                   fraction_of(p, placed, b.radius));
   else
-    push(p, placed, b.radius, b.position, false);
+    push(p, placed, b.radius, b.position);
 }
 
 /* --- tiles ------------------------------------------------------------------------------------ */
 
-/* Stores in model->tiles everything that is needed to make the tiles of a packing. The number of
- * the group is set later. */
-static void keep_tiles(packing *p, double spacing) {
-  const sizes *s = p->sizes;
-  sd_tiles *t = &p->g.d->model->tiles;
-  *t = (sd_tiles){.n = (size_t)p->v.tiles,
-                  .first = p->g.d->model->n_disks,
-                  .count = (size_t)p->v.count,
-                  .entry = p->number,
-                  .kind = p->v.kind,
-                  .lower = {p->lower[0], p->lower[1]},
-                  .upper = {p->upper[0], p->upper[1]},
-                  .spacing = spacing,
-                  .jitter = p->v.jitter,
-                  .mass = p->v.mass,
-                  .density = p->v.density,
-                  .material = p->material,
-                  .group = -1,
-                  .sizes = s->kind,
-                  .radius = s->radius,
-                  .deviation = s->deviation,
-                  .exponent = s->exponent,
-                  .least = s->lower,
-                  .most = s->upper,
-                  .n_radii = s->n};
-  for (size_t k = 0; k < s->n; k++) {
-    t->radii[k] = s->radii[k];
-    t->weights[k] = s->weights[k];
-  }
-}
-
 /* For rain in tiles: sets the region where its disks wait before they fall, from `height` upwards,
  * high enough for disks of any size. */
-static void wait_above(sd_tiles *t, double height) {
-  const double across = fmax(1, floor((t->upper[0] - t->lower[0]) / t->spacing));
-  t->lower[1] = height - t->spacing;
-  t->upper[1] = height + (floor((double)t->count / across) + 1) * t->spacing;
+static void wait_above(sd_tiles *t, double height, double spacing) {
+  const double across = fmax(1, floor((t->upper[0] - t->lower[0]) / spacing));
+  t->lower[1] = height - spacing;
+  t->upper[1] = height + (floor((double)t->count / across) + 1) * spacing;
 }
 
 static void check_tiles(packing *p) {
   deck_group *g = &p->g;
-  const double wide = (p->upper[0] - p->lower[0]) / (double)p->v.tiles;
+  const double wide = (p->upper[0] - p->lower[0]) / (double)p->spec.tiles;
   const sd_container_kind kind = p->g.d->container->interior.kind;
-  if (p->v.count == 0)
+  if (p->spec.count == 0)
     deck_fail_key(g, "count", "missing: expected the number of disks, which tiles share");
-  else if (p->v.tiles > p->v.count)
+  else if (p->spec.tiles > p->spec.count)
     deck_fail_key(g, "tiles", "expected at most one for each of the %lld disks",
-                  (long long)p->v.count);
-  const bool rain = p->v.kind == SD_PACKING_RAIN;
-  if (!(2 * p->sizes->upper <= wide) && !rain)
+                  (long long)p->spec.count);
+  const bool rain = p->spec.kind == SD_PACKING_RAIN;
+  if (!(2 * p->spec.sizes.upper <= wide) && !rain)
     deck_fail_key(
         g, "tiles",
         "each is %g wide; expected fewer, so that a disk of radius %g fits between their edges",
-        wide, p->sizes->upper);
+        wide, p->spec.sizes.upper);
   if (p->grain.at) deck_fail_key(g, "tiles", "clumps are not made in tiles");
   if (!rain && (kind == SD_CONTAINER_HOPPER || kind == SD_CONTAINER_DRUM))
     deck_fail_key(g, "tiles", "expected a container that is a rectangle");
-  if (p->sizes->n > SD_TILE_RADII)
-    deck_fail_key(g, "radii", "expected at most %d in a packing that is made in tiles",
-                  SD_TILE_RADII);
 }
 
 /* Makes the disks of one tile and returns `disks`; NULL after an error, which is reported. */
@@ -392,7 +342,8 @@ static const sd_disk *make_tile(packing *p, size_t tile, sd_disk *disks) {
   const size_t n = model_tile_size(t, tile);
   size_t placed;
   assert(disks && n > 0);
-  if (tiles_make(p->g.d->model, tile, disks, &placed) != SD_OK) longjmp(p->g.d->out_of_memory, 1);
+  if (tiles_make(p->g.d->model, &p->spec, tile, disks, &placed) != SD_OK)
+    longjmp(p->g.d->out_of_memory, 1);
   if (placed < n) {
     deck_fail_key(&p->g, "count", TILES_FULL, tile, t->n, placed, n);
     return NULL;
@@ -415,7 +366,7 @@ static void make_own_tiles(packing *p, sd_disk *disks) {
       rows_add(m, &tile[i], (uint32_t)(first + i));
   }
   d->away_place = p->g.node->place;
-  deck_note_away(d, m->tiles.group);
+  deck_note_away(d, p->spec.group);
   m->n_disks += m->tiles.count;
 }
 
@@ -425,20 +376,28 @@ enum { FEWEST_AWAY = 1000 };
 
 /* Makes a packing in tiles. height: for rain, the height of the lowest row of waiting disks; not
  * used for other kinds. */
-static void make_tiled(packing *p, double spacing, double height) {
+static void make_tiled(packing *p, double height) {
   deck *d = p->g.d;
   sd_model *m = d->model;
+  const packing_spec *s = &p->spec;
   size_t before = d->reported;
   check_tiles(p);
   if (d->reported > before) return;
-  keep_tiles(p, spacing);
-  if (p->v.kind == SD_PACKING_RAIN) wait_above(&m->tiles, height);
-  if (d->comm && d->whole && !p->last && m->tiles.n > 1)
+  const bool apart = d->comm && d->whole && s->tiles > 1;
+  if (apart && !p->last)
     sd_warn(d->messages,
             "packings[%zu].tiles: every rank makes all, since the packing is not the last",
-            p->number);
-  m->tiles.group = deck_group_number(d, p->group);
-  m->tiles.away = d->comm && d->whole && p->last && m->tiles.n > 1 && m->tiles.count >= FEWEST_AWAY;
+            s->number);
+  m->tiles = (sd_tiles){.n = (size_t)s->tiles,
+                        .first = m->n_disks,
+                        .count = (size_t)s->count,
+                        .away = apart && p->last && s->count >= FEWEST_AWAY,
+                        .entry = s->number,
+                        .lower = {p->lower[0], p->lower[1]},
+                        .upper = {p->upper[0], p->upper[1]},
+                        .most = s->sizes.upper};
+  if (s->kind == SD_PACKING_RAIN) wait_above(&m->tiles, height, s->spacing);
+  p->spec.group = deck_group_number(d, p->group);
   sd_disk *disks = deck_alloc(d, model_tile_begin(&m->tiles, 1), sizeof *disks);
   if (m->tiles.away) {
     make_own_tiles(p, disks);
@@ -484,7 +443,7 @@ static void check_rain(packing *p, double height) {
     deck_fail_key(&p->g, "rows", "a batch is %g high, the region only %g", height,
                   p->upper[1] - p->lower[1]);
   if (m->container != SD_CONTAINER_NONE)
-    check_area(p, (double)p->v.count,
+    check_area(p, (double)p->spec.count,
                place_area(&d->container->interior, m->region_lower, m->region_upper));
 }
 
@@ -498,32 +457,34 @@ static double waiting_height(const packing *p, double spacing) {
   return top + spacing;
 }
 
-static void make_waiting(packing *p, double spacing) {
-  const double height = waiting_height(p, spacing);
-  if (p->v.tiles > 0) {
-    make_tiled(p, spacing, height);
+static void make_waiting(packing *p) {
+  const double spacing = p->spec.spacing = 2.1 * p->spec.sizes.upper,
+               height = waiting_height(p, spacing);
+  if (p->spec.tiles > 0) {
+    make_tiled(p, height);
     return;
   }
-  bench b = open_bench(p, (double)p->v.count);
+  bench b = open_bench(p, (double)p->spec.count);
   b.n = b.capacity;
-  sizes_draw(p->sizes, b.rng, b.n, b.radius);
+  sizes_draw(&p->spec.sizes, b.rng, b.n, b.radius);
   close_bench(p, &b);
   place_waiting(p->lower[0], p->upper[0], height, spacing, 0, b.n, b.position);
-  push(p, b.n, b.radius, b.position, true);
+  push(p, b.n, b.radius, b.position);
 }
 
 /* Sets r->batch, the number of disks that the rain drops at once. If the disks are distributed over
  * the ranks, rank 0, which made the first tile, counts them and broadcasts the number. */
-static void count_batch(const packing *p, sd_rain *r, double rows) {
+static void count_batch(packing *p) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
+  sd_rain *r = &p->spec.rain;
   const bool away = m->tiles.away;
   const size_t known = away ? model_tile_begin(&m->tiles, 1) : r->count;
   double *radius = away ? deck_alloc(d, known, sizeof *radius) : NULL;
   if (comm_rank(d->comm) == 0 || !away) {
     for (size_t k = 0; away && k < known; k++) radius[k] = m->mine->disk[k].radius;
     const rain_sizes first = {.model = m, .radius = radius, .first = r->first};
-    for (double row = 0; row < rows && r->batch < known; row++)
+    for (int64_t row = 0; row < p->spec.rows && r->batch < known; row++)
       r->batch += rain_row(&first, r->first + r->batch, r->first + known, r->upper - r->lower);
   }
   if (!away) return;
@@ -536,17 +497,16 @@ static void make_rain(packing *p) {
   deck *d = p->g.d;
   deck_group *g = &p->g;
   sd_model *m = d->model;
+  sd_rain *rain = &p->spec.rain;
   size_t before = d->reported;
-  double largest = p->sizes->upper, rows = (double)p->v.rows, height = 2 * largest * rows;
+  double largest = p->spec.sizes.upper, height = 2 * largest * (double)p->spec.rows;
   deck_default_number(g, "gap", largest);
-  sd_rain rain = {.first = m->n_disks,
-                  .count = (size_t)p->v.count * p->grain.n,
-                  .lower = p->lower[0],
-                  .upper = p->upper[0],
-                  .gap = deck_number(g, "gap"),
-                  .speed = p->v.speed};
-  rain.floor = rain_floor(p);
-  double interval = fall_time(m, height, rain.speed);
+  rain->first = m->n_disks;
+  rain->count = (size_t)p->spec.count * p->grain.n;
+  rain->lower = p->lower[0];
+  rain->upper = p->upper[0];
+  rain->floor = rain_floor(p);
+  double interval = fall_time(m, height, rain->speed);
   if (isnan(interval))
     deck_fail(d, g->node,
               "nothing falls; expected gravity that points down (g > 0), or a speed > 0");
@@ -554,13 +514,13 @@ static void make_rain(packing *p) {
     deck_default_number(g, "interval", interval);
   check_rain(p, height);
   if (d->reported > before) return;
-  rain.interval = (int64_t)fmin(fmax(1, ceil(deck_number(g, "interval") / m->dt)), 1e18);
-  make_waiting(p, 2.1 * largest);
+  rain->interval = (int64_t)fmin(fmax(1, ceil(p->spec.interval / m->dt)), 1e18);
+  make_waiting(p);
   deck_agree_on_errors(d);
   if (d->reported > before || d->wrong) return;
-  count_batch(p, &rain, rows);
+  count_batch(p);
   m->rains = memory_grow(m->rains, m->n_rains + 1, sizeof *m->rains);
-  m->rains[m->n_rains++] = rain;
+  m->rains[m->n_rains++] = *rain;
 }
 
 /* --- a packing -------------------------------------------------------------------------------- */
@@ -573,27 +533,27 @@ static void make_packing(packing *p) {
                                             [SD_PACKING_RAIN] = make_rain};
   deck *d = p->g.d;
   size_t before = d->reported;
-  bool rain = p->v.kind == SD_PACKING_RAIN;
-  p->mean_area = sizes_mean_area(p->sizes);
+  bool rain = p->spec.kind == SD_PACKING_RAIN;
+  const bool lattice = p->spec.kind == SD_PACKING_TRIANGULAR || p->spec.kind == SD_PACKING_SQUARE;
+  p->mean_area = sizes_mean_area(&p->spec.sizes);
   check_room(p, p->upper[0] - p->lower[0], rain ? HUGE_VAL : p->upper[1] - p->lower[1]);
-  double count = p->v.count > 0       ? (double)p->v.count
-                 : p->v.fraction == 0 ? 0
-                                      : rint(p->v.fraction * p->area / p->mean_area);
+  double count = p->spec.count > 0       ? (double)p->spec.count
+                 : p->spec.fraction == 0 ? 0
+                                         : rint(p->spec.fraction * p->area / p->mean_area);
   if (d->reported == before) check_area(p, count, rain ? HUGE_VAL : p->area);
-  if (p->v.fraction > 0 && count < 1)
+  if (p->spec.fraction > 0 && count < 1)
     deck_fail_key(&p->g, "fraction", "less than one disk in a region of area %g", p->area);
   if (d->reported > before) return;
-  const bool away = d->comm && d->whole && p->last && p->v.tiles > 1;
+  const bool away = d->comm && d->whole && p->last && p->spec.tiles > 1;
   if (!away)
-    deck_need(d, p->g.node, p->v.count > 0 ? "count" : "fraction",
+    deck_need(d, p->g.node, p->spec.count > 0 ? "count" : "fraction",
               (double)d->model->n_disks + count, deck_disk_bytes(true), "disks");
-  if (p->v.tiles == 0 || rain) {
-    make[p->v.kind](p);
-    return;
-  }
-  const bool lattice = p->v.kind == SD_PACKING_TRIANGULAR || p->v.kind == SD_PACKING_SQUARE;
-  const double spacing = lattice ? read_spacing(p) : 0;
-  if (d->reported == before) make_tiled(p, spacing, NAN);
+  if (lattice) check_lattice(p);
+  if (d->reported > before) return;
+  if (p->spec.tiles == 0 || rain)
+    make[p->spec.kind](p);
+  else
+    make_tiled(p, NAN);
 }
 
 /* Multiplies the radii of a distribution by `by`, so that they become radii of the circles that
@@ -609,17 +569,17 @@ static void enlarge(deck *d, sizes *s, double by) {
 }
 
 static void read_packing(deck *d, deck_node *node, size_t number, bool last) {
-  packing p = {.number = number, .last = last, .sizes = &p.v.sizes};
+  packing p = {.spec.number = number, .last = last};
   d->model->tiles = (sd_tiles){0};
   if (last) deck_agree_on_errors(d);
   if (!deck_enter(d, node, &deck_packings, &p.g)) return;
   size_t before = d->reported;
-  bool known = deck_fill(&p.g, &p.v);
-  p.material = deck_material(&p.g);
+  bool known = deck_fill(&p.g, &p.spec);
+  p.spec.material = deck_material(&p.g);
   p.group = deck_text_of(&p.g, "group");
   deck_one_of(&p.g, "mass or density > 0");
-  if (known && d->reported == before) deck_finish_sizes(&p.g, p.sizes);
-  if (deck_read_grain(&p.g, &p.grain)) enlarge(d, p.sizes, p.grain.reach);
+  if (known && d->reported == before) deck_finish_sizes(&p.g, &p.spec.sizes);
+  if (deck_read_grain(&p.g, &p.grain)) enlarge(d, &p.spec.sizes, p.grain.reach);
   read_region(&p);
   if (d->reported == before && !isnan(p.area)) make_packing(&p);
   d->disks_missing |= d->reported > before || isnan(p.area);
@@ -703,8 +663,6 @@ void deck_finish_sizes(deck_group *g, sizes *s) {
   }
   if (s->kind == SD_SIZES_GAUSSIAN || s->kind == SD_SIZES_LOGNORMAL) cut_normal(g, s);
   if (d->reported > before) return;
-  s->lower = deck_number(g, "lower");
-  s->upper = deck_number(g, "upper");
   if (s->lower >= s->upper && deck_given(g, "upper"))
     deck_fail_key(g, "upper", "expected more than lower, %g", s->lower);
   else if (s->lower >= s->upper)

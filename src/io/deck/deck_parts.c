@@ -114,7 +114,6 @@ static void add_input(int64_t *sum, const sd_model *m, const sd_disk *d, uint32_
 
 static void add_disk(sd_tiles *t, const sd_model *m, const sd_disk *d, uint32_t number) {
   add_input(&t->inputs, m, d, number);
-  t->least = fmin(t->least, d->radius);
   t->most = fmax(t->most, d->radius);
   for (int c = 0; c < 2; c++) {
     t->lower[c] = fmin(t->lower[c], d->position[c] - d->radius);
@@ -129,10 +128,8 @@ static sd_tiles begin_tiles(const sd_model *m, size_t entry, size_t all) {
                     .count = all,
                     .of_file = true,
                     .entry = entry,
-                    .group = -1,
                     .lower = {HUGE_VAL, HUGE_VAL},
-                    .upper = {-HUGE_VAL, -HUGE_VAL},
-                    .least = HUGE_VAL};
+                    .upper = {-HUGE_VAL, -HUGE_VAL}};
 }
 
 /* Returns true if the deck has no packings, which would add disks after this file, and takes no
@@ -278,7 +275,6 @@ static void share_survey(survey *s) {
   s->numbers = (uint64_t)sums[1];
   const sd_rows *mine = s->d->model->mine;
   t->material = (int)comm_largest(c, mine->n > 0 ? mine->disk[0].material : -1);
-  t->least = -comm_largest(c, -t->least);
   t->most = comm_largest(c, t->most);
   for (int k = 0; k < 2; k++) {
     t->lower[k] = -comm_largest(c, -t->lower[k]);

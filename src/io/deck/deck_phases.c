@@ -165,7 +165,7 @@ static void read_phase(deck_group *g, deck_group *output, sd_phase *phase, bool 
 
 void deck_read_phases(deck *d) {
   sd_model *m = d->model;
-  deck_group top = {d, d->root, &deck_top}, output;
+  deck_group top = {d, d->root, &deck_top, NULL}, output;
   deck_node *list = deck_groups(d, d->root, "phases");
   if (list && list->n > LIMIT_PHASES) {
     deck_fail(d, list, "%zu phases; expected at most %d", list->n, LIMIT_PHASES);

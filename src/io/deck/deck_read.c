@@ -47,7 +47,7 @@ static void check_keys(deck *d, deck_node *node, const deck_table *table) {
 }
 
 bool deck_enter(deck *d, deck_node *node, const deck_table *table, deck_group *g) {
-  *g = (deck_group){d, node, table};
+  *g = (deck_group){d, node, table, NULL};
   if (node->type != DECK_GROUP) {
     deck_fail(d, node, "expected a group { key = value; ... }");
     return false;
@@ -109,7 +109,9 @@ void deck_default_integer(deck_group *g, const char *key, int64_t value) {
 }
 
 void deck_default_number(deck_group *g, const char *key, double value) {
-  if (!deck_get(g, key)) add(g, key, DECK_FLOAT)->value.number = value;
+  if (deck_get(g, key)) return;
+  add(g, key, DECK_FLOAT)->value.number = value;
+  if (g->members) *(double *)((char *)g->members + deck_key_find(g->table, key)->offset) = value;
 }
 
 void deck_default_text(deck_group *g, const char *key, const char *value) {
@@ -366,7 +368,8 @@ const deck_shape *deck_shape_of(deck_group *g, const char *key) {
 static void read_member(deck_group *g, const deck_key *key, void *member) {
   const deck_shape *word;
   const char *name = key->name;
-  if (!deck_get(g, name) && strcmp(key->initial, "-") == 0) return;
+  /* A number that is required and missing becomes NAN; deck_number reports it */
+  if (strcmp(key->initial, "required") != 0 && !find(g, name, &key)) return;
   switch (key->target) {
     case DECK_SETS_NOTHING: break;
     case DECK_SETS_NUMBER: *(double *)member = deck_number(g, name); break;
@@ -389,6 +392,7 @@ static void read_member(deck_group *g, const deck_key *key, void *member) {
 }
 
 bool deck_fill(deck_group *g, void *members) {
+  g->members = members;
   enum { CHOOSERS = 2 };
   const deck_key *chooser[CHOOSERS];
   const deck_shape *kind[CHOOSERS];

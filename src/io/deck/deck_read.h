@@ -17,6 +17,7 @@ typedef struct deck_group {
   deck *d;
   deck_node *node;
   const deck_table *table;
+  void *members; /* Struct that deck_fill has filled; NULL before */
 } deck_group;
 
 /* Reports an error about a key of the group; the key may be missing, as in deck_fail_child. */
@@ -55,7 +56,8 @@ int deck_choice(deck_group *g, const char *key);
 bool deck_pair(deck_group *g, const char *key, double pair[2]);
 
 /* The functions deck_default_* add a key that was left out, with a default that depends on other
- * keys. They do nothing if the key is there. */
+ * keys. They do nothing if the key is there. After deck_fill, deck_default_number also sets the
+ * member of the key. */
 void deck_default_bool(deck_group *g, const char *key, bool value);
 void deck_default_integer(deck_group *g, const char *key, int64_t value);
 void deck_default_number(deck_group *g, const char *key, double value);
@@ -79,7 +81,8 @@ bool deck_reads(const deck_key *chooser, const deck_shape *kind, const char *key
 const char *deck_one_of(deck_group *g, const char *expected);
 /* Reads all keys of the group that set a member of the struct `members`. Keys that select a kind
  * are read first; of the keys that kinds list, only those of the selected kind are read. The caller
- * must add defaults that depend on other keys before. Returns false if a kind is missing or wrong
+ * must add defaults that depend on other keys before, except numbers. A key that is left out and
+ * has no default leaves its member unchanged. Returns false if a kind is missing or wrong
  * (reported). */
 bool deck_fill(deck_group *g, void *members);
 
@@ -101,9 +104,6 @@ extern const deck_table deck_materials, deck_pairs, deck_container, deck_disks, 
     deck_walls, deck_motions, deck_sweeps, deck_sweep_parameters;
 extern const deck_table *const deck_tables[];
 extern const size_t deck_table_count;
-
-enum { DECK_MOTION_FIXED = SD_MOTION_KINDS };
-extern const deck_shape deck_motion_kinds[];
 
 const char *deck_kind_text(deck_kind kind);
 /* Returns true if the list contains the word; a list looks like "points* pivot" or

@@ -354,10 +354,8 @@ void deck_read_container(deck *d);
 void deck_container_bodies(deck *d);
 /* Makes the packings; call after all other disks and walls are there */
 void deck_read_packings(deck *d);
-/* Appends a disk with copies of its name and group, which may be NULL (disk->name and
- * disk->group are not read). */
-void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group,
-                    deck_place place);
+/* Appends a disk with a copy of its name, which may be NULL (disk->name is not read). */
+void deck_push_disk(deck *d, const sd_disk *disk, const char *name, deck_place place);
 /* Returns the number of the group with this name, which is added if it is new; -1 for NULL. */
 int deck_group_number(deck *d, const char *name);
 /* Notes that disks of this group are stored on other ranks only (`away` in model/rows.h). Does

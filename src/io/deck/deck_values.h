@@ -1,11 +1,10 @@
-/* deck_values.h: values of the keys of a container and of a packing, before bodies are made from
- * them. */
+/* deck_values.h: values of the keys of a container, and shapes of the grains of a packing, before
+ * bodies are made from them. */
 #ifndef SLIPDISK_IO_DECK_VALUES_H
 #define SLIPDISK_IO_DECK_VALUES_H
 
 #include "io/deck/deck_read.h"
-#include "pack/place.h"
-#include "pack/sizes.h"
+#include "pack/tiles.h"
 
 struct deck_group;
 
@@ -16,18 +15,6 @@ typedef struct deck_container_values {
   int material;
   place_interior interior;
 } deck_container_values;
-
-typedef struct deck_packing_values {
-  sd_packing_kind kind;
-  int64_t count;   /* Number of disks to make; 0: not given */
-  double fraction; /* Packing fraction to reach; 0: not given */
-  double jitter;
-  int64_t tiles; /* Number of tiles, slabs in which the packing is made; 0: not given */
-  int64_t rows;
-  double speed;
-  double mass, density; /* Mass of a grain, and mass per area of its disks; one of them is 0 */
-  sizes sizes;
-} deck_packing_values;
 
 /* --- radii of a packing ----------------------------------------------------------------------- */
 
@@ -54,6 +41,6 @@ bool deck_read_grain(struct deck_group *packing, deck_grain *grain);
 /* Adds a clump, turned by `angle` (rad) and scaled by `radius`, whose centre of mass is at the
  * position of the disk `like`; like->mass is the mass of the whole clump. */
 void deck_push_grain(deck *d, const deck_grain *grain, const sd_disk *like, double radius,
-                     double angle, const char *group, deck_place place);
+                     double angle, deck_place place);
 
 #endif
