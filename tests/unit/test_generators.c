@@ -542,6 +542,14 @@ static void test_tiles(void **state) {
     check_clear(&m, m.tiles.lower, m.tiles.upper, MOST, radius, position);
     const sd_disk disk = packing_disk(&spec, 2, position[0]);
     near_to(disk.mass, 8 * M_PI, 1e-12, "mass");
+    sd_model *finished = sd_model_new();
+    sd_model_add_material(finished, "grain", &(sd_contact_law){.k_n = 1e4});
+    sd_model_add_disk(finished, &disk);
+    sd_model_set(finished, "dt", 1e-4);
+    sd_model_add_phase(finished, &(sd_phase){.steps = 1});
+    assert_int_equal(sd_model_finish(finished, NULL), SD_OK);
+    near_to(finished->disks[0].inertia, 16 * M_PI, 1e-12, "moment of inertia");
+    sd_model_free(finished);
   }
 }
 
