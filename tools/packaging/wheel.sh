@@ -37,8 +37,8 @@ PATH="$PWD/$tools/bin:$PATH" auditwheel repair "$work"/*.whl -w "$work/repaired"
 folder=$(echo "$work"/whole/*)
 info=$(echo "$folder"/*.dist-info)
 for library in "$folder"/slipdisk.libs/*; do
-  name=$(basename "$library"); name=${name%%-????????.so*}
-  package=$(dpkg-query -S "*/$name.so*" "*/$name-*.so*" 2>/dev/null | grep -v -- '-dev' | head -n 1 | cut -d : -f 1 || true)
+  name=$(basename "$library" | sed -E 's/-[0-9a-f]{8}\././') # auditwheel puts a checksum into the name
+  package=$(dpkg-query -S "*/$name" 2>/dev/null | head -n 1 | cut -d : -f 1 || true)
   if [ -z "$package" ] || ! cp "/usr/share/doc/$package/copyright" "$info/licenses/$name.txt"; then
     echo "no licence found of $name" >&2; exit 1
   fi
