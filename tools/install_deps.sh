@@ -22,7 +22,8 @@ for option in "$@"; do
     --tests)
       tests=yes
       packages+=(git binutils libcmocka-dev librandom123-dev clang clang-format-14 clang-tidy-14
-                 python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools parallel
+                 python3 python3-h5py python3-numpy python3-matplotlib python3-pandas python3-xarray python3-tqdm
+                 python3-nbconvert python3-ipykernel hdf5-tools parallel
                  ccache gcovr
                  chromium chromium-driver python3-selenium ffmpeg python3-mdanalysis python3-vtk9 python3-ase lammps
                  poppler-utils mandoc mmdebstrap "${site[@]}" "${deb[@]}") ;;

@@ -10,7 +10,7 @@ from .process import call
 
 DELAY = 1.0  # s: shorter calls show no progress
 LARGEST_PAGE = 64e6  # bytes of a page that a notebook takes
-ROWS, WIDTH = 20, 12  # rows and columns of a table that are shown
+ROWS, WIDTH = 20, 10  # rows and columns of a table that are shown
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------
@@ -36,7 +36,7 @@ def array_html(array, rows=ROWS, width=WIDTH):
     shown = table_html(names, [[row[name].item() if array.dtype[name].shape == () else row[name].tolist() for name in names]
                                for row in array[:rows]], [k for k, name in enumerate(names) if array.dtype[name].kind in "iuf"])
     more = [f"{len(array)} rows"] * (len(array) > rows) + [f"{len(array.dtype.names)} columns"] * (len(array.dtype.names) > width)
-    return shown + (f"<p>of {', '.join(more)}</p>" if more else "")
+    return shown + (f"<p>the first of {', '.join(more)}</p>" if more else "")
 
 
 class Shown:
