@@ -15,8 +15,9 @@ from .result import Result
 from .simulation import Simulation
 from .sweep import Sweep
 
-__all__ = ["Error", "FileError", "Interrupted", "MissingPackage", "NumericError", "Record", "Result", "Simulation", "Sweep",
-           "UnknownName", "UserError", "Warning", "deck_text", "info", "mean", "run", "sweep", "version"]
+__all__ = ["Error", "FileError", "Interrupted", "MissingPackage", "NumericError", "Record", "Result", "Simulation", "Sweep", "UnknownName",
+           "UserError",
+           "Warning", "deck_text", "info", "mean", "run", "sweep", "version"]
 
 
 def __getattr__(name):
