@@ -16,6 +16,7 @@ packages=(gcc libc6-dev make cmake ninja-build pkg-config
           libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libmicrohttpd-dev zlib1g-dev)
 site=(python3-sphinx python3-myst-parser python3-breathe doxygen furo python3-sphinx-copybutton libjs-katex fonts-katex
       node-normalize.css python3-numpy python3-h5py python3-matplotlib)
+notebooks=(python3-pandas python3-xarray python3-tqdm python3-nbconvert python3-ipykernel)
 deb=(dpkg-dev fakeroot lintian)
 plot=(python3 python3-numpy python3-h5py python3-matplotlib ffmpeg)
 tests=no
@@ -23,6 +24,7 @@ for option in "$@"; do
   case "$option" in
     --tests)
       tests=yes
+      packages+=("${notebooks[@]}")
       packages+=(git binutils libcmocka-dev librandom123-dev clang clang-format-14 clang-tidy-14
                  python3-venv hdf5-tools parallel
                  ccache gcovr

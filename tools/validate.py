@@ -187,7 +187,7 @@ def steady(r):
             d = r.run(f"steady_{tilt_}_{s1}_{s2}", "three_disk/steady.cfg", **{
                 "gravity.tilt": f"{tilt_} pi", "motions.left.velocity": -s1, "motions.right.velocity": -s2})
             result = slipdisk.Result(d["path"])
-            torque, force = result.state["torque"][0], result.contacts.all("force")[-2:]
+            torque, force = result.state["torque"][0], result.contacts["force"][-2:]
             aim, e = tep(tilt_ * PI, s1, s2), d["energy"]
             rows.append([f"{tilt_} pi", f"S{'+-'[s1 < 0]}{'+-'[s2 < 0]}", f"{torque:.6f}", f"{aim:.6f}",
                          f"{100 * (torque / aim - 1):+.2f} %", " ".join(f"{x:.5f}" for x in force),

@@ -79,7 +79,7 @@ class Building(unittest.TestCase):
         by_dict, by_deck = slipdisk.Simulation(DICT), ratchet()
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "full.cfg")
-            path.write_text(by_deck.deck)
+            path.write_text(by_deck.deck_full)
             again = slipdisk.Simulation(path)
         for simulation in (by_dict, by_deck, again):
             simulation.advance(3000)

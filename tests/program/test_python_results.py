@@ -68,7 +68,7 @@ class Results(Folder):
                 np.testing.assert_array_equal(r.contacts[k]["tau"], file["contacts/tau"][first[k]:first[k] + count[k]])
             np.testing.assert_array_equal(r.disks["radius"], file["particles/disks/radius"][:])
             np.testing.assert_allclose(np.c_[r.disks["x"], r.disks["y"]], r.frames[-1]["position"], rtol=0, atol=1e-12)
-            self.assertIn("# full deck", r.deck)
+            self.assertIn("# full deck", r.deck_full)
             self.assertIn("eps_b" if "eps_b" in r.deck_text else "three disks", r.deck_text)
         info = slipdisk.info(self.path)
         self.assertEqual(r.rotation["omega"][0], info["rotation"][0]["omega"])
@@ -111,19 +111,19 @@ class Results(Folder):
         self.assertFalse(halted.finished)
         self.assertGreater(len(halted._parts), 3)
         kept = {name: halted.series[name] for name in halted.series}
-        frames, contacts, last = halted.frames["position"], halted.contacts.all("force"), halted.frames[-1]["position"]
+        frames, contacts, last = halted.frames["position"], halted.contacts["force"], halted.frames[-1]["position"]
         np.testing.assert_array_equal(frames[-1], last)
         np.testing.assert_array_equal(halted.contacts[3]["force"], contacts[6:8])
         self.assertEqual(halted.names, ["upper", "left", "right"])
         self.assertEqual(halted.disks["radius"].tolist(), [1, 1, 1])
         steps = halted.step + 10_000
         deck = self.folder / "again.cfg"
-        deck.write_text(halted.deck)
+        deck.write_text(halted.deck_full)
         whole = slipdisk.run(deck, self.folder / "whole.h5", {"phases.measure.steps": steps - 2000, "checkpoint": 60})
         for name, column in kept.items():
             np.testing.assert_array_equal(whole.series[name][:len(column)], column, name)
         np.testing.assert_array_equal(whole.frames["position"][:len(frames)], frames)
-        np.testing.assert_array_equal(whole.contacts.all("force")[:len(contacts)], contacts)
+        np.testing.assert_array_equal(whole.contacts["force"][:len(contacts)], contacts)
 
     def test_packing(self):
         """A dict is written beside the result; means of every disk, walls, totals."""

@@ -2,12 +2,10 @@
 
     SLIPDISK_SCREENSHOTS=FOLDER python3 tests/program/test_viewer.py    keeps pictures of the pages
 77: Chromium, its driver, selenium or PIL is missing (tools/install_deps.sh --tests)."""
-import importlib.util
 import io
 import os
 import pathlib
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -16,6 +14,7 @@ import unittest
 
 import h5py
 import numpy
+from chromium import browser, missing
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
@@ -47,24 +46,6 @@ disks = ( {disks} );
 walls = ( {{ name = "floor"; type = "line"; points = ( (-1, 0), (1, 0) ); }} );
 phases = ( {{ name = "go"; time = 1; }} );
 """
-
-
-def missing():
-    names = [name for name in ("selenium", "PIL") if importlib.util.find_spec(name) is None]
-    return names + [name for name in ("chromium", "chromedriver") if shutil.which(name) is None]
-
-
-def browser():
-    """Chromium that reaches no network, and tells what pages ask for."""
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-    options = webdriver.ChromeOptions()
-    options.binary_location = shutil.which("chromium")
-    for word in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
-                 "--proxy-server=127.0.0.1:9", "--disable-dev-shm-usage"):
-        options.add_argument(word)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    return webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
 
 
 def slipdisk(*arguments):
@@ -440,7 +421,7 @@ class Viewer(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    absent = missing()
+    absent = missing("PIL")
     if absent:
         print("the viewer is not tested, these are missing (tools/install_deps.sh --tests):", ", ".join(absent))
         sys.exit(77)

@@ -6,16 +6,16 @@ Result       what a run has found, finished or not
 Sweep        tables and points of a sweep
 mean         mean of a correlated record, with its error
 plot, film   pictures and films, docs/plots.md
-Error        what all errors derive from: UserError, NumericError, FileError, Interrupted
+Error        what all errors derive from: UserError, NumericError, FileError, Interrupted, MissingPackage
 """
 from .deck import deck_text
-from .library import (Error, FileError, Interrupted, NumericError, Record, UnknownName, UserError, Warning, mean)
+from .library import (Error, FileError, Interrupted, MissingPackage, NumericError, Record, UnknownName, UserError, Warning, mean)
 from .program import info, run, sweep
 from .result import Result
 from .simulation import Simulation
 from .sweep import Sweep
 
-__all__ = ["Error", "FileError", "Interrupted", "NumericError", "Record", "Result", "Simulation", "Sweep", "UnknownName",
+__all__ = ["Error", "FileError", "Interrupted", "MissingPackage", "NumericError", "Record", "Result", "Simulation", "Sweep", "UnknownName",
            "UserError",
            "Warning", "__version__", "deck_text", "info", "inputs", "mean", "run", "sweep", "version"]
 

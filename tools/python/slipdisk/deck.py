@@ -1,10 +1,11 @@
-"""Decks from dicts and arrays: the text that slipdisk reads (docs/deck.md)."""
+"""Decks: their text from dicts and arrays (docs/deck.md), and the values of a complete deck as nested dicts."""
+import math
 import re
 import tempfile
 
 import numpy as np
 
-from .library import UserError, unknown
+from .library import Record, UserError, unknown
 
 # Keys of `disks` that an array can give: a value per disk. Others hold for all.
 COLUMNS = ("x", "y", "theta", "vx", "vy", "omega", "radius", "mass", "density", "inertia", "fixed", "name", "material", "group")
@@ -114,3 +115,115 @@ def deck_text(deck):
     """The text of a deck from a dict with its structure: dicts are groups, lists and tuples lists, texts texts (also
     angles: "0.04 pi"). `materials`, `disks`, `walls`, `motions`, `fields` and `phases` may be dicts of groups by name."""
     return members(deck)
+
+
+# --- complete decks as Python values ----------------------------------------------------------------------------------
+# Keys whose texts stay texts even if they look like numbers: names, words of the user, files.
+TEXTS = {"title", "name", "file", "dataset", "material", "materials", "group", "disk", "wall", "clump", "partners", "columns", "path",
+         "zip", "observable", "collect", "motions", "fields", "rotation", "measure.contacts"}
+TOKEN = re.compile(r"""\s+ | [#][^\n]*
+                       | "(?P<text>(?:[^"\\]|\\.)*)"(?:\ /[*]\ (?P<value>\S+)\ [*]/)?
+                       | (?P<number>[-+]?[.\d][-+.\w]*) | (?P<word>[A-Za-z*][-\w*]*) | (?P<mark>[{}(),;=])""", re.X | re.S)
+ESCAPED = re.compile(r"\\(x[0-9A-Fa-f]{2}|.)", re.S)
+LETTERS = {"n": "\n", "t": "\t", "r": "\r", "f": "\f"}
+NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+ARITHMETIC = re.compile(rf"(?:\s|[-+*/^]|{NUMBER}|\b(?:pi|deg|rad)\b)+")
+UNITS = {"pi": math.pi, "deg": math.pi / 180, "rad": 1.0}
+
+
+class Groups(tuple):
+    """A list of groups of a deck: deck["phases"][1], or by name deck["phases"]["measure"]."""
+
+    def __getitem__(self, which):
+        if not isinstance(which, str):
+            return super().__getitem__(which)
+        names = [group.get("name") for group in self]
+        if which not in names:
+            raise unknown(which, list(filter(None, names)), "the groups of this list")
+        return super().__getitem__(names.index(which))
+
+    def _ipython_key_completions_(self):
+        return [group.name for group in self if "name" in group]
+
+    def __repr__(self):
+        return value_text(self, "deck").replace("}, {", "},\n {")
+
+
+class Group(Record):
+    """A group of a deck: a dict whose items are attributes."""
+
+    def __repr__(self):
+        return value_text(self, "deck")
+
+
+class Deck(Group):
+    """A complete deck: a dict whose items are attributes. Groups are dicts (Group), lists are tuples, those of groups also by name
+    (Groups); numbers that the deck writes as text ("0.04 pi") are numbers. Simulation and run take it as a deck."""
+
+    def __repr__(self):
+        return deck_text(self).rstrip("\n")
+
+
+def number(text):
+    """A number of a deck; also "0.04 pi", "1/3 pi", "20 deg". ValueError: the text is none."""
+    if not ARITHMETIC.fullmatch(text):
+        raise ValueError(text)
+    real = re.sub(NUMBER, lambda m: repr(float(m[0])), text)
+    real = re.sub(r"(?<=[\d.])\s*(?=pi|deg|rad)", "*", real).replace("^", "**")
+    try:
+        return eval(real.strip(), {"__builtins__": {}}, UNITS)  # digits, operators and units only
+    except SyntaxError:
+        raise ValueError(text) from None
+
+
+def deck_values(text):
+    """A complete deck (`deck_full` of a result or simulation) as a Deck."""
+    tokens, at = [], 0
+    while at < len(text):
+        found = TOKEN.match(text, at)
+        if not found:
+            raise UserError(f"deck:{text.count(chr(10), 0, at) + 1}: {text[at:at + 20]!r}: expected a deck that slipdisk has written")
+        at = found.end()
+        if found.lastgroup:
+            tokens.append(found)
+    tokens.reverse()
+
+    def value(path, key):
+        token = tokens.pop()
+        if token["mark"] == "{":
+            return group(key)
+        if token["mark"] == "(":
+            items = []
+            while tokens[-1]["mark"] != ")":
+                items.append(value(path, key))
+                if tokens[-1]["mark"] == ",":
+                    tokens.pop()
+            tokens.pop()
+            return (Groups if items and all(isinstance(item, Group) for item in items) else tuple)(items)
+        if token["word"]:
+            return token["word"] == "true"
+        if token["number"]:
+            digits = token["number"].rstrip("L")
+            return int(digits) if re.fullmatch(r"[-+]?\d+", digits) else float(digits)
+        if token["value"]:  # arithmetic: the full deck has its value behind it
+            return float(token["value"])
+        said = ESCAPED.sub(lambda m: chr(int(m[1][1:], 16)) if m[1][0] == "x" and m[1] != "x" else LETTERS.get(m[1], m[1]), token["text"])
+        if key in TEXTS or f"{path}.{key}" in TEXTS:
+            return said
+        try:
+            return number(said)
+        except ValueError:
+            return said
+
+    def group(path):
+        found = Group() if path else Deck()
+        while tokens and tokens[-1]["mark"] != "}":
+            key = tokens.pop()["word"]
+            tokens.pop()  # =
+            found[key] = value(path, key)
+            tokens.pop()  # ;
+        if tokens:
+            tokens.pop()
+        return found
+
+    return group("")

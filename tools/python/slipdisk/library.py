@@ -64,6 +64,11 @@ class Interrupted(Error):
     status = INTERRUPTED
 
 
+class MissingPackage(Error, ImportError):
+    """A call needs a Python package that is not installed; the message says how to install it."""
+    __module__ = "slipdisk"
+
+
 class Warning(UserWarning):  # noqa: A001  slipdisk.Warning
     """What the library or the program warns of."""
 

@@ -353,7 +353,7 @@ def pairs_of(source):
     """{(a, b, part): rows} of the stored contact tables of few disks, and the time of each row."""
     contacts = source.result.contacts
     t = np.repeat(contacts.time, contacts.count)
-    keys = np.stack([contacts.all(name) for name in ("a", "b", "part")], axis=1)
+    keys = np.stack([contacts[name] for name in ("a", "b", "part")], axis=1)
     found = {}
     for key in np.unique(keys, axis=0):
         found[tuple(int(k) for k in key)] = np.flatnonzero((keys == key).all(1))
@@ -364,7 +364,7 @@ def contact_forces(result, ax=None, *, time=None, most=3):
     """Normal and tangential force of each contact that was stored (of the `most` that were closed longest)."""
     source, ax = Source.of(result), axes_of(ax)
     found, t = pairs_of(source)
-    force, tau = source.result.contacts.all("force"), source.result.contacts.all("tau")
+    force, tau = source.result.contacts["force"], source.result.contacts["tau"]
     moments = source.result.contacts.time
     for k, ((a, b, _), rows) in enumerate(sorted(found.items(), key=lambda item: -len(item[1]))[:most]):
         pair = f"{source.body_names[a]}–{source.body_names[b]}"
@@ -384,7 +384,7 @@ def contact_loop(result, ax=None, *, time=None, most=3):
     """Tangential force against tangential displacement of each contact: loops are the energy lost."""
     source, ax = Source.of(result), axes_of(ax)
     found, t = pairs_of(source)
-    zeta, tau = source.result.contacts.all("zeta"), source.result.contacts.all("tau")
+    zeta, tau = source.result.contacts["zeta"], source.result.contacts["tau"]
     for k, ((a, b, _), rows) in enumerate(sorted(found.items(), key=lambda item: -len(item[1]))[:most]):
         rows = rows[within(t[rows], time)]
         ax.plot(zeta[rows], tau[rows], color=style.colour(k), lw=0.6, marker=".", ms=1.5,

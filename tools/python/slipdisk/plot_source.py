@@ -2,7 +2,6 @@
 import functools
 import io
 import os
-import re
 import tempfile
 
 import h5py
@@ -68,15 +67,14 @@ class Source:
 
     @functools.cached_property
     def title(self):
-        found = re.search(r'^title = "((?:[^"\\]|\\.)*)"', self.result.deck, re.M)
-        return style.plain(found[1], 120) if found else ""
+        return style.plain(self.result.deck.get("title", ""), 120)
 
     @functools.cached_property
     def gravity(self):
         if self._whole:
             return np.asarray(self.result.rows("parameters/model/gravity"), float)
-        found = re.search(r'^gravity = { g = "?([-+.e0-9]+)[^;]*; tilt = "?([-+.e0-9]+) ?(pi|deg)?', self.result.deck, re.M)
-        g, tilt = (float(found[1]), float(found[2]) * {"pi": np.pi, "deg": np.pi / 180}.get(found[3], 1.0)) if found else (0.0, 0.0)
+        gravity = self.result.deck.get("gravity", {})
+        g, tilt = gravity.get("g", 0.0), gravity.get("tilt", 0.0)
         return -g * np.array([np.sin(tilt), np.cos(tilt)])
 
     @functools.cached_property

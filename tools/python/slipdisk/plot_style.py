@@ -1,5 +1,6 @@
 """The look of pictures: colours, labels with units, one way to write a file."""
 import contextlib
+import io
 import os
 
 import matplotlib
@@ -114,8 +115,17 @@ def limit_log(ax, values, decades=10):
     ax.set_ylim(max(values.min() * 0.5, top * 10.0 ** -decades), top * 3)
 
 
+class Picture(Figure):
+    """A figure that a notebook shows, also without pyplot."""
+
+    def _repr_png_(self):
+        data = io.BytesIO()
+        self.savefig(data, format="png", dpi=100)
+        return data.getvalue()
+
+
 def figure(width, height):
-    return Figure(figsize=(width, height), layout="constrained")
+    return Picture(figsize=(width, height), layout="constrained")
 
 
 @contextlib.contextmanager

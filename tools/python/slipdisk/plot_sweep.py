@@ -91,7 +91,7 @@ def theory(sweep):
     def row(path):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", lib.Warning)
-            return theory_row(Result(path).deck)
+            return theory_row(Result(path).deck_full)
     sets = list(decks)
     if not sets or row(decks[sets[0]]) is None:
         return {}

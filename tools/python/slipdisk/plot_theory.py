@@ -28,6 +28,6 @@ def theory_row(deck):
 def theory_of(source):
     """The same of a result, once; None where there is no periodic solution."""
     if not hasattr(source, "_theory"):
-        source._theory = theory_row(source.result.deck) if len(source.radius) <= 100 else None
+        source._theory = theory_row(source.result.deck_full) if len(source.radius) <= 100 else None
     found = source._theory
     return found if found and "mean" in found and np.isfinite(found["mean"]) else None

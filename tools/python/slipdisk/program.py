@@ -1,10 +1,12 @@
 """Runs and sweeps by the program: they write results and checkpoints, and can be stopped and continued."""
 import json
 import os
-import subprocess
+import re
+import tempfile
 
-from . import library as lib
 from .deck import deck_text, value_text
+from .notebook import Progress
+from .process import call
 from .result import Result
 from .sweep import Sweep
 
@@ -15,17 +17,6 @@ def override_words(overrides):
     for path, value in (overrides or {}).items():
         words += ["-D", f"{path}={value if isinstance(value, str) else value_text(value, path)}"]
     return words
-
-
-def call(*words, program=None, ok=(lib.OK,)):
-    """Calls the program: (exit status, standard output). Raises its messages as an error; those of a run in doubt are
-    warnings."""
-    done = subprocess.run([program or lib.program(), *map(str, words)], capture_output=True, text=True, check=False)
-    said = lib.lines(done.stderr)
-    if done.returncode not in (*ok, lib.DOUBTFUL):
-        raise lib.error(said or [f"{' '.join(map(str, words))}: status {done.returncode}"], done.returncode)
-    lib.warn([line.removeprefix("warning: ") for line in said], 3)
-    return done.returncode, done.stdout
 
 
 def deck_path(deck, beside):
@@ -39,21 +30,45 @@ def deck_path(deck, beside):
     return path
 
 
-def run(deck, output, overrides=None, *, force=False, threads=None, program=None):
+def logged(path):
+    """(steps that are done, steps of all) by the log of a run; (0, 0) while it has none."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            found = re.findall(r"step (\d+)(?:/| of (?:about|at most) )(\d+)", file.read())
+    except OSError:
+        found = []
+    return tuple(map(int, found[-1])) if found else (0, 0)
+
+
+def run(deck, output, overrides=None, *, force=False, threads=None, program=None, progress=None):
     """`slipdisk run`: runs a deck (a path, or a dict, which is written beside the result as NAME.cfg) into the file
-    `output`, or continues it, and returns the Result. A finished result is refused unless `force` is given."""
+    `output`, or continues it, and returns the Result. A finished result is refused unless `force` is given.
+
+    progress   True, False, or None: shown in notebooks and on terminals, for runs of more than a second"""
     output = os.fspath(output)
     words = ["run", deck_path(deck, output.removesuffix(".h5")), "-o", output, "--quiet", *override_words(overrides)]
     words += ["--threads", threads] if threads is not None else []
-    call(*words, *(["--force"] if force else []), program=program)
+    words += ["--force"] if force else []
+    with Progress(os.path.basename(output), "step", progress) as shown, tempfile.TemporaryDirectory(prefix="slipdisk-") as folder:
+        log = os.path.join(folder, "log")
+        words += ["--log", log] if shown.wanted else []
+        call(*words, program=program, poll=(lambda: shown.at(*logged(log))) if shown.wanted else None)
     return Result(output)
 
 
-def sweep(deck, folder, overrides=None, *, jobs=1, program=None):
-    """`slipdisk sweep`: runs all points that are not done, `jobs` at a time, and returns the Sweep."""
+def sweep(deck, folder, overrides=None, *, jobs=1, program=None, progress=None):
+    """`slipdisk sweep`: runs all points that are not done, `jobs` at a time, and returns the Sweep. `progress`: as of `run`, in
+    points."""
     folder = os.fspath(folder)
-    path = deck_path(deck, folder.removesuffix(".sweep"))
-    call("sweep", path, "-o", folder, "-j", jobs, "--quiet", *override_words(overrides), program=program)
+    words = ["sweep", deck_path(deck, folder.removesuffix(".sweep")), *override_words(overrides)]
+    points = os.path.join(folder, "points")
+
+    def done():
+        return sum(name.endswith(".h5") for name in os.listdir(points)) if os.path.isdir(points) else 0
+
+    with Progress(os.path.basename(folder), "point", progress) as shown:
+        total = int(call(*words, "--count", program=program)[1]) if shown.wanted else 0
+        call(*words, "-o", folder, "-j", jobs, "--quiet", program=program, poll=(lambda: shown.at(done(), total)) if shown.wanted else None)
     return Sweep(folder)
 
 

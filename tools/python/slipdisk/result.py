@@ -1,5 +1,4 @@
 """Results of runs, finished or not; docs/results.md says what is in the files."""
-import collections.abc
 import contextlib
 import os
 import re
@@ -7,8 +6,12 @@ import re
 import h5py
 import numpy as np
 
+from .deck import deck_values
 from .library import FileError, Record, unknown
+from .notebook import Shown, array_html, table_html, view
 from .sealed import Verified
+from .stored import Columns, Contacts, Frames
+from .tables import indexed, structured
 
 FIRST = ("name", "disk", "partner")  # columns of tables that come first
 
@@ -35,170 +38,11 @@ def text_lines(item):
     return plain(item[()]).removesuffix("\n").split("\n")
 
 
-def structured(columns):
-    """{name: array} as one structured array."""
-    rows = len(next(iter(columns.values()))) if columns else 0
-    table = np.empty(rows, [(name, column.dtype, column.shape[1:]) for name, column in columns.items()])
-    for name, column in columns.items():
-        table[name] = column
-    return table
-
-
-def to_pandas(columns):
-    """A pandas.DataFrame of {name: array}; of arrays with rows of several values a column each."""
-    import pandas
-    flat = {}
-    for name, column in columns.items():
-        if column.ndim == 1:
-            flat[name] = column
-        else:
-            flat.update((f"{name}[{k}]", part) for k, part in enumerate(column.reshape(len(column), -1).T))
-    return pandas.DataFrame(flat)
-
-
-class Columns(collections.abc.Mapping):
-    """Arrays by name, read when asked for; `unit` and `meaning` of each, and all together as a structured `array()` or
-    as `pandas()`."""
-
-    def __init__(self, result, where, paths):
-        self._result, self._where, self._paths = result, where, paths
-
-    def _path(self, name):
-        if name not in self._paths:
-            raise unknown(name, list(self._paths), f"{self._where} of {self._result.path}")
-        return self._paths[name]
-
-    def __getitem__(self, name):
-        return self._result.rows(self._path(name))
-
-    def __iter__(self):
-        return iter(self._paths)
-
-    def __len__(self):
-        return len(self._paths)
-
-    def unit(self, name):
-        """Unit of a column, in terms of length, mass, time."""
-        return self._result.attribute(self._path(name), "unit")
-
-    def meaning(self, name):
-        """Meaning of a column, in a few words."""
-        return self._result.attribute(self._path(name), "description")
-
-    def array(self, *names):
-        """The columns of these names, or all, as a structured array."""
-        return structured({name: self[name] for name in names or self})
-
-    def pandas(self, *names):
-        """The columns of these names, or all, as a pandas.DataFrame."""
-        return to_pandas({name: self[name] for name in names or self})
-
-    def __repr__(self):
-        return "\n".join(f"{name:<24}{self.unit(name):<16}{self.meaning(name)}" for name in self)
-
-
-class Frames(collections.abc.Sequence):
-    """Stored frames: frames[k]["position"] is [disk][2] of frame k, frames["position"] is [frame][disk][2] of all;
-    `time`, `step`, `box` and `box_offset` of each."""
-
-    def __init__(self, result, group):
-        self._result, self._group = result, group
-        self._names = result.groups(group)
-
-    def __len__(self):
-        return len(self.step) if self._names else 0
-
-    def _path(self, name):
-        if name not in self._names:
-            raise unknown(name, self._names, f"frames of {self._result.path}")
-        return f"{self._group}/{name}/value"
-
-    def __getitem__(self, which):
-        if isinstance(which, str):
-            return self._result.rows(self._path(which))
-        if isinstance(which, slice):
-            return [self[k] for k in range(*which.indices(len(self)))]
-        k = which + len(self) if which < 0 else which
-        if not 0 <= k < len(self):
-            raise IndexError(f"frame {which} of {len(self)}")
-        return Record((name, self._result.rows(self._path(name), k, k + 1)[0]) for name in self._names)
-
-    @property
-    def step(self):
-        """Step of each frame."""
-        return self._result.rows(f"{self._group}/{self._names[0]}/step") if self._names else np.empty(0, "i8")
-
-    @property
-    def time(self):
-        """Time of each frame."""
-        return self._result.rows(f"{self._group}/{self._names[0]}/time") if self._names else np.empty(0)
-
-
-    def _edges(self):
-        """[frame][2][2]: edge vectors of the box, in rows."""
-        framed = "edges" in self._result.groups(f"{self._group}/box")
-        edges = np.asarray(self._result.rows(f"{self._group}/box/edges" + ("/value" if framed else "")), float)
-        if not framed:
-            edges = np.repeat(edges[np.newaxis], len(self), axis=0)
-        return edges if edges.ndim == 3 else edges[:, :, np.newaxis] * np.eye(2)
-
-    @property
-    def box(self):
-        """Lengths of the periodic box in each frame, [frame][2]; 0 where it is open."""
-        return self._edges().diagonal(axis1=1, axis2=2)
-
-    @property
-    def box_offset(self):
-        """By how much a row of periodic images is shifted along x against the one below, in each frame."""
-        return self._edges()[:, 1, 0]
-
-
-class Contacts(collections.abc.Sequence):
-    """Stored contact tables: contacts[k] is a structured array of moment k; `time`, `step` and `count` of each."""
-
-    def __init__(self, result):
-        self._result = result
-        self._names = [name for name in result.datasets("contacts") if name not in ("step", "time", "first", "count")]
-        self._first = None
-
-    def __len__(self):
-        return len(self.step)
-
-    def __getitem__(self, which):
-        if isinstance(which, slice):
-            return [self[k] for k in range(*which.indices(len(self)))]
-        if self._first is None:
-            self._first = np.concatenate([[0], np.cumsum(self.count)])
-        k = which + len(self) if which < 0 else which
-        if not 0 <= k < len(self):
-            raise IndexError(f"contacts of moment {which} of {len(self)}")
-        return structured({name: self._result.rows(f"contacts/{name}", self._first[k], self._first[k + 1]) for name in self._names})
-
-    def all(self, name):
-        """A column over all moments, one after the other."""
-        return self._result.rows(f"contacts/{name}")
-
-    @property
-    def step(self):
-        """Step of each table."""
-        return self._result.rows("contacts/step") if self._names else np.empty(0, "i8")
-
-    @property
-    def time(self):
-        """Time of each table."""
-        return self._result.rows("contacts/time") if self._names else np.empty(0)
-
-    @property
-    def count(self):
-        """Number of contacts in each table."""
-        return self._result.rows("contacts/count") if self._names else np.empty(0, "i8")
-
-
 class NotYet(FileError):
     """There is neither a result nor a checkpoint yet."""
 
 
-class Result:
+class Result(Shown):
     """What a run has found, finished or not.
 
     path     the result NAME.h5, whether it is there or still NAME.h5.parts; or a checkpoint
@@ -338,9 +182,14 @@ class Result:
         """Time step."""
         return self.summary["dt"]
 
-    @property
+    @indexed
     def deck(self):
-        """The complete deck with all defaults."""
+        """The complete deck with all defaults, as nested dicts: deck.gravity.tilt, deck["materials"]["grain"]["k_n"]."""
+        return deck_values(self.deck_full)
+
+    @property
+    def deck_full(self):
+        """The text of the complete deck with all defaults."""
         return self.rows("parameters/deck_full")
 
     @property
@@ -349,7 +198,7 @@ class Result:
         return self.rows("parameters/deck_text")
 
     # --- what was found ---------------------------------------------------------------------------------------------
-    @property
+    @indexed
     def energy(self):
         """The energy budget at the end."""
         with self._file(self._head) as file:
@@ -362,68 +211,68 @@ class Result:
             group = file.get("summary/doubts", {})
             return [Record(name=name, **attributes(group[name])) for name in group]
 
-    @property
+    @indexed
     def rotation(self):
         """Mean angular velocity of each watched disk, a structured array: name, disk, omega, error, scaled, ..."""
         return self.table("summary/rotation")
 
-    @property
+    @indexed
     def slide(self):
         """Fractions of time in each configuration of sliding, of each watched pair of contacts."""
         return self.table("summary/slide")
 
-    @property
+    @indexed
     def configurations(self):
         """Torque, normal forces and visits in S++, S+-, S-+, S--, stick, open of each watched pair of contacts, when the deck says
         measure = { configurations = true; }."""
         return self.table("summary/configuration")
 
-    @property
+    @indexed
     def phases(self):
         """What became of each phase: name, steps, most, reached, ..."""
         return self.table("summary/phase")
 
-    @property
+    @indexed
     def means(self):
         """Means of every free disk: with measure = { disks = true; }, else None; None also while a run of very many goes on."""
         with self._file(self._head) as file:
             known = "summary/disks/id" in file
         return self.table("summary/disks") if known else None
 
-    @property
+    @indexed
     def totals(self):
         """Means over all disks: omega_rms, significant, coordination, ...; None where `means` is."""
         with self._file(self._head) as file:
             return attributes(file["summary/disks"]) if "summary/disks/id" in file else None
 
-    @property
+    @indexed
     def series(self):
         """Time series: series["time"], series["work"], ..."""
         names = self.groups("observables")
         first = {name: f"observables/{names[0]}/{name}" for name in ("step", "time")} if names else {}
         return Columns(self, "series", {**first, **{name: f"observables/{name}/value" for name in names}})
 
-    @property
+    @indexed
     def frames(self):
         """Stored frames of the disks: frames[-1]["position"], frames["angle"], frames.time."""
-        return Frames(self, "particles/disks")
+        return Frames(self, "particles/disks", "disk")
 
-    @property
+    @indexed
     def wall_frames(self):
         """The same of the walls."""
-        return Frames(self, "particles/walls")
+        return Frames(self, "particles/walls", "wall")
 
-    @property
+    @indexed
     def contacts(self):
         """Stored contact tables: contacts[-1]["force"], contacts.time."""
         return Contacts(self)
 
-    @property
+    @indexed
     def state(self):
         """Columns of the last state, in the order of slots (state["id"] has the numbers)."""
         return Columns(self, "state", {name: f"state/{name}" for name in self.datasets("state")})
 
-    @property
+    @indexed
     def last_contacts(self):
         """Closed contacts of the last state, a structured array: a, b, part, force, overlap, ..."""
         state = self.state
@@ -465,7 +314,7 @@ class Result:
                 names[int(rest[0])] = rest[1]
         return names
 
-    @property
+    @indexed
     def disks(self):
         """The disks in the last state, a structured array in the order of their numbers: radius, mass, inertia, material,
         x, y, vx, vy, angle, omega."""
@@ -477,5 +326,26 @@ class Result:
         columns = {name: state[name][order] for name in ("radius", "mass", "inertia", "material", "x", "y", "vx", "vy", "omega")}
         return structured({**columns, "angle": (state["turn"] + state["theta"])[order]})
 
+    # --- notebooks --------------------------------------------------------------------------------------------------
+    def view(self, frames=None, height=640):
+        """The page of `slipdisk view`, which a notebook shows in place: play the frames, zoom in, pick disks.
+
+        frames   as slices in Python: "-1:" the last one, "::10"; by default at most 501, evenly spaced
+        height   in pixels"""
+        return view(self.path, frames, height)
+
     def __repr__(self):
         return f"<slipdisk.Result {self.path!r}: step {self.step}, time {self.time:g}{'' if self.finished else ', not finished'}>"
+
+    def _tables(self):
+        s, frames, contacts = self.summary, self.frames, self.contacts
+        series = self.series
+        yield table_html((), [
+            ("title", self.deck.get("title", "")), ("bodies", f"{s.disks} disks, {s.walls} walls"),
+            ("closed contacts", s.contacts), ("dt", self.dt),
+            ("stored", f"series: {len(series['step']) if len(series) else 0} rows; frames: {len(frames)}; contact tables: {len(contacts)}"),
+            *(("in doubt", doubt.message) for doubt in self.doubts)])
+        if self.rotation is not None and len(self.rotation):
+            names = [name for name in ("name", "omega", "error", "scaled", "scaled_error", "converged") if name in self.rotation.dtype.names]
+            yield array_html(self.rotation[names])
+

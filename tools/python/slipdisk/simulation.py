@@ -1,11 +1,10 @@
 """A running system; see docs/python.md."""
-import collections.abc
 import ctypes
 import functools
-import operator
 import os
 import re
 import sys
+import tempfile
 import threading
 import time as clock
 import weakref
@@ -14,9 +13,11 @@ from ctypes import byref
 import numpy as np
 
 from . import library as lib
-from .deck import DiskArrays, deck_text, value_text
+from . import notebook
+from .deck import DiskArrays, deck_text, deck_values, value_text
 from .library import Messages, UserError, library, record
-from .result import structured
+from .notebook import Progress, Shown, table_html
+from .tables import Named, indexed, structured
 
 NO_BODY = 0xFFFFFFFF
 BODIES = lib.PER_BODY, lib.PER_FREE, lib.PER_FIELDED, lib.PER_CELL_DISK, lib.PER_LAW_FREE
@@ -95,8 +96,10 @@ def view(owner, address, n, dtype, writable=False):
     return np.asarray(Memory(owner, address, n, dtype, writable))
 
 
-class Columns(collections.abc.Mapping):
-    """Columns of a simulation by name, in the order of slots; `unit` and `meaning` of each."""
+class Columns(Named):
+    """Columns of a simulation by name, in the order of slots; `unit` and `meaning` of each; those of one length as `array()`,
+    `pandas()`, `xarray()`."""
+    _dimension = "slot"
 
     def __init__(self, simulation):
         self._simulation = simulation
@@ -135,22 +138,19 @@ class Columns(collections.abc.Mapping):
         """Meaning of a column, in a few words."""
         return self._field(name).meaning.decode()
 
-    def __repr__(self):
-        return "\n".join(f"{name:<28}{self.unit(name):<20}{self.meaning(name)}" for name in self)
 
-
-class Bodies(collections.abc.Mapping):
+class Bodies(Named):
     """Copies of the columns of disks, or of walls, in the order of their numbers; `angle` is turn + theta. What only free
-    disks have is nan (or -1) for others."""
+    disks have is nan (or -1) for others. `unit` and `meaning` of each; some or all as `array()`, `pandas()`, `xarray()`."""
 
-    def __init__(self, simulation, first, n):
-        self._columns, self._first, self._n = simulation.columns, first, n
+    def __init__(self, simulation, kind, first, n):
+        self._slots, self._dimension, self._first, self._n = simulation.columns, kind, first, n
 
     def __getitem__(self, name):
         if name not in list(self):
             raise lib.unknown(name, list(self), "the columns of bodies")
-        state, fields = self._columns._simulation._state(), library().fields
-        number, *parts = (self._columns._array(state, fields[part])
+        state, fields = self._slots._simulation._state(), library().fields
+        number, *parts = (self._slots._array(state, fields[part])
                           for part in ("id", *(("turn", "theta") if name == "angle" else (name,))))
         values = sum(parts[1:], parts[0])
         number = number[:len(values)].astype(np.int64) - self._first
@@ -167,8 +167,13 @@ class Bodies(collections.abc.Mapping):
         """How many columns; len(d["x"]) is how many bodies."""
         return sum(1 for _ in self)
 
-    def __repr__(self):
-        return f"{self._n} bodies with " + ", ".join(self)
+    def unit(self, name):
+        """Unit of a column, in terms of length, mass, time."""
+        return "rad" if name == "angle" else self._slots.unit(name)
+
+    def meaning(self, name):
+        """Meaning of a column, in a few words."""
+        return "angle, not wrapped: turn + theta" if name == "angle" else self._slots.meaning(name)
 
 
 class ForceColumns:
@@ -198,7 +203,7 @@ def often(simulation, steps):
     left, thread, now = 255, threading.get_ident(), threading.get_ident
 
     @functools.wraps(Simulation.advance)
-    def advance(given=None, *, time=None):
+    def advance(given=None, *, time=None, progress=None):
         nonlocal left
         if given is steps and left and time is None and now() == thread:
             left -= 1
@@ -209,13 +214,13 @@ def often(simulation, steps):
         left = 255
         if me() is None:
             raise ReferenceError("the simulation is gone")
-        Simulation.advance(me(), given, time=time)
+        Simulation.advance(me(), given, time=time, progress=progress)
 
     advance.handle = handle  # which must live as long as this
     return advance
 
 
-class Simulation:
+class Simulation(Shown):
     """A running system.
 
     deck       path of a deck, or a dict with a deck's structure
@@ -338,9 +343,11 @@ class Simulation:
         return self.clone()
 
     # --- stepping -----------------------------------------------------------------------------------------------
-    def advance(self, steps=None, *, time=None):
+    def advance(self, steps=None, *, time=None, progress=None):
         """Advances by so many steps, or by a time, or without either to the end. Stops at the end of the last phase, or
-        where an observer returned True; raises what an observer or a force raised, and NumericError."""
+        where an observer returned True; raises what an observer or a force raised, and NumericError.
+
+        progress   True, False, or None: shown in notebooks and on terminals, for calls of more than a second"""
         if time is not None:
             if steps is not None:
                 raise UserError("advance: expected steps or time, not both")
@@ -353,26 +360,34 @@ class Simulation:
             raise UserError(f"advance: {steps} steps: expected a whole number; time=... takes a time")
         steps = 2**62 if steps is None else lib.whole(steps, "advance: steps", 0)
         if not self._handle.kept:
-            self._advance(steps)
+            self._advance(steps, progress)
             return
         with Entry(self):
-            self._advance(steps)
+            self._advance(steps, progress)
 
-    def _advance(self, steps):
-        asked, took = steps, 0.0
+    def _advance(self, steps, progress):
+        asked, took, shown = steps, 0.0, None
         if steps == 0:  # refused where any other number is
             self._messages.check(self._library.sd_simulation_advance(self._pointer, 0, self._list), level=4)
-        while steps > 0 and not self.finished:
-            piece, begin = min(steps, self._piece), clock.perf_counter()
-            status = self._library.sd_simulation_advance(self._pointer, piece, self._list)
-            if (status or self._raised is not None or self._library.sd_messages_count(self._list)) and self._end(status):
-                return
-            steps -= piece
-            took = clock.perf_counter() - begin
-            if took < PIECE_SECONDS and piece == self._piece:
-                self._piece *= 2
-            elif took > 2 * PIECE_SECONDS and self._piece > 1:
-                self._piece //= 2
+        try:
+            while steps > 0 and not self.finished:
+                piece, begin = min(steps, self._piece), clock.perf_counter()
+                status = self._library.sd_simulation_advance(self._pointer, piece, self._list)
+                if (status or self._raised is not None or self._library.sd_messages_count(self._list)) and self._end(status):
+                    return
+                steps -= piece
+                took = clock.perf_counter() - begin
+                if took < PIECE_SECONDS and piece == self._piece:
+                    self._piece *= 2
+                elif took > 2 * PIECE_SECONDS and self._piece > 1:
+                    self._piece //= 2
+                if steps > 0 or shown:
+                    shown = shown or Progress("advance", "step", progress)
+                    done = asked - steps
+                    shown.at(done, min(asked, self.steps - self.step + done))
+        finally:
+            if shown:
+                shown.close()
         if (0 < took < OFTEN_SECONDS and asked <= self._piece and asked is not self._again and not self._handle.kept
                 and type(self).advance is Simulation.advance):
             self._again, self.advance = asked, often(self, asked)
@@ -553,7 +568,7 @@ class Simulation:
         """True at the end of the last phase."""
         return self._library.sd_simulation_finished(self._pointer) or self.step < 0
 
-    @property
+    @indexed
     def stage(self):
         """step, phase, phase_step; before: steps of the phase before this one."""
         stage = record(self._library.sd_simulation_stage(self._pointer))
@@ -587,23 +602,23 @@ class Simulation:
         own = re.fullmatch(r'\w+ "(.*)"', name)
         return own[1] if own else name
 
-    @property
+    @indexed
     def columns(self):
         """columns["x"]: a read-only numpy view, without copying, in the order of slots (free disks, driven disks, walls;
         columns["id"] has their numbers). Views of bodies follow the system; others are copies of the moment."""
         return Columns(self)
 
-    @property
+    @indexed
     def disks(self):
         """disks["x"]: a copy, in the order of the disks' numbers; also disks["angle"]."""
-        return Bodies(self, 0, self.n_disks)
+        return Bodies(self, "disk", 0, self.n_disks)
 
-    @property
+    @indexed
     def walls(self):
         """The same of walls: wall w is body n_disks + w."""
-        return Bodies(self, self.n_disks, self.n_walls)
+        return Bodies(self, "wall", self.n_disks, self.n_walls)
 
-    @property
+    @indexed
     def contacts(self):
         """Closed contacts now, a structured array (a copy): a, b (body numbers), part, force, overlap, zeta, ..."""
         state, columns = self._state(), self.columns
@@ -611,7 +626,7 @@ class Simulation:
                  if field.extent in (lib.PER_CONTACT, lib.PER_LAW_CONTACT)}
         return structured({name: column for name, column in found.items() if len(column) == len(found["a"])})
 
-    @property
+    @indexed
     def energy(self):
         """The energy budget since step 0 (kinetic_translation, ..., work, viscous, friction, residual, scale)."""
         energy = record(self._library.sd_simulation_energy(self._pointer))
@@ -628,31 +643,37 @@ class Simulation:
         n = self._library.sd_extent_size(state, extent)
         return lib.structured([function(model, state, k) for k in range(n)], kind)
 
-    @property
+    @indexed
     def rotation(self):
         """Mean angular velocity of each watched disk with its error bar, a structured array: disk, omega, error, scaled,
         scaled_error, transient, measured, turned, converged."""
         return self._measured(lib.Rotation, self._library.sd_rotation_of, lib.PER_ROTATION)
 
-    @property
+    @indexed
     def slide(self):
         """Fractions of time in each configuration of sliding, of each watched pair of contacts."""
         return self._measured(lib.Slide, self._library.sd_slide_of, lib.PER_SLIDE)
 
-    @property
+    @indexed
     def configurations(self):
         """Torque, normal forces and visits in S++, S+-, S-+, S--, stick, open of each watched pair of contacts, when the deck says
         measure = { configurations = true; }."""
         return self._measured(lib.Configuration, self._library.sd_configuration_of, lib.PER_VISIT_CLASS)
 
-    @property
+    @indexed
     def means(self):
         """Means of every free disk, when the deck says measure = { disks = true; }."""
         return self._measured(lib.DiskMean, self._library.sd_disk_mean_of, lib.PER_MEAN)
 
-    @property
+    @indexed
     def deck(self):
-        """The complete deck with all defaults; "" after disks were added."""
+        """The complete deck with all defaults, as nested dicts: deck.gravity.tilt, deck["materials"]["grain"]["k_n"]; empty where
+        `deck_full` is."""
+        return deck_values(self.deck_full)
+
+    @property
+    def deck_full(self):
+        """The text of the complete deck with all defaults; "" after disks were added, and of clones and saved simulations."""
         found = self._library.sd_model_deck(self._model)
         return (found.contents.full or b"").decode() if found else ""
 
@@ -666,9 +687,30 @@ class Simulation:
         """A number for all bits of the state: equal systems have equal ones."""
         return self._library.sd_state_hash(self._state())
 
+    # --- notebooks ------------------------------------------------------------------------------------------------
+    def view(self, height=640):
+        """The page of `slipdisk view` of the present state, which a notebook shows in place: zoom in, pick disks, see forces. `height`
+        is in pixels. Not of clones, of what was loaded or unpickled, or after add_disks: the page needs the deck."""
+        if not self.deck_full:
+            raise UserError("view: this simulation has no deck, from which the page takes walls and laws: disks were added, it is a clone, "
+                            "or it was loaded; view a simulation that was made from a deck, or a result")
+        with tempfile.TemporaryDirectory(prefix="slipdisk-") as folder:
+            self.save(os.path.join(folder, "simulation.h5"))
+            return notebook.view("simulation.h5", None, height, cwd=folder)
+
     def __repr__(self):
         return (f"<slipdisk.Simulation: {self.n_disks} disks, {self.n_walls} walls, step {self.step}, time {self.time:g}"
                 f"{', finished' if self.finished else ''}>")
+
+    def _tables(self):
+        e = self.energy
+        yield table_html((), [
+            ("step", f"{self.step} of {'' if self.finished else 'at most '}{self.steps}"), ("dt", self.dt),
+            ("closed contacts", len(self.contacts)), ("kinetic energy", e.kinetic_translation + e.kinetic_rotation),
+            ("elastic energy", e.elastic_normal + e.elastic_tangential + e.elastic_rolling),
+            ("work", e.work + e.nonconservative_work),
+            ("lost", e.viscous + e.friction + e.rolling + e.bridge + e.opening + e.drag + e.damping + e.relaxed),
+            ("missing in the energy budget", e.residual)])
 
 
 def busy(call):

@@ -6,11 +6,13 @@ import os
 import numpy as np
 
 from .library import FileError, unknown
-from .result import NotYet, Result, plain, structured, to_pandas
+from .notebook import Shown, array_html
+from .result import NotYet, Result, plain
 from .sealed import read
+from .tables import indexed, structured, to_pandas
 
 
-class Sweep(collections.abc.Sequence):
+class Sweep(Shown, collections.abc.Sequence):
     """A sweep: `table` and `means` as structured arrays, and its points as results, finished or not.
 
     sweep["upper.omega"]   a column of the table
@@ -58,17 +60,17 @@ class Sweep(collections.abc.Sequence):
             raise FileError(f"{self.folder}: no table yet; slipdisk sweep DECK -o {self.folder} --table makes it")
         return columns
 
-    @property
+    @indexed
     def table(self):
         """A row for each point: what it sets, and what was found; nan where it is not finished."""
         return structured(self._known(self._columns))
 
-    @property
+    @indexed
     def done(self):
         """The rows of the table that are finished."""
         return self.table[self["status"] == "done"]
 
-    @property
+    @indexed
     def means(self):
         """A row for each set of values: means over the replicas, with `_error` and `_scatter`."""
         return structured(self._known(self._means))
@@ -122,3 +124,11 @@ class Sweep(collections.abc.Sequence):
     def __repr__(self):
         done = int(np.sum(self._columns["status"] == "done")) if self._columns else "?"
         return f"<slipdisk.Sweep {self.folder!r}: {len(self)} points, {done} done>"
+
+    def _tables(self):
+        table = self._means or self._columns
+        if table:
+            yield array_html(structured(table))
+
+    def _ipython_key_completions_(self):
+        return [*self._columns, *self.names]

@@ -101,7 +101,7 @@ class Record:
         tables = run.result.contacts
         block = ((tables.time - self.start) / self.width).astype(int)
         row = np.repeat(np.arange(len(tables)), tables.count)
-        a, b = tables.all("a").astype(np.int64), tables.all("b").astype(np.int64)
+        a, b = tables["a"].astype(np.int64), tables["b"].astype(np.int64)
         good = (tables.time[row] >= self.start) & (block[row] < self.count) & (block[row] >= 0)
         pairs, which = np.unique((a << 32 | b)[good], return_inverse=True)
         looks = np.bincount(block[(tables.time >= self.start) & (block < self.count)], minlength=self.count)

@@ -1,6 +1,5 @@
 """The 3-disk system drawn from a result: labelled as in the paper, seen with gravity pointing down."""
 import math
-import re
 
 import numpy as np
 from matplotlib.patches import Arc, Circle
@@ -19,7 +18,7 @@ def read(path):
     result = slipdisk.Result(path)
     named = [(k, name) for k, name in enumerate(result.names) if name]
     which, place = [k for k, _ in named], result.frames[0]["position"]
-    tilt = angle_of(re.search(r"gravity\s*=\s*\{[^}]*\btilt\s*=\s*([^;]+);", result.deck))
+    tilt = result.deck.gravity.tilt
     return {"name": [name for _, name in named], "x": place[which, 0], "y": place[which, 1],
             "radius": result.disks["radius"][which], "tilt": [tilt] * len(named)}
 
@@ -35,14 +34,6 @@ def notation(table):
         line = centre[name] - centre["upper"]
         alpha.append(math.acos(line @ down / np.linalg.norm(line)))
     return centre, radius, tilt, alpha
-
-
-def angle_of(match):
-    """An angle of a deck: a number, or a text such as "0.04 pi"."""
-    if not match:
-        return 0.0
-    text = match.group(1).strip().strip('"')
-    return float(text[:-2] or 1) * math.pi if text.endswith("pi") else float(text)
 
 
 def turned(vector, angle):

@@ -1,6 +1,5 @@
 """Phase portraits: the upper disk's velocity against its angle, and the way of its centre with the equilibria."""
 import math
-import re
 
 import numpy as np
 
@@ -67,8 +66,8 @@ def numbers(results, name):
 
 def drive_of(results, name):
     """Amplitude of the drive of a run."""
-    info = results.numbers(f"mechanism-drive-{name.replace('_', '-')}", lambda: {"amplitude": float(re.search(
-        r"amplitude = ([^;]+);", slipdisk.Result(results.run(name)).deck).group(1))} if results.run(name) else None)
+    info = results.numbers(f"mechanism-drive-{name.replace('_', '-')}", lambda: {
+        "amplitude": slipdisk.Result(results.run(name)).deck.motions[0].amplitude} if results.run(name) else None)
     return info.rows[0]["amplitude"] if info else math.nan
 
 

@@ -1,7 +1,6 @@
 """The elasto-plastic oscillator: force against displacement, and what becomes of the position (fig. epo-force)."""
 import functools
 import math
-import re
 
 import numpy as np
 
@@ -26,11 +25,9 @@ class Record:
         time, block = frames.time, frames["position"][:, 0, 0]
         wall = result.wall_frames["position"][:, 0, 0]
         moment = contacts.time[contacts.count == 1]  # one contact: with the wall
-        tau, sliding, weight = map(contacts.all, ("tau", "sliding", "force"))
-        self.push = float(re.search(r"\bforce = \(([^,)]+),", deck).group(1))
-        self.mu = float(re.search(r"\bmu = ([^;]+);", deck).group(1))
-        self.amplitude = float(re.search(r"amplitude = ([^;]+);", deck).group(1))
-        self.omega = float(re.search(r'omega = "([0-9.]+) pi"', deck).group(1)) * math.pi
+        tau, sliding, weight = (contacts[name] for name in ("tau", "sliding", "force"))
+        self.push, self.mu = deck.disks[0].force[0], deck.materials[0].mu
+        self.amplitude, self.omega = deck.motions[0].amplitude, deck.motions[0].omega
         k = np.searchsorted(time, moment - 1e-9)
         self.time, self.place, self.x = time[k], block[k], block[k] - wall[k]
         self.force = tau + self.push  # of contact and constant force together, along the wall

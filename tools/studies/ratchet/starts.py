@@ -104,7 +104,7 @@ class Caught:
         frames, contacts = result.frames, result.contacts
         self.time, spin = frames.time[1:], frames["angular_velocity"][1:]
         self.omega, self.aim = spin[:, 0], float(-spin[-1, 1])
-        sliding, count, first = contacts.all("sliding"), contacts.count, np.cumsum(contacts.count) - contacts.count
+        sliding, count, first = contacts["sliding"], contacts.count, np.cumsum(contacts.count) - contacts.count
         self.slides = np.array([np.any(sliding[f:f + c] != 0) for f, c in zip(first, count)])[1:]
         self.contact_time = contacts.time[1:]
 
@@ -184,7 +184,7 @@ def rounds(path):
     period, contacts, series = 0.02, result.contacts, result.series
     begin = 0.1 - 1e-9
     time = contacts.time[contacts.count > 0]
-    zeta = contacts.all("zeta")[time > begin]
+    zeta = contacts["zeta"][time > begin]
     per = round(period / 1e-3)
     after, work = series["time"] > begin, series["nonconservative_work"]
     number_of_rounds = (series["time"][-1] - series["time"][after][0]) / period

@@ -81,8 +81,8 @@ def still_claim(results, name, slug, out):
         return missing(**paper(slug))
     spin, slide = info["rotation"][0], info["sliding"][0]
     path = results.run(name)
-    amplitude = results.numbers(f"{name}-drive", lambda: {"theta_b": float(slipdisk.Result(path).deck.split(
-        "amplitude = ")[1].split(";")[0])} if path else None, f"amplitude of the run {name}").rows[0]["theta_b"]
+    amplitude = results.numbers(f"{name}-drive", lambda: {
+        "theta_b": slipdisk.Result(path).deck.motions[0].amplitude} if path else None, f"amplitude of the run {name}").rows[0]["theta_b"]
     claim = none(value=spin["turned"] / spin["measured"], unit=amplitude * OMEGA, **paper(slug))
     forces = ", ".join(number(c["force_min"]) for c in slide["contacts"])
     claim.numbers = (f"turned by {number(spin['turned'])} rad in {spin['measured']:g} time units at "

@@ -1,7 +1,6 @@
 """Waveforms of the supports, and velocities over one period of the periodic state (figs. sine-parabola-approx, -async,
 sync, async)."""
 import math
-import re
 
 import numpy as np
 
@@ -20,9 +19,8 @@ LABELS = {"sync": {"--": 1, "++": 2}, "async": {"--": 1, "-+": 2, "++": 3, "+-":
 def read(path):
     """Frames of the last but one whole period of a run: time in periods, angles in Theta_b, speeds in Theta_b w_b."""
     result = slipdisk.Result(path)
-    deck, frames = result.deck, result.frames
-    amplitude = float(re.search(r"amplitude = ([^;]+);", deck).group(1))
-    omega = float(re.search(r'omega = "([0-9.]+) pi"', deck).group(1)) * math.pi
+    motion, frames = result.deck.motions[0], result.frames
+    amplitude, omega = motion.amplitude, motion.omega
     period, time = 2 * math.pi / omega, frames.time
     t = time / period - math.ceil((time[-1] - 1.5 * period) / period - 1e-6)
     inside = (t > -1e-6) & (t < 1 + 1e-6)

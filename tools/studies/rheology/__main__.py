@@ -60,10 +60,10 @@ def read(path):
     import slipdisk
     result = slipdisk.Result(path)
     series = {name: np.asarray(values) for name, values in result.series.items()}
-    radius, text = result.rows("particles/disks/radius"), result.deck
+    radius = result.rows("particles/disks/radius")
     # The last phase only: before it is the way to the steady state.
     begin = result.phases["steps"][:-1].sum()
-    rate = float(re.search(r"\bI = ([-+.\deE]+);", text).group(1))
+    rate = float(result.deck.constants.I)
     series["coordination"] = 2 * series["contacts"] / len(radius)
     measured = {name: values[series["step"] > begin] for name, values in series.items()
                 if getattr(values, "shape", (0,))[0] == len(series["step"])}

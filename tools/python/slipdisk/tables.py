@@ -1,0 +1,101 @@
+"""Columns by name as structured arrays, as DataFrames of pandas and as Datasets of xarray."""
+import collections.abc
+import importlib
+
+import numpy as np
+
+from .library import MissingPackage, UserError
+from .notebook import table_html
+
+
+def package(name):
+    """A package that only some calls need."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise MissingPackage(f"{name} cannot be imported ({error}): python3 -m pip install {name}, or on Debian and Ubuntu "
+                             f"apt install python3-{name}") from error
+
+
+class indexed:
+    """A property whose value is indexed by names. IPython completes names behind result.series only if it may evaluate result.series,
+    and from version 8.9 on it evaluates no `property`."""
+
+    def __init__(self, function):
+        self._function, self.__doc__ = function, function.__doc__
+
+    def __set_name__(self, owner, name):
+        self._name = name
+
+    def __get__(self, thing, kind=None):
+        return self if thing is None else self._function(thing)
+
+    def __set__(self, thing, value):
+        raise AttributeError(f"{self._name} of {type(thing).__name__} cannot be set")
+
+
+def structured(columns):
+    """{name: array} as one structured array."""
+    rows = len(next(iter(columns.values()))) if columns else 0
+    table = np.empty(rows, [(name, column.dtype, column.shape[1:]) for name, column in columns.items()])
+    for name, column in columns.items():
+        table[name] = column
+    return table
+
+
+def to_pandas(columns):
+    """A pandas.DataFrame of {name: array}; of arrays with rows of several values a column each."""
+    pandas, flat = package("pandas"), {}
+    for name, column in columns.items():
+        if column.ndim == 1:
+            flat[name] = column
+        else:
+            flat.update((f"{name}[{k}]", part) for k, part in enumerate(column.reshape(len(column), -1).T))
+    return pandas.DataFrame(flat)
+
+
+def to_xarray(columns, coordinates, dimensions, unit, meaning):
+    """An xarray.Dataset. dimensions(name, array): names of the dimensions of a column; coordinates: {name: (dimensions, values)};
+    unit(name), meaning(name): the attributes `units` and `long_name` of a column."""
+    return package("xarray").Dataset(
+        {name: (dimensions(name, column), column, {"units": unit(name), "long_name": meaning(name)}) for name, column in columns.items()},
+        coordinates)
+
+
+class Named(collections.abc.Mapping):
+    """Columns by name: of a mapping {name: array} with `unit(name)` and `meaning(name)`. Notebooks complete the names."""
+    _dimension = "row"  # name of the dimension of rows in xarray
+
+    def _ipython_key_completions_(self):
+        return list(self)
+
+    def _columns(self, names):
+        """{name: array} of these names, or of all; arrays must be of one length."""
+        found = {name: self[name] for name in names or self}
+        lengths = {name: len(column) if np.ndim(column) else "one number" for name, column in found.items()}
+        if len(set(lengths.values())) > 1 or "one number" in lengths.values():
+            some = ", ".join(f"{name}: {n}" for name, n in list(lengths.items())[:5])
+            raise UserError(f"columns of different length make no table ({some}{', ...' if len(lengths) > 5 else ''}): name some of one length")
+        return found
+
+    def array(self, *names):
+        """The columns of these names, or all, as a structured array."""
+        return structured(self._columns(names))
+
+    def pandas(self, *names):
+        """The columns of these names, or all, as a pandas.DataFrame."""
+        return to_pandas(self._columns(names))
+
+    def xarray(self, *names):
+        """The columns of these names, or all, as an xarray.Dataset."""
+        found = self._columns(names)
+        timed = [name for name in ("time", "step") if self._dimension == "time" and name in self]
+        coordinates = {name: (self._dimension, found.pop(name) if name in found else self[name]) for name in timed}
+        return to_xarray(found, coordinates, lambda name, column: (self._dimension, *(f"{name}_{k}" for k in range(1, column.ndim))),
+                         self.unit, self.meaning)
+
+    def __repr__(self):
+        return "\n".join(f"{name:<24}{self.unit(name):<16} {self.meaning(name)}" for name in self)
+
+    def _repr_html_(self):
+        return table_html(("name", "unit", "meaning"), [(name, self.unit(name), self.meaning(name)) for name in self])
