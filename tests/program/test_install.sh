@@ -32,7 +32,7 @@ test -n "$printed"
 cat >"$work/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.22)
 project(consumer LANGUAGES C)
-find_package(slipdisk 0.5 REQUIRED)
+find_package(slipdisk 0.6 REQUIRED)
 add_executable(consumer main.c)
 target_link_libraries(consumer PRIVATE slipdisk::slipdisk)
 END
