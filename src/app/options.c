@@ -150,9 +150,10 @@ static int refuse_choice(const command_line *line, const option_row *row, const 
   guess near = guess_start(value);
   char *words = memory_text(row->value), *rest = words;
   for (char *word; (word = strsep(&rest, "|"));) guess_add(&near, word);
-  int status = app_misuse(line->name, "%s %s: expected %s%s%s%s", shown, value, row->value,
+  const char *more = row->limits && !near.best ? row->limits->wrong : "";
+  int status = app_misuse(line->name, "%s %s: expected %s%s%s%s%s", shown, value, row->value,
                           near.best ? " (did you mean " : "", near.best ? near.best : "",
-                          near.best ? "?)" : "");
+                          near.best ? "?)" : "", more);
   free(words);
   return status;
 }

@@ -51,7 +51,8 @@ typedef struct option_row {
   char letter;
   option_kind kind;
   size_t offset; /* Offset of the option's field in the struct of the command's arguments */
-  /* Limits of OPTION_NUMBER and OPTION_REAL; NULL for other kinds */
+  /* Limits of OPTION_NUMBER and OPTION_REAL; OPTION_CHOICE: only the end of the error message, or
+   * NULL; NULL for other kinds */
   const option_limits *limits;
   /* Name of the option's value in the help, or the words of a choice; NULL: the option takes no
    * value */
