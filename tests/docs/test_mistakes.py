@@ -44,8 +44,9 @@ def table(mistake, content, line='disk_files = ( { file = "d.csv"; density = 1; 
     return mistake, {"d.cfg": DECK + line, name: content if isinstance(content, bytes) else content.encode()}, []
 
 
-def command(*words):
-    return f"`slipdisk {' '.join(words)}`", None, list(words)
+def command(*words, beside=None):
+    """A command in an empty folder, or beside a file of this name."""
+    return f"`slipdisk {' '.join(words)}`" + (f" beside `{beside}`" if beside else ""), beside, list(words)
 
 
 def value(key, old, *news):
@@ -263,6 +264,9 @@ TABLES = {
         command("run", "d.cfg", "--treads", "4"), command("run", "d.cfg", "-x"), command("run", "d.cfg", "-o"),
         command("run", "d.cfg", "--threads", "many"), command("run", "d.cfg", "--quiet=1"), command("--quiet", "run", "d.cfg"),
         command("run", "d.cfg", "-o", "-"), command("info", "-"), command("measure", "x.h5"),
+        command("run", "d.cfg", "-np", "4"), command("run", "d.cgf", beside="d.cfg"), command("info", "d.g5", beside="d.h5"),
+        command("verify", "d.g5", beside="d.h5"), command("view", "d.cfg", "-o", "d.png"), command("view", "d.cfg", "-o", "d.mp4"),
+        command("export", "x.h5", "--to", "ovito"), command("export", "x.h5", "--to", "vkt"), command("plot", "x.h5", "--color", "omga"),
     ],
 }
 
@@ -281,9 +285,10 @@ UNITS = "units are not written, any consistent set will do; expected the bare nu
 def said(program, files, arguments):
     """The errors of a command, or its warnings, or that there are none."""
     with tempfile.TemporaryDirectory() as folder:
-        for name, content in (files or {}).items():
+        deck = isinstance(files, dict)
+        for name, content in (files if deck else {files: DECK} if files else {}).items():
             (pathlib.Path(folder) / name).write_bytes(content.encode() if isinstance(content, str) else content)
-        words = arguments if files is None else ["check", "d.cfg", "--brief", "--no-probe", *arguments]
+        words = ["check", "d.cfg", "--brief", "--no-probe", *arguments] if deck else arguments
         ran = subprocess.run([str(program), *words], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                              errors="replace", check=False)
     if ran.returncode == 0:
