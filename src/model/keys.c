@@ -342,7 +342,6 @@ double deck_key_value(const deck_key *key, const void *members) {
 
 bool deck_key_store(const deck_key *key, void *members, double value) {
   void *member = (char *)members + key->offset;
-  const deck_shape *word = key->words;
   switch (key->target) {
     case DECK_SETS_NUMBER: *(double *)member = value; return true;
     case DECK_SETS_INTEGER:
@@ -355,9 +354,12 @@ bool deck_key_store(const deck_key *key, void *members, double value) {
     case DECK_SETS_BOOL:
     case DECK_SETS_OFF: *(bool *)member = value != 0.0; return true;
     case DECK_SETS_ENUM:
-      while (word->name && word->kind != value) word++;
-      if (word->name) *(int *)member = word->kind;
-      return word->name;
+      for (const deck_shape *word = key->words; word && word->name; word++)
+        if (word->kind == value) {
+          *(int *)member = word->kind;
+          return true;
+        }
+      return false;
     case DECK_SETS_NOTHING:
     case DECK_SETS_PAIR:
     case DECK_SETS_TEXT: break;
