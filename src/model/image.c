@@ -164,10 +164,14 @@ static void walk_phases(image *im, sd_model *m) {
   FORGET_ALL(im, m->phases, m->n_phases, name);
   FORGET_ALL(im, m->phases, m->n_phases, active);
   FORGET_ALL(im, m->phases, m->n_phases, fields);
+  FORGET_ALL(im, m->phases, m->n_phases, hold);
+  FORGET_ALL(im, m->phases, m->n_phases, release);
   for (size_t k = 0; k < m->n_phases; k++) {
     text(im, &m->phases[k].name);
     switches(im, &m->phases[k].active, m->n_motions);
     switches(im, &m->phases[k].fields, m->n_fields);
+    array(im, &m->phases[k].hold, m->phases[k].n_hold, sizeof(uint32_t));
+    array(im, &m->phases[k].release, m->phases[k].n_release, sizeof(uint32_t));
   }
 }
 
