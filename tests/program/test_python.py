@@ -479,6 +479,7 @@ class Errors(unittest.TestCase):
                                           disks={"x": [0.0], "y": [0.0], "radius": 1, "mass": 1})
             endless.advance(1000)
         self.assertFalse(endless.finished)
+        self.check(slipdisk.UserError, "this run has no end", endless.advance)
 
     def test_steering(self):
         """Changes between steps: closed forms, the budget, the same bits of a clone and a loaded one, names."""

@@ -23,6 +23,7 @@ BODIES = lib.PER_BODY, lib.PER_FREE, lib.PER_FIELDED, lib.PER_CELL_DISK, lib.PER
 LASTING = *BODIES, lib.PER_CLUMP  # their columns stay where they are
 SETTABLE = "x", "y", "angle", "vx", "vy", "omega", "radius", "mass", "inertia"  # of disks
 PIECE_SECONDS = 0.05  # at most twice this long Ctrl-C waits
+ENDLESS = 2**61 - 1  # steps of a run without an end
 OFTEN_SECONDS = 0.001  # shorter calls are made the shortest way
 
 
@@ -389,6 +390,8 @@ class Simulation:
             steps = round(time / self.dt)
         if isinstance(steps, (float, np.floating)):
             raise UserError(f"advance({steps}): expected a whole number of steps, like {steps:.0f}, or advance(time={steps})")
+        if steps is None and self.steps >= ENDLESS:
+            raise UserError("advance(): this run has no end (its deck gives no steps, time or phases): expected steps, or time=...")
         asked = steps
         steps = 2**62 if steps is None else lib.whole(steps, "advance: steps", 0)
         before = self.step if time is not None or self.finished else None
