@@ -29,7 +29,8 @@ SD_API const sd_deck *sd_model_deck(const sd_model *model);
 
 /* Reads the deck at `path` ("-": the standard input), checks it and makes a finished model, which
  * the caller frees with sd_model_free. overrides: n_overrides settings "path=value", as after the
- * option -D. Every mistake is one message "file:line: key = value: what was expected (did you mean
+ * option -D. A deck without steps, time and phases has no end: it is for programs that step it.
+ * Every mistake is one message "file:line: key = value: what was expected (did you mean
  * ...)". Returns SD_ERROR_USER if there is any mistake, SD_ERROR_IO if the file exists but cannot
  * be read; *out is then NULL. */
 SD_API sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides,

@@ -101,6 +101,12 @@ typedef struct sd_disk {
   bool waiting;
   /* 1 + number of the clump to which the disk belongs, 0: none; set by sd_model_add_clump */
   int clump;
+  /* true: the disk is held from the start: only motions move it, until it is released (sd_phase,
+   * sd_simulation_set). A fixed disk, or one that a motion moves, is held if a phase names it. */
+  bool held;
+  /* coordinates that are held while the disk is; filled in by sd_model_finish for disks that can be
+   * released: those that motions prescribe, or all if the disk is fixed or no motion moves it */
+  bool holds[3];
 } sd_disk;
 
 /* A rigid body made of disks, which may overlap one another; it moves about its centre of mass.
@@ -226,6 +232,7 @@ typedef enum sd_field_kind {
   SD_FIELD_DAMPING,  /* Cundall's non-viscous damping */
   SD_FIELD_CENTRAL,  /* force towards a point, proportional to a power of the distance */
   SD_FIELD_ROTATION, /* centrifugal and Coriolis force of a rotating frame */
+  SD_FIELD_GRAVITY,  /* gravity whose direction turns with time */
   SD_FIELD_KINDS     /* number of kinds of force field */
 } sd_field_kind;
 
@@ -246,7 +253,8 @@ typedef enum sd_field_per {
  *   damping   -alpha |F| sgn(v) of each coordinate, F the sum of all other forces; the torque
  *             likewise, with alpha_rotation
  *   central   -strength r s^(power - 1), s^2 = r^2 + softening^2, times 1, R, m
- *   rotation  m omega^2 r + 2 m omega (v_y, -v_x) */
+ *   rotation  m omega^2 r + 2 m omega (v_y, -v_x)
+ *   gravity   -m g (sin phi, cos phi), with phi = tilt + omega t, t the time since the start */
 typedef struct sd_body_force {
   const char *name;   /* name of the field in messages and results; NULL: none */
   sd_field_kind kind; /* kind of field; the formulas are above */
@@ -265,7 +273,9 @@ typedef struct sd_body_force {
   /* central force: strength, > 0 attracts; softening length, >= 0 */
   double strength, softening;
   int64_t power; /* central force: power of the distance, -8 ... 8; 1: a spring */
-  double omega;  /* rotation: angular velocity of the rotating frame, rad/time */
+  /* rotation, gravity: angular velocity of the rotating frame, of the direction; rad/time */
+  double omega;
+  double g, tilt; /* gravity: strength, length/time^2; angle of the direction at the start, rad */
 } sd_body_force;
 
 /* Criteria at which a phase of the run ends before its full length: at the first check at which
@@ -331,6 +341,10 @@ typedef struct sd_phase {
   /* compression to a pressure or packing fraction; off unless compress.asked */
   sd_compress compress;
   sd_cell cell; /* deformation of the periodic box; off unless cell.asked */
+  /* Numbers of disks that are held from the start of this phase on, and of disks that are released
+   * then. A disk that is held loses its velocity; one that is released keeps it. */
+  size_t n_hold, n_release;
+  const uint32_t *hold, *release; /* [n_hold], [n_release] */
 } sd_phase;
 
 /* Action if the centre of a free disk leaves the bounds of the model: report it, end the run, or

@@ -11,11 +11,11 @@
  *
  *                                                           observer   force field   other thread
  *   numbers: _model, _step, _time, _finished, _stage,
- *   _goal, _threads, _path, _slot, _angle                   served     served        refused
+ *   _goal, _threads, _path, _slot, _angle, _get, _index     served     served        refused
  *   state: _state, _column, _column_at, _energy, _save,
  *   _save_memory, _clone, _rebuild                          served     refused       refused
  *   changes: _advance, _observe, _add_force_field,
- *   _add_disks, _remove_disks                               refused    refused       refused
+ *   _add_disks, _remove_disks, _set                         refused    refused       refused
  *
  * Functions without a status then return NULL, "" (path), false, -1 (step, stage, threads),
  * UINT32_MAX (slot) or NAN (all others). sd_simulation_free takes effect when the call that is
@@ -122,6 +122,61 @@ SD_API sd_status sd_simulation_add_disks(sd_simulation *simulation, size_t n, co
 SD_API sd_status sd_simulation_remove_disks(sd_simulation *simulation, size_t n,
                                             const uint32_t *disks, sd_messages *messages);
 
+/* --- steering --------------------------------------------------------------------------------- */
+
+/* Sets a quantity between two steps, for n indices at once. index: [n]; NULL: 0 ... n - 1. values:
+ * [n], or [2 n] for "position" and "velocity": x and y in turn.
+ *
+ *   name                               index
+ *   x y position angle                 number of a free disk, or of one that is held
+ *   vx vy velocity omega               number of a free disk
+ *   radius mass inertia                number of a free disk; each leaves the other two as they are
+ *   held                               number of a disk, free or fixed; 1 holds it, 0 releases it
+ *   gravity                            SD_X, SD_Y
+ *   law.k_n law.k_t law.gamma_n        a n + b, for two of the n materials; the law of b and a
+ *   law.mu law.mu_kinetic law.gamma_t  follows
+ *   law.restitution law.pull_off
+ *   law.k_r law.gamma_r law.mu_r
+ *   motion.velocity motion.amplitude   number of a motion that has this constant
+ *   motion.force motion.pressure
+ *
+ * Energy: changes of kinetic, potential and stored energy are added to `work` of the energy budget.
+ *
+ * Contacts: a disk that is set to another place begins its contacts anew, with relaxed springs.
+ * All other changes keep the tangential displacement zeta of a contact, and what it has lost; its
+ * forces follow from the new constants, and it slides if it is beyond the new limit of friction.
+ * With laws that store the tangential force (Mindlin's stiffness, dashpots) this force stays.
+ *
+ * Held disks stay where they are, or as motions that name them move them; forces do not move them.
+ * A disk that is held loses its velocity, one that is released keeps it. From then on only `held`
+ * says whether motions move a disk.
+ *
+ * Integrator: forces and accelerations are evaluated anew, as at step 0. With Gear's the third and
+ * higher derivatives of coordinates that were set (by a size: of all three) restart at 0, as at
+ * step 0; others keep them, so that a constant may change a little in every step.
+ *
+ * Motions go on from where they are: with another velocity or amplitude a body does not jump, so
+ * that the centre of a vibration moves unless u is 0 then. Angles that are set do not count as
+ * rotation in means. Weights of loads, part of their force, do not follow gravity.
+ *
+ * The changed constants are part of clones and saved simulations; the deck is not changed, so that
+ * sd_model_deck is NULL after a change of constants. Results have the same bits with any number of
+ * threads. Returns SD_ERROR_USER, with nothing changed, for mistakes: among them locked and
+ * prescribed coordinates, overlaps beyond max_overlap, unstable time steps, and all positions and
+ * angles while means of every disk are measured. SD_ERROR_IO if there is no memory,
+ * SD_ERROR_NUMERIC if a result is not finite: the simulation can then only be freed. */
+SD_API sd_status sd_simulation_set(sd_simulation *simulation, const char *name, size_t n,
+                                   const uint32_t *index, const double *values,
+                                   sd_messages *messages);
+/* Returns the present value of a quantity of sd_simulation_set that has one number per index; NAN:
+ * there is no such quantity or index. */
+SD_API double sd_simulation_get(const sd_simulation *simulation, const char *name, uint32_t index);
+/* Returns the index that sd_simulation_set takes for a quantity and the name of a disk, a motion or
+ * a material. other: for laws the second material, NULL: the same as the first. UINT32_MAX: there
+ * is no such quantity or name. */
+SD_API uint32_t sd_simulation_index(const sd_simulation *simulation, const char *quantity,
+                                    const char *name, const char *other);
+
 /* --- reading ---------------------------------------------------------------------------------- */
 
 /* Returns the model of a simulation, which owns it or borrows it from the caller of
@@ -179,7 +234,8 @@ typedef struct sd_energy {
   /* Sum of the energies listed above at step 0, plus those of disks added and minus those of
    * disks removed since then */
   double start;
-  /* Work done by prescribed bodies and coordinates, by compression and by force fields */
+  /* Work done by prescribed bodies and coordinates, by compression, by force fields and by
+   * sd_simulation_set */
   double work;
   /* Work done by the part of the paper's tangential force that has no potential */
   double nonconservative_work;

@@ -7,6 +7,7 @@
 #include "base/comm.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "io/deck/deck.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
 #include "run/ranks.h"
@@ -54,9 +55,10 @@ int app_run(int argc, char **argv) {
     assert(a.deck);
     output = a.output ? memory_text(a.output) : app_default_name(a.deck, "h5");
     again = format_text("resume %s", output);
-    status = comm_world() ? ranks_load(comm_world(), NULL, a.deck, a.overrides.n, a.overrides.item,
-                                       &model, messages)
-                          : sd_deck_load(a.deck, a.overrides.n, a.overrides.item, &model, messages);
+    status = comm_world()
+                 ? ranks_load(comm_world(), NULL, a.deck, a.overrides.n, a.overrides.item, &model,
+                              messages)
+                 : deck_load_run(a.deck, a.overrides.n, a.overrides.item, &model, messages);
     status = drive_agree(status, messages);
     if (status == SD_OK && comm_rank(comm_world()) == 0 && sd_model_deck(model)->sweep_points > 0)
       sd_warn(messages,

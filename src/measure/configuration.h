@@ -76,7 +76,7 @@ typedef struct frame_data {
   /* [n_bodies] x and y of the position, wrapped into the periodic box, and of the velocity */
   double (*position)[2], (*velocity)[2];
   double *angle, *spin;
-  int32_t *activity; /* [n_disks] SD_IN_PLAY, SD_WAITING, SD_REMOVED or SD_OUTSIDE */
+  int32_t *activity; /* [n_disks] SD_IN_PLAY, SD_WAITING, ... (state.h) */
   /* [n_disks] periodic images: unwrapped position = position + image * box length */
   int32_t (*image)[2];
   bool has_contacts; /* true if a contact table is present, even with no rows */
@@ -226,7 +226,7 @@ void configuration_wall_point(const sd_wall *wall, const frame_data *frame, size
                               double at[2]);
 /* Returns true if a disk of this activity is present: neither waiting nor removed. */
 static inline bool activity_is_present(int32_t activity) {
-  return activity == SD_IN_PLAY || activity == SD_OUTSIDE;
+  return activity == SD_IN_PLAY || activity == SD_OUTSIDE || activity == SD_HELD;
 }
 /* Replaces the difference d of two positions by that of the nearest periodic image. */
 static inline void configuration_nearest(const configuration *c, double d[2]) {

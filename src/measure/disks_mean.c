@@ -74,7 +74,7 @@ sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state, size_
   for (size_t k = 0; k < disk_observables.n; k++)
     if (disk_observables.rows[k].type == OBSERVABLE_F64)
       observable_set(&disk_observables.rows[k], &d, 0, NAN);
-  bool there = state->activity[slot] == SD_IN_PLAY || state->activity[slot] == SD_OUTSIDE;
+  bool there = state->activity[slot] != SD_WAITING && state->activity[slot] != SD_REMOVED;
   if (!there || isnan(state->mean_x0[slot]) || state->measured == 0) return d;
   fill_rotation(&d, model, state, slot);
   fill_position(&d, model, state, slot);

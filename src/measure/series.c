@@ -232,7 +232,9 @@ OBSERVABLE_GET(activity, moment_body,
                at->slot < at->state->n_free ? at->state->activity[at->slot] : SD_IN_PLAY)
 
 /* Returns true if disks can wait for release or be taken out. */
-static bool activity_changes(const sd_model *m) { return m->n_rains > 0 || m->bounds.given; }
+static bool activity_changes(const sd_model *m) {
+  return m->n_rains > 0 || m->bounds.given || model_holds(m);
+}
 
 static const observable bodies[] = {
     SERIES("position", "length", "centre of a disk, pivot of a wall", OBSERVABLE_F64, 2, position,

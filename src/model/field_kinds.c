@@ -53,8 +53,13 @@ static const deck_key field_keys[] = {
      SETS(sd_body_force, power)},
     {"softening", NUMBER(DECK_NOT_NEGATIVE, "length"), "0.0", NULL,
      "central: s in strength r (r^2 + s^2)^((power - 1)/2)", SETS(sd_body_force, softening)},
-    {"omega", ANGLE("rad/time"), "-", NULL, "rotation: angular velocity of the frame",
+    {"omega", ANGLE("rad/time"), "-", NULL,
+     "rotation: angular velocity of the frame; gravity: of its direction",
      SETS(sd_body_force, omega)},
+    {"g", NUMBER(DECK_NOT_NEGATIVE, "length/time^2"), "-", NULL, "gravity: strength",
+     SETS(sd_body_force, g)},
+    {"tilt", ANGLE("rad"), "0.0", NULL, "gravity: angle phi of its direction at the start",
+     SETS(sd_body_force, tilt)},
 };
 TABLE(deck_fields, "fields", false,
       "A force on free disks that depends on position and velocity. Fields add up.", field_keys);
@@ -155,10 +160,10 @@ void body_forces_limit(const sd_model *m, sd_step_limit *limit) {
 /* Reports errors in the parameters of one force field. */
 static void check_one(const sd_model *m, const sd_body_force *f, const char *name,
                       sd_messages *msg) {
-  const double numbers[] = {f->centre[0], f->centre[1],      f->gamma,      f->gamma_rotation,
-                            f->flow[0],   f->flow[1],        f->shear_rate, f->swirl,
-                            f->alpha,     f->alpha_rotation, f->strength,   f->softening,
-                            f->omega};
+  const double numbers[] = {
+      f->centre[0],  f->centre[1], f->gamma, f->gamma_rotation, f->flow[0],  f->flow[1],
+      f->shear_rate, f->swirl,     f->alpha, f->alpha_rotation, f->strength, f->softening,
+      f->omega,      f->g,         f->tilt};
   for (size_t k = 0; k < COUNT(numbers); k++)
     if (!isfinite(numbers[k])) {
       fail_about(msg, about_path("%s", name), "expected finite numbers");

@@ -20,7 +20,10 @@
   ROW(SD_FIELD_CENTRAL, central, "strength* power softening per centre",                           \
       "towards a point: strength times the distance to this power")                                \
   ROW(SD_FIELD_ROTATION, rotation, "omega* centre",                                                \
-      "a frame that turns about a point: centrifugal and Coriolis force")
+      "a frame that turns about a point: centrifugal and Coriolis force")                          \
+  ROW(SD_FIELD_GRAVITY, gravity, "g* omega* tilt",                                                 \
+      "gravity that turns: -m g (sin phi, cos phi), phi = tilt + omega t, t since the start of "   \
+      "the run")
 
 /* Largest absolute value of the exponent `power` of a central field. */
 enum { FIELD_MOST_POWER = 8 };
@@ -39,7 +42,8 @@ typedef struct field_weight {
 } field_weight;
 static inline field_weight field_weight_of(const sd_body_force *f, double radius, double mass,
                                            double inertia) {
-  switch (f->kind == SD_FIELD_ROTATION ? SD_FIELD_PER_MASS : f->per) {
+  const bool frame = f->kind == SD_FIELD_ROTATION || f->kind == SD_FIELD_GRAVITY;
+  switch (frame ? SD_FIELD_PER_MASS : f->per) {
     case SD_FIELD_PER_RADIUS: return (field_weight){radius, radius * radius * radius};
     case SD_FIELD_PER_MASS: return (field_weight){mass, inertia};
     case SD_FIELD_PER_DISK: break;

@@ -185,6 +185,24 @@ static sd_status check_laws(const sd_model *m, sd_messages *msg) {
   return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
 }
 
+/* Reports phases that hold or release disks that do not exist or belong to a clump or a rain. */
+static void check_holds(const sd_model *m, sd_messages *msg) {
+  char name[96];
+  for (size_t k = 0; k < m->n_phases; k++)
+    for (size_t n = 0; n < m->phases[k].n_hold + m->phases[k].n_release; n++) {
+      const sd_phase *p = &m->phases[k];
+      const bool hold = n < p->n_hold;
+      const uint32_t i = hold ? p->hold[n] : p->release[n - p->n_hold];
+      const sd_disk *d = i < model_held(m) ? &m->disks[i] : NULL;
+      if (!d || d->clump > 0 || d->waiting)
+        fail_about(msg, about_path("phases[%zu].%s", k, hold ? "hold" : "release"), "%s %s",
+                   d ? sd_model_body_name(m, i, name, sizeof name) : "a disk that does not exist",
+                   !d             ? "cannot be held"
+                   : d->clump > 0 ? "belongs to a clump; expected a disk that moves by itself"
+                                  : "waits for rain");
+    }
+}
+
 /* Reports contacts restored from a file whose body numbers do not exist. */
 static void check_memories(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_memories; k++) {
@@ -499,6 +517,7 @@ static void check_all(const sd_model *m, sd_messages *msg) {
   cell_check(m, msg);
   check_rains(m, msg);
   check_settle(m, msg);
+  check_holds(m, msg);
   check_bounds(m, msg);
   check_memories(m, msg);
   check_watches(m, msg);

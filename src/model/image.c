@@ -76,7 +76,9 @@ static const struct owned {
              ARRAY(fields, sd_body_force, disks, n_disks),
              NAME(phases, sd_phase),
              SWITCHES(active, n_motions),
-             SWITCHES(fields, n_fields)};
+             SWITCHES(fields, n_fields),
+             ARRAY(phases, sd_phase, hold, n_hold),
+             ARRAY(phases, sd_phase, release, n_release)};
 enum { OWNED = sizeof owned / sizeof *owned };
 
 /* Returns the number, or the pointer, at an offset of a struct. */

@@ -457,6 +457,11 @@ int sd_model_add_phase(sd_model *m, const sd_phase *phase) {
   to->name = memory_text(phase->name);
   to->active = m->n_motions > 0 ? memory_copy(phase->active, m->n_motions * sizeof(bool)) : NULL;
   to->fields = m->n_fields > 0 ? memory_copy(phase->fields, m->n_fields * sizeof(bool)) : NULL;
+  if (!copy_of(m, phase->hold, phase->n_hold, sizeof *phase->hold, &to->hold, "a phase"))
+    to->n_hold = 0;
+  if (!copy_of(m, phase->release, phase->n_release, sizeof *phase->release, &to->release,
+               "a phase"))
+    to->n_release = 0;
   if (to->steps == 0) to->steps = ENDLESS;
   if (to->settle.asked && to->settle.every == 0) to->settle.every = 1000;
   if (to->compress.asked && to->compress.tolerance == 0.0) to->compress.tolerance = 1e-3;

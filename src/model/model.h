@@ -291,6 +291,17 @@ static inline size_t model_movables(const sd_model *m) {
   return m->n_disks + m->n_walls + m->n_clumps;
 }
 
+/* True if the disk can be held and released. */
+static inline bool disk_holds(const sd_disk *d) {
+  return d->holds[0] || d->holds[1] || d->holds[2];
+}
+/* True if a phase of the model holds or releases disks. */
+static inline bool model_holds(const sd_model *m) {
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (m->phases[k].n_hold + m->phases[k].n_release > 0) return true;
+  return false;
+}
+
 /* Writes the name of a motion for messages to text[size]: `motion "shake"`, or `motion 3` if it
  * has no name. Returns text. */
 const char *model_motion_name(const sd_model *model, size_t number, char *text, size_t size);

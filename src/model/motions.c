@@ -178,14 +178,36 @@ unsigned char *model_moved(const sd_model *m) {
   return moved;
 }
 
+void model_make_holdable(sd_model *m, uint32_t disk, unsigned moved) {
+  sd_disk *d = &m->disks[disk];
+  if (disk_holds(d)) return;
+  d->held = d->held || d->driven || moved;
+  for (int c = 0; c < SD_COORDINATES; c++)
+    d->holds[c] = d->driven || (moved & 7) == 0 || moved >> c & 1;
+  d->driven = false;
+}
+
+/* Makes the disks that are held from the start, or that a phase holds or releases, holdable. */
+static void find_holdable(sd_model *m, const unsigned char *moved) {
+  for (uint32_t i = 0; i < model_held(m); i++)
+    if (m->disks[i].held) model_make_holdable(m, i, moved[i]);
+  for (size_t k = 0; k < m->n_phases; k++)
+    for (size_t n = 0; n < m->phases[k].n_hold + m->phases[k].n_release; n++) {
+      const sd_phase *p = &m->phases[k];
+      const uint32_t disk = n < p->n_hold ? p->hold[n] : p->release[n - p->n_hold];
+      if (disk < model_held(m)) model_make_holdable(m, disk, moved[disk]);
+    }
+}
+
 sd_status model_find_driven(sd_model *m) {
   unsigned char *held = model_moved(m);
   if (!held) return SD_ERROR_IO;
   m->n_free = m->n_disks - model_held(m);
+  find_holdable(m, held);
   for (size_t i = 0; i < model_held(m); i++) {
     for (int c = 0; c < 3; c++)
       if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);
-    if (held[i] == 7) m->disks[i].driven = true;
+    if (held[i] == 7 && !disk_holds(&m->disks[i])) m->disks[i].driven = true;
     m->n_free += !m->disks[i].driven;
   }
   free(held);

@@ -93,6 +93,10 @@ double motion_stride(const sd_motion *motion, double dt);
  * ones. If none is free, some become free with all coordinates locked, so that contacts are
  * evaluated. SD_ERROR_IO: out of memory. */
 sd_status model_find_driven(sd_model *model);
+/* Makes a disk one that can be held and released, unless it is: sets `holds`, and `held` if it is
+ * fixed or moved; it is not driven then. moved: which coordinates motions prescribe, as in
+ * model_moved. */
+void model_make_holdable(sd_model *model, uint32_t disk, unsigned moved);
 /* Returns which coordinates motions prescribe, for each disk that all ranks store: bits 1 <<
  * coordinate. The caller frees the array. NULL: out of memory. */
 unsigned char *model_moved(const sd_model *model);

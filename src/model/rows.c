@@ -64,7 +64,7 @@ size_t rows_of_tiles(const sd_model *m) {
 /* --- distribution over ranks ------------------------------------------------------------------ */
 
 bool rows_special(const sd_disk *d) {
-  bool special = d->driven || d->clump > 0 || d->name;
+  bool special = d->driven || d->clump > 0 || d->name || d->held || disk_holds(d);
   for (int c = 0; c < SD_COORDINATES; c++)
     special = special || d->locked[c] || d->force[c] != 0.0 || signbit(d->force[c]);
   return special;

@@ -92,7 +92,7 @@ const sd_field sd_fields[] = {
            "prescribed way without the running motions"),
 
     COLUMN(activity, SD_I32, SD_PER_FREE, "1",
-           "0 in play, 1 waiting, 2 removed, 3 outside the bounds"),
+           "0 in play, 1 waiting, 2 removed, 3 outside the bounds, 4 held"),
     COLUMN(x2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of x"),
     COLUMN(y2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of y"),
     COLUMN(theta2, SD_F64, SD_PER_FREE, "rad", "dt^2/2 times the 2nd derivative of the angle"),

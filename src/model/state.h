@@ -103,7 +103,7 @@ struct sd_state {
 
   /* The following columns have one row per free disk. Columns x2 ... x5 (and y, theta) of the
    * integrator hold dt^k/k! times the k-th derivative, k = 2 ... 5. */
-  int32_t *activity; /* SD_IN_PLAY, SD_WAITING, SD_REMOVED or SD_OUTSIDE */
+  int32_t *activity; /* SD_IN_PLAY, SD_WAITING, SD_REMOVED, SD_OUTSIDE or SD_HELD */
   /* Energy lost to rolling in contacts that have ended, divided between two bodies like
    * loss_viscous; only if law_columns is 1. */
   double *past_rolling;

@@ -10,6 +10,7 @@
 #include "pack/rain.h"
 #include "pack/relax.h"
 #include "pack/settle.h"
+#include "physics/contact/energy.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/step/access.h"
@@ -17,6 +18,7 @@
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
 #include "physics/step/outside.h"
+#include "physics/step/steer.h"
 #include "run/steps.h"
 
 bool loop_finished(const engine *e) { return e->state->phase >= (int64_t)e->model->n_phases; }
@@ -101,11 +103,13 @@ static void close_phase(engine *e, const settle_measure *rest) {
   s->phase_step = 0;
 }
 
-void loop_begin_phase(engine *e) {
-  if (loop_finished(e)) return;
+sd_status loop_begin_phase(engine *e, sd_messages *messages) {
+  if (loop_finished(e)) return SD_OK;
   relax_begin(e);
   cell_begin(e);
+  const sd_status status = comm_agree(e->comm, steer_begin_phase(e));
   motion_begin_phase(e);
+  return status == SD_OK ? SD_OK : sd_fail(messages, status, "out of memory for the motions");
 }
 
 sd_status loop_start(engine *e, sd_messages *messages) {
@@ -123,11 +127,14 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   const settle_measure rest = settles ? settle_measure_now(e) : (settle_measure){0};
   close_phase(e, settles ? &rest : NULL);
   if (loop_finished(e)) return SD_OK;
-  const sd_status status = order_again(e, messages);
+  sd_status status = order_again(e, messages);
   if (status != SD_OK) return status;
-  loop_begin_phase(e);
-  if (steps_are_measured(e)) measure_begin(e);
-  return SD_OK;
+  const bool steers = steer_is_due(e);
+  const double residual = steers ? energy_of(e).residual : 0.0;
+  status = loop_begin_phase(e, messages);
+  if (status == SD_OK && steers) status = steer_finish(e, residual, messages);
+  if (status == SD_OK && steps_are_measured(e)) measure_begin(e);
+  return status;
 }
 
 /* --- Between steps ---------------------------------------------------------------------------- */

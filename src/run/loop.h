@@ -17,9 +17,9 @@ sd_status loop_build(engine *e, bool small, int threads, sd_messages *messages);
 sd_status loop_rebuild(engine *e, bool small, sd_messages *messages);
 /* Frees lists, buffers and SIMD lanes of the engine. */
 void loop_release(engine *e);
-/* Begins the phase number state->phase: prepares relaxation and box, switches motions on and
- * off. */
-void loop_begin_phase(engine *e);
+/* Begins the phase number state->phase: prepares relaxation and box, holds and releases disks,
+ * switches motions on and off. */
+sd_status loop_begin_phase(engine *e, sd_messages *messages);
 /* Does the work that comes once, at step 0, after the first phase has begun: releases disks of rain
  * that are due, computes forces and energies, begins to measure. */
 sd_status loop_start(engine *e, sd_messages *messages);

@@ -127,8 +127,8 @@ static sd_status start_part(ranks *r) {
     advice_share_overlap(r->comm, &deepest);
     advice_tell_overlap(r->model, &deepest, r->messages);
   }
-  loop_begin_phase(e);
-  const sd_status status = loop_start(e, r->messages);
+  sd_status status = loop_begin_phase(e, r->messages);
+  if (status == SD_OK) status = loop_start(e, r->messages);
   share_fast(e);
   return status;
 }

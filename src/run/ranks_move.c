@@ -201,7 +201,7 @@ static sd_status choose_ghosts(shares *p, double skin) {
   uint8_t *seen = memory_new((size_t)comm_size(p->comm), 1);
   sd_status status = SD_OK;
   for (uint32_t i = 0; i < p->disks.n_receive && status == SD_OK; i++)
-    if (p->activity[i] == SD_IN_PLAY || p->activity[i] == SD_OUTSIDE)
+    if (p->activity[i] != SD_WAITING && p->activity[i] != SD_REMOVED)
       status = add_ghost(p, &list, &b, i, p->radius[i] + reach, ranks, seen);
   if (status == SD_OK) status = route_new(&p->ghosts, p->comm, list.n, list.row, list.rank);
   status = need(p->comm, status == SD_OK);

@@ -140,8 +140,8 @@ static sd_status start(const sd_model *model, int threads, simulation_step step,
   }
   status = create(model, state, threads, step, out, messages);
   if (status != SD_OK) return status;
-  loop_begin_phase(&(*out)->engine);
-  return loop_start(&(*out)->engine, messages);
+  status = loop_begin_phase(&(*out)->engine, messages);
+  return status != SD_OK ? status : loop_start(&(*out)->engine, messages);
 }
 
 /* Makes the simulation of this rank in a run over several ranks; it has no disks yet. */

@@ -23,9 +23,7 @@
 
 /* --- Force fields ----------------------------------------------------------------------------- */
 
-/* Stores contacts and motions in the state, which then has all data from which lists and buffers
- * can be rebuilt. */
-static sd_status store(sd_simulation *sim, sd_messages *messages) {
+sd_status simulation_store_all(sd_simulation *sim, sd_messages *messages) {
   return simulation_state(sim) ? SD_OK
                                : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
 }
@@ -37,7 +35,7 @@ static sd_status add_force_field(sd_simulation *sim, sd_force_field *field, void
   if (!field) return sd_fail(messages, SD_ERROR_USER, "force field: expected a function, not NULL");
   /* the step for small systems cannot apply force fields: change to the general step */
   if (engine_lanes(e)) {
-    status = store(sim, messages);
+    status = simulation_store_all(sim, messages);
     if (status == SD_OK) status = loop_rebuild(e, false, messages);
   }
   if (status == SD_OK && fields_add(e, field, user) != SD_OK)
@@ -131,7 +129,7 @@ static sd_status remove_disks(sd_simulation *sim, size_t n, const uint32_t *disk
   engine *e = &sim->engine;
   sd_state *s = e->state;
   sd_status status = check_removable(e, n, disks, messages);
-  if (status == SD_OK) status = store(sim, messages);
+  if (status == SD_OK) status = simulation_store_all(sim, messages);
   if (status != SD_OK || n == 0) return status;
   const double residual = energy_of(e).residual;
   for (size_t k = 0; k < n; k++) s->activity[engine_slot(e, disks[k])] = SD_REMOVED;
@@ -173,14 +171,21 @@ static void shift_walls(sd_model *m, uint32_t first, uint32_t n) {
       m->slides[k].partner[side] += m->slides[k].partner[side] >= first ? n : 0;
 }
 
-/* Makes a copy of the model with n more disks. Contacts and time derivatives with which the run
- * began are left out: they were needed only at step 0. */
+sd_model *simulation_model_copy(const sd_model *old, sd_messages *messages) {
+  sd_model *m = sd_model_clone(old);
+  if (m)
+    m->n_memories = m->n_derivatives = m->tiles.n_contacts = 0;
+  else
+    sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
+  return m;
+}
+
+/* Makes a copy of the model with n more disks. */
 static sd_status larger_model(const sd_model *old, size_t n, const sd_disk *disks, sd_model **out,
                               sd_messages *messages) {
-  sd_model *m = *out = sd_model_clone(old);
-  if (!m) return sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
+  sd_model *m = *out = simulation_model_copy(old, messages);
+  if (!m) return SD_ERROR_IO;
   const uint32_t first = (uint32_t)old->n_disks;
-  m->n_memories = m->n_derivatives = m->tiles.n_contacts = 0;
   shift_walls(m, first, (uint32_t)n);
   sd_model_add_disks(m, n, disks);
   sd_status status = SD_OK;
@@ -245,11 +250,11 @@ static sd_status check_box(const engine *e, size_t n, const sd_disk *disks, sd_m
   return status;
 }
 
-/* Check that no new disk overlaps another body by more than max_overlap, as for the disks of a
- * deck. */
+/* Check that no disk that is new or was moved overlaps another body by more than max_overlap, as
+ * for the disks of a deck. */
 typedef struct overlap_check {
   const sd_model *m; /* model with the bodies at their present positions */
-  size_t first;      /* number of the first new disk */
+  const bool *fresh; /* [n_disks] true for the disks to be checked */
   sd_status status;
   sd_messages *messages;
 } overlap_check;
@@ -259,7 +264,7 @@ static bool check_overlap(void *user, const overlap *o) {
   const sd_model *m = c->m;
   /* radius of the smaller disk, or of the disk in a pair with a wall */
   const double smaller = m->disks[o->a].radius;
-  if (o->a < c->first && o->b < c->first) return false;
+  if (!c->fresh[o->a] && !(o->b < m->n_disks && c->fresh[o->b])) return false;
   if (!o->coincident && o->depth <= m->max_overlap * smaller) return false;
   char one[96], two[96];
   const bool later = o->b < m->n_disks && o->b > o->a;
@@ -274,43 +279,61 @@ static bool check_overlap(void *user, const overlap *o) {
   return true;
 }
 
-/* Checks the overlaps of the new disks with all bodies at their present positions. new_model: model
- * with the new disks, in which the other bodies are at their positions of step 0. */
-static sd_status check_overlaps(const engine *e, const sd_model *new_model, sd_messages *messages) {
+sd_status simulation_present(const engine *e, const sd_model *model, sd_model *now,
+                             sd_messages *messages) {
   const sd_state *s = e->state;
-  const size_t first = e->model->n_disks;
-  sd_model now = *new_model;
-  overlap_check check = {&now, first, SD_OK, messages};
-  if (!(now.max_overlap > 0.0)) return SD_OK;
-  now.disks = NULL;
-  if (!memory_resize_row(&now.disks, now.n_disks, sizeof *now.disks))
+  *now = *model;
+  now->disks = NULL;
+  if (!memory_resize_row(&now->disks, now->n_disks, sizeof *now->disks))
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the disks");
-  memcpy(now.disks, new_model->disks, now.n_disks * sizeof *now.disks);
-  for (size_t i = 0; i < first; i++) {
+  memcpy(now->disks, model->disks, now->n_disks * sizeof *now->disks);
+  for (size_t i = 0; i < e->model->n_disks; i++) {
     const uint32_t slot = engine_slot(e, (uint32_t)i);
     const bool here = slot >= s->n_free || body_in_play(s, slot);
     /* a disk that is not in play touches nothing: give it no position */
-    now.disks[i].position[SD_X] = here ? s->x[slot] : NAN;
-    now.disks[i].position[SD_Y] = here ? s->y[slot] : NAN;
+    now->disks[i].position[SD_X] = here ? s->x[slot] : NAN;
+    now->disks[i].position[SD_Y] = here ? s->y[slot] : NAN;
   }
   for (int c = 0; c < 2; c++)
-    if (now.periodic[c]) {
-      now.lower[c] = engine_lower(e, c);
-      now.upper[c] = now.lower[c] + engine_length(e, c);
+    if (now->periodic[c]) {
+      now->lower[c] = engine_lower(e, c);
+      now->upper[c] = now->lower[c] + engine_length(e, c);
     }
-  if (overlaps_of_disks(&now, check_overlap, &check) != SD_OK)
+  return SD_OK;
+}
+
+sd_status simulation_check_overlaps(const engine *e, const sd_model *now, const bool *fresh,
+                                    sd_messages *messages) {
+  const sd_state *s = e->state;
+  overlap_check check = {now, fresh, SD_OK, messages};
+  if (!(now->max_overlap > 0.0)) return SD_OK;
+  if (overlaps_of_disks(now, check_overlap, &check) != SD_OK)
     check.status = sd_fail(messages, SD_ERROR_IO, "out of memory for the overlaps");
-  for (uint32_t i = (uint32_t)first; check.status == SD_OK && i < now.n_disks; i++)
-    for (uint32_t w = 0; check.status == SD_OK && w < now.n_walls; w++) {
-      const uint32_t slot = engine_slot(e, (uint32_t)first + w);
+  for (uint32_t i = 0; check.status == SD_OK && i < now->n_disks; i++)
+    for (uint32_t w = 0; fresh[i] && check.status == SD_OK && w < now->n_walls; w++) {
+      const uint32_t slot = engine_slot(e, (uint32_t)e->model->n_disks + w);
       const double pose[3] = {s->x[slot], s->y[slot], s->turn[slot] + s->theta[slot]};
-      const uint32_t wall = (uint32_t)now.n_disks + w;
+      const uint32_t wall = (uint32_t)now->n_disks + w;
       check_overlap(
           &check,
-          &(overlap){i, wall, i, -overlaps_gap(&now, i, now.disks[i].position, wall, pose), false});
+          &(overlap){i, wall, i, -overlaps_gap(now, i, now->disks[i].position, wall, pose), false});
     }
-  free(now.disks);
   return check.status;
+}
+
+/* Checks the overlaps of the new disks of `model` with all bodies at their present positions. */
+static sd_status check_new(const engine *e, const sd_model *model, sd_messages *messages) {
+  sd_model now;
+  bool *fresh = NULL;
+  sd_status status = simulation_present(e, model, &now, messages);
+  if (status != SD_OK) return status;
+  if (!memory_row(&fresh, now.n_disks, sizeof *fresh))
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the overlaps");
+  for (size_t i = e->model->n_disks; fresh && i < now.n_disks; i++) fresh[i] = true;
+  if (status == SD_OK) status = simulation_check_overlaps(e, &now, fresh, messages);
+  free(fresh);
+  free(now.disks);
+  return status;
 }
 
 static sd_status add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, uint32_t *first,
@@ -329,10 +352,10 @@ static sd_status add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, u
     return sd_fail(messages, SD_ERROR_USER,
                    "disks cannot be added while means of every disk are measured (measure.disks)");
   sd_status status = check_box(e, n, disks, messages);
-  if (status == SD_OK) status = store(sim, messages);
+  if (status == SD_OK) status = simulation_store_all(sim, messages);
   if (status == SD_OK) status = larger_model(e->model, n, disks, &model, messages);
   if (status != SD_OK) return status;
-  status = check_overlaps(e, model, messages);
+  status = check_new(e, model, messages);
   if (status != SD_OK) {
     sd_model_free(model);
     return status;

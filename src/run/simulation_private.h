@@ -103,6 +103,24 @@ const slot_table *simulation_slots(const sd_simulation *simulation);
 /* Returns true if the simulation uses the step for small systems. */
 bool simulation_is_small(const sd_simulation *simulation);
 
+/* --- Changes between steps -------------------------------------------------------------------- */
+
+/* Stores contacts and motions in the state, which then has all data from which lists and buffers
+ * can be rebuilt. */
+sd_status simulation_store_all(sd_simulation *simulation, sd_messages *messages);
+/* Returns a copy of the model without the contacts and time derivatives with which the run began:
+ * they were needed only at step 0. NULL: no memory. */
+sd_model *simulation_model_copy(const sd_model *model, sd_messages *messages);
+/* Makes *now, a shallow copy of `model` with disks of its own, which the caller frees. They are at
+ * their present positions, NAN if they are not in play; new ones, which the engine does not have
+ * yet, where the model places them. */
+sd_status simulation_present(const engine *e, const sd_model *model, sd_model *now,
+                             sd_messages *messages);
+/* Refuses overlaps beyond max_overlap, and equal centres, of disks with fresh[number], fresh:
+ * [n_disks], with any body. now: made by simulation_present. */
+sd_status simulation_check_overlaps(const engine *e, const sd_model *now, const bool *fresh,
+                                    sd_messages *messages);
+
 /* --- Observers -------------------------------------------------------------------------------- */
 /* Returns the number of steps until the next call of an observer, at most `most`. */
 int64_t observers_steps_left(const sd_simulation *simulation, int64_t most);

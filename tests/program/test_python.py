@@ -154,7 +154,8 @@ class Stepping(unittest.TestCase):
         a.advance()
         self.assertTrue(a.finished)
         self.assertEqual((a.step, a.stage.phase), (101_000, 2))
-        a.advance(10)
+        with self.assertWarns(slipdisk.Warning):
+            a.advance(10)
         self.assertEqual(a.step, 101_000)
 
     def test_extents_are_those_of_the_header(self):
@@ -453,11 +454,95 @@ class Errors(unittest.TestCase):
         s = ratchet()
         self.check(slipdisk.UserError, "expected 0 or more", lambda: s.advance(-1))
         self.check(slipdisk.UserError, "not both", lambda: s.advance(1, time=1))
-        self.check(slipdisk.UserError, "whole number", lambda: s.advance(1.5))
-        s.advance(1e1)
+        for steps in (1.5, 5.0, 1e6, np.float64(5)):
+            self.check(slipdisk.UserError, r"whole number of steps.*or advance\(time=", lambda: s.advance(steps))
+        s.advance(np.int64(10))
         self.assertEqual(s.step, 10)
         self.check(slipdisk.UserError, "expected 1 or more", lambda: s.observe(0, print))
         self.check(slipdisk.UserError, "body 7", lambda: s.name(7))
+
+    def test_end(self):
+        """Beyond the end of the run a warning says what was not made; a deck without a length has no end."""
+        s = slipdisk.Simulation(FREE, disks={"x": [0.0], "y": [0.0], "radius": 1, "mass": 1})
+        end = s.steps * s.dt
+        with self.assertWarnsRegex(slipdisk.Warning, f"the run ended at step {s.steps}, time .*, 100 of {s.steps + 100} steps before"):
+            s.advance(time=end + 100 * s.dt)
+        self.assertTrue(s.finished)
+        for call in (lambda: s.advance(time=1), lambda: s.advance(7)):
+            with self.assertWarnsRegex(slipdisk.Warning, "the run was over before, at step .*: no step was made"):
+                call()
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            s.advance()
+            s.advance(0)
+            endless = slipdisk.Simulation({k: v for k, v in FREE.items() if k not in ("steps", "time", "phases")},
+                                          disks={"x": [0.0], "y": [0.0], "radius": 1, "mass": 1})
+            endless.advance(1000)
+        self.assertFalse(endless.finished)
+        self.check(slipdisk.UserError, "this run has no end", endless.advance)
+
+    def test_steering(self):
+        """Changes between steps: closed forms, the budget, the same bits of a clone and a loaded one, names."""
+        deck = {"dt": 1e-3, "gravity": {"g": 10.0}, "materials": [{"name": "grain", "k_n": 1e4}, {"name": "steel", "k_n": 1e4}],
+                "material_pairs": [{"materials": ["grain", "steel"], "k_n": 1e4}],
+                "disks": {"ball": {"x": 0, "y": 0, "radius": 1, "mass": 2, "material": "grain"},
+                          "plate": {"x": 9, "y": 0, "radius": 1, "mass": 1, "material": "steel", "fixed": True}},
+                "motions": {"push": {"disk": "plate", "coordinate": "x", "type": "velocity", "velocity": 1.0}}}
+        s = slipdisk.Simulation(deck)
+        s.disks["vx"] = [2.0, 1.0]  # of the fixed disk: as it is
+        s.set("vy", 1.0, "ball")
+        s.advance(time=1)
+        np.testing.assert_allclose(s.get("position", 0), (2, 1 - 5), atol=1e-12)
+        np.testing.assert_allclose(s.gravity, (0, -10))
+        s.gravity = 1, 0
+        s.set("motion.velocity", -2, "push")
+        s.set("law.k_n", [2e4, 3e4], ["grain", ("grain", "steel")])
+        self.assertEqual([s.get("law.k_n", p) for p in ("grain", "steel", ("steel", "grain"))], [2e4, 1e4, 3e4])
+        copies = s, s.clone(), slipdisk.Simulation.from_bytes(s.to_bytes(), threads=2)
+        for other in copies:
+            other.advance(time=1)
+            other.release(["plate"])
+            other.advance(time=1)
+            np.testing.assert_allclose(other.disks["x"], (2 + 4 + 2, 9 + 1 - 2 - 2 + 0.5), atol=1e-11)
+            self.assertLess(abs(other.energy.residual), 1e-11 * other.energy.scale)
+        self.assertEqual(len({other.hash() for other in copies}), 1)
+        s.hold("plate")
+        self.assertEqual(s.get("held").tolist(), [0, 1])
+        s.disks["x"] += 1.0  # of both: the held one too
+        np.testing.assert_allclose(s.get("x"), (9, 7.5), atol=1e-11)
+
+    def test_steering_refused(self):
+        s = ratchet()
+        x = s.disks["x"]
+        hash = s.hash()
+        for name in ("x", "vx", "angle"):
+            self.check(slipdisk.UserError, "is a copy: to change the simulation", lambda: s.disks[name].__setitem__(0, 1.0))
+        with self.assertRaises(ValueError):
+            np.add(x, 1, out=x)
+        with self.assertRaises(ValueError):
+            x[1:][0] = 1
+        y = x.copy()
+        y[0] = 1
+        z = x + 1
+        z[0] = 5
+        x -= 1
+        x[0] = 1
+        self.assertEqual((y[0], z[0], x[0]), (1, 5, 1))
+        for pattern, call in (
+                ("did you mean", lambda: s.set("velocty", 1, 0)), ("fixed or driven", lambda: s.set("vx", 1, 1)),
+                ("did you mean 'upper'", lambda: s.set("vx", 1, "uper")), ("no material is called 'x'", lambda: s.set("law.mu", 1, "x")),
+                ("no motion is called 'x'", lambda: s.set("motion.amplitude", 1, "x")), ("last argument", lambda: s.set("law.mu", 1)),
+                ("2 values: expected 1, or 3", lambda: s.set("vx", [1, 2])), ("expected numbers", lambda: s.set("vx", "a", 0)),
+                ("fixed or driven", lambda: s.disks.__setitem__("vx", 3.0)), ("what can be set", lambda: s.disks.__setitem__("force_x", 3.0)),
+                ("walls cannot be set", lambda: s.walls.__setitem__("x", 3.0)), ("whole number", lambda: s.set("vx", 1, 0.5)),
+                ("expected a number of at most 1e100", lambda: s.set("vx", np.nan, 0)), ("max_overlap", lambda: s.set("radius", 3, 0))):
+            self.check(slipdisk.UserError, pattern, call)
+        self.assertEqual(s.hash(), hash)
+
+        @s.observe(1)
+        def steers(sim):
+            sim.set("vx", 1, 0)
+        self.check(slipdisk.UserError, "observer", lambda: s.advance(1))
 
     def test_warnings(self):
         """What leaves the bounds is warned of, at the caller's line."""

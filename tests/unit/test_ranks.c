@@ -62,6 +62,12 @@ static const deck_case DECKS[] = {
     {"too fast at the start, and later", HEAD PACKING
      "disks = ( { x = 11.6; y = 12.6; radius = 0.3; density = 1; vy = 4; } ); skin = 3.0;\n"
      "gravity = { g = 60; }; limits = { displacement = 0.01; }; phases = ( { steps = 300; } );"},
+    {"hold and release", HEAD PACKING
+     "disks = ( { name = \"ball\"; x = 6; y = 14; radius = 1; density = 2; fixed = true; },\n"
+     "  { name = \"second\"; x = 2; y = 12.9; radius = 0.4; density = 2; vy = -1; } );\n"
+     "gravity = { g = 1; }; container = { type = \"box\"; width = 40; height = 20; };\n"
+     "phases = ( { steps = 300; }, { steps = 300; release = \"ball\"; hold = \"second\"; },\n"
+     "  { steps = 200; hold = (\"grains\", \"ball\"); release = \"second\"; } );"},
     {"bounds", HEAD PACKING
      "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
      "bounds = { x = (-2, 14); y = (-3, 30); outside = \"remove\"; };\n"

@@ -199,7 +199,7 @@ static sd_status find(const options *o, check_found *f, sd_messages *messages) {
 
 static int check(const options *o, sd_messages *messages) {
   sd_model *m = NULL;
-  int status = sd_deck_load(o->deck, o->overrides.n, o->overrides.item, &m, messages);
+  int status = deck_load_run(o->deck, o->overrides.n, o->overrides.item, &m, messages);
   check_found found = {.model = m};
   if (status == SD_OK) status = find(o, &found, messages);
   if (o->json) {

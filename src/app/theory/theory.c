@@ -14,6 +14,7 @@
 #include "app/json.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "io/deck/deck.h"
 #include "io/store/file.h"
 #include "slipdisk/deck.h"
 
@@ -165,7 +166,7 @@ static sd_status write_wave(const arguments *a, const theory_case *c, sd_message
 static sd_status tell(const arguments *a, sd_messages *messages) {
   theory_case c;
   sd_model *model = NULL;
-  sd_status status = sd_deck_load(a->deck, a->overrides.n, a->overrides.item, &model, messages);
+  sd_status status = deck_load_run(a->deck, a->overrides.n, a->overrides.item, &model, messages);
   if (status == SD_OK) status = theory_case_read(model, &c, messages);
   if (status == SD_OK) {
     status = theory_case_solve(&c, messages);

@@ -11,6 +11,7 @@
 
 #include "base/team.h"
 #include "base/text.h"
+#include "io/deck/deck.h"
 #include "io/store/file.h"
 #include "io/store/h5.h"
 #include "slipdisk/deck.h"
@@ -134,7 +135,7 @@ static sd_status view_live(const view_options *o, sd_messages *messages) {
   sd_model *model = NULL;
   sd_simulation *s = NULL;
   app_catch_signals();
-  sd_status status = sd_deck_load(o->name, o->overrides.n, o->overrides.item, &model, messages);
+  sd_status status = deck_load_run(o->name, o->overrides.n, o->overrides.item, &model, messages);
   if (status == SD_OK) {
     sd_model_advise(model, messages);
     status = sd_simulation_new(model, (int)o->threads, &s, messages);

@@ -70,6 +70,7 @@ static void read_all(deck *d, bool point) {
   deck_read_clumps(d);
   deck_read_motions(d);
   deck_read_fields(d);
+  deck_read_holds(d);
   if (model_find_driven(d->model) != SD_OK) longjmp(d->out_of_memory, 1);
   deck_read_bounds(d);
   deck_read_phases(d);
@@ -116,6 +117,7 @@ typedef struct model_task {
   /* point: the deck is loaded for one point of its sweep. unfinished: return the model even if the
    * final checks fail */
   bool point, unfinished;
+  bool endless; /* the deck need not say how long the run is (deck.endless) */
   /* Communicator of the ranks that read the deck together; NULL: a single process */
   const comm *comm;
   /* whole: receives the reason if the disks must be on every rank and the deck must be read again;
@@ -128,6 +130,7 @@ typedef struct model_task {
 static sd_status make_model(deck *d, void *user) {
   model_task *t = user;
   d->comm = t->comm;
+  d->endless = t->endless;
   d->whole = t->whole;
   d->why = t->why;
   d->model = sd_model_new();
@@ -171,7 +174,8 @@ static sd_status load_text(const char *text, const char *path, size_t n_override
 
 sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
                             const char *const *overrides, sd_model **out, sd_messages *messages) {
-  return load_text(text, path, n_overrides, overrides, (model_task){0}, out, messages);
+  return load_text(text, path, n_overrides, overrides, (model_task){.endless = true}, out,
+                   messages);
 }
 
 static sd_status load(const char *path, size_t n_overrides, const char *const *overrides,
@@ -186,6 +190,11 @@ static sd_status load(const char *path, size_t n_overrides, const char *const *o
 
 sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides,
                        sd_model **out, sd_messages *messages) {
+  return load(path, n_overrides, overrides, (model_task){.endless = true}, out, messages);
+}
+
+sd_status deck_load_run(const char *path, size_t n_overrides, const char *const *overrides,
+                        sd_model **out, sd_messages *messages) {
   return load(path, n_overrides, overrides, (model_task){0}, out, messages);
 }
 

@@ -81,7 +81,11 @@ typedef void deck_difference(void *user, const char *path, const char *there, co
 bool deck_compare(const char *there, const char *here, bool any_title, deck_difference *tell,
                   void *user);
 
-/* Loads a deck as sd_deck_load does. If the deck itself has no errors but bodies overlap too much,
+/* Loads a deck as sd_deck_load does, for commands: the deck must say how long the run is. */
+sd_status deck_load_run(const char *path, size_t n_overrides, const char *const *overrides,
+                        sd_model **out, sd_messages *messages);
+
+/* Loads a deck as deck_load_run does. If the deck itself has no errors but bodies overlap too much,
  * or a check in sd_model_finish fails, *out is the unfinished model, for inspection. */
 sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides,
                     sd_model **out, sd_messages *messages);

@@ -5,6 +5,7 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
+#include "model/motions.h"
 
 /* Largest number of free disks for which the rotation of all of them is measured by default. */
 enum { MOST_WATCHED = 16 };
@@ -104,6 +105,60 @@ static void read_active(deck_group *g, sd_phase *phase) {
   memcpy(phase->fields, on, m->n_fields * sizeof *phase->fields);
 }
 
+/* --- disks that a phase holds or releases ----------------------------------------------------- */
+
+/* Adds disk i to the list of a phase's key `hold` or `release`, and makes it holdable. */
+static void add_held(deck *d, const deck_node *node, uint32_t i, const unsigned char *moved,
+                     size_t *n, uint32_t **list) {
+  const sd_disk *disk = &d->model->disks[i];
+  const char *what = disk->clump > 0 ? "belongs to a clump; expected a disk that moves by itself"
+                     : disk->waiting ? "waits for rain"
+                                     : NULL;
+  if (what) {
+    deck_fail(d, node, "%s %s", deck_body_name(d, i), what);
+    return;
+  }
+  model_make_holdable(d->model, i, moved[i]);
+  *list = memory_grow(*list, *n + 1, sizeof **list);
+  (*list)[(*n)++] = i;
+}
+
+/* Reads the key `hold` or `release` of a phase: disks by name or number, and groups by name. */
+static void read_held(deck_group *g, const char *key, const unsigned char *moved, size_t *n,
+                      const uint32_t **out) {
+  deck *d = g->d;
+  deck_node *names = deck_get(g, key);
+  uint32_t *list = NULL;
+  for (size_t k = 0; k < deck_each_count(names); k++) {
+    const deck_node *node = deck_each(names, k);
+    uint32_t found;
+    if (node->type == DECK_STRING && deck_index_find(&d->groups, node->value.text, &found)) {
+      for (uint32_t i = 0; i < model_held(d->model); i++)
+        if (d->model->disks[i].group == (int)found) add_held(d, node, i, moved, n, &list);
+    } else if (deck_find_body(d, node, false, &found)) {
+      add_held(d, node, found, moved, n, &list);
+    }
+  }
+  *out = list;
+}
+
+void deck_read_holds(deck *d) {
+  sd_model *m = d->model;
+  deck_node *list = deck_child(d->root, "phases");
+  if (!list || list->type != DECK_LIST || list->n > LIMIT_PHASES) return;
+  unsigned char *moved = model_moved(m);
+  if (!moved) longjmp(d->out_of_memory, 1);
+  deck_own(d, moved);
+  m->phases = memory_new(list->n, sizeof *m->phases);
+  for (size_t k = 0; k < list->n; k++) {
+    deck_group g = {d, list->child[k], &deck_phases};
+    m->n_phases = k + 1;
+    if (list->child[k]->type != DECK_GROUP) continue;
+    read_held(&g, "hold", moved, &m->phases[k].n_hold, &m->phases[k].hold);
+    read_held(&g, "release", moved, &m->phases[k].n_release, &m->phases[k].release);
+  }
+}
+
 /* --- phases ----------------------------------------------------------------------------------- */
 
 static void read_settle(deck_group *g, sd_settle *settle) {
@@ -190,14 +245,15 @@ void deck_read_phases(deck *d) {
       deck_remove(d->root, key);
     }
   }
+  if (!list && d->endless && !deck_child(d->root, "until")) return;
   if (!list || list->n == 0) {
     deck_fail_key(&top, "steps", "missing: expected steps, time or phases");
     return;
   }
-  m->phases = memory_new(list->n, sizeof *m->phases);
+  if (!m->phases) m->phases = memory_new(list->n, sizeof *m->phases);
   for (size_t k = 0; k < list->n; k++) {
     deck_group g;
-    m->n_phases = k + 1;
+    if (m->n_phases < k + 1) m->n_phases = k + 1;
     if (deck_enter(d, list->child[k], &deck_phases, &g))
       read_phase(&g, &output, &m->phases[k], k + 1 == list->n);
   }

@@ -270,6 +270,7 @@ static void read_kinds(reader *in, deck_result *r, const uint32_t *id) {
     r->number[row] = id[k];
     r->driven[row] = slot >= r->n_free;
   }
+  for (size_t k = 0; k < r->n_rows; k++) r->driven[k] = r->driven[k] || activity[k] == SD_HELD;
   for (size_t k = 0; k < r->n_rows; k++)
     r->gone[k] = !r->driven[k] && (activity[k] == SD_WAITING || activity[k] == SD_REMOVED);
 }

@@ -123,6 +123,7 @@ typedef struct deck {
   void *library;   /* libconfig's tree (config_t) while it exists, else NULL; see deck_node.c */
   deck_node *root;
   const char *text; /* Text of the deck as read, with included files put in place */
+  bool endless;     /* True: a deck without steps, time and phases has no end, for stepping */
   sd_model *model;  /* Model under construction; NULL when only the tree is wanted */
 
   /* Source location of each disk in model->disks */
@@ -372,6 +373,8 @@ void deck_read_locks(deck *d);
 void deck_forget_velocity(deck *d, uint32_t disk, int c);
 void deck_read_motions(deck *d);
 void deck_read_fields(deck *d); /* Reads the body forces in `fields`; call before phases are read */
+/* Reads `hold` and `release` of the phases; call before driven disks are found */
+void deck_read_holds(deck *d);
 void deck_read_phases(deck *d);
 /* Reports motions that exclude each other in a phase; call after phases are read */
 void deck_check_motions(deck *d);

@@ -183,6 +183,11 @@ static size_t place_of(const engine *e, const sd_motion *m, size_t b) {
   return SD_MOVED * slot + (size_t)m->coordinate;
 }
 
+/* False if the motion's b-th body is a disk that was released. */
+static bool is_moved_body(const engine *e, const sd_motion *m, size_t b) {
+  return body_is_moved(e, m->bodies[b], slot_of(&e->work.slots, m->bodies[b]));
+}
+
 static int by_place(const void *one, const void *two) {
   const addend *p = one, *q = two;
   if (p->place != q->place) return p->place < q->place ? -1 : 1;
@@ -199,7 +204,8 @@ static void list_addends(engine *e, const bool *begins) {
     for (size_t b = 0;
          (e->state->motion_start[k] >= 0 || (begins && begins[k])) && b < m->motions[k].n_bodies;
          b++)
-      q->addends[q->n_addends++] = (addend){place_of(e, &m->motions[k], b), k};
+      if (is_moved_body(e, &m->motions[k], b))
+        q->addends[q->n_addends++] = (addend){place_of(e, &m->motions[k], b), k};
   if (q->n_addends > 1) qsort(q->addends, q->n_addends, sizeof *q->addends, by_place);
 }
 
@@ -284,7 +290,7 @@ static void switch_off(engine *e, size_t k) {
   }
   s->motion_start[k] = -1;
   for (size_t b = 0; b < m->n_bodies; b++)
-    if (!is_moved(e, place_of(e, m, b)))
+    if (is_moved_body(e, m, b) && !is_moved(e, place_of(e, m, b)))
       rest(e, slot_of(&e->work.slots, m->bodies[b]), m->coordinate);
 }
 
@@ -371,6 +377,65 @@ void motion_first_speeds(engine *e) {
   for (prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++)
     if (p->slot >= s->n_free || body_in_play(s, p->slot)) *p->speed = p->velocity[0];
   motion_reload(e);
+}
+
+/* --- changes of constants --------------------------------------------------------------------- */
+
+sd_status motion_values(engine *e, double **at) {
+  const motions *q = e->work.motions;
+  const sd_model *m = e->model;
+  if (!memory_row(at, m->n_motions, sizeof **at)) return SD_ERROR_IO;
+  motion_store(e);
+  motion_reload(e);
+  fill(e, e->state->step);
+  for (size_t k = 0; k < m->n_motions; k++)
+    if (e->state->motion_start[k] >= 0 && !motion_is_feedback(&m->motions[k]))
+      (*at)[k] = q->signals.item[k].now.u[0];
+  motion_reload(e);
+  return SD_OK;
+}
+
+sd_status motion_take_over(engine *e, uint32_t disk) {
+  const sd_model *m = e->model;
+  const uint32_t slot = slot_of(&e->work.slots, disk);
+  const mover b = mover_of(e->state, slot);
+  double off, base, *now;
+  if (motion_values(e, &now) != SD_OK) return SD_ERROR_IO;
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    motion_offset(e, slot, c, &off, &base);
+    *b.base[c] = *b.at[c] + off;
+  }
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t n = 0; n < m->motions[k].n_bodies; n++)
+      if (m->motions[k].bodies[n] == disk) *b.base[m->motions[k].coordinate] -= now[k];
+  free(now);
+  return SD_OK;
+}
+
+void motion_rescale(engine *e, const sd_motion *next) {
+  sd_state *s = e->state;
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    const double was = e->model->motions[k].amplitude, now = next[k].amplitude;
+    if (next[k].kind != SD_MOTION_RANDOM || was == now) continue;
+    assert(was > 0.0);
+    double *const of[] = {&s->motion_u0[k], &s->motion_v0[k], &s->motion_u1[k], &s->motion_v1[k]};
+    for (size_t n = 0; n < sizeof of / sizeof *of; n++) *of[n] *= now / was;
+  }
+}
+
+sd_status motion_continue(engine *e, const double *before) {
+  const sd_state *s = e->state;
+  double *now;
+  if (motion_values(e, &now) != SD_OK) return SD_ERROR_IO;
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    const sd_motion *m = &e->model->motions[k];
+    if (s->motion_start[k] < 0 || s->motion_start[k] == s->step || motion_is_feedback(m)) continue;
+    for (size_t b = 0; b < m->n_bodies; b++)
+      *mover_of(s, slot_of(&e->work.slots, m->bodies[b])).base[m->coordinate] += before[k] - now[k];
+  }
+  free(now);
+  motion_first_speeds(e);
+  return SD_OK;
 }
 
 /* Sets a coordinate and its velocity to entry k of the values computed ahead; notes displacement,

@@ -113,7 +113,8 @@ static void count_disks(const grid_task *f, size_t begin, size_t end, grid_share
   for (int c = 0; c < 2; c++) mine->low[c] = HUGE_VAL, mine->high[c] = -HUGE_VAL;
   for (size_t i = begin; i < end; i++) {
     const double at[2] = {s->x[i], s->y[i]};
-    if (i >= s->n_free || s->activity[i] == SD_IN_PLAY) find_extent(mine, at);
+    if (i >= s->n_free || s->activity[i] == SD_IN_PLAY || s->activity[i] == SD_HELD)
+      find_extent(mine, at);
     if (!in_play(s, i)) continue;
     const size_t k = level_of(f->g, s->radius[i]);
     mine->count[k]++;

@@ -27,7 +27,8 @@ typedef struct range {
 } range;
 
 static bool in_play(const sd_state *s, size_t i) {
-  return s->activity[i] == SD_IN_PLAY || s->activity[i] == SD_OUTSIDE;
+  const int32_t a = s->activity[i];
+  return a == SD_IN_PLAY || a == SD_OUTSIDE || a == SD_HELD;
 }
 
 static range range_of(const sd_state *s, const double *at, const comm *c) {

@@ -414,7 +414,7 @@ static void check_poses(const engine *e) {
   const work *w = &e->work;
   for (size_t i = 0; i < s->n_bodies; i++) {
     assert(remainder(s->turn[i], 8.0) == 0.0);
-    if (i < s->n_free) assert(s->activity[i] >= SD_IN_PLAY && s->activity[i] <= SD_OUTSIDE);
+    if (i < s->n_free) assert(s->activity[i] >= SD_IN_PLAY && s->activity[i] <= SD_HELD);
     if (i >= s->n_free) continue;
     if (!body_in_play(s, i)) {
       assert(s->vx[i] == 0.0 && s->vy[i] == 0.0 && s->omega[i] == 0.0);

@@ -617,6 +617,7 @@ bool lanes_suit(const sd_model *m) {
       (m->bounds.given && m->bounds.outside == SD_OUTSIDE_REMOVE))
     return false;
   bool suits = true;
+  for (size_t k = 0; k < m->n_disks; k++) suits = suits && !disk_holds(&m->disks[k]);
   for (size_t k = 0; k < m->n_phases; k++)
     suits = suits && !m->phases[k].relax && !m->phases[k].compress.asked;
   for (size_t k = 0; k < m->n_motions; k++) suits = suits && suits_motion(m, &m->motions[k]);

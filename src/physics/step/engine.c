@@ -46,9 +46,10 @@ void engine_fill_disk(sd_state *s, const sd_disk *d, uint32_t number, uint32_t s
   if (d->waiting && !d->driven) {
     s->activity[slot] = SD_WAITING;
   } else if (!d->driven) {
-    set(&s->vx[slot], d->velocity[SD_X]);
-    set(&s->vy[slot], d->velocity[SD_Y]);
-    set(&s->omega[slot], d->velocity[SD_THETA]);
+    if (d->held) s->activity[slot] = SD_HELD;
+    if (!(d->held && d->holds[SD_X])) set(&s->vx[slot], d->velocity[SD_X]);
+    if (!(d->held && d->holds[SD_Y])) set(&s->vy[slot], d->velocity[SD_Y]);
+    if (!(d->held && d->holds[SD_THETA])) set(&s->omega[slot], d->velocity[SD_THETA]);
   }
   s->radius[slot] = d->radius;
   s->mass[slot] = d->mass;

@@ -25,10 +25,11 @@ typedef struct LANE(field_force) {
   LANE(real) force[SD_COORDINATES], damped[SD_COORDINATES], total[SD_COORDINATES];
 } LANE(field_force);
 
-/* Position of a disk relative to the centre of a field, and the factors by which the field's force
- * and torque on this disk are multiplied. */
+/* Position of a disk relative to the centre of a field, the factors by which the field's force
+ * and torque on this disk are multiplied, and the field's acceleration at this step. */
 typedef struct LANE(field_place) {
   LANE(real) x, y, weight, turn_weight;
+  const double *push; /* acceleration (x, y) of a turning gravity at this step */
 } LANE(field_place);
 
 LANE_INLINE void LANE(drag_field)(const sd_body_force *f, const LANE(field_place) * p,
@@ -75,6 +76,12 @@ LANE_INLINE void LANE(rotation_field)(const sd_body_force *f, const LANE(field_p
   s->turn = s->turn + (2.0 * f->omega) * p->weight;
 }
 
+LANE_INLINE void LANE(gravity_field)(const sd_body_force *f, const LANE(field_place) * p,
+                                     LANE(field_sum) * s) {
+  (void)f;
+  for (int c = 0; c < 2; c++) s->place[c] = s->place[c] + p->push[c] * p->weight;
+}
+
 LANE_INLINE void LANE(field_sums)(const body_forces *f, const view *v, size_t i,
                                   LANE(field_sum) * s) {
   const LANE(real) x = LANE(load)(v->k[SD_X].q + i), y = LANE(load)(v->k[SD_Y].q + i);
@@ -83,7 +90,8 @@ LANE_INLINE void LANE(field_sums)(const body_forces *f, const view *v, size_t i,
     const LANE(field_place) p = {.x = x - field->centre[0],
                                  .y = y - field->centre[1],
                                  .weight = LANE(load)(f->row[k].weight + i),
-                                 .turn_weight = LANE(load)(f->row[k].turn_weight + i)};
+                                 .turn_weight = LANE(load)(f->row[k].turn_weight + i),
+                                 .push = f->row[k].push};
     switch (field->kind) {
 #define FIELD_CASE(kind, word, ...)                                                                \
   case kind: LANE(word##_field)(field, &p, s); break;

@@ -61,7 +61,7 @@ static sd_status find_left(engine *e, outside_left **list, size_t *n) {
   *list = NULL;
   *n = 0;
   for (size_t i = 0; i < s->n_free; i++) {
-    if (!body_in_play(s, i)) continue;
+    if (!body_in_play(s, i) || s->activity[i] == SD_HELD) continue;
     const bool out = beyond(e, i);
     if (!out) s->activity[i] = SD_IN_PLAY;
     if (!out || s->activity[i] == SD_OUTSIDE) continue;

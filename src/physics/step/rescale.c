@@ -1,4 +1,5 @@
-/* rescale.c: multiplies all lengths of the region by a factor; implements rescale() of step.h.
+/* rescale.c: multiplies all lengths of the region by a factor, and evaluates the forces of a system
+ * that was changed between steps; implements rescale() and renew_forces() of step.h.
  *
  * Positions are multiplied by the factor; velocities and angles stay. The direction of a contact
  * between round bodies stays the same, and so does lambda. Along a wall the arc length of the
@@ -56,10 +57,7 @@ static void renew_overlaps(engine *e) {
   }
 }
 
-/* Evaluates all contacts with their new overlaps; they may open, begin or slide. Accelerations
- * follow. Viscous losses and nonconservative work are set back to the values before, so that only
- * sliding loses energy. */
-static sd_status renew_contacts(engine *e, sd_messages *messages) {
+sd_status renew_forces(engine *e, sd_messages *messages) {
   work *w = &e->work;
   const sd_state *s = e->state;
   pairs *p = &w->pairs;
@@ -114,7 +112,7 @@ sd_status rescale(engine *e, double f, sd_messages *messages) {
   walls_pose(e);
   const bool stale = comm_or(e->comm, !neighbours_rescale(e, f)) != 0;
   sd_status status = stale ? engine_renew(e, messages) : SD_OK;
-  if (status == SD_OK) status = renew_contacts(e, messages);
+  if (status == SD_OK) status = renew_forces(e, messages);
   if (validity_due(e->state->step) && status == SD_OK) validity_check_step(e);
   return status;
 }

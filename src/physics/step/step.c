@@ -153,6 +153,7 @@ void step_once(engine *e, const team *t) {
   if (first) {
     motion_pose(e, &w->threads[0]);
     fields_apply(e);
+    body_forces_at(e, e->state->step + 1);
     if (motion_moves_walls(e)) walls_pose_listed(e);
     /* with several ranks, step_agree has asked for the flags of all of them */
     w->stale = !e->halo && any_stale(w);

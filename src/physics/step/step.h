@@ -62,6 +62,11 @@ void clumps_wrap(engine *e, size_t k);
  * forces and accelerations of the new state. Collective. Returns SD_ERROR_IO if memory runs out,
  * SD_ERROR_NUMERIC if an overlap is beyond the limit. */
 sd_status rescale(engine *e, double f, sd_messages *messages);
+/* Evaluates all contacts of a system whose bodies or constants were changed between two steps, at
+ * their present overlaps: they may open, begin or slide. Forces and accelerations follow. Viscous
+ * losses and nonconservative work stay as they were, so that only sliding loses energy.
+ * Collective; statuses as those of rescale. */
+sd_status renew_forces(engine *e, sd_messages *messages);
 
 /* The displacement limit (model->limits.displacement), a warning against steps in which bodies
  * might pass through each other: in one step no free disk should move by more than this fraction of

@@ -45,9 +45,11 @@ void bodies_fill_constants(engine *e) {
       w->constant_x[i] = w->constant_y[i] = w->constant_torque[i] = 0.0;
       continue;
     }
-    w->inverse_mass_x[i] = d->locked[SD_X] ? 0.0 : 1.0 / mass;
-    w->inverse_mass_y[i] = d->locked[SD_Y] ? 0.0 : 1.0 / mass;
-    w->inverse_inertia[i] = d->locked[SD_THETA] ? 0.0 : 1.0 / inertia;
+    const bool held = s->activity[i] == SD_HELD;
+    w->inverse_mass_x[i] = d->locked[SD_X] || (held && d->holds[SD_X]) ? 0.0 : 1.0 / mass;
+    w->inverse_mass_y[i] = d->locked[SD_Y] || (held && d->holds[SD_Y]) ? 0.0 : 1.0 / mass;
+    w->inverse_inertia[i] =
+        d->locked[SD_THETA] || (held && d->holds[SD_THETA]) ? 0.0 : 1.0 / inertia;
     w->constant_x[i] = mass * m->gravity[0] + d->force[SD_X];
     w->constant_y[i] = mass * m->gravity[1] + d->force[SD_Y];
     w->constant_torque[i] = d->force[SD_THETA];
@@ -58,7 +60,7 @@ void bodies_fill_constants(engine *e) {
       assert(slot < s->n_bodies + s->n_clumps && m->motions[k].coordinate >= 0 &&
              m->motions[k].coordinate < SD_MOVED);
       /* Skip prescribed bodies, and clumps: clumps_fill_constants sets their inverse masses. */
-      if (slot >= s->n_free) continue;
+      if (slot >= s->n_free || !body_is_moved(e, m->motions[k].bodies[b], slot)) continue;
       int c = m->motions[k].coordinate;
       (c == SD_X   ? w->inverse_mass_x
        : c == SD_Y ? w->inverse_mass_y

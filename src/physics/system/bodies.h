@@ -13,7 +13,15 @@ void bodies_fill_constants(engine *e);
 /* True if the free disk in this slot takes part in the run: it is not waiting and has not been
  * removed. */
 static inline bool body_in_play(const sd_state *s, size_t slot) {
-  return s->activity[slot] == SD_IN_PLAY || s->activity[slot] == SD_OUTSIDE;
+  const int32_t a = s->activity[slot];
+  return a == SD_IN_PLAY || a == SD_OUTSIDE || a == SD_HELD;
+}
+
+/* False if motions that name the body in this slot do not move it now, since it is a disk that was
+ * released. */
+static inline bool body_is_moved(const engine *e, uint32_t body, size_t slot) {
+  return slot >= e->state->n_free || !disk_holds(&e->model->disks[body]) ||
+         e->state->activity[slot] == SD_HELD;
 }
 
 /* Returns the displacement of a wall's moving surface (conveyor belt, rotating drum) along the

@@ -2,6 +2,7 @@
 #include "physics/system/fields.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,10 @@
 #include "physics/system/bodies.h"
 #include "physics/system/clumps.h"
 #include "physics/system/kernels.h"
+
+#define LANE_WIDTH 1
+#include "base/lane.h"
+#include "base/vmath.h"
 
 /* Sets `total` to the constant forces plus the fields of the calling program. */
 static void sum_up(engine *e) {
@@ -94,6 +99,12 @@ void fields_work(engine *e) {
   const double now = power(e);
   e->state->work_driven += 0.5 * e->work.dt * (e->state->field_power + now);
   e->state->field_power = now;
+}
+
+void fields_renew(engine *e) {
+  if (!e->fields) return;
+  evaluate(e, e->state->step);
+  e->state->field_power = power(e);
 }
 
 static void free_columns(fields *f) {
@@ -253,8 +264,22 @@ void body_forces_attach(engine *e) {
   }
 }
 
+void body_forces_at(engine *e, int64_t step) {
+  body_forces *f = e->work.body_forces;
+  for (size_t k = 0; f && k < f->n; k++) {
+    const sd_body_force *field = f->row[k].field;
+    if (field->kind != SD_FIELD_GRAVITY) continue;
+    const double turns = (field->tilt + field->omega * ((double)step * e->work.dt)) * (0.5 / M_PI);
+    double s, c;
+    sine_cosine_w1(turns, &s, &c);
+    f->row[k].push[0] = -field->g * s;
+    f->row[k].push[1] = -field->g * c;
+  }
+}
+
 void body_forces_renew(engine *e, size_t begin, size_t end) {
   if (!e->work.body_forces) return;
+  body_forces_at(e, e->state->step);
   assert(begin <= end && end <= e->state->n_free && e->work.body_forces->base[SD_X]);
   e->work.kernels->fields(e, begin, end);
 }

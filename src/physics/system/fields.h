@@ -34,6 +34,9 @@ sd_status fields_resize(engine *e);
 void fields_attach(engine *e);
 /* Evaluates the calling program's fields at the predicted coordinates of the present step. */
 void fields_apply(engine *e);
+/* Evaluates the calling program's fields at the present coordinates and velocities, after the
+ * bodies were changed between two steps. */
+void fields_renew(engine *e);
 /* Adds the work of the calling program's fields in the step just completed to the budget:
  * trapezoidal rule for force times corrected velocity. */
 void fields_work(engine *e);
@@ -49,6 +52,7 @@ typedef struct body_force_row {
   const sd_body_force *field;
   /* [n_free] weight of the force (1, R or m, by kind of field), and of the torque (1, R^3 or I) */
   double *weight, *turn_weight;
+  double push[2]; /* turning gravity: acceleration at the step that is being made */
 } body_force_row;
 
 /* Kinds of power of the force fields on a disk; their time integrals are the members work, drag and
@@ -83,6 +87,8 @@ void body_forces_fill(engine *e);
 /* Makes the integrator use the sum of constant forces, fields of the calling program and fields of
  * the deck. To be called after constant forces have changed or have moved in memory. */
 void body_forces_attach(engine *e);
+/* Sets the parts of the deck's fields that depend on time to their values at a step. */
+void body_forces_at(engine *e, int64_t step);
 /* Evaluates the deck's force fields on free disks [begin, end) at their present coordinates; the
  * contact forces on these disks must be in the state. */
 void body_forces_renew(engine *e, size_t begin, size_t end);

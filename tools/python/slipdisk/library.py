@@ -136,7 +136,7 @@ TYPES = [np.dtype("f8"), np.dtype("i8"), np.dtype("i4"), np.dtype("u4")]  # sd_t
 # sd_disk: a test sends one through the library and back.
 DISK = np.dtype([("name", "u8"), ("position", "f8", 3), ("velocity", "f8", 3), ("radius", "f8"), ("mass", "f8"),
                  ("inertia", "f8"), ("force", "f8", 3), ("material", "i4"), ("group", "i4"), ("locked", "?", 3),
-                 ("driven", "?"), ("waiting", "?"), ("clump", "i4")], align=True)
+                 ("driven", "?"), ("waiting", "?"), ("clump", "i4"), ("held", "?"), ("holds", "?", 3)], align=True)
 
 
 class Field(Structure):
@@ -237,6 +237,10 @@ FUNCTIONS = {
     "sd_simulation_add_force_field": (c_int, c_void_p, FORCE_FIELD, c_void_p, c_void_p),
     "sd_simulation_add_disks": (c_int, c_void_p, c_size_t, c_void_p, POINTER(c_uint32), c_void_p),
     "sd_simulation_remove_disks": (c_int, c_void_p, c_size_t, c_void_p, c_void_p),
+    "sd_simulation_set": (c_int, c_void_p, c_char_p, c_size_t, c_void_p, c_void_p, c_void_p),
+    "sd_simulation_get": (c_double, c_void_p, c_char_p, c_uint32),
+    "sd_simulation_index": (c_uint32, c_void_p, c_char_p, c_char_p, c_char_p),
+    "sd_simulation_slot": (c_uint32, c_void_p, c_uint32),
     "sd_simulation_model": (c_void_p, c_void_p),
     "sd_simulation_step": (c_int64, c_void_p),
     "sd_simulation_time": (c_double, c_void_p),

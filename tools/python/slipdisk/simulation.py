@@ -22,7 +22,9 @@ from .tables import Named, indexed, structured
 NO_BODY = 0xFFFFFFFF
 BODIES = lib.PER_BODY, lib.PER_FREE, lib.PER_FIELDED, lib.PER_CELL_DISK, lib.PER_LAW_FREE
 LASTING = *BODIES, lib.PER_CLUMP  # their columns stay where they are
+SETTABLE = "x", "y", "angle", "vx", "vy", "omega", "radius", "mass", "inertia"  # of disks
 PIECE_SECONDS = 0.05  # at most twice this long Ctrl-C waits
+ENDLESS = 2**61 - 1  # steps of a run without an end
 OFTEN_SECONDS = 0.001  # shorter calls are made the shortest way
 
 
@@ -139,9 +141,30 @@ class Columns(Named):
         return self._field(name).meaning.decode()
 
 
+class Copied(np.ndarray):
+    """A copy of a column. Writing to an element is refused, since it would not reach the simulation; `x = x + 1`,
+    `x += 1` and x.copy() make ordinary arrays."""
+
+    def __setitem__(self, key, value):
+        if not self.flags.writeable:
+            raise UserError("this array is a copy: to change the simulation, assign a whole column, sim.disks[name] = values, "
+                            "or call sim.set(name, values, disks); to change the copy, take a copy() of it")
+        super().__setitem__(key, value)
+
+
+def in_place(name):
+    """An operator like += that leaves a copied column as it is and returns an ordinary array."""
+    return lambda self, other: getattr(np.ndarray, name)(self if self.flags.writeable else np.array(self), other)
+
+
+for operation in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
+    setattr(Copied, f"__i{operation}__", in_place(f"__i{operation}__"))
+
+
 class Bodies(Named):
     """Copies of the columns of disks, or of walls, in the order of their numbers; `angle` is turn + theta. What only free
-    disks have is nan (or -1) for others. `unit` and `meaning` of each; some or all as `array()`, `pandas()`, `xarray()`."""
+    disks have is nan (or -1) for others. `unit` and `meaning` of each; some or all as `array()`, `pandas()`, `xarray()`.
+    disks["vx"] = values sets a column (see Simulation.set)."""
 
     def __init__(self, simulation, kind, first, n):
         self._slots, self._dimension, self._first, self._n = simulation.columns, kind, first, n
@@ -157,7 +180,25 @@ class Bodies(Named):
         mine = (number >= 0) & (number < self._n)
         found = np.full(self._n, np.nan if values.dtype.kind == "f" else -1).astype(values.dtype)
         found[number[mine]] = values[mine]
+        found = found.view(Copied)
+        found.flags.writeable = False
         return found
+
+    def __setitem__(self, name, values):
+        """Sets a quantity of all disks, one value or a value for each. Those of disks that cannot be set, such as fixed
+        ones, must be as they are."""
+        simulation = self._columns._simulation
+        if self._first > 0:
+            raise UserError("walls cannot be set; motions move them (motion.velocity, motion.amplitude)")
+        new = numbers(values, name)
+        if len(new) not in (1, self._n):
+            raise UserError(f"{name}: {len(new)} values: expected one, or {self._n}")
+        if name not in SETTABLE:
+            raise lib.unknown(name, SETTABLE, "what can be set")
+        now, new = self[name], np.broadcast_to(new, self._n)
+        changed = np.flatnonzero(~((new == now) | (np.isnan(new) & np.isnan(now))))
+        if len(changed):
+            simulation.set(name, new[changed], changed)
 
     def __iter__(self):
         yield "angle"
@@ -344,8 +385,9 @@ class Simulation(Shown):
 
     # --- stepping -----------------------------------------------------------------------------------------------
     def advance(self, steps=None, *, time=None, progress=None):
-        """Advances by so many steps, or by a time, or without either to the end. Stops at the end of the last phase, or
-        where an observer returned True; raises what an observer or a force raised, and NumericError.
+        """Advances by a whole number of steps, or by a time, or without either to the end. Stops at the end of the last
+        phase, or where an observer returned True; raises what an observer or a force raised, and NumericError. A warning
+        says when the run ends before the time is over, or was over before.
 
         progress   True, False, or None: shown in notebooks and on terminals, for calls of more than a second"""
         if time is not None:
@@ -354,18 +396,25 @@ class Simulation(Shown):
             if not 0 <= time <= 1e100:
                 raise UserError(f"advance: time = {time}: expected a number from 0 to 1e100")
             steps = round(time / self.dt)
-        if isinstance(steps, float) and steps.is_integer():
-            steps = int(steps)  # 1e6
-        if isinstance(steps, float):
-            raise UserError(f"advance: {steps} steps: expected a whole number; time=... takes a time")
+        if isinstance(steps, (float, np.floating)):
+            raise UserError(f"advance({steps}): expected a whole number of steps, like {steps:.0f}, or advance(time={steps})")
+        if steps is None and self.steps >= ENDLESS:
+            raise UserError("advance(): this run has no end (its deck gives no steps, time or phases): expected steps, or time=...")
+        asked = steps
         steps = 2**62 if steps is None else lib.whole(steps, "advance: steps", 0)
+        before = self.step if time is not None or self.finished else None
         if not self._handle.kept:
-            self._advance(steps, progress)
-            return
-        with Entry(self):
-            self._advance(steps, progress)
+            stopped = self._advance(steps, progress)
+        else:
+            with Entry(self):
+                stopped = self._advance(steps, progress)
+        if before is not None and asked and not stopped and self.step - before < steps:
+            ended = f"step {self.step}, time {self.time:g}"
+            lib.warn([f"advance: the run was over before, at {ended}: no step was made" if self.step == before else
+                      f"advance: the run ended at {ended}, {steps - (self.step - before)} of {steps} steps before the time was over"])
 
     def _advance(self, steps, progress):
+        """True: an observer stopped it."""
         asked, took, shown = steps, 0.0, None
         if steps == 0:  # refused where any other number is
             self._messages.check(self._library.sd_simulation_advance(self._pointer, 0, self._list), level=4)
@@ -374,7 +423,7 @@ class Simulation(Shown):
                 piece, begin = min(steps, self._piece), clock.perf_counter()
                 status = self._library.sd_simulation_advance(self._pointer, piece, self._list)
                 if (status or self._raised is not None or self._library.sd_messages_count(self._list)) and self._end(status):
-                    return
+                    return True
                 steps -= piece
                 took = clock.perf_counter() - begin
                 if took < PIECE_SECONDS and piece == self._piece:
@@ -391,6 +440,7 @@ class Simulation(Shown):
         if (0 < took < OFTEN_SECONDS and asked <= self._piece and asked is not self._again and not self._handle.kept
                 and type(self).advance is Simulation.advance):
             self._again, self.advance = asked, often(self, asked)
+        return False
 
     def _end(self, status):
         """After a piece with a status or messages; True: an observer stopped it."""
@@ -535,6 +585,86 @@ class Simulation(Shown):
         found = [self.find(d) if isinstance(d, str) else lib.whole(d, "remove_disks: disk", 0, self.n_disks - 1) for d in listed.tolist()]
         found = np.array(found, np.uint32)
         self._messages.check(self._library.sd_simulation_remove_disks(self._pointer, len(found), found.ctypes.data, self._list))
+
+    # --- steering -------------------------------------------------------------------------------------------------
+    def _indices(self, name, of):
+        """Indices of sd_simulation_set, of disks, motions or materials by number or name; None: all disks."""
+        quantity, law = lib.text(name, "set"), str(name).startswith("law.")
+        self._messages.check(self._library.sd_simulation_set(self._pointer, quantity, 0, None, None, self._list))  # is there one?
+        if of is None and name == "gravity":
+            return np.array([0, 1], np.uint32)
+        if of is None:
+            if "." in str(name):
+                raise UserError(f"{name}: expected the {'material, or a pair of them' if law else 'motion'} as the last argument")
+            return np.arange(self.n_disks, dtype=np.uint32)
+        listed = [of] if lone(of, law) else list(of)
+        found = []
+        for one in listed:
+            pair = one if isinstance(one, tuple) else (one, None)
+            if isinstance(one, tuple) and not (law and len(one) == 2):
+                raise UserError(f"{name}: {one!r:.80}: expected a name or a number")
+            if not isinstance(pair[0], str):
+                found.append(lib.whole(one, f"{name}: index", 0, NO_BODY - 1))
+                continue
+            words = [None if word is None else lib.text(word, name) for word in pair]
+            index = self._library.sd_simulation_index(self._pointer, quantity, *words)
+            if index == NO_BODY and "." not in str(name):
+                index = self.find(one)  # says what is near
+            if index == NO_BODY:
+                raise lib.UnknownName([f"{name}: no {'material' if law else 'motion'} is called {one!r}"])
+            found.append(index)
+        return np.array(found, np.uint32)
+
+    def set(self, name, values, of=None):
+        """Sets a quantity between two steps: one value, or a value for each element of `of`; its energy counts as work.
+
+        x, y, position (x, y), angle, vx, vy, velocity (vx, vy), omega, radius, mass, inertia: of disks, by number or name
+        (none: all of them). held: 1 or 0, see hold. gravity: (x, y). law.mu, law.k_n, ...: of a material or a pair of them,
+        ("steel", "glass"). motion.velocity, .amplitude, .force, .pressure: of a motion. What contacts and motions do, and
+        what is refused, says simulation.h (sd_simulation_set)."""
+        indices, wide = self._indices(name, of), 2 if name in ("position", "velocity") else 1
+        given = numbers(np.ravel(values), f"set: {name}")
+        if len(given) not in (wide, wide * len(indices)):
+            raise UserError(f"set: {name}: {len(given)} values: expected {wide}, or {wide * len(indices)}")
+        given = np.ascontiguousarray(np.resize(given, wide * len(indices)))
+        if name == "held":  # fixed disks get other rows when they are released
+            self._forces, n_free = (None, None), self._library.sd_extent_size(self._state(), lib.PER_FREE)
+            fixed = any(self._library.sd_simulation_slot(self._pointer, int(k)) >= n_free for k in indices)
+            if fixed and len(self._handle.views):
+                raise BufferError("set: views of columns are still in use; delete them, or keep copies")
+        with Entry(self):
+            status = self._library.sd_simulation_set(self._pointer, lib.text(name, "set"), len(indices), indices.ctypes.data,
+                                                     given.ctypes.data, self._list)
+        if self._raised is not None:
+            self._end(lib.INTERRUPTED)
+        self._messages.check(status)
+
+    def get(self, name, of=None):
+        """The present value of a quantity that `set` sets, an array; one number if `of` is one."""
+        if name in ("position", "velocity"):
+            pair = ("x", "y") if name == "position" else ("vx", "vy")
+            return np.stack([self.get(part, of) for part in pair], axis=-1)
+        found = [self._library.sd_simulation_get(self._pointer, lib.text(name, "get"), int(k)) for k in self._indices(name, of)]
+        if any(value != value for value in found):
+            raise UserError(f"{name}: {of!r:.80}: there is none of this number")
+        return found[0] if of is not None and lone(of, name.startswith("law.")) else np.array(found)
+
+    def hold(self, disks):
+        """Holds disks (numbers or names) where they are: forces do not move them, motions that name them do."""
+        self.set("held", 1, disks)
+
+    def release(self, disks):
+        """Releases disks that are fixed, moved by motions, or held. They keep their velocity."""
+        self.set("held", 0, disks)
+
+    @property
+    def gravity(self):
+        """The acceleration (x, y); can be set."""
+        return self.get("gravity")
+
+    @gravity.setter
+    def gravity(self, acceleration):
+        self.set("gravity", acceleration)
 
     # --- reading --------------------------------------------------------------------------------------------------
     @property
@@ -711,6 +841,11 @@ class Simulation(Shown):
             ("work", e.work + e.nonconservative_work),
             ("lost", e.viscous + e.friction + e.rolling + e.bridge + e.opening + e.drag + e.damping + e.relaxed),
             ("missing in the energy budget", e.residual)])
+
+
+def lone(of, law):
+    """Is it one index, not several? A pair of materials is one."""
+    return isinstance(of, (str, bytes)) or law and isinstance(of, tuple) or not hasattr(of, "__len__")
 
 
 def busy(call):

@@ -67,7 +67,7 @@ class DiskPanel {
     if (model.groupNames.length) rows.push(["group", model.groupNames[fixed("group")] ?? "none"]);
     if (model.materialNames.length) rows.push(["material", model.materialNames[fixed("material")] ?? "none"]);
     if (fixed("driven")) rows.push(["motion", "prescribed"]);
-    if (frame.has("activity")) rows.push(["state", ["in play", "waiting", "removed", "outside"][at("activity")]]);
+    if (frame.has("activity")) rows.push(["state", ["in play", "waiting", "removed", "outside", "held"][at("activity")]]);
     if (model.column("omega")) rows.push(["measured Ω", `${formatNumber(fixed("omega"))} ± ${formatNumber(fixed("omega_error"), 2)}`]);
     this.places.name.textContent = model.bodyName(k);
     this.places.numbers.replaceChildren(...rows.map((row) => tableRow(row)));

@@ -78,7 +78,7 @@ const QUANTITIES = [
   },
   {
     key: "activity", label: "State", kind: "names",
-    names: () => ["in play", "waiting", "removed", "outside"],
+    names: () => ["in play", "waiting", "removed", "outside", "held"],
     values: (model, frame) => frame.get("activity") || new Uint8Array(model.disks),
   },
 ];

@@ -90,7 +90,7 @@ class Scene {
       all[3] = Math.max(all[3], y + r);
     };
     const x = frame.get("x"), y = frame.get("y"), radius = this.model.column("radius"), activity = frame.get("activity");
-    const seen = [...x.keys()].filter((k) => (!activity || activity[k] === 0) && Number.isFinite(x[k] + y[k]));
+    const seen = [...x.keys()].filter((k) => (!activity || activity[k] === 0 || activity[k] === 4) && Number.isFinite(x[k] + y[k]));
     const [x0, x1] = middle(seen.map((k) => x[k]), part), [y0, y1] = middle(seen.map((k) => y[k]), part);
     for (const k of seen) if (x[k] >= x0 && x[k] <= x1 && y[k] >= y0 && y[k] <= y1) grow(x[k], y[k], radius[k]);
     this.poses(frame).forEach((pose, w) => {
