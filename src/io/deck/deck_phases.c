@@ -151,7 +151,7 @@ void deck_read_holds(deck *d) {
   deck_own(d, moved);
   m->phases = memory_new(list->n, sizeof *m->phases);
   for (size_t k = 0; k < list->n; k++) {
-    deck_group g = {d, list->child[k], &deck_phases};
+    deck_group g = {.d = d, .node = list->child[k], .table = &deck_phases};
     m->n_phases = k + 1;
     if (list->child[k]->type != DECK_GROUP) continue;
     read_held(&g, "hold", moved, &m->phases[k].n_hold, &m->phases[k].hold);
