@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs what slipdisk needs on Debian or Ubuntu, and only what is missing.
 #   tools/install_deps.sh           to build and run
+#   tools/install_deps.sh --plot    also what plots, films and Python need
 #   tools/install_deps.sh --tests   also what the tests, the formatter and the linter need; --docs is part of it
 #   tools/install_deps.sh --docs    also what makes the documentation site
 #   tools/install_deps.sh --deb     also what makes and checks the .deb
@@ -16,16 +17,18 @@ packages=(gcc libc6-dev make cmake ninja-build pkg-config
 site=(python3-sphinx python3-myst-parser python3-breathe doxygen furo python3-sphinx-copybutton libjs-katex fonts-katex
       node-normalize.css python3-numpy python3-h5py python3-matplotlib)
 deb=(dpkg-dev fakeroot lintian)
+plot=(python3 python3-numpy python3-h5py python3-matplotlib ffmpeg)
 tests=no
 for option in "$@"; do
   case "$option" in
     --tests)
       tests=yes
       packages+=(git binutils libcmocka-dev librandom123-dev clang clang-format-14 clang-tidy-14
-                 python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools parallel
+                 python3-venv hdf5-tools parallel
                  ccache gcovr
-                 chromium chromium-driver python3-selenium ffmpeg python3-mdanalysis python3-vtk9 python3-ase lammps
-                 poppler-utils mandoc mmdebstrap "${site[@]}" "${deb[@]}") ;;
+                 chromium chromium-driver python3-selenium python3-mdanalysis python3-vtk9 python3-ase lammps
+                 poppler-utils mandoc mmdebstrap "${site[@]}" "${deb[@]}" "${plot[@]}") ;;
+    --plot) packages+=("${plot[@]}") ;;
     --docs) packages+=("${site[@]}") ;;
     --deb) packages+=("${deb[@]}") ;;
     --mpi) packages+=(libopenmpi-dev openmpi-bin libtrilinos-zoltan-dev) ;;

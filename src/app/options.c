@@ -115,8 +115,15 @@ sd_status options_range(const char *text, size_t count, const char *file, option
   return SD_OK;
 }
 
+/* Refuses an option. given: argument that getopt_long read last; argv[optind] if a letter that is
+ * not its last one is unknown, as n in -np. */
 static int refuse_unknown(const command_line *line, const char *given) {
   char word[64];
+  if (strcmp(given, "-np") == 0 || strcmp(given, "-n") == 0)
+    return app_misuse(line->name,
+                      "unknown option %s; mpirun takes the number of processes: "
+                      "mpirun %s 4 slipdisk %s ...",
+                      given, given, line->name);
   snprintf(word, sizeof word, "%.*s", (int)strcspn(given, "="), given);
   guess near = guess_start(word + strspn(word, "-"));
   for (size_t k = 0; k < line->n; k++) {
@@ -136,6 +143,18 @@ static bool is_choice(const char *words, const char *text) {
     if (strlen(text) == n && strncmp(words, text, n) == 0) return true;
   }
   return false;
+}
+
+static int refuse_choice(const command_line *line, const option_row *row, const char *shown,
+                         const char *value) {
+  guess near = guess_start(value);
+  char *words = memory_text(row->value), *rest = words;
+  for (char *word; (word = strsep(&rest, "|"));) guess_add(&near, word);
+  int status = app_misuse(line->name, "%s %s: expected %s%s%s%s", shown, value, row->value,
+                          near.best ? " (did you mean " : "", near.best ? near.best : "",
+                          near.best ? "?)" : "");
+  free(words);
+  return status;
 }
 
 /* Returns what would be lost if the program wrote to this path: "deck", "result", or NULL. */
@@ -174,8 +193,7 @@ static int take(const command_line *line, const option_row *row, const char *val
       break;
     }
     case OPTION_CHOICE:
-      if (!is_choice(row->value, value))
-        return app_misuse(line->name, "%s %s: expected %s", shown, value, row->value);
+      if (!is_choice(row->value, value)) return refuse_choice(line, row, shown, value);
       *(const char **)field = value;
       break;
     case OPTION_PATH:
@@ -245,7 +263,11 @@ int options_parse(const command_line *line, int argc, char **argv, void *argumen
   opterr = 0;
   for (int c; (c = getopt_long(argc, argv, letters, options, NULL)) != -1;) {
     if (c == ':') return app_misuse(line->name, "%s needs a value", argv[optind - 1]);
-    if (c == '?') return refuse_unknown(line, argv[optind - 1]);
+    if (c == '?') {
+      const char *last = argv[optind - 1];
+      const bool within = optopt > 0 && optopt < FIRST && !(last[0] == '-' && strchr(last, optopt));
+      return refuse_unknown(line, within ? argv[optind] : last);
+    }
     size_t k = c >= FIRST ? (size_t)(c - FIRST) : 0;
     while (c < FIRST && line->rows[k].letter != (char)c) k++;
     int mistake = take(line, &line->rows[k], optarg, arguments);

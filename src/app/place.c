@@ -47,8 +47,11 @@ sd_status place_find(place *p, const char *name, sd_messages *messages) {
                    "%s is a folder: name a result, its folder RESULT.parts or a checkpoint in it",
                    p->result);
   if (file_exists(p->result) || file_is_folder(p->folder)) return SD_OK;
-  return sd_fail(messages, SD_ERROR_USER, "there is neither a result %s nor an unfinished run %s",
-                 p->result, p->folder);
+  char *hint = file_hint(p->result);
+  sd_fail(messages, SD_ERROR_USER, "there is neither a result %s nor an unfinished run %s%s",
+          p->result, p->folder, hint);
+  free(hint);
+  return SD_ERROR_USER;
 }
 
 void place_free(place *p) {

@@ -182,13 +182,14 @@ static int modules_missing(const char *python) {
   return WEXITSTATUS(status) - FOUND;
 }
 
-/* Returns the first Python interpreter that has all modules; NULL, after an error message, if there
- * is none. */
+/* Returns the interpreter that SLIPDISK_PYTHON names, else the first one that has all modules; NULL,
+ * after an error message, if it lacks some. */
 static const char *find_python(const char *command) {
-  const char *names[] = {getenv("SLIPDISK_PYTHON"), "/usr/bin/python3", "python3"};
+  const char *asked = getenv("SLIPDISK_PYTHON");
+  const bool named = asked && *asked;
+  const char *names[] = {named ? asked : "/usr/bin/python3", "python3"};
   char told[600] = "";
-  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-    if (!names[k] || !*names[k]) continue;
+  for (size_t k = 0; k < (named ? 1 : sizeof names / sizeof *names); k++) {
     int missing = modules_missing(names[k]);
     if (missing == 0) return names[k];
     size_t n = strlen(told);
@@ -201,8 +202,8 @@ static const char *find_python(const char *command) {
   }
   app_line(stderr,
            "error: slipdisk %s needs python3 with numpy, h5py and matplotlib: %s (apt install "
-           "python3-numpy "
-           "python3-h5py python3-matplotlib, or set SLIPDISK_PYTHON)",
+           "python3-numpy python3-h5py python3-matplotlib, in an environment pip install "
+           "matplotlib; or set SLIPDISK_PYTHON)",
            command, told);
   return NULL;
 }

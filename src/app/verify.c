@@ -128,9 +128,12 @@ static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
     status = verify_folder(v, name, messages);
   else if (file_exists(name))
     verify_file(v, name);
-  else if (!file_is_folder(parts))
+  else if (!file_is_folder(parts)) {
+    char *hint = file_hint(name);
     status = sd_fail(messages, SD_ERROR_USER,
-                     "there is neither a result %s nor an unfinished run %s", name, parts);
+                     "there is neither a result %s nor an unfinished run %s%s", name, parts, hint);
+    free(hint);
+  }
   if (status == SD_OK && !file_is_folder(name) && file_is_folder(parts))
     status = verify_folder(v, parts, messages);
   free(points);

@@ -1,6 +1,7 @@
-"""The pages of docs/cookbook, docs/tutorial.md and docs/coming_from.md are followed to the letter, each in a folder of its own.
+"""The pages of docs/cookbook, docs/tutorial.md, docs/coming_from.md and README.md are followed to the letter, each in a folder of its own.
 
-Blocks of `sh` are run one after the other; where there is a cookbook, in a copy of inputs/cookbook. Remarks in the pages, which
+Blocks of `sh` are run one after the other; where there is a cookbook, in a copy of inputs/cookbook; those of README.md in a folder
+with the parts of a clone that has been built. Remarks in the pages, which
 readers do not see, say what is to be found:
 
     <!-- file: tilt.cfg -->        the block below is this file of inputs/cookbook
@@ -30,7 +31,7 @@ import time
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
 COOKBOOK = ROOT / "inputs/cookbook"
-PAGES = [ROOT / "docs/tutorial.md", *sorted((ROOT / "docs/cookbook").glob("*.md")), ROOT / "docs/coming_from.md"]
+PAGES = [ROOT / "docs/tutorial.md", *sorted((ROOT / "docs/cookbook").glob("*.md")), ROOT / "docs/coming_from.md", ROOT / "README.md"]
 PIECE = re.compile(r"<!-- (?P<key>file|write|test): (?P<value>.*?) -->\n|^```(?P<kind>\w*)\n(?P<body>.*?)^```\n",
                    re.DOTALL | re.MULTILINE)
 RANGE = re.compile(r"(\S+) < (.+) < (\S+)$")
@@ -63,10 +64,16 @@ class Page:
         self.folder = folder / path.stem
         if path == PAGES[0]:
             self.folder.mkdir()
+        elif path == PAGES[-1]:
+            (self.folder / "build").mkdir(parents=True)
+            (self.folder / "build/release").symlink_to(BUILD)
+            for name in ("inputs", "tools"):
+                (self.folder / name).symlink_to(ROOT / name)
         else:
             shutil.copytree(COOKBOOK, self.folder)
             shutil.copy(ROOT / "tools/cluster/sweep.sbatch", self.folder)
         self.there = {p.name for p in self.folder.rglob("*")}
+        self.goes_on = ""  # a reader of README.md types all its blocks into one shell
         self.printed, self.pending, self.found, self.seconds, self.left_out = "", {}, 0, 0.0, False
 
     def remark(self, value):
@@ -105,12 +112,14 @@ class Page:
         if "shorter" in asked and not self.full:
             text = re.sub(r"^(slipdisk (?:run|sweep) [^#|&\n]*)", rf"\1 {asked['shorter']} ", text, flags=re.MULTILINE)
         begin = time.monotonic()
-        done = subprocess.run(["bash", "-e", "-o", "pipefail", "-c", text], cwd=self.folder, env=self.environment,
+        done = subprocess.run(["bash", "-e", "-o", "pipefail", "-c", self.goes_on + text], cwd=self.folder, env=self.environment,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.seconds += time.monotonic() - begin
         self.printed = done.stdout
         if done.returncode != int(asked.get("status", 0)):
             raise Wrong(f"exit status {done.returncode}\n{text}\n{done.stdout}")
+        if self.path == PAGES[-1]:
+            self.goes_on += "".join(f"{line}\n" for line in text.splitlines() if line.startswith("export ") or "&& cd " in line)
 
     def file(self, key, value, body):
         if key == "write":

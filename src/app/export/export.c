@@ -19,13 +19,14 @@ static const struct format {
   bool single;
   bool folder;
   export_writer *write;
+  const char *readers; /* programs and libraries that read it */
 } formats[] = {
-    {"h5md3d", "h5md", false, false, export_h5md},
-    {"lammps-dump", "dump", false, false, export_dump},
-    {"lammps-data", "data", true, false, export_data},
-    {"extxyz", "extxyz", false, false, export_xyz},
-    {"vtk", "vtk", false, true, export_vtk},
-    {"csv", "tables", false, true, export_csv},
+    {"h5md3d", "h5md", false, false, export_h5md, "MDAnalysis h5md"},
+    {"lammps-dump", "dump", false, false, export_dump, "LAMMPS OVITO VMD dump"},
+    {"lammps-data", "data", true, false, export_data, "LAMMPS data"},
+    {"extxyz", "extxyz", false, false, export_xyz, "OVITO ASE xyz"},
+    {"vtk", "vtk", false, true, export_vtk, "ParaView VisIt PyVista vtp pvd"},
+    {"csv", "tables", false, true, export_csv, "pandas Excel tables"},
 };
 enum { FORMATS = sizeof formats / sizeof *formats };
 
@@ -34,7 +35,7 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {
-    {"to", 0, OPTION_CHOICE, offsetof(arguments, format), NULL, FORMAT_NAMES,
+    {"to", 0, OPTION_TEXT, offsetof(arguments, format), NULL, FORMAT_NAMES,
      "what it is written as; must be given"},
     {"output", 'o', OPTION_PATH, offsetof(arguments, output), NULL, "OUT",
      "file, or folder of vtk and csv; by default the name of FILE with the format's ending, in the "
@@ -67,13 +68,30 @@ const command_line app_export_line = {
 
 /* --- command ---------------------------------------------------------------------------------- */
 
+/* Says that there is no such format, and which ones the program of this name reads. */
+static int refuse_format(const char *name) {
+  char hint[160] = "";
+  guess near = guess_start(name);
+  for (size_t k = 0; k < FORMATS; k++) {
+    guess_add(&near, formats[k].name);
+    if (strlen(name) > 2 && strcasestr(formats[k].readers, name))
+      snprintf(hint + strlen(hint), sizeof hint - strlen(hint), "%s%s", *hint ? " or " : "",
+               formats[k].name);
+  }
+  if (*hint) return app_misuse("export", "--to %s: it reads %s; expected one of these", name, hint);
+  return app_misuse("export", "--to %s: expected %s%s%s%s", name, FORMAT_NAMES,
+                    near.best ? " (did you mean " : "", near.best ? near.best : "",
+                    near.best ? "?)" : "");
+}
+
 static int parse(int argc, char **argv, arguments *a, const struct format **format) {
   int mistake = options_parse(&app_export_line, argc, argv, a);
   if (mistake) return mistake;
   for (size_t k = 0; a->format && k < FORMATS; k++)
     if (strcmp(formats[k].name, a->format) == 0) *format = &formats[k];
-  return *format ? 0
-                 : app_misuse("export", "the format is not said; expected --to %s", FORMAT_NAMES);
+  if (*format) return 0;
+  if (a->format) return refuse_format(a->format);
+  return app_misuse("export", "the format is not said; expected --to %s", FORMAT_NAMES);
 }
 
 static sd_status check_output(const export_job *job, const struct format *format) {

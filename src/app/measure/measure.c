@@ -16,17 +16,21 @@ typedef struct arguments {
   /* Operand FILE, and texts of --csv, --output and --region; NULL: not given */
   const char *name, *csv, *output, *wanted;
   bool json, all;
-  long frame; /* Value of the option --frame; -1: not given */
+  /* Value of the option --frame; negative values count from the end; NO_FRAME: not given */
+  long frame;
   option_real time;
   double region[4]; /* Values x0, x1, y0, y1 of the option --region */
   long bins;
   option_list bodies;
 } arguments;
 
+enum { NO_FRAME = INT32_MAX };
+
 static const option_row rows[] = {
     {"frame", 0, OPTION_NUMBER, offsetof(arguments, frame),
-     &(option_limits){0, INT32_MAX, ": expected the number of a stored frame, from 0 on"}, "K",
-     "this frame; by default the last state"},
+     &(option_limits){-INT32_MAX, INT32_MAX - 1,
+                      ": expected the number of a frame, from 0, or from the end as -1"},
+     "K", "this frame, from the end as -1; by default the last state"},
     {"time", 0, OPTION_REAL, offsetof(arguments, time),
      &(option_limits){0, 0, ": expected a number"}, "T", "the frame nearest to this time"},
     {"all", 0, OPTION_FLAG, offsetof(arguments, all), NULL, NULL, "all frames, a row each"},
@@ -66,7 +70,7 @@ static int parse(int argc, char **argv, arguments *a) {
   if (a->bodies.n > 0 && !a->csv)
     return app_misuse("measure",
                       "--body chooses rows of the tables; expected --csv FOLDER with it");
-  if ((a->frame >= 0) + a->time.given + a->all > 1)
+  if ((a->frame != NO_FRAME) + a->time.given + a->all > 1)
     return app_misuse("measure", "one of --frame, --time and --all is expected");
   return 0;
 }
@@ -77,18 +81,20 @@ static int parse(int argc, char **argv, arguments *a) {
  * the end of the run. */
 static sd_status choose(const arguments *a, const frames *f, bool alone, size_t *first,
                         size_t *last, sd_messages *messages) {
-  bool wanted = a->frame >= 0 || a->time.given || a->all;
+  const bool numbered = a->frame != NO_FRAME;
+  const bool wanted = numbered || a->time.given || a->all;
+  const int64_t frame = a->frame < 0 ? (int64_t)f->n + a->frame : a->frame;
   if (f->n == 0 && (alone || (wanted && !a->all)))
     return sd_fail(messages, SD_ERROR_USER, "%s: no frames are stored in it%s", a->name,
                    alone ? "" : "; without --frame and --time its last state is measured");
-  if (a->frame >= 0 && (size_t)a->frame >= f->n)
+  if (numbered && (frame < 0 || (size_t)frame >= f->n))
     return sd_fail(messages, SD_ERROR_USER, "%s: frame %ld: there are 0 to %zu", a->name, a->frame,
                    f->n - 1);
   if (a->all) {
     *first = 0;
     return stored_count(f, alone, last, messages);
   }
-  *first = a->frame >= 0 ? (size_t)a->frame : f->n - alone;
+  *first = numbered ? (size_t)frame : f->n - alone;
   sd_status status = a->time.given ? frames_nearest(f, a->time.value, first, messages) : SD_OK;
   if (alone && *first == f->n) *first = f->n - 1;
   *last = *first + 1;
@@ -222,7 +228,7 @@ static sd_status measure(const arguments *a, sd_messages *messages) {
 }
 
 int app_measure(int argc, char **argv) {
-  arguments a = {.frame = -1, .bins = 100};
+  arguments a = {.frame = NO_FRAME, .bins = 100};
   int mistake = parse(argc, argv, &a);
   if (mistake) {
     free(a.bodies.item);

@@ -148,6 +148,17 @@ static sd_status view_live(const view_options *o, sd_messages *messages) {
 
 /* --- command ---------------------------------------------------------------------------------- */
 
+static bool is_film(const char *path) { return text_ends(path, ".mp4") || text_ends(path, ".gif"); }
+
+/* Returns true if the name is that of a picture or film. */
+static bool is_picture(const char *path) {
+  static const char *const endings[] = {".png", ".svg", ".pdf", ".jpg", ".jpeg"};
+  bool found = is_film(path);
+  for (size_t k = 0; k < sizeof endings / sizeof *endings; k++)
+    found = found || text_ends(path, endings[k]);
+  return found;
+}
+
 static sd_status view(const view_options *o, sd_messages *messages) {
   char *path = NULL;
   bool result = is_result(o->name), made = false;
@@ -163,6 +174,10 @@ static sd_status view(const view_options *o, sd_messages *messages) {
     return (sd_status)app_misuse("view", "-D sets keys of a deck; %s is a result", o->name);
   if (!result && o->frames)
     return (sd_status)app_misuse("view", "--frames: %s is no result", o->name);
+  if (o->output && is_picture(o->output))
+    return (sd_status)app_misuse(
+        "view", "-o %s: a page is HTML; expected a name that ends in .html (pictures: slipdisk %s)",
+        o->output, is_film(o->output) ? "film" : "plot");
   if (o->output && is_same(o->name, o->output))
     return (sd_status)app_misuse("view", "-o %s would replace what is to be shown", o->output);
   sd_status status =

@@ -44,7 +44,11 @@ char *deck_file_text(const char *path, sd_messages *messages, sd_status *status)
     return text;
   }
   *status = file_text(path, (uint64_t)LIMIT_DECK * LIMIT_MIB, &text, trouble);
-  if (!text) sd_fail(messages, *status, "%s: cannot be read: %s", path, trouble);
+  if (!text) {
+    char *hint = file_hint(path);
+    sd_fail(messages, *status, "%s: cannot be read: %s%s", path, trouble, hint);
+    free(hint);
+  }
   return text;
 }
 

@@ -266,7 +266,10 @@ static bool is_hdf5(deck *d, const deck_node *file, const char *path) {
   if (h5_is_file(path)) return true;
   const int there = file_open_quiet(path, &size);
   if (there < 0) {
-    deck_fail(d, file, "cannot be read: %s%s", file_error_text(errno), deck_result_maker(d, path));
+    const char *trouble = file_error_text(errno), *maker = deck_result_maker(d, path);
+    char *hint = file_hint(path);
+    deck_fail(d, file, "cannot be read: %s%s", trouble, *maker ? maker : hint);
+    free(hint);
     return false;
   }
   const bool known = file_read_at(there, 0, head, sizeof head, &have);

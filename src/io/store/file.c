@@ -104,6 +104,26 @@ bool file_is_folder(const char *path) {
   return stat(path, &facts) == 0 && S_ISDIR(facts.st_mode);
 }
 
+char *file_hint(const char *path) {
+  char *folder = folder_of(path), *best = NULL;
+  const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+  guess near = guess_start(name);
+  DIR *directory = file_exists(path) ? NULL : opendir(folder);
+  for (struct dirent *one; directory && (one = readdir(directory));) {
+    const char *before = near.best;
+    if (one->d_name[0] != '.' && text_printable(one->d_name)) guess_add(&near, one->d_name);
+    if (near.best == before) continue;
+    free(best);
+    near.best = best = memory_text(one->d_name);
+  }
+  if (directory) closedir(directory);
+  char *hint = best ? format_text("; did you mean %.*s%s?", (int)(name - path), path, best)
+                    : memory_text("");
+  free(best);
+  free(folder);
+  return hint;
+}
+
 bool file_is_link(const char *path) {
   struct stat facts;
   return lstat(path, &facts) == 0 && S_ISLNK(facts.st_mode);

@@ -145,6 +145,9 @@ sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_me
 bool file_exists(const char *path);
 /* Returns true if path leads to a folder. */
 bool file_is_folder(const char *path);
+/* Returns "; did you mean NAME?" with the name in its folder that is most similar to that of a file
+ * that does not exist; "" without a similar one. The caller frees it. */
+char *file_hint(const char *path);
 /* Returns true if path is a symbolic link. */
 bool file_is_link(const char *path);
 /* Returns true if path is a device, a pipe or a socket, which a file never replaces. */

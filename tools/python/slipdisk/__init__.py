@@ -17,11 +17,17 @@ from .sweep import Sweep
 
 __all__ = ["Error", "FileError", "Interrupted", "NumericError", "Record", "Result", "Simulation", "Sweep", "UnknownName",
            "UserError",
-           "Warning", "deck_text", "info", "mean", "run", "sweep", "version"]
+           "Warning", "__version__", "deck_text", "info", "inputs", "mean", "run", "sweep", "version"]
 
 
 def __getattr__(name):
-    """slipdisk.plot and slipdisk.film, which need matplotlib, are loaded when they are asked for."""
+    """slipdisk.plot and slipdisk.film, which need matplotlib, are loaded when they are asked for; so are the library, for its
+    version, and the folder of the decks that are shipped, slipdisk.inputs."""
+    if name == "__version__":
+        return version()
+    if name == "inputs":
+        from .library import inputs
+        return inputs()
     if name not in ("plot", "film"):
         raise AttributeError(f"module 'slipdisk' has no attribute {name!r}")
     import importlib

@@ -83,8 +83,8 @@ def warn(lines, level=2):
 
 # --- where things are -------------------------------------------------------------------------------------------
 def places(installed, built):
-    """Candidates for a file: of the installation to which this package belongs, else of the checkout."""
-    for up in HERE.parents:
+    """Candidates for a file: in the package (a wheel), in the installation to which it belongs, else in the checkout."""
+    for up in (HERE, *HERE.parents):
         if (up / "CMakePresets.json").exists():  # a checkout
             yield from (up / "build" / build / built for build in ("release", "clang", "mpi"))
             yield up / "build" / built
@@ -105,6 +105,15 @@ def find(variable, installed, built, what):
 def program():
     """Path of the program `slipdisk`: SLIPDISK_PROGRAM, else that of the installation or checkout."""
     return find("SLIPDISK_PROGRAM", ["bin/slipdisk"], "slipdisk", "the program slipdisk")
+
+
+def inputs():
+    """Folder of the decks that come with slipdisk, a pathlib.Path: Simulation(slipdisk.inputs / "packing/heap.cfg")."""
+    for up in (HERE, *HERE.parents):
+        folder = up / ("inputs" if (up / "CMakePresets.json").exists() else "share/slipdisk/inputs")
+        if folder.is_dir():
+            return folder
+    raise FileError(f"the decks of slipdisk are not found above {HERE}")
 
 
 def lines(text):
