@@ -17,8 +17,9 @@
 /* --- time step -------------------------------------------------------------------------------- */
 
 /* Limits of the warning about dt: smallest number of time steps per shortest contact period, and
- * smallest ratio of a viscous stability limit to dt. */
-static const int FEWEST_STEPS = 20;
+ * smallest ratio of a viscous stability limit to dt; and the number of steps per period that is
+ * advised (docs/deck.md, "How long a time step"). */
+static const int FEWEST_STEPS = 20, ADVISED_STEPS = 40;
 static const double FEWEST_VISCOUS = 2.5;
 
 static const char *const integrators[] = {[SD_GEAR5] = "gear5", [SD_VERLET] = "verlet"};
@@ -34,7 +35,7 @@ static const char *bound_text(sd_bound bound) {
 /* Returns advice on dt, such as "take 8e-06 or less"; with Gear it also suggests Verlet if dt is
  * well below Verlet's limit. The caller frees it. */
 static char *better_step(const sd_model *m, const sd_step_limit *limit) {
-  double best = fmin(sd_model_shortest_period(m, NULL) / 100, limit->dt / FEWEST_VISCOUS);
+  double best = fmin(sd_model_shortest_period(m, NULL) / ADVISED_STEPS, limit->dt / FEWEST_VISCOUS);
   sd_model other = *m;
   other.integrator = SD_VERLET;
   double verlet = sd_model_step_limit(&other).dt;

@@ -1,4 +1,5 @@
 """The version stands in include/slipdisk/version.h; program, library, changelog and citation say the same, with the same day."""
+import importlib.util
 import os
 import pathlib
 import re
@@ -35,6 +36,26 @@ class Version(unittest.TestCase):
         self.assertEqual(re.findall(r"^date-released: (\S+)", text, re.M), [DAY])
         for key in ("cff-version: 1.2.0", "title:", "abstract:", "authors:", "license: MIT", "references:"):
             self.assertRegex(text, rf"(?m)^{key}")
+
+    def test_packages(self):
+        """Recipes of conda and Spack: the version, and what this machine can check of their syntax."""
+        recipe = (ROOT / "tools/packaging/conda/meta.yaml").read_text()
+        self.assertEqual(re.findall(r'^{% set version = "(\S+)" %}$', recipe, re.M), [VERSION])
+        package = (ROOT / "tools/packaging/spack/package.py").read_text()
+        self.assertEqual(re.findall(r'^    version\("(\S+)"\)$', package, re.M), [VERSION])
+        compile(package, "package.py", "exec")
+        if not all(map(importlib.util.find_spec, ("jinja2", "yaml"))):
+            self.skipTest("jinja2 or yaml is missing: the recipe of conda is not read")
+        import jinja2
+        import yaml
+        read = yaml.safe_load(jinja2.Environment(undefined=jinja2.StrictUndefined).from_string(recipe).render(
+            compiler=lambda language: language + "_compiler"))
+        self.assertEqual(read["package"], {"name": "slipdisk", "version": VERSION})
+        options = set(re.findall(r"(?:option\(|set\()(\w+)[^\n]*(?:ON|OFF|CACHE)", (ROOT / "CMakeLists.txt").read_text()))
+        for told in (" ".join(read["build"]["script"]), package):
+            used = re.findall(r"(?:-D|\")((?:SLIPDISK|BUILD)_[A-Z_]+)", told)
+            self.assertGreater(len(used), 2, told)
+            self.assertEqual(set(used) - options, set(), "no options of CMakeLists.txt")
 
     def test_python(self):
         if os.environ.get("SLIPDISK_BRIEF") == "1":

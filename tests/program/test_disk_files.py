@@ -232,6 +232,62 @@ class Hdf5(Files):
         self.refuse(bad + 'dataset = "g"; columns = ("x", "y", "radius", "group = x"); } );', "is a text")
 
 
+class Tables(Files):
+    """A mistake that all rows of a table have is told once."""
+
+    FILES = {"c.csv": "x, y, radius\n0, 0, 0.5\n2, 0, 0.5\n4, 0, 0.5\n", "place.csv": "x, y\n0, 0\n2, 0\n4, 0\n",
+             "zero.csv": "x, y, radius, density\n0, 0, 0.5, 0\n2, 0, 0.5, 0\n4, 0, 0.5, 0\n",
+             "both.csv": "x, y, radius, mass, density\n0, 0, 0.5, 1, 1\n2, 0, 0.5, 1, 1\n4, 0, 0.5, 1, 1\n",
+             "kinds.csv": "x, y, radius, mass, material\n0, 0, 0.5, 1, a\n2, 0, 0.5, 1, b\n4, 0, 0.5, 1, a\n",
+             "l.data": "LAMMPS\n\n3 atoms\n-9 9 xlo xhi\n-9 9 ylo yhi\n\nAtoms # sphere\n\n"
+                       "1 1 1 0 0 0 0\n2 1 1 0 2 0 0\n3 1 1 0 4 0 0\n",
+             "point.data": "LAMMPS\n\n3 atoms\n-9 9 xlo xhi\n-9 9 ylo yhi\n\nAtoms # sphere\n\n"
+                           "1 1 0 1 0 0 0\n2 1 0 1 2 0 0\n3 1 0 1 4 0 0\n"}
+    ROWS = "rows = ( (0, 0), (2, 0), (4, 0) );"
+    FIXED = "expected density (or mass) here, or in a column (key columns)"
+
+    def test_one_message(self):
+        for name, text in self.FILES.items():
+            self.write(name, text)
+        with h5py.File(self.folder / "p.h5", "w") as file:
+            for k, column in enumerate(("x", "y", "radius")):
+                file[f"g/{column}"] = numpy.array([0, 2, 4]) * (k == 0) + 0.5 * (k == 2)
+        file = "disk_files[0]."
+        none = "density: missing for all its disks: " + self.FIXED
+        for keys, expected in (
+                ('file = "c.csv";', [file + none]),
+                ('file = "l.data";', [file + none]),
+                ('file = "p.h5"; dataset = "g";', [file + none]),
+                ('file = "p.h5"; dataset = "g"; columns = ("x", "y");', [file + "radius: missing", file + none]),
+                ('file = "place.csv"; mass = 1;', [file + "radius: missing for all its disks: expected radius here"]),
+                ('file = "c.csv"; columns = ("x", "radius"); mass = 1;', [file + "y: missing"]),
+                ('file = "c.csv"; columns = ("y", "radius"); mass = 1;', [file + "x: missing"]),
+                ('file = "zero.csv";', ["zero.csv:2: density = 0: expected a number > 0; none of the 3 rows has one, so leave out "
+                                        "this column and give mass or density in the deck"]),
+                ('file = "l.data"; columns = ("x", "y", "radius", "mass");', ["l.data:9: mass = 0: expected a number > 0"]),
+                ('file = "point.data"; density = 1;', ["point.data:9: radius = 0: expected a number > 0"]),
+                ('file = "both.csv";', [file + "density: given together with mass"]),
+                ('file = "c.csv"; mass = 1; fixed = true; vx = 1;', [file + "fixed = true: a fixed disk cannot have a velocity"]),
+                ('file = "kinds.csv";', ['kinds.csv:2: material: no material is called "a"',
+                                         'kinds.csv:3: material: no material is called "b"']),
+                ('columns = ("x", "y"); ' + self.ROWS, ["disk_rows[0].radius: missing", "disk_rows[0]." + none]),
+                ('columns = ("x", "mass"); y = 0; radius = 0.5; ' + self.ROWS, ["bad.cfg:2: mass = 0: expected a number > 0"])):
+            kind = "disk_rows" if "rows" in keys else "disk_files"
+            with self.subTest(keys):
+                status, _, err = run("check", self.write("bad.cfg", OPEN + f"{kind} = ( {{ {keys} }} );"))
+                told = [line for line in err.splitlines() if "bad.cfg" in line or ".csv:" in line or ".data:" in line]
+                self.assertEqual(status, 2, err)
+                self.assertEqual(len(told), len(expected), err)
+                for words in expected:
+                    self.assertIn(words, err)
+
+    def test_some_rows(self):
+        """Mistakes of single rows stay with their lines."""
+        self.write("some.csv", "x, y, radius\n0, 0, 0\n2, 0, 0.5\n4, 0, -1\n")
+        self.refuse(OPEN + 'disk_files = ( { file = "some.csv"; mass = 1; } );', "some.csv:2: radius: 0: expected",
+                    "some.csv:4: radius: -1: expected")
+
+
 class Box(Files):
     DISKS = 'disks = ( { x = 0.5; y = 0.5; radius = 0.05; mass = 1; } );'
 

@@ -50,6 +50,15 @@ export PKG_CONFIG_PATH
 test "$(LD_LIBRARY_PATH="$library" "$work/consumer")" = "$printed"
 echo "pkg-config: ok"
 
+# The line of docs/library.md for a clone, which installs nothing.
+line=$(grep -- '-Wl,-rpath' "$source/docs/library.md")
+if [ -e "$build/libslipdisk.so" ]; then
+  cp -r "$source/include" "$work/include"
+  mkdir -p "$work/build" && ln -s "$build" "$work/build/release"
+  (cd "$work" && cp main.c first.c && bash -c "$line" && test "$(./first)" = "$printed")
+  echo "clone: ok"
+fi
+
 # The Python package finds the library and the program of its own prefix.
 package="$work/prefix/lib/python3/dist-packages"
 if [ -n "${SLIPDISK_PYTHON:-}" ]; then

@@ -1,7 +1,10 @@
 """JSON for programs: `check --json` says what the page says, `sweep --status --json` what --list says, `info` takes several files."""
 import json
+import math
 import re
 import unittest
+
+import h5py
 
 from results_common import ROOT, Folder, run
 
@@ -58,6 +61,32 @@ class Json(Folder):
         self.assertGreater(said["speed"]["run_seconds"], 0)
         self.assertIsNone(said["sweep"])
         self.assertIsNone(self.check(deck, "--no-probe")["speed"])
+
+    def test_restitution_at_this_dt(self):
+        """The range holds what impacts of the deck itself give, and the page tells it when it is off by more than 0.1 %."""
+        dt, speed = 1e-4 * math.pi, 0.01
+        text = """dt = {dt}; integrator = "{integrator}"; materials = ( {{ name = "m"; k_n = 1.0; {law} }} );
+            disks = ( {{ name = "a"; x = 0; y = {y}; vy = -{speed}; radius = 1; mass = 1e-4; }} );
+            walls = ( {{ type = "line"; points = ((-1, 0), (1, 0)); }} ); steps = 120; output = {{ series = 120; frames = 120; }};"""
+        for integrator, law in (("gear5", "restitution = 0.8;"), ("verlet", "gamma_n = 1.414e-3;"),
+                                ("gear5", "restitution = 0.5; limit_damping = false;")):
+            def deck(part, steps):
+                step = dt * 100 / steps  # a contact has about so many steps
+                return self.write(text.format(dt=step, integrator=integrator, law=law, y=1 + part * step * speed, speed=speed))
+            coarse = self.check(deck(0, 36), "--no-probe")["restitution"][0]
+            nominal, (least, most) = coarse["e"], coarse["e_at_dt"]
+            self.assertTrue(least < nominal - 0.001 and most > nominal + 0.001, (least, most))
+            self.assertLess(most - least, 0.03)
+            self.assertIn(f", {least:.4f} to {most:.4f} at this dt\n", run("check", deck(0, 36), "--brief", "--no-probe")[1])
+            for part in 1 / 32, 21 / 32:
+                self.run_ok("run", deck(part, 36), "--force", "-q", "-o", self.result)
+                with h5py.File(self.result) as file:
+                    e = file["particles/disks/velocity/value"][-1, 0, 1] / speed
+                self.assertTrue(least - 1e-6 <= e <= most + 1e-6, (least, e, most))
+            fine = self.check(deck(0, 2000), "--no-probe")["restitution"][0]
+            self.assertLess(max(abs(e - fine["e"]) for e in fine["e_at_dt"]), 1e-3 * fine["e"])
+            self.assertNotIn("at this dt", run("check", deck(0, 2000), "--brief", "--no-probe")[1])
+        self.assertEqual(self.check(deck(0, 1e5), "--no-probe")["restitution"][0]["e_at_dt"], [None, None])
 
     def test_the_full_deck_is_a_deck(self):
         full = self.check(ROOT / "inputs/packing/jam.cfg", "--no-probe")["full"]

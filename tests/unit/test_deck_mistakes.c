@@ -441,6 +441,46 @@ static void files_of_lammps(void **unused) {
   assert_int_equal(wrong_files, 0);
 }
 
+/* --- values under the names of other programs ---------------------------------------------------- */
+
+static void words_of_others(void **unused) {
+  (void)unused;
+#define OTHER_MOTION(type)                                                                         \
+  START DISK "motions = ( { disk = 0; coordinate = \"x\"; type = \"" type                          \
+             "\"; amplitude = 1; frequency = 1; } );"
+#define OTHER_PACKING(keys)                                                                        \
+  START                                                                                            \
+  "container = { type = \"box\"; width = 9; height = 9; }; packings = ( { density = 1; count "     \
+  "= 2; " keys " } );"
+#define OTHER_LAW(keys)                                                                            \
+  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; " keys " } );\n" DISK
+  static const corner list[] = {
+      {OTHER_MOTION("sine"), "expected one of \"fixed\","},
+      {OTHER_MOTION("sine"), "; did you mean \"harmonic\"?"},
+      {OTHER_MOTION("Sinusoidal"), "; did you mean \"harmonic\"?"},
+      {OTHER_MOTION("wiggle"), "; did you mean \"harmonic\"?"},
+      {OTHER_MOTION("sawtooth"), "; did you mean \"triangle\"?"},
+      {OTHER_MOTION("constant"), "; did you mean \"velocity\"?"},
+      {OTHER_PACKING("radius = 1; type = \"pour\";"), "; did you mean \"rain\"?"},
+      {OTHER_PACKING("radius = 1; type = \"insert\";"), "; did you mean \"rain\"?"},
+      {OTHER_PACKING("radius = 1; type = \"hcp\";"), "; did you mean \"triangular\"?"},
+      {OTHER_PACKING("type = \"random\"; sizes = \"poly\"; radius = 1;"),
+       "; did you mean \"uniform\"?"},
+      {OTHER_PACKING("type = \"random\"; sizes = \"constant\"; radius = 1;"),
+       "; did you mean \"mono\"?"},
+      {OTHER_LAW("law = \"hooke\";"), "; did you mean \"linear\"?"},
+      {OTHER_LAW("law = \"hertz_mindlin\";"), "; did you mean \"hertz\"?"},
+      {START DISK "walls = ( { type = \"plane\"; } );", "; did you mean \"line\"?"},
+      {START DISK "walls = ( { type = \"poly\"; } );", "; did you mean \"polyline\"?"},
+      {START DISK "container = { type = \"cylinder\"; radius = 9; };", "; did you mean \"drum\"?"},
+      {START DISK "fields = ( { type = \"viscous\"; } );", "; did you mean \"drag\"?"},
+      {START DISK "integrator = \"leapfrog\";", "; did you mean \"verlet\"?"},
+      {START DISK "box = { periodic = \"both\"; x = (0, 9); y = (0, 9); };",
+       "; did you mean \"xy\"?"},
+  };
+  TRY(list);
+}
+
 /* --- as after -D -------------------------------------------------------------------------------------- */
 
 static void settings(void **unused) {
@@ -508,6 +548,7 @@ int main(void) {
       cmocka_unit_test(numbers_and_names),
       cmocka_unit_test(files_of_numbers),
       cmocka_unit_test(files_of_lammps),
+      cmocka_unit_test(words_of_others),
       cmocka_unit_test(settings),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

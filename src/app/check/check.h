@@ -31,6 +31,14 @@ typedef struct check_found {
   check_sweep sweep;
 } check_found;
 
+/* --- check_impact.c --------------------------------------------------------------------------- */
+/* Computes with the model's integrator which coefficients of restitution a linear law has at the
+ * model's time step, for this effective mass. range: the least and the largest e of head-on impacts
+ * that touch at different fractions of a step; NAN if an impact takes so many steps that they agree
+ * with the law to 1e-3. */
+void check_restitution_at_dt(const sd_model *m, const sd_contact_law *law, double mass,
+                             double range[2]);
+
 /* --- check_print.c ---------------------------------------------------------------------------- */
 void check_print(const check_found *found);
 /* Prints the findings as JSON. found->model NULL: the deck has mistakes. full: the full deck is

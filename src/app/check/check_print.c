@@ -68,28 +68,42 @@ static double given_restitution(const sd_contact_law *law) {
   return law->restitution > 0.0 ? law->restitution : 1.0;
 }
 
-/* Called for each pair of materials a, b whose bodies can touch. e: coefficient of restitution, NAN
- * if it depends on the speed; mass: effective mass of these bodies, 0: e holds for any mass. */
-typedef void restitution_visitor(void *user, int a, int b, double e, double mass,
-                                 const char *bodies);
+/* Restitution of materials a and b, whose bodies can touch. */
+typedef struct bounce {
+  int a, b;
+  double e;        /* Coefficient of restitution; NAN if it depends on the speed */
+  double at_dt[2]; /* Its range at the model's time step (check_restitution_at_dt) */
+  double mass;     /* Effective mass of these bodies; 0: e holds for any mass */
+  const char *bodies;
+} bounce;
+
+typedef void restitution_visitor(void *user, const bounce *found);
+
+/* Visits bodies of materials a and b with a linear law. */
+static void visit_linear(const sd_model *m, int a, int b, double mass, const char *bodies,
+                         restitution_visitor *visit, void *user) {
+  const sd_contact_law *law = sd_model_law(m, a, b);
+  bounce found = {a, b, restitution_at(law, mass), {NAN, NAN}, mass, bodies};
+  check_restitution_at_dt(m, law, mass, found.at_dt);
+  visit(user, &found);
+}
 
 static void visit_restitutions(const sd_model *m, restitution_visitor *visit, void *user) {
   const char *still = "a free disk on a fixed body";
   for (int a = 0; a < (int)m->n_materials; a++)
     for (int b = a; b < (int)m->n_materials; b++) {
       const sd_contact_law *law = sd_model_law(m, a, b);
-      double ma = typical_mass(m, a), mb = typical_mass(m, b), mass = ma * mb / (ma + mb);
+      double ma = typical_mass(m, a), mb = typical_mass(m, b);
       if (law->k_n <= 0) continue;
       if (law->normal != SD_NORMAL_LINEAR) {
-        visit(user, a, b, given_restitution(law), 0, "any");
+        visit(user, &(bounce){a, b, given_restitution(law), {NAN, NAN}, 0, "any"});
         continue;
       }
       size_t enough = a == b ? 2 : 1;
       if (count_free(m, a) >= enough && count_free(m, b) >= enough)
-        visit(user, a, b, restitution_at(law, mass), mass, "two free disks");
-      if (ma > 0 && has_still(m, b)) visit(user, a, b, restitution_at(law, ma), ma, still);
-      if (a != b && mb > 0 && has_still(m, a))
-        visit(user, b, a, restitution_at(law, mb), mb, still);
+        visit_linear(m, a, b, ma * mb / (ma + mb), "two free disks", visit, user);
+      if (ma > 0 && has_still(m, b)) visit_linear(m, a, b, ma, still, visit, user);
+      if (a != b && mb > 0 && has_still(m, a)) visit_linear(m, b, a, mb, still, visit, user);
     }
 }
 
@@ -257,15 +271,21 @@ static void print_positions(const check_found *f) {
     }
 }
 
-static void print_restitution(void *user, int a, int b, double e, double mass, const char *bodies) {
+static void print_restitution(void *user, const bounce *found) {
   const sd_model *m = user;
-  printf("# restitution \"%s\" on \"%s\": ", m->materials[a].name, m->materials[b].name);
+  const double e = found->e;
+  printf("# restitution \"%s\" on \"%s\": ", m->materials[found->a].name,
+         m->materials[found->b].name);
   if (isnan(e))
-    printf("depends on the speed\n");
-  else if (mass > 0)
-    printf("e = %.4f (%s, effective mass %.4g)\n", e, bodies, mass);
+    printf("depends on the speed");
+  else if (found->mass > 0)
+    printf("e = %.4f (%s, effective mass %.4g)", e, found->bodies, found->mass);
   else
-    printf("e = %g at any speed\n", e);
+    printf("e = %g at any speed", e);
+  const double *at_dt = found->at_dt, least = fmax(1e-3 * e, 5e-5);
+  if (e - at_dt[0] > least || at_dt[1] - e > least)
+    printf(", %.4f to %.4f at this dt", at_dt[0], at_dt[1]);
+  printf("\n");
 }
 
 static void print_size(const check_found *f) {
@@ -434,12 +454,14 @@ typedef struct restitution_list {
   json_t *list;
 } restitution_list;
 
-static void add_restitution(void *user, int a, int b, double e, double mass, const char *bodies) {
+static void add_restitution(void *user, const bounce *found) {
   const restitution_list *r = user;
-  json_array_append_new(r->list,
-                        json_pack("{s:[s, s], s:o, s:s, s:o}", "materials", r->m->materials[a].name,
-                                  r->m->materials[b].name, "e", json_number(e), "bodies", bodies,
-                                  "effective_mass", positive(mass)));
+  const sd_material *of = r->m->materials;
+  json_array_append_new(
+      r->list, json_pack("{s:[s, s], s:o, s:[o, o], s:s, s:o}", "materials", of[found->a].name,
+                         of[found->b].name, "e", json_number(found->e), "e_at_dt",
+                         json_number(found->at_dt[0]), json_number(found->at_dt[1]), "bodies",
+                         found->bodies, "effective_mass", positive(found->mass)));
 }
 
 static json_t *restitution_json(const sd_model *m) {

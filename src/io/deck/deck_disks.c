@@ -23,7 +23,8 @@ typedef struct values {
   /* Node of the group, for messages; NULL for a disk from a row of a table */
   const deck_node *node;
   deck_place place;
-  bool broken; /* True if these common values have errors; the rows are then not checked */
+  deck_index *unknown; /* Names in the column `material` that are none and were reported */
+  bool broken;         /* True if these common values have errors; the rows are then not checked */
 } values;
 
 /* --- one disk --------------------------------------------------------------------------------- */
@@ -35,18 +36,14 @@ static void fail_value(deck *d, const values *v, const char *key, const char *te
     deck_fail_place(d, v->place, "%s: %s", key, text);
 }
 
+/* Checks the values of one disk, or those that all rows of a table have (check_table). */
 static void check_values(deck *d, const values *v) {
   const double *x = v->number;
-  static const int required[] = {COLUMN_X, COLUMN_Y, COLUMN_RADIUS};
-  /* For a disk of the list `disks`, missing keys were reported when they were read */
-  bool single = v->node && v->node->table == &deck_disks;
-  for (int k = 0; k < 3 && !single; k++)
-    if (isnan(x[required[k]]))
-      fail_value(d, v, deck_column_names[required[k]],
-                 "missing: neither a column nor a common value");
   bool mass = !isnan(x[COLUMN_MASS]), density = !isnan(x[COLUMN_DENSITY]);
-  bool tried = v->node && (deck_child(v->node, "mass") || deck_child(v->node, "density"));
-  if (!mass && !density && !tried)
+  /* The columns of a table are checked by check_table */
+  const bool single = v->node && v->node->table == &deck_disks;
+  bool tried = single && (deck_child(v->node, "mass") || deck_child(v->node, "density"));
+  if (single && !mass && !density && !tried)
     fail_value(d, v, "mass", "missing: expected mass or density > 0");
   if (mass && density)
     fail_value(d, v, "density", "given together with mass; expected one of them");
@@ -121,6 +118,49 @@ static void check_cell(deck *d, const values *v, int column) {
              deck_format(d, "%g: expected a number %s", x, deck_expected(key->range, x)));
 }
 
+/* Reports a value that neither a column of the table nor a key of its group gives to the disks. */
+static void check_given(deck_group *g, const values *v, int column, const char *expected) {
+  if (!isnan(v->number[column])) return;
+  deck_fail_key(g, deck_column_names[column],
+                "missing for all its disks: expected %s here, or in a column (key columns)",
+                expected);
+}
+
+/* Reports a column in which all rows of the table are out of range: once, not row by row, for which
+ * its values become NAN, a value whose error was reported. */
+static void check_column(deck *d, deck_columns *t, size_t c) {
+  const char *name = deck_column_names[t->column[c]];
+  const deck_key *key = deck_key_find(&deck_disks, name);
+  size_t r = 0;
+  if (t->column[c] >= COLUMN_FIXED) return;
+  while (r < t->n_rows && !deck_in_range(key->range, t->number[r * t->n_columns + c])) r++;
+  if (r < t->n_rows || r < 2) return;
+  const double x = t->number[c];
+  deck_fail_place(d, t->place[0],
+                  "%s = %g: expected a number %s; none of the %zu rows has one, so leave out this "
+                  "column and give %s in the deck",
+                  name, x, deck_expected(key->range, x), t->n_rows,
+                  t->column[c] == COLUMN_MASS || t->column[c] == COLUMN_DENSITY ? "mass or density"
+                                                                                : name);
+  for (r = 0; r < t->n_rows; r++) t->number[r * t->n_columns + c] = NAN;
+}
+
+/* Checks what holds for all rows of a table, so that it is reported once. v: values of the group.
+ * Returns false after an error. */
+static bool check_table(deck_group *g, deck_columns *t, values v) {
+  const size_t before = g->d->reported;
+  for (size_t c = 0; c < t->n_columns; c++) {
+    if (t->column[c] < COLUMN_NUMBERS) v.number[t->column[c]] = 0.0;
+    check_column(g->d, t, c);
+  }
+  check_given(g, &v, COLUMN_X, "x");
+  check_given(g, &v, COLUMN_Y, "y");
+  check_given(g, &v, COLUMN_RADIUS, "radius");
+  if (isnan(v.number[COLUMN_MASS])) check_given(g, &v, COLUMN_DENSITY, "density (or mass)");
+  check_values(g->d, &v);
+  return g->d->reported == before;
+}
+
 /* Adds the disk of row r of a table. v: common values of the group, overridden by the columns. */
 static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
   v.node = NULL;
@@ -146,7 +186,8 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
     } else {
       uint32_t material;
       v.material = text && deck_index_find(&d->materials, text, &material) ? (int)material : -1;
-      if (v.material < 0)
+      /* A name is reported once, not for each of its disks */
+      if (v.material < 0 && deck_index_add(d, v.unknown, text ? text : "", 0))
         fail_value(d, &v, "material",
                    deck_format(d, "no material is called \"%s\"",
                                text ? deck_quote(d, text, strlen(text)) : ""));
@@ -168,8 +209,10 @@ deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) 
   else
     deck_columns_from_file(&g, &t);
   d->disks_missing |= d->reported > before;
+  deck_index unknown = {0};
   values v = read_common(&g, &t);
-  v.broken = d->reported > before;
+  v.unknown = &unknown;
+  v.broken = d->reported > before || !check_table(&g, &t, v);
   t.first = d->model->n_disks;
   deck_need(d, node, table == &deck_disk_rows ? "rows" : "file", (double)(t.first + t.n_rows),
             deck_disk_bytes(false), "disks");

@@ -536,12 +536,13 @@ void deck_keys_print(FILE *out) {
   }
 }
 
-/* --- words of other programs and of textbooks, with the keys that mean the same --------------- */
+/* --- words of other programs and of textbooks, with the keys and values that mean the same ---- */
 
-/* Words of other programs for keys of decks. A word is looked up only in tables that have `key`.
- * hint: text that follows "did you mean"; NULL: the key itself. */
+/* Words of other programs for keys and for values of choices. A word is looked up only in tables
+ * that have the key `ours`, and in choices that accept the value `ours`. hint: text that follows
+ * "did you mean"; NULL: `ours` itself. */
 static const struct word {
-  const char *word, *key, *hint;
+  const char *word, *ours, *hint;
 } words[] = {
     {"friction", "mu", NULL},
     {"friction_coefficient", "mu", NULL},
@@ -585,16 +586,87 @@ static const struct word {
     {"time_step", "dt", NULL},
     {"duration", "time", NULL},
     {"t_end", "time", NULL},
+    /* Values */
+    {"sine", "harmonic", NULL},
+    {"sin", "harmonic", NULL},
+    {"sinusoidal", "harmonic", NULL},
+    {"cosine", "harmonic", NULL},
+    {"cos", "harmonic", NULL},
+    {"wiggle", "harmonic", NULL},
+    {"oscillate", "harmonic", NULL},
+    {"sawtooth", "triangle", NULL},
+    {"noise", "random", NULL},
+    {"constant", "velocity", NULL},
+    {"pour", "rain", NULL},
+    {"insert", "rain", NULL},
+    {"deposit", "rain", NULL},
+    {"deposition", "rain", NULL},
+    {"gravity_deposit", "rain", NULL},
+    {"hexagonal", "triangular", NULL},
+    {"hex", "triangular", NULL},
+    {"hcp", "triangular", NULL},
+    {"cubic", "square", NULL},
+    {"sc", "square", NULL},
+    {"monodisperse", "mono", NULL},
+    {"equal", "mono", NULL},
+    {"constant", "mono", NULL},
+    {"bidisperse", "list", NULL},
+    {"discrete", "list", NULL},
+    {"polydisperse", "uniform", NULL},
+    {"poly", "uniform", NULL},
+    {"poly", "polyline", NULL},
+    {"normal", "gaussian", NULL},
+    {"hooke", "linear", NULL},
+    {"hookean", "linear", NULL},
+    {"lsd", "linear", NULL},
+    {"spring_dashpot", "linear", NULL},
+    {"hertz_mindlin", "hertz", NULL},
+    {"plane", "line", NULL},
+    {"cylinder", "circle", NULL},
+    {"cylinder", "drum", NULL},
+    {"rectangle", "box", NULL},
+    {"both", "xy", NULL},
+    {"leapfrog", "verlet", NULL},
+    {"velocity_verlet", "verlet", NULL},
+    {"viscous", "drag", NULL},
+    {"cundall", "damping", NULL},
+    {"local", "damping", NULL},
+    {"coriolis", "rotation", NULL},
+    {"centrifugal", "rotation", NULL},
+    {"capillary", "bridge", NULL},
+    {"liquid_bridge", "bridge", NULL},
+    {"delete", "remove", NULL},
+    {"h5", "hdf5", NULL},
+    {"data", "lammps", NULL},
 };
 
-const char *deck_other_word(deck *d, const deck_table *table, const char *word) {
+static bool accepts(const deck_key *choice, const char *value) {
+  const deck_shape *word = choice->words;
+  while (word->name && strcmp(word->name, value) != 0) word++;
+  return word->name;
+}
+
+/* Returns the hint of a word that stands for a key of the table, or for a value of the choice if
+ * the table is NULL; NULL: no hint. */
+static const char *other_word(deck *d, const deck_table *table, const deck_key *choice,
+                              const char *word) {
   for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
     const struct word *w = &words[k];
     /* Single letters are compared with their case: "E" is not "e" */
-    const bool same = word[1] ? strcasecmp(word, w->word) == 0 : strcmp(word, w->word) == 0;
-    if (!same || !deck_key_find(table, w->key)) continue;
+    const bool same =
+        word[0] && word[1] ? strcasecmp(word, w->word) == 0 : strcmp(word, w->word) == 0;
+    if (!same || !(table ? deck_key_find(table, w->ours) != NULL : accepts(choice, w->ours)))
+      continue;
     return w->hint ? deck_format(d, "; did you mean %s?", w->hint)
-                   : deck_format(d, "; did you mean \"%s\"?", w->key);
+                   : deck_format(d, "; did you mean \"%s\"?", w->ours);
   }
   return NULL;
+}
+
+const char *deck_other_word(deck *d, const deck_table *table, const char *word) {
+  return other_word(d, table, NULL, word);
+}
+
+const char *deck_other_value(deck *d, const deck_key *choice, const char *word) {
+  return other_word(d, NULL, choice, word);
 }

@@ -256,7 +256,9 @@ static const deck_shape *choose(deck_group *g, const char *name) {
     if (strcmp(near.word, word->name) == 0) return word;
     guess_add(&near, word->name);
   }
-  deck_fail(g->d, node, "expected one of %s%s", words_of(g->d, key), deck_hint(g->d, &near));
+  const char *other = deck_other_value(g->d, key, near.word);
+  deck_fail(g->d, node, "expected one of %s%s", words_of(g->d, key),
+            other ? other : deck_hint(g->d, &near));
   return NULL;
 }
 

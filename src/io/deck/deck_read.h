@@ -89,6 +89,8 @@ bool deck_fill(deck_group *g, void *members);
 /* Returns a hint if the word, which is no key of the table, is another program's name of such a
  * key; NULL: no hint. In deck_keys.c. */
 const char *deck_other_word(deck *d, const deck_table *table, const char *word);
+/* The same for a word that is no value of the choice. In deck_keys.c. */
+const char *deck_other_value(deck *d, const deck_key *choice, const char *word);
 
 /* Warns if a tilt written as a bare number exceeds a right angle: degrees may have been meant. */
 void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages);
