@@ -129,13 +129,25 @@ static int refuse_unknown(const command_line *line, const char *given) {
   return app_misuse(line->name, "unknown option %s", given);
 }
 
-/* True if `text` is one of the words in `words`, which has the form "a|b|c". */
-static bool is_choice(const char *words, const char *text) {
-  for (size_t n; *words; words += n + (words[n] == '|')) {
-    n = strcspn(words, "|");
-    if (strlen(text) == n && strncmp(words, text, n) == 0) return true;
+/* Returns 0 if `value` is one of the words in row->value, which has the form "a|b|c"; else prints
+ * the words and the nearest one and returns the exit status. */
+static int check_choice(const command_line *line, const option_row *row, const char *shown,
+                        const char *value) {
+  char *words = memory_text(row->value), *rest = NULL;
+  guess near = guess_start(value);
+  bool good = false;
+  for (char *w = strtok_r(words, "|", &rest); w && !good; w = strtok_r(NULL, "|", &rest)) {
+    good = strcmp(w, value) == 0;
+    guess_add(&near, w);
   }
-  return false;
+  int status = 0;
+  if (!good && near.best)
+    status = app_misuse(line->name, "%s %s: did you mean \"%s\"? Expected %s", shown, value,
+                        near.best, row->value);
+  else if (!good)
+    status = app_misuse(line->name, "%s %s: expected %s", shown, value, row->value);
+  free(words);
+  return status;
 }
 
 /* Returns what would be lost if the program wrote to this path: "deck", "result", or NULL. */
@@ -173,11 +185,7 @@ static int take(const command_line *line, const option_row *row, const char *val
       *text = value;
       break;
     }
-    case OPTION_CHOICE:
-      if (!is_choice(row->value, value))
-        return app_misuse(line->name, "%s %s: expected %s", shown, value, row->value);
-      *(const char **)field = value;
-      break;
+    case OPTION_CHOICE: *(const char **)field = value; return check_choice(line, row, shown, value);
     case OPTION_PATH:
     case OPTION_RESULT:
     case OPTION_STREAM:
