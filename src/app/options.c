@@ -136,24 +136,23 @@ static int refuse_unknown(const command_line *line, const char *given) {
   return app_misuse(line->name, "unknown option %s", given);
 }
 
-/* True if `text` is one of the words in `words`, which has the form "a|b|c". */
-static bool is_choice(const char *words, const char *text) {
-  for (size_t n; *words; words += n + (words[n] == '|')) {
-    n = strcspn(words, "|");
-    if (strlen(text) == n && strncmp(words, text, n) == 0) return true;
-  }
-  return false;
-}
-
-static int refuse_choice(const command_line *line, const option_row *row, const char *shown,
-                         const char *value) {
+/* Returns 0 if `value` is one of the words in row->value, which has the form "a|b|c"; else prints
+ * the words and the nearest one and returns the exit status. */
+static int check_choice(const command_line *line, const option_row *row, const char *shown,
+                        const char *value) {
+  char *words = memory_text(row->value), *rest = NULL;
   guess near = guess_start(value);
-  char *words = memory_text(row->value), *rest = words;
-  for (char *word; (word = strsep(&rest, "|"));) guess_add(&near, word);
+  bool good = false;
+  for (char *w = strtok_r(words, "|", &rest); w && !good; w = strtok_r(NULL, "|", &rest)) {
+    good = strcmp(w, value) == 0;
+    guess_add(&near, w);
+  }
   const char *more = row->limits && !near.best ? row->limits->wrong : "";
-  int status = app_misuse(line->name, "%s %s: expected %s%s%s%s%s", shown, value, row->value,
-                          near.best ? " (did you mean " : "", near.best ? near.best : "",
-                          near.best ? "?)" : "", more);
+  int status = 0;
+  if (!good)
+    status = app_misuse(line->name, "%s %s: expected %s%s%s%s%s", shown, value, row->value,
+                        near.best ? " (did you mean " : "", near.best ? near.best : "",
+                        near.best ? "?)" : "", more);
   free(words);
   return status;
 }
@@ -193,10 +192,7 @@ static int take(const command_line *line, const option_row *row, const char *val
       *text = value;
       break;
     }
-    case OPTION_CHOICE:
-      if (!is_choice(row->value, value)) return refuse_choice(line, row, shown, value);
-      *(const char **)field = value;
-      break;
+    case OPTION_CHOICE: *(const char **)field = value; return check_choice(line, row, shown, value);
     case OPTION_PATH:
     case OPTION_RESULT:
     case OPTION_STREAM:

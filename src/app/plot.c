@@ -44,9 +44,9 @@ static const option_row plot_rows[] = {
     {"color", 0, OPTION_CHOICE, offsetof(arguments, color), NULL, QUANTITIES, COLOR_HELP},
     {"region", 0, OPTION_TEXT, offsetof(arguments, region), NULL, "X0,X1,Y0,Y1", REGION_HELP},
     {"quantity", 0, OPTION_TEXT, offsetof(arguments, quantity), NULL, "COLUMN",
-     "of a sweep: what is drawn, a column of means.csv or of `measure`; by default the rotation"},
-    {"x", 0, OPTION_TEXT, offsetof(arguments, x), NULL, "KEY",
-     "of a sweep: against what; by default the key with most values"},
+     "kind curve: a column of the series, or of a sweep what it is drawn by; list names them"},
+    {"x", 0, OPTION_TEXT, offsetof(arguments, x), NULL, "COLUMN",
+     "kind curve: against what; by default time, or of a sweep the key with most values"},
     {"size", 0, OPTION_TEXT, offsetof(arguments, size), NULL, "WxH", "width and height in inches"},
     {"dpi", 0, OPTION_NUMBER, offsetof(arguments, dpi),
      &(option_limits){20, 2400, ": expected 20 to 2400 pixels per inch"}, "N",
@@ -68,7 +68,8 @@ const command_line app_plot_line = {
         "slipdisk plot deck.h5                              # deck.png: what fits this result\n"
         "slipdisk plot deck.h5 --kind list                  # what else there is\n"
         "slipdisk plot deck.h5 -k rotation -o rotation.pdf  # the mean rotation with its error "
-        "band\n"};
+        "band\n"
+        "slipdisk plot deck.h5 --quantity list              # columns for --quantity and --x\n"};
 
 static const option_row film_rows[] = {
     {"output", 'o', OPTION_PATH, offsetof(arguments, output), NULL, "FILM",

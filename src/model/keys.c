@@ -78,7 +78,8 @@ static const deck_key box_keys[] = {
      "[lower, upper] edge; required when periodic in y"},
     {"periodic", CHOICE, "\"none\"", periodic_directions, "periodic directions"},
     {"file", TEXT, "-", NULL,
-     "result, H5MD or LAMMPS data file whose last frame gives the periodic edges missing here"},
+     "result, H5MD, LAMMPS data or dump whose last frame gives the periodic edges missing here"},
+    {"timestep", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(the last)", NULL, "LAMMPS dump: the frame"},
 };
 TABLE(deck_box, "box", true, "Without this group space is open.", box_keys);
 

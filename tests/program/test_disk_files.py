@@ -1,4 +1,4 @@
-"""Disks from files: LAMMPS, HDF5 of others, and results of other runs with their contacts; the box from a file."""
+"""Disks from files: data files and dumps of LAMMPS, HDF5 of others, and results of other runs with their contacts; the box from a file."""
 import pathlib
 import shutil
 import signal
@@ -166,6 +166,80 @@ class Lammps(Files):
         self.refuse(self.deck('density = 1; columns = ("x", "y", "radius = type");'), '"type" is a word')
         self.refuse(self.deck("density = 3; contacts = true;"), "belongs to results of a run")
         self.refuse(self.deck("density = 3;", box='box = { periodic = "x"; file = "no.data"; };'), "no.data")
+
+
+
+class Dumps(Files):
+    """Text dumps of LAMMPS: positions in every form, the frame, the box, and the way back from slipdisk export."""
+    ROWS = ((3, 2, 0.9, -0.3, 0.2, 3.0, 1, 2, 3), (1, 1, -0.5, 0.5, 0.1, 1.0, -1, 0, 0), (2, 1, 0.3, 0.2, 0.15, 2.0, 0, 0.5, -7))
+    BOX = ((-1, 1), (-0.75, 0.75))
+
+    def dump(self, frames, names="id type x y radius mass vx vy omegaz", name="a.dump"):
+        text = ""
+        for step, rows in frames:
+            bounds = "\n".join(f"{low} {high}" for low, high in (*self.BOX, (-0.5, 0.5)))
+            text += (f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{len(rows)}\nITEM: BOX BOUNDS pp pp pp\n{bounds}\n"
+                     f"ITEM: ATOMS {names}\n" + "".join(" ".join(map(repr, row)) + "\n" for row in rows))
+        self.write(name, text)
+        return text
+
+    def deck(self, keys="", box=""):
+        return OPEN + box + f'disk_files = ( {{ file = "a.dump"; {keys} }} );'
+
+    def expect(self, disks, rows):
+        rows = numpy.array(sorted(rows))
+        for k, name in enumerate(("x", "y", "radius", "mass", "vx", "vy", "omega")):
+            self.assertTrue(numpy.allclose(disks[name], rows[:, k + 2], rtol=0, atol=1e-15), name)
+
+    def test_frames(self):
+        later = [(*row[:2], row[2] / 2, *row[3:]) for row in self.ROWS]
+        self.dump([(0, self.ROWS[:1]), (500, self.ROWS), (1000, later)])
+        self.expect(self.start_of(self.deck()), later)
+        self.expect(self.start_of(self.deck("timestep = 500;")), self.ROWS)
+        self.refuse(self.deck("timestep = 700;"), "the dump has no timestep 700; expected one from 0 to 1000")
+        box = 'box = { periodic = "xy"; file = "a.dump"; };'
+        self.refuse(self.deck("timestep = 500;", box), "its disks are read at timestep 500, its box at timestep 1000; expected one moment")
+        with h5py.File(self.run_deck(self.deck("timestep = 500;", box.replace("file", "timestep = 500; file")))) as file:
+            self.assertEqual(list(file["particles/disks/box/edges"][()]), [2, 1.5])
+            self.assertEqual(list(file["particles/disks/box"].attrs["lower"]), [-1, -0.75])
+
+    def test_positions(self):
+        """Scaled, unwrapped and scaled unwrapped positions are those in the box."""
+        size = [high - low for low, high in self.BOX]
+        for names, lower, scale, images in (("xs ys", [low for low, _ in self.BOX], size, 0), ("xu yu", [0, 0], [1, 1], 3),
+                                            ("xsu ysu", [low for low, _ in self.BOX], size, -2)):
+            rows = [(*row[:2], *((row[2 + c] + images * size[c] - lower[c]) / scale[c] for c in range(2)), *row[4:]) for row in self.ROWS]
+            self.dump([(0, rows)], f"id type {names} radius mass vx vy omegaz")
+            self.expect(self.start_of(self.deck()), self.ROWS)
+
+    def test_columns(self):
+        self.dump([(0, self.ROWS)])
+        disks = self.start_of(self.deck('columns = ("x", "y", "radius", "mass", "group = type", "name = id");') +
+                              'locks = ( { group = "2"; coordinates = "theta"; }, { disk = "3"; coordinates = "x"; } );')
+        self.assertEqual((list(disks["mass"]), list(disks["vx"])), ([1, 2, 3], [0, 0, 0]))
+        disks = self.start_of(self.deck("density = 2; vx = 1;"))
+        self.assertTrue(numpy.allclose(disks["mass"], 2 * numpy.pi * disks["radius"]**2) and (disks["vx"] == 1).all())
+        self.dump([(0, [row[2:5] for row in self.ROWS])], "x y radius")
+        disks = self.start_of(self.deck("mass = 1;"))
+        self.assertEqual(list(disks["x"]), [row[2] for row in self.ROWS])
+        self.refuse(self.deck('mass = 1; columns = ("x", "y", "radius", "vx");'), 'column "vx": line 9 of the dump has none')
+        self.refuse(self.deck('mass = 1; columns = ("x", "y", "radius", "name = id");'), 'column "id": line 9 of the dump has none')
+        self.refuse(self.deck(), "mass: missing")
+        self.write("b.csv", "x,y,radius\n0,0,1\n")
+        self.refuse(OPEN + 'disk_files = ( { file = "b.csv"; mass = 1; timestep = 3; } );', "timestep = 3: belongs to dumps of LAMMPS only")
+        self.refuse(OPEN + f'disk_files = ( {{ file = "{ROOT}/tests/decks/sphere.data"; density = 1; timestep = 3; }} );', "a data file has no timesteps")
+
+    def test_there_and_back(self):
+        """The last frame of an export begins a deck as it ended."""
+        made = self.run_deck(HEAP.replace("time = 3", "steps = 2000; frames = 1000"), name="heap")
+        self.run_ok("export", made, "--to", "lammps-dump", "-o", self.folder / "a.dump")
+        found = self.start_of(self.deck())
+        with h5py.File(made) as file:
+            disks = file["particles/disks"]
+            for name, values in (("x", disks["position/value"][-1, :, 0]), ("y", disks["position/value"][-1, :, 1]),
+                                 ("vx", disks["velocity/value"][-1, :, 0]), ("theta", disks["angle/value"][-1]),
+                                 ("omega", disks["angular_velocity/value"][-1]), ("radius", disks["radius"][:]), ("mass", disks["mass"][:])):
+                self.assertTrue(numpy.allclose(found[name], values, rtol=1e-14, atol=1e-300), name)  # 15 digits
 
 
 class Hdf5(Files):

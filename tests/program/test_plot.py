@@ -15,7 +15,8 @@ from matplotlib.image import imread  # noqa: E402
 import slipdisk  # noqa: E402
 from slipdisk import plot  # noqa: E402
 from slipdisk import plot_style as style  # noqa: E402
-from slipdisk.plot_source import QUANTITIES, usual_quantity  # noqa: E402
+from slipdisk.plot_source import DERIVED, QUANTITIES, usual_quantity  # noqa: E402
+from slipdisk.plot_sweep import every_quantity  # noqa: E402
 
 HERE = None
 
@@ -61,7 +62,8 @@ class Kinds(unittest.TestCase):
         self.assertEqual(drawn, set(plot.KINDS))
 
     def test_what_fits(self):
-        fits = {"three": "rotation", "shaken": "map", "pressed": "compression", "squeezed": "stress", "hopper": "flow", "two": "paths"}
+        fits = {"three": "rotation", "shaken": "map", "pressed": "compression", "squeezed": "stress", "hopper": "flow", "two": "paths",
+                "sheared": "shear", "biaxial": "stress"}
         for name, kind in fits.items():
             with self.subTest(name):
                 source = plot.Source(HERE / f"{name}.h5")
@@ -192,6 +194,47 @@ class Data(unittest.TestCase):
         free = result.summary.disks
         np.testing.assert_array_equal(line.get_ydata(), 2 * result.series["contacts"] / free)
 
+    def test_shear(self):
+        """Ratio and stresses against the accumulated strain, of contacts and velocities; windows have the mean of their rows."""
+        s = slipdisk.Result(HERE / "sheared.h5").series
+        shear = -(s["stress_xy"] + s["stress_yx"]) / 2 - s["kinetic_xy"]
+        p = (s["stress_xx"] + s["stress_yy"] + s["kinetic_xx"] + s["kinetic_yy"]) / 2
+        self.assertAlmostEqual(s["strain_xy"][-1], 0.2 * 5 + 0.4 * 10, 6)
+        self.assertGreater(shear.mean(), 0.2 * p.mean())
+        ax = plot.shear(HERE / "sheared.h5", figure().subplots(), of="stress")
+        for k, values in enumerate((shear, p)):
+            line, = lines(ax, f"rows {k}")
+            np.testing.assert_allclose(line.get_xydata(), np.column_stack([s["strain_xy"], values]), rtol=1e-12)
+            means, = lines(ax, f"means {k}")
+            cuts = np.linspace(0, len(p), 51).astype(int)
+            np.testing.assert_allclose(means.get_ydata(), [values[a:b].mean() for a, b in zip(cuts, cuts[1:])], rtol=1e-9)
+        ratio = plot.shear(HERE / "sheared.h5", figure().subplots())
+        np.testing.assert_allclose(lines(ratio, "means 0")[0].get_ydata(), lines(ax, "means 0")[0].get_ydata() / lines(ax, "means 1")[0].get_ydata())
+        held = p > 1e-3 * p.max()
+        np.testing.assert_allclose(lines(ratio, "rows 0")[0].get_ydata(), (shear / p)[held])
+        self.assertIn("fast", [text.get_text() for text in ratio.texts])
+        with self.assertRaisesRegex(slipdisk.UserError, "needs a periodic box that is sheared"):
+            plot.shear(HERE / "biaxial.h5", figure().subplots())
+
+    def test_series(self):
+        """Every column that --quantity list names is drawn, against time or another one."""
+        for name in ("sheared", "three", "squeezed", "hopper"):
+            source = plot.Source(HERE / f"{name}.h5")
+            for column in source.columns:
+                with self.subTest(name, column=column):
+                    ax = plot.series(source, figure().subplots(), quantity=column)
+                    drawn = np.column_stack([lines(ax, f"column {k}")[0].get_ydata() for k in range(len(source.parts(column) if column in source.series else "") or 1)])
+                    self.assertEqual(len(drawn), len(source.series["time"]))
+                    if column in source.series:
+                        np.testing.assert_array_equal(drawn, source.series[column].reshape(len(drawn), -1))
+        source = plot.Source(HERE / "squeezed.h5")
+        wall = source.parts("wall_normal")[1]
+        ax = plot.series(source, figure().subplots(), quantity=f"{wall}.wall_normal", x="width")
+        np.testing.assert_array_equal(ax.lines[0].get_xydata(), np.column_stack([source.series["width"], source.series["wall_normal"][:, 1]]))
+        flow = plot.Source(HERE / "hopper.h5")
+        self.assertAlmostEqual(np.trapezoid(flow.column("outflow"), flow.series["time"]) if hasattr(np, "trapezoid") else
+                               np.trapz(flow.column("outflow"), flow.series["time"]), np.ptp(flow.series["outside"]), delta=1.5)
+
     def test_units(self):
         ax = plot.rotation(HERE / "three.h5", figure().subplots())
         self.assertIn("(rad/time)", ax.get_ylabel())
@@ -284,6 +327,33 @@ class Sweeps(unittest.TestCase):
         for value, name in ((0.0, "tilt = 0"), (np.pi, r"tilt = $\pi$"), (-np.pi, r"tilt = -$\pi$"), (0.5 * np.pi, r"tilt = 0.5$\pi$")):
             self.assertEqual(c._text((("tilt", value),)), name)
 
+    def test_default_is_what_was_measured(self):
+        """Of a sheared box the stress ratio over the measured time, with its error, though all disks are watched."""
+        sweep = slipdisk.Sweep(HERE / "sheared.sweep")
+        self.assertTrue(any(name.endswith(".omega") for name in sweep.means.dtype.names))
+        c = plot.Curves(sweep)
+        self.assertEqual((c.y, c.unit), ("stress_ratio", "1"))
+        for row, one in enumerate(sweep.means["set"]):
+            ratios = []
+            for k in np.flatnonzero(sweep["set"] == one):
+                s = sweep[int(k)].series
+                keep = s["time"] > 2 + 1e-6
+                shear, xx, yy = (s[name][keep] for name in ("stress_xy", "stress_xx", "stress_yy"))
+                shear = -(shear + s["stress_yx"][keep]) / 2 - s["kinetic_xy"][keep]
+                ratios.append(2 * shear.mean() / (xx + yy + s["kinetic_xx"][keep] + s["kinetic_yy"][keep]).mean())
+            self.assertAlmostEqual(c.values[row], np.mean(ratios), delta=0.05 * np.mean(ratios))  # less a transient
+            self.assertGreater(c.errors[row], 0)
+            self.assertGreaterEqual(c.errors[row], np.std(ratios, ddof=1) / np.sqrt(2) * 0.2)
+        self.assertEqual(plot.Curves(slipdisk.Sweep(HERE / "tilted.sweep")).y, "upper.omega")
+        self.assertEqual(plot.page(sweep).get_axes()[0].get_ylabel(), "stress ratio")
+
+    def test_every_quantity_of_a_sweep(self):
+        sweep = slipdisk.Sweep(HERE / "sheared.sweep")
+        for name, (_, _, where) in every_quantity(sweep).items():
+            if name in ("z", "fraction") or "series" in where:  # of the last state each is a call of `slipdisk measure` per point
+                with self.subTest(name):
+                    self.assertTrue(np.isfinite(plot.Curves(sweep, quantity=name).values).all())
+
     def test_quantity(self):
         ax = plot.curve(HERE / "tilted.sweep", figure().subplots(), quantity="friction", x="amplitude")
         self.assertIn("friction", ax.get_ylabel())
@@ -314,6 +384,15 @@ class Command(unittest.TestCase):
         self.assertIn("* rotation", out)
         self.assertIn("- network        needs more than 10 free disks", out)
 
+    def test_list_of_quantities(self):
+        out, _ = self.run_it("plot", "sheared.h5", "--quantity", "list")
+        for name in ("  contacts ", "  strain_xy ", "  stress_ratio ", "- omega "):
+            self.assertIn(f"\n{name}", out)
+        out, _ = self.run_it("plot", "sheared.sweep", "--quantity", "list")
+        for name in ("friction ", "stress_ratio ", "z_backbone ", "rate\n"):
+            self.assertIn(f"\n  {name}", out)
+        self.run_it("plot", "sheared.h5", "--quantity", "stress_ratio", "--x", "strain_xy", "--time", "5:")
+
     def test_mistakes(self):
         for words, said in (
                 (["three.h5", "-k", "mapp"], "did you mean 'map'"),
@@ -330,7 +409,14 @@ class Command(unittest.TestCase):
                 (["three.h5", "--time", "2:1"], "--time 2:1: expected FROM < TO"),
                 (["tilted.sweep", "-k", "map"], "a sweep has kind curve only"),
                 (["tilted.sweep", "--quantity", "upper.omgea"], "did you mean 'upper.omega'"),
-                (["tilted.sweep", "--x", "tillt"], "did you mean 'tilt'")):
+                (["tilted.sweep", "--quantity", "contcts"], "did you mean 'contacts'"),
+                (["tilted.sweep", "--x", "tillt"], "did you mean 'tilt'"),
+                (["three.h5", "--quantity", "kinetic_rotatoin"], "did you mean 'kinetic_rotation'"),
+                (["three.h5", "--quantity", "work", "--x", "frction"], "did you mean 'friction'"),
+                (["squeezed.h5", "--quantity", "width", "--x", "wall_normal"], "--x wall_normal has a value for each of "),
+                (["three.h5", "-k", "spin", "--quantity", "work"], "--quantity belongs to kind curve, and not to spin"),
+                (["three.h5", "-k", "shear"], "kind shear needs a periodic box that is sheared"),
+                (["three.h5", "--color", "spni"], '--color spni: did you mean "spin"? Expected omega|')):
             with self.subTest(words):
                 out, err = self.run_it("plot", *words, status=2)
                 self.assertIn(said, err)
@@ -358,7 +444,7 @@ class Command(unittest.TestCase):
 class Docs(unittest.TestCase):
     def test_kinds_and_quantities_are_documented(self):
         text = (ROOT / "docs/plots.md").read_text()
-        for name in [*plot.KINDS, *QUANTITIES, "curve"]:
+        for name in [*plot.KINDS, *QUANTITIES, *DERIVED]:
             self.assertIn(f"`{name}`", text)
 
     def test_quantities_are_those_of_the_program(self):

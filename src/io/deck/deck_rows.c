@@ -395,6 +395,8 @@ void deck_columns_from_file(deck_group *g, deck_columns *t) {
     if (deck_given(g, "dataset")) deck_fail_key(g, "dataset", "belongs to HDF5 files only");
     if (contacts) deck_fail_key(g, "contacts", "belongs to results of a run (HDF5) only");
   }
+  if (format >= 0 && format != DECK_LAMMPS && deck_given(g, "timestep"))
+    deck_fail_key(g, "timestep", "belongs to dumps of LAMMPS only");
   if (format == DECK_HDF5) hdf5_or_result(g, file, t);
   if (format == DECK_CSV) read_csv(d, file, t);
   if (format == DECK_LAMMPS) deck_lammps_read(g, file, t);

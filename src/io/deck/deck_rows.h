@@ -1,5 +1,5 @@
-/* deck_rows.h: tables of disks: rows of the deck, a CSV file, an HDF5 dataset, a result or a
- * LAMMPS data file. See deck_rows.c, deck_result.c, deck_lammps.c. */
+/* deck_rows.h: tables of disks: rows of the deck, a CSV file, an HDF5 dataset, a result, a
+ * LAMMPS data file or a LAMMPS dump. See deck_rows.c, deck_result.c, deck_lammps.c. */
 #ifndef SLIPDISK_IO_DECK_ROWS_H
 #define SLIPDISK_IO_DECK_ROWS_H
 
@@ -71,11 +71,13 @@ bool deck_columns_add_row(deck *d, deck_columns *table, deck_place place);
 /* Allocates memory for `capacity` rows, which must not be less than the number of rows in use. */
 void deck_columns_reserve(deck *d, deck_columns *table, size_t capacity);
 
-/* Reads the disks of a LAMMPS data file. In deck_lammps.c. */
+/* Reads the disks of a LAMMPS data file, or of a frame of a LAMMPS dump. In deck_lammps.c. */
 void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *table);
-/* Returns the edges of the box in the header of a LAMMPS data file; false after an error, which is
- * reported. */
-bool deck_lammps_box(deck *d, const deck_node *file, double lower[2], double upper[2]);
+/* Returns the edges of the box in the header of a LAMMPS data file, or in the frame of a dump at this
+ * step (-1: the last frame; both edges are the same where it is not periodic); false after an
+ * error, which is reported. */
+bool deck_lammps_box(deck *d, const deck_node *file, int64_t step, double lower[2],
+                     double upper[2]);
 
 /* File formats, in the order of the words of the key `format`. deck_file_format finds the format of
  * a file from its name; it is DECK_HDF5 whenever the content is HDF5. */

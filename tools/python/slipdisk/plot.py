@@ -1,8 +1,8 @@
 """Pictures of results and sweeps: `slipdisk plot`, and functions for notebooks; docs/plots.md.
 
 page(path)                       the picture that fits the file, as a matplotlib Figure
-rotation, spin, configurations, energy_budget, energies, energy_residual, compression, stress, strain, walls, flow, paths,
-contact_forces, contact_loop, map, network, forces, gr, profile, means, curve
+rotation, spin, configurations, energy_budget, energies, energy_residual, compression, stress, strain, shear, walls, flow, paths,
+series, contact_forces, contact_loop, map, network, forces, gr, profile, means, curve
                                  one of them into axes of your own: slipdisk.plot.map(result, ax=axes, color="spin")
 """
 import argparse
@@ -17,14 +17,14 @@ from . import plot_style as style
 from .plot_packing import forces, gr, map, means, network, profile  # noqa: A004
 from .plot_scene import extent
 from .plot_series import (compression, configurations, contact_forces, contact_loop, energies, energy_budget, energy_residual, flow,
-                          paths, rotation, spin, strain, stress, walls, within)
-from .plot_source import QUANTITIES, Source, usual_quantity
-from .plot_sweep import Curves, curve, theory
+                          paths, rotation, series, shear, spin, strain, stress, walls, within)
+from .plot_source import QUANTITIES, Source, lacks_shear, lacks_stress, usual_quantity
+from .plot_sweep import Curves, curve, list_of, theory
 from .sweep import Sweep
 
 __all__ = ["KINDS", "Source", "compression", "configurations", "contact_forces", "contact_loop", "curve", "energies", "energy_budget",
-           "energy_residual", "flow", "forces", "gr", "map", "means", "network", "page", "paths", "profile", "rotation", "spin",
-           "strain", "stress", "walls"]
+           "energy_residual", "flow", "forces", "gr", "map", "means", "network", "page", "paths", "profile", "rotation", "series", "shear",
+           "spin", "strain", "stress", "walls"]
 
 DPI = 200
 FEW = 10  # disks that are told apart by name
@@ -128,6 +128,14 @@ def _stress(source, o):
     return [own], 4.0 * len(own) + 1, 4.0
 
 
+def _shear(source, o):
+    return [[lambda ax: shear(source, ax, time=o.time), lambda ax: shear(source, ax, time=o.time, of="stress")]], 9.0, 4.0
+
+
+def _curve(source, o):
+    return [[lambda ax: series(source, ax, quantity=o.quantity or "contacts", x=o.x or "time", time=o.time)]], 7.0, 4.5
+
+
 def _profile(source, o):
     color = o.color if o.color in QUANTITIES and o.color not in ("contacts", "fraction", "group") else None
     turning = color or usual_quantity(source)
@@ -158,10 +166,12 @@ KINDS = {kind.name: kind for kind in (
     Kind("profile", "packing fraction, contacts and rotation over height", _filled, _profile),
     Kind("means", "mean rotation of every disk: second half of the time against the first", _mean_disks, _one(means, 5.0, 5.0)),
     Kind("compression", "pressure, packing fraction and contacts in time and against each other", _compressed, _compression),
-    Kind("stress", "stress in time, deviator against strain",
-         _series("stress_xx", hint="needs the stress in time: measure = { stress = true; } in the deck"), _stress),
+    Kind("stress", "stress in time, deviator against strain", lacks_stress, _stress),
+    Kind("shear", "shear stress, and its ratio to pressure, against the shear strain of a sheared box", lacks_shear, _shear),
     Kind("walls", "forces on the walls in time", _series("wall_normal", hint="needs measure = { walls = true; } in the deck"), _walls),
     Kind("flow", "disks outside the bounds in time", _out, _one(flow, time="time")),
+    Kind("curve", "a column of the series against time or another (--quantity, --x; --quantity list names them)",
+         _series("time", hint="needs a time series: series in the phase"), _curve),
 )}
 
 
@@ -176,7 +186,9 @@ def default_kinds(source):
         spins = source.series["angular_velocity"] if "angular_velocity" in source.series else np.zeros(1)
         if not np.abs(spins).max(initial=0) > 0:
             wanted.remove("spin")
-    elif not _compressed(source):
+    elif not lacks_shear(source):
+        wanted = ["shear", "map", "network", "forces"]
+    elif not _compressed(source) and not (lacks_stress(source) is None and "strain_xx" in source.series):
         wanted = ["compression", "map", "network"]
     elif "stress_xx" in source.series:
         wanted = ["stress", "map", "network", "profile", "forces", "gr"]
@@ -279,6 +291,10 @@ def page(path, kinds=None, **options):
                 raise lib.UserError(f"{sweep.folder}: a sweep has kind curve only; expected a result, {sweep.folder}/points/....h5, for {kinds[0]}")
             return page_of_sweep(sweep, options)
         source = Source.of(path)
+        if options.quantity or options.x:
+            kinds = kinds or ["curve"]
+            if "curve" not in kinds:
+                raise lib.UserError(f"--{'quantity' if options.quantity else 'x'} belongs to kind curve, and not to {', '.join(kinds)}")
         kinds = _checked(source, kinds)
         _check_time(source, options.time)
         return page_of_result(source, kinds, options)
@@ -327,6 +343,20 @@ def list_kinds(path):
     return [*lines, "* without --kind; - not of this file"]
 
 
+def list_quantities(path):
+    """Lines on what a result or a sweep can be drawn by."""
+    if os.path.isdir(os.path.join(path, "points")):
+        return list_of(Sweep(path))
+    source = Source(path)
+    lines = ["--quantity, against time or --x:"]
+    lines += [f"  {name:<24}{unit:<16}{meaning}" for name, (unit, meaning) in source.columns.items()]
+    lines += ["--color of disks, - not of this file:"]
+    for name, one in QUANTITIES.items():
+        missing = one.lacks(source)
+        lines.append(f"{'-' if missing else ' '} {name:<24}{one.unit:<16}{missing or style.words(one.text)}")
+    return lines
+
+
 # --- the command ------------------------------------------------------------------------------------------------------
 def pair(text, kind=float, separator="x"):
     low, _, high = text.partition(separator)
@@ -373,6 +403,9 @@ def tell(command, work):
 def plot(a):
     if a.kind == ["list"]:
         print("\n".join(list_kinds(a.file)))
+        return
+    if a.quantity == "list":
+        print("\n".join(list_quantities(a.file)))
         return
     output = a.output or default_output(a.file, ".png")
     style.check_ending(output, style.ENDINGS)

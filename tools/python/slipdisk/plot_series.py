@@ -3,7 +3,7 @@ import numpy as np
 
 from . import library as lib
 from . import plot_style as style
-from .plot_source import Source
+from .plot_source import Source, lacks_shear, stresses
 from .plot_style import axes_of, guide, label
 from .plot_theory import theory_of
 
@@ -21,13 +21,14 @@ def within(times, span):
     return keep
 
 
-def mark_phases(ax, source, span=None):
-    """A thin line where a phase ends, with the names of phases above, when there are few."""
+def mark_phases(ax, source, span=None, place=lambda time: time):
+    """A thin line where a phase ends, with the names of phases above, when there are few. place: of a time on the axis of x."""
     phases = [phase for phase in source.phases if within(np.array([phase[2]]), (span or (None, None))[:1] + (None,))[0]]
     if len(phases) < 2:
         return
     low, high = ax.get_xlim()
-    for name, begin, end in phases:
+    for name, *ends in phases:
+        begin, end = map(place, ends)
         if low < begin < high:
             guide(ax, x=begin)
         begin, end = max(begin, low), min(end, high)
@@ -291,6 +292,62 @@ def strain(result, ax=None, *, time=None):
     ax.set_xlabel(r"strain $\varepsilon$, compression positive")
     ax.set_ylabel("deviator over pressure $q/p$")
     style.legend(ax, loc="best")
+    return ax
+
+
+def shear(result, ax=None, *, time=None, of="ratio", windows=50):
+    """Shear stress over pressure ("ratio") or both ("stress") of a sheared periodic box against the accumulated shear strain, the
+    integral of rate_xy: each row of the series (thin) and means of windows (thick), of the ratio those of its parts. Stresses are
+    of contacts and velocities, positive for a flow with a positive rate."""
+    source, ax = Source.of(result), axes_of(ax)
+    if lacks_shear(source):
+        raise lib.UserError(f"{source.path}: kind shear {lacks_shear(source)}")
+    keep = within(source.series["time"], time)
+    t, strain = source.series["time"][keep], source.series["strain_xy"][keep]
+    xx, yy, shear_stress = (values[keep] for values in stresses(source))
+    p = (xx + yy) / 2
+    cuts = np.unique(np.linspace(0, len(strain), min(windows, len(strain)) + 1).astype(int))
+    middle, shear_means, p_means = (np.add.reduceat(values, cuts[:-1]) / np.diff(cuts) for values in (strain, shear_stress, p))
+    if of == "ratio":
+        held = p > 1e-3 * np.nanmax(p)
+        lines = [("stress ratio", strain[held], shear_stress[held] / p[held], shear_means / np.where(p_means > 0, p_means, np.nan))]
+    else:
+        lines = [("shear stress", strain, shear_stress, shear_means), ("pressure $p$", strain, p, p_means)]
+    for k, (name, x, rows, means) in enumerate(lines):
+        ax.plot(*style.thinned(x, rows), color=style.colour(k), lw=0.6, alpha=0.35, gid=f"rows {k}")
+        ax.plot(middle, means, color=style.colour(k), lw=1.6, label=name if of != "ratio" else None, gid=f"means {k}")
+    if of == "ratio" and np.isfinite(lines[0][3]).any():  # a few rows of a dilute flow have hardly any pressure
+        _frame(ax, np.concatenate([np.nanpercentile(lines[0][2], [2, 98]), lines[0][3][np.isfinite(lines[0][3])]]), 0)
+    guide(ax, y=0)
+    ax.set_xlabel(r"shear strain $\gamma$")
+    ax.set_ylabel("shear stress over pressure" if of == "ratio" else label("stress", source.series.unit("stress_xy")))
+    if np.ptp(strain) > 0:
+        ax.set_xlim(strain.min(), strain.max())
+    if (np.diff(strain) >= 0).all():
+        mark_phases(ax, source, time, lambda moment: float(np.interp(moment, t, strain)))
+    style.legend(ax, loc="best")
+    return ax
+
+
+def series(result, ax=None, *, quantity="contacts", x="time", time=None):
+    """A column of the series, or what follows from it, against time or another column: a line for each value of its rows."""
+    source, ax = Source.of(result), axes_of(ax)
+    keep = within(source.series["time"], time)
+    values, along = source.column(quantity)[keep], source.column(x)[keep]
+    if along.ndim > 1:
+        raise lib.UserError(f"{source.path}: --x {x} has a value for each of {', '.join(source.parts(x))}; expected one, as "
+                            f"{source.parts(x)[0]}.{x}")
+    names = source.parts(quantity) if values.ndim > 1 else [None]
+    for k, (name, line) in enumerate(zip(names, values.reshape(len(values), -1).T)):
+        ax.plot(*style.thinned(along, line), color=style.colour(k), lw=0.9, label=name, gid=f"column {k}")
+    if values.min(initial=0) < 0 < values.max(initial=0):
+        guide(ax, y=0)
+    if x == "time":
+        time_axis(ax, source, along, time)
+    else:
+        ax.set_xlabel(label(style.plain(x).replace("_", " "), source.columns[x][0]))
+    ax.set_ylabel(label(style.plain(quantity).replace("_", " "), source.columns[quantity][0]))
+    style.legend(ax, loc="best", ncol=1 + len(names) // 12)
     return ax
 
 

@@ -111,6 +111,57 @@ class Source:
         """Lines of this kind of /parameters/deck_bodies, as words."""
         return [line.split("\t")[1:] for line in self.result.rows("parameters/deck_bodies").split("\n") if line.startswith(kind + "\t")]
 
+    # --- series -----------------------------------------------------------------------------------------------
+    def parts(self, name):
+        """Names of the values that a row of a series has, as of disks or walls; empty for a single value."""
+        row = self.result.rows(self.series._path(name), 0, 1)
+        if row.ndim == 1:
+            return []
+        of = name.split("_")[0]
+        disks = {"angle": "watched_disks", "angular": "watched_disks", "disk": "contact_disks"}
+        if of in disks:
+            return [self.disk_name(int(k)) for k in self.result.rows(f"observables/{disks[of]}")]
+        return [style.plain(part) for part in self.result.rows(f"observables/{of}s").split("\n")[:row.shape[1]]]
+
+    @functools.cached_property
+    def columns(self):
+        """{name: (unit, meaning)} of the columns that there are in time: the series, what follows from them (DERIVED), and the
+        single values of series that have several, as lid.wall_normal."""
+        if "time" not in self.series or len(self.series["time"]) < 2:
+            return {}
+        found = {name: (self.series.unit(name), self.series.meaning(name)) for name in self.series}
+        found |= {name: (one.unit, one.meaning) for name, one in DERIVED.items() if not one.lacks(self)}
+        return found | {f"{part}.{name}": found[name] for name in self.series if name != "time" for part in self.parts(name)}
+
+    def fraction_of(self, name):
+        """(numerator, denominator) of a column, the latter None where there is none."""
+        if name not in self.columns:
+            raise lib.unknown(name, list(self.columns), f"the series of {self.path}")
+        if name in DERIVED:
+            return DERIVED[name].of(self)
+        part, _, column = name.rpartition(".")
+        return self.series[column] if not part else self.series[column][:, self.parts(column).index(part)], None
+
+    def column(self, name):
+        """The rows of a column; nan where its denominator is not positive."""
+        top, bottom = self.fraction_of(name)
+        return top if bottom is None else top / np.where(bottom > 1e-3 * np.nanmax(bottom), bottom, np.nan)
+
+    def averaged(self, name):
+        """A Record as slipdisk.mean gives it of a column over the measured time, of a ratio that of the means of numerator and
+        denominator."""
+        top, bottom = self.fraction_of(name)
+        span = float(self.result.summary["measured_time"]) or self.phases[-1][2] - self.phases[-1][1]
+        keep = self.series["time"] > self.result.time - span * (1 + 1e-9)
+        if bottom is None:
+            return lib.mean(top[keep])
+        first = lib.mean(top[keep]).discarded  # of the transient
+        top, bottom = top[keep][first:], bottom[keep][first:]
+        ratio = top.mean() / bottom.mean()
+        found = lib.mean((top - ratio * bottom) / bottom.mean(), transient=False)
+        found["mean"] = ratio
+        return found
+
     def disk_name(self, number):
         return style.plain(self.names[number] or f"disk {number}")
 
@@ -247,6 +298,61 @@ class Source:
     def measured_frames(self):
         """The table of all frames, a row each."""
         return self._measure(["--all"])["frames"]
+
+
+# --- what follows from series ------------------------------------------------------------------------------------------
+class Derived:
+    """unit, meaning; lacks(source): what is missing for it, else None; of(source): (numerator, denominator or None)."""
+
+    def __init__(self, unit, meaning, lacks, of):
+        self.unit, self.meaning, self.lacks, self.of = unit, meaning, lacks, of
+
+
+def lacks_stress(source):
+    return None if "stress_xx" in source.series else "needs the stress in time: measure = { stress = true; } in the deck"
+
+
+def is_sheared(source):
+    return "strain_xy" in source.series and np.ptp(source.series["strain_xy"]) > 0
+
+
+def lacks_shear(source):
+    if not is_sheared(source):
+        return "needs a periodic box that is sheared: cell = { rate_xy = ...; } in a phase"
+    return lacks_stress(source)
+
+
+def _lacks_outflow(source):
+    return None if "outside" in source.series else "needs bounds in the deck"
+
+
+def stresses(source):
+    """(xx, yy, shear): stress of contacts and velocities, compression positive; the shear stress of a flow with a positive rate is
+    positive."""
+    s = source.series
+    return s["stress_xx"] + s["kinetic_xx"], s["stress_yy"] + s["kinetic_yy"], -(s["stress_xy"] + s["stress_yx"]) / 2 - s["kinetic_xy"]
+
+
+def _pressure(source):
+    xx, yy, _ = stresses(source)
+    return (xx + yy) / 2
+
+
+def _deviator(source):
+    xx, yy, shear = stresses(source)
+    return np.hypot((xx - yy) / 2, shear)
+
+
+DERIVED = {
+    "shear_stress": Derived("force/length", "shear stress of a sheared box, positive along rate_xy > 0, of contacts and velocities",
+                            lacks_shear, lambda source: (stresses(source)[2], None)),
+    "stress_ratio": Derived("1", "shear_stress over the pressure of contacts and velocities", lacks_shear,
+                            lambda source: (stresses(source)[2], _pressure(source))),
+    "deviator_ratio": Derived("1", "deviator of the stress over the pressure, of contacts and velocities", lacks_stress,
+                              lambda source: (_deviator(source), _pressure(source))),
+    "outflow": Derived("1/time", "disks that go beyond the bounds or are taken out per time", _lacks_outflow,
+                       lambda source: (np.gradient(source.series["outside"].astype(float), source.series["time"]), None)),
+}
 
 
 # --- what colours disks -------------------------------------------------------------------------------------------------

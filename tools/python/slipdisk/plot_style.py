@@ -53,6 +53,11 @@ def plain(text, most=60):
     return shown.replace("$", r"\$")
 
 
+def words(text):
+    """A label without the marks of its formulas, for a terminal."""
+    return text.replace("$", "").replace("\\", "")
+
+
 def label(text, unit=""):
     """Name of an axis with its unit; numbers without a unit have none."""
     return f"{text} ({unit})" if unit not in ("", "1", None) and unit not in text.split() else text

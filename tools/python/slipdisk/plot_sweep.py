@@ -1,5 +1,6 @@
 """Curves of sweeps: a quantity against what is swept, with error bars, and with theory where there is one."""
 import concurrent.futures
+import fnmatch
 import os
 import warnings
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from . import library as lib
 from . import plot_style as style
-from .plot_source import Source
+from .plot_source import DERIVED, Source, is_sheared
 from .plot_style import axes_of, guide, label
 from .plot_theory import theory_row
 from .result import Result, plain
@@ -16,8 +17,10 @@ from .sealed import read
 from .sweep import Sweep
 
 PALE = 0.35  # opacity of points whose error bar is not reliable
-PREFERRED = ("omega_rms", "coordination")
-
+# (name, condition on a finished point): the first that a sweep has is drawn, what its deck measures for its own sake.
+PREFERRED = (("stress_ratio", None), ("pressure", is_sheared), ("*.omega", None), ("omega_rms", None), ("coordination", None), ("outflow", None),
+             ("deviator_ratio", None), ("*.wall_normal", None), ("*.group_normal", None), ("*.disk_normal", None),
+             ("z_backbone", lambda source: "packing_fraction" in source.series))
 
 # Columns of frames.csv that a sweep can be drawn by, measured when asked for: (text, unit).
 MEASURED = {"z": ("contacts per disk $z$", "1"), "z_bearing": ("load-bearing contacts per disk", "1"),
@@ -47,19 +50,76 @@ def _known(column):
 
 
 def quantities(sweep):
-    """Names of columns that can be drawn."""
+    """Names of columns of means.csv that can be drawn."""
     names = sweep.means.dtype.names
     after = names[names.index("replicas") + 1:]
     return [name for name in after if not name.endswith(("_error", "_scatter"))]
 
 
+def source_of(sweep, name):
+    """The Source of a point, kept until the sweep is read again."""
+    if name not in sweep._sources:
+        sweep._sources[name] = Source(sweep.path(str(name)))
+    return sweep._sources[name]
+
+
+def first_source(sweep):
+    """The Source of the first finished point; None without any."""
+    done = np.flatnonzero(sweep["status"] == "done")
+    return source_of(sweep, sweep["name"][done[0]]) if len(done) else None
+
+
+def in_time(sweep):
+    """{name: (unit, meaning)} of the columns of the series that can be drawn, as means over the measured time. If a box is not
+    sheared, its pressure is that of the last state (MEASURED), in which it has come to rest."""
+    source = first_source(sweep)
+    if source is None:
+        return {}
+    skipped = {"time", "step", "start", "scale", *quantities(sweep), *(() if is_sheared(source) else MEASURED)}
+    return {name: about for name, about in source.columns.items() if name not in skipped and (name in DERIVED or "." in name or not source.parts(name))}
+
+
+def every_quantity(sweep):
+    """{name: (unit, meaning, where it is from)} of all that a sweep can be drawn by."""
+    own = {name: (sweep.unit(name), "", "columns of means.csv") for name in quantities(sweep)}
+    series = {name: (*about, "means over the measured time of the series") for name, about in in_time(sweep).items()}
+    return own | series | {name: (unit, style.words(text), "in the last state, as slipdisk measure has it") for name, (text, unit) in MEASURED.items()
+                           if name not in own and name not in series}
+
+
+def list_of(sweep):
+    """Lines on what a sweep can be drawn by."""
+    every, lines = every_quantity(sweep), []
+    for group in dict.fromkeys(where for _, _, where in every.values()):
+        lines += [f"--quantity, {group}:"]
+        lines += [f"  {name:<24}{unit:<16}{text}".rstrip() for name, (unit, text, where) in every.items() if where == group]
+    return [*lines, "--x:", *(f"  {name:<24}{unit(sweep, name)}".rstrip() for name in keys(sweep))]
+
+
 def default_quantity(sweep):
-    names = quantities(sweep)
-    for wanted in [name for name in names if name.endswith(".omega")] + list(PREFERRED):
-        if wanted in names:
-            return wanted
-    compressed = "packing_fraction" in next((result.series for _, result in sweep.results()), ())
-    return "z_backbone" if compressed else next((name for name in names if name != "time"), names[0])
+    names, source = every_quantity(sweep), first_source(sweep)
+    for wanted, condition in PREFERRED:
+        found = next((name for name in names if fnmatch.fnmatchcase(name, wanted)), None)
+        if found and (condition is None or source is not None and condition(source)):
+            return found
+    return next((name for name in names if name != "time"), "time")
+
+
+def averaged(sweep, name):
+    """(means, errors, reliable) over replicas of a column of the series, over the measured time; nan where no point of a set is
+    done. The error is the larger of that from the error bars and from the scatter of replicas."""
+    sets = sweep.means["set"]
+    values, errors, reliable = (np.full(len(sets), np.nan) for _ in range(3))
+    for row, one in enumerate(sets):
+        points = np.flatnonzero((sweep["set"] == one) & (sweep["status"] == "done"))
+        found = [source_of(sweep, sweep["name"][k]).averaged(name) for k in points]
+        if found:
+            means, bars = (np.array([getattr(record, part) for record in found]) for part in ("mean", "error"))
+            values[row] = means.mean()
+            scatter = np.std(means, ddof=1) / np.sqrt(len(found)) if len(found) > 1 else np.nan
+            errors[row] = np.fmax(np.sqrt((bars**2).sum()) / len(found), scatter)
+            reliable[row] = np.mean([record.converged for record in found])
+    return values, errors if np.isfinite(errors).any() else None, reliable
 
 
 def measured(sweep, name):
@@ -68,7 +128,7 @@ def measured(sweep, name):
     table, sets = sweep.table, sweep.means["set"]
     found = {}
     for k in np.flatnonzero(table["status"] == "done"):
-        source = Source(sweep.path(str(table["name"][k])))
+        source = source_of(sweep, table["name"][k])
         found.setdefault(int(table["set"][k]), []).append(float(source.measured(source.n_frames - 1)["frames"][name][0]))
     values = np.array([np.mean(found[int(s)]) if int(s) in found else np.nan for s in sets])
     errors = np.array([np.std(found[int(s)], ddof=1) / np.sqrt(len(found[int(s)])) if len(found.get(int(s), ())) > 1 else np.nan for s in sets])
@@ -128,9 +188,10 @@ class Curves:
         if self.x not in all_keys:
             raise lib.unknown(self.x, all_keys, f"the keys that {sweep.folder} sweeps")
         self.y = quantity or default_quantity(sweep)
-        own = quantities(sweep)
-        if self.y not in own and self.y not in MEASURED:
-            raise lib.unknown(self.y, [*own, *MEASURED], f"the quantities of {sweep.folder}")
+        own, every = quantities(sweep), every_quantity(sweep)
+        if self.y not in every:
+            raise lib.unknown(self.y, [*every], f"the quantities of {sweep.folder}")
+        self.unit = every[self.y][0]
         x_values = self.means[self.x]
         self.words = sorted(set(x_values.tolist())) if x_values.dtype.kind in "US" else None
         self.xs = np.array([self.words.index(v) for v in x_values], float) if self.words else x_values.astype(float)
@@ -144,9 +205,17 @@ class Curves:
         self.groups = [(self._text(name), np.array(sorted(rows, key=lambda r: self.xs[r]))) for name, rows in groups.items()]
         useful = [(name, rows) for name, rows in self.groups if np.isfinite(self.xs[rows]).sum() > 1]
         self.groups = useful or self.groups
-        self.values, self.errors = (self.means[self.y].astype(float), _error(self.means, self.y)) if self.y in own else measured(sweep, self.y)
-        reliable = self.y.rpartition(".")[0] + ".converged" if self.y.endswith((".omega", ".scaled")) else None
-        self.doubtful = self.means[reliable] < 1 if reliable in own else np.zeros(len(self.means), bool)
+        self.doubtful = np.zeros(len(self.means), bool)
+        if self.y in own:
+            self.values, self.errors = self.means[self.y].astype(float), _error(self.means, self.y)
+            reliable = self.y.rpartition(".")[0] + ".converged" if self.y.endswith((".omega", ".scaled")) else None
+            if reliable in own:
+                self.doubtful = self.means[reliable] < 1
+        elif self.y in in_time(sweep):
+            self.values, self.errors, reliable = averaged(sweep, self.y)
+            self.doubtful = reliable < 1
+        else:
+            self.values, self.errors = measured(sweep, self.y)
         noise = np.zeros(len(self.values)) if self.errors is None else np.nan_to_num(self.errors)
         seen = np.where(np.abs(self.values) > 2 * noise, np.abs(self.values), 0.0)
         tops = [top for top in (seen[rows].max(initial=0) for _, rows in self.groups) if top > 0]
@@ -218,7 +287,9 @@ def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True
     names = {"omega": r"mean angular velocity $\Omega$", "scaled": r"$t_g\Omega$"}
     disk, _, what = c.y.rpartition(".")
     text = f"{names[what]} of {style.plain(disk)}" if what in names else style.plain(c.y).replace("_", " ")
-    ax.set_ylabel(label(*MEASURED[c.y]) if c.y in MEASURED and c.y not in quantities(sweep) else label(text, sweep.unit(c.y)))
+    if c.y in MEASURED and c.y not in quantities(sweep):
+        text = MEASURED[c.y][0]
+    ax.set_ylabel(label(text, c.unit))
     if only is not None:
         ax.set_title(c.groups[only][0], fontsize=9)
         if (drawn_theory or pale) and only == 0:

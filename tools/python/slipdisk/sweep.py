@@ -30,7 +30,7 @@ class Sweep(Shown, collections.abc.Sequence):
     def refresh(self):
         """Reads the tables again. Returns self."""
         path = os.path.join(self.folder, "table.h5")
-        self._units, self._columns, self._means = {}, {}, {}
+        self._units, self._columns, self._means, self._sources = {}, {}, {}, {}
         if os.path.exists(path):
             try:
                 with read(path, self._verify) as file:
