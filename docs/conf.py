@@ -52,6 +52,7 @@ nitpick_ignore_regex = [("c:identifier", r"u?int\d+_t|size_t|FILE|va_list"), ("p
 
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
+autodoc_type_aliases = {"ArrayLike": "ArrayLike"}  # else all that it stands for
 add_module_names = False
 
 copybutton_prompt_text = r"\$ |>>> "

@@ -27,7 +27,7 @@ for option in "$@"; do
       packages+=("${notebooks[@]}")
       packages+=(git binutils libcmocka-dev librandom123-dev clang clang-format-14 clang-tidy-14
                  python3-venv hdf5-tools parallel
-                 ccache gcovr
+                 ccache gcovr mypy
                  chromium chromium-driver python3-selenium python3-mdanalysis python3-vtk9 python3-ase lammps
                  poppler-utils mandoc mmdebstrap "${site[@]}" "${deb[@]}" "${plot[@]}") ;;
     --plot) packages+=("${plot[@]}") ;;

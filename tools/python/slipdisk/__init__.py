@@ -8,6 +8,10 @@ mean         mean of a correlated record, with its error
 plot, film   pictures and films, docs/plots.md
 Error        what all errors derive from: UserError, NumericError, FileError, Interrupted, MissingPackage
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from .deck import deck_text
 from .library import (Error, FileError, Interrupted, MissingPackage, NumericError, Record, UnknownName, UserError, Warning, mean)
 from .program import info, run, sweep
@@ -15,12 +19,22 @@ from .result import Result
 from .simulation import Simulation
 from .sweep import Sweep
 
+if TYPE_CHECKING:
+    import pathlib
+
+    from . import film as film
+    from . import plot as plot
+
 __all__ = ["Error", "FileError", "Interrupted", "MissingPackage", "NumericError", "Record", "Result", "Simulation", "Sweep", "UnknownName",
            "UserError",
            "Warning", "__version__", "deck_text", "info", "inputs", "mean", "run", "sweep", "version"]
 
 
-def __getattr__(name):
+__version__: str
+inputs: pathlib.Path
+
+
+def _attribute(name: str) -> Any:
     """slipdisk.plot and slipdisk.film, which need matplotlib, are loaded when they are asked for; so are the library, for its
     version, and the folder of the decks that are shipped, slipdisk.inputs."""
     if name == "__version__":
@@ -34,7 +48,11 @@ def __getattr__(name):
     return importlib.import_module(f"slipdisk.{name}")
 
 
-def version():
+if not TYPE_CHECKING:  # type checkers know the names above, and no others
+    __getattr__ = _attribute
+
+
+def version() -> str:
     """Version of the library."""
     from .library import library
     return library().sd_version().decode()

@@ -1,7 +1,11 @@
 """Decks: their text from dicts and arrays (docs/deck.md), and the values of a complete deck as nested dicts."""
+from __future__ import annotations
+
 import math
 import re
 import tempfile
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -111,7 +115,7 @@ class DiskArrays:
                       lambda m: f"disks[{int(m[1]) - 2}]" if m[1] and int(m[1]) > 1 else "disks", message)
 
 
-def deck_text(deck):
+def deck_text(deck: Mapping[str, Any]) -> str:
     """The text of a deck from a dict with its structure: dicts are groups, lists and tuples lists, texts texts (also
     angles: "0.04 pi"). `materials`, `disks`, `walls`, `motions`, `fields` and `phases` may be dicts of groups by name."""
     return members(deck)
@@ -134,7 +138,7 @@ UNITS = {"pi": math.pi, "deg": math.pi / 180, "rad": 1.0}
 class Groups(tuple):
     """A list of groups of a deck: deck["phases"][1], or by name deck["phases"]["measure"]."""
 
-    def __getitem__(self, which):
+    def __getitem__(self, which: Any) -> Any:
         if not isinstance(which, str):
             return super().__getitem__(which)
         names = [group.get("name") for group in self]
@@ -149,7 +153,7 @@ class Groups(tuple):
         return value_text(self, "deck").replace("}, {", "},\n {")
 
 
-class Group(Record):
+class Group(Record[Any]):
     """A group of a deck: a dict whose items are attributes."""
 
     def __repr__(self):
@@ -176,7 +180,7 @@ def number(text):
         raise ValueError(text) from None
 
 
-def deck_values(text):
+def deck_values(text: str) -> Deck:
     """A complete deck (`deck_full` of a result or simulation) as a Deck."""
     tokens, at = [], 0
     while at < len(text):

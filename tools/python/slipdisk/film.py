@@ -2,6 +2,8 @@
 
 film("drum.h5", "drum.mp4", frames="::2", color="spin")
 """
+from __future__ import annotations
+
 import argparse
 import multiprocessing
 import os
@@ -10,6 +12,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -19,7 +22,7 @@ from . import library as lib
 from . import plot_style as style
 from .plot import default_output, pair, region_of, tell
 from .plot_scene import Scene, extent
-from .plot_source import Source, usual_quantity
+from .plot_source import Drawable, Source, usual_quantity
 
 ENDINGS = (".mp4", ".gif")
 DPI = 100
@@ -148,7 +151,9 @@ def _ffmpeg(words, frames, path):
             raise lib.FileError(f"{path}: ffmpeg: {lines[-1] if lines else f'status {status}'}")
 
 
-def film(result, output, *, frames=None, color=None, network=False, fps=None, size=None, region=None, dark=False, progress=None):
+def film(result: Drawable, output: lib.StrPath, *, frames: str | None = None, color: str | None = None, network: bool = False,
+         fps: float | None = None, size: Sequence[int] | None = None, region: Sequence[float] | None = None, dark: bool = False,
+         progress: Callable[[int, int], object] | None = None) -> tuple[int, float, tuple[int, int]]:
     """Makes a film of frames (text FIRST:LAST:STEP as a slice, all by default); fps: by default so many that it takes ten
     seconds, from 5 to 30. Returns (frames, fps, size)."""
     ending = style.check_ending(output, ENDINGS)

@@ -1,4 +1,6 @@
 """The shared library: where it is, its functions and structs, its messages as exceptions and warnings."""
+from __future__ import annotations
+
 import ctypes
 import difflib
 import operator
@@ -6,24 +8,33 @@ import os
 import pathlib
 import threading
 import warnings
+from collections.abc import Iterable
 from ctypes import (POINTER, Structure, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_uint32,
                     c_uint64, c_void_p)
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 HERE = pathlib.Path(__file__).resolve().parent
 
 OK, USER, NUMERIC, IO, DOUBTFUL, INTERRUPTED = 0, 2, 3, 4, 5, 75
+
+# Types of arguments.
+StrPath = str | os.PathLike[str]
+DeckLike = str | os.PathLike[str] | dict[str, Any]
+Whole = int | np.integer[Any]
+V = TypeVar("V")
 
 
 # --- errors ---------------------------------------------------------------------------------------------------
 class Error(Exception):
     """What went wrong: `messages` is a list of lines, `status` the exit status that the program has for it."""
     __module__ = "slipdisk"
-    status = None
+    status: int | None = None
 
-    def __init__(self, messages, status=None):
-        self.messages = [messages] if isinstance(messages, str) else list(messages)
+    def __init__(self, messages: str | Iterable[str], status: int | None = None) -> None:
+        self.messages: list[str] = [messages] if isinstance(messages, str) else list(messages)
         if status is not None:
             self.status = status
         super().__init__("\n".join(self.messages))
@@ -107,12 +118,12 @@ def find(variable, installed, built, what):
     raise FileError(f"{what} not found ({tried}); build it (cmake --build --preset release) or set {variable}")
 
 
-def program():
+def program() -> str:
     """Path of the program `slipdisk`: SLIPDISK_PROGRAM, else that of the installation or checkout."""
     return find("SLIPDISK_PROGRAM", ["bin/slipdisk"], "slipdisk", "the program slipdisk")
 
 
-def inputs():
+def inputs() -> pathlib.Path:
     """Folder of the decks that come with slipdisk, a pathlib.Path: Simulation(slipdisk.inputs / "packing/heap.cfg")."""
     for up in (HERE, *HERE.parents):
         folder = up / ("inputs" if (up / "CMakePresets.json").exists() else "share/slipdisk/inputs")
@@ -384,7 +395,7 @@ def structured(items, kind):
     return np.array([np.frombuffer(item, kind)[0] for item in items], kind)
 
 
-def mean(x, transient=True):
+def mean(x: ArrayLike, transient: bool = True) -> Record[float]:
     """Mean of a correlated, evenly spaced record with one standard error; a Record of `mean`, `error`,
     `correlation` (time, in samples), `used`, `discarded` (as transient), `converged`."""
     x = np.ascontiguousarray(x, float)
@@ -399,10 +410,10 @@ def unknown(name, names, where):
     return UnknownName(f"no {name!r} in {where}" + (f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(names)}"))
 
 
-class Record(dict):
+class Record(dict[str, V]):
     """A dict whose items are attributes, too."""
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> V:
         try:
             return self[name]
         except KeyError:

@@ -1,11 +1,13 @@
 """What notebooks show: tables of objects, the page of `slipdisk view`, progress of long calls."""
+from __future__ import annotations
+
 import html
 import os
 import sys
 import tempfile
 import time as clock
 
-from .library import UserError, whole
+from .library import StrPath, UserError, Whole, whole
 from .process import call
 
 DELAY = 1.0  # s: shorter calls show no progress
@@ -51,10 +53,13 @@ class View:
     """The page of `slipdisk view`, which a notebook shows in place; it needs no network. `page` is its text; `save(path)` writes it,
     for any browser."""
 
-    def __init__(self, page, height):
+    page: str
+    height: int
+
+    def __init__(self, page: str, height: Whole) -> None:
         self.page, self.height = page, whole(height, "view: height", 100, 10_000)
 
-    def save(self, path):
+    def save(self, path: StrPath) -> None:
         """Writes the page into a file."""
         with open(path, "w", encoding="utf-8") as file:
             file.write(self.page)
@@ -67,7 +72,7 @@ class View:
         return f"<slipdisk view: a page of {len(self.page) / 1e6:.3g} MB; a notebook shows it, save(path) writes it>"
 
 
-def view(path, frames, height, cwd=None):
+def view(path: str, frames: str | None, height: Whole, cwd: str | None = None) -> View:
     """The View of a result or checkpoint; a relative path is one from the folder cwd."""
     with tempfile.TemporaryDirectory(prefix="slipdisk-") as folder:
         page = os.path.join(folder, "page.html")

@@ -5,10 +5,13 @@ rotation, spin, configurations, energy_budget, energies, energy_residual, compre
 series, contact_forces, contact_loop, map, network, forces, gr, profile, means, curve
                                  one of them into axes of your own: slipdisk.plot.map(result, ax=axes, color="spin")
 """
+from __future__ import annotations
+
 import argparse
 import os
 import sys
 import warnings
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +24,11 @@ from .plot_series import (compression, configurations, contact_forces, contact_l
 from .plot_source import QUANTITIES, Source, lacks_shear, lacks_stress, usual_quantity
 from .plot_sweep import Curves, curve, list_of, theory
 from .sweep import Sweep
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .plot_source import Drawable
 
 __all__ = ["KINDS", "Source", "compression", "configurations", "contact_forces", "contact_loop", "curve", "energies", "energy_budget",
            "energy_residual", "flow", "forces", "gr", "map", "means", "network", "page", "paths", "profile", "rotation", "series", "shear",
@@ -281,7 +289,7 @@ class Options(argparse.Namespace):
     frame, time, color, first, size, x, quantity, region, dark = None, None, None, 0, None, None, None, None, False
 
 
-def page(path, kinds=None, **options):
+def page(path: Drawable | Sweep, kinds: list[str] | tuple[str, ...] | None = None, **options: Any) -> Figure:
     """The picture of a result or a folder of a sweep, a matplotlib Figure: of these kinds, else what fits."""
     options = Options(**options)
     with style.look(options.dark):

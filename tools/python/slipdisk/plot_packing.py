@@ -1,4 +1,9 @@
 """Pictures of packings: maps, force networks, distributions of forces, pair correlation, profiles, means of every disk."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.lines import Line2D
 
@@ -7,6 +12,11 @@ from . import plot_style as style
 from .plot_scene import Scene, in_reach, sliding_colour
 from .plot_source import QUANTITIES, Source
 from .plot_style import axes_of, guide, label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .plot_source import Drawable
 
 
 def _named(ax, source, k):
@@ -18,7 +28,8 @@ def _named(ax, source, k):
                  fontsize=9)
 
 
-def map(result, ax=None, *, frame=None, color=None, network=False, first=0, region=None):
+def map(result: Drawable, ax: Axes | None = None, *, frame: int | None = None, color: str | None = None, network: bool = False,
+        first: int = 0, region: Sequence[float] | None = None) -> Axes:
     """Disks of a frame coloured by a quantity: omega, turned, spin, speed, vx, vy, moved, radius, contacts, pressure, fraction,
     group; by default what the file has of the first three. `first`: the frame from which angles and distances count."""
     source, ax = Source.of(result), axes_of(ax)
@@ -31,7 +42,7 @@ def map(result, ax=None, *, frame=None, color=None, network=False, first=0, regi
     return ax
 
 
-def network(result, ax=None, *, frame=None, region=None):
+def network(result: Drawable, ax: Axes | None = None, *, frame: int | None = None, region: Sequence[float] | None = None) -> Axes:
     """Contacts of a frame as lines as wide as the normal force; sliding ones in another colour."""
     source, ax = Source.of(result), axes_of(ax)
     k = source.frame_number(frame)
@@ -57,7 +68,7 @@ def _merged(values, m):
     return values[:n].reshape(-1, m).mean(1)
 
 
-def forces(result, ax=None, *, frame=None):
+def forces(result: Drawable, ax: Axes | None = None, *, frame: int | None = None) -> Axes:
     """Densities of the normal forces (and tangential ones) over their means, with the counting error; the dashed line is e^-f."""
     source, ax = Source.of(result), axes_of(ax)
     tables = source.measured(source.frame_number(frame))
@@ -86,7 +97,7 @@ def forces(result, ax=None, *, frame=None):
     return ax
 
 
-def gr(result, ax=None, *, frame=None):
+def gr(result: Drawable, ax: Axes | None = None, *, frame: int | None = None) -> Axes:
     """Pair correlation function, over the mean diameter."""
     source, ax = Source.of(result), axes_of(ax)
     k = source.frame_number(frame)
@@ -107,7 +118,8 @@ def gr(result, ax=None, *, frame=None):
 
 
 # --- profiles -------------------------------------------------------------------------------------------------------------
-def profile(result, ax=None, *, of="fraction", frame=None, bins=None, first=0):
+def profile(result: Drawable, ax: Axes | None = None, *, of: str = "fraction", frame: int | None = None, bins: int | None = None,
+            first: int = 0) -> Axes:
     """Means over layers of height with their standard errors: "fraction" (area of disks over that of their closed cells),
     "contacts" per disk, or a quantity of `map`."""
     source, ax = Source.of(result), axes_of(ax)
@@ -151,7 +163,7 @@ def profile(result, ax=None, *, of="fraction", frame=None, bins=None, first=0):
     return ax
 
 
-def means(result, ax=None):
+def means(result: Drawable, ax: Axes | None = None) -> Axes:
     """Mean angular velocity of every disk in the second half of the measured time against that in the first: on the diagonal
     where rotation persists. Bars are one standard error."""
     source, ax = Source.of(result), axes_of(ax)

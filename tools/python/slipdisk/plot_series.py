@@ -1,4 +1,9 @@
 """Pictures of what changes in time: rotation, sliding, energies, compression, stress, single contacts, paths."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from . import library as lib
@@ -6,6 +11,11 @@ from . import plot_style as style
 from .plot_source import Source, lacks_shear, stresses
 from .plot_style import axes_of, guide, label
 from .plot_theory import theory_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .plot_source import Drawable
 
 CONFIGURATIONS = {"pp": "$S^{++}$", "pm": "$S^{+-}$", "mp": "$S^{-+}$", "mm": "$S^{--}$", "stick": "stick", "open": "open"}
 
@@ -49,7 +59,7 @@ def time_axis(ax, source, time, span, phases=True):
 
 
 # --- rotation -------------------------------------------------------------------------------------------------------
-def rotation(result, ax=None, *, time=None, windows=50):
+def rotation(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, windows: int = 50) -> Axes:
     """Mean angular velocity of the watched disks: means over windows of time (thin), the mean up to t (thick), and the mean of
     the run with its error band (one standard error)."""
     source, ax = Source.of(result), axes_of(ax)
@@ -98,7 +108,7 @@ def _frame(ax, values, k):
     ax.set_ylim(low - rim, high + rim)
 
 
-def spin(result, ax=None, *, time=None):
+def spin(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Angular velocity of the watched disks at each row of the series."""
     source, ax = Source.of(result), axes_of(ax)
     t, omega = source.series["time"], source.series["angular_velocity"]
@@ -114,7 +124,7 @@ def spin(result, ax=None, *, time=None):
 
 
 # --- sliding --------------------------------------------------------------------------------------------------------
-def configurations(result, ax=None):
+def configurations(result: Drawable, ax: Axes | None = None) -> Axes:
     """Fractions of the measured time in each configuration of sliding; theory's as rings where the deck fits."""
     source, ax = Source.of(result), axes_of(ax)
     rows, names = source.slide, list(CONFIGURATIONS)
@@ -140,7 +150,7 @@ def configurations(result, ax=None):
 
 
 # --- energies -------------------------------------------------------------------------------------------------------
-def energy_budget(result, ax=None, *, time=None):
+def energy_budget(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """What went in and what was lost since step 0."""
     source, ax = Source.of(result), axes_of(ax)
     s = source.series
@@ -162,7 +172,7 @@ def energy_budget(result, ax=None, *, time=None):
     return ax
 
 
-def energies(result, ax=None, *, time=None):
+def energies(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Kinetic and elastic energies."""
     source, ax = Source.of(result), axes_of(ax)
     s, t = source.series, source.series["time"]
@@ -182,7 +192,7 @@ def energies(result, ax=None, *, time=None):
     return ax
 
 
-def energy_residual(result, ax=None, *, time=None):
+def energy_residual(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """What the energy budget misses, over its scale; a run is in doubt beyond 0.01."""
     source, ax = Source.of(result), axes_of(ax)
     s, t = source.series, source.series["time"]
@@ -214,7 +224,8 @@ def _compression_values(source):
             "contacts": (coordination_series(source), "contacts per disk $2N_c/N$")}
 
 
-def compression(result, ax=None, *, x="time", y="pressure", time=None):
+def compression(result: Drawable, ax: Axes | None = None, *, x: str = "time", y: str = "pressure",
+                time: Sequence[float | None] | None = None) -> Axes:
     """One of pressure, packing fraction ("fraction") and contacts per disk ("contacts") against time or another of them; dots are
     the ends of phases, rings contacts per disk without rattlers, of stored frames."""
     source, ax = Source.of(result), axes_of(ax)
@@ -259,7 +270,7 @@ def _backbone(ax, source, x, span):
     ax.plot(frames[column][good], frames["z_backbone"][good], "D", ms=5, mfc="none", mec=style.colour(2), label="without rattlers")
 
 
-def stress(result, ax=None, *, time=None):
+def stress(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Stress of the contacts in the region, compression positive."""
     source, ax = Source.of(result), axes_of(ax)
     s, t = source.series, source.series["time"]
@@ -278,7 +289,7 @@ def stress(result, ax=None, *, time=None):
     return ax
 
 
-def strain(result, ax=None, *, time=None):
+def strain(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Deviator over pressure against the strain since the last phase began (measure.box and measure.stress)."""
     source, ax = Source.of(result), axes_of(ax)
     s, t = source.series, source.series["time"]
@@ -295,7 +306,8 @@ def strain(result, ax=None, *, time=None):
     return ax
 
 
-def shear(result, ax=None, *, time=None, of="ratio", windows=50):
+def shear(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, of: str = "ratio",
+          windows: int = 50) -> Axes:
     """Shear stress over pressure ("ratio") or both ("stress") of a sheared periodic box against the accumulated shear strain, the
     integral of rate_xy: each row of the series (thin) and means of windows (thick), of the ratio those of its parts. Stresses are
     of contacts and velocities, positive for a flow with a positive rate."""
@@ -329,7 +341,8 @@ def shear(result, ax=None, *, time=None, of="ratio", windows=50):
     return ax
 
 
-def series(result, ax=None, *, quantity="contacts", x="time", time=None):
+def series(result: Drawable, ax: Axes | None = None, *, quantity: str = "contacts", x: str = "time",
+           time: Sequence[float | None] | None = None) -> Axes:
     """A column of the series, or what follows from it, against time or another column: a line for each value of its rows."""
     source, ax = Source.of(result), axes_of(ax)
     keep = within(source.series["time"], time)
@@ -351,7 +364,7 @@ def series(result, ax=None, *, quantity="contacts", x="time", time=None):
     return ax
 
 
-def walls(result, ax=None, *, time=None, component="normal"):
+def walls(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, component: str = "normal") -> Axes:
     """Force of the contacts on each wall: "normal" (sum of normal forces), "tangential", "x" or "y"."""
     source, ax = Source.of(result), axes_of(ax)
     name = f"wall_force_{component}" if component in ("x", "y") else f"wall_{component}"
@@ -367,7 +380,7 @@ def walls(result, ax=None, *, time=None, component="normal"):
     return ax
 
 
-def flow(result, ax=None, *, time=None):
+def flow(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Disks outside the bounds against time."""
     source, ax = Source.of(result), axes_of(ax)
     t, out = source.series["time"], source.series["outside"]
@@ -385,7 +398,7 @@ def flow(result, ax=None, *, time=None):
 
 
 # --- few disks --------------------------------------------------------------------------------------------------------
-def paths(result, ax=None, *, time=None):
+def paths(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Paths of the centres over all frames, with the disks at their ends."""
     from .plot_scene import Scene
     source, ax = Source.of(result), axes_of(ax)
@@ -417,7 +430,7 @@ def pairs_of(source):
     return found, t
 
 
-def contact_forces(result, ax=None, *, time=None, most=3):
+def contact_forces(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, most: int = 3) -> Axes:
     """Normal and tangential force of each contact that was stored (of the `most` that were closed longest)."""
     source, ax = Source.of(result), axes_of(ax)
     found, t = pairs_of(source)
@@ -437,7 +450,7 @@ def contact_forces(result, ax=None, *, time=None, most=3):
     return ax
 
 
-def contact_loop(result, ax=None, *, time=None, most=3):
+def contact_loop(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, most: int = 3) -> Axes:
     """Tangential force against tangential displacement of each contact: loops are the energy lost."""
     source, ax = Source.of(result), axes_of(ax)
     found, t = pairs_of(source)

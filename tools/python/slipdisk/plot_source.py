@@ -1,16 +1,21 @@
 """What pictures are made from: a result with its frames, walls, contacts and measured tables; quantities that colour disks."""
+from __future__ import annotations
+
 import functools
 import io
 import os
 import tempfile
+from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from . import library as lib
 from . import plot_style as style
 from .program import call
 from .result import Result
+from .stored import Columns, Frames
 
 LINE, SEGMENT, POLYLINE, CIRCLE, ARC = range(5)  # the points of an arc lie close together
 
@@ -29,7 +34,7 @@ def read_csv(path):
 class Source:
     """A result, and what pictures ask of it; what has been read or measured once is kept."""
 
-    def __init__(self, result):
+    def __init__(self, result: lib.StrPath | Result) -> None:
         if not isinstance(result, Result) and os.path.isfile(result) and not h5py.is_hdf5(result):
             deck = os.fspath(result).endswith(".cfg")
             raise lib.FileError(f"{result} is not a result" + (f"; slipdisk run {result} makes one" if deck else " (no HDF5 file)"))
@@ -37,40 +42,40 @@ class Source:
         self.path = self.result.path
 
     @classmethod
-    def of(cls, result):
+    def of(cls, result: Drawable) -> Source:
         return result if isinstance(result, cls) else cls(result)
 
     # --- what it is -------------------------------------------------------------------------------------------
     @functools.cached_property
-    def series(self):
+    def series(self) -> Columns[NDArray[Any]]:
         return self.result.series
 
     @functools.cached_property
-    def frames(self):
+    def frames(self) -> Frames:
         return self.result.frames
 
     @functools.cached_property
-    def n_frames(self):
+    def n_frames(self) -> int:
         return len(self.frames)
 
     @functools.cached_property
-    def frame_times(self):
+    def frame_times(self) -> NDArray[np.float64]:
         return self.frames.time
 
     @functools.cached_property
-    def rotation(self):
+    def rotation(self) -> NDArray[np.void]:
         return self.result.rotation
 
     @functools.cached_property
-    def slide(self):
+    def slide(self) -> NDArray[np.void]:
         return self.result.slide
 
     @functools.cached_property
-    def title(self):
+    def title(self) -> str:
         return style.plain(self.result.deck.get("title", ""), 120)
 
     @functools.cached_property
-    def gravity(self):
+    def gravity(self) -> NDArray[np.float64]:
         if self._whole:
             return np.asarray(self.result.rows("parameters/model/gravity"), float)
         gravity = self.result.deck.get("gravity", {})
@@ -78,7 +83,7 @@ class Source:
         return -g * np.array([np.sin(tilt), np.cos(tilt)])
 
     @functools.cached_property
-    def phases(self):
+    def phases(self) -> list[tuple[str, float, float]]:
         """[(name, begin, end)] in time, of those that have begun."""
         found, begin, rows = [], 0, self.result.phases
         for row in rows if rows is not None else []:
@@ -89,13 +94,13 @@ class Source:
         return found
 
     @functools.cached_property
-    def radius(self):
+    def radius(self) -> NDArray[np.float64]:
         if self._whole:
             return self.result.rows("particles/disks/radius")
         return self.result.disks["radius"]
 
     @functools.cached_property
-    def driven(self):
+    def driven(self) -> NDArray[np.bool_]:
         if self._whole:
             return self.result.rows("particles/disks/driven") != 0
         held = np.ones(len(self.radius), bool)
@@ -162,24 +167,24 @@ class Source:
         found["mean"] = ratio
         return found
 
-    def disk_name(self, number):
+    def disk_name(self, number: int) -> str:
         return style.plain(self.names[number] or f"disk {number}")
 
     @functools.cached_property
-    def names(self):
+    def names(self) -> list[str]:
         return self.result.names
 
     @functools.cached_property
-    def body_names(self):
+    def body_names(self) -> list[str]:
         """Names of all bodies: disks, then walls."""
         return [self.disk_name(k) for k in range(self.result.summary["disks"])] + [style.plain(words[0]) for words in self._bodies("wall")]
 
     @functools.cached_property
-    def groups(self):
+    def groups(self) -> list[str]:
         return [style.plain(words[0]) for words in self._bodies("group")]
 
     @functools.cached_property
-    def usual_frame(self):
+    def usual_frame(self) -> int:
         """The last frame in which at least half of the disks are there that ever are: a hopper is empty at the end."""
         if "activity" not in self.frames._names:
             return self.n_frames - 1
@@ -187,7 +192,7 @@ class Source:
         return int(np.flatnonzero(2 * count >= count.max())[-1])
 
     # --- frames -------------------------------------------------------------------------------------------------
-    def frame_number(self, frame):
+    def frame_number(self, frame: int | None) -> int:
         """0 ... n - 1 of a number that may count from the end; None: the usual one."""
         if not self.n_frames:
             raise lib.UserError(f"{self.path}: there is no frame yet")
@@ -198,19 +203,19 @@ class Source:
             raise lib.UserError(f"{self.path}: there is no frame {frame}; it has {self.n_frames} frames")
         return number
 
-    def frame(self, name, k, group="disks"):
+    def frame(self, name: str, k: int, group: str = "disks") -> NDArray[Any]:
         """Quantity `name` of frame k."""
         return self.result.rows(f"particles/{group}/{name}/value", k, k + 1)[0]
 
     @functools.lru_cache(maxsize=4)  # noqa: B019  a source lives as long as its picture
-    def in_play(self, k):
+    def in_play(self, k: int) -> NDArray[np.bool_]:
         """Which disks are there: neither waiting nor taken out."""
         if "activity" not in self.frames._names:
             return np.ones(len(self.radius), bool)
         return self.frame("activity", k) == 0
 
     @functools.cached_property
-    def box(self):
+    def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
         """(lower corner, edges, periodic) of the deck's box."""
         periodic, x, y = np.array(self._bodies("box")[0][0].split(), float).reshape(3, 2)
         lower, upper = np.array([x, y]).T
@@ -220,18 +225,18 @@ class Source:
             edges = np.where(periodic > 0, upper - lower, 0.0)
         return lower, np.asarray(edges, float), periodic > 0
 
-    def box_at(self, k):
+    def box_at(self, k: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
         """(lower corner, edges, periodic) at frame k: compression and deformation change the edges."""
         lower, edges, periodic = self.box
         edges = edges[k] if edges.ndim > 1 else edges
         return lower, edges.diagonal() if edges.ndim == 2 else edges, periodic
 
-    def offset_at(self, k):
+    def offset_at(self, k: int) -> float:
         """By how much a row of periodic images is shifted against the one below, in a box that deforms."""
         edges = self.box[1]
         return edges[k][1, 0] if edges.ndim == 3 else 0.0
 
-    def place(self, k, whole=False):
+    def place(self, k: int, whole: bool = False) -> NDArray[np.float64]:
         """[disk][2] of frame k; whole: with the periodic images that were crossed."""
         place = self.frame("position", k)
         if not whole:
@@ -241,7 +246,7 @@ class Source:
         return place + image * np.nan_to_num(self.box_at(k)[1]) + shift
 
     @functools.cached_property
-    def shapes(self):
+    def shapes(self) -> Any:
         """[(kind, points, pivot, radius, closed)] of the walls as the deck has them."""
         if not len(self.result.wall_frames):
             return []
@@ -259,7 +264,7 @@ class Source:
         kind, closed, _, radius, *rest = map(float, text.split())
         return int(kind), np.array(rest[2:]).reshape(-1, 2), np.array(rest[:2]), radius, bool(closed)
 
-    def walls(self, k):
+    def walls(self, k: int) -> Any:
         """[(kind, points, radius, angle)] at frame k; of a circle the point is its centre."""
         if not self.shapes:
             return []
@@ -282,11 +287,11 @@ class Source:
                     if name.endswith(".csv") and name not in ("rotation.csv", "means.csv")}
 
     @functools.lru_cache(maxsize=2)  # noqa: B019
-    def measured(self, k):
+    def measured(self, k: int) -> dict[str, dict[str, NDArray[np.float64]]]:
         """Tables of frame k by name: frames, disks, contacts, gr, forces."""
         return self._measure(["--frame", k])
 
-    def pairs(self, k, wide):
+    def pairs(self, k: int, wide: float) -> dict[str, NDArray[np.float64]]:
         """Table gr of frame k with bins of `wide`, as nearly as whole bins allow."""
         table = self.measured(k)["gr"]
         width = 2 * table["r"][0]
@@ -295,7 +300,7 @@ class Source:
         return table
 
     @functools.cached_property
-    def measured_frames(self):
+    def measured_frames(self) -> dict[str, NDArray[np.float64]]:
         """The table of all frames, a row each."""
         return self._measure(["--all"])["frames"]
 
@@ -356,6 +361,9 @@ DERIVED = {
 
 
 # --- what colours disks -------------------------------------------------------------------------------------------------
+Drawable = lib.StrPath | Result | Source
+
+
 class Quantity:
     """name, label, unit and kind of colours ("diverging", "sequential", "groups"); lacks(source): what is missing for it, else
     None; of(source, frame, first): a value per disk, nan where there is none."""

@@ -1,8 +1,11 @@
 """Curves of sweeps: a quantity against what is swept, with error bars, and with theory where there is one."""
+from __future__ import annotations
+
 import concurrent.futures
 import fnmatch
 import os
 import warnings
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
@@ -15,6 +18,9 @@ from .plot_theory import theory_row
 from .result import Result, plain
 from .sealed import read
 from .sweep import Sweep
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 PALE = 0.35  # opacity of points whose error bar is not reliable
 # (name, condition on a finished point): the first that a sweep has is drawn, what its deck measures for its own sake.
@@ -245,7 +251,8 @@ def _pale(ax, drawn, doubtful, marker):
             gid="pale")
 
 
-def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True, curves=None, rows_of_theory=None):
+def curve(result: lib.StrPath | Sweep, ax: Axes | None = None, *, x: str | None = None, quantity: str | None = None, only: int | None = None,
+          with_theory: bool = True, curves: Curves | None = None, rows_of_theory: Any = None) -> Axes:
     """A quantity of a sweep (by default the rotation of the watched disk) against the key with the most values, a curve for each
     combination of the others; bars are one standard error, of replicas the larger of their own and of their scatter; pale where they
     are not reliable. `only`: the number of one of the curves."""

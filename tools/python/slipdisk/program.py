@@ -1,10 +1,15 @@
 """Runs and sweeps by the program: they write results and checkpoints, and can be stopped and continued."""
+from __future__ import annotations
+
 import json
 import os
 import re
 import tempfile
+from collections.abc import Mapping
+from typing import Any
 
 from .deck import deck_text, value_text
+from .library import DeckLike, StrPath, Whole
 from .notebook import Progress
 from .process import call
 from .result import Result
@@ -40,7 +45,8 @@ def logged(path):
     return tuple(map(int, found[-1])) if found else (0, 0)
 
 
-def run(deck, output, overrides=None, *, force=False, threads=None, program=None, progress=None):
+def run(deck: DeckLike, output: StrPath, overrides: Mapping[str, Any] | None = None, *, force: bool = False, threads: Whole | None = None,
+        program: StrPath | None = None, progress: bool | None = None) -> Result:
     """`slipdisk run`: runs a deck (a path, or a dict, which is written beside the result as NAME.cfg) into the file
     `output`, or continues it, and returns the Result. A finished result is refused unless `force` is given.
 
@@ -56,7 +62,8 @@ def run(deck, output, overrides=None, *, force=False, threads=None, program=None
     return Result(output)
 
 
-def sweep(deck, folder, overrides=None, *, jobs=1, program=None, progress=None):
+def sweep(deck: DeckLike, folder: StrPath, overrides: Mapping[str, Any] | None = None, *, jobs: Whole = 1, program: StrPath | None = None,
+          progress: bool | None = None) -> Sweep:
     """`slipdisk sweep`: runs all points that are not done, `jobs` at a time, and returns the Sweep. `progress`: as of `run`, in
     points."""
     folder = os.fspath(folder)
@@ -72,6 +79,6 @@ def sweep(deck, folder, overrides=None, *, jobs=1, program=None, progress=None):
     return Sweep(folder)
 
 
-def info(path, program=None):
+def info(path: StrPath, program: StrPath | None = None) -> dict[str, Any]:
     """`slipdisk info --json`: what is known of a result, as a dict."""
     return json.loads(call("info", path, "--json", program=program)[1])

@@ -1,17 +1,24 @@
 """Results of runs, finished or not; docs/results.md says what is in the files."""
+from __future__ import annotations
+
 import contextlib
 import os
 import re
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
-from .deck import deck_values
-from .library import FileError, Record, unknown
-from .notebook import Shown, array_html, table_html, view
+from .deck import Deck, deck_values
+from .library import FileError, Record, StrPath, Whole, unknown
+from .notebook import Shown, View, array_html, table_html, view
 from .sealed import Verified
 from .stored import Columns, Contacts, Frames
 from .tables import indexed, structured
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 FIRST = ("name", "disk", "partner")  # columns of tables that come first
 
@@ -52,12 +59,17 @@ class Result(Shown):
     Of an unfinished run it is what the newest checkpoint has; `refresh()` looks again. Arrays are read when they are asked
     for."""
 
-    def __init__(self, path, *, verify=True):
+    path: str
+    finished: bool
+    summary: Record[Any]
+    provenance: Record[Any]
+
+    def __init__(self, path: StrPath, *, verify: bool = True) -> None:
         self.path = re.sub(r"\.parts/?$", "", os.fspath(path))
         self._files = Verified(verify)
         self.refresh()
 
-    def refresh(self):
+    def refresh(self) -> Self:
         """Looks again at what a run has written. Returns self."""
         for _ in range(5):  # checkpoints go while they are looked for, and the folder when the run is finished
             if self._look():
@@ -103,7 +115,7 @@ class Result(Shown):
             yield file
 
     # --- what all else is read by -----------------------------------------------------------------------------------
-    def rows(self, path, first=0, last=None):
+    def rows(self, path: str, first: int = 0, last: int | None = None) -> Any:
         """Rows [first, last) of a dataset, those of all parts one after the other."""
         found, done = [], 0
         for part in self._parts if len(self._parts) and not self._in_head(path) else [self._head]:
@@ -127,29 +139,29 @@ class Result(Shown):
         """A file that has this group, if any has."""
         return self._head if self._in_head(path) else (self._parts or [self._head])[0]
 
-    def groups(self, path):
+    def groups(self, path: str) -> list[str]:
         """Names of what has values in a group."""
         with self._file(self._some(path)) as file:
             group = file.get(path, {})
             return [name for name in group if isinstance(group[name], h5py.Group) and "value" in group[name]]
 
-    def datasets(self, path):
+    def datasets(self, path: str) -> list[str]:
         """Names of the datasets in a group."""
         with self._file(self._some(path)) as file:
             group = file.get(path, {})
             return [name for name in group if isinstance(group[name], h5py.Dataset)]
 
-    def attribute(self, path, name):
+    def attribute(self, path: str, name: str) -> Any:
         """An attribute of a group or dataset; an empty text where there is none."""
         with self._file(self._some(path)) as file:
             return plain(file[path].attrs.get(name, ""))
 
-    def attributes(self, path):
+    def attributes(self, path: str) -> Record[Any]:
         """Attributes of a group or dataset."""
         with self._file(self._some(path)) as file:
             return attributes(file[path])
 
-    def table(self, path):
+    def table(self, path: str) -> NDArray[np.void] | Any:
         """A group of columns as a structured array, with `name` where there are names; None: there is none."""
         with self._file(self._some(path)) as file:
             if path not in file:
@@ -168,112 +180,112 @@ class Result(Shown):
 
     # --- the run ------------------------------------------------------------------------------------------------------
     @property
-    def step(self):
+    def step(self) -> int:
         """Step of the last state."""
         return self.summary["step"]
 
     @property
-    def time(self):
+    def time(self) -> float:
         """Time of the last state."""
         return self.summary["time"]
 
     @property
-    def dt(self):
+    def dt(self) -> float:
         """Time step."""
         return self.summary["dt"]
 
     @indexed
-    def deck(self):
+    def deck(self) -> Deck:
         """The complete deck with all defaults, as nested dicts: deck.gravity.tilt, deck["materials"]["grain"]["k_n"]."""
         return deck_values(self.deck_full)
 
     @property
-    def deck_full(self):
+    def deck_full(self) -> str:
         """The text of the complete deck with all defaults."""
         return self.rows("parameters/deck_full")
 
     @property
-    def deck_text(self):
+    def deck_text(self) -> str:
         """The deck as it was written, without overrides."""
         return self.rows("parameters/deck_text")
 
     # --- what was found ---------------------------------------------------------------------------------------------
     @indexed
-    def energy(self):
+    def energy(self) -> Record[float]:
         """The energy budget at the end."""
         with self._file(self._head) as file:
             return attributes(file["summary/energy"])
 
     @property
-    def doubts(self):
+    def doubts(self) -> list[Record[Any]]:
         """A list of `name`, `message`, `value`, `limit`: why the numbers may mean nothing."""
         with self._file(self._head) as file:
             group = file.get("summary/doubts", {})
             return [Record(name=name, **attributes(group[name])) for name in group]
 
     @indexed
-    def rotation(self):
+    def rotation(self) -> NDArray[np.void]:
         """Mean angular velocity of each watched disk, a structured array: name, disk, omega, error, scaled, ..."""
         return self.table("summary/rotation")
 
     @indexed
-    def slide(self):
+    def slide(self) -> NDArray[np.void]:
         """Fractions of time in each configuration of sliding, of each watched pair of contacts."""
         return self.table("summary/slide")
 
     @indexed
-    def configurations(self):
+    def configurations(self) -> NDArray[np.void]:
         """Torque, normal forces and visits in S++, S+-, S-+, S--, stick, open of each watched pair of contacts, when the deck says
         measure = { configurations = true; }."""
         return self.table("summary/configuration")
 
     @indexed
-    def phases(self):
+    def phases(self) -> NDArray[np.void]:
         """What became of each phase: name, steps, most, reached, ..."""
         return self.table("summary/phase")
 
     @indexed
-    def means(self):
+    def means(self) -> NDArray[np.void] | None:
         """Means of every free disk: with measure = { disks = true; }, else None; None also while a run of very many goes on."""
         with self._file(self._head) as file:
             known = "summary/disks/id" in file
         return self.table("summary/disks") if known else None
 
     @indexed
-    def totals(self):
+    def totals(self) -> Record[Any] | None:
         """Means over all disks: omega_rms, significant, coordination, ...; None where `means` is."""
         with self._file(self._head) as file:
             return attributes(file["summary/disks"]) if "summary/disks/id" in file else None
 
     @indexed
-    def series(self):
+    def series(self) -> Columns[NDArray[Any]]:
         """Time series: series["time"], series["work"], ..."""
         names = self.groups("observables")
         first = {name: f"observables/{names[0]}/{name}" for name in ("step", "time")} if names else {}
         return Columns(self, "series", {**first, **{name: f"observables/{name}/value" for name in names}})
 
     @indexed
-    def frames(self):
+    def frames(self) -> Frames:
         """Stored frames of the disks: frames[-1]["position"], frames["angle"], frames.time."""
         return Frames(self, "particles/disks", "disk")
 
     @indexed
-    def wall_frames(self):
+    def wall_frames(self) -> Frames:
         """The same of the walls."""
         return Frames(self, "particles/walls", "wall")
 
     @indexed
-    def contacts(self):
+    def contacts(self) -> Contacts:
         """Stored contact tables: contacts[-1]["force"], contacts.time."""
         return Contacts(self)
 
     @indexed
-    def state(self):
+    def state(self) -> Columns[Any]:
         """Columns of the last state, in the order of slots (state["id"] has the numbers)."""
         return Columns(self, "state", {name: f"state/{name}" for name in self.datasets("state")})
 
     @indexed
-    def last_contacts(self):
+    def last_contacts(self) -> NDArray[np.void]:
         """Closed contacts of the last state, a structured array: a, b, part, force, overlap, ..."""
         state = self.state
         columns = {name[len("contact_"):]: state[name] for name in state if name.startswith("contact_")}
@@ -295,17 +307,17 @@ class Result(Shown):
         return np.array([*cell[:3]]) if len(cell) else np.array([1.0, 1.0, 0.0])
 
     @property
-    def box(self):
+    def box(self) -> NDArray[np.float64]:
         """Lengths of the periodic box at the end, compressed or deformed, 0 where it is open."""
         return self._deck_box() * self.state["box_scale"] * self._cell()[:2]
 
     @property
-    def box_offset(self):
+    def box_offset(self) -> float:
         """By how much a row of periodic images is shifted along x against the one below at the end: a box that was sheared."""
         return float(self._deck_box()[0] * np.ravel(self.state["box_scale"])[0] * self._cell()[2])
 
     @property
-    def names(self):
+    def names(self) -> list[str]:
         """Names of the disks, in their order; "" where the deck gives none."""
         names = [""] * self.summary["disks"]
         for line in self.rows("parameters/deck_bodies").split("\n"):
@@ -315,7 +327,7 @@ class Result(Shown):
         return names
 
     @indexed
-    def disks(self):
+    def disks(self) -> NDArray[np.void]:
         """The disks in the last state, a structured array in the order of their numbers: radius, mass, inertia, material,
         x, y, vx, vy, angle, omega."""
         state, n = self.state, self.summary["disks"]
@@ -327,7 +339,7 @@ class Result(Shown):
         return structured({**columns, "angle": (state["turn"] + state["theta"])[order]})
 
     # --- notebooks --------------------------------------------------------------------------------------------------
-    def view(self, frames=None, height=640):
+    def view(self, frames: str | None = None, height: Whole = 640) -> View:
         """The page of `slipdisk view`, which a notebook shows in place: play the frames, zoom in, pick disks.
 
         frames   as slices in Python: "-1:" the last one, "::10"; by default at most 501, evenly spaced

@@ -1,4 +1,6 @@
 """A running system; see docs/python.md."""
+from __future__ import annotations
+
 import ctypes
 import functools
 import os
@@ -8,9 +10,12 @@ import tempfile
 import threading
 import time as clock
 import weakref
+from collections.abc import Callable, Iterator, Mapping
 from ctypes import byref
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import library as lib
 from . import notebook
@@ -19,6 +24,11 @@ from .library import Messages, UserError, library, record
 from .notebook import Progress, Shown, table_html
 from .tables import Named, indexed, structured
 
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+    from .deck import Deck
+
 NO_BODY = 0xFFFFFFFF
 BODIES = lib.PER_BODY, lib.PER_FREE, lib.PER_FIELDED, lib.PER_CELL_DISK, lib.PER_LAW_FREE
 LASTING = *BODIES, lib.PER_CLUMP  # their columns stay where they are
@@ -26,6 +36,8 @@ SETTABLE = "x", "y", "angle", "vx", "vy", "omega", "radius", "mass", "inertia"  
 PIECE_SECONDS = 0.05  # at most twice this long Ctrl-C waits
 ENDLESS = 2**61 - 1  # steps of a run without an end
 OFTEN_SECONDS = 0.001  # shorter calls are made the shortest way
+Observer = TypeVar("Observer", bound="Callable[[Any], object]")
+Force = TypeVar("Force", bound="Callable[[ForceColumns], object]")
 
 
 class Handle:
@@ -98,7 +110,7 @@ def view(owner, address, n, dtype, writable=False):
     return np.asarray(Memory(owner, address, n, dtype, writable))
 
 
-class Columns(Named):
+class Columns(Named[NDArray[Any]]):
     """Columns of a simulation by name, in the order of slots; `unit` and `meaning` of each; those of one length as `array()`,
     `pandas()`, `xarray()`."""
     _dimension = "slot"
@@ -122,21 +134,21 @@ class Columns(Named):
             handle.views.add(array.base)
         return array
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> NDArray[Any]:
         field = self._field(name)
         return self._array(self._simulation._state(), field)
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(library().fields)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(library().fields)
 
-    def unit(self, name):
+    def unit(self, name: str) -> str:
         """Unit of a column, in terms of length, mass, time."""
         return self._field(name).unit.decode()
 
-    def meaning(self, name):
+    def meaning(self, name: str) -> str:
         """Meaning of a column, in a few words."""
         return self._field(name).meaning.decode()
 
@@ -161,7 +173,7 @@ for operation in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
     setattr(Copied, f"__i{operation}__", in_place(f"__i{operation}__"))
 
 
-class Bodies(Named):
+class Bodies(Named[NDArray[Any]]):
     """Copies of the columns of disks, or of walls, in the order of their numbers; `angle` is turn + theta. What only free
     disks have is nan (or -1) for others. `unit` and `meaning` of each; some or all as `array()`, `pandas()`, `xarray()`.
     disks["vx"] = values sets a column (see Simulation.set)."""
@@ -169,7 +181,7 @@ class Bodies(Named):
     def __init__(self, simulation, kind, first, n):
         self._slots, self._dimension, self._first, self._n = simulation.columns, kind, first, n
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in list(self):
             raise lib.unknown(name, list(self), "the columns of bodies")
         state, fields = self._slots._simulation._state(), library().fields
@@ -184,10 +196,10 @@ class Bodies(Named):
         found.flags.writeable = False
         return found
 
-    def __setitem__(self, name, values):
+    def __setitem__(self, name: str, values: ArrayLike) -> None:
         """Sets a quantity of all disks, one value or a value for each. Those of disks that cannot be set, such as fixed
         ones, must be as they are."""
-        simulation = self._columns._simulation
+        simulation = self._slots._simulation
         if self._first > 0:
             raise UserError("walls cannot be set; motions move them (motion.velocity, motion.amplitude)")
         new = numbers(values, name)
@@ -200,19 +212,19 @@ class Bodies(Named):
         if len(changed):
             simulation.set(name, new[changed], changed)
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         yield "angle"
         yield from (name for name, field in library().fields.items() if field.extent in BODIES)
 
-    def __len__(self):
+    def __len__(self) -> int:
         """How many columns; len(d["x"]) is how many bodies."""
         return sum(1 for _ in self)
 
-    def unit(self, name):
+    def unit(self, name: str) -> str:
         """Unit of a column, in terms of length, mass, time."""
         return "rad" if name == "angle" else self._slots.unit(name)
 
-    def meaning(self, name):
+    def meaning(self, name: str) -> str:
         """Meaning of a column, in a few words."""
         return "angle, not wrapped: turn + theta" if name == "angle" else self._slots.meaning(name)
 
@@ -223,6 +235,27 @@ class ForceColumns:
     `torque`, one for each of the n_free free disks. Valid during the call."""
 
     __slots__ = ("step", "time", "n_free", "n_bodies", *(name for name, _ in lib.ForceColumns._fields_[4:]))
+    step: int
+    time: float
+    n_free: int
+    n_bodies: int
+    id: NDArray[np.uint32]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    theta: NDArray[np.float64]
+    turn: NDArray[np.float64]
+    vx: NDArray[np.float64]
+    vy: NDArray[np.float64]
+    omega: NDArray[np.float64]
+    radius: NDArray[np.float64]
+    mass: NDArray[np.float64]
+    inertia: NDArray[np.float64]
+    material: NDArray[np.int32]
+    group: NDArray[np.int32]
+    activity: NDArray[np.int32]
+    force_x: NDArray[np.float64]
+    force_y: NDArray[np.float64]
+    torque: NDArray[np.float64]
     KINDS = {"id": "u4", "material": "i4", "group": "i4", "activity": "i4"}
 
     def __init__(self, handle, struct):
@@ -273,7 +306,8 @@ class Simulation(Shown):
     A simulation serves one call at a time: others, of another thread or of its own observers and forces, are refused (UserError) where
     they would change what is being used. After a fork the child starts threads of its own."""
 
-    def __init__(self, deck, overrides=None, *, disks=None, threads=0):
+    def __init__(self, deck: lib.DeckLike, overrides: Mapping[str, Any] | None = None, *, disks: Mapping[str, Any] | None = None,
+                 threads: lib.Whole = 0) -> None:
         if "_handle" in self.__dict__:
             raise UserError("__init__: this simulation has been made; make another one")
         messages = Messages()
@@ -345,21 +379,21 @@ class Simulation(Shown):
         return cls._made(pointer, messages)
 
     @classmethod
-    def load(cls, path, threads=0):
+    def load(cls, path: lib.StrPath, threads: lib.Whole = 0) -> Self:
         """What `save` has written, or a checkpoint of `slipdisk run`. Observers and forces are added again."""
         return cls._load(library().sd_simulation_load, lib.path(path), threads=threads)
 
     @classmethod
-    def from_bytes(cls, data, threads=0):
+    def from_bytes(cls, data: bytes | bytearray | memoryview, threads: lib.Whole = 0) -> Self:
         """What `to_bytes` has made."""
         data = lib.octets(data, "from_bytes")
         return cls._load(library().sd_simulation_load_memory, data, len(data), threads=threads)
 
-    def save(self, path):
+    def save(self, path: lib.StrPath) -> None:
         """Writes the whole system into a file; what is loaded from it goes on with the same bits."""
         self._messages.check(self._library.sd_simulation_save(self._pointer, lib.path(path), self._list))
 
-    def to_bytes(self):
+    def to_bytes(self) -> bytes:
         """The whole system as bytes: to be kept, or sent to another process (pickle does this)."""
         data, at = lib.out()
         size, size_at = lib.out(ctypes.c_size_t)
@@ -371,7 +405,7 @@ class Simulation(Shown):
     def __reduce__(self):
         return Simulation.from_bytes, (self.to_bytes(),)
 
-    def clone(self):
+    def clone(self) -> Self:
         """Another one at the same step, which goes on with the same bits; without observers and forces."""
         messages = Messages()
         pointer, at = lib.out()
@@ -380,11 +414,11 @@ class Simulation(Shown):
 
     __copy__ = clone
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: Any) -> Self:
         return self.clone()
 
     # --- stepping -----------------------------------------------------------------------------------------------
-    def advance(self, steps=None, *, time=None, progress=None):
+    def advance(self, steps: lib.Whole | float | None = None, *, time: float | None = None, progress: bool | None = None) -> None:
         """Advances by a whole number of steps, or by a time, or without either to the end. Stops at the end of the last
         phase, or where an observer returned True; raises what an observer or a force raised, and NumericError. A warning
         says when the run ends before the time is over, or was over before.
@@ -460,7 +494,11 @@ class Simulation(Shown):
         if self._raised is None:
             self._raised = error
 
-    def observe(self, every, function=None):
+    @overload
+    def observe(self, every: lib.Whole) -> Callable[[Observer], Observer]: ...
+    @overload
+    def observe(self, every: lib.Whole, function: Callable[[Self], object]) -> None: ...
+    def observe(self, every: lib.Whole, function: Any = None) -> Any:
         """Calls function(simulation) after steps that are multiples of `every`; it only reads. When it returns True
         `advance` stops there. Without a function it is a decorator: @simulation.observe(1000)."""
         if function is None:
@@ -495,7 +533,7 @@ class Simulation(Shown):
         self.__dict__.pop("advance", None)  # the short way knows no functions
         self._again = None
 
-    def add_force(self, function):
+    def add_force(self, function: Force) -> Force:
         """Adds a force on the free disks: function(columns) is called in every step and adds to columns.force_x,
         .force_y, .torque (ForceColumns). It should be a function of the columns and of constants. Can be a decorator."""
         callable_or_refused(function, "add_force")
@@ -532,7 +570,8 @@ class Simulation(Shown):
         return function
 
     # --- disks that come and go -----------------------------------------------------------------------------------
-    def add_disks(self, *, x, y, radius, mass=None, density=None, **columns):
+    def add_disks(self, *, x: ArrayLike, y: ArrayLike, radius: ArrayLike, mass: ArrayLike | None = None, density: ArrayLike | None = None,
+                  **columns: ArrayLike) -> NDArray[np.int64]:
         """Adds free disks between two steps; each argument is an array, or one value for all: x, y, radius, mass or
         density, theta, vx, vy, omega, inertia, force_x, force_y, torque, material (its number in the deck). Returns
         their numbers. Views of columns must be gone (copy what is kept); walls move up."""
@@ -577,7 +616,7 @@ class Simulation(Shown):
         self._messages.check(self._library.sd_simulation_add_disks(self._pointer, n, rows.ctypes.data, at, self._list))
         return np.arange(first.value, first.value + n)
 
-    def remove_disks(self, disks):
+    def remove_disks(self, disks: ArrayLike) -> None:
         """Takes disks (numbers or names) out between two steps; they keep their numbers, with activity 2."""
         listed = np.atleast_1d(disks)
         if listed.ndim > 1:
@@ -615,7 +654,7 @@ class Simulation(Shown):
             found.append(index)
         return np.array(found, np.uint32)
 
-    def set(self, name, values, of=None):
+    def set(self, name: str, values: ArrayLike, of: Any = None) -> None:
         """Sets a quantity between two steps: one value, or a value for each element of `of`; its energy counts as work.
 
         x, y, position (x, y), angle, vx, vy, velocity (vx, vy), omega, radius, mass, inertia: of disks, by number or name
@@ -639,7 +678,7 @@ class Simulation(Shown):
             self._end(lib.INTERRUPTED)
         self._messages.check(status)
 
-    def get(self, name, of=None):
+    def get(self, name: str, of: Any = None) -> Any:
         """The present value of a quantity that `set` sets, an array; one number if `of` is one."""
         if name in ("position", "velocity"):
             pair = ("x", "y") if name == "position" else ("vx", "vy")
@@ -649,21 +688,21 @@ class Simulation(Shown):
             raise UserError(f"{name}: {of!r:.80}: there is none of this number")
         return found[0] if of is not None and lone(of, name.startswith("law.")) else np.array(found)
 
-    def hold(self, disks):
+    def hold(self, disks: Any) -> None:
         """Holds disks (numbers or names) where they are: forces do not move them, motions that name them do."""
         self.set("held", 1, disks)
 
-    def release(self, disks):
+    def release(self, disks: Any) -> None:
         """Releases disks that are fixed, moved by motions, or held. They keep their velocity."""
         self.set("held", 0, disks)
 
     @property
-    def gravity(self):
+    def gravity(self) -> NDArray[np.float64]:
         """The acceleration (x, y); can be set."""
         return self.get("gravity")
 
     @gravity.setter
-    def gravity(self, acceleration):
+    def gravity(self, acceleration: ArrayLike) -> None:
         self.set("gravity", acceleration)
 
     # --- reading --------------------------------------------------------------------------------------------------
@@ -672,49 +711,49 @@ class Simulation(Shown):
         return self._library.sd_simulation_model(self._pointer) or refused("reading")
 
     @property
-    def step(self):
+    def step(self) -> int:
         """Steps made so far."""
         step = self._library.sd_simulation_step(self._pointer)
         return step if step >= 0 else refused("step")
 
     @property
-    def time(self):
+    def time(self) -> float:
         """step * dt"""
         time = self._library.sd_simulation_time(self._pointer)
         return time if time == time else refused("time")
 
     @property
-    def dt(self):
+    def dt(self) -> float:
         """Time step."""
         return self._library.sd_model_dt(self._model)
 
     @property
-    def steps(self):
+    def steps(self) -> int:
         """Steps of all phases: the most that there can be."""
         return self._library.sd_model_steps(self._model)
 
     @property
-    def finished(self):
+    def finished(self) -> bool:
         """True at the end of the last phase."""
         return self._library.sd_simulation_finished(self._pointer) or self.step < 0
 
     @indexed
-    def stage(self):
+    def stage(self) -> lib.Record[int]:
         """step, phase, phase_step; before: steps of the phase before this one."""
         stage = record(self._library.sd_simulation_stage(self._pointer))
         return stage if stage.step >= 0 else refused("stage")
 
     @property
-    def n_disks(self):
+    def n_disks(self) -> int:
         """How many disks there are, fixed ones included."""
         return self._library.sd_model_disks(self._model)
 
     @property
-    def n_walls(self):
+    def n_walls(self) -> int:
         """How many walls there are."""
         return self._library.sd_model_walls(self._model)
 
-    def find(self, name):
+    def find(self, name: str) -> int:
         """Number of the disk or wall of this name."""
         number = self._library.sd_model_find(self._model, lib.text(name, "find"))
         if number == NO_BODY:
@@ -722,7 +761,7 @@ class Simulation(Shown):
             raise lib.unknown(name, names, "the names of bodies")
         return number
 
-    def name(self, number):
+    def name(self, number: lib.Whole) -> str:
         """Name of a body: its own, else "disk 17", "wall 3"."""
         number = lib.whole(number, "body", -lib.MOST_STEPS)
         if not 0 <= number < self.n_disks + self.n_walls:
@@ -733,23 +772,23 @@ class Simulation(Shown):
         return own[1] if own else name
 
     @indexed
-    def columns(self):
+    def columns(self) -> Columns:
         """columns["x"]: a read-only numpy view, without copying, in the order of slots (free disks, driven disks, walls;
         columns["id"] has their numbers). Views of bodies follow the system; others are copies of the moment."""
         return Columns(self)
 
     @indexed
-    def disks(self):
+    def disks(self) -> Bodies:
         """disks["x"]: a copy, in the order of the disks' numbers; also disks["angle"]."""
         return Bodies(self, "disk", 0, self.n_disks)
 
     @indexed
-    def walls(self):
+    def walls(self) -> Bodies:
         """The same of walls: wall w is body n_disks + w."""
         return Bodies(self, "wall", self.n_disks, self.n_walls)
 
     @indexed
-    def contacts(self):
+    def contacts(self) -> NDArray[np.void]:
         """Closed contacts now, a structured array (a copy): a, b (body numbers), part, force, overlap, zeta, ..."""
         state, columns = self._state(), self.columns
         found = {name[len("contact_"):]: columns._array(state, field) for name, field in library().fields.items()
@@ -757,7 +796,7 @@ class Simulation(Shown):
         return structured({name: column for name, column in found.items() if len(column) == len(found["a"])})
 
     @indexed
-    def energy(self):
+    def energy(self) -> lib.Record[float]:
         """The energy budget since step 0 (kinetic_translation, ..., work, viscous, friction, residual, scale)."""
         energy = record(self._library.sd_simulation_energy(self._pointer))
         return energy if energy.start == energy.start else refused("energy")
@@ -774,51 +813,51 @@ class Simulation(Shown):
         return lib.structured([function(model, state, k) for k in range(n)], kind)
 
     @indexed
-    def rotation(self):
+    def rotation(self) -> NDArray[np.void]:
         """Mean angular velocity of each watched disk with its error bar, a structured array: disk, omega, error, scaled,
         scaled_error, transient, measured, turned, converged."""
         return self._measured(lib.Rotation, self._library.sd_rotation_of, lib.PER_ROTATION)
 
     @indexed
-    def slide(self):
+    def slide(self) -> NDArray[np.void]:
         """Fractions of time in each configuration of sliding, of each watched pair of contacts."""
         return self._measured(lib.Slide, self._library.sd_slide_of, lib.PER_SLIDE)
 
     @indexed
-    def configurations(self):
+    def configurations(self) -> NDArray[np.void]:
         """Torque, normal forces and visits in S++, S+-, S-+, S--, stick, open of each watched pair of contacts, when the deck says
         measure = { configurations = true; }."""
         return self._measured(lib.Configuration, self._library.sd_configuration_of, lib.PER_VISIT_CLASS)
 
     @indexed
-    def means(self):
+    def means(self) -> NDArray[np.void]:
         """Means of every free disk, when the deck says measure = { disks = true; }."""
         return self._measured(lib.DiskMean, self._library.sd_disk_mean_of, lib.PER_MEAN)
 
     @indexed
-    def deck(self):
+    def deck(self) -> Deck:
         """The complete deck with all defaults, as nested dicts: deck.gravity.tilt, deck["materials"]["grain"]["k_n"]; empty where
         `deck_full` is."""
         return deck_values(self.deck_full)
 
     @property
-    def deck_full(self):
+    def deck_full(self) -> str:
         """The text of the complete deck with all defaults; "" after disks were added, and of clones and saved simulations."""
         found = self._library.sd_model_deck(self._model)
         return (found.contents.full or b"").decode() if found else ""
 
     @property
-    def threads(self):
+    def threads(self) -> int:
         """Threads that it is stepped with."""
         threads = self._library.sd_simulation_threads(self._pointer)
         return threads if threads > 0 else refused("threads")
 
-    def hash(self):
+    def hash(self) -> int:
         """A number for all bits of the state: equal systems have equal ones."""
         return self._library.sd_state_hash(self._state())
 
     # --- notebooks ------------------------------------------------------------------------------------------------
-    def view(self, height=640):
+    def view(self, height: lib.Whole = 640) -> notebook.View:
         """The page of `slipdisk view` of the present state, which a notebook shows in place: zoom in, pick disks, see forces. `height`
         is in pixels. Not of clones, of what was loaded or unpickled, or after add_disks: the page needs the deck."""
         if not self.deck_full:

@@ -1,14 +1,23 @@
 """What a result stores: columns, frames and contact tables, read when they are asked for."""
+from __future__ import annotations
+
 import collections.abc
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .library import Record, unknown
+from .library import Record, V, unknown
 from .notebook import Shown, table_html
 from .tables import Named, structured, to_pandas, to_xarray
 
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
-class Columns(Named):
+
+class Columns(Named[V]):
     """Arrays by name, read when asked for; `unit` and `meaning` of each, and all together as a structured `array()`, as `pandas()`
     or as `xarray()`."""
 
@@ -21,25 +30,25 @@ class Columns(Named):
             raise unknown(name, list(self._paths), f"{self._where} of {self._result.path}")
         return self._paths[name]
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> V:
         return self._result.rows(self._path(name))
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._paths)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._paths)
 
-    def unit(self, name):
+    def unit(self, name: str) -> str:
         """Unit of a column, in terms of length, mass, time."""
         return self._result.attribute(self._path(name), "unit")
 
-    def meaning(self, name):
+    def meaning(self, name: str) -> str:
         """Meaning of a column, in a few words."""
         return self._result.attribute(self._path(name), "description")
 
 
-class Moments(Shown, collections.abc.Sequence):
+class Moments(Shown, collections.abc.Sequence[V]):
     """What is stored at some moments of a run: of moment k by number, a column of all moments by name; `step` and `time` of each,
     `unit` and `meaning` of a column."""
 
@@ -47,7 +56,7 @@ class Moments(Shown, collections.abc.Sequence):
         self._result, self._what, self._names = result, what, names
         self._paths = path, moment  # of a column, and of step or time; {} is the name
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.step)
 
     def _path(self, name):
@@ -55,7 +64,13 @@ class Moments(Shown, collections.abc.Sequence):
             raise unknown(name, self._names, f"{self._what} of {self._result.path}")
         return self._paths[0].format(name)
 
-    def __getitem__(self, which):
+    @overload
+    def __getitem__(self, which: str) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, which: SupportsIndex) -> V: ...
+    @overload
+    def __getitem__(self, which: slice) -> list[V]: ...
+    def __getitem__(self, which: Any) -> Any:
         if isinstance(which, str):
             return self._result.rows(self._path(which))
         if isinstance(which, slice):
@@ -72,20 +87,20 @@ class Moments(Shown, collections.abc.Sequence):
         return {name: self[name] for name in names or self._names}
 
     @property
-    def step(self):
+    def step(self) -> NDArray[np.int64]:
         """Step of each moment."""
         return self._result.rows(self._paths[1].format("step")) if self._names else np.empty(0, "i8")
 
     @property
-    def time(self):
+    def time(self) -> NDArray[np.float64]:
         """Time of each moment."""
         return self._result.rows(self._paths[1].format("time")) if self._names else np.empty(0)
 
-    def unit(self, name):
+    def unit(self, name: str) -> str:
         """Unit of a column, in terms of length, mass, time."""
         return self._result.attribute(self._path(name), "unit")
 
-    def meaning(self, name):
+    def meaning(self, name: str) -> str:
         """Meaning of a column, in a few words."""
         return self._result.attribute(self._path(name), "description")
 
@@ -97,7 +112,7 @@ class Moments(Shown, collections.abc.Sequence):
         yield table_html(("name", "unit", "meaning"), [(name, self.unit(name), self.meaning(name)) for name in self._names])
 
 
-class Frames(Moments):
+class Frames(Moments[Record[NDArray[Any]]]):
     """Stored frames: frames[k]["position"] is [disk][2] of frame k, frames["position"] is [frame][disk][2] of all;
     `time`, `step`, `box` and `box_offset` of each."""
 
@@ -109,7 +124,7 @@ class Frames(Moments):
     def _moment(self, k):
         return Record((name, self._result.rows(self._path(name), k, k + 1)[0]) for name in self._names)
 
-    def pandas(self, *names):
+    def pandas(self, *names: str) -> pandas.DataFrame:
         """A pandas.DataFrame with a row for each frame and body: step, time, disk (or wall), and the columns of these names, or all;
         vectors as position[0], position[1]."""
         found, step, time = self._columns(names), self.step, self.time
@@ -117,7 +132,7 @@ class Frames(Moments):
         return to_pandas({"step": np.repeat(step, n), "time": np.repeat(time, n), self._body: np.tile(np.arange(n), len(step)),
                           **{name: column.reshape(-1, *column.shape[2:]) for name, column in found.items()}})
 
-    def xarray(self, *names):
+    def xarray(self, *names: str) -> xarray.Dataset:
         """An xarray.Dataset of the columns of these names, or all, with the dimensions time, disk (or wall) and axis."""
         found = self._columns(names)
         axes = "time", self._body, "axis"
@@ -136,17 +151,17 @@ class Frames(Moments):
         return edges if edges.ndim == 3 else edges[:, :, np.newaxis] * np.eye(2)
 
     @property
-    def box(self):
+    def box(self) -> NDArray[np.float64]:
         """Lengths of the periodic box in each frame, [frame][2]; 0 where it is open."""
         return self._edges().diagonal(axis1=1, axis2=2)
 
     @property
-    def box_offset(self):
+    def box_offset(self) -> NDArray[np.float64]:
         """By how much a row of periodic images is shifted along x against the one below, in each frame."""
         return self._edges()[:, 1, 0]
 
 
-class Contacts(Moments):
+class Contacts(Moments[NDArray[np.void]]):
     """Stored contact tables: contacts[k] is a structured array of moment k, contacts["force"] a column of all moments, one after the
     other; `time`, `step` and `count` of each moment."""
 
@@ -164,16 +179,16 @@ class Contacts(Moments):
         """Step and time of each contact."""
         return {"step": np.repeat(self.step, self.count), "time": np.repeat(self.time, self.count)}
 
-    def pandas(self, *names):
+    def pandas(self, *names: str) -> pandas.DataFrame:
         """A pandas.DataFrame with a row for each contact of each moment: step, time, and the columns of these names, or all."""
         return to_pandas({**self._moments(), **self._columns(names)})
 
-    def xarray(self, *names):
+    def xarray(self, *names: str) -> xarray.Dataset:
         """An xarray.Dataset of the columns of these names, or all, with the dimension contact, and step and time of each."""
         at = {name: ("contact", values) for name, values in self._moments().items()}
         return to_xarray(self._columns(names), at, lambda name, column: ("contact",), self.unit, self.meaning)
 
     @property
-    def count(self):
+    def count(self) -> NDArray[np.int64]:
         """Number of contacts in each table."""
         return self._result.rows("contacts/count") if self._names else np.empty(0, "i8")

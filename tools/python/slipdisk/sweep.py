@@ -1,18 +1,27 @@
 """Folders that `slipdisk sweep` has made, complete or not; docs/sweep.md."""
+from __future__ import annotations
+
 import collections.abc
 import csv
 import os
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .library import FileError, unknown
+from .library import FileError, StrPath, unknown
 from .notebook import Shown, array_html
 from .result import NotYet, Result, plain
 from .sealed import read
 from .tables import indexed, structured, to_pandas
 
+if TYPE_CHECKING:
+    import pandas
+    from typing_extensions import Self
 
-class Sweep(Shown, collections.abc.Sequence):
+
+class Sweep(Shown, collections.abc.Sequence[Result]):
     """A sweep: `table` and `means` as structured arrays, and its points as results, finished or not.
 
     sweep["upper.omega"]   a column of the table
@@ -20,14 +29,16 @@ class Sweep(Shown, collections.abc.Sequence):
 
     verify=False reads tables and results without comparing checksums. The table is the one that `slipdisk sweep` wrote last (every 15 s, and at the end); `refresh()` reads it again."""
 
-    def __init__(self, folder, *, verify=True):
+    folder: str
+
+    def __init__(self, folder: StrPath, *, verify: bool = True) -> None:
         self._verify = verify
         self.folder = os.fspath(folder).rstrip("/")
         if not os.path.isdir(os.path.join(self.folder, "points")):
             raise FileError(f"{self.folder}: not the folder of a sweep (no {self.folder}/points)")
         self.refresh()
 
-    def refresh(self):
+    def refresh(self) -> Self:
         """Reads the tables again. Returns self."""
         path = os.path.join(self.folder, "table.h5")
         self._units, self._columns, self._means, self._sources = {}, {}, {}, {}
@@ -61,47 +72,53 @@ class Sweep(Shown, collections.abc.Sequence):
         return columns
 
     @indexed
-    def table(self):
+    def table(self) -> NDArray[np.void]:
         """A row for each point: what it sets, and what was found; nan where it is not finished."""
         return structured(self._known(self._columns))
 
     @indexed
-    def done(self):
+    def done(self) -> NDArray[np.void]:
         """The rows of the table that are finished."""
         return self.table[self["status"] == "done"]
 
     @indexed
-    def means(self):
+    def means(self) -> NDArray[np.void]:
         """A row for each set of values: means over the replicas, with `_error` and `_scatter`."""
         return structured(self._known(self._means))
 
-    def pandas(self, means=False):
+    def pandas(self, means: bool = False) -> pandas.DataFrame:
         """The table, or the means, as a pandas.DataFrame."""
         return to_pandas(self._known(self._means if means else self._columns))
 
-    def unit(self, name):
+    def unit(self, name: str) -> str:
         """Unit of a column of the table."""
         return self._units[name]
 
     @property
-    def names(self):
+    def names(self) -> list[str]:
         """Names of the points: all that the table has, else those that are begun."""
         if self._columns:
             return self._columns["name"].tolist()
         found = os.listdir(os.path.join(self.folder, "points"))
         return sorted({name.removesuffix(".parts").removesuffix(".h5") for name in found if name.endswith((".h5", ".h5.parts"))})
 
-    def path(self, name):
+    def path(self, name: str) -> str:
         """Path of the result of a point."""
         return os.path.join(self.folder, "points", name + ".h5")
 
     def _result(self, name):
         return Result(self.path(name), verify=self._verify)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.names)
 
-    def __getitem__(self, which):
+    @overload
+    def __getitem__(self, which: str) -> Any: ...
+    @overload
+    def __getitem__(self, which: SupportsIndex) -> Result: ...
+    @overload
+    def __getitem__(self, which: slice) -> list[Result]: ...
+    def __getitem__(self, which: Any) -> Any:
         if isinstance(which, str):
             if which in self._columns:
                 return self._columns[which]
@@ -112,7 +129,7 @@ class Sweep(Shown, collections.abc.Sequence):
             return [self[k] for k in range(*which.indices(len(self)))]
         return self._result(self.names[which])
 
-    def results(self):
+    def results(self) -> Iterator[tuple[str, Result]]:
         """(name, Result) of all points that have any result."""
         for name in self.names:
             if os.path.exists(self.path(name)) or os.path.exists(self.path(name) + ".parts"):

@@ -1,11 +1,19 @@
 """Columns by name as structured arrays, as DataFrames of pandas and as Datasets of xarray."""
+from __future__ import annotations
+
 import collections.abc
 import importlib
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .library import MissingPackage, UserError
+from .library import MissingPackage, UserError, V
 from .notebook import table_html
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 
 def package(name):
@@ -17,7 +25,7 @@ def package(name):
                              f"apt install python3-{name}") from error
 
 
-class indexed:
+class Indexed:
     """A property whose value is indexed by names. IPython completes names behind result.series only if it may evaluate result.series,
     and from version 8.9 on it evaluates no `property`."""
 
@@ -32,6 +40,12 @@ class indexed:
 
     def __set__(self, thing, value):
         raise AttributeError(f"{self._name} of {type(thing).__name__} cannot be set")
+
+
+if TYPE_CHECKING:
+    indexed = property
+else:
+    indexed = Indexed
 
 
 def structured(columns):
@@ -62,7 +76,7 @@ def to_xarray(columns, coordinates, dimensions, unit, meaning):
         coordinates)
 
 
-class Named(collections.abc.Mapping):
+class Named(collections.abc.Mapping[str, V]):
     """Columns by name: of a mapping {name: array} with `unit(name)` and `meaning(name)`. Notebooks complete the names."""
     _dimension = "row"  # name of the dimension of rows in xarray
 
@@ -78,15 +92,15 @@ class Named(collections.abc.Mapping):
             raise UserError(f"columns of different length make no table ({some}{', ...' if len(lengths) > 5 else ''}): name some of one length")
         return found
 
-    def array(self, *names):
+    def array(self, *names: str) -> NDArray[np.void]:
         """The columns of these names, or all, as a structured array."""
         return structured(self._columns(names))
 
-    def pandas(self, *names):
+    def pandas(self, *names: str) -> pandas.DataFrame:
         """The columns of these names, or all, as a pandas.DataFrame."""
         return to_pandas(self._columns(names))
 
-    def xarray(self, *names):
+    def xarray(self, *names: str) -> xarray.Dataset:
         """The columns of these names, or all, as an xarray.Dataset."""
         found = self._columns(names)
         timed = [name for name in ("time", "step") if self._dimension == "time" and name in self]
