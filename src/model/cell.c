@@ -22,6 +22,7 @@ static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
   for (size_t row = 0; row < rows_count(m); row++) {
     const sd_disk *d = rows_disk(m, row);
     const char *what = d->driven                                        ? "is prescribed"
+                       : disk_holds(d)                                  ? "is held or released"
                        : d->locked[SD_X] || d->locked[SD_Y]             ? "is locked in place"
                        : d->force[SD_X] != 0.0 || d->force[SD_Y] != 0.0 ? "has a force of its own"
                        : d->waiting                                     ? "waits"

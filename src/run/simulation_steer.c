@@ -411,6 +411,13 @@ static sd_status check_gravity(steering *c) {
                      "gravity of coordinate %u: expected 0 (x) or 1 (y)", index_of(c, k));
     gravity[index_of(c, k)] = value_of(c, k, 0);
   }
+  for (size_t k = 0; k < c->e->model->n_phases; k++)
+    if (c->e->model->phases[k].cell.asked && (gravity[0] != 0.0 || gravity[1] != 0.0))
+      return sd_fail(
+          c->messages, SD_ERROR_USER,
+          "gravity: disks fall through the periodic box of phases[%zu].cell; expected no "
+          "gravity",
+          k);
   if (c->e->model->until.scaled && gravity[0] == 0.0 && gravity[1] == 0.0)
     return sd_fail(c->messages, SD_ERROR_USER,
                    "gravity = 0: until.observable t_g Omega does not exist without gravity");

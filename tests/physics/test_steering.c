@@ -359,6 +359,11 @@ static void test_many(void **unused) {
   assert_true(hash[0] == hash[1] && hash[0] == hash[2]);
 }
 
+static const char sheared[] =
+    "dt = 1e-4;\n" GRAIN "box = { x = (0.0, 20.0); y = (0.0, 20.0); periodic = \"xy\"; };\n"
+    "disks = ( { x = 5.0; y = 5.0; radius = 1.0; mass = 1.0; } );\n"
+    "phases = ( { steps = 1000; cell = { rate_xy = 0.1; }; } );\n";
+
 static void refused(sd_simulation *sim, const char *name, uint32_t index, double value,
                     const char *expected) {
   sd_messages *m = sd_messages_new();
@@ -392,9 +397,14 @@ static void test_refused(void **unused) {
   refused(two, "motion.amplitude", 0, 1, "expected a wave");
   refused(two, "motion.velocity", 1, 1, "expected one of the 1 motions");
   refused(move, "motion.amplitude", 0, 1, "expected a wave");
+  sd_simulation *shear = begin(sheared, "verlet", 1);
+  refused(shear, "gravity", 1, -1, "disks fall through the periodic box");
+  refused(shear, "held", 0, 1, "it is held or released in the box of phases[0].cell");
+  refused(shear, "x", 0, 99, "outside the periodic box");
   sd_simulation_free(sim);
   sd_simulation_free(two);
   sd_simulation_free(move);
+  sd_simulation_free(shear);
 }
 
 /* Gravity whose direction turns: the exact path of a disk. */
