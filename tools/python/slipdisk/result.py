@@ -7,7 +7,8 @@ import re
 import h5py
 import numpy as np
 
-from .library import FileError, Record, unknown
+from .library import FileError, Record, UserError, unknown, whole
+from .measure import stored
 from .sealed import Verified
 
 FIRST = ("name", "disk", "partner")  # columns of tables that come first
@@ -99,7 +100,7 @@ class Columns(collections.abc.Mapping):
 
 class Frames(collections.abc.Sequence):
     """Stored frames: frames[k]["position"] is [disk][2] of frame k, frames["position"] is [frame][disk][2] of all;
-    `time`, `step`, `box` and `box_offset` of each."""
+    `time`, `step`, `box` and `box_offset` of each, and frames[k].box, frames[k].box_offset."""
 
     def __init__(self, result, group):
         self._result, self._group = result, group
@@ -121,7 +122,9 @@ class Frames(collections.abc.Sequence):
         k = which + len(self) if which < 0 else which
         if not 0 <= k < len(self):
             raise IndexError(f"frame {which} of {len(self)}")
-        return Record((name, self._result.rows(self._path(name), k, k + 1)[0]) for name in self._names)
+        edges = self._edges(k, k + 1)[0]
+        return Record({**{name: self._result.rows(self._path(name), k, k + 1)[0] for name in self._names},
+                       "box": edges.diagonal(), "box_offset": edges[1, 0]})
 
     @property
     def step(self):
@@ -133,13 +136,13 @@ class Frames(collections.abc.Sequence):
         """Time of each frame."""
         return self._result.rows(f"{self._group}/{self._names[0]}/time") if self._names else np.empty(0)
 
-
-    def _edges(self):
-        """[frame][2][2]: edge vectors of the box, in rows."""
-        framed = "edges" in self._result.groups(f"{self._group}/box")
-        edges = np.asarray(self._result.rows(f"{self._group}/box/edges" + ("/value" if framed else "")), float)
-        if not framed:
-            edges = np.repeat(edges[np.newaxis], len(self), axis=0)
+    def _edges(self, first=0, last=None):
+        """[frame][2][2]: edge vectors of the box of frames [first, last), in rows."""
+        path = f"{self._group}/box"
+        if "edges" in self._result.groups(path):
+            edges = np.asarray(self._result.rows(f"{path}/edges/value", first, last), float)
+        else:  # it stays as it is
+            edges = np.repeat([self._result._deck_box()], (len(self) if last is None else last) - first, axis=0)
         return edges if edges.ndim == 3 else edges[:, :, np.newaxis] * np.eye(2)
 
     @property
@@ -417,6 +420,20 @@ class Result:
     def contacts(self):
         """Stored contact tables: contacts[-1]["force"], contacts.time."""
         return Contacts(self)
+
+    def measure(self, frame=None, region=None, bins=100):
+        """Contacts, packing fractions, stress, fabric, g(r), forces, a Measurement: m.z, m.fraction, m.pressure, m.stress.
+        frame: number of a stored frame, -1 the last one; several, or slice(None) for all: a list, for which the file is opened
+        once; None: the last state. region: x0, x1, y0, y1 of the part that counts, else that of the deck; bins: of each histogram."""
+        if frame is None:
+            return stored(self._head, [-1], region, bins)[0]
+        n = len(self.frames)
+        if n == 0:
+            raise UserError(f"{self.path}: no frames are stored in it; measure() is of the last state")
+        several = range(*frame.indices(n)) if isinstance(frame, slice) else frame
+        several = [whole(k, "measure: frame", -n, n - 1) % n for k in ([several] if np.ndim(several) == 0 else several)]
+        found = stored(self.path, several, region, bins)
+        return found[0] if np.ndim(frame) == 0 and not isinstance(frame, slice) else found
 
     @property
     def state(self):

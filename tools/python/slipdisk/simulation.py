@@ -16,6 +16,7 @@ import numpy as np
 from . import library as lib
 from .deck import DiskArrays, deck_text, value_text
 from .library import Messages, UserError, library, record
+from .measure import measured
 from .result import structured
 
 NO_BODY = 0xFFFFFFFF
@@ -616,6 +617,11 @@ class Simulation:
         """The energy budget since step 0 (kinetic_translation, ..., work, viscous, friction, residual, scale)."""
         energy = record(self._library.sd_simulation_energy(self._pointer))
         return energy if energy.start == energy.start else refused("energy")
+
+    def measure(self, region=None, bins=100):
+        """Contacts, packing fractions, stress, fabric, g(r), forces now, a Measurement: m.z, m.fraction, m.pressure, m.stress.
+        region: x0, x1, y0, y1 of the part that counts, else that of the deck; bins: of each histogram."""
+        return measured(self._library.sd_simulation_measure, self._pointer, region=region, bins=bins, messages=self._messages)
 
     def _state(self):
         state = self._library.sd_simulation_state(self._pointer)
