@@ -4,6 +4,7 @@
 
 #include "slipdisk/deck.h"
 #include "slipdisk/measure.h"
+#include "slipdisk/measurement.h"
 #include "slipdisk/model.h"
 #include "slipdisk/simulation.h"
 #include "slipdisk/state.h"

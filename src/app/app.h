@@ -12,6 +12,7 @@
 #include "io/results/provenance.h"
 #include "io/results/summary.h"
 #include "model/model.h"
+#include "run/stored.h"
 
 /* Entry points of the subcommands. argv[0] is the name of the subcommand. Each returns the exit
  * status of the process. */
@@ -161,34 +162,10 @@ sd_status size_refuse(const sd_model *model, const result_size *size, sd_message
 /* Formats bytes as "1.2 GB" into text[size] and returns it. */
 const char *size_text(double bytes, char *text, size_t size);
 
-/* --- place.c: files that a name on the command line stands for -------------------------------- */
-typedef struct place {
-  char *result; /* Path of the finished result file, which need not exist */
-  char *folder; /* Path of the folder of the unfinished run's files, RESULT.parts */
-  /* Path of the checkpoint or part file, if the name stood for one; NULL: it did not */
-  char *checkpoint;
-} place;
-
+/* --- place.c: names, and rows of a run -------------------------------------------------------- */
 /* Returns the name of an output in the current folder, "NAME.ending", for a deck ".../NAME.cfg";
  * the caller frees it. */
 char *app_default_name(const char *deck, const char *ending);
-/* Fills p from `name`: path of a result file, of its folder of parts (RESULT.parts), or of a
- * checkpoint in that folder. SD_ERROR_USER: there is no such run, or `name` is a deck. Call
- * place_free also after an error. */
-sd_status place_find(place *p, const char *name, sd_messages *messages);
-void place_free(place *p);
-/* Opens p->checkpoint if the user named one, else the newest undamaged checkpoint of the run.
- * *path: receives its path, which the caller frees. Needs no lock on the folder. */
-sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages);
-
-/* --- place.c: frames of a result or of an unfinished run -------------------------------------- */
-/* Opens the frames of a run. name: as for place_find, or a single part file (some of the
- * frames). *alone: true if `name` is a part file; then only the frames of this file are opened.
- * Call frames_close also after an error. */
-sd_status stored_open(frames *f, const char *name, bool *alone, sd_messages *messages);
-/* Counts the frames into *count. The state at the end of the run counts as one more frame if it is
- * newer than the newest frame and alone is false. */
-sd_status stored_count(const frames *f, bool alone, size_t *count, sd_messages *messages);
 /* Opens file k of the files of a run that have rows, f->sources[k]; close it with
  * frames_source_close. *out is NULL if it cannot be opened. */
 sd_status frames_source_open(const frames *f, size_t k, h5_file **out, sd_messages *messages);

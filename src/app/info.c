@@ -219,7 +219,8 @@ static json_t *contacts_json(const observable_list *list, const void *row, char 
 
 /* Returns the quantity `name` of a sliding configuration as an array. */
 static json_t *ages_json(const sd_configuration *c, const char *name) {
-  return json_elements(observable_find(&configuration_observables, name), c);
+  const observable *o = observable_find(&configuration_observables, name);
+  return json_elements(o, c, o->width);
 }
 
 /* Returns an array of the sliding configurations of watched disk w; empty if they were not

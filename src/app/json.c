@@ -42,29 +42,32 @@ json_t *json_observable(const observable *o, const void *row, size_t k) {
                                                        : json_integer((json_int_t)value);
 }
 
-json_t *json_elements(const observable *o, const void *row) {
+json_t *json_elements(const observable *o, const void *row, size_t n) {
   json_t *list = json_array();
-  for (size_t k = 0; k < o->width; k++) json_array_append_new(list, json_observable(o, row, k));
+  for (size_t k = 0; k < n; k++) json_array_append_new(list, json_observable(o, row, k));
   return list;
+}
+
+void json_put(json_t *object, const char *name, json_t *value) {
+  const char *dot = strchr(name, '.');
+  if (dot) {
+    char group[64] = "";
+    strncat(group, name,
+            (size_t)(dot - name) < sizeof group ? (size_t)(dot - name) : sizeof group - 1);
+    if (!json_object_get(object, group)) json_object_set_new(object, group, json_object());
+    object = json_object_get(object, group);
+    name = dot + 1;
+  }
+  json_object_set_new(object, name, value);
 }
 
 void json_add(json_t *object, const observable_list *list, const void *row, size_t width,
               size_t k) {
   for (const observable *o = list->rows; o < list->rows + list->n; o++) {
-    const char *name = o->json ? o->json : o->name, *dot = strchr(name, '.');
-    json_t *into = object;
+    const char *name = o->json ? o->json : o->name;
     if (!*name || (width && o->width != width)) continue;
-    if (dot) {
-      char group[64] = "";
-      strncat(group, name,
-              (size_t)(dot - name) < sizeof group ? (size_t)(dot - name) : sizeof group - 1);
-      into = json_object_get(object, group);
-      if (!into && json_object_set_new(object, group, json_object()) == 0)
-        into = json_object_get(object, group);
-      name = dot + 1;
-    }
-    json_object_set_new(
-        into, name, width || o->width == 1 ? json_observable(o, row, k) : json_elements(o, row));
+    json_put(object, name,
+             width || o->width == 1 ? json_observable(o, row, k) : json_elements(o, row, o->width));
   }
 }
 

@@ -18,11 +18,13 @@ json_t *json_messages(const sd_messages *messages);
 /* Returns element k of a quantity of the row as a JSON boolean, integer or real, by the type of the
  * quantity; null if it is not finite. */
 json_t *json_observable(const observable *o, const void *row, size_t k);
-/* Returns an array with all elements of a quantity of the row. */
-json_t *json_elements(const observable *o, const void *row);
+/* Returns an array with the first n elements of a quantity of the row. */
+json_t *json_elements(const observable *o, const void *row, size_t n);
+/* Puts a value into `object`; with a name "group.name" into its member object "group", which is made
+ * if it is missing. */
+void json_put(json_t *object, const char *name, json_t *value);
 /* Adds element k of all quantities of the row that have `width` elements to `object`, under their
- * JSON names; width 0: adds all quantities, as arrays if they have several elements. A name
- * "group.name" puts the value into the member object "group". */
+ * JSON names (json_put); width 0: adds all quantities, as arrays if they have several elements. */
 void json_add(json_t *object, const observable_list *list, const void *row, size_t width, size_t k);
 /* Returns a new object with all quantities of a row that are single numbers (width 1). */
 json_t *json_row(const observable_list *list, const void *row);

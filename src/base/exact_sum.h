@@ -43,12 +43,12 @@ static inline void exact_sum_add(exact_sum *s, double x) {
     exact_sum_special(s, x);
     return;
   }
-  /* x is `mantissa` times 2^place, in units of the smallest subnormal number. The lowest 32 bits of
+  /* x is `mantissa` times 2^power, in units of the smallest subnormal number. The lowest 32 bits of
    * the shifted mantissa go to limb[0], the rest, with the sign, to limb[1]. */
-  const unsigned place = exponent ? exponent - 1 : 0, shift = place % 32;
+  const unsigned power = exponent ? exponent - 1 : 0, shift = power % 32;
   const uint64_t size = (bits & ((UINT64_C(1) << 52) - 1)) | (uint64_t)(exponent != 0) << 52;
   const int64_t sign = (int64_t)(bits >> 63), mantissa = ((int64_t)size ^ -sign) + sign;
-  int64_t *limb = s->limb + place / 32;
+  int64_t *limb = s->limb + power / 32;
   limb[0] += (int64_t)((uint64_t)mantissa << shift & UINT32_MAX);
   limb[1] += mantissa >> (32 - shift);
   if (++s->adds == EXACT_ADDS) exact_sum_carry(s);

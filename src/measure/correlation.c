@@ -255,7 +255,13 @@ static sd_status correlate(correlation *t, const configuration *c, const region 
  * values are divided by their mean first. */
 static void distribute(distribution *d, double *value, size_t n, double most, size_t bins,
                        bool scaled) {
-  *d = (distribution){.n = n, .mean = NAN, .deviation = NAN, .skewness = NAN, .kurtosis = NAN};
+  *d = (distribution){.n = n,
+                      .mean = NAN,
+                      .deviation = NAN,
+                      .skewness = NAN,
+                      .kurtosis = NAN,
+                      .least = NAN,
+                      .most = NAN};
   if (n == 0) return;
   d->mean = gsl_stats_mean(value, 1, n);
   gsl_stats_minmax(&d->least, &d->most, value, 1, n);
@@ -311,7 +317,7 @@ static sd_status distribute_forces(correlation *t, const configuration *c, const
 
 sd_status correlation_new(correlation *t, const configuration *c, const region *g, size_t bins,
                           sd_messages *messages) {
-  *t = (correlation){0};
+  *t = (correlation){.density = NAN, .peak_r = NAN, .peak = NAN};
   gsl_error_handler_t *before = gsl_set_error_handler_off();
   sd_status status = correlate(t, c, g, bins);
   if (status == SD_OK) status = distribute_forces(t, c, g, bins);

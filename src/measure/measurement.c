@@ -46,6 +46,7 @@ sd_status measurement_new(measurement *m, const sd_model *constants, const frame
   parts_task f = {.m = m, .whole = configuration_region(&m->c, NULL), .bins = bins};
   m->region = configuration_region(&m->c, wanted);
   m->region_given = wanted;
+  m->bins = bins;
   m->open = wanted ? 0 : configuration_open(&m->c);
   m->width = m->region.upper[0] - m->region.lower[0];
   m->height = m->region.upper[1] - m->region.lower[1];
@@ -54,7 +55,9 @@ sd_status measurement_new(measurement *m, const sd_model *constants, const frame
   pool_run(all, parts_together, &f);
   pool_free(all);
   m->has_cells = f.status[CELLS] == SD_OK;
-  if (!m->has_cells) m->cells.inside = m->cells.mean = m->cells.deviation = NAN;
+  if (!m->has_cells)
+    m->cells.total = m->cells.inside = m->cells.mean = m->cells.deviation = m->cells.least =
+        m->cells.most = NAN;
   for (int k = 0; k < PARTS; k++) {
     for (size_t l = 0; l < sd_messages_count(f.messages[k]); l++)
       if (k == CELLS)
@@ -92,18 +95,45 @@ double measurement_pressure(const measurement *m, size_t disk) {
   return 0.5 * virial / area;
 }
 
+size_t measurement_width(const observable *o, size_t bins) {
+  switch (o->width) {
+    case MEASUREMENT_TENSOR: return 4;
+    case MEASUREMENT_BINS: return bins;
+    case MEASUREMENT_EDGES: return bins + 1;
+    default: return o->width;
+  }
+}
+
+/* --- values that are computed, or not always known -------------------------------------------- */
+
 OBSERVABLE_GET(sliding, measurement,
                at->c.recomputed || at->c.frictionless ? NAN : (double)at->s.n_sliding)
 OBSERVABLE_GET(overlap_max, measurement, at->s.n_contacts > 0 ? at->s.overlap_max : NAN)
-
 /* Returns the fraction of the contacts with friction that slide; NAN if the contacts were not
  * stored but recomputed, as their tangential force is then unknown. */
-static double at_limit(const void *row, size_t k) {
-  const measurement *m = row;
-  size_t n = m->pairs.mobilised.n;
-  (void)k;
-  return n > 0 && !m->c.recomputed ? (double)m->pairs.n_limit / (double)n : NAN;
-}
+OBSERVABLE_GET(at_limit, measurement,
+               at->pairs.mobilised.n > 0 && !at->c.recomputed
+                   ? (double)at->pairs.n_limit / (double)at->pairs.mobilised.n
+                   : NAN)
+OBSERVABLE_GET(region_x, measurement, k == 0 ? at->region.lower[0] : at->region.upper[0])
+OBSERVABLE_GET(region_y, measurement, k == 0 ? at->region.lower[1] : at->region.upper[1])
+OBSERVABLE_GET(region_radius, measurement, at->region.round ? at->region.radius : NAN)
+OBSERVABLE_GET(region_open, measurement, at->open >> k & 1)
+OBSERVABLE_GET(cells_closed, measurement, at->has_cells ? (double)at->cells.n_closed : NAN)
+OBSERVABLE_GET(cells_open, measurement, at->has_cells ? (double)at->cells.n_open : NAN)
+
+/* Defines getters of the limits of the bins of a histogram and of its value in bin k; NAN: there
+ * are no pairs of disks, or no contacts, to count. */
+#define HISTOGRAM_GET(name, histogram, value)                                                      \
+  OBSERVABLE_GET(name##_edges, measurement, at->histogram ? at->histogram->range[k] : NAN)         \
+  OBSERVABLE_GET(name##_values, measurement, at->histogram ? value : NAN)
+HISTOGRAM_GET(g, pairs.pairs, at->pairs.pairs->bin[k])
+HISTOGRAM_GET(normal, pairs.normal.histogram, distribution_density(&at->pairs.normal, k))
+HISTOGRAM_GET(tangential, pairs.tangential.histogram,
+              distribution_density(&at->pairs.tangential, k))
+HISTOGRAM_GET(mobilised, pairs.mobilised.histogram, distribution_density(&at->pairs.mobilised, k))
+
+/* --- table ------------------------------------------------------------------------------------ */
 
 #define REAL(name, field, unit, meaning, column, json)                                             \
   { name, unit, meaning, OBSERVABLE_F64, 1, offsetof(measurement, field), NULL, column, json, NULL }
@@ -111,6 +141,33 @@ static double at_limit(const void *row, size_t k) {
   { name, "1", meaning, OBSERVABLE_SIZE, 1, offsetof(measurement, field), NULL, column, json, NULL }
 #define GOT(name, get, unit, meaning, column, json)                                                \
   { name, unit, meaning, OBSERVABLE_F64, 1, 0, get, column, json, NULL }
+#define GOT_COUNT(name, get, meaning, column, json)                                                \
+  { name, "1", meaning, OBSERVABLE_SIZE, 1, 0, get, column, json, NULL }
+#define ARRAY(name, width, get, unit, meaning, json)                                               \
+  { name, unit, meaning, OBSERVABLE_F64, width, 0, get, NULL, json, NULL }
+#define TENSOR(name, field, unit, meaning, json)                                                   \
+  {                                                                                                \
+    name, unit, meaning, OBSERVABLE_F64, MEASUREMENT_TENSOR, offsetof(measurement, field), NULL,   \
+        NULL, json, NULL                                                                           \
+  }
+/* Rows of a distribution, but for its mean. what: the values that are counted; ratio: what the
+ * histogram is of, these values or their ratio to the mean. */
+#define DISTRIBUTION(name, json, unit, what, ratio)                                                \
+  COUNT(#name "_count", pairs.name.n, "number of " what, NULL, json ".count"),                     \
+      REAL(#name "_deviation", pairs.name.deviation, "1", "standard deviation of " ratio, NULL,    \
+           json ".deviation"),                                                                     \
+      REAL(#name "_skewness", pairs.name.skewness, "1", "skewness of " ratio, NULL,                \
+           json ".skewness"),                                                                      \
+      REAL(#name "_kurtosis", pairs.name.kurtosis, "1", "excess kurtosis of " ratio, NULL,         \
+           json ".kurtosis"),                                                                      \
+      REAL(#name "_least", pairs.name.least, unit, "smallest of " what, NULL, json ".least"),      \
+      REAL(#name "_most", pairs.name.most, unit, "largest of " what, NULL, json ".most"),          \
+      COUNT(#name "_beyond", pairs.name.beyond, "number above the last bin", NULL,                 \
+            json ".beyond"),                                                                       \
+      ARRAY(#name "_edges", MEASUREMENT_EDGES, name##_edges, "1", "limits of the bins of " ratio,  \
+            json ".edges"),                                                                        \
+      ARRAY(#name "_density", MEASUREMENT_BINS, name##_values, "1",                                \
+            "probability density of " ratio, json ".density")
 
 static const observable rows[] = {
     OBSERVABLE_FIELD("step", "1", "steps since the start", I64, measurement, c.step, "step", NULL),
@@ -127,7 +184,7 @@ static const observable rows[] = {
     COUNT("closed", s.n_contacts, "closed contacts", "contacts", "contacts.closed"),
     COUNT("bearing", s.n_bearing, "of these, load-bearing", "bearing", "contacts.bearing"),
     COUNT("fixed", s.n_wall, "with walls or prescribed disks", NULL, "contacts.fixed"),
-    GOT("sliding", sliding, "1", "of these, sliding", "sliding", "contacts.sliding"),
+    GOT_COUNT("sliding", sliding, "of these, sliding", "sliding", "contacts.sliding"),
     OBSERVABLE_FIELD("recomputed", "1", "contacts were found again from positions and velocities",
                      FLAG, measurement, c.recomputed, NULL, "contacts.recomputed"),
     REAL("z", s.z, "1", "closed contacts per free disk", "z", "contacts.z"),
@@ -136,8 +193,8 @@ static const observable rows[] = {
     REAL("z_backbone", s.z_backbone, "1", "the same without rattlers", "z_backbone",
          "contacts.z_backbone"),
     REAL("fraction", s.fraction, "1", "packing fraction of the region", "fraction", NULL),
-    COUNT("cells_closed", cells.n_closed, "closed cells", NULL, "cells.closed"),
-    COUNT("cells_open", cells.n_open, "open cells", NULL, "cells.open"),
+    GOT_COUNT("cells_closed", cells_closed, "closed cells", NULL, "cells.closed"),
+    GOT_COUNT("cells_open", cells_open, "open cells", NULL, "cells.open"),
     REAL("cells_total", cells.total, "length^2", "area of all cells", NULL, "cells.total"),
     REAL("inside", cells.inside, "1", "packing fraction of the closed cells", "fraction_inside",
          "cells.inside"),
@@ -187,7 +244,7 @@ static const observable rows[] = {
          "mean resultant force on a free disk or clump over mean_force", "unbalanced",
          "contacts.unbalanced"),
     REAL("mobilised_mean", pairs.mobilised.mean, "1", "mean of |tau|/(mu F_n)", "mobilised_mean",
-         ""),
+         "mobilised_friction.mean"),
     GOT("limit", at_limit, "1", "fraction of the contacts with friction that slide", "limit",
         "contacts.at_limit"),
     COUNT("pairs_disks", pairs.n_disks, "disks of g(r)", NULL, "pairs.disks"),
@@ -195,6 +252,29 @@ static const observable rows[] = {
          "pairs.density"),
     REAL("peak_r", pairs.peak_r, "length", "where g(r) is highest", NULL, "pairs.peak_r"),
     REAL("peak", pairs.peak, "1", "its value there", NULL, "pairs.peak"),
+    ARRAY("g_edges", MEASUREMENT_EDGES, g_edges, "length", "limits of the bins of g(r)",
+          "pairs.edges"),
+    ARRAY("g", MEASUREMENT_BINS, g_values, "1", "pair correlation g(r)", "pairs.g"),
+    ARRAY("region_x", 2, region_x, "length", "left and right end of the region", "region.x"),
+    ARRAY("region_y", 2, region_y, "length", "lower and upper end of the region", "region.y"),
+    GOT("region_radius", region_radius, "length", "radius of a round region", NULL,
+        "region.radius"),
+    {"region_periodic", "1", "region spans the periodic box along x, along y", OBSERVABLE_FLAG, 2,
+     offsetof(measurement, region.whole), NULL, NULL, "region.periodic", NULL},
+    OBSERVABLE_FIELD("region_given", "1", "region was chosen by the caller", FLAG, measurement,
+                     region_given, NULL, "region.given"),
+    {"region_open", "1", "region is open at the left, right, bottom, top", OBSERVABLE_FLAG, 4, 0,
+     region_open, NULL, "", NULL},
+    TENSOR("stress", s.contact, "force/length", "stress of the contacts", "stress.contact"),
+    TENSOR("kinetic", s.kinetic, "force/length", "kinetic stress", "stress.kinetic"),
+    TENSOR("fabric", s.fabric, "1", "mean of n_i n_j over load-bearing contacts",
+           "contacts.fabric"),
+    REAL("normal_mean", pairs.normal.mean, "force", "mean of F_n", NULL, "normal_force.mean"),
+    DISTRIBUTION(normal, "normal_force", "force", "F_n", "F_n/mean"),
+    REAL("tangential_mean", pairs.tangential.mean, "force", "mean of |tau|", NULL,
+         "tangential_force.mean"),
+    DISTRIBUTION(tangential, "tangential_force", "force", "|tau|", "|tau|/mean"),
+    DISTRIBUTION(mobilised, "mobilised_friction", "1", "|tau|/(mu F_n)", "|tau|/(mu F_n)"),
 };
 const observable_list measurement_observables =
     OBSERVABLES("measure", "numbers of a frame: columns of frames.csv, and in the JSON", rows);

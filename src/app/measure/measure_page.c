@@ -194,59 +194,42 @@ void measure_row(FILE *out, const measurement *m) {
 
 /* --- JSON output ------------------------------------------------------------------------------ */
 
-static json_t *tensor(const double t[4]) {
-  return json_pack("[o, o]", json_numbers(2, t), json_numbers(2, t + 2));
+/* Returns the elements xx, xy, yx, yy of a tensor as two rows. */
+static json_t *tensor(const observable *o, const measurement *m) {
+  return json_pack("[[o, o], [o, o]]", json_observable(o, m, 0), json_observable(o, m, 1),
+                   json_observable(o, m, 2), json_observable(o, m, 3));
 }
 
-static json_t *distribution_json(const distribution *d) {
-  json_t *object = json_pack("{s:I, s:o, s:o, s:o, s:o, s:I}", "count", (json_int_t)d->n, "mean",
-                             json_number(d->mean), "deviation", json_number(d->deviation),
-                             "skewness", json_number(d->skewness), "kurtosis",
-                             json_number(d->kurtosis), "beyond", (json_int_t)d->beyond);
-  if (!d->histogram) return object;
-  json_t *density = json_array();
-  for (size_t k = 0; k < d->histogram->n; k++)
-    json_array_append_new(density, json_number(distribution_density(d, k)));
-  json_object_set_new(object, "least", json_number(d->least));
-  json_object_set_new(object, "most", json_number(d->most));
-  json_object_set_new(object, "edges", json_numbers(d->histogram->n + 1, d->histogram->range));
-  json_object_set_new(object, "density", density);
-  return object;
+/* Removes members that a distribution without values does not have. */
+static void drop_histogram(json_t *object, const distribution *d) {
+  static const char *const names[] = {"least", "most", "edges", "density"};
+  for (size_t k = 0; !d->histogram && k < sizeof names / sizeof *names; k++)
+    json_object_del(object, names[k]);
 }
 
-/* Returns one measurement as JSON: the single numbers (measurement_observables), then tensors,
- * curves and ranges. */
+/* Returns one measurement as JSON: all of measurement_observables. */
 json_t *measure_json(const measurement *m) {
-  const stress *s = &m->s;
-  const correlation *g = &m->pairs;
-  const region *r = &m->region;
   json_t *frame = json_pack("{s:o}", "frame", m->frame >= 0 ? json_integer(m->frame) : json_null());
-  json_add(frame, &measurement_observables, m, 1, 0);
-  json_t *where = json_object_get(frame, "region"), *pairs = json_object_get(frame, "pairs");
-  for (int c = 0; c < 2; c++) {
-    const double ends[2] = {r->lower[c], r->upper[c]};
-    json_object_set_new(where, c == 0 ? "x" : "y", json_numbers(2, ends));
+  const observable_list *list = &measurement_observables;
+  for (const observable *o = list->rows; o < list->rows + list->n; o++) {
+    const char *name = o->json ? o->json : o->name;
+    if (*name)
+      json_put(frame, name,
+               o->width == 1 ? json_observable(o, m, 0)
+               : o->width == MEASUREMENT_TENSOR
+                   ? tensor(o, m)
+                   : json_elements(o, m, measurement_width(o, m->bins)));
   }
-  json_object_set_new(where, "periodic", json_pack("[b, b]", (int)r->whole[0], (int)r->whole[1]));
-  json_object_set_new(where, "given", json_boolean(m->region_given));
   json_t *open = json_array();
   for (int k = 0; k < 4; k++)
     if (m->open >> k & 1) json_array_append_new(open, json_string(sides[k]));
-  json_object_set_new(where, "open", open);
-  if (r->round) json_object_set_new(where, "radius", json_number(r->radius));
+  json_put(frame, "region.open", open);
+  if (!m->region.round) json_object_del(json_object_get(frame, "region"), "radius");
   if (!m->has_cells) json_object_set_new(frame, "cells", json_null());
-  json_object_set_new(json_object_get(frame, "contacts"), "fabric", tensor(s->fabric));
-  json_object_set_new(json_object_get(frame, "stress"), "contact", tensor(s->contact));
-  json_object_set_new(json_object_get(frame, "stress"), "kinetic", tensor(s->kinetic));
-  if (g->pairs) {
-    json_object_set_new(pairs, "edges", json_numbers(g->pairs->n + 1, g->pairs->range));
-    json_object_set_new(pairs, "g", json_numbers(g->pairs->n, g->pairs->bin));
-  } else {
-    json_object_set_new(frame, "pairs", json_null());
-  }
-  json_object_set_new(frame, "normal_force", distribution_json(&g->normal));
-  json_object_set_new(frame, "tangential_force", distribution_json(&g->tangential));
-  json_object_set_new(frame, "mobilised_friction", distribution_json(&g->mobilised));
+  if (!m->pairs.pairs) json_object_set_new(frame, "pairs", json_null());
+  drop_histogram(json_object_get(frame, "normal_force"), &m->pairs.normal);
+  drop_histogram(json_object_get(frame, "tangential_force"), &m->pairs.tangential);
+  drop_histogram(json_object_get(frame, "mobilised_friction"), &m->pairs.mobilised);
   return frame;
 }
 

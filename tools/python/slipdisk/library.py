@@ -206,6 +206,15 @@ class Mean(Structure):
                 ("discarded", c_size_t), ("converged", c_bool)]
 
 
+class Quantity(Structure):
+    _fields_ = [("name", c_char_p), ("unit", c_char_p), ("meaning", c_char_p), ("json", c_char_p), ("kind", c_int),
+                ("rank", c_size_t), ("shape", c_size_t * 2), ("values", POINTER(c_double))]
+
+
+class Measured(Structure):
+    _fields_ = [("n", c_size_t), ("quantities", POINTER(Quantity))]
+
+
 class ForceColumns(Structure):
     _fields_ = [("step", c_int64), ("time", c_double), ("n_free", c_size_t), ("n_bodies", c_size_t),
                 *((name, c_void_p) for name in (
@@ -274,6 +283,11 @@ FUNCTIONS = {
     "sd_configuration_of": (Configuration, c_void_p, c_void_p, c_size_t),
     "sd_disk_mean_of": (DiskMean, c_void_p, c_void_p, c_size_t),
     "sd_mean_of": (Mean, c_void_p, c_size_t, c_bool),
+    "sd_simulation_measure": (c_int, c_void_p, POINTER(c_double), c_size_t, POINTER(POINTER(Measured)), c_void_p),
+    "sd_measurement_free": (None, POINTER(Measured)),
+    "sd_result_open": (c_int, c_char_p, OUT, c_void_p),
+    "sd_result_close": (None, c_void_p),
+    "sd_result_measure": (c_int, c_void_p, c_int64, POINTER(c_double), c_size_t, POINTER(POINTER(Measured)), c_void_p),
 }
 
 

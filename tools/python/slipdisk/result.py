@@ -4,6 +4,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import h5py
@@ -11,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .deck import Deck, deck_values
-from .library import FileError, Record, StrPath, Whole, unknown
+from .library import FileError, Record, StrPath, UserError, Whole, unknown, whole
+from .measure import Measurement, stored
 from .notebook import Shown, View, array_html, table_html, view
 from .sealed import Verified
 from .stored import Columns, Contacts, Frames
@@ -278,6 +280,20 @@ class Result(Shown):
     def contacts(self) -> Contacts:
         """Stored contact tables: contacts[-1]["force"], contacts.time."""
         return Contacts(self)
+
+    def measure(self, frame: Any = None, region: Sequence[float] | None = None, bins: int = 100) -> Any:
+        """Contacts, packing fractions, stress, fabric, g(r), forces, a Measurement: m.z, m.fraction, m.pressure, m.stress.
+        frame: number of a stored frame, -1 the last one; several, or slice(None) for all: a list, for which the file is opened
+        once; None: the last state. region: x0, x1, y0, y1 of the part that counts, else that of the deck; bins: of each histogram."""
+        if frame is None:
+            return stored(self._head, [-1], region, bins)[0]
+        n = len(self.frames)
+        if n == 0:
+            raise UserError(f"{self.path}: no frames are stored in it; measure() is of the last state")
+        several = range(*frame.indices(n)) if isinstance(frame, slice) else frame
+        several = [whole(k, "measure: frame", -n, n - 1) % n for k in ([several] if np.ndim(several) == 0 else several)]
+        found = stored(self.path, several, region, bins)
+        return found[0] if np.ndim(frame) == 0 and not isinstance(frame, slice) else found
 
     @indexed
     def state(self) -> Columns[Any]:

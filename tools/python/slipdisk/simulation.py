@@ -10,7 +10,7 @@ import tempfile
 import threading
 import time as clock
 import weakref
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from ctypes import byref
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
@@ -21,6 +21,7 @@ from . import library as lib
 from . import notebook
 from .deck import DiskArrays, deck_text, deck_values, value_text
 from .library import Messages, UserError, library, record
+from .measure import Measurement, measured
 from .notebook import Progress, Shown, table_html
 from .tables import Named, indexed, structured
 
@@ -800,6 +801,11 @@ class Simulation(Shown):
         """The energy budget since step 0 (kinetic_translation, ..., work, viscous, friction, residual, scale)."""
         energy = record(self._library.sd_simulation_energy(self._pointer))
         return energy if energy.start == energy.start else refused("energy")
+
+    def measure(self, region: Sequence[float] | None = None, bins: int = 100) -> Measurement:
+        """Contacts, packing fractions, stress, fabric, g(r), forces now, a Measurement: m.z, m.fraction, m.pressure, m.stress.
+        region: x0, x1, y0, y1 of the part that counts, else that of the deck; bins: of each histogram."""
+        return measured(self._library.sd_simulation_measure, self._pointer, region=region, bins=bins, messages=self._messages)
 
     def _state(self):
         state = self._library.sd_simulation_state(self._pointer)

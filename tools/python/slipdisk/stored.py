@@ -114,7 +114,7 @@ class Moments(Shown, collections.abc.Sequence[V]):
 
 class Frames(Moments[Record[NDArray[Any]]]):
     """Stored frames: frames[k]["position"] is [disk][2] of frame k, frames["position"] is [frame][disk][2] of all;
-    `time`, `step`, `box` and `box_offset` of each."""
+    `time`, `step`, `box` and `box_offset` of each, and frames[k].box, frames[k].box_offset."""
 
     def __init__(self, result, group, body):
         names = result.groups(group)
@@ -122,7 +122,9 @@ class Frames(Moments[Record[NDArray[Any]]]):
         self._group, self._body = group, body
 
     def _moment(self, k):
-        return Record((name, self._result.rows(self._path(name), k, k + 1)[0]) for name in self._names)
+        edges = self._edges(k, k + 1)[0]
+        return Record({**{name: self._result.rows(self._path(name), k, k + 1)[0] for name in self._names},
+                       "box": edges.diagonal(), "box_offset": edges[1, 0]})
 
     def pandas(self, *names: str) -> pandas.DataFrame:
         """A pandas.DataFrame with a row for each frame and body: step, time, disk (or wall), and the columns of these names, or all;
@@ -142,12 +144,13 @@ class Frames(Moments[Record[NDArray[Any]]]):
         at.update({"axis": ("axis", ["x", "y"])} if "axis" in sizes else {})
         return to_xarray(found, at, lambda name, column: axes[:column.ndim], self.unit, self.meaning)
 
-    def _edges(self):
-        """[frame][2][2]: edge vectors of the box, in rows."""
-        framed = "edges" in self._result.groups(f"{self._group}/box")
-        edges = np.asarray(self._result.rows(f"{self._group}/box/edges" + ("/value" if framed else "")), float)
-        if not framed:
-            edges = np.repeat(edges[np.newaxis], len(self), axis=0)
+    def _edges(self, first=0, last=None):
+        """[frame][2][2]: edge vectors of the box of frames [first, last), in rows."""
+        path = f"{self._group}/box"
+        if "edges" in self._result.groups(path):
+            edges = np.asarray(self._result.rows(f"{path}/edges/value", first, last), float)
+        else:  # it stays as it is
+            edges = np.repeat([self._result._deck_box()], (len(self) if last is None else last) - first, axis=0)
         return edges if edges.ndim == 3 else edges[:, :, np.newaxis] * np.eye(2)
 
     @property
