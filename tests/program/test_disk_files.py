@@ -227,7 +227,8 @@ class Dumps(Files):
         self.refuse(self.deck(), "mass: missing")
         self.write("b.csv", "x,y,radius\n0,0,1\n")
         self.refuse(OPEN + 'disk_files = ( { file = "b.csv"; mass = 1; timestep = 3; } );', "timestep = 3: belongs to dumps of LAMMPS only")
-        self.refuse(OPEN + f'disk_files = ( {{ file = "{ROOT}/tests/decks/sphere.data"; density = 1; timestep = 3; }} );', "a data file has no timesteps")
+        self.refuse(OPEN + f'disk_files = ( {{ file = "{ROOT}/tests/decks/sphere.data"; density = 1; timestep = 3; }} );',
+                    "a data file has no timesteps")
 
     def test_there_and_back(self):
         """The last frame of an export begins a deck as it ended."""

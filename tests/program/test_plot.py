@@ -223,7 +223,8 @@ class Data(unittest.TestCase):
             for column in source.columns:
                 with self.subTest(name, column=column):
                     ax = plot.series(source, figure().subplots(), quantity=column)
-                    drawn = np.column_stack([lines(ax, f"column {k}")[0].get_ydata() for k in range(len(source.parts(column) if column in source.series else "") or 1)])
+                    parts = source.parts(column) if column in source.series else []
+                    drawn = np.column_stack([lines(ax, f"column {k}")[0].get_ydata() for k in range(len(parts) or 1)])
                     self.assertEqual(len(drawn), len(source.series["time"]))
                     if column in source.series:
                         np.testing.assert_array_equal(drawn, source.series[column].reshape(len(drawn), -1))

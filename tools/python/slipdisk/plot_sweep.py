@@ -82,7 +82,8 @@ def in_time(sweep):
     if source is None:
         return {}
     skipped = {"time", "step", "start", "scale", *quantities(sweep), *(() if is_sheared(source) else MEASURED)}
-    return {name: about for name, about in source.columns.items() if name not in skipped and (name in DERIVED or "." in name or not source.parts(name))}
+    return {name: about for name, about in source.columns.items()
+            if name not in skipped and (name in DERIVED or "." in name or not source.parts(name))}
 
 
 def every_quantity(sweep):
