@@ -260,6 +260,19 @@ static json_t *slide_json(const summary *s) {
   return list;
 }
 
+static json_t *averages_json(const summary *s) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < s->n_averages; k++) {
+    char *const *names = s->average_names + 3 * k;
+    json_t *object = json_row(&average_observables, &s->averages[k]);
+    json_object_set_new(object, "name", json_text(names[0]));
+    json_object_set_new(object, "of", json_text(names[1]));
+    json_object_set_new(object, "unit", json_text(names[2]));
+    json_array_append_new(list, object);
+  }
+  return list;
+}
+
 static json_t *until_json(const summary *s) {
   if (!s->has_until) return json_null();
   json_t *object = json_row(&until_observables, s);
@@ -322,6 +335,7 @@ static json_t *facts_json(const facts *f) {
   } rest[] = {{"clumps", json_integer(f->clumps)},
               {"phase_name", json_string(s->phase_name)},
               {"rotation", json_rotations(s)},
+              {"averages", averages_json(s)},
               {"until", until_json(s)},
               {"sliding", slide_json(s)},
               {"means", disks_json(s)},
@@ -366,12 +380,12 @@ const command_line app_info_line = {
 /* Prints the tables of all observables; tools/docs/names.py copies them into docs/names.md. */
 static int print_names(void) {
   const observable_list *const lists[] = {
-      &energy_observables,        &series_observables,   &frame_observables,
-      &clump_observables,         &contact_observables,  &fact_observables,
-      &outcome_observables,       &rotation_observables, &slide_observables,
-      &configuration_observables, &phase_observables,    &until_observables,
-      &disk_observables,          &total_observables,    &provenance_observables,
-      &measurement_observables};
+      &energy_observables,        &series_observables,     &frame_observables,
+      &clump_observables,         &contact_observables,    &fact_observables,
+      &outcome_observables,       &rotation_observables,   &slide_observables,
+      &configuration_observables, &average_observables,    &phase_observables,
+      &until_observables,         &disk_observables,       &total_observables,
+      &provenance_observables,    &measurement_observables};
   for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) observable_print(stdout, lists[k]);
   return SD_OK;
 }

@@ -26,10 +26,11 @@ typedef struct image {
 /* Version of slipdisk and sizes of its structs, stored at the beginning; a program that reads
  * the bytes must have the same. */
 static const uint32_t layout[] = {
-    SD_VERSION_NUMBER,         sizeof(sd_model),    sizeof(sd_contact_law), sizeof(sd_disk),
-    sizeof(sd_wall),           sizeof(sd_motion),   sizeof(sd_phase),       sizeof(sd_rain),
-    sizeof(sd_contact_memory), sizeof(sd_material), sizeof(sd_slide_watch), sizeof(sd_body_force),
-    sizeof(sd_clump)};
+    SD_VERSION_NUMBER,   sizeof(sd_model),        sizeof(sd_contact_law),
+    sizeof(sd_disk),     sizeof(sd_wall),         sizeof(sd_motion),
+    sizeof(sd_phase),    sizeof(sd_rain),         sizeof(sd_contact_memory),
+    sizeof(sd_material), sizeof(sd_slide_watch),  sizeof(sd_body_force),
+    sizeof(sd_clump),    sizeof(sd_average_watch)};
 
 static bool failed(const image *im) { return im->damaged || im->starved; }
 
@@ -171,6 +172,17 @@ static void walk_phases(image *im, sd_model *m) {
   }
 }
 
+static void walk_averages(image *im, sd_model *m) {
+  array(im, &m->averages, m->n_averages, sizeof *m->averages);
+  if (failed(im)) return;
+  FORGET_ALL(im, m->averages, m->n_averages, name);
+  FORGET_ALL(im, m->averages, m->n_averages, text);
+  for (size_t k = 0; k < m->n_averages; k++) {
+    text(im, &m->averages[k].name);
+    text(im, &m->averages[k].text);
+  }
+}
+
 static void walk_materials(image *im, sd_model *m) {
   text(im, &m->title);
   array(im, &m->materials, m->n_materials, sizeof *m->materials);
@@ -193,7 +205,7 @@ static void walk(image *im, sd_model *m) {
                     &m->slides,        &m->mistakes,    &m->deck,        &m->segments,
                     &m->contact_disks, &m->clumps,      &m->clump_disks, &m->clump_offsets,
                     &m->advised,       &m->tiles.walls, &m->derivatives, &m->mine,
-                    &m->known,         &m->comm};
+                    &m->known,         &m->comm,        &m->averages};
   for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
   if (!failed(im)) walk_materials(im, m);
   if (!failed(im)) walk_bodies(im, m);
@@ -206,6 +218,7 @@ static void walk(image *im, sd_model *m) {
   array(im, &m->rotations, m->n_rotations, sizeof *m->rotations);
   array(im, &m->slides, m->n_slides, sizeof *m->slides);
   array(im, &m->contact_disks, m->n_contact_disks, sizeof *m->contact_disks);
+  walk_averages(im, m);
 }
 
 void *model_serialize(const sd_model *model, size_t *size) {
@@ -237,11 +250,12 @@ static void drop(sd_model *m) {
   if (!m->motions) m->n_motions = 0;
   if (!m->fields) m->n_fields = 0;
   if (!m->phases) m->n_phases = 0;
+  if (!m->averages) m->n_averages = 0;
   sd_model_free(m);
 }
 
-/* True if all enum values that are used as indices of tables, before sd_model_finish checks
- * them, are valid. */
+/* True if all enum values and counts that are used as indices of tables, before sd_model_finish
+ * checks them, are valid. */
 static bool kinds_exist(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
     if ((unsigned)m->motions[k].kind >= SD_MOTION_KINDS ||
@@ -252,6 +266,9 @@ static bool kinds_exist(const sd_model *m) {
   for (size_t k = 0; k < m->n_fields; k++)
     if ((unsigned)m->fields[k].kind >= SD_FIELD_KINDS ||
         (unsigned)m->fields[k].per > SD_FIELD_PER_MASS)
+      return false;
+  for (size_t k = 0; k < m->n_averages; k++)
+    if (m->averages[k].of[0].n > SD_AVERAGE_TERMS || m->averages[k].of[1].n > SD_AVERAGE_TERMS)
       return false;
   return (unsigned)m->integrator <= SD_VERLET && (unsigned)m->variant <= SD_CONSERVATIVE;
 }

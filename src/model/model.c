@@ -68,6 +68,8 @@ void sd_model_free(sd_model *m) {
   free(m->rotations);
   free(m->contact_disks);
   free(m->slides);
+  for (size_t k = 0; k < m->n_averages; k++) free(m->averages[k].name), free(m->averages[k].text);
+  free(m->averages);
   free(m->segments);
   for (size_t k = 0; k < m->n_clumps; k++) free((char *)m->clumps[k].name);
   free(m->clumps);

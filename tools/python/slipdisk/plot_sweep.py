@@ -55,7 +55,7 @@ def quantities(sweep):
 
 def default_quantity(sweep):
     names = quantities(sweep)
-    for wanted in [name for name in names if name.endswith(".omega")] + list(PREFERRED):
+    for wanted in [name for end in (".mean", ".omega") for name in names if name.endswith(end)] + list(PREFERRED):
         if wanted in names:
             return wanted
     compressed = "packing_fraction" in next((result.series for _, result in sweep.results()), ())
@@ -129,6 +129,8 @@ class Curves:
             raise lib.unknown(self.x, all_keys, f"the keys that {sweep.folder} sweeps")
         self.y = quantity or default_quantity(sweep)
         own = quantities(sweep)
+        if self.y + ".mean" in own:  # the name of an average
+            self.y += ".mean"
         if self.y not in own and self.y not in MEASURED:
             raise lib.unknown(self.y, [*own, *MEASURED], f"the quantities of {sweep.folder}")
         x_values = self.means[self.x]
@@ -145,7 +147,7 @@ class Curves:
         useful = [(name, rows) for name, rows in self.groups if np.isfinite(self.xs[rows]).sum() > 1]
         self.groups = useful or self.groups
         self.values, self.errors = (self.means[self.y].astype(float), _error(self.means, self.y)) if self.y in own else measured(sweep, self.y)
-        reliable = self.y.rpartition(".")[0] + ".converged" if self.y.endswith((".omega", ".scaled")) else None
+        reliable = self.y.rpartition(".")[0] + ".converged" if self.y.endswith((".omega", ".scaled", ".mean")) else None
         self.doubtful = self.means[reliable] < 1 if reliable in own else np.zeros(len(self.means), bool)
         noise = np.zeros(len(self.values)) if self.errors is None else np.nan_to_num(self.errors)
         seen = np.where(np.abs(self.values) > 2 * noise, np.abs(self.values), 0.0)
@@ -217,7 +219,7 @@ def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True
     ax.set_xlabel(f"{style.plain(c.x)} / π" if c.pi else label(style.plain(c.x), unit(sweep, c.x)))
     names = {"omega": r"mean angular velocity $\Omega$", "scaled": r"$t_g\Omega$"}
     disk, _, what = c.y.rpartition(".")
-    text = f"{names[what]} of {style.plain(disk)}" if what in names else style.plain(c.y).replace("_", " ")
+    text = f"{names[what]} of {style.plain(disk)}" if what in names else style.plain(c.y.removesuffix(".mean")).replace("_", " ")
     ax.set_ylabel(label(*MEASURED[c.y]) if c.y in MEASURED and c.y not in quantities(sweep) else label(text, sweep.unit(c.y)))
     if only is not None:
         ax.set_title(c.groups[only][0], fontsize=9)

@@ -194,6 +194,22 @@ class Contacts(collections.abc.Sequence):
         return self._result.rows("contacts/count") if self._names else np.empty(0, "i8")
 
 
+class Average(Record):
+    """Mean of columns of the series: mean, error, correlation, transient, measured, rows, missing, converged, and what it is the
+    mean of: of, unit. It prints as 0.2900 +- 0.0046, and says when the error cannot be trusted."""
+
+    def __repr__(self):
+        if not self.rows:
+            return "no measured rows yet"
+        if not np.isfinite(self.mean):
+            return f"no mean: {self.missing} of {self.rows} rows are not finite" if self.missing else "no mean: the denominator is 0"
+        if not np.isfinite(self.error):
+            return f"{self.mean:.6g} +- ? (too few rows for an error bar)"
+        digits = 1 - int(np.floor(np.log10(self.error))) if self.error > 0 else -1
+        text = f"{self.mean:.{digits}f} +- {self.error:.{digits}f}" if 0 <= digits < 7 else f"{self.mean:.6g} +- {self.error:.2g}"
+        return text + ("" if self.converged else " (error not reliable)")
+
+
 class NotYet(FileError):
     """There is neither a result nor a checkpoint yet."""
 
@@ -366,6 +382,15 @@ class Result:
     def rotation(self):
         """Mean angular velocity of each watched disk, a structured array: name, disk, omega, error, scaled, ..."""
         return self.table("summary/rotation")
+
+    @property
+    def averages(self):
+        """Averages of the series, which the deck's measure.averages names: averages["mu"] has mean, error, converged, ..., and prints
+        as 0.2900 +- 0.0046."""
+        table = self.table("summary/average")
+        rows = [] if table is None else table
+        return Record((str(row["name"][0]), Average({name: row[name].item() for name in table.dtype.names if name != "name"},
+                                                    of=str(row["name"][1]), unit=str(row["name"][2]))) for row in rows)
 
     @property
     def slide(self):
