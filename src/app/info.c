@@ -260,19 +260,6 @@ static json_t *slide_json(const summary *s) {
   return list;
 }
 
-static json_t *averages_json(const summary *s) {
-  json_t *list = json_array();
-  for (size_t k = 0; k < s->n_averages; k++) {
-    char *const *names = s->average_names + 3 * k;
-    json_t *object = json_row(&average_observables, &s->averages[k]);
-    json_object_set_new(object, "name", json_text(names[0]));
-    json_object_set_new(object, "of", json_text(names[1]));
-    json_object_set_new(object, "unit", json_text(names[2]));
-    json_array_append_new(list, object);
-  }
-  return list;
-}
-
 static json_t *until_json(const summary *s) {
   if (!s->has_until) return json_null();
   json_t *object = json_row(&until_observables, s);
@@ -335,7 +322,7 @@ static json_t *facts_json(const facts *f) {
   } rest[] = {{"clumps", json_integer(f->clumps)},
               {"phase_name", json_string(s->phase_name)},
               {"rotation", json_rotations(s)},
-              {"averages", averages_json(s)},
+              {"averages", json_averages(s)},
               {"until", until_json(s)},
               {"sliding", slide_json(s)},
               {"means", disks_json(s)},

@@ -219,7 +219,8 @@ def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True
     ax.set_xlabel(f"{style.plain(c.x)} / π" if c.pi else label(style.plain(c.x), unit(sweep, c.x)))
     names = {"omega": r"mean angular velocity $\Omega$", "scaled": r"$t_g\Omega$"}
     disk, _, what = c.y.rpartition(".")
-    text = f"{names[what]} of {style.plain(disk)}" if what in names else style.plain(c.y.removesuffix(".mean")).replace("_", " ")
+    text = f"{names[what]} of {style.plain(disk)}" if what in names else style.plain(c.y).replace("_", " ")
+    text = f"average {style.plain(disk)}" if what == "mean" else text
     ax.set_ylabel(label(*MEASURED[c.y]) if c.y in MEASURED and c.y not in quantities(sweep) else label(text, sweep.unit(c.y)))
     if only is not None:
         ax.set_title(c.groups[only][0], fontsize=9)
