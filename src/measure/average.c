@@ -31,8 +31,9 @@ static double value_of(const sd_average_term *t, const moment *now) {
   return sums ? observable_value(o, &sums[t->element], 0) : observable_value(o, now, t->element);
 }
 
-/* Returns the sum of a row: of values, and of changes per time since the last row. *last: the sum of
- * the columns in rate() in the last row, which becomes that of this row. span: time between rows. */
+/* Returns the sum of a row: of values, and of changes per time since the last row. *last: the sum
+ * of the columns in rate() in the last row, which becomes that of this row. span: time between
+ * rows. */
 static double sum_of(const sd_average_sum *s, const moment *now, double span, double *last) {
   double values = s->constant, rates = 0;
   for (size_t k = 0; k < s->n; k++)

@@ -2,9 +2,9 @@
  * sums, which the key "measure.averages" of a deck names.
  *
  * Rows of the series in measured phases are added up in bins, those of numerator and denominator
- * apart. A ratio is the mean of the numerator over the mean of the denominator. Its error is that of
- * the mean of a_k/B - R b_k/B, with a_k, b_k numerator and denominator of row k, R the ratio, B the
- * mean of b_k: the first order in the deviations of both, with their covariance and with
+ * apart. A ratio is the mean of the numerator over the mean of the denominator. Its error is that
+ * of the mean of a_k/B - R b_k/B, with a_k, b_k numerator and denominator of row k, R the ratio, B
+ * the mean of b_k: the first order in the deviations of both, with their covariance and with
  * correlations in time (delta method). */
 #ifndef SLIPDISK_MEASURE_AVERAGE_H
 #define SLIPDISK_MEASURE_AVERAGE_H
@@ -16,9 +16,9 @@ typedef struct sd_average {
   double mean, error;         /* mean and one standard error of it, in the unit of the expression */
   double correlation;         /* integrated correlation time, time */
   double transient, measured; /* measured time discarded as transient; total measured time */
-  int64_t rows,
-      missing;    /* number of measured rows; of these, rows with a value that is not finite */
-  bool converged; /* true: the error bar can be trusted (docs/physics.md 9) */
+  int64_t rows;               /* number of measured rows */
+  int64_t missing;            /* number of these in which a value was not finite */
+  bool converged;             /* true: the error bar can be trusted (docs/physics.md 9) */
 } sd_average;
 
 extern const observable_list average_observables; /* quantities of an sd_average */

@@ -1,8 +1,8 @@
-/* deck_averages.c: reads measure.averages, means of columns of the series, of sums of columns and of
- * ratios of such sums.
+/* deck_averages.c: reads measure.averages, means of columns of the series, of sums of columns and
+ * of ratios of such sums.
  *
- * deck_expression evaluates a sum at several values of its columns, which gives the constant and the
- * factors; a further point shows whether it is a sum at all. */
+ * deck_expression evaluates a sum at several values of its columns, which gives the constant and
+ * the factors; two further points show whether it is a sum at all. */
 #include <ctype.h>
 #include <math.h>
 #include <string.h>

@@ -218,8 +218,8 @@ void summary_write(const summary *s, h5_file *file);
 /* Reads the group /summary. Call summary_free also after a failure. */
 sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages);
 /* Recomputes means and error bars of watched disks, and averages of the series, from the bins in
- * the file's state, so that results of any version are evaluated as by this version. Does nothing if
- * the file has no such bins. */
+ * the file's state, so that results of any version are evaluated as by this version. Does nothing
+ * if the file has no such bins. */
 void summary_renew(summary *s, const sd_model *model, const h5_file *file);
 
 /* Sets the warnings (doubts) of the summary by comparing it with these limits. model, state, sums:
