@@ -81,11 +81,14 @@ typedef enum sd_extent {
   /* One element per free disk, in the order of slots, if a law needs the columns
    * SD_CONTACT_MORE, else none */
   SD_PER_LAW_FREE,
-  SD_EXTENTS /* number of values of this enum */
+  SD_PER_AVERAGE,      /* one element per average of the series (key "measure.averages") */
+  SD_PER_AVERAGE_FORM, /* two elements per average, for its numerator and its denominator */
+  SD_PER_AVERAGE_BIN,  /* SD_BINS elements for each numerator and denominator of an average */
+  SD_EXTENTS           /* number of values of this enum */
 } sd_extent;
 
-/* Number of bins in the angle record of a watched disk. When all are full, neighbouring bins are
- * merged in pairs and the duration of a bin doubles. */
+/* Number of bins in the angle record of a watched disk, and in the record of an average. When all
+ * are full, neighbouring bins are merged in pairs and the duration of a bin doubles. */
 enum { SD_BINS = 4096 };
 /* Number of bins in the angle record of each free disk, if means of every disk are measured.
  * When all are full, neighbouring bins are merged in pairs. */

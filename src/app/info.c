@@ -319,6 +319,7 @@ static json_t *facts_json(const facts *f) {
   } rest[] = {{"clumps", json_integer(f->clumps)},
               {"phase_name", json_string(s->phase_name)},
               {"rotation", json_rotations(s)},
+              {"averages", json_averages(s)},
               {"until", until_json(s)},
               {"sliding", slide_json(s)},
               {"means", disks_json(s)},
@@ -363,12 +364,12 @@ const command_line app_info_line = {
 /* Prints the tables of all observables; tools/docs/names.py copies them into docs/names.md. */
 static int print_names(void) {
   const observable_list *const lists[] = {
-      &energy_observables,        &series_observables,   &frame_observables,
-      &clump_observables,         &contact_observables,  &fact_observables,
-      &outcome_observables,       &rotation_observables, &slide_observables,
-      &configuration_observables, &phase_observables,    &until_observables,
-      &disk_observables,          &total_observables,    &provenance_observables,
-      &measurement_observables};
+      &energy_observables,        &series_observables,     &frame_observables,
+      &clump_observables,         &contact_observables,    &fact_observables,
+      &outcome_observables,       &rotation_observables,   &slide_observables,
+      &configuration_observables, &average_observables,    &phase_observables,
+      &until_observables,         &disk_observables,       &total_observables,
+      &provenance_observables,    &measurement_observables};
   for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) observable_print(stdout, lists[k]);
   return SD_OK;
 }

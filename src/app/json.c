@@ -87,6 +87,19 @@ json_t *json_rotations(const summary *found) {
   return list;
 }
 
+json_t *json_averages(const summary *found) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < found->n_averages; k++) {
+    char *const *names = found->average_names + 3 * k;
+    json_t *object = json_row(&average_observables, &found->averages[k]);
+    json_object_set_new(object, "name", json_text(names[0]));
+    json_object_set_new(object, "of", json_text(names[1]));
+    json_object_set_new(object, "unit", json_text(names[2]));
+    json_array_append_new(list, object);
+  }
+  return list;
+}
+
 sd_status json_print(const json_t *root) {
   const bool good = json_dumpf(root, stdout, JSON_INDENT(2)) == 0 && putchar('\n') != EOF;
   if (!good) fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));

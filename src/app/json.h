@@ -30,6 +30,8 @@ void json_add(json_t *object, const observable_list *list, const void *row, size
 json_t *json_row(const observable_list *list, const void *row);
 /* Returns an array with the mean rotation of each watched disk. */
 json_t *json_rotations(const summary *found);
+/* Returns an array with an object for each average of the series. */
+json_t *json_averages(const summary *found);
 /* Prints `root` to the standard output. Returns SD_ERROR_IO, after a message, if that fails. */
 sd_status json_print(const json_t *root);
 

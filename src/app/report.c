@@ -71,6 +71,40 @@ static void report_rotations(FILE *out, const summary *found) {
   if (doubtful) fprintf(out, "  * too short a record: the error is not reliable\n");
 }
 
+/* Formats a value and its error with the digits that the error allows, as "0.2900 +- 0.0046"; as
+ * with_error without an error. */
+static const char *rounded(double value, double error, char *text, size_t size) {
+  const double digits = 1 - floor(log10(error));
+  if (isfinite(value) && error > 0 && digits >= 0 && digits < 7)
+    snprintf(text, size, "%.*f +- %.*f", (int)digits, value, (int)digits, error);
+  else
+    with_error(value, error, text, size);
+  return text;
+}
+
+/* Returns why an average has no error bar, or none to be trusted; "": it has. */
+static const char *lack_of(const sd_average *a) {
+  return a->rows == 0          ? "no measured rows yet"
+         : !isfinite(a->mean)  ? "no mean: IN DOUBT tells why"
+         : !isfinite(a->error) ? "too few rows for an error bar"
+         : !a->converged       ? "too short a record: the error is not reliable"
+                               : "";
+}
+
+static void report_averages(FILE *out, const summary *found) {
+  if (found->n_averages == 0) return;
+  fprintf(out, "\naverage of the series  %-26s %-12s %10s %10s %10s\n", "mean", "unit",
+          "correlation", "transient", "measured");
+  for (size_t k = 0; k < found->n_averages; k++) {
+    const sd_average *a = &found->averages[k];
+    char *const *names = found->average_names + 3 * k, value[64];
+    fprintf(out, "  %-19.19s  %-26s %-12s %11.4g %10.4g %10.4g\n", names[0],
+            rounded(a->mean, a->error, value, sizeof value), names[2], a->correlation, a->transient,
+            a->measured);
+    fprintf(out, "    = %s%s%s\n", names[1], *lack_of(a) ? "; " : "", lack_of(a));
+  }
+}
+
 /* Formats the value of a criterion at the end of a phase; "-" if the phase had no goal for it. */
 static const char *if_asked(double value, double goal, char *text, size_t size) {
   if (goal > 0)
@@ -244,6 +278,7 @@ static void report_doubts(FILE *out, const summary *found) {
 
 void report_summary(FILE *out, const summary *found) {
   report_rotations(out, found);
+  report_averages(out, found);
   report_phases(out, found);
   report_lost(out, found);
   report_until(out, found);

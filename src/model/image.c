@@ -35,7 +35,8 @@ static const struct list {
              LIST(tiles.walls, tiles.n_walls),
              LIST(rotations, n_rotations),
              LIST(slides, n_slides),
-             LIST(contact_disks, n_contact_disks)};
+             LIST(contact_disks, n_contact_disks),
+             LIST(averages, n_averages)};
 enum { LISTS = sizeof lists / sizeof *lists };
 
 /* Pointers in the elements of a list, with the offset of the number of elements to which each
@@ -78,7 +79,9 @@ static const struct owned {
              SWITCHES(active, n_motions),
              SWITCHES(fields, n_fields),
              ARRAY(phases, sd_phase, hold, n_hold),
-             ARRAY(phases, sd_phase, release, n_release)};
+             ARRAY(phases, sd_phase, release, n_release),
+             NAME(averages, sd_average_watch),
+             TEXT(averages, offsetof(sd_average_watch, text))};
 enum { OWNED = sizeof owned / sizeof *owned };
 
 /* Returns the number, or the pointer, at an offset of a struct. */
@@ -104,10 +107,11 @@ typedef struct image {
 /* Version of slipdisk and sizes of its structs, stored at the beginning; a program that reads
  * the bytes must have the same. */
 static const uint32_t layout[] = {
-    SD_VERSION_NUMBER,         sizeof(sd_model),    sizeof(sd_contact_law), sizeof(sd_disk),
-    sizeof(sd_wall),           sizeof(sd_motion),   sizeof(sd_phase),       sizeof(sd_rain),
-    sizeof(sd_contact_memory), sizeof(sd_material), sizeof(sd_slide_watch), sizeof(sd_body_force),
-    sizeof(sd_clump)};
+    SD_VERSION_NUMBER,   sizeof(sd_model),        sizeof(sd_contact_law),
+    sizeof(sd_disk),     sizeof(sd_wall),         sizeof(sd_motion),
+    sizeof(sd_phase),    sizeof(sd_rain),         sizeof(sd_contact_memory),
+    sizeof(sd_material), sizeof(sd_slide_watch),  sizeof(sd_body_force),
+    sizeof(sd_clump),    sizeof(sd_average_watch)};
 
 static bool failed(const image *im) { return im->damaged || im->starved; }
 
@@ -237,8 +241,8 @@ void *model_serialize(const sd_model *model, size_t *size) {
   return NULL;
 }
 
-/* True if all enum values that are used as indices of tables, before sd_model_finish checks
- * them, are valid. */
+/* True if all enum values and counts that are used as indices of tables, before sd_model_finish
+ * checks them, are valid. */
 static bool kinds_exist(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
     if ((unsigned)m->motions[k].kind >= SD_MOTION_KINDS ||
@@ -249,6 +253,9 @@ static bool kinds_exist(const sd_model *m) {
   for (size_t k = 0; k < m->n_fields; k++)
     if ((unsigned)m->fields[k].kind >= SD_FIELD_KINDS ||
         (unsigned)m->fields[k].per > SD_FIELD_PER_MASS)
+      return false;
+  for (size_t k = 0; k < m->n_averages; k++)
+    if (m->averages[k].of[0].n > SD_AVERAGE_TERMS || m->averages[k].of[1].n > SD_AVERAGE_TERMS)
       return false;
   return (unsigned)m->integrator <= SD_VERLET && (unsigned)m->variant <= SD_CONSERVATIVE;
 }

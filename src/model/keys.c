@@ -213,6 +213,8 @@ static const deck_key measure_keys[] = {
     {"disks", BOOL, "false", NULL,
      "means of each free disk and of all: rotation, position, contacts, powers",
      SETS(sd_model, measure_disks)},
+    {"averages", GROUP, "-", NULL,
+     "means with error bars of the series: name = \"column, sum or ratio of sums\""},
     {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL,
      "disks: steps between samples of the contacts", SETS(sd_model, measure_every)},
     {"walls", BOOL, "-", NULL, "series: force and torque on each wall, its contacts",

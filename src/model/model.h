@@ -165,6 +165,29 @@ typedef struct sd_segment {
   int cells[2];
 } sd_segment;
 
+/* Column of the series in a sum, times a factor. The columns are those of energy_observables,
+ * followed by those of series_observables (measure/observable.h), counted from 0, whether the model
+ * has them or not. */
+typedef struct sd_average_term {
+  uint32_t column, element; /* number of the column; index of the watched disk, wall, ... in it */
+  bool rate;                /* true: the change of the column per time; false: its value */
+  double factor;
+} sd_average_term;
+
+enum { SD_AVERAGE_TERMS = 8 }; /* largest number of columns in a sum */
+
+typedef struct sd_average_sum {
+  double constant; /* added to the terms */
+  size_t n;        /* number of terms */
+  sd_average_term term[SD_AVERAGE_TERMS];
+} sd_average_sum;
+
+/* An average of the series, the mean of a sum of columns over the mean of another. */
+typedef struct sd_average_watch {
+  char *name, *text;    /* its name, and its expression as the deck has it */
+  sd_average_sum of[2]; /* numerator and denominator; the latter is 1 unless the deck has one */
+} sd_average_watch;
+
 /* Limits beyond which the result of a run is marked doubtful (exit status 5); 0: not checked. */
 typedef struct sd_limits {
   double residual;     /* residual of the energy budget divided by sd_energy.scale */
@@ -233,6 +256,8 @@ struct sd_model {
   size_t n_slides;
   sd_slide_watch *slides;
   sd_until until;
+  size_t n_averages; /* number of averages of the series that are measured */
+  sd_average_watch *averages;
   size_t n_contact_disks; /* number of disks whose contact forces are recorded as a time series */
   uint32_t *contact_disks;
   /* True: record time series of the forces on each wall, and on each group of disks. */

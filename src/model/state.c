@@ -264,6 +264,14 @@ const sd_field sd_fields[] = {
     COLUMN(clump_y5, SD_F64, SD_PER_CLUMP, "length", "dt^5/120 times the 5th derivative of y"),
     COLUMN(clump_theta5, SD_F64, SD_PER_CLUMP, "rad",
            "dt^5/120 times the 5th derivative of the angle"),
+
+    COLUMN(average_rows, SD_I64, SD_PER_AVERAGE, "1", "measured rows of the series in average_bin"),
+    COLUMN(average_missing, SD_I64, SD_PER_AVERAGE, "1",
+           "measured rows left out: a number was not finite"),
+    COLUMN(average_last, SD_F64, SD_PER_AVERAGE_FORM, "mixed",
+           "sum of the columns in rate() in the last row of the series"),
+    COLUMN(average_bin, SD_F64, SD_PER_AVERAGE_BIN, "mixed",
+           "sums over rows of numerator and denominator in each bin of rows"),
 };
 
 const size_t sd_field_count = sizeof sd_fields / sizeof *sd_fields;
@@ -302,6 +310,9 @@ size_t sd_extent_size(const sd_state *s, sd_extent extent) {
     case SD_PER_CLUMP: return s->n_clumps;
     case SD_PER_LAW_CONTACT: return s->law_columns * s->n_contacts;
     case SD_PER_LAW_FREE: return s->law_columns * s->n_free;
+    case SD_PER_AVERAGE: return s->n_averages;
+    case SD_PER_AVERAGE_FORM: return s->n_averages * 2;
+    case SD_PER_AVERAGE_BIN: return s->n_averages * 2 * SD_BINS;
     case SD_EXTENTS: break;
   }
   assert(!"an extent");
@@ -403,6 +414,7 @@ static void set_extents(sd_state *s, const sd_model *m, size_t n_free, size_t n_
   s->n_means = m->measure_disks ? n_free : 0;
   s->n_visits = m->measure_configurations ? m->n_slides : 0;
   s->n_fielded = m->n_fields ? n_free : 0;
+  s->n_averages = m->n_averages;
   s->law_columns = (laws_features(m) & LAW_GENERAL) != 0;
 }
 

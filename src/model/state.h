@@ -54,7 +54,8 @@ struct sd_state {
    * on; n_disks includes them. */
   size_t n_ghosts;
   size_t n_contacts, contact_capacity;
-  size_t n_motions, n_phases, n_rotations, n_slides, n_means, n_visits, n_fielded, n_clumps;
+  size_t n_motions, n_phases, n_rotations, n_slides, n_means, n_visits, n_fielded, n_clumps,
+      n_averages;
   /* Number of rows of the columns cell ... cell_mean, and of cell_u ... nonaffine_y; 0 unless a
    * phase deforms the box. */
   size_t n_cell, n_cell_disks;
@@ -238,6 +239,13 @@ struct sd_state {
   double *clump_force_x, *clump_force_y, *clump_torque;
   double *clump_x2, *clump_y2, *clump_theta2, *clump_x3, *clump_y3, *clump_theta3;
   double *clump_x4, *clump_y4, *clump_theta4, *clump_x5, *clump_y5, *clump_theta5;
+
+  /* The following columns belong to the averages of the series. */
+  int64_t *average_rows;    /* number of measured rows in the bins */
+  int64_t *average_missing; /* number of measured rows left out since a value was not finite */
+  /* sum of the columns in rate() in the last row, for numerator and denominator */
+  double *average_last;
+  double *average_bin; /* sum over the rows of each bin, for numerator and denominator */
 };
 
 /* True if columns with this extent (meaning of rows) have one row or block per free disk, and no

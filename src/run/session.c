@@ -18,6 +18,7 @@
 #include "base/memory.h"
 #include "io/results/merge.h"
 #include "io/store/file.h"
+#include "measure/average.h"
 #include "pack/rain.h"
 #include "pack/settle.h"
 #include "run/ranks_share.h"
@@ -55,6 +56,14 @@ unsigned session_due(const sd_model *model, sd_stage now) {
   if (now.phase_step == 0 && now.phase > 0)
     due |= phase_due(&model->phases[now.phase - 1], now.before);
   return due;
+}
+
+/* Returns true if a row of the series ends an interval of a phase that measures. */
+static bool ends_interval(const sd_model *model, sd_stage now) {
+  const bool inside = now.phase_step > 0;
+  const int64_t k = inside ? now.phase : now.phase - 1;
+  return k >= 0 && model->phases[k].measure &&
+         hits(model->phases[k].series_every, inside ? now.phase_step : now.before);
 }
 
 /* Returns the next multiple of `every` after `offset` if it is less than `best`, else `best`. */
@@ -276,6 +285,12 @@ sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
   record *r = spread ? &s->shared : &s->rows;
   if (session_leads(s))
     status = record_sample(r, what, state_of(s), simulation_slots(s->simulation), &now, messages);
+  if (session_leads(s) && what & RECORD_SERIES && status == SD_OK) {
+    sd_state *state = simulation_engine(s->simulation)->state;
+    const moment row = {s->model, state, &now.energy, simulation_slots(s->simulation),
+                        now.others ? now.others : &r->sums};
+    average_sample(state, &row, ends_interval(s->model, sd_simulation_stage(s->simulation)));
+  }
   return agree(s, status);
 }
 

@@ -468,12 +468,13 @@ static void compare_decks(const sweep *s, size_t point, const provenance *origin
 
 /* --- Results and checkpoints ------------------------------------------------------------------ */
 
-/* Recomputes the means of watched disks in the summary of a finished result, if it was made with
- * this deck (summary_renew). */
+/* Recomputes the means of watched disks and of the series in the summary of a finished result, if
+ * it was made with this deck (summary_renew). */
 static void renew(const sweep *s, size_t point, const h5_file *file, sweep_result *r) {
   sd_model *model = NULL;
   sd_messages *mine = sd_messages_new();
-  if (r->found.n_rotations > 0 && deck_sweep_model(&s->deck, point, &model, mine) == SD_OK)
+  if (r->found.n_rotations + r->found.n_averages > 0 &&
+      deck_sweep_model(&s->deck, point, &model, mine) == SD_OK)
     summary_renew(&r->found, model, file);
   sd_model_free(model);
   sd_messages_free(mine);

@@ -29,12 +29,12 @@ typedef enum result_kind { RESULT_NUMBER, RESULT_INTEGER, RESULT_TEXT } result_k
 typedef struct result_column {
   char *name;
   result_kind kind;
-  /* static strings, which are not freed */
-  const char *unit, *meaning;
-  bool always;      /* true: keep the column, whatever the key `collect` says */
-  double *number;   /* [number of rows] values; NAN: empty cell */
-  int64_t *integer; /* [number of rows] values; RESULT_EMPTY: empty cell */
-  char **text;      /* [number of rows] values; NULL: empty cell */
+  char *unit;
+  const char *meaning; /* a static string, which is not freed */
+  bool always;         /* true: keep the column, whatever the key `collect` says */
+  double *number;      /* [number of rows] values; NAN: empty cell */
+  int64_t *integer;    /* [number of rows] values; RESULT_EMPTY: empty cell */
+  char **text;         /* [number of rows] values; NULL: empty cell */
 } result_column;
 #define RESULT_EMPTY INT64_MIN
 

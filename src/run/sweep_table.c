@@ -45,7 +45,7 @@ static void put_point(result_table *t, const sweep *s, size_t k, size_t point,
 }
 
 /* Fills the columns for element k of all quantities of `list` that have `width` elements. Names of
- * columns begin with `owner`, the name of a body or contact, unless it is "". */
+ * columns begin with `owner`, the name of a body, contact or average, unless it is "". */
 static void put_columns(result_table *t, size_t row, const char *owner, const observable_list *list,
                         const void *values, size_t width, size_t k) {
   for (const observable *o = list->rows; o < list->rows + list->n; o++) {
@@ -71,6 +71,19 @@ static void put_configuration(result_table *t, size_t row, const summary *f, siz
   }
 }
 
+/* Fills the columns of average k, whose mean and error have the unit of its expression. */
+static void put_average(result_table *t, size_t row, const summary *f, size_t k) {
+  char *const *names = f->average_names + 3 * k;
+  char *mean = format_text("%s.mean", names[0]), *error = format_text("%s.mean_error", names[0]);
+  result_table_number(t, row, mean, names[2], average_observables.rows[0].meaning,
+                      f->averages[k].mean);
+  result_table_number(t, row, error, names[2], average_observables.rows[1].meaning,
+                      f->averages[k].error);
+  put_columns(t, row, names[0], &average_observables, &f->averages[k], 1, 0);
+  free(mean);
+  free(error);
+}
+
 static void put_result(result_table *t, size_t row, const summary *f) {
   put_columns(t, row, "", &fact_observables, f, 1, 0);
   for (size_t k = 0; k < f->n_rotations; k++)
@@ -86,6 +99,7 @@ static void put_result(result_table *t, size_t row, const summary *f) {
   }
   for (size_t k = 0; k < f->n_configurations && k < SD_CONFIGURATIONS * f->n_slides; k++)
     put_configuration(t, row, f, k);
+  for (size_t k = 0; k < f->n_averages; k++) put_average(t, row, f, k);
   if (f->packing.n > 0) put_columns(t, row, "", &total_observables, &f->packing.totals, 1, 0);
   if (f->has_until) put_columns(t, row, "", &until_observables, f, 1, 0);
   put_columns(t, row, "", &energy_observables, &f->energy, 1, 0);
@@ -295,7 +309,8 @@ static result_column *column(result_table *s, result_kind kind, const char *name
   if (c) return c->kind == kind ? c : NULL;
   s->columns = memory_grow(s->columns, s->n_columns + 1, sizeof *s->columns);
   c = &s->columns[s->n_columns++];
-  *c = (result_column){.name = memory_text(name), .kind = kind, .unit = unit, .meaning = meaning};
+  *c = (result_column){
+      .name = memory_text(name), .kind = kind, .unit = memory_text(unit), .meaning = meaning};
   allocate(c, kind, s->n_rows);
   return c;
 }
@@ -330,6 +345,7 @@ static void column_free(result_column *c, size_t n) {
   free(c->number);
   free(c->integer);
   free(c->name);
+  free(c->unit);
 }
 
 void result_table_collect(result_table *s, size_t n, const char *const *patterns,

@@ -34,7 +34,8 @@ packings = ( {{ type = "random"; count = {COUNT}; density = 3.57; sizes = "list"
 motions = ( {{ wall = "floor"; coordinate = "y"; type = "harmonic"; acceleration = 2; frequency = 80; }} );
 phases = ( {{ name = "fall"; steps = {FALL}; series = 100; frames = 500; contacts = 500; }},
            {{ name = "shake"; steps = {SHAKE}; measure = true; series = 100; frames = 500; contacts = 500; }} );
-measure = {{ rotation = (); sliding = (); disks = true; }};
+measure = {{ rotation = (); sliding = (); disks = true;
+             averages = {{ force = "wall_force_y[floor]"; share = "sliding_contacts/contacts"; power = "rate(work)"; }}; }};
 """
 # A periodic box with a disk that turns, which all ranks have, and frames between the rows of the series.
 TURNING = f"""

@@ -28,8 +28,9 @@ typedef struct sweep_command {
 /* True if the option --point selects some of the points. */
 static inline bool sweep_is_part(const sweep_command *c) { return c->point >= 0; }
 
-/* Writes the mean angular velocity of the first watched disk, as "upper: Omega = -3.5e-04 +-
- * 1.7e-05", into text[size] and returns it; "" if no disk is watched. */
+/* Writes the first average of the series, as "mu = 0.29 +- 0.0046", without one the mean angular
+ * velocity of the first watched disk, as "upper: Omega = -3.5e-04 +- 1.7e-05", into text[size] and
+ * returns it; "" if there is neither. */
 const char *sweep_finding(const sweep_result *r, char *text, size_t size);
 
 /* Checks that this sweep may write to its folder. SD_ERROR_USER: the folder has results of other

@@ -11,6 +11,13 @@
 
 const char *sweep_finding(const sweep_result *r, char *text, size_t size) {
   *text = 0;
+  if (r->has_found && r->found.n_averages > 0) {
+    const sd_average *a = &r->found.averages[0];
+    if (isfinite(a->mean))
+      snprintf(text, size, "%s = %.4g +- %.2g%s", r->found.average_names[0], a->mean, a->error,
+               a->converged ? "" : " *");
+    return text;
+  }
   if (!r->has_found || r->found.n_rotations == 0) return text;
   const sd_rotation *first = &r->found.rotations[0];
   if (isfinite(first->omega))
@@ -168,11 +175,12 @@ static json_t *doubts_json(const sweep_result *r) {
 }
 
 static json_t *point_json(const sweep *s, size_t k, const sweep_result *r) {
-  return json_pack("{s:I, s:o, s:s, s:o, s:o, s:o, s:o}", "point", (json_int_t)k, "name",
+  return json_pack("{s:I, s:o, s:s, s:o, s:o, s:o, s:o, s:o}", "point", (json_int_t)k, "name",
                    json_text(s->deck.points[k].name), "status", sweep_status_names[r->status],
                    "progress", progress_json(r), "message", json_text(r->message ? r->message : ""),
                    "doubts", doubts_json(r), "rotation",
-                   r->has_found ? json_rotations(&r->found) : json_array());
+                   r->has_found ? json_rotations(&r->found) : json_array(), "averages",
+                   r->has_found ? json_averages(&r->found) : json_array());
 }
 
 /* Returns an array of texts: the differences between this deck and the decks with which results

@@ -141,6 +141,13 @@ void view_meta_summary(json_t *meta, const summary *s) {
                          s->rotation_names[k], "omega", json_number(s->rotations[k].omega), "error",
                          json_number(s->rotations[k].error)));
   json_object_set_new(object, "rotation", means);
+  json_t *averages = json_array();
+  for (size_t k = 0; k < s->n_averages; k++)
+    json_array_append_new(averages,
+                          json_pack("{s:o, s:o, s:o}", "name", json_text(s->average_names[3 * k]),
+                                    "mean", json_number(s->averages[k].mean), "error",
+                                    json_number(s->averages[k].error)));
+  json_object_set_new(object, "averages", averages);
 }
 
 /* --- columns ---------------------------------------------------------------------------------- */

@@ -24,6 +24,10 @@ typedef struct parser {
   deck *d;
   const char *p;
   deck_names names;
+  deck_lookup *lookup; /* Meaning of further names; NULL: there are none */
+  void *user;
+  double per_rate; /* Factor of what rate( ) encloses */
+  int rates;       /* Number of rate( ) that enclose the current position */
   bool angle, empty;
   int depth;         /* Nesting depth of brackets and exponents at the current position */
   int functions;     /* Number of function calls that enclose the current position */
@@ -199,9 +203,25 @@ static double of_unit(parser *e, const struct unit *u) {
 
 static const char *constant_value(deck *d, const char *name, double *x);
 
+/* Reads rate(SUM), the rate of change of a sum of names that `lookup` knows. */
+static double rate(parser *e) {
+  e->p += strlen("rate");
+  if (!take(e, '(')) return fail(e, "expected rate(SUM), with columns in SUM");
+  if (e->rates++ > 0) return fail(e, "a rate of a rate");
+  double x = e->per_rate * bracket(e);
+  e->rates--;
+  return x;
+}
+
 static double word(parser *e) {
-  const char *start = e->p;
+  const char *start = e->p, *unknown = NULL;
+  double x = 1;
   size_t n = name_length(start);
+  if (e->lookup && same_word(start, n, "rate")) return rate(e);
+  const size_t taken = e->lookup ? e->lookup(e->user, start, e->rates > 0, &x, &unknown) : 0;
+  if (unknown) return fail(e, unknown);
+  e->p += taken;
+  if (taken > 0) return x;
   const struct unit *u = find_unit(start, n);
   if (u) return u->factor == pi ? of_unit(e, u) : unexpected(e);
   e->p += n;
@@ -216,7 +236,6 @@ static double word(parser *e) {
     return fail(e, deck_format(e->d, "no function is called \"%s\"%s", deck_quote(e->d, name, n),
                                deck_hint(e->d, &near)));
   }
-  double x = 1;
   const char *wrong = e->names == DECK_NAMES_CONSTANTS ? constant_value(e->d, name, &x)
                       : e->names == DECK_NAMES_ANY     ? NULL
                                                        : "no constants here";
@@ -313,17 +332,28 @@ static double sum(parser *e) {
   return x;
 }
 
+static const char *evaluate(parser *e, double *x) {
+  e->empty = e->p[strspn(e->p, " \t\r\n")] == 0;
+  *x = sum(e);
+  skip(e);
+  if (!e->wrong && *e->p) unexpected(e);
+  if (!e->wrong && !isfinite(*x) && e->names != DECK_NAMES_ANY) fail(e, "the value is not finite");
+  return e->wrong;
+}
+
 const char *deck_expression(deck *d, const char *text, deck_names names, bool angle, double *x) {
+  return evaluate(&(parser){.d = d, .p = text, .names = names, .angle = angle}, x);
+}
+
+const char *deck_expression_with(deck *d, const char *text, deck_lookup *lookup, void *user,
+                                 double per_rate, double *x) {
   parser e = {.d = d,
               .p = text,
-              .names = names,
-              .angle = angle,
-              .empty = text[strspn(text, " \t\r\n")] == 0};
-  *x = sum(&e);
-  skip(&e);
-  if (!e.wrong && *e.p) unexpected(&e);
-  if (!e.wrong && !isfinite(*x) && names != DECK_NAMES_ANY) fail(&e, "the value is not finite");
-  return e.wrong;
+              .names = DECK_NAMES_CONSTANTS,
+              .lookup = lookup,
+              .user = user,
+              .per_rate = per_rate};
+  return evaluate(&e, x);
 }
 
 bool deck_arithmetic(deck *d, const char *text, double *x) {

@@ -13,6 +13,14 @@ typedef enum deck_names { DECK_NAMES_NONE, DECK_NAMES_CONSTANTS, DECK_NAMES_ANY 
  * function. Returns NULL on success, else an error message in the arena, "" if the error was
  * reported already. */
 const char *deck_expression(deck *d, const char *text, deck_names names, bool angle, double *x);
+/* Gives a value to a name at the beginning of `text` that is no constant and no function. rate:
+ * true inside of rate( ). Returns the number of bytes that the name takes, 0: no such name; *wrong:
+ * receives an error message, if the name is one. */
+typedef size_t deck_lookup(void *user, const char *text, bool rate, double *x, const char **wrong);
+/* Evaluates a text with the deck's constants, the names that `lookup` knows, and rate(SUM), which
+ * is per_rate times SUM. Returns NULL on success, else an error message (see deck_expression). */
+const char *deck_expression_with(deck *d, const char *text, deck_lookup *lookup, void *user,
+                                 double per_rate, double *x);
 /* Evaluates a text in which units of angles, but no constants, are allowed. Returns false, without
  * a message, if the text is not arithmetic. */
 bool deck_arithmetic(deck *d, const char *text, double *x);

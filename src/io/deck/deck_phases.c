@@ -325,6 +325,7 @@ void deck_read_measure(deck *d) {
     deck_fail_key(&g, "groups", "no disk has a group; expected a `group` of disks or packings");
   deck_node *list = deck_groups(d, g.node, "sliding");
   for (size_t k = 0; list && k < list->n; k++) read_sliding(d, list->child[k]);
+  deck_read_averages(d, deck_get(&g, "averages"));
 }
 
 /* --- until ------------------------------------------------------------------------------------ */

@@ -379,6 +379,8 @@ void deck_read_phases(deck *d);
 /* Reports motions that exclude each other in a phase; call after phases are read */
 void deck_check_motions(deck *d);
 void deck_read_measure(deck *d);
+/* Reads the group measure.averages; NULL: the deck has none. In deck_averages.c. */
+void deck_read_averages(deck *d, const deck_node *group);
 void deck_read_until(deck *d); /* Reads the group `until`; call after phases and measure are read */
 void deck_check_overlaps(deck *d);
 

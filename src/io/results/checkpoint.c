@@ -15,12 +15,18 @@
 #include "io/results/constants.h"
 
 const checkpoint_extent checkpoint_extents[CHECKPOINT_EXTENTS] = {
-    {"n_disks", offsetof(sd_state, n_disks)},         {"n_bodies", offsetof(sd_state, n_bodies)},
-    {"n_free", offsetof(sd_state, n_free)},           {"n_motions", offsetof(sd_state, n_motions)},
-    {"n_rotations", offsetof(sd_state, n_rotations)}, {"n_slides", offsetof(sd_state, n_slides)},
-    {"n_means", offsetof(sd_state, n_means)},         {"n_phases", offsetof(sd_state, n_phases)},
-    {"n_visits", offsetof(sd_state, n_visits)},       {"n_clumps", offsetof(sd_state, n_clumps)},
+    {"n_disks", offsetof(sd_state, n_disks)},
+    {"n_bodies", offsetof(sd_state, n_bodies)},
+    {"n_free", offsetof(sd_state, n_free)},
+    {"n_motions", offsetof(sd_state, n_motions)},
+    {"n_rotations", offsetof(sd_state, n_rotations)},
+    {"n_slides", offsetof(sd_state, n_slides)},
+    {"n_means", offsetof(sd_state, n_means)},
+    {"n_phases", offsetof(sd_state, n_phases)},
+    {"n_visits", offsetof(sd_state, n_visits)},
+    {"n_clumps", offsetof(sd_state, n_clumps)},
     {"n_surfaces", offsetof(sd_state, n_surfaces)},
+    {"n_averages", offsetof(sd_state, n_averages)},
 };
 
 const char *checkpoint_column(const h5_file *file, const char *name) {

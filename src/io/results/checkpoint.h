@@ -19,7 +19,7 @@
  * results have the names in io/store/members.c; 6: adds field_power; 7: adds visit_*.
  * CHECKPOINT_OF_PACKING is the oldest format from which a packing is read: a packing takes bodies
  * and contacts in any order and needs no fast_*, so formats 2 and 3 serve as well. */
-enum { CHECKPOINT_FORMAT = 9, CHECKPOINT_OF_PACKING = 2 };
+enum { CHECKPOINT_FORMAT = 10, CHECKPOINT_OF_PACKING = 2 };
 /* Returns the name that a column of the state (`name`, as in sd_fields) has in the format of this
  * file: an older name if the format is below 5, else `name`. */
 const char *checkpoint_column(const h5_file *file, const char *name);
@@ -130,7 +130,7 @@ typedef struct checkpoint_extent {
   const char *name;
   size_t offset;
 } checkpoint_extent;
-enum { CHECKPOINT_EXTENTS = 11 };
+enum { CHECKPOINT_EXTENTS = 12 };
 extern const checkpoint_extent checkpoint_extents[CHECKPOINT_EXTENTS];
 /* Returns the number of rows that entry k of checkpoint_extents describes, read from a state. */
 size_t checkpoint_extent_of(const sd_state *sizes, size_t k);

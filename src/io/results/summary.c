@@ -119,6 +119,9 @@ static const struct group {
      &configuration_observables, offsetof(summary, n_configurations),
      offsetof(summary, configurations), offsetof(summary, configuration_names),
      sizeof(sd_configuration), 1},
+    {"/summary/average", "/summary/average/name", "/summary/average/mean", &average_observables,
+     offsetof(summary, n_averages), offsetof(summary, averages), offsetof(summary, average_names),
+     sizeof(sd_average), 3},
     {"/summary/phase", "/summary/phase/name", "/summary/phase/steps", &phase_observables,
      offsetof(summary, n_stages), offsetof(summary, stages), offsetof(summary, stage_names),
      sizeof(summary_phase), 1},
@@ -213,6 +216,7 @@ void summary_new(summary *s, const sd_model *model) {
                  .n_slides = model->n_slides,
                  .n_configurations =
                      model->measure_configurations ? SD_CONFIGURATIONS * model->n_slides : 0,
+                 .n_averages = model->n_averages,
                  .n_stages = model->n_phases,
                  .has_until = model->until.asked,
                  .until_step = -1};
@@ -231,6 +235,12 @@ void summary_new(summary *s, const sd_model *model) {
     const char *disk = s->slide_names[3 * (k / SD_CONFIGURATIONS)],
                *configuration = summary_configurations[k % SD_CONFIGURATIONS];
     s->configuration_names[k] = format_text("%s.%s", disk, configuration);
+  }
+  for (size_t k = 0; k < s->n_averages; k++) {
+    const sd_average_watch *watch = &model->averages[k];
+    s->average_names[3 * k] = memory_text(watch->name);
+    s->average_names[3 * k + 1] = memory_text(watch->text);
+    s->average_names[3 * k + 2] = average_unit(model, k);
   }
   for (size_t k = 0; k < s->n_stages; k++) {
     const char *name = model->phases[k].name;
@@ -265,6 +275,7 @@ void summary_collect(summary *s, const sd_model *model, const sd_state *state,
   for (size_t k = 0; k < s->n_slides; k++) s->slides[k] = sd_slide_of(model, state, k);
   for (size_t k = 0; k < s->n_configurations; k++)
     s->configurations[k] = sd_configuration_of(model, state, k);
+  for (size_t k = 0; k < s->n_averages; k++) s->averages[k] = average_of(model, state, k);
   collect_stages(s, model, state);
   collect_until(s, model, state);
   collect_lost(s, model, state, &all.lost);
@@ -291,8 +302,8 @@ bool summary_is_column(const char *name, bool of_body) {
   static const observable_list *const of_points[] = {&fact_observables, &total_observables,
                                                      &until_observables, &energy_observables,
                                                      &outcome_observables};
-  static const observable_list *const of_bodies[] = {&rotation_observables, &slide_observables,
-                                                     &configuration_observables};
+  static const observable_list *const of_bodies[] = {
+      &rotation_observables, &slide_observables, &configuration_observables, &average_observables};
   size_t n = of_body ? sizeof of_bodies / sizeof *of_bodies : sizeof of_points / sizeof *of_points;
   for (size_t l = 0; l < n; l++) {
     const observable_list *list = of_body ? of_bodies[l] : of_points[l];
@@ -313,6 +324,8 @@ void summary_write(const summary *s, h5_file *file) {
   members_write_attrs(file, "/summary/energy", &energy_observables, &s->energy);
   for (const struct group *g = groups; g < groups + GROUPS; g++) {
     size_t n = *count_of(s, g);
+    /* Averages came later than the other groups: results without them stay as they were. */
+    if (n == 0 && g->list == &average_observables) continue;
     members_write(file, g->path, g->list, *rows_of(s, g), g->stride, n);
     members_write_lines(file, g->names_path, g->each * n, *names_of(s, g));
     h5_attr_i64(file, g->path, "count", (int64_t)n);
@@ -377,9 +390,9 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
   return status;
 }
 
-void summary_renew(summary *s, const sd_model *model, const h5_file *file) {
+/* Recomputes the mean rotations from the bins in a file. */
+static void renew_rotations(summary *s, const sd_model *model, const h5_file *file) {
   size_t n = s->n_rotations;
-  if (n == 0 || n != model->n_rotations) return;
   sd_status status = SD_OK;
   double *bins = h5_column(file, "/state/rotation_bin", SD_F64, n * SD_BINS, &status, NULL),
          *zero = memory_new(n, sizeof *zero);
@@ -397,6 +410,26 @@ void summary_renew(summary *s, const sd_model *model, const h5_file *file) {
   }
   free(bins);
   free(zero);
+}
+
+/* Recomputes the averages of the series from the bins in a file. */
+static void renew_averages(summary *s, const sd_model *model, const h5_file *file) {
+  const size_t n = s->n_averages;
+  sd_status status = SD_OK;
+  int64_t *rows = h5_column(file, "/state/average_rows", SD_I64, n, &status, NULL),
+          *missing = h5_column(file, "/state/average_missing", SD_I64, n, &status, NULL);
+  double *bins = h5_column(file, "/state/average_bin", SD_F64, 2 * n * SD_BINS, &status, NULL);
+  const sd_state state = {.average_rows = rows, .average_missing = missing, .average_bin = bins};
+  for (size_t k = 0; rows && missing && bins && k < n; k++)
+    if (rows[k] >= 0) s->averages[k] = average_of(model, &state, k);
+  free(rows);
+  free(missing);
+  free(bins);
+}
+
+void summary_renew(summary *s, const sd_model *model, const h5_file *file) {
+  if (s->n_rotations > 0 && s->n_rotations == model->n_rotations) renew_rotations(s, model, file);
+  if (s->n_averages > 0 && s->n_averages == model->n_averages) renew_averages(s, model, file);
 }
 
 /* --- Means of every disk ---------------------------------------------------------------------- */

@@ -7,7 +7,7 @@
 
 #include "base/exact_sum.h"
 #include "io/store/h5.h"
-#include "measure/observable.h"
+#include "measure/average.h"
 #include "model/model.h"
 #include "model/state.h"
 #include "slipdisk/measure.h"
@@ -131,7 +131,7 @@ typedef struct summary {
   double step_nanoseconds; /* wall time per step, ns; NAN before the first step */
   sd_energy energy;
   /* lengths of the arrays below */
-  size_t n_rotations, n_slides, n_configurations, n_stages;
+  size_t n_rotations, n_slides, n_configurations, n_averages, n_stages;
   summary_phase *stages; /* [n_stages] outcome of each phase */
   char **stage_names;    /* [n_stages] names of the phases */
   /* results of the [n_rotations] disks and of the [n_slides] pairs of contacts that the deck
@@ -145,6 +145,8 @@ typedef struct summary {
   /* [3 n_slides] for each entry of `slides`, names of the disk, its first partner and its second
    * partner */
   char **slide_names;
+  sd_average *averages; /* [n_averages] averages of the series */
+  char **average_names; /* [3 n_averages] for each of them its name, its expression and its unit */
   char **configuration_names; /* [n_configurations] names of configurations, such as "upper.pp" */
   /* time averages of every free disk; n = 0: the deck does not ask for them */
   summary_disks packing;
@@ -215,9 +217,9 @@ bool summary_is_column(const char *name, bool of_body);
 void summary_write(const summary *s, h5_file *file);
 /* Reads the group /summary. Call summary_free also after a failure. */
 sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages);
-/* Recomputes averages and error bars of watched disks from the time bins of their angles in the
- * file's state, so that results of any version are evaluated as by this version. Does nothing if
- * the file has no such bins. */
+/* Recomputes means and error bars of watched disks, and averages of the series, from the bins in
+ * the file's state, so that results of any version are evaluated as by this version. Does nothing
+ * if the file has no such bins. */
 void summary_renew(summary *s, const sd_model *model, const h5_file *file);
 
 /* Sets the warnings (doubts) of the summary by comparing it with these limits. model, state, sums:

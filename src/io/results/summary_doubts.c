@@ -208,6 +208,18 @@ static void judge_finite(summary *s, const sd_state *state, unsigned columns) {
   if (name)
     doubt(s, DOUBT_FINITE, NAN, NAN,
           format_text("a number is not finite (%s): a smaller dt is needed", name));
+  for (size_t k = 0; k < s->n_averages && !name; k++) {
+    const sd_average *a = &s->averages[k];
+    if (a->rows == 0 || isfinite(a->mean)) continue;
+    name = s->average_names[3 * k];
+    doubt(s, DOUBT_FINITE, NAN, NAN,
+          a->missing > 0 ? format_text("the average %s has no value: in %" PRId64 " of %" PRId64
+                                       " rows %s is not finite",
+                                       name, a->missing, a->rows, s->average_names[3 * k + 1])
+                         : format_text("the average %s has no value: the mean of the denominator "
+                                       "of %s is 0",
+                                       name, s->average_names[3 * k + 1]));
+  }
 }
 
 /* Warns about a time step dt beyond the limit of stability. A model can have such a dt only if its

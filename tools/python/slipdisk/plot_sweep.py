@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 PALE = 0.35  # opacity of points whose error bar is not reliable
 # (name, condition on a finished point): the first that a sweep has is drawn, what its deck measures for its own sake.
-PREFERRED = (("stress_ratio", None), ("pressure", is_sheared), ("*.omega", None), ("omega_rms", None), ("coordination", None), ("outflow", None),
+PREFERRED = (("*.mean", None), ("stress_ratio", None), ("pressure", is_sheared), ("*.omega", None), ("omega_rms", None), ("coordination", None), ("outflow", None),
              ("deviator_ratio", None), ("*.wall_normal", None), ("*.group_normal", None), ("*.disk_normal", None),
              ("z_backbone", lambda source: "packing_fraction" in source.series))
 
@@ -196,6 +196,8 @@ class Curves:
             raise lib.unknown(self.x, all_keys, f"the keys that {sweep.folder} sweeps")
         self.y = quantity or default_quantity(sweep)
         own, every = quantities(sweep), every_quantity(sweep)
+        if self.y + ".mean" in own:  # the name of an average
+            self.y += ".mean"
         if self.y not in every:
             raise lib.unknown(self.y, [*every], f"the quantities of {sweep.folder}")
         self.unit = every[self.y][0]
@@ -215,7 +217,7 @@ class Curves:
         self.doubtful = np.zeros(len(self.means), bool)
         if self.y in own:
             self.values, self.errors = self.means[self.y].astype(float), _error(self.means, self.y)
-            reliable = self.y.rpartition(".")[0] + ".converged" if self.y.endswith((".omega", ".scaled")) else None
+            reliable = self.y.rpartition(".")[0] + ".converged" if self.y.endswith((".omega", ".scaled", ".mean")) else None
             if reliable in own:
                 self.doubtful = self.means[reliable] < 1
         elif self.y in in_time(sweep):
@@ -295,6 +297,7 @@ def curve(result: lib.StrPath | Sweep, ax: Axes | None = None, *, x: str | None 
     names = {"omega": r"mean angular velocity $\Omega$", "scaled": r"$t_g\Omega$"}
     disk, _, what = c.y.rpartition(".")
     text = f"{names[what]} of {style.plain(disk)}" if what in names else style.plain(c.y).replace("_", " ")
+    text = f"average {style.plain(disk)}" if what == "mean" else text
     if c.y in MEASURED and c.y not in quantities(sweep):
         text = MEASURED[c.y][0]
     ax.set_ylabel(label(text, c.unit))

@@ -47,6 +47,22 @@ def text_lines(item):
     return plain(item[()]).removesuffix("\n").split("\n")
 
 
+class Average(Record[Any]):
+    """Mean of columns of the series: mean, error, correlation, transient, measured, rows, missing, converged, and what it is the
+    mean of: of, unit. It prints as 0.2900 +- 0.0046, and says when the error cannot be trusted."""
+
+    def __repr__(self):
+        if not self.rows:
+            return "no measured rows yet"
+        if not np.isfinite(self.mean):
+            return f"no mean: {self.missing} of {self.rows} rows are not finite" if self.missing else "no mean: the denominator is 0"
+        if not np.isfinite(self.error):
+            return f"{self.mean:.6g} +- ? (too few rows for an error bar)"
+        digits = 1 - int(np.floor(np.log10(self.error))) if self.error > 0 else -1
+        text = f"{self.mean:.{digits}f} +- {self.error:.{digits}f}" if 0 <= digits < 7 else f"{self.mean:.6g} +- {self.error:.2g}"
+        return text + ("" if self.converged else " (error not reliable)")
+
+
 class NotYet(FileError):
     """There is neither a result nor a checkpoint yet."""
 
@@ -229,6 +245,15 @@ class Result(Shown):
     def rotation(self) -> NDArray[np.void]:
         """Mean angular velocity of each watched disk, a structured array: name, disk, omega, error, scaled, ..."""
         return self.table("summary/rotation")
+
+    @indexed
+    def averages(self) -> Record[Average]:
+        """Averages of the series, which the deck's measure.averages names: averages["mu"] has mean, error, converged, ..., and prints
+        as 0.2900 +- 0.0046."""
+        table = self.table("summary/average")
+        rows = [] if table is None else table
+        return Record((str(row["name"][0]), Average({name: row[name].item() for name in table.dtype.names if name != "name"},
+                                                    of=str(row["name"][1]), unit=str(row["name"][2]))) for row in rows)
 
     @indexed
     def slide(self) -> NDArray[np.void]:

@@ -173,6 +173,7 @@ function fillRun(table, meta) {
   if (summary.dt) rows.push(["dt", formatNumber(summary.dt)]);
   if (Number.isFinite(summary.residual)) rows.push(["residual of the energy", formatNumber(summary.residual, 2)]);
   for (const r of summary.rotation || []) rows.push([`Ω of ${r.name ?? "disk " + r.disk}`, `${formatNumber(r.omega, 5)} ± ${formatNumber(r.error, 2)}`]);
+  for (const a of summary.averages || []) rows.push([a.name, `${formatNumber(a.mean, 5)} ± ${formatNumber(a.error, 2)}`]);
   for (const phase of meta.phases || []) rows.push([`phase ${phase.name || ""}`.trim(), `t = ${formatNumber(phase.from, 4)} … ${formatNumber(phase.to, 4)}`]);
   if (meta.version) rows.push(["slipdisk", meta.version]);
   table.replaceChildren(...rows.map((row) => tableRow(row)));
