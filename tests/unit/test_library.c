@@ -414,6 +414,48 @@ static void saved_and_cloned_ones_go_on_with_the_same_bits(void **state) {
 
 /* --- disks that come and go ------------------------------------------------------------------------- */
 
+static double value_of(const sd_measurement *m, const char *name) {
+  const sd_quantity *q = sd_measurement_find(m, name);
+  assert_non_null(q);
+  return q->values[0];
+}
+
+static void a_packing_is_measured(void **state) {
+  (void)state;
+  for (size_t n = 8; n <= 1200; n += 1192) {
+    sd_model *m = heap(n, "gear5");
+    sd_simulation *sim = begin(m, 2);
+    advance(sim, 700);
+    const uint64_t before = sd_state_hash(sd_simulation_state(sim));
+    sd_measurement *all, *part, *none = NULL;
+    assert_int_equal(sd_simulation_measure(sim, NULL, 20, &all, NULL), SD_OK);
+    assert_int_equal(sd_simulation_measure(sim, (double[]){0, 3, 0, 2}, 20, &part, NULL), SD_OK);
+    sd_column force;
+    assert_true(sd_simulation_column(sim, "contact_force", &force));
+    assert_true(force.n > 0);
+    assert_true(value_of(all, "closed") == (double)force.n);
+    assert_true(value_of(all, "free") == (double)n && value_of(part, "free") < (double)n);
+    assert_true(value_of(part, "area") == 6.0);
+    const sd_quantity *g = sd_measurement_find(all, "g"),
+                      *stress = sd_measurement_find(all, "stress");
+    assert_true(g->rank == 1 && g->shape[0] == 20 && stress->rank == 2 && stress->shape[1] == 2);
+    assert_true(stress->values[3] == value_of(all, "stress_yy") && stress->values[3] > 0.0);
+    assert_null(sd_measurement_find(all, "zz"));
+    assert_int_equal(sd_simulation_measure(sim, (double[]){3, 0, 0, 2}, 20, &none, NULL),
+                     SD_ERROR_USER);
+    assert_int_equal(sd_simulation_measure(sim, NULL, 0, &none, NULL), SD_ERROR_USER);
+    assert_null(none);
+    assert_true(sd_state_hash(sd_simulation_state(sim)) == before);
+    sd_measurement_free(all);
+    sd_measurement_free(part);
+    end(sim, m);
+  }
+  sd_result *result;
+  assert_int_equal(sd_result_open("/nowhere/r.h5", &result, NULL), SD_ERROR_USER);
+  assert_null(result);
+  sd_result_close(result);
+}
+
 static void disks_come_and_go(void **state) {
   (void)state;
   for (int integrator = 0; integrator < 2; integrator++) {
@@ -492,6 +534,7 @@ int main(void) {
       cmocka_unit_test(forces_do_not_depend_on_threads_or_restarts),
       cmocka_unit_test(a_field_of_no_force_changes_no_bit),
       cmocka_unit_test(saved_and_cloned_ones_go_on_with_the_same_bits),
+      cmocka_unit_test(a_packing_is_measured),
       cmocka_unit_test(disks_come_and_go),
       cmocka_unit_test(wrong_disks_are_refused_and_change_nothing),
   };
