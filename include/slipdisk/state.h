@@ -101,7 +101,7 @@ enum {
   SD_WAITING = 1, /* not released yet by its rain, which adds disks in batches */
   SD_REMOVED = 2, /* removed from the simulation for good */
   SD_OUTSIDE = 3, /* takes part, but its centre is beyond the bounds of the model */
-  SD_HELD = 4     /* takes part, but does not move, or as motions move it (sd_phase.hold) */
+  SD_HELD = 4     /* takes part, but does not move, or only as motions move it */
 };
 
 /* States of a contact: sliding with positive or with negative torque on the watched disk, stuck,
