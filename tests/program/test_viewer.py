@@ -40,6 +40,12 @@ disks = ( { name = "a"; x = 0; y = 0.0999; radius = 0.1; mass = 0.1; vx = 1; } )
 walls = ( { name = "floor"; type = "line"; points = ( (-1, 0), (1, 0) ); } );
 phases = ( { name = "go"; steps = 4000; frames = 1000; contacts = 1000; } );
 """
+REST = """title = "at rest"; dt = 2e-5; gravity = { g = 10; }; integrator = "verlet";
+materials = ( { name = "m"; k_n = 1e4; k_t = 8e3; gamma_n = 5; mu = 0.5; } );
+walls = ( { name = "floor"; type = "line"; points = ((-1, 0), (1, 0)); } );
+disks = ( { name = "a"; x = 0; y = 0.0999; radius = 0.1; mass = 0.1; }, { name = "b"; x = 0.5; y = 0.09998; radius = 0.1; mass = 0.1; } );
+phases = ( { name = "go"; time = 1; frames = 2000; contacts = 2000; series = 500; } );
+"""
 FAR = """title = "one is far away"; dt = 1e-4; gravity = {{ g = 9.81; }};
 materials = ( {{ name = "grain"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.5; }} );
 disks = ( {disks} );
@@ -137,7 +143,7 @@ class Viewer(unittest.TestCase):
     # --- tests --------------------------------------------------------------------------------------
 
     def test_disks_are_drawn_where_the_file_has_them(self):
-        self.look("drum.html")
+        self.look("drum.html", width=1700, height=1200)
         with h5py.File(self.folder / "drum.h5") as f:
             position, radius = f["particles/disks/position/value"][:], f["particles/disks/radius"][:]
             moment = f["particles/disks/position/time"][:]
@@ -309,6 +315,74 @@ class Viewer(unittest.TestCase):
                     "const h = document.getElementById('range-high'), l = document.getElementById('range-low');"
                     "l.value = '-2'; h.value = '3'; h.dispatchEvent(new Event('change'))")
         self.assertEqual(self.state("range")[:2], [-2, 3])
+
+    def test_legend_covers_no_disk(self):
+        """It stands below the picture, whatever it says; the picture still fits."""
+        for width in 1280, 420:
+            self.look("drum.html", width=width, height=800)
+            for quantity, forces in ("spin", False), ("speed", True), ("radius", True):
+                self.choose(quantity)
+                if self.state("layers")["forces"] != forces:
+                    self.keys("n")
+                self.picture()
+                canvas, legend, footer = (self.script("const r = document.querySelector(arguments[0]).getBoundingClientRect();"
+                                                      "return [r.top, r.bottom]", name) for name in ("#canvas", "#legend", "footer"))
+                self.assertGreaterEqual(legend[0], canvas[1] - 0.01)
+                self.assertGreaterEqual(footer[0], legend[1] - 0.01)
+                self.assertGreater(canvas[1] - canvas[0], 400)
+                for disk in range(0, self.script("return JSON.parse(document.getElementById('slipdisk-meta').textContent).disks"), 9):
+                    x, y = self.script(f"return slipdisk.screen({disk})")
+                    self.assertTrue(0 < x < width and 0 < y < canvas[1] - canvas[0], (width, quantity, disk, x, y))
+
+    def test_picture_as_a_file(self):
+        """The PNG has the pixels of the canvas, and below them the colour bar and words."""
+        from PIL import Image
+        self.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(self.folder)})
+        self.look("drum.html")
+        self.go(40)
+        for choice, how in ("spin", lambda: self.keys("s")), ("speed", lambda: self.driver.find_element("id", "save").click()):
+            self.choose(choice)
+            shown, path = self.picture(f"drum-{choice}"), self.folder / "drum-40.png"
+            how()
+            self.wait(path.exists, "the picture")
+            self.wait(lambda: path.stat().st_size > 0, "the picture")
+            saved = numpy.asarray(Image.open(path).convert("RGB")).astype(int)
+            path.rename(self.folder / f"{choice}.png")
+            height, width = shown.shape[:2]
+            self.assertEqual(saved.shape, (height + 64, width, 3))
+            middle = slice(60, height - 80), slice(20, width - 80)  # without what lies over the corners
+            self.assertLess(abs(saved[:height][middle] - shown[middle]).mean(), 1)
+            strip = saved[height:]
+            bar = strip[32, 16:220]
+            self.assertGreater(len({tuple(p) for p in bar.tolist()}), 60, "no colour bar")
+            for part in strip[6:26, 14:200], strip[44:62, 14:230], strip[6:26, -150:], strip[26:50, -60:]:
+                self.assertLess(part.min(), 130, "no words")
+            if SHOTS:
+                shutil.copy(self.folder / f"{choice}.png", pathlib.Path(SHOTS, f"saved-{choice}.png"))
+
+    def test_axes_of_flat_lines(self):
+        """A disk at rest: ticks differ, rounding is no scale, and 0 is 0."""
+        (self.folder / "rest.cfg").write_text(REST)
+        slipdisk("run", self.folder / "rest.cfg", "-q", "-o", self.folder / "rest.h5")
+        slipdisk("view", self.folder / "rest.h5", "-o", self.folder / "rest.html")
+        self.look("rest.html", height=1600)
+        self.script("document.querySelectorAll('details').forEach((e) => e.open = true)")
+        self.click(*self.script("return slipdisk.screen(0)"))
+        self.wait(lambda: len(self.driver.find_elements("css selector", "#disk-series canvas")) == 3, "the disk's series")
+        told = self.script("""const range = (low, high, least) => Plot.range(low, high, least), u = null;
+            const ticks = (values, step) => Plot.ticks(u, values, 1, 0, step);
+            return [range(10.5, 10.5 + 1e-12, 0), range(1e-17, 3e-17, 1e-14), range(0, 0, 0), range(2, 4, 0),
+              ticks([10.537, 10.5371, 10.5372], 1e-4), ticks([-0.1, -1.4e-17, 0.1], 0.1), ticks([], 1), ticks([0], 1)]""")
+        self.assertEqual([round(v, 6) for v in told[0]], [5.25, 15.75])
+        self.assertEqual(told[1:3], [[-1, 1], [-1, 1]])
+        self.assertTrue(told[3][0] <= 2 and told[3][1] >= 4, told)
+        self.assertEqual(told[4:], [["10.537", "10.5371", "10.5372"], ["−0.1", "0", "0.1"], [], ["0"]])
+        ends = self.script("return slipdisk.axes")
+        self.assertGreater(len(ends), 6)
+        for low, high in ends:
+            self.assertGreater(high - low, 1e-12)
+            self.assertGreater((high - low) / max(abs(low), abs(high)), 1e-7)
+        self.picture("rest")
 
     def test_dark_narrow_and_dialogs(self):
         self.look("drum.html", scheme="dark")

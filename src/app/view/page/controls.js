@@ -6,7 +6,7 @@ const KEYS = [
   ["space", "play or pause"], ["← →", "one frame back, on"], ["Page_Up Page_Down", "ten frames back, on"],
   ["Home End", "first, last frame"], [", .", "slower, faster"], ["l", "loop"], ["+ −", "zoom"], ["Shift_arrows", "move the picture"],
   ["f", "fit; once more: with what is far away"], ["c C", "next colouring, the one before"], ["n", "contact forces"], ["o", "overlaps"], ["m", "angle marks"],
-  ["p", "copies across periodic edges"], ["/", "find a disk"], ["z", "go to the chosen disk"], ["w", "follow it"],
+  ["p", "copies across periodic edges"], ["s", "save the picture as a PNG file"], ["/", "find a disk"], ["z", "go to the chosen disk"], ["w", "follow it"],
   ["Esc", "choose none"], ["d", "light or dark"], ["?", "this help"],
 ];
 
@@ -84,6 +84,7 @@ class Controls {
     click("zoom-in", () => this.zoom(1.4));
     click("zoom-out", () => this.zoom(1 / 1.4));
     click("fit", () => viewer.fitNext());
+    click("save", () => savePicture(viewer));
     click("theme", () => viewer.setTheme(viewer.theme === "dark" ? "light" : "dark"));
     click("help", () => byId("help-dialog").showModal());
     click("about", () => byId("about-dialog").showModal());
@@ -255,7 +256,7 @@ class Controls {
       ",": () => this.changeRate(-1), ".": () => this.changeRate(1), l: () => byId("loop").click(),
       "+": () => this.zoom(1.25), "=": () => this.zoom(1.25), "-": () => this.zoom(0.8), f: () => viewer.fitNext(),
       c: () => this.nextQuantity(1), C: () => this.nextQuantity(-1), w: () => viewer.follow(!viewer.following),
-      z: () => viewer.selected >= 0 && viewer.goTo([viewer.selected]), "/": () => byId("find-text").focus(),
+      s: () => savePicture(viewer), z: () => viewer.selected >= 0 && viewer.goTo([viewer.selected]), "/": () => byId("find-text").focus(),
       Escape: () => this.unselect(), d: () => byId("theme").click(), "?": () => byId("help-dialog").showModal(),
     };
     for (const [name, key] of Object.entries(TOGGLES)) keys[key] = () => viewer.setLayer(name, !viewer.layers[name]);

@@ -23,9 +23,9 @@ function tableRow(cells, tag = "td") {
 }
 
 const OWN_SERIES = [
-  { name: "turned", label: "angle turned (rad)" },
+  { name: "turned", label: "angle turned (rad)", rounding: () => 1e-9 },
   { name: "spin", label: "spin (rad/time)" },
-  { name: "y", label: "y (length)" },
+  { name: "y", label: "y (length)", rounding: (radius) => 1e-6 * radius }, /* that of single precision */
 ];
 
 class DiskPanel {
@@ -124,7 +124,8 @@ class DiskPanel {
       }
       const place = element("div", undefined, { class: "own-plot" });
       this.places.series.append(place);
-      this.plots[c] = new Plot(place, [{ label: s.label, color: c }], [times, values[c]], this.jump, 110);
+      this.plots[c] = new Plot(place, [{ label: s.label, color: c }], [times, values[c]], this.jump, 110,
+        s.rounding?.(this.model.column("radius")?.[this.disk]));
     });
     for (const plot of this.plots) plot.setTime(this.time ?? times[0]);
   }

@@ -16,9 +16,10 @@ function plotColor(k) {
   return colors[k % colors.length];
 }
 
-/* One plot: lines [{label, unit, title}], data [times, values...]; jump(t) when it is clicked. */
+/* One plot: lines [{label, unit, title}], data [times, values...]; jump(t) when it is clicked. least: values and changes up to
+ * this size are rounding. */
 class Plot {
-  constructor(parent, lines, data, jump, height = 150) {
+  constructor(parent, lines, data, jump, height = 150, least = 0) {
     this.parent = parent;
     this.data = data;
     this.colors = lines.map((line, k) => line.color ?? k);
@@ -26,16 +27,15 @@ class Plot {
     this.marker.className = "plot-now";
     const grid = { stroke: () => cssColor("--grid"), width: 1 };
     const axis = { stroke: () => cssColor("--quiet"), grid, ticks: grid, font: "11px system-ui, sans-serif" };
-    const plain = (u, values) => values.map((v) => (v === null ? "" : formatNumber(v, 4)));
     const options = {
       width: Math.max(parent.clientWidth, 120),
       height,
       legend: { live: true },
       cursor: { drag: { x: true, y: false }, points: { size: 6 } },
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: (u, low, high) => Plot.range(low, high, least) } },
       axes: [
-        { ...axis, space: 70, size: 26, values: plain },
-        { ...axis, space: 28, size: Plot.axisWidth, values: plain },
+        { ...axis, space: 70, size: 26, values: Plot.ticks },
+        { ...axis, space: 28, size: Plot.axisWidth, values: Plot.ticks },
       ],
       series: [{ label: "t", value: (u, v) => formatNumber(v) }, ...lines.map((line, k) => Plot.line(line, k))],
       hooks: { draw: [() => this.place()], setSize: [() => this.place()] },
@@ -49,6 +49,20 @@ class Plot {
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(parent);
     this.plot.over.addEventListener("mouseleave", () => this.time !== undefined && setTimeout(() => this.tell()));
+  }
+
+  /* Labels with the digits that tell them apart; a tick that is 0 but for rounding is "0". step: distance of ticks. */
+  static ticks(u, values, axis, space, step) {
+    const largest = Math.max(...values.map(Math.abs)), digits = Math.ceil(Math.log10(largest / step)) + 1;
+    return values.map((v) => (v === null ? "" : formatNumber(Math.abs(v) < 1e-6 * step ? 0 : v, Math.min(Math.max(digits, 4), 15) || 4)));
+  }
+
+  /* Ends of the axis. A line that changes by rounding alone is flat, and lies in the middle. */
+  static range(low, high, least) {
+    if (low === null || low === undefined) return [0, 1];
+    const size = Math.max(Math.abs(low), Math.abs(high)), middle = (low + high) / 2;
+    if (high - low > Math.max(1e-9 * size, least)) return uPlot.rangeNum(low, high, 0.1, true);
+    return size > least ? [middle - size / 2, middle + size / 2] : [-1, 1];
   }
 
   /* Room for ticks and the widest label; pixels. */
@@ -182,10 +196,18 @@ class SeriesPlots {
     if (place.plot) return;
     const prefix = shown.length > 1 && shown.every((s) => s.name.includes("["));
     const lines = shown.map((s) => ({ label: prefix ? s.name.replace(/^.*\[(.*)\]$/, "$1") : s.name.replaceAll("_", " ") }));
-    place.plot = new Plot(place, lines, this.dataOf(shown), this.jump);
+    place.plot = new Plot(place, lines, this.dataOf(shown), this.jump, 150, shown[0].section === "energy" ? this.rounding() : 0);
     place.plot.shown = shown;
     this.open.push(place.plot);
     if (this.time !== undefined) place.plot.setTime(this.time);
+  }
+
+  /* Rounding of the energies, 1e-14 of the largest. */
+  rounding() {
+    let largest = 0;
+    for (const s of this.meta.series.filter(({ section }) => section === "energy"))
+      for (const v of this.columns.get(s.name)) if (Math.abs(v) > largest) largest = Math.abs(v);
+    return 1e-14 * largest;
   }
 
   dataOf(shown) {

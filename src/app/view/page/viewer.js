@@ -219,7 +219,7 @@ class Viewer {
     this.following = false;
     const low = this.camera.height < 420;
     this.untouched = true;
-    this.camera.fit(this.scene.view(this.samples.length ? this.samples : [this.frame], this.whole), low ? [16, 16, 52, 60] : [20, 20, 52, 84]);
+    this.camera.fit(this.scene.view(this.samples.length ? this.samples : [this.frame], this.whole), low ? [16, 16, 52, 60] : [20, 20, 52, 64]);
     this.controls?.refresh();
     this.draw();
   }
@@ -231,7 +231,7 @@ class Viewer {
     Object.assign(camera, { width, height, ratio });
     this.renderer.canvas.width = Math.max(1, Math.round(width * ratio));
     this.renderer.canvas.height = Math.max(1, Math.round(height * ratio));
-    if (fresh) this.fit();
+    if (fresh || this.untouched) this.fit();
     this.paint();
   }
 
@@ -279,7 +279,8 @@ function publish(viewer) {
     plots: viewer.plots.open.length, plotTime: viewer.plots.time, sampled: viewer.samples.length, rows: viewer.plots.rows,
   });
   const screen = (k) => viewer.camera.toScreen(viewer.frame.at("x", k), viewer.frame.at("y", k));
-  window.slipdisk = Object.freeze({ get state() { return shot(); }, screen, column: (name, k) => viewer.frame.at(name, k) });
+  const axes = () => [...viewer.plots.open, ...viewer.panel.plots].map(({ plot }) => [plot.scales.y.min, plot.scales.y.max]);
+  window.slipdisk = Object.freeze({ get state() { return shot(); }, get axes() { return axes(); }, screen, column: (name, k) => viewer.frame.at(name, k) });
 }
 
 /* A deck: overlaps, or sizes and groups when there are none. */
