@@ -224,7 +224,7 @@ class Dumps(Files):
         self.assertEqual(list(disks["x"]), [row[2] for row in self.ROWS])
         self.refuse(self.deck('mass = 1; columns = ("x", "y", "radius", "vx");'), 'column "vx": line 9 of the dump has none')
         self.refuse(self.deck('mass = 1; columns = ("x", "y", "radius", "name = id");'), 'column "id": line 9 of the dump has none')
-        self.refuse(self.deck(), "mass: missing")
+        self.refuse(self.deck(), "density: missing for all its disks: expected density (or mass) here, or in a column")
         self.write("b.csv", "x,y,radius\n0,0,1\n")
         self.refuse(OPEN + 'disk_files = ( { file = "b.csv"; mass = 1; timestep = 3; } );', "timestep = 3: belongs to dumps of LAMMPS only")
         self.refuse(OPEN + f'disk_files = ( {{ file = "{ROOT}/tests/decks/sphere.data"; density = 1; timestep = 3; }} );',

@@ -81,7 +81,7 @@ def draw(c: ForceColumns) -> None:
 
 
 sim.advance(10)
-sim.advance(1e2)
+sim.advance(100)
 sim.advance(time=0.01, progress=False)
 numbers: NDArray[np.int64] = sim.add_disks(x=[9.0, -9.0], y=0.0, radius=0.7, density=1.0, vx=[-3.0, 3.0])
 sim.remove_disks(numbers)

@@ -573,7 +573,7 @@ static void test_size_mistakes(void **state) {
           "packings[0].sizes = \"normal\": expected one of \"mono\", \"list\", \"uniform\", "
           "\"gaussian\", "
           "\"lognormal\", "
-          "\"powerlaw\"; did you mean \"lognormal\"?");
+          "\"powerlaw\"; did you mean \"gaussian\"?");
   refused(RANDOM("sizes = \"uniform\"; lower = 0.3; upper = 0.2;"),
           "packings[0].upper = 0.2: expected more than lower, 0.3");
   refused(RANDOM("sizes = \"powerlaw\"; exponent = 2; lower = 0.2; upper = 0.2;"),

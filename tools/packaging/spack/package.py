@@ -8,7 +8,7 @@ class Slipdisk(CMakePackage):
 
     license("MIT")
 
-    version("0.5.0")
+    version("0.6.0")
 
     variant("mpi", default=False, description="Runs and sweeps over the ranks of an MPI job")
     variant("live", default=True, description="Runs can be shown in a browser while they go on")

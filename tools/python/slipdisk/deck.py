@@ -124,7 +124,7 @@ def deck_text(deck: Mapping[str, Any]) -> str:
 # --- complete decks as Python values ----------------------------------------------------------------------------------
 # Keys whose texts stay texts even if they look like numbers: names, words of the user, files.
 TEXTS = {"title", "name", "file", "dataset", "material", "materials", "group", "disk", "wall", "clump", "partners", "columns", "path",
-         "zip", "observable", "collect", "motions", "fields", "rotation", "measure.contacts"}
+         "zip", "observable", "collect", "motions", "fields", "hold", "release", "rotation", "measure.contacts"}
 TOKEN = re.compile(r"""\s+ | [#][^\n]*
                        | "(?P<text>(?:[^"\\]|\\.)*)"(?:\ /[*]\ (?P<value>\S+)\ [*]/)?
                        | (?P<number>[-+]?[.\d][-+.\w]*) | (?P<word>[A-Za-z*][-\w*]*) | (?P<mark>[{}(),;=])""", re.X | re.S)
@@ -209,6 +209,8 @@ def deck_values(text: str) -> Deck:
         if token["number"]:
             digits = token["number"].rstrip("L")
             return int(digits) if re.fullmatch(r"[-+]?\d+", digits) else float(digits)
+        if token["text"] is None:
+            raise IndexError
         if token["value"]:  # arithmetic: the full deck has its value behind it
             return float(token["value"])
         said = ESCAPED.sub(lambda m: chr(int(m[1][1:], 16)) if m[1][0] == "x" and m[1] != "x" else LETTERS.get(m[1], m[1]), token["text"])
@@ -230,4 +232,7 @@ def deck_values(text: str) -> Deck:
             tokens.pop()
         return found
 
-    return group("")
+    try:
+        return group("")
+    except IndexError:  # a mark where a value should be, or an end
+        raise UserError("deck: expected a deck that slipdisk has written") from None

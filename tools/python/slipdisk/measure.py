@@ -1,8 +1,12 @@
 """What `slipdisk measure` finds in a packing, as named values and arrays; docs/measure.md defines them."""
+from __future__ import annotations
+
 import collections.abc
 import ctypes
 import math
+from collections.abc import Iterator
 from ctypes import byref
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +16,7 @@ from .library import Messages, UserError, library
 REAL, COUNT, FLAG = range(3)  # sd_quantity_kind
 
 
-class Measurement(collections.abc.Mapping):
+class Measurement(collections.abc.Mapping[str, Any]):
     """A packing at one moment: m["z"] or m.z, m.pressure, m.stress (2 x 2), m.g (an array over m.g_edges); nan: not known.
 
     units, meanings   dicts with the unit and the meaning of each
@@ -25,12 +29,12 @@ class Measurement(collections.abc.Mapping):
             self._values[name] = value(q)
             self.units[name], self.meanings[name], self.json[name] = q.unit.decode(), q.meaning.decode(), q.json.decode()
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Any:
         if name not in self._values:
             raise lib.unknown(name, list(self), "a measurement")
         return self._values[name]
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         try:
             return self.__dict__["_values"][name]
         except KeyError:
@@ -39,18 +43,18 @@ class Measurement(collections.abc.Mapping):
     def __dir__(self):
         return [*super().__dir__(), *self]
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._values)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._values)
 
-    def unit(self, name):
+    def unit(self, name: str) -> str:
         """Unit of a value, in terms of length, mass, force, time."""
         self[name]
         return self.units[name]
 
-    def meaning(self, name):
+    def meaning(self, name: str) -> str:
         """Meaning of a value, in a few words."""
         self[name]
         return self.meanings[name]

@@ -71,14 +71,21 @@ class Source:
         return self.result.slide
 
     @functools.cached_property
+    def _deck(self):
+        try:
+            return self.result.deck
+        except lib.UserError:  # in a file that others have made
+            return {}
+
+    @functools.cached_property
     def title(self) -> str:
-        return style.plain(self.result.deck.get("title", ""), 120)
+        return style.plain(self._deck.get("title", ""), 120)
 
     @functools.cached_property
     def gravity(self) -> NDArray[np.float64]:
         if self._whole:
             return np.asarray(self.result.rows("parameters/model/gravity"), float)
-        gravity = self.result.deck.get("gravity", {})
+        gravity = self._deck.get("gravity", {})
         g, tilt = gravity.get("g", 0.0), gravity.get("tilt", 0.0)
         return -g * np.array([np.sin(tilt), np.cos(tilt)])
 
@@ -117,7 +124,7 @@ class Source:
         return [line.split("\t")[1:] for line in self.result.rows("parameters/deck_bodies").split("\n") if line.startswith(kind + "\t")]
 
     # --- series -----------------------------------------------------------------------------------------------
-    def parts(self, name):
+    def parts(self, name: str) -> list[str]:
         """Names of the values that a row of a series has, as of disks or walls; empty for a single value."""
         row = self.result.rows(self.series._path(name), 0, 1)
         if row.ndim == 1:
@@ -129,7 +136,7 @@ class Source:
         return [style.plain(part) for part in self.result.rows(f"observables/{of}s").split("\n")[:row.shape[1]]]
 
     @functools.cached_property
-    def columns(self):
+    def columns(self) -> dict[str, tuple[str, str]]:
         """{name: (unit, meaning)} of the columns that there are in time: the series, what follows from them (DERIVED), and the
         single values of series that have several, as lid.wall_normal."""
         if "time" not in self.series or len(self.series["time"]) < 2:
@@ -138,7 +145,7 @@ class Source:
         found |= {name: (one.unit, one.meaning) for name, one in DERIVED.items() if not one.lacks(self)}
         return found | {f"{part}.{name}": found[name] for name in self.series if name != "time" for part in self.parts(name)}
 
-    def fraction_of(self, name):
+    def fraction_of(self, name: str) -> tuple[NDArray[Any], NDArray[Any] | None]:
         """(numerator, denominator) of a column, the latter None where there is none."""
         if name not in self.columns:
             raise lib.unknown(name, list(self.columns), f"the series of {self.path}")
@@ -147,12 +154,12 @@ class Source:
         part, _, column = name.rpartition(".")
         return self.series[column] if not part else self.series[column][:, self.parts(column).index(part)], None
 
-    def column(self, name):
+    def column(self, name: str) -> NDArray[Any]:
         """The rows of a column; nan where its denominator is not positive."""
         top, bottom = self.fraction_of(name)
         return top if bottom is None else top / np.where(bottom > 1e-3 * np.nanmax(bottom), bottom, np.nan)
 
-    def averaged(self, name):
+    def averaged(self, name: str) -> Any:
         """A Record as slipdisk.mean gives it of a column over the measured time, of a ratio that of the means of numerator and
         denominator."""
         top, bottom = self.fraction_of(name)

@@ -419,7 +419,7 @@ class Simulation(Shown):
         return self.clone()
 
     # --- stepping -----------------------------------------------------------------------------------------------
-    def advance(self, steps: lib.Whole | float | None = None, *, time: float | None = None, progress: bool | None = None) -> None:
+    def advance(self, steps: lib.Whole | None = None, *, time: float | None = None, progress: bool | None = None) -> None:
         """Advances by a whole number of steps, or by a time, or without either to the end. Stops at the end of the last
         phase, or where an observer returned True; raises what an observer or a force raised, and NumericError. A warning
         says when the run ends before the time is over, or was over before.
