@@ -1,5 +1,6 @@
 /* simulation_extend.c: adds force fields to a running simulation, adds and removes disks; see
  * slipdisk/simulation.h. */
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -306,6 +307,7 @@ sd_status simulation_check_overlaps(const engine *e, const sd_model *now, const 
                                     sd_messages *messages) {
   const sd_state *s = e->state;
   overlap_check check = {now, fresh, SD_OK, messages};
+  assert(fresh || now->n_disks == 0);
   if (!(now->max_overlap > 0.0)) return SD_OK;
   if (overlaps_of_disks(now, check_overlap, &check) != SD_OK)
     check.status = sd_fail(messages, SD_ERROR_IO, "out of memory for the overlaps");
