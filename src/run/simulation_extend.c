@@ -307,11 +307,12 @@ sd_status simulation_check_overlaps(const engine *e, const sd_model *now, const 
                                     sd_messages *messages) {
   const sd_state *s = e->state;
   overlap_check check = {now, fresh, SD_OK, messages};
-  assert(fresh || now->n_disks == 0);
+  const size_t n_disks = now->n_disks;
+  assert(fresh || n_disks == 0);
   if (!(now->max_overlap > 0.0)) return SD_OK;
   if (overlaps_of_disks(now, check_overlap, &check) != SD_OK)
     check.status = sd_fail(messages, SD_ERROR_IO, "out of memory for the overlaps");
-  for (uint32_t i = 0; check.status == SD_OK && i < now->n_disks; i++)
+  for (uint32_t i = 0; check.status == SD_OK && i < n_disks; i++)
     for (uint32_t w = 0; fresh[i] && check.status == SD_OK && w < now->n_walls; w++) {
       const uint32_t slot = engine_slot(e, (uint32_t)e->model->n_disks + w);
       const double pose[3] = {s->x[slot], s->y[slot], s->turn[slot] + s->theta[slot]};

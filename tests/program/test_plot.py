@@ -417,7 +417,7 @@ class Command(unittest.TestCase):
                 (["squeezed.h5", "--quantity", "width", "--x", "wall_normal"], "--x wall_normal has a value for each of "),
                 (["three.h5", "-k", "spin", "--quantity", "work"], "--quantity belongs to kind curve, and not to spin"),
                 (["three.h5", "-k", "shear"], "kind shear needs a periodic box that is sheared"),
-                (["three.h5", "--color", "spni"], '--color spni: did you mean "spin"? Expected omega|')):
+                (["three.h5", "--color", "spni"], '|group (did you mean spin?)')):
             with self.subTest(words):
                 out, err = self.run_it("plot", *words, status=2)
                 self.assertIn(said, err)

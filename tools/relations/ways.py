@@ -26,11 +26,11 @@ def echo(seed):
     """The complete deck that a simulation prints, read again, and more threads: the same bits."""
     deck = decks.make(seed).deck
     sim = watch.simulation(deck)
-    text = sim.deck
+    text = sim.deck_full
     with files.folder() as work:
         (work / "echo.cfg").write_text(text)
         other = watch.simulation(work / "echo.cfg", threads=2)
-        if without_comments(other.deck) != without_comments(text):
+        if without_comments(other.deck_full) != without_comments(text):
             raise watch.Wrong("the complete deck of the complete deck is another")
         if hashes(sim) != hashes(other):
             raise watch.Wrong("the state differs")
