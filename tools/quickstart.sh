@@ -19,7 +19,7 @@ if [ $# -eq 0 ]; then tools/install_deps.sh --plot; else echo "left as they are"
 
 echo "== 2/3 Build (Release) into build/release"
 cmake --preset release --log-level=WARNING >/dev/null
-cmake --build build/release --target slipdisk_program slipdisk slipdisk_shared manual   # all that is installed
+cmake --build build/release --target slipdisk_program libslipdisk.a slipdisk_shared manual   # all that is installed
 
 deck=inputs/three_disk/random.cfg
 result=results/quickstart/three_disk_random.h5
