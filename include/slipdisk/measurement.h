@@ -1,12 +1,11 @@
-/* measurement.h: measures a packing at one moment: contacts, packing fractions, stress, fabric, g(r)
- * and forces, as named values with units. They are the values of `slipdisk measure --json`;
+/* measurement.h: measures a packing at one moment: contacts, packing fractions, stress, fabric,
+ * g(r) and forces, as named values with units. They are the values of `slipdisk measure --json`;
  * docs/measure.md defines them.
  *
- * region: x0, x1, y0, y1 of the part of the plane that counts, lengths; NULL: the region of the deck.
- * A region of a sheared box is refused. bins: number of bins of each histogram, 1 to 100000.
- * Functions with a status set *out to NULL on errors; SD_ERROR_USER: a mistake in the arguments, or
- * no disk is in play.
- */
+ * region: x0, x1, y0, y1 of the part of the plane that counts, lengths; NULL: the region of the
+ * deck. A region of a sheared box is refused. bins: number of bins of each histogram, 1 to
+ * 100000. Functions with a status set *out to NULL on errors; SD_ERROR_USER: a mistake in the
+ * arguments, or no disk is in play. */
 #ifndef SLIPDISK_MEASUREMENT_H
 #define SLIPDISK_MEASUREMENT_H
 
@@ -49,13 +48,15 @@ SD_API sd_status sd_simulation_measure(sd_simulation *simulation, const double *
 
 /* Stored frames and last state of a run, opaque; sd_result_close frees it. */
 typedef struct sd_result sd_result;
-/* Opens a finished result, an unfinished run (NAME.h5.parts), a part in that folder (frames only) or
- * a checkpoint (state only). Returns SD_ERROR_USER if there is none, SD_ERROR_IO if it is damaged. */
+/* Opens a finished result, an unfinished run (NAME.h5.parts), a part in that folder (frames
+ * only) or a checkpoint (state only). Returns SD_ERROR_USER if there is none, SD_ERROR_IO if it
+ * is damaged. */
 SD_API sd_status sd_result_open(const char *path, sd_result **out, sd_messages *messages);
 SD_API void sd_result_close(sd_result *result); /* NULL is allowed */
 /* Returns the number of stored frames. */
 SD_API size_t sd_result_frames(const sd_result *result);
-/* Measures stored frame 0 ... sd_result_frames - 1; -1: the last state, of a part its last frame. */
+/* Measures stored frame 0 ... sd_result_frames - 1; -1: the last state, of a part its last
+ * frame. */
 SD_API sd_status sd_result_measure(const sd_result *result, int64_t frame, const double *region,
                                    size_t bins, sd_measurement **out, sd_messages *messages);
 

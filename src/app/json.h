@@ -20,8 +20,8 @@ json_t *json_messages(const sd_messages *messages);
 json_t *json_observable(const observable *o, const void *row, size_t k);
 /* Returns an array with the first n elements of a quantity of the row. */
 json_t *json_elements(const observable *o, const void *row, size_t n);
-/* Puts a value into `object`; with a name "group.name" into its member object "group", which is made
- * if it is missing. */
+/* Puts a value into `object`; with a name "group.name" into its member object "group", which is
+ * made if it is missing. */
 void json_put(json_t *object, const char *name, json_t *value);
 /* Adds element k of all quantities of the row that have `width` elements to `object`, under their
  * JSON names (json_put); width 0: adds all quantities, as arrays if they have several elements. */

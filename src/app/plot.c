@@ -183,8 +183,8 @@ static int modules_missing(const char *python) {
   return WEXITSTATUS(status) - FOUND;
 }
 
-/* Returns the interpreter that SLIPDISK_PYTHON names, else the first one that has all modules; NULL,
- * after an error message, if it lacks some. */
+/* Returns the interpreter that SLIPDISK_PYTHON names, else the first one that has all modules;
+ * NULL, after an error message, if it lacks some. */
 static const char *find_python(const char *command) {
   const char *asked = getenv("SLIPDISK_PYTHON");
   const bool named = asked && *asked;

@@ -1,5 +1,5 @@
-/* stored.h: finds and opens the files of a run by the name that the user gives: a finished result, the
- * folder of an unfinished run, a part or a checkpoint in it. */
+/* stored.h: finds and opens the files of a run by the name that the user gives: a finished
+ * result, the folder of an unfinished run, a part or a checkpoint in it. */
 #ifndef SLIPDISK_RUN_STORED_H
 #define SLIPDISK_RUN_STORED_H
 
@@ -22,7 +22,7 @@ void place_free(place *p);
  * *path: receives its path, which the caller frees. Needs no lock on the folder. */
 sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages);
 
-/* --- frames of a result or of an unfinished run ------------------------------------------------ */
+/* --- frames of a result or of an unfinished run ---------------------------------------------- */
 /* Opens the frames of a run. name: as for place_find, or a single part file (some of the
  * frames). *alone: true if `name` is a part file; then only the frames of this file are opened.
  * Call frames_close also after an error. */

@@ -28,7 +28,7 @@ sys.path.insert(0, str(ROOT / "tools" / "python"))
 sys.dont_write_bytecode = True
 
 import slipdisk  # noqa: E402
-from slipdisk import deck, film, library, notebook, plot, simulation, stored  # noqa: E402
+from slipdisk import columns, deck, film, library, notebook, plot, simulation, stored  # noqa: E402
 
 SCRIPT = '''
 import pickle
@@ -41,7 +41,7 @@ import slipdisk
 import slipdisk.film
 from numpy.typing import NDArray
 from slipdisk import plot
-from slipdisk.simulation import ForceColumns
+from slipdisk.columns import ForceColumns
 
 RATCHET: Path = slipdisk.inputs / "three_disk/random.cfg"
 SHORT: dict[str, Any] = {"phases.settle.steps": 2000, "phases.measure.steps": 20_000, "phases.measure.frames": 1000}
@@ -171,7 +171,7 @@ MISTAKES = [  # a mistake each
         "slipdisk.info('r.h5')", "slipdisk.run('a.cfg', 'a.h5')", "slipdisk.film.film(result, 'r.mp4')", "plot.Source('r.h5').n_frames")))]
 
 PUBLIC = [getattr(slipdisk, name) for name in slipdisk.__all__ if callable(getattr(slipdisk, name))]
-PUBLIC += [simulation.Columns, simulation.Bodies, stored.Columns, stored.Frames, stored.Contacts, notebook.View, library.inputs, film.film]
+PUBLIC += [columns.Columns, columns.Bodies, stored.Columns, stored.Frames, stored.Contacts, notebook.View, library.inputs, film.film]
 PUBLIC += [getattr(plot, name) for name in plot.__all__ if callable(getattr(plot, name))]
 
 
@@ -292,9 +292,9 @@ class Values(Folder):
             self.assertGreater(seen, 50)
 
             def look(c):
-                for name, kind in simulation.ForceColumns.__annotations__.items():
-                    self.assertTrue(fits(getattr(c, name), eval(kind, names(simulation.ForceColumns))), name)
-                self.assertEqual(set(simulation.ForceColumns.__annotations__), set(simulation.ForceColumns.__slots__))
+                for name, kind in columns.ForceColumns.__annotations__.items():
+                    self.assertTrue(fits(getattr(c, name), eval(kind, names(columns.ForceColumns))), name)
+                self.assertEqual(set(columns.ForceColumns.__annotations__), set(columns.ForceColumns.__slots__))
 
             sim.add_force(look)
             sim.advance(1)

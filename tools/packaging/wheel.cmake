@@ -1,4 +1,4 @@
-# What a wheel holds beside the Python modules, when scikit-build-core builds it (pyproject.toml). Destinations are relative to
+# Lists the files of a wheel beside the Python modules; scikit-build-core reads this (pyproject.toml). Destinations are relative to
 # the package's folder; SKBUILD_... are those of the environment.
 # A wheel has no symbolic links: the library is one file.
 set_property(TARGET slipdisk_shared PROPERTY VERSION)

@@ -1,15 +1,15 @@
-/* deck_lammps.c: reads disks from a LAMMPS data file, as write_data makes it, or from a frame of a
- * text dump, as dump custom makes it. See deck_rows.h.
+/* deck_lammps.c: reads disks from a LAMMPS data file, as write_data makes it, or from a frame of
+ * a text dump, as dump custom makes it. See deck_rows.h.
  *
- * Data files.  * Supported are atom styles with a diameter: sphere, bpm/sphere, and hybrid with sphere first; the
- * style is read from the comment behind "Atoms". z is ignored; x and y are positions in the box,
- * whatever the image flags. The density in the file is mass per volume of a sphere, also in two
- * dimensions, so the mass that LAMMPS used is density 4/3 pi R^3; it is the column `mass` here.
- * Format: https://docs.lammps.org/read_data.html
+ * Data files.  * Supported are atom styles with a diameter: sphere, bpm/sphere, and hybrid with
+ * sphere first; the style is read from the comment behind "Atoms". z is ignored; x and y are
+ * positions in the box, whatever the image flags. The density in the file is mass per volume of
+ * a sphere, also in two dimensions, so the mass that LAMMPS used is density 4/3 pi R^3; it is
+ * the column `mass` here. Format: https://docs.lammps.org/read_data.html
  *
  * Dumps. The line ITEM: ATOMS names the columns. Scaled coordinates (xs) are multiplied by the
- * edges of the box, unwrapped ones (xu) brought back into a periodic box.
- * Format: https://docs.lammps.org/dump.html */
+ * edges of the box, unwrapped ones (xu) brought back into a periodic box. Format:
+ * https://docs.lammps.org/dump.html */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>

@@ -73,9 +73,9 @@ void deck_columns_reserve(deck *d, deck_columns *table, size_t capacity);
 
 /* Reads the disks of a LAMMPS data file, or of a frame of a LAMMPS dump. In deck_lammps.c. */
 void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *table);
-/* Returns the edges of the box in the header of a LAMMPS data file, or in the frame of a dump at this
- * step (-1: the last frame; both edges are the same where it is not periodic); false after an
- * error, which is reported. */
+/* Returns the edges of the box in the header of a LAMMPS data file, or in the frame of a dump at
+ * this step (-1: the last frame; both edges are the same where it is not periodic); false after
+ * an error, which is reported. */
 bool deck_lammps_box(deck *d, const deck_node *file, int64_t step, double lower[2],
                      double upper[2]);
 

@@ -62,14 +62,15 @@ void motion_first_speeds(engine *e);
  * name it give its present place. Call motion_resume or motion_begin_phase afterwards. SD_ERROR_IO:
  * no memory. */
 sd_status motion_take_over(engine *e, uint32_t disk);
-/* Changes of constants of motions between two steps, so that no body jumps: call motion_values with
- * the old model and motion_rescale with the motions of the new one; build the work of the new
- * model; call motion_continue with the old values. The motions of both models differ in constants only.
+/* Changes of constants of motions between two steps, so that no body jumps: call motion_values
+ * with the old model and motion_rescale with the motions of the new one; build the work of the
+ * new model; call motion_continue with the old values. The motions of both models differ in
+ * constants only.
  *
- * motion_values: sets *at to the displacements u of all running motions at the present step, which
- * the caller frees; 0 for loads and servos. motion_rescale: multiplies the state of random motions
- * by the ratio of the amplitudes. motion_continue: adds the change of u to the base poses, and sets
- * the velocities of prescribed bodies. SD_ERROR_IO: no memory. */
+ * motion_values: sets *at to the displacements u of all running motions at the present step,
+ * which the caller frees; 0 for loads and servos. motion_rescale: multiplies the state of random
+ * motions by the ratio of the amplitudes. motion_continue: adds the change of u to the base
+ * poses, and sets the velocities of prescribed bodies. SD_ERROR_IO: no memory. */
 sd_status motion_values(engine *e, double **at);
 void motion_rescale(engine *e, const sd_motion *next);
 sd_status motion_continue(engine *e, const double *before);

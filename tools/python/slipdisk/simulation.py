@@ -10,8 +10,7 @@ import tempfile
 import threading
 import time as clock
 import weakref
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from ctypes import byref
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numpy as np
@@ -19,11 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import library as lib
 from . import notebook
+from .columns import Bodies, Columns, ForceColumns, numbers
 from .deck import DiskArrays, deck_text, deck_values, value_text
 from .library import Messages, UserError, library, record
 from .measure import Measurement, measured
 from .notebook import Progress, Shown, table_html
-from .tables import Named, indexed, structured
+from .tables import indexed, structured
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -31,9 +31,6 @@ if TYPE_CHECKING:
     from .deck import Deck
 
 NO_BODY = 0xFFFFFFFF
-BODIES = lib.PER_BODY, lib.PER_FREE, lib.PER_FIELDED, lib.PER_CELL_DISK, lib.PER_LAW_FREE
-LASTING = *BODIES, lib.PER_CLUMP  # their columns stay where they are
-SETTABLE = "x", "y", "angle", "vx", "vy", "omega", "radius", "mass", "inertia"  # of disks
 PIECE_SECONDS = 0.05  # at most twice this long Ctrl-C waits
 ENDLESS = 2**61 - 1  # steps of a run without an end
 OFTEN_SECONDS = 0.001  # shorter calls are made the shortest way
@@ -95,179 +92,6 @@ def keep_unraised(what):
         stack[-1]._keep(what.exc_value if what.exc_value is not None else what.exc_type())
     else:
         Entry.before(what)
-
-
-class Memory:
-    """Memory of the library as numpy sees it. An array made of it keeps the owner alive."""
-
-    def __init__(self, owner, address, n, dtype, writable=False):
-        self.owner = owner
-        self.__array_interface__ = {"version": 3, "shape": (n,), "typestr": dtype.str, "data": (address, not writable)}
-
-
-def view(owner, address, n, dtype, writable=False):
-    if n == 0:
-        return np.empty(0, dtype)
-    return np.asarray(Memory(owner, address, n, dtype, writable))
-
-
-class Columns(Named[NDArray[Any]]):
-    """Columns of a simulation by name, in the order of slots; `unit` and `meaning` of each; those of one length as `array()`,
-    `pandas()`, `xarray()`."""
-    _dimension = "slot"
-
-    def __init__(self, simulation):
-        self._simulation = simulation
-
-    def _field(self, name):
-        field = library().fields.get(name)
-        if field is None:
-            raise lib.unknown(name, list(self), "the columns of a simulation")
-        return field
-
-    def _array(self, state, field):
-        handle = self._simulation._handle
-        n = handle.library.sd_extent_size(state, field.extent)
-        array = view(handle, handle.library.sd_field_data(state, byref(field)), n, lib.TYPES[field.type])
-        if field.extent not in LASTING:
-            return array.copy()  # does not stay where it is
-        if array.base is not None:
-            handle.views.add(array.base)
-        return array
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        field = self._field(name)
-        return self._array(self._simulation._state(), field)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(library().fields)
-
-    def __len__(self) -> int:
-        return len(library().fields)
-
-    def unit(self, name: str) -> str:
-        """Unit of a column, in terms of length, mass, time."""
-        return self._field(name).unit.decode()
-
-    def meaning(self, name: str) -> str:
-        """Meaning of a column, in a few words."""
-        return self._field(name).meaning.decode()
-
-
-class Copied(np.ndarray):
-    """A copy of a column. Writing to an element is refused, since it would not reach the simulation; `x = x + 1`,
-    `x += 1` and x.copy() make ordinary arrays."""
-
-    def __setitem__(self, key, value):
-        if not self.flags.writeable:
-            raise UserError("this array is a copy: to change the simulation, assign a whole column, sim.disks[name] = values, "
-                            "or call sim.set(name, values, disks); to change the copy, take a copy() of it")
-        super().__setitem__(key, value)
-
-
-def in_place(name):
-    """An operator like += that leaves a copied column as it is and returns an ordinary array."""
-    return lambda self, other: getattr(np.ndarray, name)(self if self.flags.writeable else np.array(self), other)
-
-
-for operation in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
-    setattr(Copied, f"__i{operation}__", in_place(f"__i{operation}__"))
-
-
-class Bodies(Named[NDArray[Any]]):
-    """Copies of the columns of disks, or of walls, in the order of their numbers; `angle` is turn + theta. What only free
-    disks have is nan (or -1) for others. `unit` and `meaning` of each; some or all as `array()`, `pandas()`, `xarray()`.
-    disks["vx"] = values sets a column (see Simulation.set)."""
-
-    def __init__(self, simulation, kind, first, n):
-        self._slots, self._dimension, self._first, self._n = simulation.columns, kind, first, n
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in list(self):
-            raise lib.unknown(name, list(self), "the columns of bodies")
-        state, fields = self._slots._simulation._state(), library().fields
-        number, *parts = (self._slots._array(state, fields[part])
-                          for part in ("id", *(("turn", "theta") if name == "angle" else (name,))))
-        values = sum(parts[1:], parts[0])
-        number = number[:len(values)].astype(np.int64) - self._first
-        mine = (number >= 0) & (number < self._n)
-        found = np.full(self._n, np.nan if values.dtype.kind == "f" else -1).astype(values.dtype)
-        found[number[mine]] = values[mine]
-        found = found.view(Copied)
-        found.flags.writeable = False
-        return found
-
-    def __setitem__(self, name: str, values: ArrayLike) -> None:
-        """Sets a quantity of all disks, one value or a value for each. Those of disks that cannot be set, such as fixed
-        ones, must be as they are."""
-        simulation = self._slots._simulation
-        if self._first > 0:
-            raise UserError("walls cannot be set; motions move them (motion.velocity, motion.amplitude)")
-        new = numbers(values, name)
-        if len(new) not in (1, self._n):
-            raise UserError(f"{name}: {len(new)} values: expected one, or {self._n}")
-        if name not in SETTABLE:
-            raise lib.unknown(name, SETTABLE, "what can be set")
-        now, new = self[name], np.broadcast_to(new, self._n)
-        changed = np.flatnonzero(~((new == now) | (np.isnan(new) & np.isnan(now))))
-        if len(changed):
-            simulation.set(name, new[changed], changed)
-
-    def __iter__(self) -> Iterator[str]:
-        yield "angle"
-        yield from (name for name, field in library().fields.items() if field.extent in BODIES)
-
-    def __len__(self) -> int:
-        """How many columns; len(d["x"]) is how many bodies."""
-        return sum(1 for _ in self)
-
-    def unit(self, name: str) -> str:
-        """Unit of a column, in terms of length, mass, time."""
-        return "rad" if name == "angle" else self._slots.unit(name)
-
-    def meaning(self, name: str) -> str:
-        """Meaning of a column, in a few words."""
-        return "angle, not wrapped: turn + theta" if name == "angle" else self._slots.meaning(name)
-
-
-class ForceColumns:
-    """What a force field sees, by slot: `id`, `x`, `y`, `theta`, `turn`, `vx`, `vy`, `omega`, `radius`, `mass`, `inertia`,
-    `material`, `group`, `activity`; `step`, `time`, `n_free`, `n_bodies`; and to be added to `force_x`, `force_y`,
-    `torque`, one for each of the n_free free disks. Valid during the call."""
-
-    __slots__ = ("step", "time", "n_free", "n_bodies", *(name for name, _ in lib.ForceColumns._fields_[4:]))
-    step: int
-    time: float
-    n_free: int
-    n_bodies: int
-    id: NDArray[np.uint32]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    theta: NDArray[np.float64]
-    turn: NDArray[np.float64]
-    vx: NDArray[np.float64]
-    vy: NDArray[np.float64]
-    omega: NDArray[np.float64]
-    radius: NDArray[np.float64]
-    mass: NDArray[np.float64]
-    inertia: NDArray[np.float64]
-    material: NDArray[np.int32]
-    group: NDArray[np.int32]
-    activity: NDArray[np.int32]
-    force_x: NDArray[np.float64]
-    force_y: NDArray[np.float64]
-    torque: NDArray[np.float64]
-    KINDS = {"id": "u4", "material": "i4", "group": "i4", "activity": "i4"}
-
-    def __init__(self, handle, struct):
-        self.n_free, self.n_bodies = struct.n_free, struct.n_bodies
-        for name, _ in struct._fields_[4:]:
-            written = name in ("force_x", "force_y", "torque")
-            n = self.n_free if written or name == "activity" else self.n_bodies
-            array = view(handle, getattr(struct, name), n, np.dtype(self.KINDS.get(name, "f8")), written)
-            if array.base is not None:
-                handle.views.add(array.base)  # one that is kept outlives the call
-            setattr(self, name, array)
 
 
 def often(simulation, steps):
@@ -904,20 +728,6 @@ def refused(call):
 def callable_or_refused(function, call):
     if not callable(function):
         raise UserError(f"{call}: {function!r}: expected a function")
-
-
-def numbers(value, what):
-    """One-dimensional floats."""
-    try:
-        array = np.atleast_1d(np.asarray(value))
-        if array.dtype.kind not in "biuf":
-            raise TypeError
-        array = array.astype(float)
-    except (TypeError, ValueError):
-        raise UserError(f"{what} = {value!r:.80}: expected numbers") from None
-    if array.ndim != 1:
-        raise UserError(f"{what}: an array of {array.ndim} dimensions: expected one value, or a row")
-    return array
 
 
 def deck_path(deck):
