@@ -2,6 +2,7 @@
 interruptions, on threads, in sweeps, and what is said of mistakes and of records that are too short."""
 import csv
 import json
+import os
 import signal
 import sys
 import unittest
@@ -13,6 +14,8 @@ import results_common
 from results_common import ROOT, assert_same, run
 
 sys.path.insert(0, str(ROOT / "tools/python"))
+LIBRARY = os.path.join(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"), "libslipdisk.so")
+os.environ["SLIPDISK_LIBRARY"] = LIBRARY
 import slipdisk  # noqa: E402
 
 # Sheared at constant area, in a box of 20 disks that a phase before compresses.
@@ -81,6 +84,8 @@ class Averages(results_common.Folder):
                 cut = round(a.transient / (each * every * 2e-3))
                 ratio = over[cut:].mean() / under[cut:].mean()
                 self.assertAlmostEqual(a.mean, ratio, delta=1e-9 * abs(ratio), msg=name)
+                if not os.path.exists(LIBRARY):  # sanitizer builds have none; the release build's test compares the errors
+                    continue
                 alone = slipdisk.mean(ratio + (over - ratio * under) / under[cut:].mean())
                 self.assertEqual(alone.discarded, cut, name)
                 self.assertAlmostEqual(a.error, alone.error, delta=1e-6 * alone.error + 1e-12, msg=name)
