@@ -102,6 +102,37 @@ static void test_values(void **state) {
   sd_model_free(m);
 }
 
+/* locks = ( { except = ...; } ): named disks and groups keep moving. */
+static void test_locks_except(void **state) {
+  (void)state;
+  static const struct {
+    const char *except;
+    unsigned turning; /* bit i: disk i may turn */
+  } cases[] = {{"()", 0},
+               {"2", 4},
+               {"(0, 3)", 9},
+               {"\"b\"", 2},
+               {"(\"few\", \"b\", 1)", 14},
+               {"(\"all\", \"few\")", 15}};
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+    char text[900];
+    snprintf(text, sizeof text,
+             HEAD
+             "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"name\", \"group\"); mass = 1; "
+             "rows = (\n"
+             "(0, 0, 1, \"a\", \"all\"), (3, 0, 1, \"b\", \"all\"), (6, 0, 1, \"c\", \"few\"), "
+             "(9, 0, 1, \"d\", \"few\") ); } );\n"
+             "locks = ( { group = (\"all\", \"few\"); except = %s; coordinates = \"theta\"; } );",
+             cases[k].except);
+    sd_model *m = good(text);
+    for (unsigned i = 0; i < 4; i++) {
+      assert_int_equal(m->disks[i].locked[SD_THETA], !(cases[k].turning >> i & 1));
+      assert_false(m->disks[i].locked[SD_X] || m->disks[i].locked[SD_Y]);
+    }
+    sd_model_free(m);
+  }
+}
+
 /* The stream of a motion does not depend on what else the deck moves. */
 static void test_streams(void **state) {
   (void)state;
@@ -489,12 +520,13 @@ static int tear_down(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_values),     cmocka_unit_test(test_streams),
-      cmocka_unit_test(test_numbers),    cmocka_unit_test(test_form),
-      cmocka_unit_test(test_overlaps),   cmocka_unit_test(test_laws),
-      cmocka_unit_test(test_overrides),  cmocka_unit_test(test_files),
-      cmocka_unit_test(test_round_trip), cmocka_unit_test(test_shipped),
-      cmocka_unit_test(test_places),     cmocka_unit_test(test_clump_numbers),
+      cmocka_unit_test(test_values),        cmocka_unit_test(test_locks_except),
+      cmocka_unit_test(test_streams),       cmocka_unit_test(test_numbers),
+      cmocka_unit_test(test_form),          cmocka_unit_test(test_overlaps),
+      cmocka_unit_test(test_laws),          cmocka_unit_test(test_overrides),
+      cmocka_unit_test(test_files),         cmocka_unit_test(test_round_trip),
+      cmocka_unit_test(test_shipped),       cmocka_unit_test(test_places),
+      cmocka_unit_test(test_clump_numbers),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -336,6 +336,15 @@ static void numbers_and_names(void **unused) {
       {START DISK "forces = ( { force = (1, 1); } );", "it names no disk"},
       {START DISK "locks = ( { disk = \"a\"; coordinates = (\"x\", \"x\"); } );", "named twice"},
       {START DISK "locks = ( { disk = \"a\"; coordinates = (\"x\", 1); } );", "coordinates"},
+      {START "disks = ( { x = 0; y = 0; radius = 1; mass = 1; group = \"grains\"; } );\n"
+             "locks = ( { group = \"grains\"; except = \"grain\"; coordinates = \"x\"; } );",
+       "no disk and no group of disks is called that; did you mean \"grains\"?"},
+      {START DISK "locks = ( { group = \"g\"; except = 2; coordinates = \"x\"; } );",
+       "locks[0].except = 2: no disk has this number"},
+      {START "disks = ( { x = 0; y = 0; radius = 1; mass = 1; group = \"g\"; }, "
+             "{ x = 3; y = 0; radius = 1; mass = 1; } );\n"
+             "locks = ( { group = \"g\"; except = 1; coordinates = \"x\"; } );",
+       "disk 1 is not among the disks that are locked"},
       {START DISK "title = \"a text that is longer than what a message shows of it, as it would be "
                   "too much\"; "
                   "gravity = \"another text that is longer than what a message shows of it, it "

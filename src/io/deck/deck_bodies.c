@@ -113,6 +113,29 @@ static int by_number(const void *a, const void *b) {
   return p < q ? -1 : p > q;
 }
 
+deck_bodies deck_disks_named(deck_group *g, const char *key) {
+  deck *d = g->d;
+  deck_bodies list = {.group = -1};
+  deck_node *names = deck_get(g, key);
+  for (size_t k = 0; k < deck_each_count(names); k++) {
+    const deck_node *node = deck_each(names, k);
+    uint32_t found;
+    const char *name = node->type == DECK_STRING ? node->value.text : NULL;
+    if (name && deck_index_find(&d->groups, name, &found)) {
+      add_group(d, node, &list);
+    } else if (!name || deck_index_find(&d->disks, name, &found)) {
+      if (name || find_body(d, node, true, false, &found)) add(d, &list, found);
+    } else {
+      guess near = guess_start(name);
+      deck_index_guess(d, &d->disks, &near);
+      deck_index_guess(d, &d->groups, &near);
+      deck_fail(d, node, "no disk and no group of disks is called that%s%s", deck_hint(d, &near),
+                near.best ? "" : remark(d));
+    }
+  }
+  return list;
+}
+
 deck_bodies deck_select(deck_group *g, bool walls) {
   deck *d = g->d;
   deck_bodies list = {.group = -1};

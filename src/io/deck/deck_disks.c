@@ -4,8 +4,10 @@
  * All three kinds of disks end in add_disk. An entry of `disks` is treated as a row without
  * columns: all values of its disk are those of its group. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/deck/deck_rows.h"
 
@@ -297,22 +299,34 @@ void deck_read_forces(deck *d) {
   }
 }
 
+/* Locks the coordinates of a disk that a mask has, which a group of `locks` gives. */
+static void lock_disk(deck_group *g, uint32_t body, unsigned mask) {
+  sd_disk *disk = &g->d->model->disks[body];
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    if (!(mask >> c & 1)) continue;
+    disk->locked[c] = true;
+    deck_forget_velocity(g->d, body, c);
+    if (disk->velocity[c] != 0)
+      deck_fail_key(g, "coordinates", "%s has a velocity there", deck_body_name(g->d, body));
+  }
+}
+
 void deck_read_locks(deck *d) {
   deck_group g;
   for (size_t k = 0; deck_next(d, &deck_locks, &k, &g);) {
-    deck_bodies bodies = deck_select(&g, false);
-    unsigned mask = deck_coordinates(&g, "coordinates");
+    const deck_bodies bodies = deck_select(&g, false), kept = deck_disks_named(&g, "except");
+    const unsigned mask = deck_coordinates(&g, "coordinates");
+    enum { APART, LOCKED, KEPT };
+    unsigned char *is = memory_new(d->model->n_disks, sizeof *is);
+    for (size_t b = 0; b < bodies.n; b++) is[bodies.body[b]] = LOCKED;
+    for (size_t b = 0; b < kept.n; b++)
+      if (is[kept.body[b]] == APART)
+        deck_fail_key(&g, "except", "%s is not among the disks that are locked",
+                      deck_body_name(d, kept.body[b]));
+      else
+        is[kept.body[b]] = KEPT;
     for (size_t b = 0; b < bodies.n; b++)
-      for (int c = 0; c < 3; c++) {
-        sd_disk *disk = &d->model->disks[bodies.body[b]];
-        if (!(mask >> c & 1)) continue;
-        disk->locked[c] = true;
-        deck_forget_velocity(d, bodies.body[b], c);
-        if (disk->velocity[c] != 0) {
-          char name[80];
-          deck_fail_key(&g, "coordinates", "%s has a velocity there",
-                        sd_model_body_name(d->model, bodies.body[b], name, sizeof name));
-        }
-      }
+      if (is[bodies.body[b]] == LOCKED) lock_disk(&g, bodies.body[b], mask);
+    free(is);
   }
 }

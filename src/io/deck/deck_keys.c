@@ -92,6 +92,7 @@ TABLE(deck_forces, "forces", false, "A constant force on disks, besides gravity.
 static const deck_key lock_keys[] = {
     {"disk", BODIES, "-", NULL, "disks"},
     {"group", NAMES, "-", NULL, "groups of disks"},
+    {"except", BODIES, "()", NULL, "disks and groups of these that keep moving"},
     {"coordinates", COORDINATES, "required", NULL, "what never changes"},
 };
 TABLE(deck_locks, "locks", false, "Coordinates of disks that never change.", lock_keys);

@@ -107,37 +107,25 @@ static void read_active(deck_group *g, sd_phase *phase) {
 
 /* --- disks that a phase holds or releases ----------------------------------------------------- */
 
-/* Adds disk i to the list of a phase's key `hold` or `release`, and makes it holdable. */
-static void add_held(deck *d, const deck_node *node, uint32_t i, const unsigned char *moved,
-                     size_t *n, uint32_t **list) {
-  const sd_disk *disk = &d->model->disks[i];
-  const char *what = disk->clump > 0 ? "belongs to a clump; expected a disk that moves by itself"
-                     : disk->waiting ? "waits for rain"
-                                     : NULL;
-  if (what) {
-    deck_fail(d, node, "%s %s", deck_body_name(d, i), what);
-    return;
-  }
-  model_make_holdable(d->model, i, moved[i]);
-  *list = memory_grow(*list, *n + 1, sizeof **list);
-  (*list)[(*n)++] = i;
-}
-
-/* Reads the key `hold` or `release` of a phase: disks by name or number, and groups by name. */
+/* Reads the key `hold` or `release` of a phase, and makes its disks holdable. */
 static void read_held(deck_group *g, const char *key, const unsigned char *moved, size_t *n,
                       const uint32_t **out) {
-  deck *d = g->d;
-  deck_node *names = deck_get(g, key);
+  sd_model *m = g->d->model;
+  const deck_bodies named = deck_disks_named(g, key);
   uint32_t *list = NULL;
-  for (size_t k = 0; k < deck_each_count(names); k++) {
-    const deck_node *node = deck_each(names, k);
-    uint32_t found;
-    if (node->type == DECK_STRING && deck_index_find(&d->groups, node->value.text, &found)) {
-      for (uint32_t i = 0; i < model_held(d->model); i++)
-        if (d->model->disks[i].group == (int)found) add_held(d, node, i, moved, n, &list);
-    } else if (deck_find_body(d, node, false, &found)) {
-      add_held(d, node, found, moved, n, &list);
+  for (size_t k = 0; k < named.n; k++) {
+    const uint32_t i = named.body[k];
+    const char *what = m->disks[i].clump > 0
+                           ? "belongs to a clump; expected a disk that moves by itself"
+                       : m->disks[i].waiting ? "waits for rain"
+                                             : NULL;
+    if (what) {
+      deck_fail_key(g, key, "%s %s", deck_body_name(g->d, i), what);
+      continue;
     }
+    model_make_holdable(m, i, moved[i]);
+    list = memory_grow(list, *n + 1, sizeof *list);
+    list[(*n)++] = i;
   }
   *out = list;
 }

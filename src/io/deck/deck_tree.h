@@ -401,6 +401,9 @@ typedef struct deck_bodies {
 } deck_bodies;
 
 deck_bodies deck_select(struct deck_group *g, bool walls);
+/* Returns the disks that a key names, in its order: disks by name or number, groups by name. Errors
+ * are reported. */
+deck_bodies deck_disks_named(struct deck_group *g, const char *key);
 /* Finds the body with the name or number in the node: a disk, or a wall if `walls` is true.
  * Returns false after a mistake (reported). */
 bool deck_find_body(deck *d, const deck_node *node, bool walls, uint32_t *body);
