@@ -78,24 +78,6 @@ void average_sample(sd_state *state, const moment *now, bool measured) {
 
 /* --- means ------------------------------------------------------------------------------------ */
 
-/* Returns the mean of numerator over denominator. The record whose mean has this error depends on
- * the ratio of the rows that are kept, and these on the record: so both are computed until the cut
- * stays the same, a few times at most. */
-static sd_mean ratio_of(const double *over, const double *under, size_t bins, double period) {
-  enum { MOST = 4 };
-  sd_mean mean = {0};
-  size_t cut = 0;
-  double z[SD_BINS];
-  for (int pass = 0; pass < MOST && (pass == 0 || mean.discarded != cut); pass++) {
-    cut = mean.discarded;
-    const double b = sums_mean(under + cut, bins - cut),
-                 ratio = sums_mean(over + cut, bins - cut) / b;
-    for (size_t k = 0; k < bins; k++) z[k] = ratio + (over[k] - ratio * under[k]) / b;
-    mean = mean_of_record(z, bins, period);
-  }
-  return mean;
-}
-
 sd_average average_of(const sd_model *model, const sd_state *state, size_t k) {
   const int64_t rows = state->average_rows[k], missing = state->average_missing[k],
                 each = rows_per_bin(rows);
@@ -111,7 +93,7 @@ sd_average average_of(const sd_model *model, const sd_state *state, size_t k) {
   if (bins == 0 || missing > 0) return a;
   const double *over = state->average_bin + 2 * k * SD_BINS;
   /* A ripple with a period shorter than a bin only adds noise: ignore it. */
-  const sd_mean mean = ratio_of(over, over + SD_BINS, bins, period >= 1 ? period : 0);
+  const sd_mean mean = mean_of_ratio(over, over + SD_BINS, bins, period >= 1 ? period : 0);
   a.mean = mean.mean;
   a.error = mean.error;
   a.correlation = mean.correlation * bin;

@@ -117,5 +117,7 @@ double mean_period(const sd_model *model);
 /* Returns the mean of x[0..n) and its error bar, with the transient cut off, for a record that may
  * contain a periodic ripple. period: period of the ripple in samples; 0: no ripple. */
 sd_mean mean_of_record(const double *x, size_t n, double period);
+/* The same for the mean of over[0..n) divided by that of under[0..n). */
+sd_mean mean_of_ratio(const double *over, const double *under, size_t n, double period);
 
 #endif

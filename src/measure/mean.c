@@ -124,6 +124,37 @@ sd_mean mean_of_record(const double *x, size_t n, double period) {
   return period > 0 ? mean_of_ripple(x, n, period) : sd_mean_of(x, n, true);
 }
 
+/* The record whose mean has the error of the ratio depends on the ratio of the rows that are kept,
+ * and these on the record: so both are computed until the cut stays the same, a few times at
+ * most. look: true to search for a transient. */
+static sd_mean ratio_of(const double *over, const double *under, size_t n, bool look,
+                        double period) {
+  enum { MOST = 4 };
+  sd_mean mean = sd_mean_of(NULL, 0, false);
+  double few[SD_BINS], *z = few;
+  if (n > SD_BINS && !memory_row(&z, n, sizeof *z)) {
+    shortage_note();
+    return mean;
+  }
+  size_t cut = 0;
+  for (int pass = 0; n > 0 && pass < MOST && (pass == 0 || mean.discarded != cut); pass++) {
+    cut = mean.discarded;
+    const double b = sums_mean(under + cut, n - cut), ratio = sums_mean(over + cut, n - cut) / b;
+    for (size_t k = 0; k < n; k++) z[k] = ratio + (over[k] - ratio * under[k]) / b;
+    mean = look ? mean_of_record(z, n, period) : sd_mean_of(z, n, false);
+  }
+  if (z != few) free(z);
+  return mean;
+}
+
+sd_mean mean_of_ratio(const double *over, const double *under, size_t n, double period) {
+  return ratio_of(over, under, n, true, period);
+}
+
+sd_mean sd_ratio_of(const double *over, const double *under, size_t n, bool look) {
+  return ratio_of(over, under, n, look, 0);
+}
+
 sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t k) {
   if (k >= model->n_rotations)
     return (sd_rotation){UINT32_MAX, NAN, NAN, NAN, NAN, NAN, NAN, NAN, false};

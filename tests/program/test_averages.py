@@ -87,6 +87,10 @@ class Averages(results_common.Folder):
                 if not os.path.exists(LIBRARY):  # sanitizer builds have none; the release build's test compares the errors
                     continue
                 alone = slipdisk.mean(ratio + (over - ratio * under) / under[cut:].mean())
+                pair = slipdisk.mean(over, over=under)
+                self.assertAlmostEqual(pair.mean, ratio, delta=1e-9 * abs(ratio), msg=name)
+                self.assertAlmostEqual(pair.error, alone.error, delta=1e-6 * alone.error + 1e-12, msg=name)
+                self.assertEqual((pair.discarded, pair.converged), (cut, alone.converged), name)
                 self.assertEqual(alone.discarded, cut, name)
                 self.assertAlmostEqual(a.error, alone.error, delta=1e-6 * alone.error + 1e-12, msg=name)
                 self.assertEqual(a.converged, alone.converged, name)

@@ -303,6 +303,16 @@ class Reading(unittest.TestCase):
         m = slipdisk.mean(rng.normal(3, 2, 40_000))
         self.assertLess(abs(m.mean - 3), 5 * m.error)
         self.assertAlmostEqual(m.error, 0.01, 2)
+        y = rng.normal(5, 1, 40_000)
+        m = slipdisk.mean(2 * y + rng.normal(0, 3, 40_000), over=y)  # the noise that both have does not count
+        self.assertLess(abs(m.mean - 2), 5 * m.error)
+        self.assertAlmostEqual(m.error, 3 / 200 / 5, delta=3e-4)
+        self.assertEqual(slipdisk.mean(4 * y, over=y).error, 0)
+        self.assertAlmostEqual(slipdisk.mean(y, over=np.ones(40_000)).error, slipdisk.mean(y).error, 12)
+        for x, over in ((y, y[1:]), ([[1.0]], None), (y, [[1.0]])):
+            with self.assertRaisesRegex(slipdisk.UserError, "expected one record, one-dimensional"):
+                slipdisk.mean(x, over=over)
+        self.assertTrue(np.isnan(slipdisk.mean([], over=[]).mean))
 
 
 class Extending(unittest.TestCase):

@@ -283,6 +283,7 @@ FUNCTIONS = {
     "sd_configuration_of": (Configuration, c_void_p, c_void_p, c_size_t),
     "sd_disk_mean_of": (DiskMean, c_void_p, c_void_p, c_size_t),
     "sd_mean_of": (Mean, c_void_p, c_size_t, c_bool),
+    "sd_ratio_of": (Mean, c_void_p, c_void_p, c_size_t, c_bool),
     "sd_simulation_measure": (c_int, c_void_p, POINTER(c_double), c_size_t, POINTER(POINTER(Measured)), c_void_p),
     "sd_measurement_free": (None, POINTER(Measured)),
     "sd_result_open": (c_int, c_char_p, OUT, c_void_p),
@@ -409,13 +410,15 @@ def structured(items, kind):
     return np.array([np.frombuffer(item, kind)[0] for item in items], kind)
 
 
-def mean(x: ArrayLike, transient: bool = True) -> Record[float]:
+def mean(x: ArrayLike, transient: bool = True, *, over: ArrayLike | None = None) -> Record[float]:
     """Mean of a correlated, evenly spaced record with one standard error; a Record of `mean`, `error`,
-    `correlation` (time, in samples), `used`, `discarded` (as transient), `converged`."""
-    x = np.ascontiguousarray(x, float)
-    if x.ndim != 1:
-        raise UserError("mean: expected one record, one-dimensional")
-    return record(library().sd_mean_of(x.ctypes.data, len(x), transient))
+    `correlation` (time, in samples), `used`, `discarded` (as transient), `converged`. over: another record of the same length; then
+    the mean of x divided by that of `over`."""
+    records = [np.ascontiguousarray(each, float) for each in (x, over) if each is not None]
+    if any(each.ndim != 1 or len(each) != len(records[0]) for each in records):
+        raise UserError("mean: expected one record, one-dimensional" + (", or two of the same length" if over is not None else ""))
+    found = library().sd_mean_of if over is None else library().sd_ratio_of
+    return record(found(*(each.ctypes.data for each in records), len(records[0]), transient))
 
 
 def unknown(name, names, where):

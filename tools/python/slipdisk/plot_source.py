@@ -165,14 +165,7 @@ class Source:
         top, bottom = self.fraction_of(name)
         span = float(self.result.summary["measured_time"]) or self.phases[-1][2] - self.phases[-1][1]
         keep = self.series["time"] > self.result.time - span * (1 + 1e-9)
-        if bottom is None:
-            return lib.mean(top[keep])
-        first = lib.mean(top[keep]).discarded  # of the transient
-        top, bottom = top[keep][first:], bottom[keep][first:]
-        ratio = top.mean() / bottom.mean()
-        found = lib.mean((top - ratio * bottom) / bottom.mean(), transient=False)
-        found["mean"] = ratio
-        return found
+        return lib.mean(top[keep], over=None if bottom is None else bottom[keep])
 
     def disk_name(self, number: int) -> str:
         return style.plain(self.names[number] or f"disk {number}")
