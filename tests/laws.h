@@ -23,19 +23,30 @@ typedef struct law {
   double k_r, gamma_r, mu_r;
   const char *cohesion; /* NULL: none */
   double pull_off, range, rupture;
+  double E_star,
+      poisson; /* not 0: written in place of k_n, k_t, which are then those of the pair */
 } law;
 
 HELPER void law_add(text *t, const char *name, const law *l) {
   const struct {
     const char *key;
     double value;
-  } numbers[] = {{"gamma_n", l->gamma_n}, {"restitution", l->restitution},
-                 {"mu", l->mu},           {"mu_kinetic", l->mu_kinetic},
-                 {"k_t", l->k_t},         {"gamma_t", l->gamma_t},
-                 {"k_r", l->k_r},         {"gamma_r", l->gamma_r},
-                 {"mu_r", l->mu_r},       {"pull_off", l->pull_off},
-                 {"range", l->range},     {"rupture", l->rupture}};
-  text_add(t, "{ %s; k_n = %.17g;", name, l->k_n);
+  } numbers[] = {{"gamma_n", l->gamma_n},
+                 {"restitution", l->restitution},
+                 {"mu", l->mu},
+                 {"mu_kinetic", l->mu_kinetic},
+                 {"E_star", l->E_star},
+                 {"poisson", l->poisson},
+                 {"k_t", l->poisson > 0 ? 0 : l->k_t},
+                 {"gamma_t", l->gamma_t},
+                 {"k_r", l->k_r},
+                 {"gamma_r", l->gamma_r},
+                 {"mu_r", l->mu_r},
+                 {"pull_off", l->pull_off},
+                 {"range", l->range},
+                 {"rupture", l->rupture}};
+  text_add(t, "{ %s;", name);
+  if (l->E_star == 0) text_add(t, " k_n = %.17g;", l->k_n);
   if (l->hertz) text_add(t, " law = \"hertz\";");
   if (l->mindlin) text_add(t, " tangential = \"mindlin\";");
   if (l->pulls) text_add(t, " limit_damping = false;");

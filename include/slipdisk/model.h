@@ -82,6 +82,13 @@ typedef struct sd_contact_law {
   /* Constant attraction: gap at which it ends, >= 0; capillary bridge: decay length, > 0 */
   double range;
   double rupture; /* gap at which a capillary bridge breaks, > 0 */
+  /* Hertz: effective modulus E*, force/length^2, in place of k_n, which is then 0 or 4/3 E_star. The
+   * stiffness of a contact is 4/3 E_star sqrt(R_eff), R_eff = R_a R_b/(R_a + R_b), on straight walls
+   * R_a. 0: k_n is the stiffness, whatever the radii are */
+  double E_star;
+  /* Mindlin with E_star: Poisson's ratio nu, > 0 and at most 0.5, in place of k_t, which is then 0 or
+   * k_n 3 (1 - nu)/(2 - nu); it is multiplied by sqrt(R_eff), too. 0: k_t is the stiffness */
+  double poisson;
 } sd_contact_law;
 
 /* A disk as it is at the start. */
@@ -404,7 +411,8 @@ SD_API void sd_model_set_bounds(sd_model *model, const double lower[2], const do
 /* Adds a material and returns its number. law: contact law between two bodies of this material;
  * NULL: there is none, and no two such bodies may touch. */
 SD_API int sd_model_add_material(sd_model *model, const char *name, const sd_contact_law *law);
-/* Sets the contact law between bodies of material_a and bodies of material_b, in either order. */
+/* Sets the contact law between bodies of material_a and bodies of material_b, in either order. With
+ * E_star the law of the model has the k_n, and with poisson the k_t, that follow for R_eff = 1. */
 SD_API void sd_model_set_law(sd_model *model, int material_a, int material_b,
                              const sd_contact_law *law);
 /* Adds a disk and returns its number. */

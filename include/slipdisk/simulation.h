@@ -136,6 +136,7 @@ SD_API sd_status sd_simulation_remove_disks(sd_simulation *simulation, size_t n,
  *   law.k_n law.k_t law.gamma_n        a n + b, for two of the n materials; the law of b and a
  *   law.mu law.mu_kinetic law.gamma_t  follows
  *   law.restitution law.pull_off
+ *   law.E_star law.poisson
  *   law.k_r law.gamma_r law.mu_r
  *   motion.velocity motion.amplitude   number of a motion that has this constant
  *   motion.force motion.pressure

@@ -146,10 +146,9 @@ static double mindlin_of(const sd_model *m, size_t a, size_t b, sd_messages *mes
   const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
   if (law->tangential != SD_TANGENTIAL_MINDLIN || law->k_t > 0) return 0;
   char *name = law_name(m, a, b);
-  sd_warn(messages,
-          "%s: tangential = \"mindlin\" without k_t has no effect: give k_t (force/length^(3/2)) "
-          "and mu",
-          name);
+  sd_warn(messages, "%s: tangential = \"mindlin\" without %s has no effect: give %s and mu", name,
+          law->E_star > 0 ? "poisson" : "k_t",
+          law->E_star > 0 ? "poisson" : "k_t (force/length^(3/2))");
   free(name);
   return 1;
 }
@@ -159,14 +158,15 @@ static double friction_of(const sd_model *m, size_t a, size_t b, sd_messages *me
   if ((law->mu > 0) == (law->k_t > 0)) return mindlin_of(m, a, b, messages);
   char *name = law_name(m, a, b);
   if (law->mu > 0)
-    sd_warn(messages,
-            "%s: mu = %g without k_t is no friction at all: give k_t, usually 0.3 to 1 times k_n",
-            name, law->mu);
+    sd_warn(messages, "%s: mu = %g without k_t is no friction at all: give %s", name, law->mu,
+            law->E_star > 0 ? "tangential = \"mindlin\" and poisson"
+                            : "k_t, usually 0.3 to 1 times k_n");
   else
     sd_warn(messages,
-            "%s: k_t = %g without mu has no effect: the contact slides freely; give mu, or leave "
-            "k_t out",
-            name, law->k_t);
+            "%s: %s = %g without mu has no effect: the contact slides freely; give mu, or leave "
+            "%s out",
+            name, law->poisson > 0 ? "poisson" : "k_t", law->poisson > 0 ? law->poisson : law->k_t,
+            law->poisson > 0 ? "poisson" : "k_t");
   free(name);
   return 1;
 }
@@ -227,7 +227,7 @@ static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
 }
 
 /* Collective. Smallest ratio settle.unbalanced that rounding of positions allows: the force
- * error eps/2 * |x| * k_n divided by the weight of the lightest disk; 0: no weight. */
+ * error eps/2 * |x| * k divided by the weight of the lightest disk; 0: no weight. */
 static double rounding(const sd_model *m) {
   double g = hypot(m->gravity[0], m->gravity[1]), least = HUGE_VAL, farthest = 0, stiffest = 0;
   for (size_t row = 0; row < rows_count(m); row++) {
@@ -238,7 +238,7 @@ static double rounding(const sd_model *m) {
   farthest = rows_largest(m, farthest);
   least = rows_least(m, least);
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
-    stiffest = fmax(stiffest, m->laws[k].k_n);
+    stiffest = fmax(stiffest, law_typical_stiffness(&m->laws[k], m->largest_radius));
   return least > 0 && isfinite(least) ? DBL_EPSILON / 2 * farthest * stiffest / least : 0;
 }
 
@@ -428,16 +428,12 @@ static bool waits(const sd_model *m, uint32_t body) {
   return body < m->n_disks && m->disks[body].waiting;
 }
 
-/* Fills in the elastic force of overlap o and the weight of the lighter free disk in it. d: disk
- * o->a. */
-static void note_force(const sd_model *m, const sd_disk *d, first_overlap *o) {
-  const int other =
-      o->b < m->n_disks ? m->disks[o->b].material : m->walls[o->b - m->n_disks].material;
+/* Returns the weight of the lighter free disk in an overlap. d: disk o->a. */
+static double lighter_weight(const sd_model *m, const sd_disk *d, const overlap *o) {
   const double g = hypot(m->gravity[0], m->gravity[1]);
   double mass = d->driven ? HUGE_VAL : d->mass;
   if (is_free(m, o->b)) mass = fmin(mass, m->disks[o->b].mass);
-  o->force = law_force(sd_model_law(m, d->material, other), o->depth);
-  o->weight = mass * g;
+  return mass * g;
 }
 
 /* Stores an overlap if it is the deepest so far, relative to the radius of its smaller disk a.
@@ -453,8 +449,12 @@ static bool note_overlap(void *user, const overlap *o) {
   /* an overlap beyond max_overlap is an error even if the contact is restored from a file */
   const bool too_deep = m->max_overlap > 0 && relative > m->max_overlap;
   if ((begins_away(m, o->a, o->b) && !too_deep) || begins_with(s, o->a, o->b)) return false;
-  s->worst = (first_overlap){.a = o->a, .b = o->b, .depth = o->depth, .relative = relative};
-  note_force(m, d, &s->worst);
+  s->worst = (first_overlap){.a = o->a,
+                             .b = o->b,
+                             .depth = o->depth,
+                             .relative = relative,
+                             .force = overlap_force(m, o),
+                             .weight = lighter_weight(m, d, o)};
   return false;
 }
 

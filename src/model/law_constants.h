@@ -30,6 +30,9 @@ static inline bool law_is_constant(const sd_contact_law *l) {
   ROW(LAW_KINETIC, cap_kinetic, law_ratio(l->mu_kinetic > 0.0 ? l->mu_kinetic : l->mu, l->k_t))    \
   ROW(LAW_MINDLIN, mindlin, l->tangential == SD_TANGENTIAL_MINDLIN)                                \
   ROW(LAW_DASHPOT, dashpot_ratio, law_ratio(l->gamma_t, l->k_t))                                   \
+  /* 1: k_n, and k_t with what is divided by it, depend on R_eff (law_radius.h) */                 \
+  ROW(LAW_RADIUS, scales_k_n, l->E_star > 0.0)                                                     \
+  ROW(LAW_RADIUS, scales_k_t, l->poisson > 0.0)                                                    \
   ROW(LAW_ROLLING, k_r, l->k_r)                                                                    \
   ROW(LAW_ROLLING, cap_r, law_ratio(l->mu_r, l->k_r))                                              \
   ROW(LAW_ROLLING, dashpot_ratio_r, law_ratio(l->gamma_r, l->k_r))                                 \

@@ -21,10 +21,18 @@ static const deck_shape tangential_words[] = {WORD("spring", SD_TANGENTIAL_SPRIN
 static const deck_key law_keys[] = {
     {"law", CHOICE, "\"linear\"", normal_words, "normal law, see below",
      SETS(sd_contact_law, normal)},
-    {"k_n", NUMBER(DECK_POSITIVE, "force/length"), "required", NULL,
-     "normal stiffness; hertz: force/length^(3/2)", SETS(sd_contact_law, k_n)},
+    {"k_n", NUMBER(DECK_POSITIVE, "force/length"), "-", NULL,
+     "normal stiffness; hertz: force/length^(3/2); required unless E_star is given",
+     SETS(sd_contact_law, k_n)},
+    {"E_star", NUMBER(DECK_POSITIVE, "force/length^2"), "-", NULL,
+     "hertz: effective modulus in place of k_n, which is then 4/3 E_star sqrt(R_eff) of each "
+     "contact",
+     SETS(sd_contact_law, E_star)},
     {"k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL,
      "stiffness of the tangential spring; mindlin: force/length^(3/2)", SETS(sd_contact_law, k_t)},
+    {"poisson", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
+     "mindlin with E_star: Poisson's ratio in place of k_t, which is then 3 (1 - nu)/(2 - nu) k_n",
+     SETS(sd_contact_law, poisson)},
     {"gamma_n", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL, "normal viscosity",
      SETS(sd_contact_law, gamma_n)},
     {"mu", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL, "coefficient of friction (Amonton)",
@@ -65,6 +73,9 @@ TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
 /* --- errors of laws --------------------------------------------------------------------------- */
 
 char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
+  sd_contact_law derived = *law;
+  derived.k_n = derived.k_t = 0;
+  law_complete(&derived);
   const bool bridge = law->cohesion == SD_COHESION_BRIDGE;
   const struct {
     bool wrong;
@@ -74,6 +85,18 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
   } rules[] = {
       /* law_mistake appends the value of mu to the text of this row */
       {law->mu_kinetic > law->mu, "mu_kinetic", law->mu_kinetic, "expected at most mu"},
+      {law->E_star > 0 && law->normal != SD_NORMAL_HERTZ, "E_star", law->E_star,
+       "a modulus is for law = \"hertz\"; give that, or k_n in place of E_star"},
+      {law->E_star > 0 && law->k_n != derived.k_n, "k_n", law->k_n,
+       "with E_star the stiffness is 4/3 E_star sqrt(R_eff); leave out one of the two"},
+      {law->poisson > 0.5, "poisson", law->poisson, "expected at most 0.5"},
+      {law->poisson > 0 && !(law->E_star > 0), "poisson", law->poisson,
+       "without E_star it has no stiffness to refer to; give E_star in place of k_n, or k_t in "
+       "place of poisson"},
+      {law->poisson > 0 && law->tangential != SD_TANGENTIAL_MINDLIN, "poisson", law->poisson,
+       "Poisson's ratio is for tangential = \"mindlin\"; give that, or k_t in place of poisson"},
+      {law->poisson > 0 && law->k_t != derived.k_t, "k_t", law->k_t,
+       "with poisson it is 3 (1 - nu)/(2 - nu) k_n; leave out one of the two"},
       {law->gamma_t > 0 && !(law->k_t > 0 && law->mu > 0), "gamma_t", law->gamma_t,
        "without k_t and mu there is no tangential force; give both"},
       {law->gamma_r > 0 && !(law->k_r > 0), "gamma_r", law->gamma_r,
@@ -120,6 +143,7 @@ unsigned law_features(const sd_contact_law *law) {
   if (law->k_r > 0) f |= LAW_ROLLING;
   if (law->cohesion != SD_COHESION_NONE) f |= LAW_COHESION;
   if (law->cohesion == SD_COHESION_BRIDGE) f |= LAW_BRIDGE;
+  if (law->E_star > 0) f |= LAW_RADIUS;
   return f;
 }
 

@@ -13,6 +13,7 @@
 #include "model/field_kinds.h"
 #include "model/keys.h"
 #include "model/motions.h"
+#include "model/normal_laws.h"
 #include "model/rows.h"
 #include "slipdisk/deck.h"
 
@@ -292,16 +293,18 @@ void sd_model_set_law(sd_model *m, int a, int b, const sd_contact_law *law) {
             b);
     return;
   }
-  if (!(law->k_n > 0.0))
+  sd_contact_law own = *law;
+  law_complete(&own);
+  if (!(own.k_n > 0.0))
     sd_fail(mistakes(m), SD_ERROR_USER,
-            "law of materials %d and %d: k_n = %g: expected a number > 0", a, b, law->k_n);
+            "law of materials %d and %d: k_n = %g: expected a number > 0", a, b, own.k_n);
   if ((unsigned)law->normal >= SD_NORMAL_LAWS) {
     sd_fail(mistakes(m), SD_ERROR_USER,
             "law of materials %d and %d: normal = %d: expected a normal law", a, b,
             (int)law->normal);
     return;
   }
-  m->laws[a * n + b] = m->laws[b * n + a] = *law;
+  m->laws[a * n + b] = m->laws[b * n + a] = own;
 }
 
 /* --- bodies ----------------------------------------------------------------------------------- */

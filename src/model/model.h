@@ -406,6 +406,7 @@ enum {
   LAW_ROLLING = 32,
   LAW_COHESION = 64,
   LAW_BRIDGE = 128, /* capillary bridges */
+  LAW_RADIUS = 256, /* stiffness from a modulus and R_eff (E_star) */
   LAW_GENERAL = ~LAW_NORMAL
 };
 /* Returns the flags LAW_... of the parts that one contact law has; 0 if the law is not given. */
@@ -413,7 +414,8 @@ unsigned law_features(const sd_contact_law *law);
 /* Returns the flags LAW_... of the parts that any contact law of the model has. */
 unsigned laws_features(const sd_model *model);
 
-/* Effective radius of rolling, R_a R_b/(R_a + R_b); on a straight wall (rb = 0) R_a. */
+/* Effective radius R_a R_b/(R_a + R_b) of rolling, and of Hertz' law; on a straight wall (rb = 0)
+ * R_a. */
 static inline double law_arm(double ra, double rb) { return rb == 0.0 ? ra : ra * rb / (ra + rb); }
 
 #endif

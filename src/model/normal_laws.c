@@ -8,6 +8,12 @@
 const normal_law normal_laws[SD_NORMAL_LAWS] = {NORMAL_LAWS(ROW_OF)};
 #undef ROW_OF
 
+void law_complete(sd_contact_law *law) {
+  const double nu = law->poisson;
+  if (law->E_star > 0 && law->k_n == 0) law->k_n = 4.0 / 3.0 * law->E_star;
+  if (law->E_star > 0 && nu > 0 && law->k_t == 0) law->k_t = law->k_n * 3 * (1 - nu) / (2 - nu);
+}
+
 /* Coefficient of restitution e(b) of a damped oscillator with w_0 = 1 and damping ratio b whose
  * force never pulls (docs/physics.md 2); it falls from 1 towards 0 as b grows. */
 static double restitution_of(double b) {

@@ -48,7 +48,21 @@ typedef struct normal_law {
 
 extern const normal_law normal_laws[SD_NORMAL_LAWS];
 
-/* Elastic normal force at overlap delta. */
+/* Sets the k_n of a law with E_star, and the k_t of one with poisson, for R_eff = 1. Values that are
+ * not 0 stay; law_mistake (laws.h) reports them if they are others. */
+void law_complete(sd_contact_law *law);
+/* Returns the law of a contact with effective radius `arm` (law_arm): k_n of E_star and k_t of
+ * poisson are multiplied by sqrt(arm), as law_radius.h does it in steps. Other laws stay as they
+ * are. */
+static inline sd_contact_law law_at(const sd_contact_law *law, double arm) {
+  sd_contact_law at = *law;
+  if (law->E_star > 0.0) at.k_n *= sqrt(fabs(arm));
+  if (law->poisson > 0.0) at.k_t *= sqrt(fabs(arm));
+  at.E_star = at.poisson = 0.0;
+  return at;
+}
+/* The three functions below take a law without E_star, or one from law_at.
+ * Elastic normal force at overlap delta. */
 static inline double law_force(const sd_contact_law *law, double delta) {
   return normal_laws[law->normal].force(law->k_n, delta);
 }
@@ -60,10 +74,11 @@ static inline double law_energy(const sd_contact_law *law, double delta) {
 static inline double law_stiffness(const sd_contact_law *law, double delta) {
   return normal_laws[law->normal].stiffness(law->k_n, delta);
 }
-/* Stiffness at an overlap of 0.01 R, for estimates of periods; a linear law has the same at any
- * overlap. */
+/* Stiffness at an overlap of 0.01 R, on a straight wall (R_eff = R), for estimates of periods; a
+ * linear law has the same at any overlap. */
 static inline double law_typical_stiffness(const sd_contact_law *law, double radius) {
-  return law_stiffness(law, 0.01 * radius);
+  const sd_contact_law at = law_at(law, radius);
+  return law_stiffness(&at, 0.01 * radius);
 }
 /* Returns the damping ratio b of a linear oscillator whose collisions have this coefficient of
  * restitution. pulls: true if the force may become attractive, false if it is cut off at 0. */

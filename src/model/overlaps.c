@@ -15,6 +15,8 @@
 #include "base/buckets.h"
 #include "base/memory.h"
 #include "model/clumps.h"
+#include "model/laws.h"
+#include "model/normal_laws.h"
 #include "model/walls.h"
 
 /* A level: disks whose radii lie within a factor of two. Cell indices have type double, so that
@@ -315,6 +317,27 @@ void overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) 
     free(tree.low);
     free(tree.high);
   }
+}
+
+/* R_b of the other body of an overlap: negative if disk a lies within the circle of a round wall or
+ * arc, 0 for straight walls. */
+static double other_radius(const sd_model *m, const overlap *o) {
+  if (o->b < m->n_disks) return m->disks[o->b].radius;
+  const sd_wall *w = &m->walls[o->b - m->n_disks];
+  const double *p = rows_disk(m, o->row)->position;
+  if (w->kind == SD_WALL_CIRCLE) return w->inside ? -w->radius : w->radius;
+  if (w->kind != SD_WALL_ARC) return 0.0;
+  return hypot(p[0] - w->center[0], p[1] - w->center[1]) < w->radius ? -w->radius : w->radius;
+}
+
+double overlap_force(const sd_model *m, const overlap *o) {
+  const sd_disk *a = rows_disk(m, o->row);
+  const sd_contact_law *law = sd_model_law(
+      m, a->material,
+      o->b < m->n_disks ? m->disks[o->b].material : m->walls[o->b - m->n_disks].material);
+  if (!law || !law_is_given(law)) return 0.0;
+  const sd_contact_law at = law_at(law, law_arm(a->radius, other_radius(m, o)));
+  return law_force(&at, o->depth);
 }
 
 /* --- gap between two bodies ------------------------------------------------------------------- */

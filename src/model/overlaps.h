@@ -12,6 +12,9 @@ typedef struct overlap {
   bool coincident; /* true for two disks with the same centre */
 } overlap;
 
+/* Returns the elastic normal force at this overlap; 0: the two materials have no contact law. */
+double overlap_force(const sd_model *model, const overlap *found);
+
 /* Function that is called for each overlap found. Returning true ends the search for further
  * overlaps of disk a. */
 typedef bool overlap_visitor(void *user, const overlap *found);

@@ -3,7 +3,8 @@
  * A disk between two supports is an oscillator x'' = -w^2 x - c x' with w^2 = 2 k/m and c = 2
  * gamma_n/m along the normal, and w^2 = 2 k_t (1/m + R^2/I), c = 2 gamma_t (1/m + R^2/I) along
  * the tangent; rolling resistance at both supports adds 2 k_r R^2/I to this w^2 and 2 gamma_r
- * R^2/I to this c. A stiffness that depends on the overlap is taken at 0.01 R. Both integrators
+ * R^2/I to this c. A stiffness that depends on the overlap is taken at 0.01 R, one that depends on
+ * R_eff at R, which is that of a straight wall. Both integrators
  * use the velocity predicted from the old acceleration. An eigenvalue of their step passes -1,
  * and the motion blows up within a few steps, beyond
  *
@@ -40,13 +41,14 @@ static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, dou
                                 unsigned moved) {
   bool still = (d->locked[SD_X] || moved & 1u << SD_X) && (d->locked[SD_Y] || moved & 1u << SD_Y);
   bool turns = !d->locked[SD_THETA] && !(moved & 1u << SD_THETA);
+  const sd_contact_law flat = law_at(law, d->radius);
   double inverse_mass = still ? 0.0 : 1.0 / d->mass;
   double inverse_inertia = turns ? d->radius * d->radius / d->inertia : 0.0;
   double gamma = law->gamma_n, rubs = law->mu > 0.0 ? 2.0 * (inverse_mass + inverse_inertia) : 0.0;
   double k_t =
-      law->tangential == SD_TANGENTIAL_MINDLIN ? law->k_t * sqrt(0.01 * d->radius) : law->k_t;
+      law->tangential == SD_TANGENTIAL_MINDLIN ? flat.k_t * sqrt(0.01 * d->radius) : flat.k_t;
   if (tsuji > 0.0)
-    gamma += normal_laws[law->normal].viscosity(tsuji * sqrt(d->mass * law->k_n), 0.01 * d->radius);
+    gamma += normal_laws[law->normal].viscosity(tsuji * sqrt(d->mass * flat.k_n), 0.01 * d->radius);
   return (oscillator){.normal2 = 2.0 * law_typical_stiffness(law, d->radius) * inverse_mass,
                       .tangential2 = k_t * rubs + 2.0 * law->k_r * inverse_inertia,
                       .damping = 2.0 * gamma * inverse_mass,

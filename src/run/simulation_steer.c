@@ -11,6 +11,7 @@
 #include "model/laws.h"
 #include "model/model.h"
 #include "model/motions.h"
+#include "model/normal_laws.h"
 #include "model/state.h"
 #include "physics/contact/energy.h"
 #include "physics/motion/motion.h"
@@ -74,6 +75,8 @@ static const quantity quantities[] = {
     {"held", STEER_HELD, 0, 1, 0},
     {"gravity", STEER_GRAVITY, 0, 1, 0},
     {"law.k_n", STEER_LAW, MEMBER(sd_contact_law, k_n)},
+    {"law.E_star", STEER_LAW, MEMBER(sd_contact_law, E_star)},
+    {"law.poisson", STEER_LAW, MEMBER(sd_contact_law, poisson)},
     {"law.k_t", STEER_LAW, MEMBER(sd_contact_law, k_t)},
     {"law.gamma_n", STEER_LAW, MEMBER(sd_contact_law, gamma_n)},
     {"law.mu", STEER_LAW, MEMBER(sd_contact_law, mu)},
@@ -469,6 +472,16 @@ static sd_status change_motion(steering *c, size_t k) {
   return SD_OK;
 }
 
+/* Sets a member of a law. The stiffnesses that follow from E_star and poisson change with these. */
+static void set_law(sd_contact_law *law, const quantity *q, double value) {
+  const sd_contact_law was = *law;
+  *member_of(law, q) = value;
+  if (law->E_star != was.E_star) law->k_n = 0.0;
+  if (was.poisson > 0.0 && (law->E_star != was.E_star || law->poisson != was.poisson))
+    law->k_t = 0.0;
+  law_complete(law);
+}
+
 static sd_status change_law(steering *c, size_t k) {
   sd_model *m = c->next;
   const size_t n = m->n_materials, at = index_of(c, k);
@@ -478,8 +491,8 @@ static sd_status change_law(steering *c, size_t k) {
         "%s of law %zu: expected the number a n + b of two of the %zu materials that have "
         "a law",
         c->row->name, at, n);
-  *member_of(&m->laws[at], c->row) = *member_of(&m->laws[at % n * n + at / n], c->row) =
-      value_of(c, k, 0);
+  set_law(&m->laws[at], c->row, value_of(c, k, 0));
+  m->laws[at % n * n + at / n] = m->laws[at];
   return SD_OK;
 }
 

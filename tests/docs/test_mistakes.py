@@ -167,6 +167,11 @@ TABLES = {
         *[change(f"`{keys}` in `materials`", "gamma_n = 2; mu = 0.5;", keys)
           for keys in ("friction = 0.5;", "e = 0.5;", "cor = 0.5;", "young = 1e9;", "damping = 2;", "mu = 0.3; mu_kinetic = 0.5;",
                        'cohesion = "constant";', 'cohesion = "bridge"; pull_off = 1;')],
+        *[change(f"`{keys}` in `materials`", "k_n = 1e4; k_t = 5e3;", keys)
+          for keys in ("k_t = 5e3;", "E_star = 1e6;", 'law = "hertz"; E_star = 1e6; k_n = 1e4;', 'law = "hertz"; E_star = 1e6; poisson = 0.3;',
+                       'law = "hertz"; k_n = 1e6; tangential = "mindlin"; poisson = 0.3;',
+                       'law = "hertz"; E_star = 1e6; k_t = 1e6; tangential = "mindlin"; poisson = 0.3;',
+                       'law = "hertz"; E_star = 1e6; tangential = "mindlin"; poisson = 0.6;', 'law = "hertz"; E = 1e9; nu = 0.3;')],
         change("`diameter = 0.04;`", "radius = 0.02;", "diameter = 0.04;"),
         change("`timestep = 1e-5;`", "time = 2;", "time = 2; timestep = 1e-5;"),
         changes("a motion without `type`", ("output", 'motions = ( { wall = "floor"; coordinate = "y"; velocity = 1; } );\noutput')),
@@ -239,6 +244,10 @@ TABLES = {
                                                    'material_pairs = ( { materials = ("rubber", "steel"); k_n = 1e4; k_r = 1e3; } );'),
                 ("density", 'material = "rubber"; density'), ('"floor";', '"floor"; material = "steel";')),
         change('`tangential = "mindlin"` without `k_t`', "k_t = 5e3; gamma_n = 2; mu = 0.5;", 'gamma_n = 2; tangential = "mindlin";'),
+        change('`E_star = 1e6; tangential = "mindlin";` without `poisson`', "k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.5;",
+               'law = "hertz"; E_star = 1e6; tangential = "mindlin"; mu = 0.5;'),
+        change("`poisson` without `mu`", "k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.5;",
+               'law = "hertz"; E_star = 1e6; tangential = "mindlin"; poisson = 0.3; gamma_n = 0.1;'),
         define("dt=1e-4"), define("dt=5e-4"),
         change("`gamma_n = 20;`, which bounds dt", "gamma_n = 2", "gamma_n = 20"),
         change("`gamma_n = 60;`, which bounds dt", "gamma_n = 2", "gamma_n = 60"),

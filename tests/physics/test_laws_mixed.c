@@ -47,17 +47,26 @@ static law drawn_law(uint64_t *seed) {
   return l;
 }
 
+/* Hertz' law of about these stiffnesses, from a modulus and Poisson's ratio. */
+static void take_modulus(law *l) {
+  if (!l->hertz) return;
+  l->E_star = 0.75 * l->k_n / sqrt(0.5 * mean_radius);
+  if (l->mindlin && l->k_t > 0) l->poisson = 0.5 * fmin(fmod(l->k_t, 1000) / 1000 + 1e-3, 1);
+}
+
 static void add_laws(text *t, uint64_t *seed) {
   static const char *const names[] = {"a", "b", "c"}, *const between_two[] = {"(\"a\", \"b\")",
                                                                               "(\"a\", \"c\")",
                                                                               "(\"b\", \"c\")"};
   char name[64];
+  const bool moduli = *seed % 3 == 2;
   text_add(t, "materials = (");
   for (int k = 0; k < 6; k++) {
     if (k == 3) text_add(t, " );\nmaterial_pairs = (");
     snprintf(name, sizeof name, k < 3 ? "name = \"%s\"" : "materials = %s",
              k < 3 ? names[k] : between_two[k - 3]);
     law l = drawn_law(seed);
+    if (moduli) take_modulus(&l);
     text_add(t, "%s", k % 3 ? ", " : "");
     law_add(t, name, &l);
   }

@@ -12,6 +12,7 @@ class Laws(Files):
     """Six disks over three bodies, in the middle of an impact: what goes on is the run that was not interrupted."""
     LAWS = {"linear": "mu = 0.5;", "slides": "mu = 0.1; mu_kinetic = 0.05;",
             "mindlin": 'law = "hertz"; tangential = "mindlin"; mu = 0.1; mu_kinetic = 0.05;',
+            "modulus": 'law = "hertz"; E_star = 3e5; tangential = "mindlin"; poisson = 0.3; mu = 0.1; mu_kinetic = 0.05;',
             "range": 'mu = 0.1; mu_kinetic = 0.05; cohesion = "constant"; pull_off = 0.5; range = 1e-4;',
             "bridge": 'mu = 0.1; mu_kinetic = 0.05; cohesion = "bridge"; pull_off = 0.5; range = 1e-3; rupture = 2e-3;',
             "viscous": "mu = 0.1; gamma_n = 2;", "restitution": "mu = 0.5; restitution = 0.4; limit_damping = false;",
@@ -39,9 +40,9 @@ class Laws(Files):
                     self.goes_on(law, keys, body, walls, integrator, share)
 
     def goes_on(self, law, keys, body, walls, integrator, share):
-        stiffness = 5e4 if "hertz" in keys else 5e3
+        stiffness = "" if "E_star" in keys else f"k_n = 1e4; k_t = {5e4 if 'hertz' in keys else 5e3};"
         head = (f'integrator = "{integrator}"; dt = 2e-5; gravity = {{ g = 9.81; tilt = 0.2; }}; materials = ( {{ name = "m";'
-                f" k_n = 1e4; k_t = {stiffness}; {keys} }} ); {walls}")
+                f" {stiffness} {keys} }} ); {walls}")
         at = ((-0.0405, 0.0198, 0), (0, 0.0199, 3.9985), (0.0403, 0.0205, 1e5), (-0.02, 0.0545, -2),
               (0.0203, 0.0544, 7), (0, 0.0887, 0.3))
         rows = []

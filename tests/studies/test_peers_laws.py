@@ -3,10 +3,12 @@ forms; and, where LAMMPS is installed, whether collisions with the same law are 
 import math
 import os
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
 
+import h5py
 import numpy
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
@@ -216,6 +218,70 @@ class Alike(unittest.TestCase):
                 self.assertLess(abs(e), 2e-3, name)
                 self.assertLess(abs(angle), 0.3, name)
                 self.assertLess(abs(spin), 3e-3, name)
+
+    # Two spheres, or one on a wall, overlap by DEPTH and are sheared by 1e-6: force and torque of hertz/material.
+    MODULUS, NU, MU, DEPTH = 1e7, 0.3, 1.0, 2e-6
+    LAMMPS = """units si
+dimension 2
+atom_style sphere
+boundary f f p
+newton off
+comm_modify vel yes
+region box block -1 1 -1 1 -0.1 0.1
+create_box 1 box
+create_atoms 1 single {x} 0 0
+{second}
+set atom 1 diameter {diameter}
+set group all density 1000
+group one id 1
+velocity one set 0 0.01 0
+pair_style granular
+pair_coeff * * {law}
+{wall}
+timestep 1e-6
+fix 1 all nve/noforce
+dump 1 one custom 100 {out} fx fy tqz
+dump_modify 1 format float %.12g
+run 100
+"""
+    DECK = """dt = 1e-6; steps = 100; integrator = "verlet"; contact_variant = "conservative";
+materials = ( {{ name = "m"; law = "hertz"; E_star = {modulus}; mu = {mu}; tangential = "mindlin"; poisson = {nu}; }} );
+disks = ( {{ x = {x}; y = 0; radius = {radius}; mass = 1; inertia = 1e9; locked = ("x", "y"); }}{second} );
+{wall}
+motions = ( {{ {mover}; coordinate = "y"; type = "velocity"; velocity = -0.01; }} );
+"""
+
+    def test_modulus(self):
+        """E_star and poisson: the force of hertz/material and mindlin, for unequal spheres and on a wall."""
+        law = f"hertz/material {self.MODULUS} 0.0 {self.NU} tangential mindlin NULL 0.0 {self.MU} damping velocity"
+        for one, other in ((0.008, 0.012), (0.01, 0.01), (0.02, 0.002), (0.008, None)):
+            with self.subTest(one=one, other=other), tempfile.TemporaryDirectory() as name:
+                folder = pathlib.Path(name)
+                x = self.DEPTH - one
+                (folder / "in").write_text(self.LAMMPS.format(
+                    x=x, diameter=2 * one, law=law, out=folder / "out",
+                    second=f"create_atoms 1 single {other} 0 0\nset atom 2 diameter {2 * other}" if other else "",
+                    wall="" if other else f"fix w all wall/gran granular {law} xplane NULL 0"))
+                subprocess.run([programs.find("lammps"), "-in", folder / "in", "-log", "none"], check=True,
+                               capture_output=True, cwd=folder)
+                theirs = [float(word) for word in (folder / "out").read_text().splitlines()[-1].split()]
+                # At walls this LAMMPS divides by 1 - nu, and has a tangential stiffness of its own.
+                (folder / "d.cfg").write_text(self.DECK.format(
+                    modulus=self.MODULUS / 2 / (1 - self.NU**(2 if other else 1)), nu=self.NU, mu=self.MU, x=x, radius=one,
+                    second=f', {{ x = {other}; y = 0; radius = {other}; mass = 1; fixed = true; }}' if other else "",
+                    wall="" if other else 'walls = ( { name = "w"; type = "line"; points = ((0, -1), (0, 1)); } );',
+                    mover="disk = 1" if other else 'wall = "w"'))
+                subprocess.run([PROGRAM, "run", "d.cfg", "-o", "d.h5"], check=True, capture_output=True, cwd=folder)
+                with h5py.File(folder / "d.h5") as f:
+                    last = f["contacts/step"][-1] == 100
+                    force, tau = (f[f"contacts/{key}"][-1] for key in ("force", "tau"))
+                self.assertTrue(last)
+                self.assertLess(abs(tau), 0.9 * self.MU * force)
+                if other:
+                    self.assertAlmostEqual(math.hypot(force, tau) / math.hypot(*theirs[:2]), 1, delta=1e-4)
+                    self.assertAlmostEqual(tau * one / theirs[2], 1, delta=1e-3)
+                else:
+                    self.assertAlmostEqual(-force / theirs[0], 1, delta=1e-9)
 
 
 if __name__ == "__main__":

@@ -41,6 +41,12 @@ static const deck_case DECKS[] = {
      HEAD PACKING "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
                   "phases = ( { steps = 1200; compress = { pressure = 20; rate = 0.5; }; }, { "
                   "steps = 200; } );"},
+    {"compress disks with Hertz' law by modulus",
+     "integrator = \"verlet\"; dt = 1e-3; materials = ( { name = \"grain\"; law = \"hertz\"; "
+     "E_star = 2e4; restitution = 0.5; tangential = \"mindlin\"; poisson = 0.3; mu = 0.4; } "
+     ");\n" PACKING "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
+     "phases = ( { steps = 1200; compress = { pressure = 20; rate = 0.5; }; }, { "
+     "steps = 200; } );"},
     {"compress to a fraction, relaxing", HEAD PACKING
      "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
      "phases = ( { steps = 800; relax = true; compress = { fraction = 0.8; rate = 0.2; }; }, { "

@@ -1,8 +1,8 @@
 """Each contact law of LAMMPS' pair style granular in keys of slipdisk: here the parameters are matched.
 
 A pair has R_eff = R_a R_b/(R_a + R_b) and m_eff = m_a m_b/(m_a + m_b); at a wall they are R and m of the disk. LAMMPS
-multiplies some of its numbers by them, slipdisk never does: there a pair of materials has numbers of its own, so that
-disks of two sizes are two materials here, and the wall is a third one.
+multiplies some of its numbers by them, slipdisk only with E_star (docs/laws.md): else a pair of materials has numbers of
+its own, so that disks of two sizes are two materials here, and the wall is a third one.
 
   LAMMPS                          force                                             slipdisk
   hooke K g, damping velocity     K delta - g u_n                                   k_n = K, gamma_n = g

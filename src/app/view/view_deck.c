@@ -9,7 +9,6 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/deck/deck.h"
-#include "model/normal_laws.h"
 #include "model/overlaps.h"
 
 /* Largest number of overlaps recorded for one disk: n disks at the same position would give
@@ -43,13 +42,11 @@ static bool waits(const sd_model *m, uint32_t body) {
 
 static void note(start *s, const overlap *o) {
   const sd_model *m = s->m;
-  const sd_contact_law *law =
-      sd_model_law(m, configuration_material(m, o->a), configuration_material(m, o->b));
   double relative = o->depth / m->disks[o->a].radius;
   s->f->a[s->n] = o->a;
   s->f->b[s->n] = o->b;
   s->f->overlap[s->n] = o->depth;
-  s->f->force[s->n] = law && law->k_n > 0 ? law_force(law, o->depth) : 0;
+  s->f->force[s->n] = overlap_force(m, o);
   s->too_deep += relative > m->max_overlap;
   if (relative <= s->relative) return;
   s->relative = relative;

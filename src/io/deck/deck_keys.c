@@ -544,6 +544,7 @@ void deck_keys_print(FILE *out) {
 /* Words of other programs for keys and for values of choices. A word is looked up only in tables
  * that have the key `ours`, and in choices that accept the value `ours`. hint: text that follows
  * "did you mean"; NULL: `ours` itself. */
+#define MODULUS "E_star, of two bodies of one material E/(2 (1 - nu^2))"
 static const struct word {
   const char *word, *ours, *hint;
 } words[] = {
@@ -567,12 +568,17 @@ static const struct word {
     {"k_s", "k_t", NULL},
     {"viscosity", "gamma_n", NULL},
     {"damping", "gamma_n", "gamma_n or restitution"},
-    {"young", "k_n", "k_n, of law = \"hertz\" 4/3 E_eff sqrt(R_eff)"},
-    {"youngs_modulus", "k_n", "k_n, of law = \"hertz\" 4/3 E_eff sqrt(R_eff)"},
-    {"young_modulus", "k_n", "k_n, of law = \"hertz\" 4/3 E_eff sqrt(R_eff)"},
-    {"E", "k_n", "k_n, of law = \"hertz\" 4/3 E_eff sqrt(R_eff)"},
-    {"poisson", "k_n", "k_t, of tangential = \"mindlin\" 3 (1 - nu)/(2 - nu) k_n"},
-    {"poisson_ratio", "k_n", "k_t, of tangential = \"mindlin\" 3 (1 - nu)/(2 - nu) k_n"},
+    {"young", "E_star", MODULUS},
+    {"youngs_modulus", "E_star", MODULUS},
+    {"young_modulus", "E_star", MODULUS},
+    {"youngsModulus", "E_star", MODULUS},
+    {"E", "E_star", MODULUS},
+    {"E_eff", "E_star", NULL},
+    {"Estar", "E_star", NULL},
+    {"poisson_ratio", "poisson", NULL},
+    {"poissons_ratio", "poisson", NULL},
+    {"poissonsRatio", "poisson", NULL},
+    {"nu", "poisson", NULL},
     {"adhesion", "cohesion", NULL},
     {"spread", "deviation", NULL},
     {"sigma", "deviation", NULL},

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "model/laws.h"
+#include "model/normal_laws.h"
 #include "model/walls.h"
 
 /* --- materials -------------------------------------------------------------------------------- */
@@ -34,9 +35,17 @@ static void warn_of_rolling(const deck_group *g, const sd_contact_law *law) {
           deck_place_text(g->d, k_r->place), deck_node_path(g->d, k_r), law->k_r);
 }
 
-static void check_law(const deck_group *g, const sd_contact_law *law) {
+/* Completes the law that was read, and reports mistakes in it. */
+static void check_law(const deck_group *g, sd_contact_law *law) {
   const char *key = NULL;
   double value;
+  if (!deck_given(g, "k_n") && !deck_given(g, "E_star")) {
+    deck_fail_key(g, "k_n",
+                  "missing: expected a number > 0 (normal stiffness), or E_star with law = "
+                  "\"hertz\"");
+    law->k_n = NAN;
+  }
+  law_complete(law);
   char *text = law_mistake(law, &key, &value);
   /* A missing key was reported before, when the kind of law was read */
   if (text && deck_get(g, key)) deck_fail_key(g, key, "%s", text);

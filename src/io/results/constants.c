@@ -84,7 +84,9 @@ static void put_laws(h5_file *file, const sd_model *m, const char *name, const c
 static void write_laws(h5_file *file, const sd_model *m) {
   char *general = general_members();
   put_laws(file, m, "laws", LAW_MEMBERS, "force/length, force/length, force time/length, 1",
-           LAW_MEMBERS " of each pair of materials; k_n = 0: not given");
+           LAW_MEMBERS
+           " of each pair of materials; k_n = 0: not given; with E_star in general_laws k_n, with "
+           "poisson also k_t, times sqrt(R_eff) of the contact");
   put_laws(
       file, m, "normal_laws", NORMAL_MEMBERS, "1",
       "normal law (0 linear, 1 Hertz) and coefficient of restitution of each pair of materials");

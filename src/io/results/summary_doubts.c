@@ -10,6 +10,7 @@
 #include "io/results/summary.h"
 #include "model/advice.h"
 #include "model/motions.h"
+#include "model/normal_laws.h"
 #include "model/overlaps.h"
 
 const struct doubt_row doubt_kinds[DOUBT_KINDS] = {
@@ -45,12 +46,12 @@ double summary_farthest(const sd_state *state) {
   return farthest;
 }
 
-/* Estimates the error of the elastic energy due to rounding of positions: largest stiffness k_n
+/* Estimates the error of the elastic energy due to rounding of positions: largest stiffness
  * times the sum of overlaps times the rounding error of the largest position. */
 static double rounding(const sd_model *model, const summary_sums *sums) {
   double stiffest = 0;
   for (size_t k = 0; k < model->n_materials * model->n_materials; k++)
-    stiffest = fmax(stiffest, model->laws[k].k_n);
+    stiffest = fmax(stiffest, law_typical_stiffness(&model->laws[k], model->largest_radius));
   return 4 * DBL_EPSILON * stiffest * sums->farthest * exact_sum_value(&sums->overlap);
 }
 

@@ -8,8 +8,8 @@
  *   zeta = lambda - lambda*; lambda* is shifted so that |zeta| <= mu F_n / k_t
  *   tau  = -k_t zeta
  *
- * Further parts of a law (law_tangential.h, law_rolling.h, model/law_cohesion.h) are evaluated if
- * their bit is set in `features` (model/model.h). In passes over plain laws features is the
+ * Further parts of a law (law_tangential.h, law_rolling.h, law_radius.h, model/law_cohesion.h) are
+ * evaluated if their bit is set in `features` (model/model.h). In passes over plain laws features is the
  * constant 0; in passes over general laws it is the same number for all pairs.
  *
  * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, with
@@ -214,6 +214,7 @@ typedef struct LANE(contact_output) {
   LANE(real) rolling, bridge;
 } LANE(contact_output);
 
+#include "physics/contact/law_radius.h"
 #include "physics/contact/law_rolling.h"
 #include "physics/contact/law_tangential.h"
 

@@ -53,11 +53,17 @@ contact_geometry contact_geometry_of(const engine *e, size_t k) {
   return (contact_geometry){g.nx, g.ny, g.reach, g.lambda, g.turned};
 }
 
+sd_contact_law contact_law_of(const engine *e, size_t k) {
+  const double radius = e->state->radius[e->work.pairs.a[k]];
+  return law_at(&e->model->laws[PAIR(&e->work.pairs, k, law)],
+                walls_arm(radius, joints_radius(e, k)));
+}
+
 /* Sets the energies in *u that only general laws have: cohesion, rolling, and the tangential energy
- * with Mindlin's law. delta, lambda, rho: values at the corrected coordinates; with Gear's
+ * with Mindlin's law of stiffness k_t. delta, lambda, rho: values at the corrected coordinates; with Gear's
  * integrator forces were evaluated at other coordinates, the predicted ones. */
-static void energies_of_general(const engine *e, size_t k, double delta, double lambda, double rho,
-                                contact_energies *u) {
+static void energies_of_general(const engine *e, size_t k, double k_t, double delta, double lambda,
+                                double rho, contact_energies *u) {
   const pairs *p = &e->work.pairs;
   const law_row *l = &e->work.laws[PAIR(p, k, law)];
   const cohesion_w1 c = {.bridge = l->bridge > 0.0,
@@ -70,8 +76,8 @@ static void energies_of_general(const engine *e, size_t k, double delta, double 
   if (l->mindlin == 0.0) return;
   /* y = sqrt(K) zeta, where the tangential energy is y^2/2 (law_tangential.h): the value when
    * forces were evaluated, plus its change since then */
-  const double was = sqrt(l->k_t * sqrt(fmax(PAIR(p, k, overlap), 0.0))),
-               now = sqrt(l->k_t * sqrt(fmax(delta, 0.0)));
+  const double was = sqrt(k_t * sqrt(fmax(PAIR(p, k, overlap), 0.0))),
+               now = sqrt(k_t * sqrt(fmax(delta, 0.0)));
   const double y = was * PAIR(p, k, zeta) +
                    0.5 * (was + now) * (lambda - PAIR(p, k, lambda_ref) - PAIR(p, k, zeta));
   u->tangential = 0.5 * y * y;
@@ -89,7 +95,7 @@ double contact_rho_of(const engine *e, size_t k) {
 
 contact_energies contact_energies_of(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
-  const sd_contact_law *law = &e->model->laws[PAIR(p, k, law)];
+  const sd_contact_law law = contact_law_of(e, k);
   double delta = PAIR(p, k, overlap), zeta = PAIR(p, k, zeta),
          rho = p->more ? MORE(p, k, rho) : 0.0;
   /* The record has, with Gear's integrator, values at the predicted coordinates, but the energy is
@@ -100,9 +106,9 @@ contact_energies contact_energies_of(const engine *e, size_t k) {
     zeta = g.lambda - PAIR(p, k, lambda_ref);
     if (p->more) rho = contact_rho_of(e, k) - MORE(p, k, rho_ref);
   }
-  contact_energies u = {.normal = law_energy(law, fmax(delta, 0.0)),
-                        .tangential = 0.5 * law->k_t * zeta * zeta};
-  if (p->more) energies_of_general(e, k, delta, zeta + PAIR(p, k, lambda_ref), rho, &u);
+  contact_energies u = {.normal = law_energy(&law, fmax(delta, 0.0)),
+                        .tangential = 0.5 * law.k_t * zeta * zeta};
+  if (p->more) energies_of_general(e, k, law.k_t, delta, zeta + PAIR(p, k, lambda_ref), rho, &u);
   return u;
 }
 

@@ -13,9 +13,7 @@
  * each body. */
 LANE_INLINE void LANE(rolled)(LANE(real) ra, LANE(real) rb, LANE(real) arc_a, LANE(real) arc_b,
                               LANE(real) spin_a, LANE(real) spin_b, LANE(pair_geometry) * g) {
-  const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0), sum = ra + rb;
-  /* sum is 0 for padding pairs; avoid 1/0 */
-  const LANE(real) per_sum = 1.0 / LANE(select)(LANE(equal)(sum, zero), one, sum);
+  const LANE(real) per_sum = LANE(inverse_sum)(ra, rb);
   g->rho = (rb * arc_a - ra * arc_b) * per_sum;
   g->rolls = (rb * spin_a - ra * spin_b) * per_sum;
   g->arm = ra * rb * per_sum;

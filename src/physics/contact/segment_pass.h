@@ -137,8 +137,14 @@ LANE_INLINE void LANE(store_sides)(pairs *p, thread_work *mine, size_t at, LANE(
       event_add_pair(&mine->events, p, at + l, true, 0.0);
 }
 
+/* Returns R_eff of the disk and the wall segment of pair k. An arc counts as a round wall. */
+LANE_INLINE double LANE(arm_on_wall)(const engine *e, size_t k, double side) {
+  const pairs *p = &e->work.pairs;
+  return walls_arm(e->state->radius[p->a[k]], walls_radius(&e->work.segments[p->part[k]], side));
+}
+
 /* Computes the rolling displacement R_eff (theta_a - theta_b) of disks on walls, its time
- * derivative, and R_eff. An arc counts as a round wall. */
+ * derivative, and R_eff. */
 LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_points) * found,
                                  LANE(pair_geometry) * g) {
   const sd_state *s = e->state;
@@ -146,8 +152,7 @@ LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_
   double rho[LANE_WIDTH], rolls[LANE_WIDTH], arm[LANE_WIDTH];
   for (size_t l = 0; l < LANE_WIDTH; l++) {
     const size_t a = (size_t)p->a[at + l], b = (size_t)p->b[at + l];
-    arm[l] =
-        walls_arm(s->radius[a], walls_radius(&e->work.segments[p->part[at + l]], found->side[l]));
+    arm[l] = LANE(arm_on_wall)(e, at + l, found->side[l]);
     rho[l] = arm[l] * (s->theta[a] - s->theta[b]);
     rolls[l] = arm[l] * (s->omega[a] - s->omega[b]);
   }
@@ -183,6 +188,7 @@ LANE_INLINE LANE(mask) LANE(lasts)(const LANE(pair_geometry) * g, const LANE(con
 }
 
 LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(location) here,
+                                         const LANE(nearest_points) * found,
                                          const unsigned features, LANE(contact_constants) * k) {
   const work *w = &e->work;
   *k = LANE(constants_of)(w, here.b->law + here.l, 1);
@@ -193,6 +199,10 @@ LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(locati
     k->tsuji = k->tsuji * LANE(sqrt)(LANE(load)(mass) * k->k_n);
   }
   LANE(constants_general)(w, here.b->law + here.l, features, k);
+  if (!(features & LAW_RADIUS)) return;
+  double arm[LANE_WIDTH];
+  for (size_t l = 0; l < LANE_WIDTH; l++) arm[l] = LANE(arm_on_wall)(e, at + l, found->side[l]);
+  LANE(scale_by_radius)(LANE(load)(arm), k);
 }
 
 /* Returns dlambda/dt of all lanes. It is needed only when a contact begins, so it is not
@@ -228,7 +238,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   LANE(mask) active = LANE(nearest_of)(e, at, &in, &found);
   const unsigned features = w->features;
   LANE(contact_constants) k;
-  LANE(constants_on_wall)(e, at, here, features, &k);
+  LANE(constants_on_wall)(e, at, here, &found, features, &k);
   LANE(pair_geometry) g = LANE(pair_geometry_of)(&in);
   LANE(mask) was_closed = LANE(closed_before)(&w->pairs, at);
   const LANE(mask) changes = was_closed ^ LANE(lasts)(&g, &k, active, features);
@@ -236,6 +246,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
       LANE(transfer_records)(e, at, LANE(bits_of)(changes), LANE(bits_of)(was_closed))) {
     was_closed = LANE(closed_before)(&w->pairs, at);
     active = LANE(nearest_of)(e, at, &in, &found);
+    LANE(constants_on_wall)(e, at, here, &found, features, &k);
     g = LANE(pair_geometry_of)(&in);
   }
   if (features & LAW_DASHPOT) g.slide = LANE(load)(found.slide);

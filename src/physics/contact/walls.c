@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "model/model.h"
+#include "model/normal_laws.h"
 #include "physics/contact/pairs.h"
 #include "physics/system/bodies.h"
 
@@ -278,10 +279,23 @@ static bool holds(const engine *e, size_t k) {
          e->state->radius[p->a[k]] - r > -e->work.laws[PAIR(p, k, law)].ends;
 }
 
+/* Returns the elastic energy of this contact record on the segment of pair k, from which R_eff is
+ * taken. */
+static double energy_on(const engine *e, size_t k, const sd_contact_record *r) {
+  const pairs *p = &e->work.pairs;
+  const sd_contact_law law = law_at(&e->model->laws[PAIR(p, k, law)],
+                                    walls_arm(e->state->radius[p->a[k]], joints_radius(e, k)));
+  const double delta = fmax(r->overlap, 0.0);
+  const bool mindlin = law.tangential == SD_TANGENTIAL_MINDLIN;
+  return law_energy(&law, delta) +
+         0.5 * law.k_t * (mindlin ? sqrt(delta) : 1.0) * r->zeta * r->zeta;
+}
+
 /* Moves the record of a closed contact from pair `from` to pair `to`, through joint j. lambda_ref
  * is adjusted so that lambda - lambda* stays the same, although the arc length differs on the two
  * segments (its sign changes if they run in opposite directions). rho_ref is adjusted so that the
- * rolling displacement stays the same if R_eff changes. */
+ * rolling displacement stays the same if R_eff changes. If the stiffness depends on R_eff, the elastic
+ * energy changes at the joint of an arc; the difference counts as viscous loss. */
 static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
@@ -301,6 +315,8 @@ static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
   if (e->work.features & LAW_ROLLING)
     record.rho_ref += walls_arm(s->radius[a], joints_radius(e, to)) * (s->theta[a] - s->theta[c]) -
                       arm * (s->theta[a] - s->theta[b]);
+  if (e->work.features & LAW_RADIUS)
+    record.viscous += energy_on(e, from, &record) - energy_on(e, to, &record);
   pairs_set_record(p, to, &record);
   pairs_set_flags(p, to, true, pairs_slide_sign(p, from));
   pairs_set_record(p, from, &(sd_contact_record){0});

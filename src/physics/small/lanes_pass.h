@@ -195,6 +195,8 @@ LANE_INLINE LANE(contact_constants) PASS(constants_for)(const double *p, const u
   if (!(features & LAW_GENERAL)) return k;
   LAW_CONSTANTS(LAW_LOAD)
 #undef LAW_LOAD
+  if (features & LAW_RADIUS) LANE(scale_by_radius)
+  (LANE(effective_radius)(PASS(row)(p, PAIR_RA), PASS(row)(p, PAIR_RB)), &k);
   return k;
 }
 

@@ -12,6 +12,7 @@
 
 #include "model/model.h"
 #include "model/normal_laws.h"
+#include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
 #include "physics/system/kernels.h"
 #include "physics/system/work.h"
@@ -99,8 +100,8 @@ static inline double engine_contact_tau(const engine *e, size_t k) {
   return -(e->model->laws[PAIR(&e->work.pairs, k, law)].k_t * PAIR(&e->work.pairs, k, zeta));
 }
 static inline double engine_contact_stiffness(const engine *e, size_t k) {
-  return law_stiffness(&e->model->laws[PAIR(&e->work.pairs, k, law)],
-                       fmax(engine_contact_overlap(e, k), 0.0));
+  const sd_contact_law law = contact_law_of(e, k);
+  return law_stiffness(&law, fmax(engine_contact_overlap(e, k), 0.0));
 }
 /* Indices of candidates. The candidate pairs of the body in `slot` are engine_candidate(e, at), for
  * `at` from engine_first(e, slot) to engine_first(e, slot + 1) - 1. */

@@ -374,7 +374,8 @@ size_t contacts_count(const engine *e) {
 static first_overlap overlap_of(const engine *e, size_t a, size_t b, double depth) {
   const sd_state *s = e->state;
   const double *g = e->model->gravity;
-  const sd_contact_law *law = sd_model_law(e->model, s->material[a], s->material[b]);
+  const sd_contact_law law = law_at(sd_model_law(e->model, s->material[a], s->material[b]),
+                                    law_arm(s->radius[a], s->radius[b]));
   if (s->radius[b] < s->radius[a]) {
     const size_t swap = a;
     a = b;
@@ -384,7 +385,7 @@ static first_overlap overlap_of(const engine *e, size_t a, size_t b, double dept
                          .b = s->id[b],
                          .depth = depth,
                          .relative = depth / s->radius[a],
-                         .force = law_force(law, depth),
+                         .force = law_force(&law, depth),
                          .weight = fmin(s->mass[a], s->mass[b]) * hypot(g[0], g[1])};
 }
 
