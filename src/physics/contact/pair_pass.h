@@ -118,7 +118,7 @@ LANE_INLINE LANE(contact_constants)
   k = features & LAW_NORMAL ? LANE(constants_mixed)(w, at)
                             : LANE(constants_of)(w, at.b->law + at.l, 0);
   if (kind & PASS_GENERAL) LANE(constants_general)(w, at.b->law + at.l, features, &k);
-  if (features & LAW_RADIUS) {
+  if (__builtin_expect(features & LAW_RADIUS, 0)) {
     const double *radius = w->packed + PACKED_RADIUS;
     LANE(scale_by_radius)
     (LANE(effective_radius)(LANE(gather)(radius, at.b->packed_a + at.l),

@@ -192,17 +192,16 @@ LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(locati
                                          const unsigned features, LANE(contact_constants) * k) {
   const work *w = &e->work;
   *k = LANE(constants_of)(w, here.b->law + here.l, 1);
+  LANE(constants_general)(w, here.b->law + here.l, features, k);
   if (features & LAW_NORMAL) { /* m_eff is the disk's mass, since the wall's is infinite */
     const double *masses = w->clumps.count ? w->clumps.contact_mass : e->state->mass;
-    double mass[LANE_WIDTH];
+    double mass[LANE_WIDTH], arm[LANE_WIDTH];
     for (size_t l = 0; l < LANE_WIDTH; l++) mass[l] = masses[w->pairs.a[at + l]];
     k->tsuji = k->tsuji * LANE(sqrt)(LANE(load)(mass) * k->k_n);
+    if (__builtin_expect(!(features & LAW_RADIUS), 1)) return;
+    for (size_t l = 0; l < LANE_WIDTH; l++) arm[l] = LANE(arm_on_wall)(e, at + l, found->side[l]);
+    LANE(scale_by_radius)(LANE(load)(arm), k);
   }
-  LANE(constants_general)(w, here.b->law + here.l, features, k);
-  if (!(features & LAW_RADIUS)) return;
-  double arm[LANE_WIDTH];
-  for (size_t l = 0; l < LANE_WIDTH; l++) arm[l] = LANE(arm_on_wall)(e, at + l, found->side[l]);
-  LANE(scale_by_radius)(LANE(load)(arm), k);
 }
 
 /* Returns dlambda/dt of all lanes. It is needed only when a contact begins, so it is not
@@ -246,7 +245,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
       LANE(transfer_records)(e, at, LANE(bits_of)(changes), LANE(bits_of)(was_closed))) {
     was_closed = LANE(closed_before)(&w->pairs, at);
     active = LANE(nearest_of)(e, at, &in, &found);
-    LANE(constants_on_wall)(e, at, here, &found, features, &k);
+    if (features & LAW_RADIUS) LANE(constants_on_wall)(e, at, here, &found, features, &k);
     g = LANE(pair_geometry_of)(&in);
   }
   if (features & LAW_DASHPOT) g.slide = LANE(load)(found.slide);
