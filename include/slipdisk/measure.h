@@ -29,9 +29,9 @@ typedef struct sd_mean {
 /* Returns the mean of the n samples x[0..n) and its error bar. transient: true to search for a
  * transient at the start and leave it out. */
 SD_API sd_mean sd_mean_of(const double *x, size_t n, bool transient);
-/* Returns the mean of over[0..n) divided by that of under[0..n), with the error bar of the ratio:
- * that of the record r + (over - r under)/<under>, r being the ratio. transient: as above. NAN:
- * there are no samples, or no memory. */
+/* Returns the mean of over[0..n) divided by that of under[0..n), with the error bar of the ratio r:
+ * that of the record r + (over - r under)/(mean of under). transient: as above. NAN: there are no
+ * samples, or no memory. */
 SD_API sd_mean sd_ratio_of(const double *over, const double *under, size_t n, bool transient);
 
 /* Mean angular velocity of one disk; the transient at the beginning of the measured time is left
