@@ -16,7 +16,7 @@ class Cage:
 
     def __init__(self, run, mu=MU):
         tables = run.result.contacts
-        a, b, force, tau = (tables.all(name) for name in ("a", "b", "force", "tau"))
+        a, b, force, tau = (tables[name] for name in ("a", "b", "force", "tau"))
         slot = np.arange(run.n_disks + len(run.walls()))  # contacts have numbers of bodies, all else here is by slot
         slot[np.asarray(run.id, int)] = np.arange(run.n_free)
         a, b = slot[a], slot[b]
