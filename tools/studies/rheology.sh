@@ -9,6 +9,8 @@
 #                                                errors
 #   tools/studies/rheology.sh --cases            what mu(0.1) depends on: one thing changed at a
 #                                                time, half an hour of one core
+#   tools/studies/rheology.sh --series           with the published stiffness and restitution, and slow
+#                                                flow for long: a quarter of an hour of one core
 #   tools/studies/rheology.sh --draw             runs nothing; without results from docs/studies/data
 #                                                alone
 #   tools/studies/rheology.sh --help             all options: -o DIR, --threads N, --keep DIR, ...
