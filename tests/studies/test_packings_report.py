@@ -22,7 +22,7 @@ except ImportError:
     sys.exit(0)
 
 from packings import __main__ as study  # noqa: E402
-from packings import (compare, depths, disks, drive, each, energy, flows, low, outside, plan, quiet, scans,  # noqa: E402
+from packings import (compare, depths, disks, drive, each, energy, flows, low, plan, quiet, scans,  # noqa: E402
                       statistics)
 from packings.plan import Entry  # noqa: E402
 from packings.runs import Campaign  # noqa: E402
@@ -79,12 +79,9 @@ class Numbers(unittest.TestCase):
 
 class Comparisons(unittest.TestCase):
     def test_student(self):
-        """Tabulated values; chances of made-up samples are spread evenly."""
+        """Tabulated values."""
         for t, degrees, chance in ((12.706, 1, 0.05), (2.776, 4, 0.05), (4.604, 4, 0.01), (1.984, 100, 0.05)):
             self.assertAlmostEqual(compare.student(t, degrees), chance, 4)
-        self.assertAlmostEqual(compare.student_limit(0.05, 5), 2.571, 3)
-        found = [compare.newcomer(RNG.normal(size=5), RNG.normal(size=2).mean(), 2)[2] for _ in range(300)]
-        self.assertAlmostEqual(numpy.mean(numpy.array(found) < 0.1), 0.1, delta=0.06)
 
     def test_groups(self):
         """Groups of one population differ by chance only; shifted ones are told."""
@@ -106,19 +103,6 @@ class Comparisons(unittest.TestCase):
         self.assertAlmostEqual(b.mean(), -1, delta=0.03)
         self.assertAlmostEqual(error.mean() / b.std(), 1, delta=0.15)
         self.assertEqual(degrees[0], 16)
-
-    def test_other_program(self):
-        """The same numbers agree, twice the numbers do not, two packings cannot tell."""
-        def verdicts(factor, count):
-            found = {drive: factor * rms * numpy.exp(0.2 * RNG.normal(size=count))
-                     for drive, rms in outside.THEIRS.items()}
-            return [outside.together(found).verdict] + [outside.one(*item).verdict for item in found.items()]
-
-        same = [verdicts(1, 6) for _ in range(20)]
-        self.assertGreater(sum(found[0] == YES for found in same), 15)
-        self.assertGreater(sum(word == YES for found in same for word in found[1:]), 65)
-        self.assertTrue(all(verdicts(2.5, 6)[0] == NO for _ in range(10)))
-        self.assertTrue(all(verdicts(1, 1)[1] == OPEN for _ in range(3)))
 
     def test_scans(self):
         """Each aim passes and fails as it should."""
@@ -251,7 +235,7 @@ class Each(unittest.TestCase):
         self.assertEqual([claim.verdict for claim in each.regimes({2.0: table[2.0]})], [OPEN, YES])
 
     def test_kinds(self):
-        """Sticking for ever, sliding without turning, and what cannot be told are told apart."""
+        """Disks that never slide, that slide without turning, and undecided ones are told apart."""
         one = box([1, 0, 0, 0.5], [1e-3, 1e-3, 1e-3, 1], friction=[1, 0, 1, 1])
         self.assertEqual(list(each.kind_of(one)), [each.TURNS, each.STICKS, each.SLIDES, each.UNSEEN])
 
@@ -330,12 +314,20 @@ class Shape(unittest.TestCase):
         self.rng = numpy.random.default_rng(2)
 
     def tails(self, draw):
-        return {claim.slug: claim.verdict for claim in low.shape("low", [draw(200) for _ in range(8)])}
+        return {claim.slug: claim.verdict for claim in low.shape("low", *2 * [[draw(200) for _ in range(8)]])}
 
     def test_shape(self):
         self.assertEqual(self.tails(lambda n: self.rng.laplace(size=n)), {"low-symmetric": YES, "low-tails": YES})
         self.assertEqual(self.tails(lambda n: self.rng.uniform(-1, 1, n)), {"low-symmetric": YES, "low-tails": NO})
         self.assertEqual(self.tails(lambda n: self.rng.exponential(size=n))["low-symmetric"], NO)
+
+    def test_tails_of_turning_disks(self):
+        """A half at rest makes tails wide; the half that turns is judged without it."""
+        found = [box(numpy.concatenate([numpy.zeros(300), self.rng.uniform(-1, 1, 300)]), 1e-3, replica=k) for k in range(8)]
+        scaled = [one["omega"] / one.rms for one in found]
+        claim = low.shape("low", scaled, low.turning_scaled(found))[1]
+        self.assertEqual(claim.verdict, NO)
+        self.assertGreater(statistics.moments(numpy.concatenate(scaled))[3], 0.3)
 
     def test_higher(self):
         """Those that turn at the top, at the bottom, anywhere."""
@@ -402,7 +394,7 @@ class Plans(unittest.TestCase):
         for name, entry in plan.ENTRIES.items():
             for level in plan.LEVELS:
                 keys = {**entry.keys, **(entry.quick if level == "quick" else {})}
-                if any("{folder}" in str(value) for value in keys.values()):
+                if any(callable(value) or "{folder}" in str(value) for value in keys.values()):
                     continue
                 deck = ROOT / "inputs/packing" / entry.deck
                 if entry.sweep:

@@ -2,28 +2,26 @@
 
 Called by tools/studies/packings.sh."""
 import argparse
+import dataclasses
 import os
 import signal
 import sys
 import time
 from html import escape
 
-from ratchet import markdown, summary
+from ratchet import markdown
 from ratchet.__main__ import collect, keep_all
 from ratchet.page import Page, badge, missing_list
 from ratchet.runs import STOPPED
 from ratchet.verdict import CHECK, NO, OPEN, PAPER, YES
 
-from . import (budget, cages, controls, depths, drive, each, energy, flows, jamming, jumps, large, limits, low, memory,
-               outside, plan, quiet, scans, space)
+from . import (alone, budget, cages, controls, depths, drive, each, energy, flows, front, gentle, jamming, jumps, large, limits, low, memory,
+               plan, quiet, scans, space)
 from .runs import ROOT, Campaign, Stopped
 
-DEEP = "larger boxes are deeper: far below the surface contacts hardly open, and few disks but loose ones turn"
-REASONS = {"scan-number-2g": DEEP, "scan-number-median-2g": DEEP, "large-most": DEEP}  # why not met, by slug
 TITLE = "Packings: shaken, compressed, poured"
-MODULES = (low, each, quiet, drive, energy, memory, cages, space, jumps, outside, scans, depths, controls, budget,
-           jamming,
-           flows, large)
+MODULES = (gentle, alone, low, each, quiet, drive, energy, memory, cages, space, jumps, scans, depths, controls, budget,
+           jamming, flows, large)
 
 
 def options():
@@ -58,13 +56,17 @@ def draw(campaign, keep=None, modules=MODULES):
     found = collect(campaign, modules)
     campaign.keep_missing()
     claims = [claim for section in found for claim in section.claims]
+    for claim in claims:  # one table for each section; the letter's statements are marked
+        if claim.kind == PAPER:
+            claim.kind, claim.place = CHECK, "letter"
     counts = {word: sum(claim.verdict == word for claim in claims) for word in (YES, NO, OPEN)}
-    found = summary.sections(found, (), REASONS, (PAPER, CHECK)) + found + [limits.section(found)]
+    found = [front.section(campaign, found), *found, limits.section(found), front.data(found)]
     for section in found:
         page.add(section)
     page.write(TITLE, head(campaign, found, counts))
     text = page.path[:-len(".html")] + ".md"
-    markdown.write(text, TITLE, lead(campaign), found, data="data-" + campaign.level)
+    apart = [dataclasses.replace(section, data=[]) for section in found]  # the last section has all
+    markdown.write(text, TITLE, lead(campaign), apart, data="data-" + campaign.level)
     if keep:
         keep_all(campaign, keep, text, found, "packings_study.md", "figures/packings")
     return page.path, counts
@@ -93,13 +95,10 @@ def head(campaign, found, counts):
 def lead(campaign):
     """What stands above the Markdown."""
     return [markdown.text_of(
-        "What the decks of <code>inputs/packing</code> show, statement by statement. The vibrated boxes follow "
-        "Moukarzel, Peraza-Mues and Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; "
-        "error bars are single standard errors; every verdict is computed from the numbers beside it, and "
-        "<i>reproduced</i> means that the statement "
-        f"is met. Written by <code>tools/studies/packings.sh</code>, level {campaign.level}: "
-        f"{plan.DESCRIPTIONS[campaign.level]}. "
-        f"Made by {escape(words_of(campaign))}.")]
+        "The decks of <code>inputs/packing</code>, statement by statement. The vibrated boxes follow Moukarzel, Peraza-Mues "
+        "and Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; errors are single standard "
+        "errors; every verdict is computed from the numbers beside it; statements of theirs are marked (letter). Written by <code>tools/studies/packings.sh</code>, "
+        f"level {campaign.level}: {plan.DESCRIPTIONS[campaign.level]}.")]
 
 
 def main():

@@ -2,7 +2,7 @@
 import numpy as np
 
 from ratchet.page import Figure, Numbers, Section
-from ratchet.style import COLOURS, GREY, figure, legend_above, zero_line
+from ratchet.style import COLOURS, GREY, LIGHT, figure, legend_above, legend_below, zero_line
 from ratchet.verdict import NO, OPEN, YES, Claim, missing, number
 
 from . import contacts
@@ -11,16 +11,12 @@ from .statistics import jackknife, pearson, spearman
 
 # name in the table: words
 PREDICTIONS = {
-    "gravity": "three disks: two supports, gravity",
-    "load": "three disks: two supports, their own forces",
-    "sync": "three disks, both supports in phase",
-    "all": "all contacts with their own forces",
+    "all": "mean torque over all combinations of sliding, all contacts",
     "network": "the same, neighbours turn too",
     "measured": "measured covariance of sliding and force",
     "meshed": "the same, neighbours turn too",
     "gears": "nothing but neighbours: a gear between those that it touches",
 }
-THEORY = ("gravity", "load", "sync", "all", "network")
 ODD = (*(f"force_{m}" for m in range(1, 5)), *(f"contact_{m}" for m in range(1, 5)), "tilt", "tilt_load", "sizes",
        "lopsided")
 EVEN = ("contacts", "aperture", "radius", "load_weight", "depth")
@@ -47,7 +43,7 @@ def numbers(campaign):
 def of_run(run):
     """{column: a value per disk}: predictions, up to one factor for all disks of a column, and descriptors."""
     cage = contacts.Cage(run)
-    out = {name: np.full(run.n_free, np.nan) for name in ("gravity", "load", "sync", "all", *ODD, *EVEN)}
+    out = {name: np.full(run.n_free, np.nan) for name in ("all", *ODD, *EVEN)}
     rectified = np.full(run.n_free, np.nan)
     for i in range(run.n_free):
         mine = cage.of(i)
@@ -58,7 +54,7 @@ def of_run(run):
         scale = force.sum() * run.radius[i]
         two = contacts.supports(angle, force)
         if two is not None:
-            for name, value in three_disks(angle[two], force[two], run.radius[i]).items():
+            for name, value in supported(angle[two], force[two]).items():
                 out[name][i] = value
         strong = np.argsort(force)[-contacts.MANY:]
         out["all"][i] = contacts.rectified_torque(angle[strong], force[strong], closed[strong]) / scale
@@ -77,19 +73,11 @@ def of_run(run):
     return {name: values * drag if name in PREDICTIONS and name != "gears" else values for name, values in out.items()}
 
 
-def three_disks(angle, force, radius):
-    """Predictions from two supports, left one first: mean torque over combinations of sliding over what holds it."""
-    out, ones = {}, np.ones(2)
-    a1, a2 = (lambda tilt, half: (half - tilt, half + tilt))(*contacts.geometry(angle))
-    out["tilt"], out["aperture"] = contacts.geometry(angle)
-    weight = np.array([np.sin(a2), np.sin(a1)])  # forces that carry a load along gravity, up to a factor
-    if (weight > 0).all():
-        out["gravity"] = contacts.rectified_torque(angle, weight, ones) / (weight.sum() * radius)
-    for name, signs in (("load", None), ("sync", [[1, 1], [-1, -1]])):
-        out[name] = contacts.rectified_torque(angle, force, ones, signs=signs) / (force.sum() * radius)
-    load = np.array([np.cos(angle), np.sin(angle)]) @ force  # what the supports carry
-    out["tilt_load"] = out["tilt"] - (np.arctan2(load[1], load[0]) + np.pi / 2)
-    return out
+def supported(angle, force):
+    """Tilt and half aperture of two supports, left one first; tilt_load: from the direction of the load they carry."""
+    tilt, aperture = contacts.geometry(angle)
+    load = np.array([np.cos(angle), np.sin(angle)]) @ force
+    return {"tilt": tilt, "aperture": aperture, "tilt_load": tilt - (np.arctan2(load[1], load[0]) + np.pi / 2)}
 
 
 def sizes(run, others):
@@ -191,12 +179,12 @@ def section(campaign):
     out = Section("cages", "&Omega;<sub>i</sub> and its cage",
                   "For each disk the mean places of it and its neighbours, the mean normal force of each contact and "
                   "the share of the time for which it is closed, from tables of contacts at all phases of the floor "
-                  "(<code>inputs/packing/cage_memory.cfg</code>, harmonic drive). The theory of three disks has the "
-                  "disk in balance for each combination of sliding signs, (13)&ndash;(18); its mean torque over all "
-                  "combinations, as in (19), over the drag of its contacts is a prediction of &Omega;<sub>i</sub>. "
+                  "(<code>inputs/packing/cage_memory.cfg</code>, harmonic drive). The same in the experiment with neighbours that do not turn stands <a "
+                  "href=\"#alone\">above</a>. Equation (19) of three disks, the mean torque of two supports over all "
+                  "combinations of sliding, is no test here: its sign depends on the excitation. "
                   "Drag: contacts slide to and fro with a mean speed <i>v</i>, the power of friction over &mu; times "
                   "the normal forces, so that a mean velocity <i>V</i> of the surfaces shifts the mean sign of "
-                  "sliding by 2<i>V</i>/&pi;<i>v</i>. Supports: the two contacts below with the largest forces. The "
+                  "sliding by 2<i>V</i>/&pi;<i>v</i>. The "
                   "covariance of sliding and normal force is that torque as it is in the run: it tells whether the "
                   "mechanism is the right one where the theory is not. Chances: shuffles of &Omega; among the disks "
                   "of a packing. Errors: leaving out ten neighbouring disks at a time.",
@@ -207,10 +195,7 @@ def section(campaign):
     drives = [drive for drive in DRIVES.values() if len(table.where(drive=drive, random=0.0))]
     parts = {drive: Part(table.where(drive=drive, random=0.0)) for drive in drives}
     for drive, part in parts.items():
-        out.claims += [predicts(drive, part), sense(drive, part), size(drive, part),
-                       mechanism(drive, part), gear(drive, part)]
-    if len(table.where(random=1.0)):
-        out.claims.append(by_chance(Part(table.where(random=1.0))))
+        out.claims += [predicts(drive, part), mechanism(drive, part), gear(drive, part)]
     out.figures += [scatter_figure(parts), summary_figure(parts)] if parts else []
     out.tables.append(Numbers("Predictions of &Omega;<sub>i</sub>", [
         "drive/<i>g</i>", "from", "disks", "Pearson", "Spearman", "right sense of those beyond 3 errors",
@@ -250,11 +235,6 @@ class Part:
 
     def correlation(self, name, function=pearson):
         return self.jackknife(function, self.told(name), self.omega, self.both[name])
-
-    def torque(self, name):
-        """Correlation of a torque of the theory with that of the measured covariance, over the same drag."""
-        known = self.known[name] & self.known["measured"]
-        return self.jackknife(pearson, known, self.predicted["measured"], self.predicted[name])
 
     def slope(self, name):
         """Measured over predicted, by least squares, with its error."""
@@ -301,49 +281,6 @@ def percent_of(found):
     return f"{number(100 * value, 100 * error)} % of {count} disks"
 
 
-def better(part):
-    """(verdict on whether (19) with the disk's own supports tells the sense, the numbers)."""
-    value, error, count = part.sense("load")
-    chances = part.chance("load")
-    sure = error > 0
-    verdict = (YES if sure and value - 3 * error > 0.5 else
-               NO if sure and value + error < 0.6 and chances > 0.01 else OPEN)
-    return verdict, (f"right for {percent_of((value, error, count))} that turn for sure; correlation "
-                     f"{number(*part.correlation('load'))}, a chance of {100 * chances:.2g} %; with the load along "
-                     f"gravity {percent_of(part.sense('gravity'))}, in phase, (31), {percent_of(part.sense('sync'))}")
-
-
-def sense(drive, part):
-    return Claim(f"At {drive:g} <i>g</i> the theory of three disks, (19) with the two supports of a disk and their "
-                 "own forces, predicts the sense in which it turns better than chance.", *better(part),
-                 kind="own check", slug=f"three-disk-sense-{drive:g}g")
-
-
-def by_chance(part):
-    verdict, found = better(part)
-    drives = ", ".join(f"{drive:g}" for drive in np.unique(part.table.column("drive")))
-    return Claim("Under random vibration of the floor, at all drives together, (19) with the two supports of a disk "
-                 "predicts the sense in which it turns better than chance.", verdict,
-                 f"{found}; {len(np.unique(part.group))} packings at {drives} <i>g</i>", kind="own check",
-                 slug="three-disk-sense-random")
-
-
-def size(drive, part):
-    best = max(THEORY, key=lambda name: np.nan_to_num(part.correlation(name)[0], nan=-1))
-    value, error = part.correlation(best)
-    need = np.sqrt(HALF)
-    verdict = YES if value - error >= need else NO if value + 2 * error < need else OPEN
-    return Claim(f"At {drive:g} <i>g</i> the theory of three disks in one of its forms explains half of the variance "
-                 "of &Omega;.", verdict,
-                 f"correlation of the best form ({PREDICTIONS[best]}) {number(value, error)}, {need:.2f} would be "
-                 f"half of the variance, Spearman {number(*part.correlation(best, spearman))}; its torque against "
-                 f"the one that is measured: two supports {number(*part.torque('load'))}, all contacts "
-                 f"{number(*part.torque('all'))}; "
-                 + "; ".join(f"{PREDICTIONS[name]} {number(*part.correlation(name))}" for name in THEORY
-                             if name != best),
-                 kind="own check", slug=f"three-disk-theory-predicts-{drive:g}g")
-
-
 def mechanism(drive, part):
     value, error = part.correlation("meshed")
     need = np.sqrt(HALF)
@@ -372,42 +309,41 @@ def gear(drive, part):
 
 
 # --- figures --------------------------------------------------------------------------------------------------------
-SHOWN = ("load", "network", "meshed", "gears")
-TITLES = {"load": "two supports, (19)", "network": "all contacts", "meshed": "measured covariance",
-          "gears": "gear of its neighbours"}
+SHOWN = ("network", "meshed", "gears")
+TITLES = {"network": "combinations of sliding", "meshed": "measured covariance", "gears": "gear of its neighbours"}
+TICKS = (-3, -1, 0, 1, 3)
 
 
 def scatter_figure(parts):
-    picture, axes = figure(columns=len(SHOWN), rows=len(parts), width=7.4, height=1.95 * len(parts), squeeze=False)
+    picture, axes = figure(columns=len(SHOWN), rows=len(parts), width=7.2, height=2.3 * len(parts), legend=True,
+                           squeeze=False, sharex=True, sharey=True)
     for row, (drive, part) in zip(axes, parts.items()):
         for panel, name in zip(row, SHOWN):
-            values = part.both.get(name)
-            if values is None or not values.any():
-                panel.set_axis_off()
-                continue
-            for k, one in enumerate(np.unique(part.group)):
-                here = (part.group == one) & (values != 0)
-                panel.plot(values[here], part.omega[here], "o", ms=2, mew=0, color=COLOURS[k % len(COLOURS)])
+            values = part.both[name]
+            known = values != 0
+            for chosen, colour, label in ((~part.sure, LIGHT, "within 3 errors of zero"),
+                                          (part.sure, COLOURS[0], "beyond 3 errors")):
+                panel.plot(values[known & chosen], part.omega[known & chosen], "o", ms=2.2, mew=0, color=colour, label=label)
+            panel.plot([-9, 9], [-9, 9], color=GREY, lw=0.7, zorder=1, gid="guide")
             for scale, limit in ((panel.set_xscale, panel.set_xlim), (panel.set_yscale, panel.set_ylim)):
                 scale("symlog", linthresh=0.3, linscale=0.8)
                 limit(-9, 9)
-            panel.set_xticks([-1, 0, 1], ["$-1$", "0", "1"])
-            panel.set_yticks([-1, 0, 1], ["$-1$", "0", "1"] if panel is row[0] else ["", "", ""])
+            panel.set_xticks(TICKS, [f"{v:g}" for v in TICKS])
+            panel.set_yticks(TICKS, [f"{v:g}" for v in TICKS])
             panel.minorticks_off()
             zero_line(panel)
-            panel.axvline(0, color=GREY, lw=0.4, zorder=0, gid="guide")
-            panel.text(0.04, 0.96, f"$r$ = {part.correlation(name)[0]:.2f}", transform=panel.transAxes, va="top",
-                       fontsize=8)
-            if drive == min(parts):
-                panel.set_title(TITLES[name], fontsize=9)
-        row[0].set_ylabel(rf"{drive:g} $g$: $\Omega_i$/rms", fontsize=10)
+            panel.axvline(0, color=LIGHT, lw=0.8, zorder=0, gid="guide")
+            title = f"{TITLES[name]}\n" if drive == min(parts) else ""
+            panel.set_title(f"{title}{int(known.sum())} disks, $r$ = {part.correlation(name)[0]:.2f}", fontsize=8.5)
+        row[0].set_ylabel(rf"{drive:g} $g$: measured $\Omega_i$/rms", fontsize=9)
     for panel in axes[-1]:
-        panel.set_xlabel("predicted/rms", fontsize=10)
+        panel.set_xlabel(r"predicted $\Omega_i$/rms", fontsize=9)
+    legend_below(picture, list(axes.flat), 2, markerscale=2)
     return Figure("cages-scatter", picture,
-                  "Mean angular velocity of each disk against what its cage predicts, both over the rms of the "
-                  "packing, logarithmic beyond 0.3; a colour per packing. From the left: the theory of three disks "
-                  "with the two supports of the disk; the same balance with all contacts and neighbours that turn; "
-                  "torques from the measured covariance of sliding and force; the mean of neighbours, as for gears.",
+                  "Mean angular velocity of each disk against what its contacts predict, harmonic drive; both over the rms "
+                  "of the packing, linear up to 0.3 and logarithmic beyond; the line: equal. From the left: the mean torque "
+                  "over all combinations of sliding with neighbours that turn; the torque of the measured covariance of "
+                  "sliding and force; the mean of the neighbours, as for gears. Above each: number of disks, correlation.",
                   "Scatter plots of measured against predicted mean angular velocities")
 
 
@@ -421,8 +357,8 @@ def summary_figure(parts):
                       mfc="white", label=f"{drive:g} $g$")
     zero_line(axes)
     axes.axhline(np.sqrt(HALF), color=GREY, lw=0.8, ls=":", gid="guide")
-    labels = ["two supports,\ngravity", "two supports,\nown forces", "two supports,\nin phase", "all\ncontacts",
-              "all, neigh-\nbours turn", "measured\ncovariance", "the same, neigh-\nbours turn", "gears", "regression"]
+    labels = ["combinations\nof sliding", "the same, neigh-\nbours turn", "measured\ncovariance",
+              "the same, neigh-\nbours turn", "gears", "regression"]
     axes.set_xticks(range(len(names)), labels, fontsize=8)
     axes.xaxis.set_tick_params(which="minor", bottom=False, top=False)
     axes.set_ylabel(r"correlation with $\Omega_i$")

@@ -27,27 +27,6 @@ def percent(chance):
     return f"{100 * chance:.0f} %" if chance > 0.1 else f"{100 * chance:.2g} %"
 
 
-def student_limit(chance, degrees):
-    """|t| that is exceeded with this chance."""
-    low, high = 0.0, 1e4
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if student(middle, degrees) > chance else (low, middle)
-    return high
-
-
-def newcomer(others, value, count):
-    """Does the mean of `count` values belong to the same population as others? (t, degrees, chance, largest distance
-    from the mean of the others that has a chance of 5 %)."""
-    others = np.asarray(others, float)
-    degrees = len(others) - 1
-    if degrees < 1:
-        return math.nan, degrees, math.nan, math.nan
-    spread = float(others.std(ddof=1) * math.sqrt(1 / len(others) + 1 / count))
-    t = (value - float(others.mean())) / spread
-    return t, degrees, student(t, degrees), spread * student_limit(0.05, degrees)
-
-
 def differ(groups, seed=1):
     """Chance that groups of one population differ as much in their mean ranks (Kruskal and Wallis), by shuffling."""
     groups = [np.asarray(g, float) for g in groups if len(g)]

@@ -1,4 +1,4 @@
-"""Does each disk of a packing turn for good, or do only many?"""
+"""Does each disk of a packing turn, or do only many?"""
 import numpy as np
 
 from ratchet.page import Figure, Numbers, Section
@@ -15,7 +15,7 @@ ALIKE = 0.5      # the smaller of both halves over the larger, from which on a r
 # Kinds of disks, in the order in which they are asked for.
 TURNS, STICKS, SLIDES, UNSEEN = "turns", "sticks", "slides", "unseen"
 KINDS = {TURNS: f"turns: beyond {SURE:g} errors", SLIDES: "slides without turning",
-         STICKS: "sticks for ever", UNSEEN: "cannot be told"}
+         STICKS: "never slides", UNSEEN: "undecided"}
 
 
 def limits(box):
@@ -80,7 +80,7 @@ def census(found):
 
 def each(counts):
     """True: all but a few turn, chance taken off, or those within their errors are no more than a smooth distribution
-    has there; False: a sizeable part stands still; None: cannot be told."""
+    has there; False: a sizeable part stands still; None: undecided."""
     turning, error = counts[TURNS]
     turning = (turning - CHANCE) / (1 - CHANCE)
     if turning - SURE * error > 1 - SIZEABLE:
@@ -111,21 +111,21 @@ def claim(found, drive, slug, where=""):
     """The claim of the follow-up, of all packings at one drive."""
     counts = census(found)
     if not counts["disks"]:
-        return missing(f"At {where or f'{drive:g} <i>g</i>'} each disk turns for good.", slug=slug)
-    return decide(f"At {where or f'{drive:g} <i>g</i>'} each disk turns for "
-                  f"good.", each(counts), words(counts), slug=slug)
+        return missing(f"At {where or f'{drive:g} <i>g</i>'} each disk turns.", slug=slug)
+    return decide(f"At {where or f'{drive:g} <i>g</i>'} each disk turns.",
+                  each(counts), words(counts), slug=slug)
 
 
 # --- the section ----------------------------------------------------------------------------------------------------
 def sections(campaign):
     table = by_drive(boxes(campaign, "drive"))
     long = {"low": boxes(campaign, "low", 0.3), "moderate": boxes(campaign, "moderate", 2.0)}
-    out = Section("each", "Does each disk turn?",
+    out = Section("each", "Does each disk turn? Harmonic drive",
                   "The claim is that <i>each</i> disk of a vibrated packing has a mean angular velocity that is not "
                   f"zero. A disk <i>turns</i> when |&Omega;| is beyond {SURE:g} of its errors; it <i>stands still</i> "
                   "when it is not, and the upper limit of 95 % on |&Omega;| is below a hundredth of the rms of its "
                   "packing. Of those the ones whose friction has done no work at all while measured "
-                  f"<i>stick for ever</i>. {RULE} They are left out. The claim is refuted when "
+                  f"<i>never slide</i>. {RULE} They are left out. The claim is refuted when "
                   f"more than {100 * SIZEABLE:.0f} % of the disks stand still. It is met when fewer than that do not "
                   f"turn, or "
                   f"when those within {SURE:g} errors are no more, up to as many, than a smooth distribution of "
@@ -137,15 +137,13 @@ def sections(campaign):
     shown = {**{(drive, ""): found for drive, found in table.items()},
              **{(found[0].drive, name): found for name, found in long.items() if found}}
     if not shown:
-        out.claims.append(missing("Each disk turns for good.", slug="each-disk"))
+        out.claims.append(missing("Each disk turns.", slug="each-disk"))
         return [out]
     out.claims += regimes(table)
     for (drive, name), found in sorted(shown.items()):
         time = found[0].whole["measured"]
         out.claims.append(claim(found, drive, f"each-disk-{name or f'{drive:g}'}",
                                 f"{drive:g} <i>g</i> ({time:.0f} s, {len(found)} packings)"))
-    if table:
-        out.figures.append(shares_figure(table, "each-disk", "peak acceleration of the floor / $g$"))
     picked = {f"{drive:g} $g$": table[drive] for drive in (0.1, 0.3, 1.0, 2.0, 9.0) if drive in table}
     picked = picked or {f"{found[0].drive:g} $g$": found for found in long.values() if found}
     out.figures.append(sizes_figure(picked, "each-sizes"))
@@ -163,7 +161,7 @@ def regimes(table):
                                ("bouncing", [d for d in rate if rate[d] >= MANY],
                                 "Where each contact opens once in a period or more")):
         where = f" ({', '.join(f'{d:g}' for d in chosen)} <i>g</i>)" if chosen else ""
-        text = f"{what}{where}, each disk turns for good."
+        text = f"{what}{where}, each disk turns."
         counts = census([box for drive in chosen for box in table[drive]])
         made.append(decide(text, each(counts), words(counts), slug=f"each-disk-{slug}") if counts["disks"]
                     else missing(text, why="no such drive", slug=f"each-disk-{slug}"))
@@ -179,16 +177,14 @@ def numbers_table(rows):
         made.append([label, len(found), float(found[0].whole["measured"]),
                      *(number(100 * counts[name][0], 100 * counts[name][1]) for name in names), number(*ratio)])
     return Numbers("What the disks do, in per cent of those that are no rattlers",
-                   ["drive", "packings", "measured (s)", "turn", "slide, stand still", "stick for ever", "cannot be "
-                                                                                                         "told",
+                   ["drive", "packings", "measured (s)", "turn", "slide, stand still", "never slide", "undecided",
                     "rattlers (of all)", "same in both halves (of those that turn)", "turn, with three contacts or "
                                                                                      "more",
                     "median/rms of |&Omega;|"], made)
 
 
-def shares_figure(table, name, label):
-    """Stacked bars: what part of the disks does what, at each drive."""
-    picture, axes = figure(height=3.6)
+def shares_panel(axes, table, label):
+    """Stacked bars: which fraction of the disks does what, at each drive."""
     places, under = np.arange(len(table)), np.zeros(len(table))
     colours = dict(zip(KINDS, (COLOURS[0], COLOURS[1], COLOURS[4], LIGHT)))
     for kind, text in KINDS.items():
@@ -201,17 +197,11 @@ def shares_figure(table, name, label):
     axes.set_xticks(places, [f"{drive:g}" for drive in table])
     axes.minorticks_off()
     axes.set_ylim(0, 1)
-    axes.set_ylabel("part of the disks")
     axes.set_xlabel(label)
-    legend_above(axes, 2)
-    return Figure(name, picture, "What the disks do that are no rattlers. Error bars: from leaving out packings. "
-                                 "Dotted: "
-                  f"{100 * CHANCE:.0f} %, so many disks that do not turn may be beyond {SURE:g} errors by chance.",
-                  "Stacked bars of the parts of disks that turn, slide without turning, stick, or cannot be told")
 
 
 def sizes_figure(picked, name):
-    """Part of the disks with |Omega|/rms above x, and what could have been seen."""
+    """Fraction of the disks with |Omega|/rms above x, and what could have been seen."""
     picture, axes = figure(height=3.8)
     for k, (label, found) in enumerate(picked.items()):
         sizes = np.sort(np.concatenate([np.abs(box["omega"][box.held]) / box.rms for box in found]))[::-1]
@@ -225,13 +215,11 @@ def sizes_figure(picked, name):
     axes.set_xlim(1e-7, 10)
     axes.set_ylim(0, 1.02)
     axes.set_xlabel(r"$x$")
-    axes.set_ylabel(r"part of the disks with $|\Omega_i|$/rms $> x$")
+    axes.set_ylabel(r"fraction of the disks with $|\Omega_i|$/rms $> x$")
     legend_above(axes, 6)
-    return Figure(name, picture, "How large the mean angular velocities are, over the rms of their packing: the part "
-                                 "of "
-                  f"the disks (no rattlers) above <i>x</i>. Dotted: the same for {SURE:g} error bars, below which "
-                  f"nothing can be "
-                  "told. Where the line bends over and goes on at a level, disks are of two kinds: some turn, others "
+    return Figure(name, picture, "How large the mean angular velocities are, over the rms of their packing: the "
+                  "fraction of the disks (no rattlers) above <i>x</i>. Dotted: the same for {SURE:g} error bars, below which "
+                  "nothing is seen. Where the line bends over and goes on at a level, disks are of two kinds: some turn, others "
                   "do not.",
                   "Cumulative distribution of absolute mean angular velocities over the rms")
 

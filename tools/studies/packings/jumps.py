@@ -220,7 +220,7 @@ def section(campaign):
                   f"the same phase of the floor, give its mean angular velocity in blocks of {WIDTH:g} s, of the "
                   f"long runs from frame to frame. A jump: the mean changes by more than {SURE:g} errors and "
                   f"{LEAST:g} of the packing's rms (binary segmentation; errors from the scatter on both sides). A "
-                  "rearrangement of its cage: it or a disk that it touches moves for good by more than "
+                  "rearrangement of its cage: it or a disk that it touches moves lastingly by more than "
                   "10<sup>&minus;5</sup> diameters, a tenth of the overlap that its weight makes, or a contact of "
                   f"it is closed for {SWITCH:g} of the time more or less than before. Together: within {WITHIN} "
                   "blocks. By chance: the share of the time that is so near a rearrangement of the disk's cage. "

@@ -8,7 +8,7 @@ KNOWN = (
     "distribution, still to a hundredth of the rms, drives taken together), halves that last, second neighbours by sense, "
     "the least displacement of a jump, medians of the scans. That not each disk turns at 0.2 and 0.3 <i>g</i> came out "
     "under every version.",
-    "Boxes hold 60 disks unless said otherwise, and are ten mean diameters wide: walls touch a good part of the disks. "
+    "Boxes hold 60 disks unless said otherwise, and are ten mean diameters wide: walls touch many of the disks. "
     "The runs with 10<sup>4</sup> disks are single packings, their numbers have no error from packings.",
     "Openings are counted each time: a contact that chatters opens several times in a period, and those of rattlers count "
     "in the means over all contacts.",

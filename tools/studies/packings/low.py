@@ -1,12 +1,14 @@
 """Low and moderate drive: every disk has a mean angular velocity of its own, which lasts."""
+import dataclasses
+
 import numpy as np
 
 from ratchet.page import Figure, Numbers, Section
-from ratchet.style import COLOURS, GREY, figure, legend_above, legend_below, zero_line
+from ratchet.style import COLOURS, GREY, LIGHT, figure, legend_below, zero_line
 from ratchet.verdict import SURE, decide, missing, number
 
 from . import disks, maps
-from .drive import lasts
+from .drive import lasts, random_floor
 from .statistics import jackknife, mean_error, moments, pearson, pooled, spearman
 
 PLAIN = {"low": "0.3 <i>g</i>", "moderate": "2 <i>g</i>"}
@@ -15,14 +17,28 @@ DECK = {"low": "shake_low.cfg", "moderate": "shake_moderate.cfg"}
 
 
 def sections(campaign):
-    return [persistence(campaign, name) for name in ("low", "moderate")]
+    return [*(persistence(campaign, name) for name in ("low", "moderate")), random_floor(campaign, random_claims(campaign))]
+
+
+def random_claims(campaign):
+    """The same statements under random drive, at each drive of the entry `random`: {drive: claims}."""
+    runs = [run for run in campaign.runs("random") if run.has_means]
+    made = {}
+    for drive, found in disks.by_drive(disks.boxes(campaign, "random")).items():
+        scaled = [box["omega"][box.held] / box.rms for box in found]
+        some = [run for run in runs if run.parameters["drive"] == drive]
+        claims = [persists("random", found), ranked("random", found), centred("random", found),
+                  *shape("random", scaled, turning_scaled(found)), deeper("random", found), counter("random", some)]
+        made[drive] = [dataclasses.replace(claim, text=f"At {drive:g} <i>g</i>: {claim.text[0].lower()}{claim.text[1:]}",
+                                           slug=f"{claim.slug}-{drive:g}g") for claim in claims]
+    return made
 
 
 def persistence(campaign, name):
     found = disks.boxes(campaign, name, DRIVE[name])
     runs = [run for run in campaign.runs(name) if run.has_means]
     length = f"{found[0].whole['measured']:.0f} s" if found else "some hundred s"
-    out = Section(name, f"{'Low' if name == 'low' else 'Moderate'} drive, {PLAIN[name]}: persistent rotation",
+    out = Section(name, f"{'Low' if name == 'low' else 'Moderate'} drive, {PLAIN[name]}, harmonic: persistent rotation",
                   f"{len(found)} packings of 60 disks (<code>inputs/packing/{DECK[name]}</code>), the floor harmonic "
                   f"at 80 Hz "
                   f"with peak acceleration {PLAIN[name]}, measured for {length} each after settling and a time to "
@@ -36,8 +52,9 @@ def persistence(campaign, name):
                                   slug=f"{name}-persists"))
         return out
     scaled = [box["omega"][box.held] / box.rms for box in found]
-    out.figures += [halves_figure(name, found), distribution_figure(name, scaled)]
-    out.claims += [persists(name, found), ranked(name, found), centred(name, found), *shape(name, scaled),
+    turning = turning_scaled(found)
+    out.figures += [halves_figure(name, found), distribution_figure(name, found)]
+    out.claims += [persists(name, found), ranked(name, found), centred(name, found), *shape(name, scaled, turning),
                    deeper(name, found)]
     if runs:
         out.figures.append(map_figure(name, runs[0]))
@@ -109,18 +126,25 @@ def centred(name, found):
                   f"{number(*mean_error([box.rms for box in found]))} rad/s", slug=f"{name}-centred")
 
 
-def shape(name, scaled):
-    """Skewness and tails of the distribution; scaled: angular velocities of each packing over their rms."""
+def turning_scaled(found):
+    """Angular velocities of the disks beyond three errors of each packing, over their rms; no rattlers."""
+    parts = [box["omega"][box.held & box.turns] for box in found]
+    return [part / np.sqrt(np.mean(part ** 2)) for part in parts if len(part)]
+
+
+def shape(name, scaled, turning):
+    """Skewness and tails of the distribution; scaled: angular velocities of each packing over its rms, turning: those of
+    turning_scaled, by which tails are judged: disks at rest alone make tails wide."""
     skewness, kurtosis = (jackknife(lambda groups, k=k: moments(np.concatenate(groups))[k], scaled) for k in (2, 3))
     even = abs(skewness[0]) < SURE * skewness[1] if skewness[1] > 0 else None
-    excess, error = kurtosis
+    excess, error = own = jackknife(lambda groups: moments(np.concatenate(groups))[3], turning)
     tails = None if not error > 0 else True if excess > SURE * error else False if excess < -SURE * error else None
-    told = (f"excess kurtosis {number(*kurtosis)}: 0 for a Gaussian, 3 for a Laplace distribution, from which it is "
-            f"{abs(excess - 3) / error if error > 0 else np.nan:.1f} errors away")
+    told = (f"excess kurtosis {number(*own)} of the {sum(map(len, turning))} disks beyond {SURE:g} errors, "
+            f"{number(*kurtosis)} of all {sum(map(len, scaled))}, those at rest included: 0 for a Gaussian, 3 for a Laplace "
+            f"distribution")
     return [decide("It is symmetric: both senses of rotation are alike.", even,
                    f"skewness {number(*skewness)}, each packing scaled by its rms", slug=f"{name}-symmetric"),
-            decide("It has wider tails than a Gaussian, with rattlers left out and each packing scaled by its "
-                   "rms.", tails,
+            decide("Of the disks that turn it has wider tails than a Gaussian, each packing scaled by its rms.", tails,
                    told, slug=f"{name}-tails")]
 
 
@@ -181,8 +205,11 @@ def halves_figure(name, found):
                   "Scatter plot of mean angular velocities in two halves of the runs")
 
 
-def distribution_figure(name, scaled):
-    picture, axes = figure(height=3.9)
+def distribution_figure(name, found):
+    """Disks beyond three errors as a density; those within, which a linear axis puts into one bin, as a fraction."""
+    scaled = turning_scaled(found)
+    resting = sum(int((box.held & ~box.turns).sum()) for box in found)
+    picture, axes = figure(columns=2, width=7.0, height=3.5, legend=True, gridspec_kw={"width_ratios": [3, 1]})
     every = np.concatenate(scaled)
     edges = np.linspace(-5.25, 5.25, 22)
     parts = np.array([np.histogram(part, edges)[0] for part in scaled])
@@ -193,24 +220,30 @@ def distribution_figure(name, scaled):
     norm = len(every) * width
     shown = count > 0
     low = np.minimum(error, 0.9 * count)  # a bar that does not leave the logarithmic axis
-    axes.errorbar(middle[shown], (count / norm)[shown], yerr=[(low / norm)[shown], (error / norm)[shown]], fmt="o",
-                  mfc="white", color=COLOURS[0], label=f"{len(every)} disks")
+    axes[0].errorbar(middle[shown], (count / norm)[shown], yerr=[(low / norm)[shown], (error / norm)[shown]], fmt="o",
+                     mfc="white", color=COLOURS[0], label=f"{len(every)} disks beyond {SURE:g} errors")
     x = np.linspace(-5.25, 5.25, 300)
-    axes.plot(x, np.exp(-x * x / 2) / np.sqrt(2 * np.pi), color=GREY, lw=1, label="Gaussian", gid="guide")
-    axes.plot(x, np.exp(-np.sqrt(2) * np.abs(x)) / np.sqrt(2), color=COLOURS[1], lw=1, ls="--", label="Laplace",
-              gid="guide")
-    axes.set_yscale("log")
-    axes.set_xlim(-5.25, 5.25)
-    axes.set_ylim(0.3 / norm.max(), 5)
-    axes.set_xlabel(r"$\Omega_i$ / rms of the packing")
-    axes.set_ylabel("probability density")
-    legend_above(axes, 3)
+    axes[0].plot(x, np.exp(-x * x / 2) / np.sqrt(2 * np.pi), color=GREY, lw=1, label="Gaussian", gid="guide")
+    axes[0].plot(x, np.exp(-np.sqrt(2) * np.abs(x)) / np.sqrt(2), color=COLOURS[1], lw=1, ls="--", label="Laplace",
+                 gid="guide")
+    axes[0].set_yscale("log")
+    axes[0].set_xlim(-5.25, 5.25)
+    axes[0].set_ylim(0.3 / norm.max(), 5)
+    axes[0].set_xlabel(r"$\Omega_i$ / rms of the turning disks of the packing")
+    axes[0].set_ylabel("probability density")
+    total = max(len(every) + resting, 1)
+    axes[1].bar([0, 1], [len(every) / total, resting / total], 0.6, color=[COLOURS[0], LIGHT])
+    axes[1].set_xticks([0, 1], [f"beyond\n{SURE:g} errors\n({len(every)})", f"within\n({resting})"])
+    axes[1].minorticks_off()
+    axes[1].set_ylim(0, 1)
+    axes[1].set_ylabel("fraction of the disks")
+    legend_below(picture, axes, 3)
     beyond = int(np.sum(np.abs(every) > 5.25))
-    return Figure(f"distribution-{name}", picture, "Distribution of the mean angular velocities without rattlers, each "
-                  "packing scaled by its rms. Bars: from the scatter of packings, and no less than of independent "
-                  "disks."
-                  + (f" {beyond} disks are beyond the axis." if beyond else ""),
-                  "Distribution of mean angular velocities on a logarithmic scale")
+    return Figure(f"distribution-{name}", picture, "Left: distribution of the mean angular velocities of the disks beyond "
+                  f"{SURE:g} errors, no rattlers, each packing scaled by the rms of these. Bars: from the scatter of "
+                  "packings, and no less than of independent disks. Right: how many these are, and how many are within "
+                  f"{SURE:g} errors." + (f" {beyond} disks are beyond the axis." if beyond else ""),
+                  "Distribution of mean angular velocities of turning disks, and the fractions that turn and rest")
 
 
 def map_figure(name, run):

@@ -23,8 +23,6 @@ COMPARISONS = (
      "when all disks spin at 5 or at &minus;5 rad/s at the start", True),
     ("memory", (("reference", "forgotten"),), "contacts\nforgotten",
      "when the contacts begin anew, with relaxed tangential springs", True),
-    ("drive", (("reference", "noise_1"), ("reference", "noise_2")), "random for\nharmonic",
-     "under random vibration of the same rms displacement instead of the harmonic one", False),
 )
 EQUAL = 0.1  # share of the variance up to which two runs count as the same
 BLOCK = 10   # disks that are left out together for error bars: they are neighbours in the rain
@@ -182,7 +180,9 @@ def section(campaign):
     out = Section("memory", "One packing, several histories: what &Omega;<sub>i</sub> remembers",
                   "Packings of 60 disks at rest (<code>inputs/packing/cage_start.cfg</code>) are shaken several "
                   "times, each time from the same places (<code>cage_memory.cfg</code>). If the cage sets "
-                  "&Omega;<sub>i</sub>, it is the same in all these runs; if the contacts' memory does, it is not. "
+                  "&Omega;<sub>i</sub>, it is the same in all these runs; if the contacts' memory does, it is not. The rms "
+                  "displacement of the random motion is &radic;2 times that of the harmonic one here; at equal ones "
+                  "they are compared <a href=\"#gentle\">above</a>. "
                   "What two runs do not have in common is the mean square of their differences over twice the mean "
                   f"&Omega;&sup2;. They count as the same when it is at most {EQUAL:g} and the rank correlation of "
                   f"halves of two runs is at most {EQUAL:g} below that of halves of one. Errors are from leaving out "
@@ -232,7 +232,7 @@ def judge(slug, words, paper, drive, pairs):
 
 def scatter_figure(table):
     """Omega in one history against another: a row of panels per drive."""
-    shown = [c for c in COMPARISONS if c[0] in ("seed", "spin", "memory", "drive")]
+    shown = [c for c in COMPARISONS if c[0] in ("seed", "start", "spin", "memory")]
     picture, axes = figure(columns=len(shown), rows=3, width=7.4, height=6.0)
     for row, drive in zip(axes, DRIVES.values()):
         here = table.column("drive") == drive

@@ -1,19 +1,24 @@
 """What is run: the one table to change. Decks are those of inputs/packing; `keys` differ from the deck as it stands."""
 import dataclasses
 
+from . import alone
+
 LEVELS = ("quick", "default")
 DESCRIPTIONS = {
-    "quick": "a coarse look: few packings, short runs. Many statements cannot be told from it",
-    "default": "the campaign of docs/studies/packings_study.md, about 80 minutes of one core. The decks ask for 500 s "
-               "and ten packings at each point; so long is low drive measured; here moderate drive for 200 s, the "
-               "sweep of drives and random vibration for 60 s, with six packings",
+    "quick": "a coarse look: few packings, short runs. Many statements are left undecided",
+    "default": "the campaign of docs/studies/packings_study.md, about 100 minutes of one core. The decks ask for 500 s "
+               "and ten packings at each point. Low drive is measured for 500 s, moderate drive for 200 s, the sweep of "
+               "drives and random vibration for 60 s, with six packings; harmonic against random drive of the same rms "
+               "displacement for 300 s with two; disks whose neighbours do not turn for 8 s (20 s at 0.3 <i>g</i>) with "
+               "eight",
 }
 
 
 @dataclasses.dataclass(frozen=True)
 class Entry:
     deck: str
-    keys: dict = dataclasses.field(default_factory=dict)   # -D at every level; {folder} is where results are
+    # -D at every level; {folder} is where results are, and what a function is given.
+    keys: dict = dataclasses.field(default_factory=dict)
     quick: dict = dataclasses.field(default_factory=dict)  # -D at level quick, besides
     sweep: bool = True          # a sweep, else one run
     threads: bool = False       # one run on all cores
@@ -50,6 +55,13 @@ def _memory(drive, thermalise, measure, packings, every=1507):
                   "sweep[0].parameters.start.values": _starts(3)})
 
 
+def _alone(drive, thermalise, measure, packings=8, single=()):
+    """All disks of a packing, and those of one set at a time: alone.py."""
+    return Entry("cage_alone.cfg", {"constants.drive": drive, **_times(thermalise, measure),
+                                    "sweep": lambda folder: alone.grids(folder, packings, single)},
+                 {**SHORT, "sweep": lambda folder: alone.grids(folder, 1, single)}, skip_quick=bool(single))
+
+
 def _records(frames, contacts):
     """Steps between frames, which are at one phase of the floor (at dt = 3e-5, 1250 are three periods of 80 Hz), and
     between tables of contacts, which are at all phases."""
@@ -65,7 +77,6 @@ WITH_DISKS = ("low", "moderate", "drive", "random", "frictionless", "cage", "dru
 ENTRIES = {
     "low": Entry("shake_low.cfg", {**_records(125000, 123457), **SIX}, {**SHORT, "sweep.replicas": 2}, first=4),
     "drum": Entry("drum.cfg", {}, {"phases.start.time": 20, "phases.flow.time": 30}, sweep=False),
-    "outside": Entry("outside.cfg", {"sweep.replicas": 4}, {**SHORT, "sweep.replicas": 2}, first=2),
     "cage": Entry("cage.cfg", {}, SHORT),
     "frictionless": Entry("shake_drive.cfg", {"materials[0].mu": 0, **_times(5, 20), "sweep.replicas": 2,
                                               "sweep.parameters.drive.values": "(0.5, 2, "
@@ -89,6 +100,10 @@ ENTRIES = {
     "cage_moderate": _memory(2, 5, 40, 8),
     "cage_middle": _memory(0.7, 5, 40, 8),
     "cage_low": _memory(0.3, 15, 60, 6),
+    "gentle": Entry("cage_gentle.cfg", {**_times(10, 300), "sweep[*].parameters.start.values": _starts(2)}, SHORT),
+    **{f"alone_{name}": _alone(drive, *times) for name, drive, *times in (("middle", 0.7, 2, 8), ("moderate", 2, 2, 8),
+                                                                         ("low", 0.3, 5, 20))},
+    "alone_single": _alone(0.7, 2, 6, 1, single=(0,)),
     "quiet": Entry("quiet.cfg", {**_times(20, 200), **_records(125000, 123457), "sweep.replicas": 3},
                    {**SHORT, "sweep.replicas": 1, "sweep.parameters.drive.values": "(0.05, 0.2)"}, first=2),
     "quiet_stiff": Entry("quiet.cfg", {**_times(10, 100), **_records(200000, 197531), **STIFF, "sweep.replicas": 3,

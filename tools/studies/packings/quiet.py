@@ -172,11 +172,10 @@ def numbers_table(rows):
                          r["closed"], r["sliding"], counts[each.TURNS], counts[each.SLIDES], counts[each.STICKS],
                          counts[each.UNSEEN], r["turning"], counts["lasting"])),
                      number(*r["rms"]), number(*r["median"]), number(*r["noise"])])
-    return Numbers("Weak drive; parts in per cent, disks that are no rattlers; angular velocities in rad/s",
+    return Numbers("Weak drive; fractions in per cent, disks that are no rattlers; angular velocities in rad/s",
                    ["runs", "<i>k</i><sub>n</sub> (N/m)", "drive/<i>g</i>", "packings", "measured (s)",
                     "openings per contact and period", "disks that never open", "sliding contacts", "turn",
-                    "slide, stand still", "stick for ever", "cannot be told", "turn, of those that slide and never "
-                                                                              "open",
+                    "slide, stand still", "never slide", "undecided", "turn, of those that slide and never open",
                     "same in both halves, of those that turn", "rms &Omega;", "median |&Omega;|", "median error"], made)
 
 
@@ -219,7 +218,7 @@ def against_drive(rows):
     return Figure("quiet", picture, "Weak drive with soft, stiff and very stiff contacts; disks that are no rattlers. "
                                     "Where no "
                   "contact opened the point is missing in the logarithmic panel. Dotted: what chance allows.",
-                  "Openings, parts of disks that never open and that turn, and rms angular velocity against weak drive")
+                  "Openings, fractions of disks that never open and that turn, and rms angular velocity against weak drive")
 
 
 def sizes(rows):

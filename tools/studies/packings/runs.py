@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 from ratchet.data import Table
-from ratchet.kept import LOG
+from ratchet.kept import LOG, head_of
 from ratchet.runs import POINT_DIGITS, ROOT, Results, Stopped, overrides, read, slipdisk
 
 from . import plan
@@ -50,7 +50,8 @@ class Campaign(Results):
     def _words(self, name):
         entry = self.entries[name]
         deck = entry.deck if os.path.isabs(entry.deck) else os.path.join(ROOT, "inputs", "packing", entry.deck)
-        keys = {path: str(value).replace("{folder}", os.path.abspath(os.path.join(self.folder, self.level)))
+        folder = os.path.abspath(os.path.join(self.folder, self.level))
+        keys = {path: value(folder) if callable(value) else str(value).replace("{folder}", folder)
                 for path, value in {**entry.keys, **(entry.quick if self.level == "quick" else {})}.items()}
         path = self._place(name) + ("" if entry.sweep else ".h5")
         return [self.program, "sweep" if entry.sweep else "run", deck, "-o", path, *overrides(keys)]
@@ -84,11 +85,8 @@ class Campaign(Results):
             except (OSError, KeyError) as error:
                 self.failed.append(f"{path}: {error}")
                 read.pop(path, None)
-        place = os.path.abspath(self.folder)  # folders of this machine are not told
-        words = [word.replace(place, "build/packings") for word in self._words(name)] if name in self.entries else []
-        told = {"command": self._told(words)} if words else {}
         rows = self.numbers("runs-" + name, lambda: Table(one.rows for one in read.values()), "finished runs",
-                            POINT_DIGITS, **told).rows
+                            POINT_DIGITS, **self.told(name)).rows
         disks, contacts, walls = (self._parts(name, part, read) for part in ("disks", "contacts", "walls"))
         paths = {one.rows["name"]: path for path, one in read.items()}
         found = []
@@ -97,6 +95,18 @@ class Campaign(Results):
             found.append(Run(row, disks.get(run), contacts.get(run, NO_CONTACTS if whole else None),
                              walls.get(run, {} if whole else None), paths.get(run, "")))
         return found
+
+    def told(self, *names):
+        """{"command": calls of the program that make these}, for heads of kept numbers; without folders of this machine,
+        and without keys that are computed (a function in plan.py)."""
+        calls = []
+        for name in names:
+            if name in self.entries and self.files(name):
+                computed = [f"{key}=" for key, value in self.entries[name].keys.items() if callable(value)]
+                words = [word.replace(os.path.abspath(self.folder), "build/packings") for word in self._words(name)]
+                calls.append(self._told([next((f"{key}..." for key in computed if word.startswith(key)), word)
+                                         for word in words]))
+        return {"command": "; ".join(calls)} if calls else {}
 
     def _parts(self, name, part, read):
         """{run: {column: array}} of the disks, contacts or walls of the runs, one table for all."""
@@ -118,6 +128,13 @@ class Campaign(Results):
             found.setdefault(row["run"], []).append(row)
         return {run: {key: np.array([row[key] if row[key] != "" else np.nan for row in rows]) for key in rows[0]}
                 for run, rows in found.items()}
+
+    def _head(self, name, title, more):
+        """Numbers that follow from kept ones have the head that they were kept with."""
+        path = os.path.join(self.store.kept, name + ".csv") if self.store.kept and not self.anything() else ""
+        if os.path.exists(path):
+            return [f"{key}: {text}" for key, text in head_of(path).items()]
+        return super()._head(name, title, more)
 
     def made_by(self):
         """Programs that made the results that are there; of kept numbers where there are no others."""
@@ -199,8 +216,12 @@ class Campaign(Results):
 
     def _lacks(self, name):
         have = len(self.files(name))
-        if not have and self._all(name):  # drawn from what is kept
-            return ""
+        if not have:
+            path = os.path.join(self.store.kept, "missing.csv") if self.store.kept else ""
+            known = Table.read(path, finished_only=False).rows if path and os.path.exists(path) else []
+            line = [row["missing"] for row in known if row["entry"] == name]
+            if line or self._all(name):  # drawn from what is kept
+                return line[0] if line else ""
         if not self.entries[name].sweep:
             return "" if have else f"{name}: not finished"
         done = self._ask([*self._words(name), "--count"])

@@ -135,7 +135,8 @@ a fresh clone, without results and without the program. `--keep docs/studies` wr
 `sweep-`: all points of a sweep; `theory-`: curves of theory; `info-`: what `slipdisk info` says of a run; `table-`:
 tables as the page shows them; `runs-`, `disks-`, `contacts-`, `walls-`: runs of packings.
 
-`shear`: mu(I) of [rheology.md](../rheology.md), by `tools/studies/rheology.sh`.
+`shear`: mu(I) of [rheology.md](../rheology.md), by `tools/studies/rheology.sh` (the revision of all but rheology-more.csv is in the
+history only as a part of version 0.5.0).
 """
 
 
