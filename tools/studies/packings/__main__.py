@@ -15,8 +15,8 @@ from ratchet.page import Page, badge, missing_list
 from ratchet.runs import STOPPED
 from ratchet.verdict import CHECK, NO, OPEN, PAPER, YES
 
-from . import (alone, budget, cages, controls, depths, drive, each, energy, flows, front, gentle, jamming, jumps, large, limits, low, memory,
-               plan, quiet, scans, space)
+from . import (alone, budget, cages, controls, depths, drive, each, energy, flows, front, gentle, jamming, jumps, large,
+               limits, low, memory, plan, quiet, scans, space)
 from .runs import ROOT, Campaign, Stopped
 
 TITLE = "Packings: shaken, compressed, poured"
@@ -97,7 +97,8 @@ def lead(campaign):
     return [markdown.text_of(
         "The decks of <code>inputs/packing</code>, statement by statement. The vibrated boxes follow Moukarzel, Peraza-Mues "
         "and Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; errors are single standard "
-        "errors; every verdict is computed from the numbers beside it; statements of theirs are marked (letter). Written by <code>tools/studies/packings.sh</code>, "
+        "errors; every verdict is computed from the numbers beside it; statements of theirs are marked (letter). Written "
+        "by <code>tools/studies/packings.sh</code>, "
         f"level {campaign.level}: {plan.DESCRIPTIONS[campaign.level]}.")]
 
 

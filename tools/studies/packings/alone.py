@@ -363,7 +363,8 @@ def shares_table(found, single):
     for key, packings in [*found.items(), *(((0.7, random), some) for random, some in single.items())]:
         part, (value, own, other) = shares(packings), balance(packings)
         apart = packings is single.get(key[1])
-        rows.append([key[0], MOTIONS[key[1]] + ", one disk at a time" * apart, len(packings), int(sum(p.held.sum() for p in packings)),
+        rows.append([key[0], MOTIONS[key[1]] + ", one disk at a time" * apart, len(packings),
+                     int(sum(p.held.sum() for p in packings)),
                      *(number(*part[name]) for name in ("cage", "gearing", "neighbours", "neither", "noise")),
                      number(*pooled_share(packings, 2)), number(*value), number(*own), number(*other),
                      float(np.median(np.concatenate([p.error[p.held] for p in packings]))),

@@ -179,8 +179,8 @@ def section(campaign):
     out = Section("cages", "&Omega;<sub>i</sub> and its cage",
                   "For each disk the mean places of it and its neighbours, the mean normal force of each contact and "
                   "the share of the time for which it is closed, from tables of contacts at all phases of the floor "
-                  "(<code>inputs/packing/cage_memory.cfg</code>, harmonic drive). The same in the experiment with neighbours that do not turn stands <a "
-                  "href=\"#alone\">above</a>. Equation (19) of three disks, the mean torque of two supports over all "
+                  "(<code>inputs/packing/cage_memory.cfg</code>, harmonic drive). The experiment with "
+                  "neighbours that do not turn stands <a href=\"#alone\">above</a>. Equation (19) of three disks, the mean torque of two supports over all "
                   "combinations of sliding, is no test here: its sign depends on the excitation. "
                   "Drag: contacts slide to and fro with a mean speed <i>v</i>, the power of friction over &mu; times "
                   "the normal forces, so that a mean velocity <i>V</i> of the surfaces shifts the mean sign of "

@@ -99,8 +99,8 @@ def why(campaign):
     opens = [gentle.never(some) for some in (part[0], part[1] + part[2])]
     return (f"<b>Why.</b> Under harmonic drive the packing repeats its motion in each period: a contact that does not slide in "
             f"one does not in the next. At {drive:g} <i>g</i> disks whose friction does no work at all are {both(sticks)}, "
-            f"those none of whose contacts ever opens {both(opens)}. Random drive has stronger moments, so that contacts slide sooner "
-            "or later, and averages over many motions of the packing. That average is what &Omega; = "
+            f"those none of whose contacts ever opens {both(opens)}. Random drive has stronger moments, so that contacts slide "
+            "sooner or later, and averages over many motions of the packing. That average is what &Omega; = "
             "&Omega;<sub>0</sub> + <i>G</i>&Omega; assumes. Under harmonic drive the motion is one of many possible ones, "
             "and it is another one when other disks cannot turn" + other(campaign) + ": there &Omega;<sub>0</sub> says less "
             "about &Omega;.")

@@ -258,7 +258,8 @@ def kinds_figure(harmonic, random):
     axes[0].set_ylabel("fraction of the disks")
     legend_below(picture, axes, 4)
     return Figure("each-disk", picture, "What the disks do that are no rattlers, under harmonic drive (sweep of drives, 60 s) "
-                  "and under random drive of the same rms displacement (300 s up to 0.3 <i>g</i>, two packings; 8 s above, eight packings, "
+                  "and under random drive of the same rms displacement (300 s up to 0.3 <i>g</i>, two packings; 8 s above, eight "
+                  "packings, "
                   "where more are undecided). Error bars: leaving out packings. Dotted: "
                   f"{100 * each.CHANCE:.0f} %, so many disks that do not turn may be beyond {SURE:g} errors by chance.",
                   "Stacked bars of what disks do against drive, harmonic and random")

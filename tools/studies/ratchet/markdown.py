@@ -112,7 +112,7 @@ def write(path, title, lead, sections, pictures="figures", data=""):
     for section in sections:
         out += [f"## {text_of(section.title)}", ""]
         if section.lead:
-            out += [text_of(section.lead), ""]
+            out += [text_of(section.lead, anchors=anchors), ""]
         for figure in section.figures:
             out += [f"![{bare(figure.alt)}]({pictures}/{figure.name}.png)", "", text_of(figure.caption), ""]
         for heading, claims in kinds(section):

@@ -308,7 +308,8 @@ def show_series(args):
             for row in series.collect(args.folder, read, evaluate)]
     if rows and args.keep:
         write_csv(os.path.join(args.keep, kept), ["Simple shear: tools/studies/rheology.sh --series, inputs/shear/rheology.cfg",
-                                                  *version(args), *(f"{name}: {text}" for name, text in series.TEXT.items() if series.of(rows, name))],
+                                                  *version(args), *(f"{name}: {text}" for name, text in series.TEXT.items()
+                                                                    if series.of(rows, name))],
                   ("series", *COLUMNS), rows)
     rows = rows or read_csv(os.path.join(ROOT, "docs", "studies", kept))
     parts = {series.REFERENCE: page(series.of(rows, series.REFERENCE))}
