@@ -72,10 +72,6 @@ def draw(campaign, keep=None, modules=MODULES):
     return page.path, counts
 
 
-def words_of(campaign):
-    return campaign.made_by()
-
-
 def head(campaign, found, counts):
     missing = list(dict.fromkeys(line for section in found for line in section.missing))
     lines = [f"<p><b>Level: {campaign.level}</b> &ndash; {plan.DESCRIPTIONS[campaign.level]}. SI units unless said "
@@ -88,7 +84,7 @@ def head(campaign, found, counts):
         lines.append('<div class="missing"><p>What went wrong:</p><ul>'
                      + "".join(f"<li>{escape(line)}</li>" for line in campaign.failed) + "</ul></div>")
     made = time.strftime("%Y-%m-%d %H:%M", time.gmtime())
-    lines.append(f'<p class="small">Drawn {made} UTC by {escape(words_of(campaign))}.</p>')
+    lines.append(f'<p class="small">Drawn {made} UTC. The head of each CSV file names the program that made it.</p>')
     return "\n".join(lines)
 
 
