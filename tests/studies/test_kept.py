@@ -23,10 +23,10 @@ except ImportError:
 from packings import __main__ as study  # noqa: E402
 from packings.runs import Campaign  # noqa: E402
 from ratchet import __main__ as report  # noqa: E402
-from ratchet import kept, markdown, page, style, summary  # noqa: E402
+from ratchet import argument, kept, markdown, page, style, summary  # noqa: E402
 from ratchet.page import Numbers, Section  # noqa: E402
 from ratchet.runs import Results  # noqa: E402
-from ratchet.verdict import CHECK, NO, PAPER, TRIVIAL, YES, Claim  # noqa: E402
+from ratchet.verdict import CHECK, DEPENDS, NO, PAPER, TRIVIAL, YES, Claim  # noqa: E402
 
 style.plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
 save = matplotlib.figure.Figure.savefig
@@ -129,18 +129,34 @@ class Pages(unittest.TestCase):
                          ["| a | b |", "| --- | ---: |", "| \\|x\\| | 0.25 |", "| y | 1×10⁻⁹ |"])
 
     def test_first_page(self):
-        """It counts the paper's statements only, and names what does not hold with its reason."""
+        """It counts the paper's statements only; a reason stands with the statement; paragraphs rest on verdicts."""
         section = Section("key", "A section")
         section.claims = [Claim("One.", YES, "1", "section 3", PAPER, "one"), Claim("Two.", NO, "2 of 3", "section 4",
                                                                                     PAPER, "two"),
                           Claim("Three.", NO, "x", "", CHECK), Claim("Four.", NO, "x", "section 2", TRIVIAL)]
         first, errata = summary.sections([section], (("eq. (1)", "a", "b", "two"),), {"two": "a reason"})
         text = markdown.text_of(first.lead)
-        self.assertIn("Of the paper's 2 statements 1 are reproduced, 1 are not, and of none it cannot be told.", text)
-        self.assertIn("Two (section 4) – a reason.", text)
+        self.assertIn("Of the paper's 2 statements 1 are reproduced, 1 are not, none hold or fail with what the paper does not "
+                      "give, and none cannot be decided", text)
+        self.assertIn("Left out: the data here do not bear it out, or are missing: `premise-velocity`", text)
+        self.assertEqual(section.claims[1].numbers, "2 of 3 &ndash; <i>a reason</i>")
         self.assertNotIn("Three", text)
-        self.assertEqual(errata.tables[0].rows[0][-1], "2 of 3")
-        self.assertEqual(first.tables[0].rows[0][1:], [1, 1, 0, "0 of 1"])
+        self.assertIn("#key", errata.tables[0].rows[0][-1])
+        self.assertEqual(first.tables[0].rows[0][1:], [1, 1, 0, 0, "0 of 1"])
+        listed = summary.sections([section], (), {"two": "a reason"}, (PAPER, CHECK))[0]
+        self.assertIn("Of the 3 statements 1 are reproduced, 2 are not", markdown.text_of(listed.lead))
+
+    def test_argument(self):
+        """A paragraph stands while the verdicts are as it says, and its figures stand with it and nowhere else."""
+        for heading, text, rests in argument.PARAGRAPHS:
+            self.assertLessEqual(set(rests.values()), {YES, NO, DEPENDS}, heading)
+            section = Section("key", "A section")
+            section.claims = [Claim("x", verdict, "", "section 4", PAPER, slug) for slug, verdict in rests.items()]
+            figure = page.Figure(argument.FIGURES[0], None, "", "")
+            section.figures.append(figure)
+            first = argument.section([section], "")
+            self.assertIn(text[:40].split("{")[0], first.lead, heading)
+            self.assertEqual((first.figures, section.figures), ([figure], []))
 
 
 class Redrawn(unittest.TestCase):

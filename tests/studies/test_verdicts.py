@@ -18,7 +18,7 @@ except ImportError:
     sys.exit(0)
 
 from ratchet import __main__ as report  # noqa: E402
-from ratchet import catalogue, diffusion, durations, regimes, starts, verdict, verdicts  # noqa: E402
+from ratchet import catalogue, diffusion, durations, fields, regimes, starts, verdict, verdicts  # noqa: E402
 from ratchet.data import Table  # noqa: E402
 from ratchet.runs import Results  # noqa: E402
 from ratchet.style import plt  # noqa: E402
@@ -134,7 +134,9 @@ class Verdicts(unittest.TestCase):
         listed = {row[0] for row in catalogue.STATEMENTS}
         self.assertEqual({claim.slug for claim in claims if claim.kind != verdict.CHECK}, listed)
         shown = {"replicas-scatter", "sync-exact", "async-exact"}  # these only with data
-        self.assertLessEqual(set(verdicts.old_verdicts()), set(slugs) | shown)
+        gone = set(verdicts.old_verdicts()) - set(slugs) - shown
+        self.assertEqual(gone, {"async-sequence-strong"})
+        self.assertIn("No longer judged by themselves", text)
         for slug in slugs:
             self.assertIn(f"{slug}", text)
 
@@ -155,10 +157,11 @@ class Regimes(unittest.TestCase):
         return {**row, **{key.replace("__", "."): value for key, value in columns.items()}}
 
     def test_rare(self):
-        turns, still = [self.row() for _ in range(3)], [self.row(upper__omega=s * 1e-7) for s in (1, -1, 0.5)]
-        often = [self.row(upper__pp=0.5)]
-        for rows, wanted in ((turns + often, verdict.NO), (still + often, verdict.YES), (often, verdict.OPEN),
-                             ([], verdict.OPEN)):
+        """One point that turns where sliding is rare refutes; a few that do not leave it open."""
+        turns, still = [self.row() for _ in range(5)], [self.row(upper__omega=s * 1e-7) for s in (1, -1, 0.5, 0.2, -0.4)]
+        often = [self.row(upper__left__sliding=0.2)]
+        for rows, wanted in ((turns + often, verdict.NO), (still + turns[:1], verdict.NO), (still + often, verdict.YES),
+                             (still[:2] + often, verdict.OPEN), (often, verdict.OPEN), ([], verdict.OPEN)):
             self.assertEqual(regimes.rare_claim(Table(rows)).verdict, wanted)
         never = Table([self.row(upper__left__sliding=0.0, upper__right__sliding=0.0)])
         self.assertEqual(regimes.never_claim(never).verdict, verdict.NO)  # 1e-6 beside 1e-5 * 20 pi
@@ -178,7 +181,7 @@ class Regimes(unittest.TestCase):
                              ([self.row()], verdict.OPEN)):
             self.assertEqual(regimes.bouncing_claim(Table(rows)).verdict, wanted)
 
-    def test_durations(self):
+    def test_equal_durations(self):
         rng, rows = numpy.random.default_rng(5), []
         for equal in (True, False):
             table = []
@@ -193,17 +196,56 @@ class Regimes(unittest.TestCase):
         plt.close("all")
         self.assertEqual(rows, [(verdict.YES, verdict.YES), (verdict.YES, verdict.NO)])
 
-    def test_durations_proportional(self):
-        times, yes = numpy.array([0.01, 0.02, 0.04]), numpy.ones(3) * 1e-6
-        for mean, error, wanted in ((3 * times, yes, verdict.YES), (times ** 0.5, yes, verdict.NO),
-                                    (3 * times, 0.3 * times, verdict.OPEN)):
-            found = {name: (times, mean, error) for name in durations.SIGNS}
-            self.assertEqual(durations.proportional(found).verdict, wanted)
-        self.assertEqual(durations.proportional({}).verdict, verdict.OPEN)
-        rows = [self.row(omega_b=w, set=w, **{f"upper__{name}__dwell": (1 + 0.01 * k) / w for name in durations.SIGNS})
-                for w in (10.0, 20.0, 40.0) for k in range(3)]
-        times, mean, _ = durations.visits(Table(rows))["pp"]
-        self.assertTrue(numpy.allclose(times, [0.05, 0.1, 0.2]) and numpy.allclose(mean / times, 0.505))
+    def test_correlation_time(self):
+        """A two-state process that flips at the rate k each way has the correlation time 1/(2k)."""
+        rng, rate, step = numpy.random.default_rng(7), 2.0, 0.005
+        flips = rng.random(2_000_000) < rate * step
+        found = durations.correlation_time(numpy.cumsum(flips) % 2, step)
+        self.assertAlmostEqual(found * 2 * rate, 1, delta=0.05)
+        self.assertTrue(numpy.isnan(durations.correlation_time(numpy.ones(100), step)))
+
+    def runs_with(self, power, noise=0.001):
+        """Made-up rows: correlation times of the configurations go as a power of that of the drive at strong drive."""
+        rng, rows = numpy.random.default_rng(8), []
+        for scan in ("frequency", "interval"):
+            for drive in durations.DRIVES:
+                for k, omega in enumerate((10 * PI, 20 * PI, 40 * PI)):
+                    for _ in range(4):
+                        t_c = 2 / omega if scan == "frequency" else 0.03
+                        rows.append({"drive": drive, "scan": scan, "set": float(len(rows) // 4), "omega": omega,
+                                     "interval": 10.0 ** -k, "eps_b": 1e-4, "rms": 20 * PI * 1e-4 * (
+                                         2 if drive == "all coordinates" else 0.05) * (1 + noise * rng.normal()),
+                                     **{name: 0.1 * t_c ** (power if drive == "rotation" else 0.5) * (1 + noise * rng.normal())
+                                        for name in durations.SIGNS},
+                                     **{f"visit_{name}": 10.0 ** -k for name in durations.SIGNS}})
+        return Table(rows)
+
+    def test_durations(self):
+        """Proportional for one drive alone: it depends; for none: it does not hold; noisy: open."""
+        for table, wanted in ((self.runs_with(1.0), verdict.DEPENDS), (self.runs_with(0.5), verdict.NO),
+                              (self.runs_with(1.0, 0.3), verdict.OPEN)):
+            self.assertEqual(durations.proportional(table).verdict, wanted)
+        self.assertEqual(durations.proportional(Table()).verdict, verdict.OPEN)
+        self.assertEqual(durations.premise(self.runs_with(1.0)).verdict, verdict.DEPENDS)
+
+    def test_fields(self):
+        """The four statements on (30) and (35) are read from the map: all fields, some, none."""
+        def table(off):
+            return Table([{"phase": phase, "wave": wave, "k_n": 1e3, "omega_b": omega, "theta_b": theta, "tilt": tilt,
+                           "upper.omega": (1 + off(omega, theta)) * fields.formula(kind, tilt) * theta * omega,
+                           "upper.omega_error": 1e-12, "upper.converged": 1.0}
+                          for kind, (phase, _, _) in fields.KINDS.items() for wave in fields.WAVES
+                          for omega in (10 * PI, 20 * PI) for theta in (1e-3, 1e-2, 0.1) for tilt in (0.1, 0.2)])
+
+        good = {1e-3: -0.5, 1e-2: -0.1, 0.1: -0.01}
+        for off, wanted, best in ((lambda w, a: good[a], verdict.YES, verdict.YES),
+                                  (lambda w, a: good[a] + 0.2 * (w > 15 * PI), verdict.DEPENDS, verdict.YES),
+                                  (lambda w, a: good[a] + 0.2, verdict.NO, verdict.NO)):
+            found = fields.fields(table(off))
+            self.assertEqual([fields.claim(found, kind, which).verdict for kind in fields.KINDS
+                              for which in ("approach", "excellent")], [wanted] * 4)
+            self.assertEqual(fields.best(found).verdict, best)
+        self.assertEqual(fields.claim([], "sync", "excellent").verdict, verdict.OPEN)
 
     def test_period_and_start(self):
         time = numpy.linspace(0, 0.2, 401)

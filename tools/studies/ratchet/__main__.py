@@ -7,16 +7,16 @@ import signal
 import sys
 import time
 
-from . import (configurations, convergence, coverage, diffusion, durations, effort, errors, frequency, geometry,
+from . import (configurations, convergence, coverage, diffusion, durations, effort, errors, fields, frequency, geometry,
                levels, markdown, mechanism_noise, mechanism_portrait, mechanism_scan, mechanism_size, mechanism_tep,
                oscillator, phase, regimes, starts, statements, summary, turning, verdicts, vibration, waveform, waves)
 from .kept import LOG, assign
 from .page import Page, badge, missing_list
 from .runs import ROOT, STOPPED, Results, Stopped
-from .verdict import NO, OPEN, PAPER, YES
+from .verdict import PAPER, WORDS
 
 TITLE = "Sustained rotation in a vibrated disk: the paper's figures, computed anew"
-MODULES = (geometry, oscillator, diffusion, vibration, regimes, waves, starts, turning, waveform, configurations, phase,
+MODULES = (geometry, oscillator, diffusion, vibration, regimes, waves, starts, turning, fields, waveform, configurations, phase,
            mechanism_tep, durations, mechanism_size, mechanism_noise, mechanism_scan, mechanism_portrait, convergence,
            coverage, frequency, effort)
 STUDY_TITLE = "Three disks: time to a given error"
@@ -68,7 +68,7 @@ def draw(results, modules=None, keep=None):
         assign(rest, results.store.used)
         found = summary.sections(rest + found) + rest + found
     claims = [claim for section in found for claim in section.claims]
-    counts = {word: sum(c.verdict == word and c.kind == PAPER for c in claims) for word in (YES, NO, OPEN)}
+    counts = {word: sum(c.verdict == word and c.kind == PAPER for c in claims) for word in WORDS}
     for section in found:
         page.add(section)
     title = STUDY_TITLE if study else TITLE
@@ -78,7 +78,7 @@ def draw(results, modules=None, keep=None):
     if keep:
         keep_all(results, keep, text, found, "errors.md" if study else "paper.md", "figures")
         if not study:
-            verdicts.write(keep, claims, results.made_by())
+            verdicts.write(keep, claims, results.all_made_by())
     return page.path, counts
 
 
@@ -111,7 +111,7 @@ def head(results, sections, counts):
              "with asymmetric supports</i>. All numbers are in the paper's units, <i>R</i> = <i>mg</i> = 1, <i>g</i> "
              "= 10; error bars are single standard errors. Every verdict is computed from the numbers beside it.</p>",
              f"<p><b>Level: {results.level}</b> &ndash; {levels.DESCRIPTIONS[results.level]}.</p>", "<p>"
-             + ", ".join(f"{counts[word]} " f"{badge(word)}" for word in (YES, NO, OPEN)) + "</p>"]
+             + ", ".join(f"{counts[word]} " f"{badge(word)}" for word in WORDS) + "</p>"]
     if missing:
         lines.append(missing_list(missing))
     if results.failed:

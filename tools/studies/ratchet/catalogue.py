@@ -22,6 +22,8 @@ STATEMENTS = (
     ("bouncing-rotation", PAPER, "section 1", "The upper disk rotates persistently when it bounces on its supports, "
                                               "too.",
      ""),
+    ("bouncing-process", PAPER, "section 1", "Bouncing, it rotates by another process: where contacts are open most of "
+                                             "the time the sense is another one.", ""),
     ("aperture", TRIVIAL, "section 2", "The contact lines make an angle &alpha;<sub>1</sub> + &alpha;<sub>2</sub> = "
                                        "&pi;/3.",
      ""),
@@ -34,8 +36,6 @@ STATEMENTS = (
     ("cutoff", TRIVIAL, "section 2.1", "The normal force can be zero before the disks part, by the viscous part.", ""),
     ("lambda-path", PAPER, "section 2.2, eq. (4)", "The displacement &lambda; follows from the present positions: on a "
                                                    "closed path without slipping it returns.", ""),
-    ("lambda-energy", PAPER, "section 2.2", "The energy stored in the skin does not depend on the path, and a closed "
-                                            "path without slipping costs nothing.", ""),
     ("damping-ratio", TRIVIAL, "section 3", "&gamma;/2&radic;(<i>k<sub>n</sub>m</i>) = 0.5: underdamped.", ""),
     ("correlation-time", TRIVIAL, "section 3", "<i>t<sub>c</sub>/t<sub>g</sub></i> = &radic;5/<i>c</i>&omega; &asymp; "
                                                "0.07.",
@@ -59,11 +59,15 @@ STATEMENTS = (
                                         "smaller one.", ""),
     ("epo-random-drift", PAPER, ANALYSIS, "Oscillator with unequal limits under random forcing: it drifts towards the "
                                           "smaller one.", ""),
-    ("random-slides", PAPER, ANALYSIS, "Under random vibration (points of the figures) the contacts slide most of the "
-                                       "time.",
+    ("random-slides", PAPER, ANALYSIS, "Under random vibration (amplitudes of the figures) the contacts slide most of "
+                                       "the time.",
      ""),
     ("rare-sliding", PAPER, ANALYSIS, "Where the supports move with low intensity and sliding is rare, there is no "
                                       "sustained rotation.", ""),
+    ("eq38-printed", TRIVIAL, "section 4, eq. (38), (40)", "Equations (38) and (40) as printed, with &minus;<i>mg</i>, "
+                                                           "give the torque (15).", ""),
+    ("elastic-short", PAPER, ANALYSIS, "Where the supports move much faster than the upper disk turns, elastic "
+                                       "deformations last much shorter than a sliding configuration.", NEEDS),
     ("no-sliding", PAPER, "sections 4, 5", "Without sliding there is no rotation.", ""),
     ("tep-pp", PAPER, "section 4, eq. (15)", TORQUE.format(S_PP, "(15)"), ""),
     ("tep-mm", PAPER, "section 4, eq. (16)", TORQUE.format(S_MM, "(16)"), ""),
@@ -72,18 +76,20 @@ STATEMENTS = (
     ("catch-up", PAPER, ANALYSIS, "On supports that go on turning one way the upper disk catches up with them.", ""),
     ("elastic-after", PAPER, ANALYSIS, "After that it performs elastic rotational oscillations: contacts slide no "
                                        "more, and its speed swings about that of the supports.", ""),
-    ("tep-torque", PAPER, ANALYSIS, "Under random vibration the mean torque in each configuration is that of its "
-                                    "equilibrium (TEP).", NEEDS),
+    ("premise-velocity", PAPER, ANALYSIS, "Configurations change before the velocity of the upper disk becomes of the "
+                                          "order of the supports' (random vibration).", NEEDS),
+    ("tep-torque", PAPER, ANALYSIS, "Under random vibration the torque of its equilibrium (TEP) can be used as an "
+                                    "estimate of the mean torque in each configuration.", NEEDS),
     ("tep-forces", PAPER, ANALYSIS, "Under random vibration the mean contact forces in each configuration are those of "
                                     "its equilibrium (TEP).", NEEDS),
     ("tep-torque-in-phase", PAPER, "sections 4.1, 4.2", "Turning in phase, strongly, the mean torque of each "
                                                         "configuration is that of its TEP.", NEEDS),
     ("tep-torque-opposite-phases", PAPER, "sections 4.1, 4.2",
      "Turning opposite phases, strongly, the mean torque of each configuration is that of its TEP.", NEEDS),
-    ("durations-correlation", PAPER, ANALYSIS, "The duration of each configuration is proportional to the correlation "
-                                               "time of the motion.", NEEDS),
+    ("durations-correlation", PAPER, ANALYSIS, "The duration of each configuration (its correlation time) is "
+                                               "proportional to the correlation time of the motion.", NEEDS),
     ("tep-correlation-time", PAPER, ANALYSIS, "The mean torques are the nearer to their TEP values, the longer the "
-                                              "correlation time.", NEEDS),
+                                              "correlation time (random vibration of a given velocity).", NEEDS),
     ("short-configurations", PAPER, ANALYSIS, "At very short correlation times the disk does not rotate.", ""),
     ("torque-balance", PAPER, "section 4, eq. (11), (41)", "In the steady state torque times duration, summed over the "
                                                            "configurations with their TEP torques, is zero.", NEEDS),
@@ -102,10 +108,10 @@ STATEMENTS = (
                                                      "(15)-(18).",
      ""),
     ("eq19-random", PAPER, "section 4, eq. (19)", "The sign of (19) predicts the sense under random vibration.", ""),
-    ("aperture-sign", PAPER, "section 4, eq. (19)", "The sign of (19) is the sense of rotation under random vibration, "
-                                                    "at all apertures.", NEEDS),
     ("frozen", PAPER, ANALYSIS, "With all centres held fixed the upper disk does not rotate, although "
                                 "<i>n</i><sub>1</sub> &ne; <i>n</i><sub>2</sub>.", ""),
+    ("fixed-limit", PAPER, ANALYSIS, "With all centres held fixed the limit of the torque is &mu;(<i>n</i><sub>1</sub> + "
+                                     "<i>n</i><sub>2</sub>) in all configurations.", ""),
     ("sense-reverses", PAPER, "sections 4, 5", "The sense of rotation depends on the excitation: in phase and in "
                                                "opposite phases it is not the same.", ""),
     ("parabolas", TRIVIAL, "section 4.1, eq. (21)", "The parabolas agree with the sine at its zeros and extrema and "
@@ -119,6 +125,8 @@ STATEMENTS = (
      f"In phase, in a period {S_MM} and {S_PP} follow each other (strong drive).", ""),
     ("sync-straight", PAPER, "section 4.1, fig. sync, eq. (28)",
      "In phase the velocity of the upper disk is piecewise straight and follows (28).", ""),
+    ("eq25-printed", TRIVIAL, "section 4.1, eq. (25), (43)", "The times (25) and (43) as printed solve (23) and (24).", ""),
+    ("eq28-printed", TRIVIAL, "section 4.1, eq. (28)", "(28) as printed is continuous and has the mean (30).", ""),
     ("sync-durations", PAPER, "section 4.1, eq. (26), (27)",
      "In phase the durations approach (26) and (27) at large &Theta;<sub>b</sub>.", ""),
     ("sync-balance", TRIVIAL, IN_PHASE, "(26) and (27) make the mean torque zero.", ""),
@@ -135,19 +143,17 @@ STATEMENTS = (
                                                   "factor &mu; that the print lacks; the sign is the same).", ""),
     ("async-level", PAPER, ASYNC, "In opposite phases the disk does not rotate without tilt.", ""),
     ("async-sign", PAPER, ASYNC, "In opposite phases the disk always rotates clockwise (&Omega; &lt; 0).", ""),
-    ("async-configurations", PAPER, OPPOSITE, "In opposite phases all four configurations occur.", ""),
+    ("async-configurations", PAPER, OPPOSITE, "In opposite phases all four configurations occur (cycle (32)-(34)).", ""),
     ("random-configurations", PAPER, OPPOSITE, "Under random vibration all four configurations occur.", ""),
     ("async-sequence-weak", PAPER, "section 4.2, fig. async",
      f"In opposite phases, in a period {S_MM}, {S_MP}, {S_PP}, {S_PM} follow each other (weak drive).", ""),
-    ("async-sequence-strong", PAPER, "section 4.2, fig. async",
-     f"In opposite phases, in a period {S_MM}, {S_MP}, {S_PP}, {S_PM} follow each other (strong drive).", ""),
     ("async-straight", PAPER, "section 4.2, fig. async, eq. (34)",
      "In opposite phases the velocity of the upper disk is piecewise straight and follows (34).", ""),
     ("async-period", PAPER, OPPOSITE, "In opposite phases a periodic state is reached whose period is that of the "
                                       "drive.",
      ""),
     ("async-start", PAPER, OPPOSITE, "In opposite phases the periodic state is the same regardless of the start.", ""),
-    ("eq35-printed", PAPER, "section 4.2, eq. (35)", "Equation (35) as printed gives &Omega; in opposite phases.", ""),
+    ("eq35-printed", TRIVIAL, "section 4.2, eq. (35)", "Equation (35) as printed gives &Omega; in opposite phases.", ""),
     ("async-approach", PAPER, ASYNC, "In opposite phases &Omega; approaches (35) as &Theta;<sub>b</sub> grows "
                                      "(corrected by the factor &omega;<sub>b</sub>/&pi; that the print lacks).", ""),
     ("async-excellent", PAPER, ASYNC, "In opposite phases the agreement with (35), so corrected, is excellent at large "

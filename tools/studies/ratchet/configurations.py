@@ -5,7 +5,7 @@ import numpy as np
 
 from .catalogue import paper
 from .page import Figure, Numbers, Section
-from .style import COLOURS, CONFIGURATIONS, figure, in_pi, legend_below
+from .style import COLOURS, CONFIGURATIONS, RANDOM_MARKERS, figure, in_pi, legend_below
 from .verdict import TOLERANCES, decide, missing, number
 
 PI = math.pi
@@ -81,45 +81,55 @@ FOUR = ("pp", "pm", "mp", "mm")
 
 
 def claims(tables):
-    return [sync_claim(tables["sync"]), four_claim(tables["async"], "async"), four_claim(tables["random"], "random"),
-            slides_claim(tables["random"])]
+    return [sync_claim(tables["sync"]), four_claim(tables["async"], "async"), four_claim(named(tables["random"]), "random"),
+            slides_claim(named(tables["random"]))]
 
 
 def sync_claim(sync):
     if not sync:
         return missing(**paper("sync-configurations"))
     most, limit = float(max(sync.disk("pm").max(), sync.disk("mp").max())), TOLERANCES["absent"]
-    return decide(condition=most < limit, numbers=f"largest fraction of either at {len(sync)} points {number(most)} "
+    return decide(condition=lambda factor: most < factor * limit, numbers=f"largest fraction of either at {len(sync)} points {number(most)} "
                   f"(counted as none below {number(limit)})", **paper("sync-configurations"))
 
 
+def named(table):
+    """The points of random vibration at amplitudes that the paper names."""
+    return table.such(lambda row: any(abs(row["eps_b"] / eps - 1) < 1e-6 for eps in RANDOM_MARKERS))
+
+
 def four_claim(table, name):
-    """Each configuration occurs at every point with tilt."""
-    table, limit = table.such(lambda row: row["tilt"] > 0), TOLERANCES["absent"]
+    """Each configuration is reached at every point with tilt: under random vibration at all, without noise for a while."""
+    table, limit = table.such(lambda row: row["tilt"] > 0), TOLERANCES["absent"] if name == "async" else 0.0
     if not table:
         return missing(**paper(f"{name}-configurations"))
     least = np.min([table.disk(part) for part in FOUR], axis=0)
     amplitude = "theta_b" if name == "async" else "eps_b"
     lacking = sorted({row[amplitude] for row, value in zip(table.rows, least) if value <= limit})
-    told = (f"all four last longer than {100 * limit:g} % of the time at {int((least > limit).sum())} of {len(table)} "
-            "points with tilt")
+    told = (f"all four {f'last longer than {100 * limit:g} % of the time' if limit else 'are reached'} at "
+            f"{int((least > limit).sum())} of {len(table)} points with tilt")
+    if not lacking:
+        told += f", the rarest for {number(float(least.min()))} of the time"
     if lacking:
         told += "; not at all tilts at amplitudes " + ", ".join(f"{a:g}" for a in lacking)
-    return decide(condition=not lacking, numbers=told, **paper(f"{name}-configurations"))
+    return decide(condition=(lambda factor: bool((least > factor * limit).all())) if limit else not lacking, numbers=told,
+                  **paper(f"{name}-configurations"))
 
 
 def slides_claim(table):
     if not table:
         return missing(**paper("random-slides"))
-    contact, most = np.minimum(table.disk("left.sliding"), table.disk("right.sliding")), TOLERANCES["most"]
+    sides, most = (table.disk("left.sliding"), table.disk("right.sliding")), TOLERANCES["most"]
+    contact, middle = np.minimum(*sides), sum(sides) / 2
     both = sum(table.disk(part) for part in FOUR)
     weakest = table.rows[int(np.argmin(contact))]
     enough = [e for e in table.values("eps_b")
               if all(c > most for c, row in zip(contact, table.rows) if row["eps_b"] >= e * 0.999)]
-    told = (f"the contact that slides less does so for {number(float(contact.min()))} to "
+    told = (f"mean of both contacts {number(float(middle.min()))} to {number(float(middle.max()))} of the time; the contact "
+            f"that slides less does so for {number(float(contact.min()))} to "
             f"{number(float(contact.max()))} of the time, more than half of it at {int((contact > most).sum())} of "
             f"{len(table)} points; both at once for {number(float(both.min()))} to {number(float(both.max()))}; least "
             f"at &epsilon;<sub>b</sub> = {weakest['eps_b']:g}, tilt {weakest['tilt'] / PI:g} &pi;")
     if enough:
         told += f"; each for more than half of it at all tilts from &epsilon;<sub>b</sub> = {enough[0]:g} on"
-    return decide(condition=bool((contact > most).all()), numbers=told, **paper("random-slides"))
+    return decide(condition=lambda factor: bool((middle > factor * most).all()), numbers=told, **paper("random-slides"))

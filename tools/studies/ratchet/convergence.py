@@ -8,7 +8,7 @@ from .data import Table
 from .page import Figure, Numbers, Section
 from .style import COLOURS, figure, legend_above, points
 from .turning import OMEGA_B
-from .verdict import Claim, chi_square, decide, judged, missing, number, percent
+from .verdict import Claim, chi_square, decide, scattering, missing, number, percent
 
 PI = math.pi
 INTEGRATORS = (("gear5", "Gear"), ("verlet", "Verlet"))
@@ -134,7 +134,7 @@ def equal(text, table, what, slug, note=""):
         return missing(text, slug=slug)
     mean = np.sum(value / error ** 2) / np.sum(1 / error ** 2)
     chi2, chance = chi_square((value - mean) / error, len(value) - 1)
-    return Claim(text, judged(chi2, len(value) - 1, slug == "seeds-scatter"),
+    return Claim(text, scattering(chi2, len(value) - 1, slug == "seeds-scatter"),
                  f"{len(value)} {what}: &chi;&sup2; = {chi2:.1f} for {len(value) - 1} degrees (a chance of "
                  f"{100 * chance:.2g} %), mean <i>t<sub>g</sub></i>&Omega; "
                  f"{number(mean, 1 / math.sqrt(np.sum(1 / error ** 2)))}, error bars "
@@ -156,7 +156,7 @@ def integrator_claim(tables):
                 gaps.append(abs(other[0]["upper.omega"] / row["upper.omega"] - 1))
     if not gaps:
         return missing(text, slug="step-integrators")
-    return decide(text, max(gaps) < 1e-3, f"largest relative difference of {len(gaps)} pairs {number(max(gaps))} "
+    return decide(text, lambda factor: max(gaps) < factor * 1e-3, f"largest relative difference of {len(gaps)} pairs {number(max(gaps))} "
                   "(counted as the same below 10<sup>&minus;3</sup>)", slug="step-integrators")
 
 
@@ -174,7 +174,7 @@ def turning_claim(table):
                     "&Theta;<sub>b</sub>&omega;<sub>b</sub>)")
     if not gaps:
         return missing(text, slug="step-turning")
-    return decide(text, max(abs(g) for g in gaps) < 0.002, "; ".join(told) + " (counted as small up to 0.2 %)",
+    return decide(text, lambda factor: max(abs(g) for g in gaps) < factor * 0.002, "; ".join(told) + " (counted as small up to 0.2 %)",
                   slug="step-turning")
 
 

@@ -6,7 +6,7 @@ from matplotlib.ticker import NullFormatter
 
 from .page import Figure, Numbers, Section
 from .style import BLACK, COLOURS, GREY, figure, points, power
-from .verdict import CHECK, NO, OPEN, SURE, YES, Claim, beyond, judged, missing, number, survival
+from .verdict import CHECK, NO, OPEN, SURE, YES, Claim, beyond, scattering, missing, number, survival
 
 WITHIN = (1, 2, 3)  # error bars
 NORMAL = [math.erf(k / math.sqrt(2)) for k in WITHIN]
@@ -68,7 +68,7 @@ def ratio_claim(cases):
     ratios = ", ".join(number(case["ratio"], case["ratio_error"]) for case in cases)
     numbers = (f"ratios {ratios}; &chi;&sup2; from 1 = {chi2:.1f} for {len(cases)} (a chance of "
                f"{100 * survival(chi2, len(cases)):.2g} % for more); farthest off: {name_of(worst)}")
-    return Claim(text, judged(chi2, len(cases)), numbers, kind=CHECK, rule="scatter", **kind)
+    return Claim(text, scattering(chi2, len(cases)), numbers, kind=CHECK, rule="scatter", **kind)
 
 
 def within_claim(cases):
@@ -84,8 +84,8 @@ def within_claim(cases):
     numbers = (f"of {runs} runs " + ", ".join(f"{x:.1f} % within {k}" for k, x in zip(WITHIN, pooled)) + " (normal: "
                + ", ".join(f"{100 * p:.1f} %" for p in NORMAL) + f"); of {len(off)} fractions the farthest off is "
                f"{worst:.1f} of its standard deviations away ({limit:.1f} refute)")
-    verdict = NO if worst > limit else OPEN if worst > SURE else YES
-    return Claim(text, verdict, numbers, kind=CHECK, rule="threshold", **kind)
+    return Claim(text, lambda factor: NO if worst > beyond(len(off), factor) else OPEN if worst > factor * SURE else YES,
+                 numbers, kind=CHECK, rule="threshold", **kind)
 
 
 def draw(cases):

@@ -78,10 +78,10 @@ def sections(results):
     speed = x[-1] / time[-1]
     out.figures.append(draw(time, x, lags, msd, power))
     off = abs(power - 1)
-    verdict = NO if off > SURE * error else OPEN if error > LARGEST_ERROR else YES
     mean = [(float(v.mean()), float(v.std(ddof=1) / math.sqrt(len(v)))) for v in (speed[:EQUAL], speed[EQUAL:])]
     constant = float(np.mean(msd[-1]) / lags[-1] / 2)
-    out.claims = [Claim(verdict=verdict, numbers=f"exponent {number(power, error)} (counted as 1 within {SURE:g} "
+    out.claims = [Claim(verdict=lambda factor: NO if off > factor * SURE * error
+                        else OPEN if error > LARGEST_ERROR else YES, numbers=f"exponent {number(power, error)} (counted as 1 within {SURE:g} "
                                                  f"errors, when its error is below {LARGEST_ERROR:g}); diffusion "
                                                  f"constant {number(constant, digits=2)}",
                         rule="exponent", **paper("epo-diffusion")),

@@ -116,6 +116,12 @@ def record(results):
             rows.append({"part": name, "found": part["found"], "points": points - part["found"],
                          "steps": steps - part["found_steps"], "seconds": part["seconds"],
                          "core_seconds": part["core_seconds"], "calls": entry["calls"]})
+        if rows and results.store.kept:  # parts whose results are not here: what is kept of them
+            path = os.path.join(results.store.kept, "effort.csv")
+            before = Table.read(path, finished_only=False).rows if os.path.exists(path) else []
+            rows = [row for row in before if row["part"] not in entry["parts"]] + rows
+            for row in rows:
+                row["calls"] = entry["calls"] + (before[0]["calls"] if before else 0)
         return Table(rows)
 
     results.found.pop("effort", None)  # it grows
@@ -129,7 +135,7 @@ def told(results, html=False):
         return ""
     calls = int(table.rows[0]["calls"])
     text = (f"Computed in {duration(table.column('seconds').sum())} ({calls} call{'s' * (calls != 1)}) by "
-            f"{results.made_by()}.")
+            f"{results.all_made_by()}.")
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;") if html else text
 
 

@@ -53,6 +53,10 @@ SHORT = {"phases.measure.time": 20}  # random, mechanism
 ONE_EPS = {f"sweep[{k}].parameters.eps_b.values": "(1e-4)" for k in (0, 1)}
 
 
+FEW_FIELDS = {"sweep.parameters.omega_b.values": '("10 pi", "20 pi", "30 pi")',  # of the map
+              "sweep.parameters.k_n.values": "(1e3, 1e5)", "sweep.parameters.gamma_n.values": "(10, 100)"}
+
+
 def replicas(grids, number):
     """So many replicas in each of the first grids of a sweep."""
     return {f"sweep[{k}].replicas": number for k in range(grids)}
@@ -99,6 +103,13 @@ SWEEPS = {
     "mechanism": ("mechanism.cfg", {"quick": Plan(SHORT, replicas(4, 2)), "default": AS_IS, "full": AS_IS}),
     "mechanism_turning": ("mechanism_turning.cfg", {"quick": Plan({"phases.rest.time": 10, "phases.measure.time": 5}),
                                                     "default": AS_IS, "full": AS_IS}),
+    "map": ("map.cfg", {"quick": Plan({"dt": 2e-5, "phases.measure.time": 30}, FEW_FIELDS), "default": AS_IS,
+                        "full": AS_IS}),
+    "longer": ("longer.cfg", {"quick": Plan({"phases.measure.time": 50}, replicas(1, 1)), "default": AS_IS,
+                              "full": AS_IS}),
+    "rarer": ("rarer.cfg", {"quick": Plan({"phases.measure.time": 50}, {"sweep.replicas": 1}), "default": AS_IS,
+                            "full": AS_IS}),
+    "correlation": ("correlation.cfg", {"quick": Plan({"phases.measure.time": 2}), "default": AS_IS, "full": AS_IS}),
     "error_turning": ("error_turning.cfg", {"errors": AS_IS, "errors-quick": Plan(
         {"phases.measure.time": 25}, {"sweep.parameters.dt.values": "(1e-5, 2e-5, 5e-5, 1e-4, 2e-4)"})}),
     "error_step": ("error_step.cfg", {"errors": AS_IS, "errors-quick": Plan(
@@ -152,6 +163,10 @@ STARTS = {"rest": (0, 0), "left": (3, 1), "right": (-3, 2)}  # name: (spin, angl
 _CAUGHT = {"locks": "()", "dt": 2e-6, "phases.settle.time": 0.2, "phases.measure.time": 0.8,
            "phases.measure.frames": 40,
            "phases.measure.contacts": 40}
+# The upper disk where frozen.cfg has it, with its centre locked; it has not caught up with the supports yet.
+_FIXED = {"disks.upper.x": -0.000349899375, "disks.upper.y": -0.000664011148035,
+          "locks[0].coordinates": '("x", "y")', "dt": 1e-5, "phases.settle.time": 0.12, "phases.measure.time": 0.05}
+_WAVE_SLOW = {level: {**keys, "phases.measure.time": 0.4} for level, keys in _WAVE.items()}  # of half the frequency
 _RANDOM_EPO = {"quick": {"phases.measure.time": 50}, "default": {}, "full": {}}
 _ALWAYS = {"quick": {}, "default": {}, "full": {}}
 
@@ -185,6 +200,9 @@ RUNS = {
        for name, start in STARTS.items()},
     **{f"start_async_{name}": ("three_disk/async.cfg", _STARTS, {**_opposite(STRONG_DRIVE), **_start(*start)})
        for name, start in STARTS.items()},
+    **{f"fixed_{name}": ("three_disk/steady.cfg", _ALWAYS, {**_steady(*senses), **_FIXED})
+       for name, senses in (("pp", (-1, -1)), ("pm", (-1, 1)))},
+    "async_slow": ("three_disk/async.cfg", _WAVE_SLOW, {**_opposite(STRONG_DRIVE), "motions[*].omega": '"10 pi"'}),
     "catch_up": ("three_disk/steady.cfg", _ALWAYS, _CAUGHT),
     "loop_paper": ("paper/loop.cfg", _ALWAYS, {}),
     "loop_conservative": ("paper/loop.cfg", _ALWAYS, {"contact_variant": "conservative"}),

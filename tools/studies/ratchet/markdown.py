@@ -127,8 +127,10 @@ def write(path, title, lead, sections, pictures="figures", data=""):
                 out += [f"{text_of(part.title)}:", "", *table(*shown_table(part), anchors), ""]
             else:
                 out += [f"{text_of(part.title)}: {len(part.rows)} rows, [{name}.csv]({data}/{name}.csv).", ""]
-        if section.data:
-            out += ["Data: " + ", ".join(f"[{name}.csv]({data}/{name}.csv)" for name in section.data) + ".", ""]
+    rows = [[f'<a href="#{section.key}">{section.title}</a>', ", ".join(
+        f'<a href="{data}/{name}.csv">{name}</a>' for name in section.data)] for section in sections if section.data]
+    if rows:
+        out += ["## Numbers behind the figures", "", *table(["section", "files"], rows, anchors), ""]
     temporary = path + ".new"
     with open(temporary, "w") as file:
         file.write("\n".join(out).rstrip() + "\n")

@@ -4,7 +4,7 @@ import math
 import numpy as np
 
 from .data import DISK, Table
-from .verdict import number, sliding, survival
+from .verdict import number, sliding
 
 PI = math.pi
 FEW = 4  # replicas: the scatter of fewer says little
@@ -55,10 +55,3 @@ def told(value, error):
     """A value with its error; without it where it is too small to be shown."""
     return number(value, error if error and error > 1e-3 * abs(value) else None)
 
-
-def constant(value, error):
-    """(chi^2, chance, degrees) of all values being equal."""
-    weight = 1 / np.square(error)
-    middle = float(np.sum(weight * value) / np.sum(weight))
-    chi2 = float(np.sum(weight * (value - middle) ** 2))
-    return chi2, survival(chi2, len(value) - 1), len(value) - 1

@@ -127,7 +127,7 @@ def claims(lines, table):
     rest = [f"{word(c)} ({number(r['omega'], r['error'])})" for z, c, r in told if abs(z) <= SURE]
     own = [z for z, case, _ in told if case in ("own-x", "own-y", "own-t")]
     out.append(decide("Each coordinate by itself (<i>x</i>, <i>y</i>, &theta;; own signals) is rectified at a tilt of "
-                      "0.04&pi;.", all(abs(z) > SURE for z in own) if len(own) == 3 else None,
+                      "0.04&pi;.", (lambda factor: all(abs(z) > factor * SURE for z in own)) if len(own) == 3 else None,
                       f"&Omega;/&epsilon;<sub>b</sub>&omega; at &epsilon;<sub>b</sub> = {strongest:g}, tilt 0.04&pi;: "
                       + "; ".join(parts) + f"; within {SURE:g} errors of zero: {', '.join(rest) or 'none'}",
                       kind=CHECK, slug="noise-coordinates"))
@@ -150,11 +150,15 @@ def one_support(lines, table):
     z = [row["omega"] / row["error"] for _, _, row in rows]
     told = "; ".join(f"{side} at &epsilon;<sub>b</sub> = {eps:g}: {number(row['omega'], row['error'])}"
                      for eps, side, row in rows)
-    sure = [abs(v) > SURE for v in z]
+
+    def judge(factor):
+        sure = [abs(v) > factor * SURE for v in z]
+        return YES if all(sure) else NO if not any(sure) else OPEN
+
     told += (" (&Omega;/&epsilon;<sub>b</sub>&omega;). Theory has none: without tilt the torques of S<sup>++</sup> and "
              "S<sup>&minus;&minus;</sup> are opposite, those of S<sup>+&minus;</sup>, S<sup>&minus;+</sup> zero, "
              "whatever the supports do")
-    return Claim(text, YES if all(sure) else NO if not any(sure) else OPEN, told, kind=CHECK, slug="noise-one-support")
+    return Claim(text, judge, told, kind=CHECK, slug="noise-one-support")
 
 
 def mirror(lines, table):

@@ -4,13 +4,14 @@ import math
 import numpy as np
 
 from . import fits
-from .mechanism import BASE, PI, all_coordinates, constant, key, points
+from .catalogue import paper
+from .mechanism import BASE, PI, all_coordinates, key, points
 from .mechanism import told as shown
 from .mechanism_theory import Drive, System, alternating, predicted, slight_tilt_zero
 from .page import Figure, Numbers, Section
 from .style import COLOURS, figure, in_pi, legend_below, zero_line
 from .style import points as draw_points
-from .verdict import CHECK, NO, OPEN, PAPER, SURE, YES, Claim, decide, missing, number
+from .verdict import CHECK, NO, OPEN, PAPER, SURE, TOLERANCES, YES, Claim, beyond, decide, missing, number, percent
 
 DRIVES = ("random", "in phase", "opposite phases", "a quarter apart")
 PHASE = {"in phase": 0.0, "opposite phases": PI}
@@ -133,19 +134,32 @@ def sections(results):
 
 
 def depends(found, name):
+    """Does Omega change from the paper's value of the parameter to the next ones on either side?"""
     text = f"&Omega; depends on {NAMES[name]}."
     kind = PAPER if name != "gamma_n" else CHECK
     place = PLACE if kind == PAPER else ""
     line = found["random", name]
-    value, error = line.column("omega"), line.column("error")
+    x, value, error = (line.column(key) for key in (name, "omega", "error"))
     good = np.isfinite(value) & (error > 0)
-    if good.sum() < 3:
+    x, value, error = x[good], value[good], error[good]
+    at = int(np.argmin(np.abs(np.log(x / BASE[name])))) if len(x) else -1
+    if at < 1 or at + 1 >= len(x):
         return missing(text, place, slug=SLUGS[name], kind=kind)
-    chi2, chance, degrees = constant(value[good], error[good])
-    told = [f"random vibration: from {span(line, name)}; &chi;&sup2; of a constant {chi2:.0f} for {degrees} degrees"]
+    changes = [(value[k] / value[at] - 1, math.hypot(error[k], error[at] * value[k] / value[at]) / abs(value[at]), x[k])
+               for k in (at - 1, at + 1)]
+
+    def judge(factor, limit=TOLERANCES["depends"]):
+        far = [abs(change) - SURE * spread > factor * limit for change, spread, _ in changes]
+        near = [abs(change) + SURE * spread <= factor * limit for change, spread, _ in changes]
+        return YES if any(far) else NO if all(near) else OPEN
+
+    unit = PI if name == "theta_h" else 1
+    told = [f"random vibration, from the paper's {number(x[at] / unit)}{' &pi;' * (unit == PI)}: "
+            + ", ".join(f"{percent(change)} (&plusmn; {100 * spread:.1f}) at {number(place_of / unit)}{' &pi;' * (unit == PI)}"
+                        for change, spread, place_of in changes)
+            + f" (counted as a change beyond {100 * TOLERANCES['depends']:g} %); from {span(line, name)}"]
     told += [f"{drive}: from {span(found[drive, name], name)}" for drive in PHASE if found[drive, name]]
-    return Claim(text, YES if chance < 1e-4 else NO if chance > 0.01 else OPEN, "; ".join(told)
-                 + " (&Omega; over the supports' velocity)", place, kind, SLUGS[name])
+    return Claim(text, judge, "; ".join(told) + " (&Omega; over the supports' velocity)", place, kind, SLUGS[name])
 
 
 def span(line, name):
@@ -157,53 +171,50 @@ def span(line, name):
 
 
 def aperture_sign(found):
-    """Is the sign of Omega that of (19) at all apertures?"""
+    """Is the sign of Omega that of (19) at all apertures? For each drive."""
     out, zero = [], slight_tilt_zero(BASE["mu"])
-    for drive, text, kind, slug in (
-            ("random", "The sign of (19) is the sense of rotation under random vibration, at all apertures.", PAPER,
-             "aperture-sign"),
-            ("a quarter apart", "Where all four configurations last equally long without tilt, the sense turns over "
-                                "at the aperture at which (19) changes its sign.", CHECK, "aperture-sign-quarter")):
-        place = "section 4, eq. (19)" if kind == PAPER else ""
+    told = f"(19) is negative below {zero / PI:.4f} &pi; and positive above"
+    for drive, facts in (
+            ("random", {"text": "The sign of (19) is the sense of rotation under random vibration, at all apertures.",
+                        "kind": CHECK, "slug": "aperture-sign"}), ("opposite phases", paper("eq19-async"))):
         line = found.get((drive, "theta_h"))
         if not line or len(line) < 4:
-            out.append(missing(text, place, slug=slug, kind=kind))
+            out.append(missing(**facts))
             continue
-        theta, value, error = line.column("theta_h"), line.column("omega"), line.column("error")
-        told = f"(19) changes its sign at {zero / PI:.4f} &pi;"
-        if drive != "random":
-            crossing = fits.crossing(theta, value, error)
-            at = crossing[0] / PI if crossing else math.nan
-            out.append(decide(text, bool(abs(at - zero / PI) < 0.005), f"{told}, &Omega; at {at:.4f} &pi; (counted "
-                                                                       f"as equal "
-                              "up to 0.005 &pi;)", place, kind=kind, slug=slug))
-            continue
-        beyond, below = theta > zero * 1.02, theta < zero * 0.98
-        wrong = int((value[beyond] < -SURE * error[beyond]).sum())
-        right = int((value[beyond] > SURE * error[beyond]).sum())
-        before = int((value[below] < -SURE * error[below]).sum())
-        out.append(Claim(text, NO if wrong else YES if right == beyond.sum() else OPEN,
-                         f"{told}; below it &Omega; is negative by more than {SURE:g} errors at {before} of "
-                         f"{below.sum()} "
-                         f"apertures; above it {right} of {beyond.sum()} are positive by more than that, {wrong} "
-                         f"negative: "
-                         "S<sup>+&minus;</sup> and S<sup>&minus;+</sup> last longer than S<sup>++</sup> and "
-                         "S<sup>&minus;&minus;</sup> at all of them", place, kind, slug))
-    return out
+        theta, z = line.column("theta_h"), line.column("omega") / np.maximum(line.column("error"), 1e-300)
+        z *= np.sign(theta - zero)
+
+        def judge(factor, z=z):
+            sure, against = factor * SURE, beyond(len(z), factor)
+            return NO if (z < -against).any() else YES if (z > sure).all() else OPEN
+
+        wrong = ", ".join(f"{t / PI:.2g} &pi;" for t, v in zip(theta, z) if v < -SURE)
+        out.append(Claim(verdict=judge, rule="sign", numbers=f"{told}; &Omega; has its sign by more than {SURE:g} errors at "
+                         f"{int((z > SURE).sum())} of {len(z)} half apertures, the other at {int((z < -SURE).sum())}"
+                         + (f" ({wrong})" if wrong else ""), **facts))
+    text = "Where all four configurations last equally long without tilt, the sense turns over at the aperture at which (19) changes its sign."
+    line = found.get(("a quarter apart", "theta_h"))
+    crossing = fits.crossing(*(line.column(key) for key in ("theta_h", "omega", "error"))) if line and len(line) > 3 else None
+    if not crossing:
+        return [*out, missing(text, slug="aperture-sign-quarter")]
+    off = abs(crossing[0] - zero) / PI
+    return [*out, decide(text, lambda factor: bool(off < factor * 0.005), f"(19) changes its sign at {zero / PI:.4f} &pi;, "
+                         f"&Omega; at {crossing[0] / PI:.4f} &pi; (counted as equal up to 0.005 &pi;)",
+                         slug="aperture-sign-quarter")]
 
 
 def short(found):
     text, place = "The disk does not rotate when the configurations are very short.", "section 4"
-    told, fine = [], []
+    told, parts = [], []
     for drive in ("random", *PHASE):
         line = found[drive, "omega_b"]
         if len(line) < 3:
             return missing(text, place, slug="short-configurations")
         value, error = line.column("omega"), line.column("error")
         last, largest = line.rows[-1], float(np.abs(value).max())
-        fine.append(abs(value[-1]) + max(error[-1], 0) < 0.02 * largest)
+        parts.append((abs(value[-1]) + max(error[-1], 0)) / largest)
         told.append(f"{drive}: {shown(value[-1], error[-1])} at &omega; = "
                     f"{last['omega_b'] / PI:g} &pi;, at most "
                     f"{number(largest, digits=2)} at lower frequencies")
-    return decide(text, all(fine), "; ".join(told) + " (&Omega; over the supports' velocity, which is the same at all "
+    return decide(text, lambda factor: max(parts) < factor * 0.02, "; ".join(told) + " (&Omega; over the supports' velocity, which is the same at all "
                   "frequencies; counted as none below 2 % of the largest)", place, slug="short-configurations")

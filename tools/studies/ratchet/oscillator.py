@@ -173,7 +173,7 @@ def claims(found):
         slope, spread, low, high = soft.slope, soft.slope_spread, soft.force_min, soft.force_max
         excess = max(abs(low - soft.limits[0]), abs(high - soft.limits[1])) / (soft.limits[1] - soft.limits[0])
         equal = TOLERANCES["equal"]
-        out.append(decide(condition=bool(excess < equal and spread < equal * abs(slope)),
+        out.append(decide(condition=lambda factor: bool(excess < factor * equal and spread < factor * equal * abs(slope)),
                           numbers=f"slope while stuck {number(slope, digits=5)} (spread {number(spread)}; "
                                   f"&minus;<i>k<sub>t</sub></i> = &minus;20), extremes {number(low, digits=4)} and "
                                   f"{number(high, digits=4)}; limits {number(soft.limits[0], digits=4)} and "

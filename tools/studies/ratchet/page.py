@@ -43,6 +43,7 @@ class Section:
     missing: list = dataclasses.field(default_factory=list)
     new: bool = False  # not a figure of the paper
     data: list = dataclasses.field(default_factory=list)  # names of the kept numbers it is drawn from
+    facts: dict = dataclasses.field(default_factory=dict)  # {name: HTML} for the text at the head of the page
 
     def __post_init__(self):
         kept.LOG.append(self)
@@ -84,7 +85,7 @@ nav ol { columns: 2; font-size: .95rem; } @media (max-width: 34rem) { nav ol { c
 a { color: #0b4a8f; }
 """.strip()
 
-CLASS = {verdict.YES: "yes", verdict.NO: "no", verdict.OPEN: "open"}
+CLASS = {verdict.YES: "yes", verdict.NO: "no", verdict.DEPENDS: "open", verdict.OPEN: "open"}
 
 
 def badge(word):

@@ -13,7 +13,7 @@ from .catalogue import paper
 from .page import Figure, Numbers, Section
 from .style import BLACK, COLOURS, GREY, figure, in_pi, legend_above, points, zero_line
 from .turning import OMEGA_B
-from .verdict import Claim, close, decide, missing, number, signed
+from .verdict import Claim, closeness, decide, missing, number, signed
 
 PI = math.pi
 DENSE = "(" + ", ".join(f'"{k / 30:.6g} pi"' for k in range(-29, 31)) + ")"
@@ -168,8 +168,7 @@ def claims(lines, level, stiff, curves, turns):
     text = "Without tilt the disk does not rotate, whatever the phase (as theory has it)."
     if level:
         k = int(np.argmax(np.abs(level.omega)))
-        rotates = abs(level.omega[k]) > 0.002 and abs(level.omega[k]) > 5 * level.error[k]
-        out.append(decide(text, not rotates, f"largest at &psi; = {level.psi[k] / PI:g} &pi;: "
+        out.append(decide(text, lambda factor: bool(abs(level.omega[k]) <= max(factor * 0.002, 5 * level.error[k])), f"largest at &psi; = {level.psi[k] / PI:g} &pi;: "
                           f"{number(level.omega[k], level.error[k])} &Theta;<sub>b</sub>&omega;<sub>b</sub> (counted "
                           "as none below 0.002)", slug="phase-level"))
     else:
@@ -179,7 +178,7 @@ def claims(lines, level, stiff, curves, turns):
     curve = curves[STRONG, "parabolic"]
     if stiff and curve:
         gap = np.abs(stiff.omega - np.interp(stiff.psi, curve.column("phase"), curve.column("mean_normalised")))
-        out.append(decide(text, float(gap.max()) < 0.002, f"largest difference at {len(gap)} phases "
+        out.append(decide(text, lambda factor: float(gap.max()) < factor * 0.002, f"largest difference at {len(gap)} phases "
                           f"{number(float(gap.max()))} &Theta;<sub>b</sub>&omega;<sub>b</sub> (counted as equal "
                           "below 0.002)", slug="phase-stiff"))
     else:
@@ -190,7 +189,7 @@ def claims(lines, level, stiff, curves, turns):
             out.append(missing(text, why="no change of sign in the data yet", slug=slug))
             continue
         gap, error = (found[0] - exact[0]) / PI, found[1] / PI
-        out.append(Claim(text, close(gap, error, 0.01), f"at {number(found[0] / PI, error)} &pi;, exact solution "
+        out.append(Claim(text, closeness(gap, error, 0.01), f"at {number(found[0] / PI, error)} &pi;, exact solution "
                          f"{number(exact[0] / PI, digits=4)} &pi; (counted as equal up to 0.01 &pi;); limit of "
                          "strong drive 0.2425 &pi;", slug=slug, rule="equal"))
     return out

@@ -107,6 +107,11 @@ class Results:
         made = "; and by ".join(self.ledger.read()["made_by"])
         return made or self.store.about().get("program") or (self.provenance() or "?").splitlines()[0]
 
+    def all_made_by(self):
+        """The same of all numbers of the page: also of those that are kept from before."""
+        kept = self.store.about().get("program") if self.store.kept else ""
+        return "; and by ".join(text for text in dict.fromkeys((kept, self.made_by())) if text)
+
     # --- single runs ---------------------------------------------------------------------------------------
     def _run_folder(self):
         return os.path.join(self.folder, "runs" if self.level != "quick" else "runs-quick")

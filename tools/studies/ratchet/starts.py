@@ -88,10 +88,10 @@ def period_claims(kind, found):
     gap = max(float(np.abs(np.interp(time, t.column("time"), t.column("omega")) - omega).max())
               for t in tables[1:]) / float(np.ptp(tables[0].column("omega")))
     told = " (counted as none below " + number(SAME) + " of the range of &Omega;)"
-    return [decide(condition=max(whole) < SAME and min(half) > SAME,
+    return [decide(condition=lambda factor: max(whole) < factor * SAME and min(half) > factor * SAME,
                    numbers=f"{len(found)} starts: largest change after one period {number(max(whole))}, after half a "
                            f"period {number(min(half))}{told}", **paper(f"{kind}-period")),
-            decide(condition=gap < SAME, numbers=f"largest difference between {len(found)} starts {number(gap)}{told}",
+            decide(condition=lambda factor: gap < factor * SAME, numbers=f"largest difference between {len(found)} starts {number(gap)}{told}",
                    **paper(f"{kind}-start"))]
 
 
@@ -160,7 +160,7 @@ def caught_section(results):
         told += (" (at constant torque (15), with supports that speed up over 0.1: "
                  f"{number(found['aim'] * 0.05 / torque, digits=4)})")
     limit = TOLERANCES["equal"]
-    out.claims = [decide(condition=bool(found["met"] == found["met"] and found["largest"] < limit),
+    out.claims = [decide(condition=lambda factor: bool(found["met"] == found["met"] and found["largest"] < factor * limit),
                          numbers=f"{told}; then it stays within {percent(found['largest'])} of it (counted as caught "
                                  f"up within {100 * limit:g} %)", **paper("catch-up")),
                   elastic_claim(found)]
@@ -168,8 +168,8 @@ def caught_section(results):
 
 
 def elastic_claim(found):
-    sticks, swings = found["last_slide"] < found["end"] - 0.1, found["crossings"] >= 20
-    return decide(condition=sticks and swings, numbers="contacts slide for the last time at "
+    sticks = found["last_slide"] < found["end"] - 0.1
+    return decide(condition=lambda factor: sticks and found["crossings"] >= factor * 20, numbers="contacts slide for the last time at "
                                                        f"{number(found['last_slide'], digits=4)}; in the last 0.1 time "
                                                        f"units &Omega; crosses its mean {found['crossings']:g} times "
                                                        "(counted as swinging from 20 on), rms swing "
@@ -218,19 +218,22 @@ def loop_section(results):
     return out
 
 
+ENERGY = "A closed path without slipping costs nothing (the paper does not say so)."
+
+
 def loop_claims(found):
     if len(found) < 2:
-        return [missing(**paper("lambda-path")), missing(**paper("lambda-energy"))]
+        return [missing(**paper("lambda-path")), missing(ENERGY, slug="lambda-energy")]
     law, other = found["paper"], found["conservative"]
     limit = 1e-9
-    return [decide(condition=law["change"] < limit * law["extent"],
+    return [decide(condition=lambda factor: law["change"] < factor * limit * law["extent"],
                    numbers=f"largest change from round to round {number(law['change'])} of an extent of "
                            f"{number(law['extent'])} in {law['rounds']:g} rounds (counted as none below "
                            "10<sup>&minus;9</sup> of it)",
                    **paper("lambda-path")),
-            decide(condition=abs(law["work"]) < limit * law["stored"],
-                   numbers=f"the paper's force gains {number(law['work'], digits=4)} per round, "
-                           f"{percent(law['work'] / law['stored'])} of the largest energy stored (counted as none "
-                           "below 10<sup>&minus;9</sup> of it): &lambda; returns, but the force on the centres does "
-                           "not derive from the stored energy; the one that does gains "
-                           f"{number(other['work'])}", **paper("lambda-energy"))]
+            decide(ENERGY, lambda factor: abs(law["work"]) < factor * limit * law["stored"],
+                   f"the paper's force gains {number(law['work'], digits=4)} per round, "
+                   f"{percent(law['work'] / law['stored'])} of the largest energy stored (counted as none "
+                   "below 10<sup>&minus;9</sup> of it): &lambda; returns, but the force on the centres does "
+                   "not derive from the stored energy; the one that does gains "
+                   f"{number(other['work'])}", slug="lambda-energy")]

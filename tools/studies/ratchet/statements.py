@@ -14,7 +14,8 @@ PI = math.pi
 SIGNS = {"pp": "S<sup>++</sup>", "mm": "S<sup>&minus;&minus;</sup>", "pm": "S<sup>+&minus;</sup>",
          "mp": "S<sup>&minus;+</sup>"}
 K_N, GAMMA, MASS, MU, HALF_APERTURE, DAMPING, OMEGA = 1e3, 10, 0.1, 0.1, PI / 6, 0.5, 20 * PI  # of the paper
-PRINTED = ("eq11-printed", "level-torques", "eq19-printed", "eq31-printed", "sync-balance")
+PRINTED = ("eq11-printed", "level-torques", "eq19-printed", "eq25-printed", "eq28-printed", "eq31-printed", "eq38-printed",
+           "sync-balance")
 
 
 def sections(results, claims):
@@ -22,7 +23,7 @@ def sections(results, claims):
     out = Section("statements", "Statements without a figure", "Some need runs of their own: "
                   "<code>inputs/three_disk/steady.cfg</code>, <code>frozen.cfg</code>, <code>weak.cfg</code>.")
     random = results.best("random").joined()
-    own = [*contact_claims(random), *torque_claims(results, out), still_claim(results, "frozen", "frozen", out),
+    own = [*contact_claims(random), *torque_claims(results, out), limit_claim(results, out), still_claim(results, "frozen", "frozen", out),
            still_claim(results, "weak", "no-sliding", out), *sense_claims(results, random), *printed_claims(results)]
     every = complete(claims + own)
     known = {id(claim) for claim in claims}
@@ -74,6 +75,34 @@ def torque_claims(results, out):
     return claims
 
 
+def limit_claim(results, out):
+    """Torque of steadily turning supports on a disk whose centre is held fixed: same and opposite senses."""
+    found = {}
+    for key in ("pp", "pm"):
+        path = results.run(f"fixed_{key}")
+
+        def make(path=path):
+            if not path:
+                return None
+            result = slipdisk.Result(path)
+            return {"torque": float(result.state["torque"][0]), "left": float(result.slide[0]["force_min"][0]),
+                    "right": float(result.slide[0]["force_min"][1])}
+
+        table = results.numbers(f"fixed-{key}", make, f"torque and normal forces with the centre held fixed in S {key}")
+        if not table:
+            out.missing.append(f"fixed_{key}: not run yet")
+            return missing(**paper("fixed-limit"))
+        found[key] = table.rows[0]
+    aim = MU * (found["pp"]["left"] + found["pp"]["right"])
+    off = [found[key]["torque"] / aim - 1 for key in found]
+    return decide(condition=lambda factor: max(map(abs, off)) < factor * TOLERANCES["equal"],
+                  numbers=f"<i>n</i><sub>1</sub> = {number(found['pp']['left'])}, <i>n</i><sub>2</sub> = "
+                  f"{number(found['pp']['right'])}: {SIGNS['pp']} {number(found['pp']['torque'], digits=5)}, {SIGNS['pm']} "
+                  f"{number(found['pm']['torque'], digits=5)}; &mu;(<i>n</i><sub>1</sub> + <i>n</i><sub>2</sub>) = "
+                  f"{number(aim, digits=5)}, &mu;(<i>n</i><sub>1</sub> &minus; <i>n</i><sub>2</sub>) = "
+                  f"{number(MU * (found['pp']['left'] - found['pp']['right']), digits=5)}", **paper("fixed-limit"))
+
+
 def still_claim(results, name, slug, out):
     info = results.info(name)
     if not info:
@@ -96,7 +125,6 @@ def sense_claims(results, random):
     theory = results.theory("torques", "three_disk/steady.cfg")
     row, out = theory.rows[0] if theory else {}, []
     for slug, table, key, label in (("eq19-random", random, "slight_tilt", "(19)"),
-                                    ("eq19-async", results.best("async").joined(), "slight_tilt", "(19)"),
                                     ("eq31-sync", results.best("sync").joined(),
                                      "slight_tilt_sync",
                                      "(31), corrected")):
@@ -110,6 +138,40 @@ def sense_claims(results, random):
         claim.numbers = f"{label} is {number(aim)} at tilt 0.04 &pi;; {claim.numbers}"
         out.append(claim)
     return out
+
+
+def eq38_claim(tilt, torque, same):
+    """The equilibrium of (39) and (40) as printed: both forces of S++ from two linear equations."""
+    left, right = HALF_APERTURE - tilt, HALF_APERTURE + tilt
+    matrix = [[math.sin(left) + MU * math.cos(left), -(math.sin(right) - MU * math.cos(right))],
+              [math.cos(left) - MU * math.sin(left), math.cos(right) + MU * math.sin(right)]]
+    printed, right_one = (float(sum(np.linalg.solve(matrix, [0.0, weight]))) for weight in (1.0, MU))  # m g = R = 1
+    claim = within(value=printed, target=torque, tolerance=same["tolerance"], names=("printed", "(15)"),
+                   **paper("eq38-printed"))
+    claim.numbers += f"; with &minus;&mu;<i>mg</i> {number(right_one, digits=5)}"
+    return claim
+
+
+def cycle_claims(tilt, pp, mm, theta=0.1):
+    """(25), (43) and (28) as printed, with the torques at this tilt, against (22) to (24) and (30)."""
+    inertia, unit = MASS / 2, 4 * theta * OMEGA / PI  # R = 1
+    scale = 4 * MASS * theta * OMEGA ** 2
+    times = [PI * pp * (PI ** 2 * mm + sign * scale) / (scale * OMEGA * (pp - mm)) for sign in (-1, 1)]
+
+    def velocity(t):
+        """(22), over one period from -pi on."""
+        return -unit * (1 + 2 * OMEGA * t / PI) if t < 0 else -unit * (1 - 2 * OMEGA * t / PI)
+
+    first, second = (velocity(t) for t in times)
+    period = 2 * PI / OMEGA
+    gaps = [abs(first + mm * (times[1] - times[0]) / inertia - second) / unit,
+            abs(second + pp * (times[0] + period - times[1]) / inertia - first) / unit]
+    mean = ((first + second) / 2 * (times[1] - times[0]) + (second + first) / 2 * (times[0] + period - times[1])) / period
+    aim = unit * MU * math.tan(tilt)
+    return [decide(condition=lambda factor: max(gaps) < factor * 1e-9, numbers=f"largest distance of the velocities that (23) and "
+                   f"(24) match {number(max(gaps))} of 4<i>R</i>&Theta;<sub>b</sub>&omega;<sub>b</sub>/&pi; at "
+                   f"&Theta;<sub>b</sub> = {theta:g}", **paper("eq25-printed")),
+            within(value=mean, target=aim, tolerance=1e-6, names=("mean of (28)", "(30)"), **paper("eq28-printed"))]
 
 
 def printed_claims(results):
@@ -131,6 +193,7 @@ def printed_claims(results):
     mean, half = (pp + pm + mp + mm) / 4, (pp + mm) / 2
     times = -mm / (pp - mm), pp / (pp - mm)
     same = {"tolerance": 1e-6, "names": ("printed", "from (15)-(18)")}
+    out += [eq38_claim(tilt, pp, same), *cycle_claims(tilt, pp, mm)]
     claim = within(value=eq31, target=half, **same, **paper("eq31-printed"))
     claim.numbers += f"; the print is {eq31 / half:.3g} times that, 1/&mu; = {1 / MU:g}"
     zeros = [flat[f"torque_{key}"] for key in ("pp", "mm", "pm", "mp")]

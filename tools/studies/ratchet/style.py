@@ -63,6 +63,12 @@ def points(axes, x, y, error, label, k, sign, line="-", **more):
     return axes.errorbar(x, y, yerr=error, fmt=sign, ls=line, label=label, **options)
 
 
+def configuration(name):
+    """Colour, symbol and label of a sliding configuration, the same in all figures: arguments of points()."""
+    k = list(CONFIGURATIONS).index(name)
+    return {"k": k, "sign": CONFIGURATIONS[name][1], "label": CONFIGURATIONS[name][0]}
+
+
 def zero_line(axes):
     axes.axhline(0, color=LIGHT, lw=0.8, zorder=0, gid="guide")
 

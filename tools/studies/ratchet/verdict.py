@@ -1,7 +1,8 @@
 """Claims, and how data decide about them.
 
 A claim is a sentence of the paper (or of the theory) in own words. Its verdict follows from numbers by one of
-the rules below and from nothing else; a claim whose data are missing or too noisy says so.
+the rules below and from nothing else; a claim whose data are missing or too noisy says so. A rule with a tolerance
+is a function of the factor on it, so that each claim knows where its verdict would turn.
 """
 import dataclasses
 import math
@@ -9,6 +10,8 @@ import math
 import numpy as np
 
 YES, NO, OPEN = "reproduced", "not reproduced", "cannot tell"
+DEPENDS = "depends"  # on what the paper does not give: true in some fields, false in others
+WORDS = (YES, NO, DEPENDS, OPEN)
 PAPER, CHECK, TRIVIAL = "paper", "own check", "by construction"  # TRIVIAL: geometry, waveforms, identities
 SURE = 3.0  # errors that count as significant
 REFUTED, DOUBTED = 1e-4, 0.01  # chances of chi^2: above it, and on either side
@@ -21,6 +24,8 @@ TOLERANCES = {
     "most": 0.5,
     "proportional": 0.1,
     "rare": 0.1,
+    "estimate": 0.2,
+    "depends": 0.1,
 }
 MEANING = {
     "equal": "relative: a number and its formula",
@@ -30,44 +35,78 @@ MEANING = {
     "absent": "fraction of time: what lasts less does not occur",
     "proportional": "relative, either way: a ratio that is to be the same",
     "most": "fraction of time: most of the time",
-    "rare": "fraction of time: both contacts slide rarely",
+    "rare": "fraction of time: neither contact slides longer, or elastic deformation lasts no longer",
+    "estimate": "relative: a value and what can be used as an estimate of it",
+    "depends": "relative: a change of &Omega; from the paper's value of a parameter to the next one",
 }
 RULES = {
     "zero": f"&chi;&sup2; of all values from zero: a chance below {100 * REFUTED:g} % for a larger one refutes; a "
             f"chance below {100 * DOUBTED:g} % on either side leaves it open (a &chi;&sup2; that is too small means "
-            "error bars that are too large)",
+            "error bars that are too large). Tolerance: these chances",
     "scatter": "&chi;&sup2; of values from their mean, as for zero; where error bars themselves are judged a chance "
-               f"below {100 * REFUTED:g} % on either side refutes",
+               f"below {100 * REFUTED:g} % on either side refutes. Tolerance: these chances",
     "none": "without noise: the speed is below the tolerance, in units of the drive's speed",
     "sign": f"every point has the sign by more than {SURE:g} errors; one with the other sign refutes, by as many "
             f"errors as chance gives one of so many points as seldom as a single one {SURE:g} (Bonferroni); else open, "
-            "and the undecided points are named",
+            "and the undecided points are named. Tolerance: these errors",
     "growth": "as for a sign, of the steps from each point to the next",
     "equal": f"the relative difference is within the tolerance by {SURE:g} errors; beyond it by {SURE:g} errors "
              "refutes; else open",
     "approach": "the largest relative deviation falls by more than its error from each amplitude to the next until it "
                 "is within what counts as excellent, and stays there; a rise, or an end outside, refutes",
     "excellent": "as for equal, for the largest relative deviation at the largest amplitude",
-    "extremum": "the fit turns round inside the range in at least 97.5 % of the samples in which all points are "
-                "scattered by their errors, at every amplitude; less than 2.5 % at one refutes",
+    "fields": "the statement is judged for each value of what the paper does not give: true in all of these fields it "
+              "is reproduced, true in none it is not, else it depends on the field",
+    "extremum": "at every amplitude one of the inner tilts turns the disk faster than the largest tilt does, by as "
+                "many errors as a sign needs; the other way round at all inner tilts of one amplitude refutes. "
+                "Tolerance: these errors",
     "exponent": f"it is within {SURE:g} errors of what is expected, and its error is small enough to tell; beyond "
-                f"{SURE:g} errors refutes",
-    "threshold": "a condition that stands beside the numbers",
+                f"{SURE:g} errors refutes. Tolerance: these errors",
+    "threshold": "a condition that stands beside the numbers. Tolerance: the number in it, if there is one",
 }
+FACTORS = tuple(10 ** (k / 20) for k in range(1, 61))  # of a tolerance, in search of the one that turns a verdict
 
 
 @dataclasses.dataclass
 class Claim:
     text: str     # HTML
-    verdict: str  # YES, NO or OPEN
+    verdict: str  # YES, NO, OPEN or DEPENDS; or a function that gives it, or True, False, None, for a factor on the
+                  # tolerance: then half, double and turns are known
     numbers: str  # HTML: what was found
     place: str = ""  # where the paper says so; "": a statement that is not the paper's
     kind: str = ""   # PAPER, CHECK or TRIVIAL; "": PAPER with a place, CHECK without
     slug: str = ""   # short unique name, "random-clockwise" say
     rule: str = "threshold"  # of RULES; "": no data
+    half: str = ""    # verdict at half the tolerance
+    double: str = ""  # and at twice
+    turns: float = math.nan  # nearest factor on the tolerance that turns the verdict; infinite: none up to 1000
 
     def __post_init__(self):
         self.kind = self.kind or (PAPER if self.place else CHECK)
+        if callable(self.verdict):
+            def judge(factor, rule=self.verdict):
+                return word(rule(factor))
+            self.verdict, self.half, self.double = judge(1.0), judge(0.5), judge(2.0)
+            self.turns = turning_factor(judge)
+
+
+def word(verdict):
+    """Of True, False and None."""
+    return verdict if isinstance(verdict, str) else OPEN if verdict is None else YES if verdict else NO
+
+
+def turning_factor(judge):
+    """The factor nearest to 1 at which the verdict is another one than at 1; infinite where there is none."""
+    here = judge(1.0)
+    for low, high in zip((1.0, *FACTORS), FACTORS):
+        for sign in (1, -1):
+            if judge(high ** sign) != here:
+                same, other = low ** sign, high ** sign
+                for _ in range(12):
+                    middle = math.sqrt(same * other)
+                    same, other = (same, middle) if judge(middle) != here else (middle, other)
+                return other
+    return math.inf
 
 
 def missing(text, place="", why="no data yet", **kind):
@@ -150,10 +189,16 @@ def chance(chi2, degrees):
     return 2 * min(above, 1 - above)
 
 
-def judged(chi2, degrees, either=False):
+def judged(chi2, degrees, either=False, factor=1.0):
     """Verdict on values that are to scatter as their error bars say. either: too little scatter refutes as well."""
     fluke = chance(chi2, degrees)
-    return NO if (fluke if either else survival(chi2, degrees)) < REFUTED else OPEN if fluke < DOUBTED else YES
+    return (NO if (fluke if either else survival(chi2, degrees)) < factor * REFUTED
+            else OPEN if fluke < factor * DOUBTED else YES)
+
+
+def scattering(chi2, degrees, either=False):
+    """judged() as a function of the factor on the chances."""
+    return lambda factor: judged(chi2, degrees, either, factor)
 
 
 def close(off, error, tolerance):
@@ -162,9 +207,28 @@ def close(off, error, tolerance):
     return YES if off + error <= tolerance else NO if off - error > tolerance else OPEN
 
 
-def beyond(number_of_points):
+def closeness(off, error, tolerance):
+    """close() as a function of the factor on the tolerance."""
+    return lambda factor: close(off, error, factor * tolerance)
+
+
+def together(verdicts):
+    """YES where all are, NO where one is, else OPEN."""
+    return NO if NO in verdicts else OPEN if OPEN in verdicts or not verdicts else YES
+
+
+def in_fields(verdicts):
+    """Of a statement that is judged for each value of what the paper does not give."""
+    known = [verdict for verdict in verdicts if verdict != OPEN]
+    if not known:
+        return OPEN
+    return DEPENDS if len(set(known)) > 1 else known[0] if len(known) == len(verdicts) else OPEN
+
+
+def beyond(number_of_points, factor=1.0):
     """Errors that one of so many points exceeds on one side as seldom as a single one exceeds 3 (Bonferroni)."""
-    low, high, aim = SURE, 12.0, math.erfc(SURE / math.sqrt(2)) / max(1, number_of_points)
+    sure = factor * SURE
+    low, high, aim = sure, 12.0 + sure, math.erfc(sure / math.sqrt(2)) / max(1, number_of_points)
     for _ in range(60):
         middle = (low + high) / 2
         low, high = (middle, high) if math.erfc(middle / math.sqrt(2)) > aim else (low, middle)
@@ -188,27 +252,26 @@ def zero(text, values, errors, place="", what="&Omega;", **kind):
     worst = float(np.abs(z).max())
     numbers = (f"{len(z)} value{'s' * (len(z) > 1)}, largest |{what}| {worst:.1f} errors from zero, &chi;&sup2; = "
                f"{chi2:.1f} (a chance of {100 * above:.2g} % for more)")
-    verdict = judged(chi2, len(z))
-    if verdict == OPEN and above > 0.5:
+    if judged(chi2, len(z)) == OPEN and above > 0.5:
         numbers += "; too small: the error bars are too large to tell"
-    return Claim(text, verdict, numbers, place, **kind)
+    return Claim(text, scattering(chi2, len(z)), numbers, place, **kind)
 
 
 def none(text, value, unit, place="", unit_name="&Theta;<sub>b</sub>&omega;<sub>b</sub>", **kind):
     """A speed without noise is none at all, in a unit of what drives it."""
     kind.setdefault("rule", "none")
     limit = TOLERANCES["none"]
-    return Claim(text, close(value / unit, 0, limit), f"{number(abs(value) / unit)} {unit_name} (counted as none up to "
+    return Claim(text, closeness(value / unit, 0, limit), f"{number(abs(value) / unit)} {unit_name} (counted as none up to "
                  f"{number(limit)})", place, **kind)
 
 
-def signs(values, errors, sign):
+def signs(values, errors, sign, factor=1.0):
     """(verdict, errors that count against it, right, wrong, undecided): indices of points."""
     values, errors = np.asarray(values, float), np.asarray(errors, float)
     z = sign * values / np.maximum(errors, 1e-300)
-    against = beyond(len(z))
-    right, wrong = np.nonzero(z > SURE)[0], np.nonzero(z < -against)[0]
-    undecided = np.nonzero((z <= SURE) & (z >= -against))[0]
+    against, sure = beyond(len(z), factor), factor * SURE
+    right, wrong = np.nonzero(z > sure)[0], np.nonzero(z < -against)[0]
+    undecided = np.nonzero((z <= sure) & (z >= -against))[0]
     return (NO if len(wrong) else OPEN if len(undecided) else YES), against, right, wrong, undecided
 
 
@@ -226,9 +289,9 @@ def signed(text, values, errors, sign, place="", what="&Omega;", names=None, **k
         return missing(text, place, **kind)
     names = [name for name, fine in zip(names, good) if fine] if names is not None else None
     values, errors = values[good], errors[good]
-    verdict, against, right, wrong, undecided = signs(values, errors, sign)
-    word, other = ("positive", "negative") if sign > 0 else ("negative", "positive")
-    told = (f"of {len(values)} values of {what} {len(right)} are {word} by more than {SURE:g} errors, {len(wrong)} "
+    _, against, right, wrong, undecided = signs(values, errors, sign)
+    same, other = ("positive", "negative") if sign > 0 else ("negative", "positive")
+    told = (f"of {len(values)} values of {what} {len(right)} are {same} by more than {SURE:g} errors, {len(wrong)} "
             f"{other} by more than {against:.1f}, {len(undecided)} undecided")
     for points in (wrong, undecided):
         if len(points) and names:
@@ -236,9 +299,9 @@ def signed(text, values, errors, sign, place="", what="&Omega;", names=None, **k
                 [f"{names[k]} ({_errors(values[k], errors[k])})" for k in points])
     if len(undecided) > 1 and not len(wrong):
         weight = 1 / np.maximum(errors[undecided], 1e-300) ** 2
-        together = sign * float(np.sum(values[undecided] * weight) / math.sqrt(np.sum(weight)))
-        told += f"; their weighted mean is {word if together > 0 else other} by {abs(together):.1f} errors"
-    return Claim(text, verdict, told, place, **kind)
+        joint = sign * float(np.sum(values[undecided] * weight) / math.sqrt(np.sum(weight)))
+        told += f"; their weighted mean is {same if joint > 0 else other} by {abs(joint):.1f} errors"
+    return Claim(text, lambda factor: signs(values, errors, sign, factor)[0], told, place, **kind)
 
 
 def grows(text, steps, errors, place="", what="amplitude", names=None, **kind):
@@ -247,12 +310,12 @@ def grows(text, steps, errors, place="", what="amplitude", names=None, **kind):
     steps, errors = np.asarray(steps, float), np.asarray(errors, float)
     if not len(steps):
         return missing(text, place, **kind)
-    verdict, against, up, down, undecided = signs(steps, errors, 1)
+    _, against, up, down, undecided = signs(steps, errors, 1)
     told = (f"of {len(steps)} steps from one {what} to the next {len(up)} are up by more than {SURE:g} errors, "
             f"{len(down)} down by more than {against:.1f}, {len(undecided)} undecided")
     if names and len(undecided):
         told += ": " + listed([names[k] for k in undecided])
-    return Claim(text, verdict, told, place, **kind)
+    return Claim(text, lambda factor: signs(steps, errors, 1, factor)[0], told, place, **kind)
 
 
 def within(text, value, target, tolerance, place="", error=0.0, names=("found", "expected"), **kind):
@@ -264,7 +327,7 @@ def within(text, value, target, tolerance, place="", error=0.0, names=("found", 
     spread = (error if math.isfinite(error) else 0) / abs(target)
     numbers = (f"{names[0]} {number(value, error, 5)}, {names[1]} {number(target, digits=5)}: {percent(off)} "
                f"(counted as equal up to {100 * tolerance:g} %)")
-    return Claim(text, close(off, spread, tolerance), numbers, place, **kind)
+    return Claim(text, closeness(off, spread, tolerance), numbers, place, **kind)
 
 
 def approaches(text, amplitudes, deviations, errors, place="", unit="", **kind):
@@ -273,18 +336,24 @@ def approaches(text, amplitudes, deviations, errors, place="", unit="", **kind):
     off, error, limit = np.abs(deviations), np.asarray(errors, float), TOLERANCES["excellent"]
     if len(off) < 2 or not np.isfinite(off).all():
         return missing(text, place, **kind)
-    change, known = np.diff(off), SURE * np.hypot(error[1:], error[:-1])
-    rises = np.nonzero((off[1:] > limit) & (change > known))[0] + 1
-    falls = (off[1:] <= limit) | (change < -known)
-    end = close(off[-1], error[-1], limit)
-    verdict = NO if len(rises) or end == NO else YES if end == YES and falls.all() else OPEN
+    rises, end, _ = approaching(off, error, limit)
     told = "largest deviation " + ", ".join(f"{100 * o:.{1 if o < 0.2 else 0}f} % at {a:g}{unit}"
                                             for a, o in zip(amplitudes, off))
     if len(rises):
         told += "; it rises at " + ", ".join(f"{amplitudes[k]:g}" for k in rises)
     if end == NO:
         told += "; it does not end within the tolerance"
-    return Claim(text, verdict, told + f" (tolerance {100 * limit:g} %)", place, **kind)
+    return Claim(text, lambda factor: approaching(off, error, factor * limit)[2],
+                 told + f" (tolerance {100 * limit:g} %)", place, **kind)
+
+
+def approaching(off, error, limit):
+    """(indices of amplitudes at which the deviation rises outside the limit, verdict on the end, verdict)"""
+    change, known = np.diff(off), SURE * np.hypot(error[1:], error[:-1])
+    rises = np.nonzero((off[1:] > limit) & (change > known))[0] + 1
+    falls = (off[1:] <= limit) | (change < -known)
+    end = close(off[-1], error[-1], limit)
+    return rises, end, NO if len(rises) or end == NO else YES if end == YES and falls.all() else OPEN
 
 
 def excellent(text, deviation, error, numbers, place="", **kind):
@@ -293,11 +362,11 @@ def excellent(text, deviation, error, numbers, place="", **kind):
     limit = TOLERANCES["excellent"]
     if not math.isfinite(deviation):
         return missing(text, place, **kind)
-    return Claim(text, close(deviation, error, limit), f"{numbers} (counted as excellent up to {100 * limit:g} "
+    return Claim(text, closeness(deviation, error, limit), f"{numbers} (counted as excellent up to {100 * limit:g} "
                                                        "%)", place, **kind)
 
 
 def decide(text, condition, numbers, place="", **kind):
-    """condition: True, False, or None when it cannot be told."""
+    """condition: True, False, or None when it cannot be told; or a function that says so for a factor on its limit."""
     kind.setdefault("rule", "threshold")
-    return Claim(text, OPEN if condition is None else YES if condition else NO, numbers, place, **kind)
+    return Claim(text, condition if callable(condition) else word(condition), numbers, place, **kind)

@@ -6,7 +6,7 @@ import numpy as np
 from .page import Figure, Numbers, Section
 from .style import COLOURS, GREY, figure, legend_above, points
 from .turning import matched, sweep_points
-from .verdict import TOLERANCES, Claim, close, missing, number, percent, within
+from .verdict import TOLERANCES, Claim, closeness, missing, number, percent, within
 
 PI = math.pi
 PHASES = ((0.0, "in phase"), (PI, "opposite phases"))
@@ -118,7 +118,7 @@ def strong_claim(title, rows):
         return missing(text, slug=slug)
     theta, ratio, error = rows[-1][0], *rows[-1][5:7]
     off, limit = ratio / (PI ** 2 / 8) - 1, TOLERANCES["equal"]
-    return Claim(text, close(off, error / ratio, limit), f"at &Theta;<sub>b</sub> = {theta:g}: {number(ratio, error)}, "
+    return Claim(text, closeness(off, error / ratio, limit), f"at &Theta;<sub>b</sub> = {theta:g}: {number(ratio, error)}, "
                                                          f"{percent(off)} from &pi;&sup2;/8 (counted as equal up to "
                                                          f"{100 * limit:g} %)", slug=slug,
                  rule="equal")
