@@ -139,7 +139,7 @@ class Pages(unittest.TestCase):
         self.assertIn("Of the paper's 2 statements 1 are reproduced, 1 are not, none hold or fail with what the paper does not "
                       "give, and none cannot be decided", text)
         self.assertIn("Left out: the data here do not bear it out, or are missing: `premise-velocity`", text)
-        self.assertEqual(section.claims[1].numbers, "2 of 3 &ndash; <i>a reason</i>")
+        self.assertEqual(section.claims[1].numbers, "2 of 3 &ndash; a reason")
         self.assertNotIn("Three", text)
         self.assertIn("#key", errata.tables[0].rows[0][-1])
         self.assertEqual(first.tables[0].rows[0][1:], [1, 1, 0, 0, "0 of 1"])

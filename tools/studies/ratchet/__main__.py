@@ -144,7 +144,8 @@ def lead(results):
         "Every verdict is "
         'computed from the numbers beside it: <a href="reproduce.md">reproduce.md</a> has the rules. Written by '
         f"<code>tools/studies/ratchet.sh</code>, level {results.level}: {levels.DESCRIPTIONS[results.level]}. "
-        f"{escape(made(results))}")]
+        + ('Programs, machines and time: <a href="#what-it-took">what it took</a>.' if effort.told(results)
+           else escape(made(results))))]
 
 
 def escape(text):

@@ -37,8 +37,12 @@ PARAGRAPHS = (
      "The TEP torques are within 17 % of the measured ones, and any centre that moves towards its TEP at all gives their order. The "
      "premise of (19), four configurations that last equally long without tilt, is wrong: S<sup>+&minus;</sup> and "
      "S<sup>&minus;+</sup> last about three times as long as S<sup>++</sup> and S<sup>&minus;&minus;</sup>, because the light disk soon "
-     "catches up with the slower support and then lies between the two velocities. The mixed configurations carry the clockwise sum of "
-     "torques; so the sense is that of (19) at the paper's aperture, and the more so. At apertures above 0.25&pi;, where (19) turns "
+     "catches up with the slower support and then lies between the two velocities, where only "
+     "&mu;(<i>n</i><sub>1</sub> &minus; <i>n</i><sub>2</sub>)<i>R</i> acts. In S<sup>&minus;+</sup> friction carries part of the "
+     "weight, in S<sup>+&minus;</sup> it presses the disk down, so that with tilt their two torques leave a clockwise sum; "
+     "S<sup>++</sup> and S<sup>&minus;&minus;</sup> leave a smaller counter-clockwise one. The longer the mixed configurations last, the "
+     "more the clockwise sum counts: the sense is that of (19) at the paper's aperture, and a drive that never reaches them, in phase, "
+     "turns the disk the other way. At apertures above 0.25&pi;, where (19) turns "
      "over, the sense does not; where all four last equally long it does.",
      {"tep-torque": YES, "equal-durations": NO, "eq19-random": YES, "aperture-sign": NO, "aperture-sign-quarter": YES}),
     ("What depends on what the paper does not give.",

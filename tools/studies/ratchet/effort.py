@@ -120,8 +120,6 @@ def record(results):
             path = os.path.join(results.store.kept, "effort.csv")
             before = Table.read(path, finished_only=False).rows if os.path.exists(path) else []
             rows = [row for row in before if row["part"] not in entry["parts"]] + rows
-            for row in rows:
-                row["calls"] = entry["calls"] + (before[0]["calls"] if before else 0)
         return Table(rows)
 
     results.found.pop("effort", None)  # it grows
@@ -133,7 +131,7 @@ def told(results, html=False):
     table = record(results)
     if not table:
         return ""
-    calls = int(table.rows[0]["calls"])
+    calls = int(sum({row["calls"] for row in table.rows}))  # of each folder of results
     text = (f"Computed in {duration(table.column('seconds').sum())} ({calls} call{'s' * (calls != 1)}) by "
             f"{results.all_made_by()}.")
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;") if html else text

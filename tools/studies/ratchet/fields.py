@@ -125,7 +125,7 @@ def facts(found):
         for wave, word in WAVES.items():
             here = [f for f in mine if (f.kind, f.wave) == (kind, wave)]
             true = [f.omega / PI for f in here if f.excellent() == YES]
-            told.append(f"{law}, {title}, by the {word} " + (f"at {', '.join(f'{w:g}' for w in true)}&pi;" if true else "nowhere"))
+            told.append(f"{law}, {'in ' * (kind == 'async')}{title}, by the {word} " + (f"at {', '.join(f'{w:g}' for w in true)}&pi;" if true else "nowhere"))
     return {"fields": f"At the largest amplitude, of twelve frequencies from 5 to 40&pi;, theory is met within "
             f"{100 * TOLERANCES['excellent']:g} %: " + "; ".join(told)}
 

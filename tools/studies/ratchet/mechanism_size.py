@@ -28,16 +28,7 @@ WALKS = (*((XYT, eps, 0.04, 0) for eps in (2e-5, 5e-5, 1e-4, 3e-4, 1e-3)),
          *((XYT, 1e-4, tilt, moved) for moved in (0, 1) for tilt in (0.02, 0.08)),
          *((TURN, eps, 0.1, moved) for moved in (0, 1) for eps in (1e-4, 1e-3, 1e-2)))
 
-WORDS = ("In words: while both contacts slide the same way, S<sup>++</sup> or S<sup>&minus;&minus;</sup>, the "
-         "torque &mu;(<i>n</i><sub>1</sub> + <i>n</i><sub>2</sub>)<i>R</i> is large, and the light disk soon "
-         "catches up with the slower one of the supports. From then on it is slower than one support and faster "
-         "than the other, in S<sup>+&minus;</sup> or S<sup>&minus;+</sup>, where only &mu;(<i>n</i><sub>1</sub> "
-         "&minus; <i>n</i><sub>2</sub>)<i>R</i> acts. With tilt <i>n</i><sub>1</sub> &ne; <i>n</i><sub>2</sub>. In "
-         "S<sup>&minus;+</sup> friction carries part of the weight, in S<sup>+&minus;</sup> it presses the disk "
-         "down, so the two torques are not opposite: their sum is clockwise. S<sup>++</sup> and "
-         "S<sup>&minus;&minus;</sup> leave a smaller counter-clockwise sum. The longer the mixed configurations "
-         "last, the more the clockwise one counts; a drive that never reaches them (in phase) turns the disk the "
-         "other way. The disk turns so fast that the durations balance the torques. Predictions without a free "
+WORDS = ("Predictions without a free "
          "parameter: (i) <i>strong drive</i>: torques (15)-(18), and the probabilities of the four configurations "
          "at a steady &Omega;, as the velocities with which the supports drag the upper disk are Gaussian (their "
          "covariance follows from (52) and from the linear response of the upper centre); &Omega; is where the "
@@ -265,7 +256,7 @@ def everywhere(random, walk):
     low, high = min(pairs, key=lambda p: p[0]), max(pairs, key=lambda p: p[0])
     return Claim(text, lambda factor: together([within_errors(p[0] - 1, p[1], factor * EQUAL) for p in pairs]),
                  f"simulation over prediction at {len(pairs)} points from " + " to ".join(
-                     f"{number(p[0], p[1])} (&epsilon;<sub>b</sub> = {p[2]['eps_b']:g}, tilt {p[2]['tilt'] / PI:g} &pi;)"
+                     f"{number(p[0], p[1])} (&epsilon;<sub>b</sub> = {number(p[2]['eps_b'])}, tilt {p[2]['tilt'] / PI:g} &pi;)"
                      for p in (low, high)) + f" (counted as equal up to {100 * EQUAL:g} %)", kind=CHECK,
                  slug="size-everywhere", rule="equal")
 

@@ -10,7 +10,7 @@ from .kept import thin
 from .page import Figure, Numbers, Section
 from .runs import slipdisk
 from .style import BLACK, COLOURS, GREY, figure, legend_above, legend_below, power, zero_line
-from .verdict import NO, TOLERANCES, YES, Claim, decide, in_fields, missing, number, percent, sliding
+from .verdict import NO, OPEN, TOLERANCES, YES, Claim, decide, in_fields, missing, number, percent, sliding
 
 NAMES = {(1, 1): "++", (1, -1): "+-", (-1, 1): "-+", (-1, -1): "--"}
 LABELS = {"sync": {"--": 1, "++": 2}, "async": {"--": 1, "-+": 2, "++": 3, "+-": 4}}  # t_1 ... begin these
@@ -257,7 +257,13 @@ def straight(found, slow, known):
                      "|&Omega;|" for s, g in gaps.items())
     told += "".join(f"; &Theta;<sub>b</sub> = {found['strong'][0].amplitude:g} at &omega;<sub>b</sub> = {omega / math.pi:g} &pi;: "
                     f"{percent(gap)}" for omega, gap in list(fields.items())[1:])
-    return Claim(verdict=lambda factor: in_fields([YES if gap < factor * limit else NO for gap in fields.values()]),
+
+    def judge(factor):
+        """In opposite phases two of the frequencies that the paper may mean refute nothing."""
+        verdict = in_fields([YES if gap < factor * limit else NO for gap in fields.values()])
+        return OPEN if verdict == NO and slow else verdict
+
+    return Claim(verdict=judge,
                  numbers=f"{told} (counted as equal up to {100 * limit:g} % at the strong drive)", rule="fields", **known)
 
 
