@@ -33,7 +33,7 @@ mechanism_scan.draw = lambda found: page.Figure("mechanism-scan", None, "", "") 
 FALSE = {  # name: what becomes of a result
     "turned round": lambda values, rng: -values,
     "scattered": lambda values, rng: values * numpy.exp(rng.normal(size=len(values))) * rng.choice([-1, 1], len(values)),
-    "raised": lambda values, rng: values + (numpy.abs(values).max() or 1.0),
+    "raised": lambda values, rng: values + numpy.abs(values).max(initial=1.0),
 }
 ERRORS = ("_error", "error", "_sd")  # error bars stay: they say how well the false is known
 
@@ -66,7 +66,8 @@ class Falsified(Results):
         table = super().numbers(name, make, title, digits, **head)
         if not table or name.startswith(("theory-", "effort", "geometry")):
             return table
-        fixed = ("t", "time", "lag", "set", "omega_b", "theta_b", "eps_b", "interval", "omega", "drive", "scan", "tilt")
+        fixed = ("t", "time", "lag", "set", "omega_b", "theta_b", "eps_b", "interval", "omega", "drive", "scan", "tilt",
+                 "push", "mu", "amplitude", "weight", "duration")
         return self.falsified(table, name, [c for c in table.rows[0] if not c.endswith(ERRORS) and (
             c not in fixed or name.startswith("start-") and c == "omega")])
 

@@ -140,7 +140,7 @@ class Pages(unittest.TestCase):
                       "give, and none cannot be decided", text)
         self.assertIn("Left out: the data here do not bear it out, or are missing: `premise-velocity`", text)
         self.assertEqual(section.claims[1].numbers, "2 of 3 &ndash; a reason")
-        self.assertNotIn("Three", text)
+        self.assertNotIn("Three.", text)
         self.assertIn("#key", errata.tables[0].rows[0][-1])
         self.assertEqual(first.tables[0].rows[0][1:], [1, 1, 0, 0, "0 of 1"])
         listed = summary.sections([section], (), {"two": "a reason"}, (PAPER, CHECK))[0]

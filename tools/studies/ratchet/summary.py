@@ -106,7 +106,7 @@ def counted(found):
     every = [claim for section in found for claim in section.claims if claim.kind == PAPER]
     return (f"<b>Of the paper's {len(every)} statements {amount(every, YES)} are reproduced, {amount(every, NO)} are not, "
             f"{amount(every, DEPENDS)} hold or fail with what the paper does not give, and {amount(every, OPEN)} cannot be decided "
-            f'here.</b> {besides(found)} Rules, margins and what earlier reports said: <a href="verdicts.md">verdicts.md</a>.')
+            f'here.</b> {besides(found)} Rules, margins and what earlier reports said: <code>docs/studies/verdicts.md</code>.')
 
 
 def wrong(claim):
