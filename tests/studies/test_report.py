@@ -498,9 +498,9 @@ class Levels(unittest.TestCase):
             made = {path.stem for path in pathlib.Path(folder, "runs-quick").glob("*.h5")}
             self.assertEqual(made, {"steady_pp", "weak"})
             claims = {claim.text: claim for claim in report.statements.sections(results, [])[0].claims}
-            steady = next(claim for text, claim in claims.items() if "(15)" in text)
+            steady = next(claim for text, claim in claims.items() if "sliding steadily" in text and "(15)" in text)
             self.assertEqual(steady.verdict, verdict.YES, steady.numbers)
-            self.assertEqual(next(c for t, c in claims.items() if "(16)" in t).verdict, verdict.OPEN)
+            self.assertEqual(next(c for t, c in claims.items() if "sliding steadily" in t and "(16)" in t).verdict, verdict.OPEN)
             self.assertEqual(next(c for t, c in claims.items() if "Without sliding" in t).verdict, verdict.YES)
             self.assertGreater(len(results.sweep("random").missing), 10)
 

@@ -123,8 +123,8 @@ def deck_text(deck: Mapping[str, Any]) -> str:
 
 # --- complete decks as Python values ----------------------------------------------------------------------------------
 # Keys whose texts stay texts even if they look like numbers: names, words of the user, files.
-TEXTS = {"title", "name", "file", "dataset", "material", "materials", "group", "disk", "wall", "clump", "partners", "columns", "path",
-         "zip", "observable", "collect", "motions", "fields", "hold", "release", "rotation", "measure.contacts"}
+TEXTS = {"title", "name", "file", "dataset", "material", "materials", "group", "disk", "except", "wall", "clump", "partners", "columns",
+         "path", "zip", "observable", "collect", "motions", "fields", "hold", "release", "rotation", "measure.contacts"}
 TOKEN = re.compile(r"""\s+ | [#][^\n]*
                        | "(?P<text>(?:[^"\\]|\\.)*)"(?:\ /[*]\ (?P<value>\S+)\ [*]/)?
                        | (?P<number>[-+]?[.\d][-+.\w]*) | (?P<word>[A-Za-z*][-\w*]*) | (?P<mark>[{}(),;=])""", re.X | re.S)

@@ -200,7 +200,7 @@ def sections(results):
         axis.set_title(TITLES[drive], fontsize=10)
         axis.set_xscale("log")
         axis.set_ylim(0, 0.2)
-    axes[0].set_ylabel(r"of the configuration, $\tau/t_c$")
+    axes[0].set_ylabel(r"correlation time $\tau/t_c$")
     interval, _, lines = line(found, "all coordinates", "interval", "interval")
     for name in SIGNS if len(interval) else ():
         look = configuration(name)
@@ -210,7 +210,7 @@ def sections(results):
     axes[2].set_xscale("log")
     axes[2].set_yscale("log")
     axes[2].set_xlabel("noise interval")
-    axes[2].set_ylabel(r"$\tau$ (lines), mean visit (dotted)")
+    axes[2].set_ylabel(r"$\tau$ (solid), mean visit (dotted)")
     axes[2].set_title("as in the figures", fontsize=10)
     legend_below(picture, axes, 4)
     out.figures.append(Figure("durations", picture, "Left, middle: correlation time of each configuration over that of the "
