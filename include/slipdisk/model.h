@@ -82,12 +82,12 @@ typedef struct sd_contact_law {
   /* Constant attraction: gap at which it ends, >= 0; capillary bridge: decay length, > 0 */
   double range;
   double rupture; /* gap at which a capillary bridge breaks, > 0 */
-  /* Hertz: effective modulus E*, force/length^2, in place of k_n, which is then 0 or 4/3 E_star. The
-   * stiffness of a contact is 4/3 E_star sqrt(R_eff), R_eff = R_a R_b/(R_a + R_b), on straight walls
-   * R_a. 0: k_n is the stiffness, whatever the radii are */
+  /* Hertz: effective modulus E*, force/length^2, in place of k_n, which is then 0 or 4/3 E_star.
+   * The stiffness of a contact is 4/3 E_star sqrt(R_eff), R_eff = R_a R_b/(R_a + R_b), on
+   * straight walls R_a. 0: k_n is the stiffness, whatever the radii are */
   double E_star;
-  /* Mindlin with E_star: Poisson's ratio nu, > 0 and at most 0.5, in place of k_t, which is then 0 or
-   * k_n 3 (1 - nu)/(2 - nu); it is multiplied by sqrt(R_eff), too. 0: k_t is the stiffness */
+  /* Mindlin with E_star: Poisson's ratio nu, > 0 and at most 0.5, in place of k_t, which is then
+   * 0 or k_n 3 (1 - nu)/(2 - nu); it is multiplied by sqrt(R_eff), too. 0: k_t is the stiffness */
   double poisson;
 } sd_contact_law;
 

@@ -48,8 +48,8 @@ typedef struct normal_law {
 
 extern const normal_law normal_laws[SD_NORMAL_LAWS];
 
-/* Sets the k_n of a law with E_star, and the k_t of one with poisson, for R_eff = 1. Values that are
- * not 0 stay; law_mistake (laws.h) reports them if they are others. */
+/* Sets the k_n of a law with E_star, and the k_t of one with poisson, for R_eff = 1. Values that
+ * are not 0 stay; law_mistake (laws.h) reports them if they are others. */
 void law_complete(sd_contact_law *law);
 /* Returns the law of a contact with effective radius `arm` (law_arm): k_n of E_star and k_t of
  * poisson are multiplied by sqrt(arm), as law_radius.h does it in steps. Other laws stay as they

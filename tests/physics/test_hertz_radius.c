@@ -1,6 +1,6 @@
-/* test_hertz_radius.c: Hertz' law by a modulus, k_h = 4/3 E* sqrt(R_eff): closed forms of impacts on bodies of other radii, the same
- * motion as by the k_n and k_t of the pair, a disk that rolls onto an arc, changes of a running simulation.
- */
+/* test_hertz_radius.c: Hertz' law by a modulus, k_h = 4/3 E* sqrt(R_eff): closed forms of
+ * impacts on bodies of other radii, the same motion as by the k_n and k_t of the pair, a disk
+ * that rolls onto an arc, changes of a running simulation. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,7 +10,7 @@
 
 #include "laws.h"
 
-/* --- bodies that a disk falls on --------------------------------------------------------------------------- */
+/* --- bodies that a disk falls on -------------------------------------------------------------- */
 
 enum { DISK, FIXED, LINE, SEGMENT, ROUND, HOLLOW, HILL, BOWL, SHAPES };
 static const char *const shapes[] = {"disk",  "fixed disk", "line", "segment",
@@ -30,7 +30,7 @@ static double mass_of(const impact *q) {
   return q->shape == DISK ? mass_a * mass_b / (mass_a + mass_b) : mass_a;
 }
 
-/* By the formula of each shape, not by law_arm. */
+/* Returns R_eff by the formula of each shape; law_arm is not used. */
 static double radius_of(const impact *q) {
   if (q->shape == LINE || q->shape == SEGMENT) return q->ra;
   const bool inside = q->shape == HOLLOW || q->shape == BOWL;
@@ -90,12 +90,12 @@ static bool is_possible(const impact *q) {
   return q->ra > 0 && !(hollow && q->rb <= q->ra) && !(flat && q->rb != q->ra);
 }
 
-/* --- closed forms ------------------------------------------------------------------------------------------- */
+/* --- closed forms ----------------------------------------------------------------------------- */
 
 static const double modulus = 1e5, nu = 0.3;
 
-/* Duration 2 (5 m/4 k)^(2/5) v^(-1/5) I, I = sqrt(pi) Gamma(7/5)/Gamma(9/10) (2.94 (5 m/4 k)^(2/5) v^(-1/5)), largest overlap
- * (5 m v^2/4 k)^(2/5), with k = 4/3 E* sqrt(R_eff). */
+/* Duration 2 (5 m/4 k)^(2/5) v^(-1/5) I, I = sqrt(pi) Gamma(7/5)/Gamma(9/10) (2.94 (5 m/4
+ * k)^(2/5) v^(-1/5)), largest overlap (5 m v^2/4 k)^(2/5), with k = 4/3 E* sqrt(R_eff). */
 static void elastic_impacts(void **unused) {
   (void)unused;
   const law l = {.hertz = true, .E_star = modulus};
@@ -134,10 +134,10 @@ static void elastic_impacts(void **unused) {
   assert_true(n > 60);
 }
 
-/* --- the same as by k_n and k_t ------------------------------------------------------------------------------- */
+/* --- the same as by k_n and k_t --------------------------------------------------------------- */
 
-/* The restitution and everything that refers to k_n and k_t: a law by modulus moves the bodies as the law with the stiffnesses of
- * this pair does, and has the same energies. */
+/* The restitution and everything that refers to k_n and k_t: a law by modulus moves the bodies
+ * as the law with the stiffnesses of this pair does, and has the same energies. */
 static void same_as_by_stiffness(void **unused) {
   (void)unused;
   static const law tails[] = {
@@ -218,11 +218,11 @@ static void two_ways(void **unused) {
   }
 }
 
-/* --- joints ------------------------------------------------------------------------------------------------- */
+/* --- joints ----------------------------------------------------------------------------------- */
 
-/* A disk on a floor that continues in a bowl, a quarter of a circle: it rolls up and comes back. R_eff, and with it the energy,
- * changes where the floor ends; the budget closes with the square of the step, and the disk comes back with the speed that the
- * losses leave. */
+/* A disk on a floor that continues in a bowl, a quarter of a circle: it rolls up and comes back.
+ * R_eff, and with it the energy, changes where the floor ends; the budget closes with the square
+ * of the step, and the disk comes back with the speed that the losses leave. */
 static double roll_into_bowl(int integrator, double dt, bool mindlin, double *viscous) {
   text t = {0};
   const law l = {.hertz = true,
@@ -271,7 +271,7 @@ static void joints(void **unused) {
     }
 }
 
-/* --- a running simulation ------------------------------------------------------------------------------------- */
+/* --- a running simulation --------------------------------------------------------------------- */
 
 static double get(sd_simulation *s, const char *name) { return sd_simulation_get(s, name, 0); }
 
@@ -287,7 +287,8 @@ static void set(sd_simulation *s, const char *name, double value, const char *re
   sd_messages_free(messages);
 }
 
-/* Modulus, Poisson's ratio and radius change while disks touch: the change of the energy is work, the residual stays. */
+/* Modulus, Poisson's ratio and radius change while disks touch: the change of the energy is
+ * work, the residual stays. */
 static void steering(void **unused) {
   (void)unused;
   const law l = {
@@ -324,7 +325,7 @@ static void steering(void **unused) {
   }
 }
 
-/* --- laws from C -------------------------------------------------------------------------------------------- */
+/* --- laws from C ------------------------------------------------------------------------------ */
 
 static void from_c(void **unused) {
   (void)unused;

@@ -1,26 +1,26 @@
 /* contact_step.h: one contact in one step, without branches: each lane of a vector is one
  * contact. Equations 2, 4, tau and 36 of the paper (docs/physics.md, sections 2 and 3).
  *
- * Included once per LANE_WIDTH after base/lane.h. Round pairs, wall segments and small systems all
- * use this code; the bits of a lane's result do not depend on LANE_WIDTH.
+ * Included once per LANE_WIDTH after base/lane.h. Round pairs, wall segments and small systems
+ * all use this code; the bits of a lane's result do not depend on LANE_WIDTH.
  *
  *   F_n  = max(F_el(delta) - gamma_n u_n, 0) while delta > 0
  *   zeta = lambda - lambda*; lambda* is shifted so that |zeta| <= mu F_n / k_t
  *   tau  = -k_t zeta
  *
- * Further parts of a law (law_tangential.h, law_rolling.h, law_radius.h, model/law_cohesion.h) are
- * evaluated if their bit is set in `features` (model/model.h). In passes over plain laws features is the
- * constant 0; in passes over general laws it is the same number for all pairs.
+ * Further parts of a law (law_tangential.h, law_rolling.h, law_radius.h, model/law_cohesion.h)
+ * are evaluated if their bit is set in `features` (model/model.h). In passes over plain laws
+ * features is the constant 0; in passes over general laws it is the same number for all pairs.
  *
  * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, with
  * arc = R_a th_a + R_b th_b and turned = angle from e to n. After a step with |sin(turned)| >
- * CONTACT_REBASE the contact gets a new e, so the terms of the series of asin(e x n) that are used
- * below are exact to rounding.
+ * CONTACT_REBASE the contact gets a new e, so the terms of the series of asin(e x n) that are
+ * used below are exact to rounding.
  *
- * Each step evaluates a contact once and changes its history there: with velocity Verlet at the new
- * positions, with Gear at the predicted ones (predict, evaluate, correct). The losses of a step are
- * the trapezoidal work between the previous evaluation and this one (docs/physics.md, section 8).
- */
+ * Each step evaluates a contact once and changes its history there: with velocity Verlet at the
+ * new positions, with Gear at the predicted ones (predict, evaluate, correct). The losses of a
+ * step are the trapezoidal work between the previous evaluation and this one (docs/physics.md,
+ * section 8). */
 #include "model/law_cohesion.h"
 #include "model/normal_laws.h"
 

@@ -59,9 +59,10 @@ sd_contact_law contact_law_of(const engine *e, size_t k) {
                 walls_arm(radius, joints_radius(e, k)));
 }
 
-/* Sets the energies in *u that only general laws have: cohesion, rolling, and the tangential energy
- * with Mindlin's law of stiffness k_t. delta, lambda, rho: values at the corrected coordinates; with Gear's
- * integrator forces were evaluated at other coordinates, the predicted ones. */
+/* Sets the energies in *u that only general laws have: cohesion, rolling, and the tangential
+ * energy with Mindlin's law of stiffness k_t. delta, lambda, rho: values at the corrected
+ * coordinates; with Gear's integrator forces were evaluated at other coordinates, the predicted
+ * ones. */
 static void energies_of_general(const engine *e, size_t k, double k_t, double delta, double lambda,
                                 double rho, contact_energies *u) {
   const pairs *p = &e->work.pairs;

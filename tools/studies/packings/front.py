@@ -1,4 +1,4 @@
-"""What the page says first: what was asked, what holds for which drive, why, and the figures that show it."""
+"""The head of the page: what was asked, what holds for which drive, why, and the figures that show it."""
 import html
 import re
 
@@ -31,7 +31,7 @@ def section(campaign, found):
 
 
 def data(found):
-    """Which section is drawn from which kept numbers, in one table."""
+    """Returns one table of the kept numbers that each section is drawn from."""
     out = Section("data", "Data", "Numbers behind each section, in <code>docs/studies/data/packings</code>; the head of each "
                   "file names the program, the command and the level that made it.")
     rows = [[f'<a href="#{part.key}">{part.title}</a>',

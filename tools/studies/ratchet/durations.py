@@ -25,7 +25,7 @@ ORDER = 0.5  # of the supports' velocity: from there on the upper disk's is of i
 
 
 def autocorrelation(x):
-    """Of a series, 1 at no lag; means over all pairs of moments that far apart."""
+    """Returns the autocorrelation of a series, 1 at no lag; means over all pairs of moments that far apart."""
     n, wave = len(x), np.fft.rfft(x - np.mean(x), 2 * len(x))
     found = np.fft.irfft(wave * wave.conj())[:n] / np.arange(n, 0, -1)
     return found / found[0] if found[0] > 0 else np.full(n, math.nan)
@@ -165,7 +165,7 @@ def premise(found):
 
 
 def facts(found):
-    """What the head of the page says of it."""
+    """Returns what the head of the page says of it."""
     out = {}
     for drive, word in zip(DRIVES, ("weak", "strong")):
         omega, eps, lines = line(found, drive, "frequency", "omega")

@@ -117,7 +117,7 @@ def best(found):
 
 
 def facts(found):
-    """What the head of the page says of it."""
+    """Returns what the head of the page says of it."""
     mine, told = [f for f in found if f.k_n == PAPER_K_N], []
     if not mine:
         return {}

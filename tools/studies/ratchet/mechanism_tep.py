@@ -297,7 +297,7 @@ def asymmetry(strong):
 
 
 def elastic(found):
-    """Where the rms velocity of the upper disk is small beside the supports': the time in which a contact sticks."""
+    """Judges the time in which a contact sticks, at drives whose upper disk is slow beside the supports."""
     fast = [p for drive in ("random rotation", "in phase", "opposite phases") for p in found
             if p.drive == drive and p.tilt > 0 and abs(p.amplitude * p.omega_b / VELOCITY[drive] - 1) < 1e-3]
     if not fast:

@@ -260,7 +260,7 @@ def bouncing_claim(table):
 
 
 def process_claim(table):
-    """Where contacts are open most of the time the disk turns the other way than with closed ones: counter-clockwise."""
+    """The disk whose contacts are open most of the time turns the other way than with closed ones: counter-clockwise."""
     flying = table.such(lambda row: row["tilt"] > 0 and row["upper.open"] > TOLERANCES["most"])
     claim = signed(values=flying.disk("omega"), errors=flying.disk("omega_error"), sign=1,
                    names=[name_of(row) for row in flying.rows], **paper("bouncing-process"))

@@ -95,7 +95,7 @@ def sections(found, errata=ERRATA, reasons=None, counts=(PAPER,)):
 
 
 def checked(claim, found):
-    """Where the numbers of an erratum stand."""
+    """Returns the place of the numbers of an erratum."""
     if not claim:
         return "by the text"
     section = next(part for part in found if any(c is claim for c in part.claims))

@@ -91,7 +91,7 @@ class Claim:
 
 
 def word(verdict):
-    """Of True, False and None."""
+    """Returns the verdict for True, False and None."""
     return verdict if isinstance(verdict, str) else OPEN if verdict is None else YES if verdict else NO
 
 
@@ -218,7 +218,7 @@ def together(verdicts):
 
 
 def in_fields(verdicts):
-    """Of a statement that is judged for each value of what the paper does not give."""
+    """Judges a statement for each value of what the paper does not give."""
     known = [verdict for verdict in verdicts if verdict != OPEN]
     if not known:
         return OPEN

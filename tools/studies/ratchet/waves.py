@@ -259,7 +259,7 @@ def straight(found, slow, known):
                     f"{percent(gap)}" for omega, gap in list(fields.items())[1:])
 
     def judge(factor):
-        """In opposite phases two of the frequencies that the paper may mean refute nothing."""
+        """Two of the frequencies that the paper may mean refute nothing in opposite phases."""
         verdict = in_fields([YES if gap < factor * limit else NO for gap in fields.values()])
         return OPEN if verdict == NO and slow else verdict
 
