@@ -3,30 +3,21 @@ drawn from them alone, without results and without the program."""
 import csv
 import os
 import pathlib
-import sys
 import tempfile
 import unittest
 import unittest.mock
 
 import numpy
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(ROOT / "tools/studies"))
-sys.dont_write_bytecode = True
-
-try:
-    import matplotlib.figure
-except ImportError:
-    print("matplotlib not found: the test of kept numbers is left out")
-    sys.exit(0)
-
-from packings import __main__ as study  # noqa: E402
-from packings.runs import Campaign  # noqa: E402
-from ratchet import __main__ as report  # noqa: E402
-from ratchet import argument, kept, markdown, page, style, summary  # noqa: E402
-from ratchet.page import Numbers, Section  # noqa: E402
-from ratchet.runs import Results  # noqa: E402
-from ratchet.verdict import CHECK, DEPENDS, NO, PAPER, TRIVIAL, YES, Claim  # noqa: E402
+from studies_common import ROOT
+import matplotlib.figure
+from packings import __main__ as study
+from packings.runs import Campaign
+from ratchet import __main__ as report
+from ratchet import argument, kept, markdown, page, style, summary
+from ratchet.page import Numbers, Section
+from ratchet.runs import Results
+from ratchet.verdict import CHECK, DEPENDS, NO, PAPER, TRIVIAL, YES, Claim
 
 style.plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
 save = matplotlib.figure.Figure.savefig

@@ -1,24 +1,12 @@
 """Statistics of the study of packings about cages, from made-up numbers: each verdict can be met and can fail."""
-import os
-import pathlib
-import sys
 import unittest
 
 import numpy as np
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(ROOT / "tools/studies"))
-sys.dont_write_bytecode = True
-
-try:
-    import matplotlib  # noqa: F401
-except ImportError:
-    print("matplotlib not found: the test of the study of packings is left out")
-    sys.exit(0)
-
-from packings import cages, contacts, jumps, memory, space  # noqa: E402
-from ratchet.data import Table  # noqa: E402
-from ratchet.verdict import NO, YES  # noqa: E402
+import studies_common  # noqa: F401
+from packings import cages, contacts, jumps, memory, space
+from ratchet.data import Table
+from ratchet.verdict import NO, YES
 
 
 def rng():

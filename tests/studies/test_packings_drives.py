@@ -3,29 +3,18 @@ import os
 import pathlib
 import re
 import subprocess
-import sys
 import tempfile
 import unittest
 
 import numpy as np
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(ROOT / "tools/studies"))
-sys.dont_write_bytecode = True
-
-try:
-    import matplotlib  # noqa: F401
-except ImportError:
-    print("matplotlib not found: the test of the study of packings is left out")
-    sys.exit(0)
-
-from packings import alone, front, gentle  # noqa: E402
-from packings.disks import Box  # noqa: E402
-from ratchet.data import Table  # noqa: E402
-from ratchet.verdict import NO, OPEN, YES  # noqa: E402
+from studies_common import PROGRAM, ROOT
+from packings import alone, front, gentle
+from packings.disks import Box
+from ratchet.data import Table
+from ratchet.verdict import NO, OPEN, YES
 
 RNG = np.random.default_rng(5)
-PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
 
 
 def lattice(rows=6, columns=10):

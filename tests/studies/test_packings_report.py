@@ -1,35 +1,23 @@
 """The study of packings (tools/studies/packings.sh): its numbers from made-up data, its table of runs, and a tiny
 campaign."""
 import os
-import pathlib
 import subprocess
-import sys
 import tempfile
 import types
 import unittest
 
 import numpy
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
-sys.path.insert(0, str(ROOT / "tools/studies"))
-sys.dont_write_bytecode = True
-
-try:
-    import matplotlib  # noqa: F401
-except ImportError:
-    print("matplotlib not found: the test of the study of packings is left out")
-    sys.exit(0)
-
-from packings import __main__ as study  # noqa: E402
-from packings import (compare, depths, disks, drive, each, energy, flows, low, plan, quiet, scans,  # noqa: E402
+from studies_common import PROGRAM, ROOT
+from packings import __main__ as study
+from packings import (compare, depths, disks, drive, each, energy, flows, low, plan, quiet, scans,
                       statistics)
-from packings.plan import Entry  # noqa: E402
-from packings.runs import Campaign  # noqa: E402
-from ratchet.page import Section  # noqa: E402
-from ratchet.runs import overrides  # noqa: E402
-from ratchet.style import plt  # noqa: E402
-from ratchet.verdict import NO, OPEN, YES  # noqa: E402
+from packings.plan import Entry
+from packings.runs import Campaign
+from ratchet.page import Section
+from ratchet.runs import overrides
+from ratchet.style import plt
+from ratchet.verdict import NO, OPEN, YES
 
 plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
 RNG = numpy.random.default_rng(5)
