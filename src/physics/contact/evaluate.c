@@ -53,12 +53,6 @@ contact_geometry contact_geometry_of(const engine *e, size_t k) {
   return (contact_geometry){g.nx, g.ny, g.reach, g.lambda, g.turned};
 }
 
-sd_contact_law contact_law_of(const engine *e, size_t k) {
-  const double radius = e->state->radius[e->work.pairs.a[k]];
-  return law_at(&e->model->laws[PAIR(&e->work.pairs, k, law)],
-                walls_arm(radius, joints_radius(e, k)));
-}
-
 /* Sets the energies in *u that only general laws have: cohesion, rolling, and the tangential
  * energy with Mindlin's law of stiffness k_t. delta, lambda, rho: values at the corrected
  * coordinates; with Gear's integrator forces were evaluated at other coordinates, the predicted

@@ -46,8 +46,6 @@ contact_reaction contact_reaction_at(const contact_place *at, double force, doub
 contact_reaction contact_reaction_of(const engine *e, size_t pair);
 /* Adds the force of a closed contact, from its record, to the force sums of its two bodies. */
 void contact_sum(engine *e, size_t pair);
-/* Returns the law of this pair, with the stiffnesses for its R_eff (law_at). */
-sd_contact_law contact_law_of(const engine *e, size_t pair);
 /* Returns the rolling displacement R_eff (theta_a - theta_b) of this pair, a length. */
 double contact_rho_of(const engine *e, size_t pair);
 /* Energies stored in a closed contact by the normal force, the tangential force, rolling resistance

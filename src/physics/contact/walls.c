@@ -279,12 +279,16 @@ static bool holds(const engine *e, size_t k) {
          e->state->radius[p->a[k]] - r > -e->work.laws[PAIR(p, k, law)].ends;
 }
 
+sd_contact_law contact_law_of(const engine *e, size_t k) {
+  const double radius = e->state->radius[e->work.pairs.a[k]];
+  return law_at(&e->model->laws[PAIR(&e->work.pairs, k, law)],
+                walls_arm(radius, joints_radius(e, k)));
+}
+
 /* Returns the elastic energy of this contact record on the segment of pair k, from which R_eff is
  * taken. */
 static double energy_on(const engine *e, size_t k, const sd_contact_record *r) {
-  const pairs *p = &e->work.pairs;
-  const sd_contact_law law = law_at(&e->model->laws[PAIR(p, k, law)],
-                                    walls_arm(e->state->radius[p->a[k]], joints_radius(e, k)));
+  const sd_contact_law law = contact_law_of(e, k);
   const double delta = fmax(r->overlap, 0.0);
   const bool mindlin = law.tangential == SD_TANGENTIAL_MINDLIN;
   return law_energy(&law, delta) +

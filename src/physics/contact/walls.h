@@ -186,5 +186,7 @@ bool joint_transfer(engine *e, size_t pair, bool closed);
  * disk is inside; 0 for straight segments and end points. pair: a pair of round bodies, or a closed
  * contact with a wall segment. */
 double joints_radius(const engine *e, size_t pair);
+/* Returns the law of this pair, with the stiffnesses for its R_eff (law_at). */
+sd_contact_law contact_law_of(const engine *e, size_t pair);
 
 #endif

@@ -12,7 +12,7 @@
 
 #include "model/model.h"
 #include "model/normal_laws.h"
-#include "physics/contact/evaluate.h"
+#include "physics/contact/walls.h"
 #include "physics/contact/pairs.h"
 #include "physics/system/kernels.h"
 #include "physics/system/work.h"
