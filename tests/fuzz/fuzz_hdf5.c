@@ -298,11 +298,13 @@ static void read_frames(const char *path) {
 }
 
 static void read_table(const char *path, size_t k) {
-  static const char *const asked[] = {"contacts = true;", "dataset = \"/compound\"; mass = 1;",
-                                      "dataset = \"/matrix\"; mass = 1;",
-                                      "dataset = \"/columns\"; mass = 1;",
-                                      "dataset = \"/particles/disks\"; mass = 1; columns = (\"x\", "
-                                      "\"y\", \"vx\", \"omega\", \"radius\");"};
+  static const char *const asked[] = {
+      "contacts = true;",
+      "dataset = \"/compound\"; mass = 1;",
+      "dataset = \"/matrix\"; mass = 1;",
+      "dataset = \"/columns\"; mass = 1;",
+      "mass = 1; dataset = \"/particles/disks\"; columns = (\"x\", \"y\", \"omega\", \"radius\");",
+  };
   char text[600];
   snprintf(text, sizeof text,
            "dt = 1e-4; steps = 1; max_overlap = 1; materials = ( { name = \"a\"; k_n = 1; } );\n"

@@ -7,6 +7,7 @@ import os
 import pathlib
 import re
 import subprocess
+import sys
 
 import h5py
 import numpy
@@ -32,7 +33,9 @@ measure = { rotation = ("a"); sliding = ( { disk = "a"; partners = ("floor", 1);
 def build():
     """The folder of the harnesses."""
     for words in (["cmake", "--preset", "fuzz"], ["cmake", "--build", "--preset", "fuzz"]):
-        subprocess.run(words, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+        done = subprocess.run(words, cwd=ROOT, check=False, capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{' '.join(words)} failed:\n{done.stdout}{done.stderr}")
     return ROOT / "build" / "fuzz" / "tests" / "fuzz"
 
 
