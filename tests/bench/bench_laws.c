@@ -34,6 +34,8 @@ static const struct {
     {"mindlin",
      "law = \"hertz\"; k_n = \"k/sqrt(d)\"; tangential = \"mindlin\"; k_t = \"kt/sqrt(d)\"; "
      "gamma_n = \"c\"; mu = 0.3;"},
+    {"modulus", "law = \"hertz\"; E_star = \"k/sqrt(d)\"; tangential = \"mindlin\"; poisson = 0.3; "
+                "gamma_n = \"c\"; mu = 0.3;"},
     {"mu_kinetic", "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; mu_kinetic = 0.2;"},
     {"rolling", "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; k_r = \"k\"; gamma_r = "
                 "\"c\"; mu_r = 0.05;"},

@@ -12,7 +12,8 @@ from studies_common import PROGRAM, ROOT
 from packings import alone, front, gentle
 from packings.disks import Box
 from ratchet.data import Table
-from ratchet.verdict import NO, OPEN, YES
+from ratchet.page import by_motion
+from ratchet.verdict import NO, OPEN, YES, beside, decide
 
 RNG = np.random.default_rng(5)
 
@@ -165,14 +166,29 @@ class Gentle(unittest.TestCase):
         for exponent, verdict in ((1.0, YES), (0.5, NO)):
             found = {}
             for drive in (0.03, 0.1, 0.3):
-                found[drive] = {0: []}
+                found[drive] = []
                 for k in range(6):
                     one = box(0.2, drive=drive)
                     one.whole["replica"] = float(k)
                     one.columns["friction"] = np.full(60, 3.0 * drive ** 2 * (1 + 0.01 * k))
                     one.columns["omega"] = one.columns["omega"] * (drive ** 2) ** exponent * (1 + 0.02 * RNG.normal())
-                    found[drive][0].append(one)
-            self.assertEqual(gentle.dissipation(gentle.powers(found, 0), "harmonic").verdict, verdict)
+                    found[drive].append(one)
+            self.assertEqual(gentle.dissipation(found, "harmonic").verdict, verdict)
+
+    def test_one_statement_for_two_motions(self):
+        """The text is that of the first motion, and the slug of the second tells it; the head of the page gathers them."""
+        harmonic = [decide("At 2 <i>g</i> it holds.", True, "1", slug="gears-contact-2g"),
+                    decide("It holds for long.", None, "2", slug="long")]
+        random = [decide("At 2 <i>g</i> it holds here, too.", False, "3", slug="gears-contact-2g")]
+        found = beside(harmonic, random)
+        self.assertEqual([(c.motion, c.slug, c.text) for c in found], [
+            ("harmonic", "gears-contact-2g", "At 2 <i>g</i> it holds."), ("harmonic", "long", "It holds for long."),
+            ("random", "gears-contact-2g-random", "At 2 <i>g</i> it holds.")])
+        single, pairs = by_motion([*found, decide("Alone.", True, "4")])
+        self.assertEqual(([c.text for c in single], {text: list(pair) for text, pair in pairs.items()}),
+                         (["Alone."], {"At 2 <i>g</i> it holds.": ["harmonic", "random"], "It holds for long.": ["harmonic"]}))
+        rows = front.by_drive({claim.slug: claim for claim in found})
+        self.assertEqual(rows, [["disks in contact turn against each other", "yes at 2 <i>g</i>", "no at 2 <i>g</i>"]])
 
     def test_words(self):
         self.assertEqual(set(front.WORDS), {YES, NO, OPEN})

@@ -14,7 +14,6 @@ from packings import (compare, depths, disks, drive, each, energy, flows, low, p
                       statistics)
 from packings.plan import Entry
 from packings.runs import Campaign
-from ratchet.page import Section
 from ratchet.runs import overrides
 from ratchet.style import plt
 from ratchet.verdict import NO, OPEN, YES
@@ -113,7 +112,7 @@ class Comparisons(unittest.TestCase):
                                         n_free=disks, measured=30.0, rms=0.1, median=0.05, significant=1.0,
                                         halves=lambda: (numpy.arange(4.0), numpy.arange(4.0)), sliding_fraction=0.5,
                                         openings_per_period=lambda frequency: 8 / frequency, coordination=3.0, wander=0)
-            return scans.row_of(entry, run)
+            return scans.row_of(entry, "random", run)
 
         rows = [row("scan", mu=0.3, drive=2.0), row("scan", frequency=40.0, drive=0.7),
                 row("scan", k_t=3700.0, drive=2.0), row("prepared", then="tap", drive=2.0),
@@ -282,9 +281,7 @@ class Growth(unittest.TestCase):
         drives = numpy.array([0.1, 0.2, 0.3, 1, 2, 4])
         table = {d: [box(d ** exponent * numpy.exp(scatter * RNG.normal()) * RNG.choice([-1, 1], 40), 1e-6, d, k)
                      for k in range(6)] for d in drives}
-        section = Section("drive", "")
-        drive.growth(section, table, drives, 0.5)
-        return {claim.slug: claim.verdict for claim in section.claims}
+        return {claim.slug: claim.verdict for claim in drive.growth(table, drives, 0.5)}
 
     def test_growth(self):
         self.assertEqual(self.claims(2), {"drive-rms": YES, "drive-median": YES})

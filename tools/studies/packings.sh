@@ -2,8 +2,8 @@
 # Runs the decks of inputs/packing, evaluates them, and writes one HTML page with figures, numbers
 # and verdicts.
 #
-#   tools/studies/packings.sh           the campaign of docs/studies/packings_study.md: about 100
-#                                       minutes of one core
+#   tools/studies/packings.sh           the campaign of docs/studies/packings_study.md: about
+#                                       three hours of one core
 #   tools/studies/packings.sh --quick   all of it, short and coarse: a few minutes
 #   tools/studies/packings.sh --large   besides, 100000 disks: 25 minutes more of one core
 #   tools/studies/packings.sh --draw    runs nothing, draws what is there; without results from

@@ -8,7 +8,7 @@ from ratchet.data import Table
 from ratchet.page import Figure, Numbers, Section
 from ratchet.runs import slipdisk
 from ratchet.style import COLOURS, GREY, LIGHT, figure, legend_below
-from ratchet.verdict import SURE, decide, missing, number
+from ratchet.verdict import SURE, beside, decide, missing, number
 
 from . import contacts
 from .disks import HELD, Box
@@ -268,16 +268,17 @@ def sections(campaign):
     if not found:
         out.claims.append(missing("&Omega; of a disk is set by its cage.", kind="paper", slug="alone-cage"))
         return [out]
-    for key, packings in found.items():
-        out.claims += [cage_turns(key, packings), set_by_cage(key, packings), with_gears(key, packings),
-                       balanced(key, packings)]
+    made = {key: [cage_turns(key, packings), set_by_cage(key, packings), with_gears(key, packings), balanced(key, packings)]
+            for key, packings in found.items()}
+    for drive in sorted({key[0] for key in made}):
+        out.claims += beside(*(made.get((drive, random), []) for random in MOTIONS))
     out.figures += [shares_figure(found), scatter_figure(found)]
     out.tables.append(shares_table(found, single))
     return [out]
 
 
 def at(key):
-    return f"At {key[0]:g} <i>g</i>, {MOTIONS[key[1]]} drive, "
+    return f"At {key[0]:g} <i>g</i> "
 
 
 def slug_of(key):

@@ -2,8 +2,8 @@
 import numpy as np
 
 from ratchet.page import Figure, Numbers, Section
-from ratchet.style import COLOURS, GREY, LIGHT, figure, legend_above, legend_below, zero_line
-from ratchet.verdict import NO, OPEN, YES, Claim, missing, number
+from ratchet.style import COLOURS, GREY, LIGHT, figure, legend_below, zero_line
+from ratchet.verdict import MOTIONS, NO, OPEN, YES, Claim, beside, missing, number
 
 from . import contacts
 from .memory import BLOCK, DRIVES, at_random, shaken
@@ -179,7 +179,7 @@ def section(campaign):
     out = Section("cages", "&Omega;<sub>i</sub> and its cage",
                   "For each disk the mean places of it and its neighbours, the mean normal force of each contact and "
                   "the share of the time for which it is closed, from tables of contacts at all phases of the floor "
-                  "(<code>inputs/packing/cage_memory.cfg</code>, harmonic drive). The experiment with "
+                  "(<code>inputs/packing/cage_memory.cfg</code>). The experiment with "
                   "neighbours that do not turn stands <a href=\"#alone\">above</a>. Equation (19) of three disks, the mean torque of two supports over all "
                   "combinations of sliding, is no test here: its sign depends on the excitation. "
                   "Drag: contacts slide to and fro with a mean speed <i>v</i>, the power of friction over &mu; times "
@@ -192,15 +192,16 @@ def section(campaign):
     if not table:
         out.claims.append(missing("The cage of a disk predicts its &Omega;.", kind="paper", slug="cage-predicts"))
         return out
-    drives = [drive for drive in DRIVES.values() if len(table.where(drive=drive, random=0.0))]
-    parts = {drive: Part(table.where(drive=drive, random=0.0)) for drive in drives}
-    for drive, part in parts.items():
-        out.claims += [predicts(drive, part), mechanism(drive, part), gear(drive, part)]
-    out.figures += [scatter_figure(parts), summary_figure(parts)] if parts else []
+    sets = {motion: {drive: Part(table.where(drive=drive, random=float(k))) for drive in DRIVES.values()
+                     if len(table.where(drive=drive, random=float(k)))} for k, motion in enumerate(MOTIONS)}
+    out.claims += beside(*([claim for drive, part in parts.items()
+                            for claim in (predicts(drive, part), mechanism(drive, part), gear(drive, part))]
+                           for parts in sets.values()))
+    out.figures += [scatter_figure(sets[MOTIONS[0]]), summary_figure(sets)] if sets[MOTIONS[0]] else []
     out.tables.append(Numbers("Predictions of &Omega;<sub>i</sub>", [
-        "drive/<i>g</i>", "from", "disks", "Pearson", "Spearman", "right sense of those beyond 3 errors",
+        "motion", "drive/<i>g</i>", "from", "disks", "Pearson", "Spearman", "right sense of those beyond 3 errors",
         "measured over predicted"],
-        [row for drive, part in parts.items() for row in part.rows(drive)], shown=True))
+        [[motion, *row] for motion, parts in sets.items() for drive, part in parts.items() for row in part.rows(drive)]))
     return out
 
 
@@ -347,22 +348,24 @@ def scatter_figure(parts):
                   "Scatter plots of measured against predicted mean angular velocities")
 
 
-def summary_figure(parts):
-    picture, axes = figure(width=7.0, height=3.4)
+def summary_figure(sets):
+    picture, axes = figure(columns=2, width=7.4, height=3.6, legend=True, sharey=True)
     names = [*PREDICTIONS, "cage"]
-    for k, (drive, part) in enumerate(parts.items()):
-        known = [(j, *part.correlation(name)) for j, name in enumerate(names) if name in part.both]
-        place, value, error = np.array(known, float).T
-        axes.errorbar(place + 0.15 * (k - 1), value, yerr=np.nan_to_num(error), fmt="os^D"[k % 4], color=COLOURS[k],
-                      mfc="white", label=f"{drive:g} $g$")
-    zero_line(axes)
-    axes.axhline(np.sqrt(HALF), color=GREY, lw=0.8, ls=":", gid="guide")
-    labels = ["combinations\nof sliding", "the same, neigh-\nbours turn", "measured\ncovariance",
-              "the same, neigh-\nbours turn", "gears", "regression"]
-    axes.set_xticks(range(len(names)), labels, fontsize=8)
-    axes.xaxis.set_tick_params(which="minor", bottom=False, top=False)
-    axes.set_ylabel(r"correlation with $\Omega_i$")
-    legend_above(axes, 3)
+    labels = ["combinations of sliding", "the same, neighbours turn", "measured covariance", "the same, neighbours turn",
+              "gears", "regression"]
+    for panel, (motion, parts) in zip(axes, sets.items()):
+        for k, (drive, part) in enumerate(parts.items()):
+            known = [(j, *part.correlation(name)) for j, name in enumerate(names) if name in part.both]
+            place, value, error = np.array(known, float).T
+            panel.errorbar(place + 0.15 * (k - 1), value, yerr=np.nan_to_num(error), fmt="os^D"[k % 4], color=COLOURS[k],
+                           mfc="white", label=f"{drive:g} $g$")
+        zero_line(panel)
+        panel.axhline(np.sqrt(HALF), color=GREY, lw=0.8, ls=":", gid="guide")
+        panel.set_xticks(range(len(names)), labels, fontsize=8, rotation=50, ha="right", rotation_mode="anchor")
+        panel.xaxis.set_tick_params(which="minor", bottom=False, top=False)
+        panel.set_title(f"{motion} drive", fontsize=10)
+    axes[0].set_ylabel(r"correlation with $\Omega_i$")
+    legend_below(picture, axes, 3)
     return Figure("cages-correlation", picture,
                   "Correlation of predictions with the measured mean angular velocities. Dotted: half of the "
                   "variance. Bars: single errors.",

@@ -3,12 +3,13 @@ import dataclasses
 
 import numpy as np
 
-from ratchet.verdict import SURE
+from ratchet.verdict import MOTIONS, SURE
 
 SHARE = 0.1      # a contact that is closed in so many of the stored tables is persistent
 HELD = 2         # a disk with fewer persistent contacts is a rattler, as for `slipdisk measure`
 CHANCE = 0.02    # so many disks that do not turn are beyond three errors, at most (docs/physics.md, section 9)
 LIMIT = 1.96     # errors that an upper limit of 95 % lies above what was found
+SWEEPS = ("drive", "random")  # entries of plan.py with all drives, for each of MOTIONS
 PERIOD = 1 / 80  # of the floor
 OPEN = 0.1       # openings per contact and period that separate the regimes: from here on contacts open
 MANY = 1.0       # so many: they bounce
@@ -136,6 +137,11 @@ def boxes(campaign, name, drive=np.nan):
         own = {key: np.asarray(getattr(run, value), float) for key, value in KEPT.items()}
         found.append(Box(whole, own | {key: values[number == k] for key, values in columns.items()}))
     return found
+
+
+def of_motions(campaign):
+    """{motion: {drive: boxes}} of the sweeps of drives."""
+    return {motion: by_drive(boxes(campaign, name)) for motion, name in zip(MOTIONS, SWEEPS)}
 
 
 def by_drive(found):

@@ -3,8 +3,8 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 
 from ratchet.page import Figure, Numbers, Section
-from ratchet.style import COLOURS, GREY, LIGHT, figure, legend_above
-from ratchet.verdict import SURE, decide, missing, number
+from ratchet.style import COLOURS, GREY, LIGHT, figure, legend_above, legend_below
+from ratchet.verdict import MOTIONS, SURE, beside, decide, missing, number
 
 from . import disks, each
 from .disks import MANY, OPEN
@@ -12,6 +12,7 @@ from .statistics import crossing, jackknife, mean_error, share, trend, weighted_
 
 FEW = 0.01           # openings per contact and period; how sharp the onset is: from here to MANY
 SHARP = 5.0
+FRACTIONS = ("significant", "spearman", "sliding")  # columns that are drawn from 0 to 1
 SOLID = 0.25         # rms displacement about the mean place over the mean diameter, below which it is a solid
 
 
@@ -75,45 +76,48 @@ def onset(groups, level):
 
 
 def against_drive(campaign):
-    table = disks.by_drive(disks.boxes(campaign, "drive"))
-    rows = [row(drive, found) for drive, found in table.items()]
-    every = [box for found in table.values() for box in found]
+    sweeps = {motion: table for motion, table in disks.of_motions(campaign).items() if len(table) >= 3}
+    found = [box for table in sweeps.values() for boxes in table.values() for box in boxes]
     out = Section("drive", "Rotation against drive",
-                  f"<code>inputs/packing/shake_drive.cfg</code>: {len(table)} peak accelerations with up to "
-                  f"{max((r['runs'] for r in rows), default=0)} packings each, "
-                  f"{every[0].whole['measured'] if every else 0:.0f} s measured. An opening is a contact that ends; "
-                  f"it is "
-                  f"counted per contact and period of the floor (1/80 s). {disks.RULE} They are left out but for "
-                  f"openings and "
-                  "contacts. Error bars: scatter of packings, or leaving out one at a time. Exponents are fits to the "
-                  "means of "
-                  "logarithms over packings, each with the weight of its error.",
-                  missing=campaign.missing("drive"))
-    if len(rows) < 3:
+                  f"<code>inputs/packing/shake_drive.cfg</code> and, with the same rms displacements, "
+                  f"<code>shake_random.cfg</code>: {max(map(len, sweeps.values()), default=0)} drives with "
+                  f"{len({box.replica for box in found})} packings each, {found[0].whole['measured'] if found else 0:.0f} s "
+                  "measured. An opening is a contact that ends; it is counted per contact and period of the floor (1/80 s). "
+                  f"{disks.RULE} They are left out but for openings and contacts. Error bars: scatter of packings, or leaving "
+                  "out one at a time. Exponents are fits to the means of logarithms over packings, each with the weight of "
+                  "its error.", missing=campaign.missing(*disks.SWEEPS))
+    if MOTIONS[0] not in sweeps:
         out.claims.append(missing("Typical |&Omega;| grows with the drive in both regimes.", slug="drive-rms"))
         return out
-    drives = np.array([r["drive"] for r in rows])
-    start = separates(out, table, rows, drives)
-    out.figures.append(drive_figure(rows, drives, start))
-    growth(out, table, drives, start)
-    solid(out, rows)
-    lasting(out, rows)
+    made = {motion: judged(table) for motion, table in sweeps.items()}
+    out.claims += beside(*(claims for _, claims, _ in made.values()))
+    rows = {motion: rows for motion, (rows, _, _) in made.items()}
+    out.figures.append(drive_figure(rows, {motion: start for motion, (_, _, start) in made.items()}))
     out.tables.append(numbers_table(rows))
     return out
 
 
-def numbers_table(rows):
+def judged(table):
+    """(rows, claims, drive at which contacts begin to open) of one motion."""
+    rows = [row(drive, found) for drive, found in table.items()]
+    drives = np.array([r["drive"] for r in rows])
+    regimes, start = separates(table, rows, drives)
+    return rows, [regimes, *growth(table, drives, start), solid(rows), *lasting(rows)], start
+
+
+def numbers_table(sets):
     names = ("rattlers", "rms", "median", "noise", "significant", "pearson", "spearman", "openings", "sliding",
              "contacts", "wander", "drift", "loose")
     return Numbers("Means over packings at each drive (angular velocities in rad/s; no rattlers but in the last "
                    "column)",
-                   ["drive/<i>g</i>", "packings", "rattlers", "rms &Omega;", "median |&Omega;|", "median error bar",
+                   ["motion", "drive/<i>g</i>", "packings", "rattlers", "rms &Omega;", "median |&Omega;|", "median error bar",
                     "beyond 3 errors", "Pearson (scaled)", "Spearman", "openings", "sliding", "contacts per disk",
                     "wander/d", "drift/d", "wander/d of rattlers"],
-                   [[float(r["drive"]), r["runs"], *(number(*r[name]) for name in names)] for r in rows])
+                   [[motion, float(r["drive"]), r["runs"], *(number(*r[name]) for name in names)]
+                    for motion, rows in sets.items() for r in rows])
 
 
-def separates(out, table, rows, drives):
+def separates(table, rows, drives):
     openings = columns(rows, "openings")[0]
     curves = [curve for curve in curves_of(table, lambda box: max(box.openings, 1e-12)) if len(curve) == len(table)]
     (start, error), low, high = (jackknife(lambda part, level=level: onset(part, level), curves) if curves
@@ -129,9 +133,8 @@ def separates(out, table, rows, drives):
         spread = SURE * ratio * np.hypot(*(e / v for v, e in (low, high)))
         sharp = True if ratio + spread < SHARP else False if ratio - spread > SHARP else None
         text += f": a factor of {number(ratio, spread / SURE)}"
-    out.claims.append(decide("The opening of contacts separates two regimes: from few to many openings it takes less "
-                             f"than a factor of {SHARP:g} in the drive.", sharp, text, slug="drive-regimes"))
-    return start
+    return decide("The opening of contacts separates two regimes: from few to many openings it takes less "
+                  f"than a factor of {SHARP:g} in the drive.", sharp, text, slug="drive-regimes"), start
 
 
 def seen(box):
@@ -139,8 +142,9 @@ def seen(box):
     return box.median if box.median > disks.LIMIT * box.noise else 0.0
 
 
-def growth(out, table, drives, start):
-    """Exponents below and above the onset of openings, of the rms and of the median."""
+def growth(table, drives, start):
+    """Claims on the exponents below and above the onset of openings, of the rms and of the median."""
+    made = []
     low = drives <= (start if np.isfinite(start) else 0)
     for name, what, value in (("rms", "The rms", lambda box: box.rms), ("median", "The median", seen)):
         curves = curves_of(table, value)
@@ -158,16 +162,17 @@ def growth(out, table, drives, start):
                 told[-1] += (f"; at {', '.join(lost)} <i>g</i> it is within its error bar of zero in half of the "
                              f"packings or "
                              "more, and left out")
-        out.claims.append(decide(f"{what} of |&Omega;| grows with the drive in both regimes.", _all(grows),
-                                 "; ".join(told) + f". Rank correlation with the drive {number(*trend(curves))}",
-                                 slug=f"drive-{name}"))
+        made.append(decide(f"{what} of |&Omega;| grows with the drive in both regimes.", _all(grows),
+                           "; ".join(told) + f". Rank correlation with the drive {number(*trend(curves))}",
+                           slug=f"drive-{name}"))
+    return made
 
 
-def solid(out, rows):
+def solid(rows):
     value, error = columns(rows, "wander")
     loose = [r["drive"] for r in rows if r["wander"][0] > SOLID]
     far = [r["drive"] for r in rows if r["farthest"] > 1]
-    out.claims.append(decide(f"It remains a solid: disks wander by less than {SOLID:g} mean diameters "
+    return decide(f"It remains a solid: disks wander by less than {SOLID:g} mean diameters "
                              f"(rms).", not loose,
                              f"rms displacement about the mean place {number(value[0], error[0])} d at "
                              f"{rows[0]['drive']:g} "
@@ -176,7 +181,7 @@ def solid(out, rows):
                              + (f"; single disks, rattlers among them, wander by more than a diameter (rms) at "
                                 f"{', '.join(f'{d:g}' for d in far)} <i>g</i>"
                                 if far else "; no single disk, not even a rattler, wanders by a diameter"),
-                             slug="drive-solid"))
+                             slug="drive-solid")
 
 
 def _all(verdicts):
@@ -185,15 +190,17 @@ def _all(verdicts):
     return False if False in verdicts else None if None in verdicts else True
 
 
-def lasting(out, rows):
+def lasting(rows):
+    made = []
     at = "; ".join(f"{r['drive']:g} <i>g</i>: {{}}" for r in rows)
     for name, what, how in (("pearson", "linear correlation, each packing scaled by its rms", "Rotation lasts at "
                                                                                               "every drive"),
                             ("spearman", "rank correlation, means over packings",
                              "It lasts at every drive in ranks, too, where slow disks count as much as fast ones")):
-        out.claims.append(decide(f"{how}: the correlation of halves is above 0.5.", _all(lasts(r[name]) for r in rows),
+        made.append(decide(f"{how}: the correlation of halves is above 0.5.", _all(lasts(r[name]) for r in rows),
                                  f"{what}; " + at.format(*(number(*r[name]) for r in rows)),
                                  slug="drive-lasts" if name == "pearson" else "drive-ranks"))
+    return made
 
 
 def bars(value, error):
@@ -202,93 +209,47 @@ def bars(value, error):
     return np.array([np.minimum(error, 0.7 * value), error])
 
 
-def drive_figure(rows, drives, start):
-    picture, axes = figure(columns=2, rows=2, width=7.4, height=6.4, sharex=True)
-    look = {"lw": 0.7, "mfc": "white"}
-    for k, (name, label, sign) in enumerate((("rms", "rms", "o"), ("median", "median", "s"),
-                                             ("noise", "median error bar", "x"))):
-        value, error = columns(rows, name)
-        axes[0, 0].errorbar(drives, value, yerr=bars(value, error), fmt=sign + "-", color=COLOURS[k], label=label,
-                            **look)
-    axes[0, 0].set_yscale("log")
-    axes[0, 0].set_ylabel(r"$|\Omega|$ (rad/s)")
-    value, error = columns(rows, "openings")
-    shown = value > 0
-    axes[0, 1].errorbar(drives[shown], value[shown], yerr=bars(value, error)[:, shown], fmt="o-", lw=0.7,
-                        mfc="white", color=COLOURS[3])
+def drive_figure(sets, starts):
+    picture, axes = figure(columns=2, rows=2, width=7.4, height=6.4, sharex=True, legend=True)
+    panels = ((axes[0, 0], (("rms", "rms"), ("median", "median")), r"$|\Omega|$ (rad/s)"),
+              (axes[0, 1], (("openings", "openings"),), "openings per contact\nand period"),
+              (axes[1, 0], (("significant", "beyond 3 errors"), ("spearman", "rank correlation of halves"),
+                            ("sliding", "sliding contacts")), "fraction"),
+              (axes[1, 1], (("wander", "disks"), ("loose", "rattlers")), "rms displacement / diameter"))
+    for motion, rows in sets.items():
+        drives = np.array([r["drive"] for r in rows])
+        random = motion != MOTIONS[0]
+        for panel, curves, label in panels:
+            for k, (name, text) in enumerate(curves):
+                value, error = columns(rows, name)
+                shown = np.isfinite(value) if name in FRACTIONS else value > 0
+                size = np.nan_to_num(error) if name in FRACTIONS else bars(value, error)
+                panel.errorbar(drives[shown], value[shown], yerr=size[..., shown], fmt="os^"[k] + ("--" if random else "-"),
+                               color=COLOURS[k], lw=0.7, ms=4, mfc=COLOURS[k] if random else "white",
+                               label=None if random or len(curves) == 1 else text)
+            panel.set_ylabel(label)
+        if np.isfinite(starts[motion]):
+            for panel in axes.flat:
+                panel.axvline(starts[motion], color=GREY, lw=0.8, ls="--" if random else ":", gid="guide")
     axes[0, 1].axhline(OPEN, color=LIGHT, lw=0.8, gid="guide")
-    axes[0, 1].set_yscale("log")
-    axes[0, 1].set_ylabel("openings per contact\nand period")
-    for k, (name, label, sign) in enumerate((("pearson", "correlation of halves", "o"),
-                                             ("spearman", "the same of ranks", "D"),
-                                             ("significant", "beyond 3 errors", "s"),
-                                             ("sliding", "sliding contacts", "^"))):
-        value, error = columns(rows, name)
-        axes[1, 0].errorbar(drives, value, yerr=error, fmt=sign + "-", color=COLOURS[k], label=label,
-                            **look)
-    axes[1, 0].set_ylim(-0.1, 1.1)
-    axes[1, 0].set_ylabel("fraction")
-    for k, (name, label, sign) in enumerate((("wander", "about the mean place", "o"),
-                                             ("drift", "of the mean place", "s"),
-                                             ("loose", "about it, rattlers", "x"))):
-        value, error = columns(rows, name)
-        shown = value > 0
-        axes[1, 1].errorbar(drives[shown], value[shown], yerr=bars(value, error)[:, shown], fmt=sign + "-",
-                            color=COLOURS[k], label=label, **look)
     axes[1, 1].axhline(SOLID, color=LIGHT, lw=0.8, gid="guide")
-    axes[1, 1].set_yscale("log")
-    axes[1, 1].set_ylabel("rms displacement / diameter")
+    axes[1, 0].set_ylim(-0.3, 1.1)
     for panel in (axes[0, 0], axes[1, 0], axes[1, 1]):
         legend_above(panel, 2, fontsize=8)
+    for panel in (axes[0, 0], axes[0, 1], axes[1, 1]):
+        panel.set_yscale("log")
+    every = [r["drive"] for rows in sets.values() for r in rows]
     for panel in axes.flat:
         panel.set_xscale("log")
-        shown = [d for d in (0.1, 0.3, 1, 3, 9) if drives[0] <= d <= drives[-1]]
+        shown = [d for d in (0.1, 0.3, 1, 3, 9) if min(every) <= d <= max(every)]
         panel.set_xticks(shown, [f"{d:g}" for d in shown])
         panel.xaxis.set_minor_formatter(NullFormatter())
-        if np.isfinite(start):
-            panel.axvline(start, color=GREY, lw=0.8, ls=":", gid="guide")
     for panel in axes[1]:
-        panel.set_xlabel("peak acceleration of the floor / $g$")
-    return Figure("drive", picture, f"Against the drive; disks that are no rattlers unless said otherwise. Dotted: "
-                                    f"where "
-                  f"{OPEN:g} openings per contact and period are reached. Displacement of the mean place: from where "
-                  f"the disk "
-                  "was when measuring began. The level in the last panel: a quarter of a diameter.",
+        panel.set_xlabel("drive: peak acceleration of the\nharmonic motion / $g$")
+    axes[0, 1].plot([], [], "o-", color=GREY, mfc="white", lw=0.7, label="harmonic drive")
+    axes[0, 1].plot([], [], "o--", color=GREY, lw=0.7, label="random drive, the same rms displacement")
+    legend_below(picture, axes[0, 1], 2)
+    return Figure("drive", picture, f"Against the drive; disks that are no rattlers unless said otherwise. Vertical lines: "
+                  f"where {OPEN:g} openings per contact and period are reached, dotted under harmonic drive, dashed under "
+                  "random drive. Displacements are those about the mean place; the level: a quarter of a diameter.",
                   "Typical angular velocity, openings of contacts, persistence and displacements against drive")
-
-
-def random_floor(campaign, same):
-    """same: {drive: claims} that hold for harmonic drive, too, made by low.py."""
-    table = disks.by_drive(disks.boxes(campaign, "random"))
-    rows = [row(drive, found) for drive, found in table.items()]
-    out = Section("random", "Moderate drive, random: persistent rotation",
-                  "<code>inputs/packing/shake_random.cfg</code>: the height of the floor is the randomly forced "
-                  "oscillator of "
-                  "physics.md, section 7, with &omega; = 2&pi; 80 Hz, <i>c</i> = 0.5 and the rms displacement "
-                  "<i>a</i>/&omega;&sup2;, where <i>a</i> is the acceleration that is given: &radic;2 times that of a "
-                  "harmonic motion of peak acceleration <i>a</i>. At equal rms displacement they are compared <a "
-                  "href=\"#gentle\">above</a>.", missing=campaign.missing("random"))
-    if not rows:
-        out.claims.append(missing("Disks rotate under random vibration, too.", slug="random-persists"))
-        return out
-    for r in rows:
-        out.claims += same[r["drive"]]
-        out.claims.append(each.claim(table[r["drive"]], r["drive"], f"each-disk-random-{r['drive']:g}"))
-    out.tables.append(numbers_table(rows))
-    picture, axes = figure(columns=len(rows), height=3.6)
-    for panel, r in zip(np.atleast_1d(axes), rows):
-        groups = [box.halves for box in table[r["drive"]]]
-        for k, (a, b) in enumerate(groups):
-            panel.plot(a, b, "o", ms=3, mew=0.6, mfc="none", color=COLOURS[k % len(COLOURS)])
-        top = 1.08 * max(np.abs(np.concatenate([np.concatenate(g) for g in groups])).max(), 1e-12)
-        panel.plot([-top, top], [-top, top], color=GREY, lw=0.8, gid="guide")
-        panel.set_xlim(-top, top)
-        panel.set_ylim(-top, top)
-        panel.set_aspect("equal")
-        panel.set_xlabel(r"$\Omega_i$, first half (rad/s)")
-        panel.set_title(f"{r['drive']:g} $g$")
-    np.atleast_1d(axes)[0].set_ylabel(r"$\Omega_i$, second half (rad/s)")
-    out.figures.append(Figure("random", picture, "Mean angular velocities in two halves of the runs under random "
-                              "vibration, rattlers left out; a colour per packing.",
-                              "Scatter plots of mean angular velocities in two halves, random vibration"))
-    return out

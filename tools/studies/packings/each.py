@@ -3,9 +3,9 @@ import numpy as np
 
 from ratchet.page import Figure, Numbers, Section
 from ratchet.style import COLOURS, GREY, LIGHT, figure, legend_above
-from ratchet.verdict import SURE, decide, missing, number
+from ratchet.verdict import MOTIONS, SURE, beside, decide, missing, number
 
-from .disks import CHANCE, HELD, LIMIT, MANY, OPEN, RULE, boxes, by_drive
+from .disks import CHANCE, HELD, LIMIT, MANY, OPEN, RULE, boxes, of_motions
 from .statistics import jackknife, mean_error, pearson, pooled, share, spearman
 
 TIGHT = 0.01     # of the packing's rms: an upper limit on |Omega| below it shows that a disk stands still
@@ -118,9 +118,9 @@ def claim(found, drive, slug, where=""):
 
 # --- the section ----------------------------------------------------------------------------------------------------
 def sections(campaign):
-    table = by_drive(boxes(campaign, "drive"))
+    harmonic, random = of_motions(campaign).values()
     long = {"low": boxes(campaign, "low", 0.3), "moderate": boxes(campaign, "moderate", 2.0)}
-    out = Section("each", "Does each disk turn? Harmonic drive",
+    out = Section("each", "Does each disk turn?",
                   "The claim is that <i>each</i> disk of a vibrated packing has a mean angular velocity that is not "
                   f"zero. A disk <i>turns</i> when |&Omega;| is beyond {SURE:g} of its errors; it <i>stands still</i> "
                   "when it is not, and the upper limit of 95 % on |&Omega;| is below a hundredth of the rms of its "
@@ -133,22 +133,21 @@ def sections(campaign):
                   f"put there by chance: half of those between {SURE:g} and {3 * SURE:g} errors, so that nothing "
                   f"points to "
                   f"disks that stand still. All by {SURE:g} errors, which are from leaving out packings.",
-                  missing=campaign.missing("drive"))
-    shown = {**{(drive, ""): found for drive, found in table.items()},
-             **{(found[0].drive, name): found for name, found in long.items() if found}}
-    if not shown:
+                  missing=campaign.missing("drive", "random"))
+    lists = [{(drive, ""): found for drive, found in table.items()} for table in (harmonic, random)]
+    lists[0].update({(found[0].drive, name): found for name, found in long.items() if found})
+    if not lists[0]:
         out.claims.append(missing("Each disk turns.", slug="each-disk"))
         return [out]
-    out.claims += regimes(table)
-    for (drive, name), found in sorted(shown.items()):
-        time = found[0].whole["measured"]
-        out.claims.append(claim(found, drive, f"each-disk-{name or f'{drive:g}'}",
-                                f"{drive:g} <i>g</i> ({time:.0f} s, {len(found)} packings)"))
-    picked = {f"{drive:g} $g$": table[drive] for drive in (0.1, 0.3, 1.0, 2.0, 9.0) if drive in table}
+    out.claims += beside(*map(regimes, (harmonic, random)))
+    out.claims += beside(*([claim(found, drive, f"each-disk-{name or f'{drive:g}'}", f"{drive:g} <i>g</i> "
+                                  f"({found[0].whole['measured']:.0f} s, {len(found)} packings)")
+                            for (drive, name), found in sorted(some.items())] for some in lists))
+    picked = {f"{drive:g} $g$": harmonic[drive] for drive in (0.1, 0.3, 1.0, 2.0, 9.0) if drive in harmonic}
     picked = picked or {f"{found[0].drive:g} $g$": found for found in long.values() if found}
     out.figures.append(sizes_figure(picked, "each-sizes"))
-    out.tables.append(numbers_table([(f"{drive:g} <i>g</i>{', ' + name if name else ''}", found)
-                                     for (drive, name), found in sorted(shown.items())]))
+    out.tables.append(numbers_table([(f"{drive:g} <i>g</i>, {motion}{', ' + name if name else ''}", found)
+                                     for motion, some in zip(MOTIONS, lists) for (drive, name), found in sorted(some.items())]))
     return [out]
 
 
@@ -160,10 +159,10 @@ def regimes(table):
                                 f"Where contacts hardly open, less than {OPEN:g} times in a period"),
                                ("bouncing", [d for d in rate if rate[d] >= MANY],
                                 "Where each contact opens once in a period or more")):
-        where = f" ({', '.join(f'{d:g}' for d in chosen)} <i>g</i>)" if chosen else ""
-        text = f"{what}{where}, each disk turns."
+        text = f"{what}, each disk turns."
         counts = census([box for drive in chosen for box in table[drive]])
-        made.append(decide(text, each(counts), words(counts), slug=f"each-disk-{slug}") if counts["disks"]
+        made.append(decide(text, each(counts), f"at {', '.join(f'{d:g}' for d in chosen)} <i>g</i>: {words(counts)}",
+                           slug=f"each-disk-{slug}") if counts["disks"]
                     else missing(text, why="no such drive", slug=f"each-disk-{slug}"))
     return made
 
@@ -217,8 +216,8 @@ def sizes_figure(picked, name):
     axes.set_xlabel(r"$x$")
     axes.set_ylabel(r"fraction of the disks with $|\Omega_i|$/rms $> x$")
     legend_above(axes, 6)
-    return Figure(name, picture, "How large the mean angular velocities are, over the rms of their packing: the "
-                  "fraction of the disks (no rattlers) above <i>x</i>. Dotted: the same for {SURE:g} error bars, below which "
+    return Figure(name, picture, "How large the mean angular velocities are, harmonic drive, over the rms of their packing: the "
+                  f"fraction of the disks (no rattlers) above <i>x</i>. Dotted: the same for {SURE:g} error bars, below which "
                   "nothing is seen. Where the line bends over and goes on at a level, disks are of two kinds: some turn, others "
                   "do not.",
                   "Cumulative distribution of absolute mean angular velocities over the rms")

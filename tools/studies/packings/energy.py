@@ -2,8 +2,8 @@
 import numpy as np
 
 from ratchet.page import Figure, Numbers, Section
-from ratchet.style import COLOURS, GREY, figure
-from ratchet.verdict import SURE, decide, missing, number
+from ratchet.style import COLOURS, GREY, figure, legend_below
+from ratchet.verdict import MOTIONS, SURE, beside, decide, missing, number
 
 from . import disks
 from .drive import bars, curves_of
@@ -33,24 +33,28 @@ def floor_disks(box):
 
 
 def powers(campaign):
-    sets = {name: disks.boxes(campaign, name, drive) for name, drive in SETS}
-    table = disks.by_drive(disks.boxes(campaign, "drive"))
+    sweeps = disks.of_motions(campaign)
+    sets = sets_of(campaign, sweeps)
     out = Section("powers", "What rotation costs",
                   "The floor works on the disks that touch it; of every disk it is known what it takes from the floor, "
                   "and what its contacts lose by friction and in dashpots (a contact of two disks gives half to each). "
                   f"Powers are means over the measured time. {disks.RULE} They are left out.",
-                  missing=campaign.missing("low", "moderate", "drive"))
-    for name, found in sets.items():
-        if found:
-            out.claims.append(friction(name, found))
-    if len(table) >= 3:
-        out.claims.append(total(table))
-        out.tables.append(power_table(table))
+                  missing=campaign.missing("low", "moderate", *disks.SWEEPS))
+    out.claims += beside(*([*(friction(name, found) for name, found in sets[motion].items() if found),
+                            *([total(table)] if len(table) >= 3 else [])] for motion, table in sweeps.items()))
     if not out.claims:
         out.claims.append(missing("Disks that turn faster lose more by friction.", slug="friction-rotation"))
         return out
-    out.figures.append(power_figure(sets, table))
+    out.tables.append(power_table(sweeps))
+    out.figures.append(power_figure(sets, sweeps))
     return out
+
+
+def sets_of(campaign, sweeps):
+    """{motion: {name: boxes}} at the drives of SETS: long runs under harmonic drive, those of the sweep under random
+    drive."""
+    return {MOTIONS[0]: {name: disks.boxes(campaign, name, drive) for name, drive in SETS},
+            MOTIONS[1]: {name: sweeps[MOTIONS[1]].get(drive, []) for name, drive in SETS}}
 
 
 def friction(name, found):
@@ -88,71 +92,81 @@ def total(table):
                   slug="power-rotation")
 
 
-def power_table(table):
+def power_table(sweeps):
     rows = []
-    for drive, found in table.items():
-        parts = [mean_error([float(np.sum(box[name])) / len(box["omega"]) for box in found])
-                 for name in ("injected", "friction", "viscous")]
-        rotation = within(found, "friction"), within(found, "injected", floor_disks)
-        rows.append([float(drive), len(found), *(number(*part) for part in (*parts, *rotation))])
+    for motion, table in sweeps.items():
+        for drive, found in table.items():
+            parts = [mean_error([float(np.sum(box[name])) / len(box["omega"]) for box in found])
+                     for name in ("injected", "friction", "viscous")]
+            rotation = within(found, "friction"), within(found, "injected", floor_disks)
+            rows.append([motion, float(drive), len(found), *(number(*part) for part in (*parts, *rotation))])
     return Numbers("Powers per disk (W) at each drive, and rank correlations with |&Omega;| within packings",
-                   ["drive/<i>g</i>", "packings", "injected", "lost by friction", "lost in dashpots",
+                   ["motion", "drive/<i>g</i>", "packings", "injected", "lost by friction", "lost in dashpots",
                     "|&Omega;| and friction", "|&Omega;| and injected, at the floor"], rows)
 
 
-def power_figure(sets, table):
-    picture, axes = figure(columns=2, width=7.2, height=3.6)
-    for k, (name, found) in enumerate(sets.items()):
-        for box in found:
-            part = box.held & (box["friction"] > 0) & (box["omega"] != 0)
-            for chosen, fill in ((part & box.turns, COLOURS[k]), (part & ~box.turns, "none")):
-                axes[0].plot(np.abs(box["omega"][chosen]), box["friction"][chosen], "os"[k], ms=2.6, mew=0.5, mfc=fill,
-                             color=COLOURS[k])
-        if found:
-            axes[0].plot([], [], "os"[k], ms=3, color=COLOURS[k], label=f"{found[0].drive:g} $g$")
-    axes[0].plot([], [], "o", ms=3, mfc="none", color=GREY, label="within 3 errors")
-    every = np.concatenate([box["friction"][box.held] for found in sets.values() for box in found] or [np.ones(1)])
-    axes[0].set_ylim(bottom=max(np.median(every), 1e-300) * 1e-4)
-    axes[0].set_xlabel(r"$|\Omega_i|$ (rad/s)")
-    axes[0].set_ylabel("lost by friction (W)")
-    for k, (drive, found) in enumerate(table.items()):
-        axes[1].plot([box.rms for box in found], [injected(box) for box in found], "os"[k // 8], ms=4, mfc="white",
-                     color=COLOURS[k % len(COLOURS)], label=f"{drive:g} $g$")
-    axes[1].set_xlabel(r"rms $\Omega$ of the packing (rad/s)")
-    axes[1].set_ylabel("injected power per disk (W)")
-    for panel in axes:
+def power_figure(sets, sweeps):
+    picture, axes = figure(columns=2, rows=2, width=7.2, height=6.6, sharex="col", sharey="col")
+    for (motion, some), table, row in zip(sets.items(), sweeps.values(), axes):
+        for k, found in enumerate(some.values()):
+            for box in found:
+                part = box.held & (box["friction"] > 0) & (box["omega"] != 0)
+                for chosen, fill in ((part & box.turns, COLOURS[k]), (part & ~box.turns, "none")):
+                    row[0].plot(np.abs(box["omega"][chosen]), box["friction"][chosen], "os"[k], ms=2.6, mew=0.5, mfc=fill,
+                                color=COLOURS[k])
+            if found:
+                row[0].plot([], [], "os"[k], ms=3, color=COLOURS[k], label=f"{found[0].drive:g} $g$")
+        row[0].plot([], [], "o", ms=3, mfc="none", color=GREY, label="within 3 errors")
+        for k, (drive, found) in enumerate(table.items()):
+            row[1].plot([box.rms for box in found], [injected(box) for box in found], "os"[k // 8], ms=4, mfc="white",
+                        color=COLOURS[k % len(COLOURS)], label=f"{drive:g} $g$")
+        row[0].set_ylabel(f"{motion} drive: lost by friction (W)", fontsize=10)
+        row[1].set_ylabel("injected power per disk (W)", fontsize=10)
+    every = [box["friction"][box.held] for some in sets.values() for found in some.values() for box in found]
+    axes[0, 0].set_ylim(bottom=max(np.median(np.concatenate(every or [np.ones(1)])), 1e-300) * 1e-4)
+    axes[1, 0].set_xlabel(r"$|\Omega_i|$ (rad/s)")
+    axes[1, 1].set_xlabel(r"rms $\Omega$ of the packing (rad/s)")
+    for panel in axes.flat:
         panel.set_xscale("log")
         panel.set_yscale("log")
         if panel.get_legend_handles_labels()[0]:
-            panel.legend(loc="lower left" if panel is axes[0] else "upper left", fontsize=8.5,
-                         ncol=1 if panel is axes[0] else 2, columnspacing=0.6, handletextpad=0.1)
+            left = panel in axes[:, 0]
+            panel.legend(loc="lower left" if left else "upper left", fontsize=8.5, ncol=1 if left else 2, columnspacing=0.6,
+                         handletextpad=0.1)
     return Figure("powers", picture, "Left: power that a disk loses by friction against its mean angular velocity; "
                   "full: disks that turn; those that lose hardly anything are below the axis. Right: power that the "
-                  "floor puts in against the rms angular velocity, a point a packing.",
-                  "Scatter plots of friction power and injected power against angular velocity")
+                  "floor puts in against the rms angular velocity, a point a packing. Above: harmonic drive, below: random "
+                  "drive.", "Scatter plots of friction power and injected power against angular velocity")
 
 
 # --- displacements ----------------------------------------------------------------------------------------------------
 def displacements(campaign):
-    sets = {}
-    for name, drive in (*SETS, ("drive", np.nan)):
-        found = disks.boxes(campaign, name, drive)
-        table = disks.wandering(campaign, name, found) if found else []
-        for at in {box.drive for box in found} if len(table) else ():
-            if name != "drive" or at == max(box.drive for box in found):
-                sets[f"{at:g} <i>g</i>"] = curve(table, found, at)
+    sets = {motion: curves(campaign, entries) for motion, entries in zip(
+        MOTIONS, ((*SETS, (disks.SWEEPS[0], None)), ((disks.SWEEPS[1], None),)))}
     out = Section("wander", "Is it a solid? Displacements against time",
-                  "Root mean square of how far a disk has moved after a time, over all starts within the measured "
-                  "time, at "
-                  "the same phase of the floor. In a cage it comes to a level; a disk that diffuses goes with the "
-                  "root of "
-                  f"time. {disks.RULE} They are drawn apart. Errors: scatter of packings.")
-    if not sets:
+                  "Root mean square of how far a disk has moved after a time, over all starts within the measured time, at "
+                  "moments three periods of 80 Hz or a multiple apart: the same phase of the harmonic motion. In a cage it comes to a "
+                  f"level; a disk that diffuses goes with the root of time. {disks.RULE} They are drawn apart. Errors: scatter "
+                  "of packings.")
+    if not any(sets.values()):
         out.claims.append(missing("Disks stay in their cages: displacements come to a level.", slug="wander-level"))
         return out
-    out.claims += [level(label, c) for label, c in sets.items()]
+    out.claims += beside(*([level(f"{drive:g} <i>g</i>", points) for drive, points in some.items()] for some in sets.values()))
     out.figures.append(wander_figure(sets))
     return out
+
+
+def curves(campaign, entries):
+    """{drive: points} at the drives of SETS, those of the first entry that has them, and at the strongest drive of the
+    sweep."""
+    found = {}
+    for name, drive in entries:
+        boxes = disks.boxes(campaign, name, np.nan if drive is None else drive)
+        table = disks.wandering(campaign, name, boxes) if boxes else []
+        drives = {box.drive for box in boxes} if len(table) else set()
+        for at in sorted(drives & {max(drives, default=0), *(drive for _, drive in SETS)}):
+            found.setdefault(at, curve(table, boxes, at))
+    return found
 
 
 def curve(table, found, drive):
@@ -190,23 +204,24 @@ def level(label, points):
 
 
 def wander_figure(sets):
-    picture, axes = figure(height=3.8)
-    for k, (label, points) in enumerate(sets.items()):
-        for j, (style, what) in enumerate((("o-", ""), ("x:", ", rattlers"))):
-            lags = [lag for lag, pair in points.items() if pair[j]]
-            values = np.array([mean_error(points[lag][j]) for lag in lags]).reshape(-1, 2)
-            if len(lags):
-                axes.errorbar(lags, values[:, 0], yerr=bars(values[:, 0], values[:, 1]), fmt=style, lw=0.8, ms=4,
-                              mfc="white", color=COLOURS[k], label=label.replace("<i>g</i>", "$g$") + what)
-    every = [lag for points in sets.values() for lag in points]
-    if every:
-        x = np.array([min(every), max(every)])
-        axes.plot(x, 2e-4 * np.sqrt(x / x[0]), color=GREY, lw=0.9, ls="--", label="root of time", gid="guide")
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlabel("time between (s)")
-    axes.set_ylabel("rms displacement / diameter")
-    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    picture, axes = figure(columns=2, width=7.4, height=3.8, legend=True, sharey=True)
+    every = [lag for some in sets.values() for points in some.values() for lag in points]
+    for panel, (motion, some) in zip(axes, sets.items()):
+        for k, (drive, points) in enumerate(some.items()):
+            for j, (style, what) in enumerate((("o-", ""), ("x:", ", rattlers"))):
+                lags = [lag for lag, pair in points.items() if pair[j]]
+                values = np.array([mean_error(points[lag][j]) for lag in lags]).reshape(-1, 2)
+                if len(lags):
+                    panel.errorbar(lags, values[:, 0], yerr=bars(values[:, 0], values[:, 1]), fmt=style, lw=0.8, ms=4,
+                                   mfc="white", color=COLOURS[k], label=f"{drive:g} $g$" + what)
+        if every:
+            x = np.array([min(every), max(every)])
+            panel.plot(x, 2e-4 * np.sqrt(x / x[0]), color=GREY, lw=0.9, ls="--", label="root of time", gid="guide")
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        panel.set_xlabel("time between (s)")
+        panel.set_title(f"{motion} drive", fontsize=10)
+    axes[0].set_ylabel("rms displacement / diameter")
+    legend_below(picture, axes, 4, fontsize=9)
     return Figure("wander", picture, "Root mean square displacement against time; rattlers apart (crosses). Dashed: "
-                                     "the slope "
-                  "of diffusion.", "Root mean square displacement against time on logarithmic axes")
+                  "the slope of diffusion.", "Root mean square displacement against time on logarithmic axes")

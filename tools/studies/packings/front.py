@@ -1,11 +1,8 @@
 """The head of the page: what was asked, what holds for which drive, why, and the figures that show it."""
-import html
-import re
-
 from ratchet.page import Numbers, Section
-from ratchet.verdict import NO, OPEN, YES, number
+from ratchet.verdict import MOTIONS, NO, OPEN, YES
 
-from . import alone, each, gentle
+from . import alone, each, gentle, low
 from .statistics import share
 
 FIGURES = ("each-disk", "gentle", "alone-shares")  # of the sections, which the first page shows instead
@@ -20,7 +17,7 @@ def section(campaign, found):
     for part in found:
         out.figures += [figure for figure in part.figures if figure.name in FIGURES]
         part.figures[:] = [figure for figure in part.figures if figure.name not in FIGURES]
-    rows = by_drive(campaign, claims)
+    rows = by_drive(claims)
     if rows:
         out.tables.append(Numbers("What holds for which drive", ["statement", "harmonic", "random"], rows, shown=True))
     out.tables.append(Numbers("Statements by section", ["", YES, NO, OPEN], [
@@ -115,27 +112,48 @@ def other(campaign):
             f"<i>g</i>: correlation {', '.join(told)})") if told else ""
 
 
-def by_drive(campaign, claims):
-    """Rows (statement, harmonic, random) with verdict and numbers."""
-    def cell(slug):
-        claim = claims.get(slug)
-        if not claim:
-            return "&ndash;"
-        told = re.sub(r"&(?!lt|gt|amp)\w+;", lambda sign: html.unescape(sign[0]), claim.numbers)
-        return f"<b>{WORDS[claim.verdict]}</b>: {told.split('; ')[0]}"
+STATEMENTS = (  # slugs, * for the drive; statement
+    ("gentle-each-{motion}-*g", "each disk turns (500 s)"),
+    ("each-disk-*", "each disk turns (60 s)"),
+    ("alone-turns-{motion}-*g", "most disks turn although none of their neighbours does"),
+    ("alone-cage-{motion}-*g", "the cage alone makes more than half of the variance of &Omega;"),
+    ("alone-gears-{motion}-*g", "cage and gearing together make more than half"),
+    ("alone-balance-{motion}-*g", "&Omega; = &Omega;<sub>0</sub> + <i>G</i>&Omega;, both factors one"),
+    ("cage-predicts-*g", "mean forces and angles of its contacts predict more than half of the variance"),
+    ("gears-contact-*g", "disks in contact turn against each other"),
+    ("*-friction-rotation", "disks that turn faster lose more by friction"),
+    ("drive-rms", "rms &Omega; grows with the drive"),
+    ("dissipation-{motion}", "low drive: rms &Omega; ~ power of friction"),
+)
 
+
+def by_drive(claims):
+    """Rows (statement, harmonic, random): verdicts, with the drives that have them."""
     rows = []
-    table = campaign.numbers("gentle", lambda: None)
-    for drive in sorted(gentle.boxes(table) if table else {}):
-        rows.append([f"{drive:g} <i>g</i>: each disk turns", *(cell(f"gentle-each-{word}-{drive:g}g")
-                                                              for word in ("harmonic", "random"))])
-    for drive in sorted({d for name, d in alone.ENTRIES.items()}):
-        for slug, text in (("alone-turns", "most disks turn although none of their neighbours does"),
-                           ("alone-cage", "the cage alone makes more than half of the variance of &Omega;"),
-                           ("alone-gears", "cage and gearing together make more than half"),
-                           ("alone-balance", "&Omega; = &Omega;<sub>0</sub> + <i>G</i>&Omega;, both factors one")):
-            found = [cell(f"{slug}-{word}-{drive:g}g") for word in ("harmonic", "random")]
-            if any(word != "&ndash;" for word in found):
-                rows.append([f"{drive:g} <i>g</i>: {text}", *found])
-    rows.append(["low drive: rms &Omega; ~ power of friction", *(cell(f"dissipation-{word}") for word in ("harmonic", "random"))])
-    return rows if any(word != "&ndash;" for row in rows for word in row[1:]) else []
+    for slug, text in STATEMENTS:
+        cells = [verdicts(claims, slug, motion) for motion in MOTIONS]
+        if any(cells):
+            rows.append([text, *(one or "&ndash;" for one in cells)])
+    return rows
+
+
+def verdicts(claims, slug, motion):
+    """Verdicts of the claims with this slug, in words, with their drives: "yes at 2 g; no at 0.3 g"."""
+    before, star, after = slug.replace("{motion}", motion).partition("*")
+    after += f"-{motion}" if motion != MOTIONS[0] and motion not in before + after else ""
+    found = {}
+    for name, claim in claims.items():
+        middle = name[len(before):len(name) - len(after)] if star else ""
+        drive = known_drive(middle, not before)
+        if name == before + middle + after and claim.motion == motion and (not star or drive):
+            found.setdefault(WORDS[claim.verdict], []).append(drive)
+    return "; ".join(word + (f" at {', '.join(f'{d:g}' for d in sorted(drives))} <i>g</i>" if star else "")
+                     for word, drives in found.items())
+
+
+def known_drive(text, by_name):
+    """The drive that a part of a slug tells, in g, or (by_name) the run; 0 for another part."""
+    try:
+        return low.DRIVE.get(text, 0.0) if by_name else float(text)
+    except ValueError:
+        return 0.0

@@ -4,11 +4,11 @@ import numpy as np
 from ratchet.page import Figure, Numbers, Section
 from ratchet.runs import slipdisk
 from ratchet.style import COLOURS, GREY, figure, legend_below
-from ratchet.verdict import SURE, decide, missing, number
+from ratchet.verdict import MOTIONS as WORDS
+from ratchet.verdict import SURE, beside, decide, missing, number
 
 from . import alone, each, memory
-from .disks import Box, by_drive, persistent_contacts
-from .disks import boxes as drive_boxes
+from .disks import Box, of_motions, persistent_contacts
 from .reading import Reading, Run
 from .statistics import jackknife, pearson, share, spearman
 
@@ -82,18 +82,15 @@ def sections(campaign):
         return [out]
     for drive, part in found.items():
         if len(part) == len(MOTIONS):
-            out.claims += [equal(drive, part), *both(drive, part), repeats(drive, part), carried(drive, part),
-                           levelled(drive, part)]
+            out.claims += [equal(drive, part), repeats(drive, part), carried(drive, part), levelled(drive, part),
+                           *both(drive, part)]
     strong = alone.packings_of(*alone.tables_of(campaign))[0]
     for drive in sorted({key[0] for key in strong if (key[0], 0.0) in strong and (key[0], 1.0) in strong}):
         out.claims.append(carried_strongly(drive, strong[drive, 0.0], strong[drive, 1.0]))
-    harmonic = by_drive(drive_boxes(campaign, "drive"))
-    random = {drive: part[1] + part[2] for drive, part in found.items() if 1 in part and 2 in part}
-    random |= {key[0]: [one.box(key[0], k) for k, one in enumerate(some)]
-               for key, some in strong.items() if key[1] and key[0] not in random}
-    out.claims += [dissipation({d: some for d, some in harmonic.items() if d <= LOW}, "harmonic"),
-                   dissipation(powers({d: part for d, part in found.items() if d <= LOW}, 1), "random")]
-    out.figures += [fractions_figure(found), kinds_figure(harmonic, random)]
+    sweeps = of_motions(campaign)
+    out.claims += beside(*([dissipation({d: some for d, some in table.items() if d <= LOW}, word)]
+                           for word, table in sweeps.items()))
+    out.figures += [fractions_figure(found), kinds_figure(*sweeps.values())]
     out.tables.append(numbers_table(found))
     return [out]
 
@@ -121,12 +118,9 @@ def equal(drive, part):
 
 def both(drive, part):
     """That each disk turns, for either motion."""
-    made = []
-    for motions, word in (((0,), "harmonic"), ((1, 2), "random")):
-        some = [box for motion in motions for box in part[motion]]
-        where = f"{drive:g} <i>g</i>, {word} drive ({some[0].whole['measured']:.0f} s)"
-        made.append(each.claim(some, drive, f"gentle-each-{word}-{drive:g}g", where))
-    return made
+    where = f"{drive:g} <i>g</i> ({part[0][0].whole['measured']:.0f} s)"
+    return beside(*([each.claim(some, drive, f"gentle-each-{word}-{drive:g}g", where)]
+                    for some, word in zip((part[0], part[1] + part[2]), WORDS)))
 
 
 def pairs(part, a, b):
@@ -194,11 +188,6 @@ def levelled(drive, part):
                   f"it adds {number(100 * value, 100 * error)} %; {told}", slug=f"gentle-level-{drive:g}g")
 
 
-def powers(found, motion):
-    """{drive: boxes} of one motion."""
-    return {drive: part[motion] for drive, part in found.items() if motion in part}
-
-
 def dissipation(table, word):
     """The follow-up's argument at low drive, as it can be put: the power that comes in goes into friction, and rotation
     takes a fixed share of it, mu N R |Omega| ~ P. Then rms Omega ~ P, packing by packing."""
@@ -208,7 +197,7 @@ def dissipation(table, word):
             power = float(np.mean(box["friction"][box.held]))
             if power > 0 and box.rms > 0:
                 curves.setdefault(box.replica, []).append((power, box.rms))
-    text = (f"Low drive, {word}: the typical &Omega; follows from dissipation, rms &Omega; ~ power of friction.")
+    text = ("Low drive: the typical &Omega; follows from dissipation, rms &Omega; ~ power of friction.")
     logs = [np.log(np.array(points)) for points in curves.values() if len(points) >= 3]
     if not logs:
         return missing(text, kind="paper", slug=f"dissipation-{word}")
@@ -258,9 +247,7 @@ def kinds_figure(harmonic, random):
     axes[0].set_ylabel("fraction of the disks")
     legend_below(picture, axes, 4)
     return Figure("each-disk", picture, "What the disks do that are no rattlers, under harmonic drive (sweep of drives, 60 s) "
-                  "and under random drive of the same rms displacement (300 s up to 0.3 <i>g</i>, two packings; 8 s above, eight "
-                  "packings, "
-                  "where more are undecided). Error bars: leaving out packings. Dotted: "
+                  "and under random drive of the same rms displacement. Error bars: leaving out packings. Dotted: "
                   f"{100 * each.CHANCE:.0f} %, so many disks that do not turn may be beyond {SURE:g} errors by chance.",
                   "Stacked bars of what disks do against drive, harmonic and random")
 
@@ -268,18 +255,19 @@ def kinds_figure(harmonic, random):
 def fractions_figure(found):
     picture, axes = figure(columns=2, width=7.2, height=3.2, legend=True)
     drives = np.array(list(found))
+    shown = drives[::(len(drives) + 1) // 2]
     for motion, (word, sign) in enumerate(zip(MOTIONS, "osD")):
         some = [drive for drive in drives if motion in found[drive]]
         value, error = np.array([turning(found[drive][motion]) for drive in some]).reshape(-1, 2).T
         axes[0].errorbar(some, value, yerr=np.nan_to_num(error), fmt=sign + "-", lw=0.8, mfc="white",
                          color=COLOURS[min(motion, 1)], label=word)
-        for drive, dash in zip(drives, (":", "--", "-")):
+        for drive, dash in zip(shown, (":", "--", "-")):
             if motion in found[drive]:
                 time = found[drive][motion][0].whole["measured"]
                 values = [fraction_at(found[drive][motion], quarter)[0] for quarter in range(1, 5)]
                 axes[1].plot(np.array(TIMES) * time, values, dash, marker=sign, ms=3.5, mfc="white", lw=0.9,
                              color=COLOURS[min(motion, 1)])
-    for drive, dash in zip(drives, (":", "--", "-")):
+    for drive, dash in zip(shown, (":", "--", "-")):
         axes[0].plot([], [], dash, color=GREY, lw=0.9, label=f"{drive:g} $g$ (right)")
     axes[0].set_xscale("log")
     axes[0].set_xticks(drives, [f"{d:g}" for d in drives])

@@ -1,9 +1,10 @@
 """Jumps of Omega_i: where the mean angular velocity of a disk changes, and whether its cage changes then."""
 import numpy as np
 
+from ratchet.data import Table
 from ratchet.page import Figure, Numbers, Section
 from ratchet.style import COLOURS, GREY, figure
-from ratchet.verdict import NO, OPEN, YES, Claim, missing, number
+from ratchet.verdict import MOTIONS, NO, OPEN, YES, Claim, beside, missing, number
 
 from .memory import DRIVES, LONGER, VARIANTS, histories, measured, replica_of
 from .statistics import jackknife
@@ -228,18 +229,23 @@ def section(campaign):
     if not disks:
         out.claims.append(missing("&Omega; of a disk jumps when its cage rearranges.", slug="jumps-at-rearrangements"))
         return out
-    rows = []
-    for drive in (drive for drive in DRIVES.values() if len(disks.where(drive=drive))):
-        claim, row = judge(drive, disks.where(drive=drive), jumps.where(drive=drive))
-        out.claims.append(claim)
-        rows.append(row)
+    made = {motion: [judge(drive, of_motion(motion, disks, drive), of_motion(motion, jumps, drive))
+                     for drive in DRIVES.values() if len(of_motion(motion, disks, drive))] for motion in MOTIONS}
+    out.claims += beside(*([claim for claim, _ in some] for some in made.values()))
+    rows = [[motion, *row] for motion, some in made.items() for _, row in some]
     if traced:
         out.figures.append(trace_figure(traced, jumps))
     out.tables.append(Numbers("Jumps and rearrangements", [
-        "drive/<i>g</i>", "runs", "time of disks (10<sup>3</sup> s)", "jumps", "in shuffled blocks",
+        "motion", "drive/<i>g</i>", "runs", "time of disks (10<sup>3</sup> s)", "jumps", "in shuffled blocks",
         "per disk and 100 s",
         "with a rearrangement", "by chance", "rearrangements of cages", "with a jump"], rows, shown=True))
     return out
+
+
+def of_motion(motion, table, drive):
+    """The rows at one drive whose history is one of this motion."""
+    random = {float(k) for k, variant in enumerate(VARIANTS) if variant.startswith("noise")}
+    return Table([row for row in table.where(drive=drive).rows if (row["variant"] in random) == (motion != MOTIONS[0])])
 
 
 def run_of(table):

@@ -1,14 +1,13 @@
 """Low and moderate drive: every disk has a mean angular velocity of its own, which lasts."""
-import dataclasses
-
 import numpy as np
 
 from ratchet.page import Figure, Numbers, Section
 from ratchet.style import COLOURS, GREY, LIGHT, figure, legend_below, zero_line
-from ratchet.verdict import SURE, decide, missing, number
+from ratchet.verdict import MOTIONS, SURE, beside, decide, missing, number
 
 from . import disks, maps
-from .drive import lasts, random_floor
+from .drive import lasts
+from .memory import Powers
 from .statistics import jackknife, mean_error, moments, pearson, pooled, spearman
 
 PLAIN = {"low": "0.3 <i>g</i>", "moderate": "2 <i>g</i>"}
@@ -17,63 +16,60 @@ DECK = {"low": "shake_low.cfg", "moderate": "shake_moderate.cfg"}
 
 
 def sections(campaign):
-    return [*(persistence(campaign, name) for name in ("low", "moderate")), random_floor(campaign, random_claims(campaign))]
-
-
-def random_claims(campaign):
-    """The same statements under random drive, at each drive of the entry `random`: {drive: claims}."""
-    runs = [run for run in campaign.runs("random") if run.has_means]
-    made = {}
-    for drive, found in disks.by_drive(disks.boxes(campaign, "random")).items():
-        scaled = [box["omega"][box.held] / box.rms for box in found]
-        some = [run for run in runs if run.parameters["drive"] == drive]
-        claims = [persists("random", found), ranked("random", found), centred("random", found),
-                  *shape("random", scaled, turning_scaled(found)), deeper("random", found), counter("random", some)]
-        made[drive] = [dataclasses.replace(claim, text=f"At {drive:g} <i>g</i>: {claim.text[0].lower()}{claim.text[1:]}",
-                                           slug=f"{claim.slug}-{drive:g}g") for claim in claims]
-    return made
+    return [persistence(campaign, name) for name in DRIVE]
 
 
 def persistence(campaign, name):
-    found = disks.boxes(campaign, name, DRIVE[name])
-    runs = [run for run in campaign.runs(name) if run.has_means]
-    length = f"{found[0].whole['measured']:.0f} s" if found else "some hundred s"
-    out = Section(name, f"{'Low' if name == 'low' else 'Moderate'} drive, {PLAIN[name]}, harmonic: persistent rotation",
-                  f"{len(found)} packings of 60 disks (<code>inputs/packing/{DECK[name]}</code>), the floor harmonic "
-                  f"at 80 Hz "
-                  f"with peak acceleration {PLAIN[name]}, measured for {length} each after settling and a time to "
-                  "thermalise. &Omega;<sub>i</sub> is the angle that a disk has turned by over the measured time. "
-                  f"{disks.RULE} They are left out but where they are marked. Errors of pooled numbers are from "
-                  f"leaving out "
-                  "one packing at a time: packings are independent, disks of one packing need not be.",
-                  missing=campaign.missing(name))
-    if not found:
+    drive = DRIVE[name]
+    sets = {MOTIONS[0]: disks.boxes(campaign, name, drive),
+            MOTIONS[1]: disks.by_drive(disks.boxes(campaign, "random")).get(drive, [])}
+    runs = {MOTIONS[0]: campaign.runs(name),
+            MOTIONS[1]: [run for run in campaign.runs("random") if run.parameters.get("drive") == drive]}
+    out = Section(name, f"{'Low' if name == 'low' else 'Moderate'} drive, {PLAIN[name]}: persistent rotation",
+                  f"Packings of 60 disks, the floor harmonic at 80 Hz with peak acceleration {PLAIN[name]} "
+                  f"(<code>inputs/packing/{DECK[name]}</code>, {length(sets[MOTIONS[0]])}), or at random with the same rms "
+                  f"displacement (<code>shake_random.cfg</code>, {length(sets[MOTIONS[1]])}). &Omega;<sub>i</sub> is the angle "
+                  f"that a disk has turned by over the measured time. {disks.RULE} They are left out but where they are marked. "
+                  "Errors of pooled numbers are from leaving out one packing at a time: packings are independent, disks of one "
+                  "packing need not be.", missing=campaign.missing(name, "random"))
+    if not sets[MOTIONS[0]]:
         out.claims.append(missing("Mean angular velocities of the first and second half of the time agree.",
                                   slug=f"{name}-persists"))
         return out
-    scaled = [box["omega"][box.held] / box.rms for box in found]
-    turning = turning_scaled(found)
-    out.figures += [halves_figure(name, found), distribution_figure(name, found)]
-    out.claims += [persists(name, found), ranked(name, found), centred(name, found), *shape(name, scaled, turning),
-                   deeper(name, found)]
-    if runs:
-        out.figures.append(map_figure(name, runs[0]))
-        out.claims.append(counter(name, runs))
-    out.tables.append(numbers_table(name, found))
+    out.claims += beside(*(judged(name, found, [run for run in runs[motion] if run.has_means])
+                           for motion, found in sets.items()))
+    sets = {motion: found for motion, found in sets.items() if found}
+    out.figures += [halves_figure(name, sets), distribution_figure(name, sets)]
+    if runs[MOTIONS[0]]:
+        out.figures.append(map_figure(name, runs[MOTIONS[0]][0]))
+    out.tables.append(numbers_table(name, sets))
     return out
 
 
-def numbers_table(name, found):
+def length(found):
+    return f"{found[0].whole['measured']:.0f} s, {len(found)} packings" if found else "not run"
+
+
+def judged(name, found, runs):
+    """The claims of one motion."""
+    if not found:
+        return []
+    scaled = [box["omega"][box.held] / box.rms for box in found]
+    return [persists(name, found), ranked(name, found), centred(name, found), *shape(name, scaled, turning_scaled(found)),
+            deeper(name, found), *([counter(name, runs)] if runs else [])]
+
+
+def numbers_table(name, sets):
     return Numbers(f"Each packing at {PLAIN[name]}",
-                   ["seed", "rattlers", "mean &Omega; (rad/s)", "rms &Omega;", "median |&Omega;|", "median error",
+                   ["motion", "seed", "rattlers", "mean &Omega; (rad/s)", "rms &Omega;", "median |&Omega;|", "median error",
                     "beyond 3 errors", "correlation of halves", "wander/diameter", "contacts per "
                                                                                    "disk", "sliding fraction",
                     "openings per contact and period"],
-                   [[str(box.whole["seed"]), float(np.sum(~box.held)), number(box["omega"][box.held].mean()),
+                   [[motion, str(box.whole["seed"]), float(np.sum(~box.held)), number(box["omega"][box.held].mean()),
                      *(number(value) for value in (
                          box.rms, box.median, box.noise, box.turns[box.held].mean(), pearson(*box.halves),
                          box.spread("rms"), box.whole["coordination"], box.whole["sliding"], box.openings))]
-                    for box in found])
+                    for motion, found in sets.items() for box in found])
 
 
 def persists(name, found):
@@ -173,77 +169,84 @@ def counter(name, runs):
                   " % of the contacts join disks that turn in opposite senses", slug=f"{name}-gears")
 
 
-def halves_figure(name, found):
-    picture, axes = figure(columns=2, height=3.3, legend=True)
-    scatter, zoom = axes
-    first, second = (np.concatenate([box[f"omega_{half}"] for box in found]) for half in ("first", "second"))
-    rms = float(np.sqrt(np.mean(first ** 2)))
-    for k, box in enumerate(found):
-        for panel in axes:
+def halves_figure(name, sets):
+    picture, axes = figure(columns=len(sets), width=7.0, height=3.7, legend=True, squeeze=False)
+    for panel, (motion, found) in zip(axes[0], sets.items()):
+        rms = float(np.sqrt(np.mean(np.concatenate([box["omega_first"][box.held] for box in found]) ** 2)))
+        top = 1.3 * max(np.abs(box[f"omega_{half}"]).max() for box in found for half in ("first", "second"))
+        for k, box in enumerate(found):
             panel.plot(*box.halves, "o", ms=3, mew=0.6, mfc="none", color=COLOURS[k % len(COLOURS)], zorder=3)
             panel.plot(box["omega_first"][~box.held], box["omega_second"][~box.held], "x", ms=4, mew=0.8, color="black",
                        zorder=4)
-    scatter.plot([], [], "o", ms=3, mew=0.6, mfc="none", color=GREY, label="disks, a colour per packing")
-    scatter.plot([], [], "x", ms=4, mew=0.8, color="black", label="rattlers")
-    top = 1.08 * max(np.abs(first).max(), np.abs(second).max())
-    for panel, reach in ((scatter, top), (zoom, min(top, 1.0 * rms))):
-        panel.plot([-reach, reach], [-reach, reach], color=GREY, lw=0.8, zorder=1, gid="guide")
-        panel.set_xlim(-reach, reach)
-        panel.set_ylim(-reach, reach)
+        panel.plot([-top, top], [-top, top], color=GREY, lw=0.8, zorder=1, gid="guide")
+        for scale, limit, axis in ((panel.set_xscale, panel.set_xlim, panel.xaxis),
+                                   (panel.set_yscale, panel.set_ylim, panel.yaxis)):
+            scale("symlog", linthresh=0.1 * rms, linscale=0.5)
+            limit(-top, top)
+            axis.set_major_locator(Powers(0.1 * rms, top))
+            axis.set_minor_locator(Powers(np.inf, 0))
         panel.set_aspect("equal")
         panel.set_xlabel(r"$\Omega_i$, first half (rad/s)")
+        panel.set_title(f"{motion} drive", fontsize=10)
         zero_line(panel)
-    scatter.set_ylabel(r"$\Omega_i$, second half (rad/s)")
-    scatter.set_title(f"all {len(first)} disks")
-    zoom.set_title("the same, up to one rms")
-    legend_below(picture, scatter, 2)
-    rattlers = int(sum((~box.held).sum() for box in found))
-    return Figure(f"halves-{name}", picture, "Mean angular velocity of each disk in the second half of the measured "
-                                             "time "
-                  f"against that in the first; a colour per packing; crosses: the {rattlers} rattlers; the line: "
-                  f"equal.",
-                  "Scatter plot of mean angular velocities in two halves of the runs")
+    axes[0, 0].set_ylabel(r"$\Omega_i$, second half (rad/s)")
+    axes[0, 0].plot([], [], "o", ms=3, mew=0.6, mfc="none", color=GREY, label="disks, a colour per packing")
+    axes[0, 0].plot([], [], "x", ms=4, mew=0.8, color="black", label="rattlers")
+    legend_below(picture, axes[0, 0], 2)
+    return Figure(f"halves-{name}", picture, "Mean angular velocity of each disk in the second half of the measured time "
+                  "against that in the first; logarithmic beyond a tenth of the rms; the line: equal.",
+                  "Scatter plots of mean angular velocities in two halves of the runs, harmonic and random")
 
 
-def distribution_figure(name, found):
+def distribution_figure(name, sets):
     """Disks beyond three errors as a density; those within, which a linear axis puts into one bin, as a fraction."""
-    scaled = turning_scaled(found)
-    resting = sum(int((box.held & ~box.turns).sum()) for box in found)
-    picture, axes = figure(columns=2, width=7.0, height=3.5, legend=True, gridspec_kw={"width_ratios": [3, 1]})
-    every = np.concatenate(scaled)
+    picture, axes = figure(columns=len(sets) + 1, width=7.4, height=3.5, legend=True,
+                           gridspec_kw={"width_ratios": [3] * len(sets) + [1.6]})
+    beyond = 0
+    for k, (panel, (motion, found)) in enumerate(zip(axes, sets.items())):
+        scaled = turning_scaled(found)
+        beyond += density(panel, scaled, COLOURS[k])
+        panel.set_title(f"{motion} drive", fontsize=10)
+        count = sum(map(len, scaled)), sum(int(box.held.sum()) for box in found)
+        axes[-1].bar(k, count[0] / max(count[1], 1), 0.6, color=COLOURS[k])
+        axes[-1].bar(k, 1 - count[0] / max(count[1], 1), 0.6, count[0] / max(count[1], 1), color=LIGHT)
+        axes[-1].text(k, 0.03, f"{count[0]} of {count[1]}", rotation=90, ha="center", va="bottom", fontsize=8, color="white")
+    axes[0].set_ylabel("probability density")
+    axes[-1].set_xticks(range(len(sets)), list(sets), rotation=30)
+    axes[-1].minorticks_off()
+    axes[-1].set_ylim(0, 1)
+    axes[-1].set_ylabel(f"fraction beyond {SURE:g} errors")
+    legend_below(picture, axes, 3)
+    return Figure(f"distribution-{name}", picture, "Left and middle: distribution of the mean angular velocities of the disks "
+                  f"beyond {SURE:g} errors, no rattlers, each packing scaled by the rms of these. Bars: from the scatter of "
+                  f"packings, and no less than of independent disks. Right: how many disks are beyond {SURE:g} errors (full)."
+                  + (f" {beyond} disks are beyond the axis." if beyond else ""),
+                  "Distribution of mean angular velocities of turning disks, and the fractions that turn and rest")
+
+
+def density(panel, scaled, colour):
+    """Draws one; returns the number of disks beyond the axis."""
+    every = np.concatenate(scaled) if scaled else np.zeros(0)
     edges = np.linspace(-5.25, 5.25, 22)
-    parts = np.array([np.histogram(part, edges)[0] for part in scaled])
+    parts = np.array([np.histogram(part, edges)[0] for part in scaled]).reshape(-1, len(edges) - 1)
     count, width, middle = parts.sum(0), np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
     error = np.sqrt(np.maximum(count, 1.0))  # at least: a packing or two say little about their scatter
     if len(scaled) > 1:
         error = np.maximum(parts.std(0, ddof=1) * np.sqrt(len(scaled)), error)
-    norm = len(every) * width
+    norm = max(len(every), 1) * width
     shown = count > 0
     low = np.minimum(error, 0.9 * count)  # a bar that does not leave the logarithmic axis
-    axes[0].errorbar(middle[shown], (count / norm)[shown], yerr=[(low / norm)[shown], (error / norm)[shown]], fmt="o",
-                     mfc="white", color=COLOURS[0], label=f"{len(every)} disks beyond {SURE:g} errors")
+    panel.errorbar(middle[shown], (count / norm)[shown], yerr=[(low / norm)[shown], (error / norm)[shown]], fmt="o",
+                   mfc="white", color=colour, label=f"disks beyond {SURE:g} errors")
     x = np.linspace(-5.25, 5.25, 300)
-    axes[0].plot(x, np.exp(-x * x / 2) / np.sqrt(2 * np.pi), color=GREY, lw=1, label="Gaussian", gid="guide")
-    axes[0].plot(x, np.exp(-np.sqrt(2) * np.abs(x)) / np.sqrt(2), color=COLOURS[1], lw=1, ls="--", label="Laplace",
-                 gid="guide")
-    axes[0].set_yscale("log")
-    axes[0].set_xlim(-5.25, 5.25)
-    axes[0].set_ylim(0.3 / norm.max(), 5)
-    axes[0].set_xlabel(r"$\Omega_i$ / rms of the turning disks of the packing")
-    axes[0].set_ylabel("probability density")
-    total = max(len(every) + resting, 1)
-    axes[1].bar([0, 1], [len(every) / total, resting / total], 0.6, color=[COLOURS[0], LIGHT])
-    axes[1].set_xticks([0, 1], [f"beyond\n{SURE:g} errors\n({len(every)})", f"within\n({resting})"])
-    axes[1].minorticks_off()
-    axes[1].set_ylim(0, 1)
-    axes[1].set_ylabel("fraction of the disks")
-    legend_below(picture, axes, 3)
-    beyond = int(np.sum(np.abs(every) > 5.25))
-    return Figure(f"distribution-{name}", picture, "Left: distribution of the mean angular velocities of the disks beyond "
-                  f"{SURE:g} errors, no rattlers, each packing scaled by the rms of these. Bars: from the scatter of "
-                  "packings, and no less than of independent disks. Right: how many these are, and how many are within "
-                  f"{SURE:g} errors." + (f" {beyond} disks are beyond the axis." if beyond else ""),
-                  "Distribution of mean angular velocities of turning disks, and the fractions that turn and rest")
+    panel.plot(x, np.exp(-x * x / 2) / np.sqrt(2 * np.pi), color=GREY, lw=1, label="Gaussian", gid="guide")
+    panel.plot(x, np.exp(-np.sqrt(2) * np.abs(x)) / np.sqrt(2), color=COLOURS[3], lw=1, ls="--", label="Laplace",
+               gid="guide")
+    panel.set_yscale("log")
+    panel.set_xlim(-5.25, 5.25)
+    panel.set_ylim(0.3 / norm.max(), 5)
+    panel.set_xlabel(r"$\Omega_i$ / rms of the turning disks", fontsize=10)
+    return int(np.sum(np.abs(every) > 5.25))
 
 
 def map_figure(name, run):

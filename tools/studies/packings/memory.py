@@ -66,9 +66,8 @@ def at_random(campaign):
     """[(drive, number of the packing, run)] under random vibration, one history of each packing."""
     found = [(drive, packing, run) for name, drive in DRIVES.items()
              for (packing, variant), run in sorted(histories(campaign, name).items()) if variant == "noise_1"]
-    found += [(run.parameters["drive"], 100 + k, run) for k, run in enumerate(measured(campaign, "random"))
-              if "drive" in run.parameters]
-    return [(drive, packing, run) for drive, packing, run in found if len(run.result.contacts) >= FEW]
+    found += [(run.parameters.get("drive"), 100 + k, run) for k, run in enumerate(measured(campaign, "random"))]
+    return [one for one in found if one[0] in DRIVES.values() and len(one[2].result.contacts) >= FEW]
 
 
 def packing_of(parameters):
@@ -180,9 +179,8 @@ def section(campaign):
     out = Section("memory", "One packing, several histories: what &Omega;<sub>i</sub> remembers",
                   "Packings of 60 disks at rest (<code>inputs/packing/cage_start.cfg</code>) are shaken several "
                   "times, each time from the same places (<code>cage_memory.cfg</code>). If the cage sets "
-                  "&Omega;<sub>i</sub>, it is the same in all these runs; if the contacts' memory does, it is not. The rms "
-                  "displacement of the random motion is &radic;2 times that of the harmonic one here; at equal ones "
-                  "they are compared <a href=\"#gentle\">above</a>. "
+                  "&Omega;<sub>i</sub>, it is the same in all these runs; if the contacts' memory does, it is not. Harmonic and "
+                  "random drive have the same rms displacement. "
                   "What two runs do not have in common is the mean square of their differences over twice the mean "
                   f"&Omega;&sup2;. They count as the same when it is at most {EQUAL:g} and the rank correlation of "
                   f"halves of two runs is at most {EQUAL:g} below that of halves of one. Errors are from leaving out "

@@ -6,10 +6,10 @@ from . import alone
 LEVELS = ("quick", "default")
 DESCRIPTIONS = {
     "quick": "a coarse look: few packings, short runs. Many statements are left undecided",
-    "default": "the campaign of docs/studies/packings_study.md, about 100 minutes of one core. The decks ask for 500 s "
+    "default": "the campaign of docs/studies/packings_study.md, about three hours of one core. The decks ask for 500 s "
                "and ten packings at each point. Low drive is measured for 500 s, moderate drive for 200 s, the sweep of "
                "drives and random vibration for 60 s, with six packings; harmonic against random drive of the same rms "
-               "displacement for 300 s with two; disks whose neighbours do not turn for 8 s (20 s at 0.3 <i>g</i>) with "
+               "displacement for 500 s with four; disks whose neighbours do not turn for 8 s (20 s at 0.3 <i>g</i>) with "
                "eight",
 }
 
@@ -48,11 +48,15 @@ def _starts(count):
 
 def _memory(drive, thermalise, measure, packings, every=1507):
     """One packing with several histories: `packings` of them with the first, two with all."""
-    keys = {"motions[*].acceleration": drive, **_times(thermalise, measure), "phases.measure.contacts": every,
+    keys = {"constants.drive": drive, **_times(thermalise, measure), "phases.measure.contacts": every,
             "disk_files[0].file": "{folder}/cage_start/points/base.h5", "sweep[*].parameters.start.values": _starts(2)}
     return Entry("cage_memory.cfg", {**keys, "sweep[0].parameters.start.values": _starts(packings)},
                  {**SHORT, "sweep[*].parameters.start.values": _starts(2),
                   "sweep[0].parameters.start.values": _starts(3)})
+
+
+# The motion of measuring and of what precedes it: random with the same rms displacement.
+NOISE = {"phases.thermalise.motions": '"noise"', "phases.measure.motions": '"noise"'}
 
 
 def _alone(drive, thermalise, measure, packings=8, single=()):
@@ -71,7 +75,7 @@ def _records(frames, contacts):
 _SMALL = {"packings[0].count": 100, "container.width": 15.24, "container.height": 15.24}
 
 # docs/studies/data has columns of disks and contacts of these runs; numbers only of all others.
-WITH_DISKS = ("low", "moderate", "drive", "random", "frictionless", "cage", "drum", "quiet", "quiet_stiff", "quiet_long")
+WITH_DISKS = ("low", "moderate", "drive", "random", "frictionless", "cage", "drum", "quiet", "quiet_random", "quiet_stiff", "quiet_long")
 
 # Cheap and needed by others first.
 ENTRIES = {
@@ -87,11 +91,14 @@ ENTRIES = {
     "step": Entry("shake_step.cfg", {}, {"phases.measure.time": 2, "sweep.replicas": 1}, first=1),
     "moderate": Entry("shake_moderate.cfg", {**_times(20, 200), **_records(50000, 49391), **SIX},
                       {**SHORT, "sweep.replicas": 2}, first=3),
-    "random": Entry("shake_random.cfg", {**_times(5, 60), **_records(25000, 24691), **SIX},
-                    {**SHORT, "sweep.replicas": 2}, first=3),
-    "scan": Entry("shake_scan.cfg", {EACH: 2}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
-    "size": Entry("shake_size.cfg", {"sweep.replicas": 1}, {**SHORT, "sweep.replicas": 1}, first=1),
-    "prepared": Entry("shake_prepared.cfg", {EACH: 2}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
+    "random": Entry("shake_random.cfg", {**_times(5, 60), **_records(25000, 24691), **SIX,
+                                         "sweep.parameters.drive.values": DRIVES},
+                    {**SHORT, "sweep.replicas": 2, "sweep.parameters.drive.values": "(0.3, 1, 3)"}, first=2),
+    **{name + end: Entry(deck, {replicas: count, **motion}, {**SHORT, replicas: 1}, first=1, replicas=replicas)
+       for end, motion in (("", {}), ("_random", NOISE))
+       for name, deck, replicas, count in (("scan", "shake_scan.cfg", EACH, 2),
+                                           ("size", "shake_size.cfg", "sweep.replicas", 1),
+                                           ("prepared", "shake_prepared.cfg", EACH, 2))},
     "hopper": Entry("hopper.cfg", {"container.width": 30, "container.height": 75, "phases.flow.time": 150,
                                    "sweep.parameters.outlet.values": "(4, 5, 6, 7, 8, 10)", "sweep.replicas": 3},
                     {"container.height": 35, "sweep.replicas": 1,
@@ -100,12 +107,14 @@ ENTRIES = {
     "cage_moderate": _memory(2, 5, 40, 8),
     "cage_middle": _memory(0.7, 5, 40, 8),
     "cage_low": _memory(0.3, 15, 60, 6),
-    "gentle": Entry("cage_gentle.cfg", {**_times(10, 300), "sweep[*].parameters.start.values": _starts(2)}, SHORT),
+    "gentle": Entry("cage_gentle.cfg", {"sweep[*].parameters.start.values": _starts(4)},
+                    {**SHORT, "sweep[*].parameters.start.values": _starts(1)}),
     **{f"alone_{name}": _alone(drive, *times) for name, drive, *times in (("middle", 0.7, 2, 8), ("moderate", 2, 2, 8),
                                                                          ("low", 0.3, 5, 20))},
     "alone_single": _alone(0.7, 2, 6, 1, single=(0,)),
-    "quiet": Entry("quiet.cfg", {**_times(20, 200), **_records(125000, 123457), "sweep.replicas": 3},
-                   {**SHORT, "sweep.replicas": 1, "sweep.parameters.drive.values": "(0.05, 0.2)"}, first=2),
+    **{name: Entry("quiet.cfg", {**_times(20, 200), **_records(125000, 123457), "sweep.replicas": 3, **motion},
+                   {**SHORT, "sweep.replicas": 1, "sweep.parameters.drive.values": "(0.05, 0.2)"}, first=2)
+       for name, motion in (("quiet", {}), ("quiet_random", NOISE))},
     "quiet_stiff": Entry("quiet.cfg", {**_times(10, 100), **_records(200000, 197531), **STIFF, "sweep.replicas": 3,
                                        "sweep.parameters.drive.values": "(0.05, 0.1)"}, skip_quick=True, first=1),
     "quiet_long": Entry("quiet.cfg", {"sweep.replicas": 2, "sweep.parameters.drive.values": "(0.1)"}, skip_quick=True,
@@ -115,8 +124,8 @@ ENTRIES = {
     "jam": Entry("jam.cfg", {"sweep.replicas": 5}, {**_SMALL, "sweep.replicas": 2}, first=1),
     "jam_friction": Entry("jam_friction.cfg", {"sweep.replicas": 5}, {**_SMALL, "sweep.replicas": 2}, first=1),
     "deposit_1e4": Entry("deposit_1e4.cfg", {}, {}, sweep=False, threads=True, skip_quick=True),
-    "shake_1e4": Entry("shake_1e4.cfg", {"disk_files[0].file": "{folder}/deposit_1e4.h5"}, sweep=False,
-                       threads=True, skip_quick=True),
+    **{name: Entry("shake_1e4.cfg", {"disk_files[0].file": "{folder}/deposit_1e4.h5", **motion}, sweep=False,
+                   threads=True, skip_quick=True) for name, motion in (("shake_1e4", {}), ("shake_1e4_random", NOISE))},
     "deposit_1e5": Entry("deposit_1e5.cfg", {}, {}, sweep=False, threads=True, skip_quick=True, large=True),
     "shake_1e5": Entry("shake_1e5.cfg", {"disk_files[0].file": "{folder}/deposit_1e5.h5"}, sweep=False,
                        threads=True, skip_quick=True, large=True),

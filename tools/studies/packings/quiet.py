@@ -2,8 +2,8 @@
 import numpy as np
 
 from ratchet.page import Figure, Numbers, Section
-from ratchet.style import COLOURS, GREY, figure
-from ratchet.verdict import SURE, decide, missing, number
+from ratchet.style import COLOURS, GREY, figure, legend_below
+from ratchet.verdict import MOTIONS, SURE, beside, decide, missing, number
 
 from . import each
 from .disks import CHANCE, PERIOD, RULE, boxes, by_drive
@@ -11,8 +11,8 @@ from .drive import bars
 from .statistics import mean_error, share, weighted_power
 
 # Entry, stiffness of a contact, label: the sweep of drives is there to compare with.
-SETS = (("drive", 1e4), ("quiet", 1e5), ("quiet_stiff", 1e6), ("quiet_long", 1e5))
-OWN = ("quiet", "quiet_stiff", "quiet_long")
+SETS = (("drive", 1e4), ("quiet", 1e5), ("quiet_stiff", 1e6), ("quiet_long", 1e5), ("random", 1e4), ("quiet_random", 1e5))
+OWN = {MOTIONS[0]: ("quiet", "quiet_stiff", "quiet_long"), MOTIONS[1]: ("quiet_random",)}
 WEAK = 0.3  # in units of g; beyond it the sweep of drives is no weak drive
 
 
@@ -55,10 +55,10 @@ def row(name, stiffness, drive, found):
 
 
 def rows_of(campaign):
-    made = []
+    made, own = [], [name for names in OWN.values() for name in names]
     for name, stiffness in SETS:
         for drive, found in by_drive(boxes(campaign, name)).items():
-            if name in OWN or drive <= WEAK:
+            if name in own or drive <= WEAK:
                 made.append(row(name, stiffness, drive, found))
     return made
 
@@ -69,28 +69,28 @@ def label(r):
 
 def sections(campaign):
     rows = rows_of(campaign)
-    own = [r for r in rows if r["name"] in OWN]
+    own = {motion: [r for r in rows if r["name"] in names] for motion, names in OWN.items()}
     out = Section("quiet", "Stiff contacts, weak drive: rotation without openings",
                   "<code>inputs/packing/quiet.cfg</code>: contacts ten times as stiff as in the other boxes, so that "
                   "the lowest resonance lies above the 80 Hz of the floor (a chain of eight disks has 138 Hz, with the "
                   "soft contacts 44 Hz); a hundred times as stiff; and two packings for 2000 s. "
                   "<i>k</i><sub>t</sub>/<i>k</i><sub>n</sub> = 0.5 as elsewhere, velocity-Verlet at a 50th of the "
-                  "shortest period. The weakest drives of the sweep with soft contacts stand beside them. An opening is "
-                  f"a contact that ends, at any step. {RULE}", missing=campaign.missing(*OWN))
-    if not own:
+                  "shortest period. Random drive has the rms displacement of the harmonic one. The weakest drives of the sweep with soft contacts stand beside them. An opening is "
+                  f"a contact that ends, at any step. {RULE}", missing=campaign.missing(*OWN[MOTIONS[0]], *OWN[MOTIONS[1]]))
+    if not own[MOTIONS[0]]:
         out.claims.append(missing("Disks turn although none of their contacts ever opens.", slug="quiet-turning"))
         return [out]
-    out.claims += [no_openings(own), without_openings(own), vanishes(own)]
-    out.claims += [each.claim(r["boxes"], r["drive"], slug_of(r), label(r)) for r in own]
-    out.claims += [lasts(r) for r in own if r["name"] == "quiet_long"]
+    out.claims += beside(*([no_openings(some), without_openings(some), vanishes(some),
+                            *(each.claim(r["boxes"], r["drive"], slug_of(r), label(r)) for r in some),
+                            *(lasts(r) for r in some if r["name"] == "quiet_long")] for some in own.values() if some))
     out.figures.append(against_drive(rows))
-    out.figures.append(sizes(own))
+    out.figures.append(sizes(own[MOTIONS[0]]))
     out.tables.append(numbers_table(rows))
     return [out]
 
 
 def slug_of(r):
-    return f"each-disk-{r['name'].replace('_', '-')}-{r['drive']:g}"
+    return f"each-disk-{r['name'].replace('_random', '').replace('_', '-')}-{r['drive']:g}"
 
 
 def no_openings(rows):
@@ -122,7 +122,7 @@ def without_openings(rows):
 
 def vanishes(rows):
     """The part that turns at the weakest and the strongest drive of the sweep with stiff contacts."""
-    swept = sorted((r for r in rows if r["name"] == "quiet"), key=lambda r: r["drive"])
+    swept = sorted((r for r in rows if r["name"] in ("quiet", "quiet_random")), key=lambda r: r["drive"])
     text = "The weaker the drive, the fewer disks turn: rotation fades with sliding."
     if len(swept) < 2:
         return missing(text, slug="quiet-fades")
@@ -180,11 +180,12 @@ def numbers_table(rows):
 
 
 LOOK = {"drive": (COLOURS[0], "o", "$k_n = 10^4$"), "quiet": (COLOURS[1], "s", "$k_n = 10^5$"),
-        "quiet_stiff": (COLOURS[2], "^", "$k_n = 10^6$"), "quiet_long": (COLOURS[3], "D", "$k_n = 10^5$, 2000 s")}
+        "quiet_stiff": (COLOURS[2], "^", "$k_n = 10^6$"), "quiet_long": (COLOURS[3], "D", "$k_n = 10^5$, 2000 s"),
+        "random": (COLOURS[0], "o", "$k_n = 10^4$, random"), "quiet_random": (COLOURS[1], "s", "$k_n = 10^5$, random")}
 
 
 def against_drive(rows):
-    picture, axes = figure(columns=2, rows=2, width=7.2, height=5.6, sharex=True)
+    picture, axes = figure(columns=2, rows=2, width=7.2, height=5.8, sharex=True, legend=True)
     panels = ((axes[0, 0], "openings", "openings per contact\nand period", True),
               (axes[0, 1], "closed", "disks that never open", False),
               (axes[1, 0], "turning", "turn, of those that slide\nand never open", False),
@@ -198,8 +199,9 @@ def against_drive(rows):
             value, error = (np.array([r[key][k] for r in part], float) for k in range(2))
             shown = (value > 0) if logarithmic else np.isfinite(value)
             spread = bars(value, error)[:, shown] if logarithmic else np.nan_to_num(error)[shown]
-            panel.errorbar(drives[shown], value[shown], yerr=spread, fmt=sign + "-", lw=0.7, mfc="white", color=colour,
-                           label=text)
+            random = "random" in name
+            panel.errorbar(drives[shown], value[shown], yerr=spread, fmt=sign + ("--" if random else "-"), lw=0.7,
+                           mfc=colour if random else "white", color=colour, label=text)
     for panel, key, text, logarithmic in panels:
         panel.set_xscale("log")
         panel.set_ylabel(text)
@@ -214,8 +216,9 @@ def against_drive(rows):
         panel.set_xlabel("peak acceleration of the floor / $g$")
         panel.set_xticks(drives, [f"{d:g}" for d in drives])
         panel.minorticks_off()
-    axes[0, 1].legend(loc="best")
-    return Figure("quiet", picture, "Weak drive with soft, stiff and very stiff contacts; disks that are no rattlers. "
+    legend_below(picture, axes[0, 1], 5, fontsize=8, columnspacing=1.0)
+    return Figure("quiet", picture, "Weak drive, harmonic (open symbols) and random with the same rms displacement (full), with "
+                                    "soft, stiff and very stiff contacts; disks that are no rattlers. "
                                     "Where no "
                   "contact opened the point is missing in the logarithmic panel. Dotted: what chance allows.",
                   "Openings, fractions of disks that never open and that turn, and rms angular velocity against weak drive")

@@ -8,13 +8,14 @@ from matplotlib.ticker import NullFormatter
 
 from ratchet.page import Figure, Numbers, Section
 from ratchet.style import COLOURS, GREY, plt
-from ratchet.verdict import NO, OPEN, YES, Claim, decide, missing, number
+from ratchet.verdict import MOTIONS, NO, OPEN, YES, Claim, beside, decide, missing, number
 
 from .compare import differ, exponent, percent, student, together
 from .drive import bars, lasts
 from .statistics import mean_error, pearson, spearman
 
 DRIVES = (0.7, 2.0)
+ENTRIES = ("scan", "size", "prepared")  # of plan.py; those under random drive end on _random
 LARGE = "shake_1e4"
 CLEAR = 0.01     # chance below which groups differ
 SAME = 0.05      # and above which they may be alike
@@ -89,41 +90,44 @@ def sections(campaign):
                   "<i>shaken down</i> is 5 s at 5 <i>g</i>, <i>pressed</i> is 5 s under a lid of thirty times the "
                   "weight. The box with none of these changed is run for each scan; its packings count in all of them. "
                   "Error bars: scatter of packings; none for a single one.",
-                  missing=campaign.missing("scan", "size", "prepared"))
+                  missing=campaign.missing(*ENTRIES, *(name + "_random" for name in ENTRIES)))
     table = campaign.numbers("scans", lambda: rows(campaign), "each packing: angular velocities in rad/s, lengths in "
                              "mean diameters, openings per contact and period")
     if not table.rows:
         out.claims.append(missing("The rotation lasts whatever the parameters.", slug="scan-lasts"))
         return [out]
-    found = {scan.key: points_of(scan, table.rows) for scan in SCANS}
-    out.claims.append(all_last(found))
-    for claim in CLAIMS:
-        out.claims += claims_of(*claim, found[claim[1]])
-    out.claims.append(reference(table.rows))
+    parts = {motion: [row for row in table.rows if row["motion"] == motion] for motion in MOTIONS}
+    sets = {motion: {scan.key: points_of(scan, part) for scan in SCANS} for motion, part in parts.items() if part}
+    out.claims += beside(*([all_last(found), *(made for claim in CLAIMS for made in claims_of(*claim, found[claim[1]])),
+                            reference(parts[motion])] for motion, found in sets.items()))
     for name, scans in (("scans", SCANS[:4]), ("scans-size", SCANS[4:])):
-        if any(found[scan.key] for scan in scans):
-            out.figures.append(overview(name, scans, found))
+        out.figures += [overview(f"{name}-{motion}", motion, scans, found) for motion, found in sets.items()
+                        if any(found[scan.key] for scan in scans)]
     out.tables.append(Numbers("Each point of the scans (rms and median in rad/s)",
-                              ["scan", "value", "drive/<i>g</i>", "packings",
+                              ["motion", "scan", "value", "drive/<i>g</i>", "packings",
                                *(name for q in QUANTITIES for name in (q, "error"))],
-                              [[scan.title, plain(value), drive, len(some),
+                              [[motion, scan.title, plain(value), drive, len(some),
                                 *(cell for q in QUANTITIES for cell in mean_error([row[q] for row in some]))]
-                               for scan in SCANS for (drive, value), some in found[scan.key].items()]))
+                               for motion, found in sets.items() for scan in SCANS
+                               for (drive, value), some in found[scan.key].items()]))
     return [out]
 
 
 # --- table --------------------------------------------------------------------------------------------------
 def rows(campaign):
     """A row for each packing, with what was varied in it."""
-    found = []
-    for entry in ("scan", "size", "prepared", LARGE):
-        for run in campaign.runs(entry):
-            if run.has_means:
-                found.append(row_of(entry, run))
+    found = [row_of(entry, motion, run) for entry, motion, run in runs_of(campaign)]
     return {key: [row[key] for row in found] for key in found[0]} if found else None
 
 
-def row_of(entry, run):
+def runs_of(campaign):
+    """(entry, motion, run) of all that is compared."""
+    for motion, end in zip(MOTIONS, ("", "_random")):
+        for entry in (*ENTRIES, LARGE):
+            yield from ((entry, motion, run) for run in campaign.runs(entry + end) if run.has_means)
+
+
+def row_of(entry, motion, run):
     known = run.parameters
     diameter = 2 * float(run.radius.mean())
     frequency = known.get("frequency", 80.0)
@@ -131,7 +135,7 @@ def row_of(entry, run):
         name for name in ("mu", "k_t", "frequency") if name in known)
     made = {"tap": "shaken down", "press": "pressed"}.get(known.get("then"), known.get("made", "rain"))
     first, second = run.halves()
-    return {"varied": varied, "drive": known.get("drive", 2.0), "mu": known.get("mu", 0.1),
+    return {"motion": motion, "varied": varied, "drive": known.get("drive", 2.0), "mu": known.get("mu", 0.1),
             "ratio": known.get("k_t", 5e3) / 1e4, "frequency": frequency, "made": made, "disks": run.n_free,
             "width": round(known.get("width", 4.0 if entry == LARGE else 0.4) / diameter, 2),
             "depth": float(np.max(run.y_end + run.radius)) / diameter, "seed": run.seed, "seconds": run.measured,
@@ -277,7 +281,7 @@ PANELS = ((("rms", "rms", "o", "-"), ("median", "median", "s", ":")),
 LABELS = (r"$|\Omega|$ (rad/s)", "fraction", "openings per\ncontact and period")
 
 
-def overview(name, scans, found):
+def overview(name, motion, scans, found):
     picture = plt.figure(figsize=(7.6, 7.1), layout="constrained")
     above, below = picture.subfigures(2, 1, height_ratios=[0.55, 6.55])
     axes = below.subplots(3, len(scans), sharey="row", sharex="col", squeeze=False)
@@ -299,10 +303,10 @@ def overview(name, scans, found):
     signs = [Line2D([], [], color=GREY, marker=sign, ls=line, mfc=GREY if line == "-" else "white", label=label)
              for part in PANELS for _, label, sign, line in part]
     above.legend(handles=colours + signs, loc="center", ncol=4, fontsize=9.5)
-    return Figure(name, picture, "Rms and median of the mean angular velocities, fraction of the disks beyond 3 "
+    return Figure(name, picture, f"{motion.capitalize()} drive: rms and median of the mean angular velocities, fraction of the disks beyond 3 "
                                  "errors and correlation of the two halves of the time, openings of contacts. "
                                  "Error bars: scatter of packings (10000 disks: one packing).",
-                  "Rotation against " + ", ".join(scan.title for scan in scans))
+                  f"Rotation against parameters, {motion} drive: " + ", ".join(scan.title for scan in scans))
 
 
 def draw(panel, scan, points, k, name, _, sign, line):

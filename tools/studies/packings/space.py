@@ -4,11 +4,11 @@ import collections
 import numpy as np
 
 from ratchet.page import Figure, Numbers, Section
-from ratchet.style import COLOURS, figure, legend_above, points, zero_line
-from ratchet.verdict import NO, OPEN, SURE, YES, Claim, missing, number, zero
+from ratchet.style import figure, legend_below, points, zero_line
+from ratchet.verdict import MOTIONS, NO, OPEN, SURE, YES, Claim, beside, missing, number, zero
 
 from . import contacts
-from .memory import BLOCK, DRIVES, measured, shaken
+from .memory import BLOCK, DRIVES, at_random, measured, shaken
 from .statistics import jackknife
 
 CASES = [*(f"60 disks, {drive:g} <i>g</i>" for drive in DRIVES.values()), "10000 disks, 2 <i>g</i>"]
@@ -24,12 +24,14 @@ def sections(campaign):
 
 
 def numbers(campaign):
-    """Sums over pairs of disks: a row for each case, packing or block, kind of distance and distance."""
+    """Sums over pairs of disks: a row for each motion (its place in MOTIONS), case, packing or block, kind of distance and
+    distance."""
     drives, rows = list(DRIVES.values()), []
-    for drive, packing, run in shaken(campaign):
-        rows += of_run(drives.index(drive), packing, run, contacts.Cage(run))
-    for run in measured(campaign, "shake_1e4"):
-        rows += of_run(len(drives), 0, run, None)
+    for motion, (some, large) in enumerate(((shaken, "shake_1e4"), (at_random, "shake_1e4_random"))):
+        made = [row for drive, packing, run in some(campaign)
+                for row in of_run(drives.index(drive), packing, run, contacts.Cage(run))]
+        made += [row for run in measured(campaign, large) for row in of_run(len(drives), 0, run, None)]
+        rows += [{"motion": motion, **row} for row in made]
     return {key: [row[key] for row in rows] for key in rows[0]} if rows else None
 
 
@@ -125,30 +127,32 @@ def section(campaign):
     out = Section("space", "How far &Omega;<sub>i</sub> are correlated",
                   "&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang; over &lang;&Omega;&sup2;&rang; of pairs of "
                   "disks by the distance of their mean places and by the number of contacts on the shortest way "
-                  "between them. 60 disks: harmonic drive, all pairs of disks that touch for a tenth of the time "
+                  "between them. 60 disks: all pairs of disks that touch for a tenth of the time "
                   f"are in contact; 10000 disks: surfaces of mean places nearer than {SLACK:g} diameters, &Omega; "
                   f"over the rms of its layer of {LAYER} diameters. Errors: leaving out ten neighbouring disks, or "
                   f"one of {SIDE * SIDE} blocks of the large one, at a time. Without any correlation 60 disks have "
                   "&minus;1/59.",
-                  missing=campaign.missing(*DRIVES, "shake_1e4"))
-    cases = [(k, words) for k, words in enumerate(CASES) if table and len(table.where(case=float(k)))]
-    if not cases:
+                  missing=campaign.missing(*DRIVES, "shake_1e4", "shake_1e4_random"))
+    if not table:
         out.claims.append(missing("Disks in contact turn against each other, like gears.", slug="gears-contact"))
         return out
-    curves = {k: {kind: curve(table.where(case=float(k), kind=kind)) for kind in ("distance", "contacts")}
-              for k, _ in cases}
-    rows = []
-    for k, words in cases:
-        steps = curves[k]["contacts"]
-        out.claims += [gears(words, SLUGS[k], steps), second(words, SLUGS[k], steps)]
-        rows += [[words, int(row[0]), int(row[5]), number(row[1], row[2]), number(row[3], row[4])]
-                 for row in zip(*steps)]
-    out.claims += [far(words, SLUGS[k], curves[k]["distance"]) for k, words in cases if SLUGS[k] == "1e4"]
-    out.figures.append(curves_figure(cases, curves))
+    curves = {word: {k: {kind: curve(table.where(motion=float(motion), case=float(k), kind=kind))
+                         for kind in ("distance", "contacts")}
+                     for k in range(len(CASES)) if len(table.where(motion=float(motion), case=float(k)))}
+              for motion, word in enumerate(MOTIONS)}
+    out.claims += beside(*([claim for k, found in some.items() for claim in claims(k, found)] for some in curves.values()))
+    rows = [[word, CASES[k], int(row[0]), int(row[5]), number(row[1], row[2]), number(row[3], row[4])]
+            for word, some in curves.items() for k, found in some.items() for row in zip(*found["contacts"])]
+    out.figures.append(curves_figure(curves))
     out.tables.append(Numbers("By contacts between two disks", [
-        "packing", "contacts", "pairs", "&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang;/&lang;&Omega;&sup2;&rang;",
+        "motion", "packing", "contacts", "pairs", "&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang;/&lang;&Omega;&sup2;&rang;",
         "share of opposite senses (both beyond 3 errors)"], rows))
     return out
+
+
+def claims(k, found):
+    made = [gears(CASES[k], SLUGS[k], found["contacts"]), second(CASES[k], SLUGS[k], found["contacts"])]
+    return made + ([far(CASES[k], SLUGS[k], found["distance"])] if SLUGS[k] == "1e4" else [])
 
 
 def curve(table):
@@ -198,24 +202,22 @@ def far(words, slug, distance):
                 what="correlation", kind="own check", slug=f"gears-far-{slug}")
 
 
-def curves_figure(cases, curves):
-    picture, axes = figure(columns=2, width=7.2, height=3.3, sharey=True)
-    for place, (k, words) in enumerate(cases):
-        plain = words.replace("<i>", "$").replace("</i>", "$")
-        for panel, kind in zip(axes, ("distance", "contacts")):
-            found = curves[k][kind]
-            some = found[0] <= (8 if kind == "distance" else DEEP)
-            points(panel, found[0][some] + 0.04 * (place - 1.5), found[1][some], found[2][some], plain, place,
-                   "os^D"[place])
-    for panel, label in zip(axes, (r"distance/mean diameter", "contacts between the disks")):
-        zero_line(panel)
+def curves_figure(curves):
+    picture, axes = figure(columns=2, rows=2, width=7.2, height=6.0, legend=True, sharex="col", sharey=True)
+    for row, (word, some) in zip(axes, curves.items()):
+        for k, found in some.items():
+            plain = CASES[k].replace("<i>", "$").replace("</i>", "$")
+            for panel, kind in zip(row, ("distance", "contacts")):
+                near = found[kind][0] <= (8 if kind == "distance" else DEEP)
+                points(panel, found[kind][0][near] + 0.04 * (k - 1.5), found[kind][1][near], found[kind][2][near], plain, k,
+                       "os^D"[k])
+        for panel in row:
+            zero_line(panel)
+        row[0].set_ylabel(f"{word} drive\n" + r"$\langle\Omega_i\Omega_j\rangle/\langle\Omega^2\rangle$")
+    for panel, label in zip(axes[-1], (r"distance/mean diameter", "contacts between the disks")):
         panel.set_xlabel(label)
-    axes[0].set_ylabel(r"$\langle\Omega_i\Omega_j\rangle/\langle\Omega^2\rangle$")
-    handles, labels = axes[0].get_legend_handles_labels()
-    legend_above(axes[0], 2, handles=handles[:2], labels=labels[:2], fontsize=9)
-    if len(handles) > 2:
-        legend_above(axes[1], 2, handles=handles[2:], labels=labels[2:], fontsize=9)
+    legend_below(picture, axes[0], 4, fontsize=9)
     return Figure("space", picture,
                   "Correlation of the mean angular velocities of two disks with their distance (left; bins of half a "
-                  "diameter) and with the number of contacts between them (right).",
+                  "diameter) and with the number of contacts between them (right), harmonic drive above, random drive below.",
                   "Correlation of mean angular velocities against distance")

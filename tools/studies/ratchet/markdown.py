@@ -7,10 +7,11 @@ import shutil
 
 from PIL import Image, ImageChops
 
-from .page import cell, kinds, shown_table
+from .page import by_motion, cell, kinds, shown_table
+from .verdict import MOTIONS
 
 UNSEEN = 20  # levels of 255
-LONGEST = 16  # rows: longer tables are in docs/studies/data, and on the HTML page
+LONGEST = 8  # rows: longer tables are in docs/studies/data, and on the HTML page
 
 SUB = dict(zip("0123456789+−=()aehijklmnoprstuvxβγρφχ", "₀₁₂₃₄₅₆₇₈₉₊₋₌₍₎ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓᵦᵧᵨᵩᵪ"))
 SUP = dict(zip("0123456789+−=()abcdefghijklmnoprstuvwxyz", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁼⁽⁾ᵃᵇᶜᵈᵉᶠᵍʰⁱʲᵏˡᵐⁿᵒᵖʳˢᵗᵘᵛʷˣʸᶻ"))
@@ -106,6 +107,10 @@ def table(columns, rows, anchors=None):
     return ["| " + " | ".join(line) + " |" for line in lines]
 
 
+def placed(claim):
+    return claim.text + (f" ({claim.place})" if claim.place else "")
+
+
 def write(path, title, lead, sections, pictures="figures", data=""):
     """pictures, data: folders of the PNG files and of the CSV files as seen from the page."""
     out, anchors = [f"# {text_of(title)}", "", *lead, ""], {part.key: anchor(text_of(part.title)) for part in sections}
@@ -116,9 +121,12 @@ def write(path, title, lead, sections, pictures="figures", data=""):
         for figure in section.figures:
             out += [f"![{bare(figure.alt)}]({pictures}/{figure.name}.png)", "", text_of(figure.caption), ""]
         for heading, claims in kinds(section):
-            rows = [[(f"<b>{c.verdict}</b>", False), (c.text + (f" ({c.place})" if c.place else ""), False),
-                     (c.numbers, False)] for c in claims]
-            out += [*table(["verdict", heading, "found"], rows), ""]
+            single, pairs = by_motion(claims)
+            rows = [[f"<b>{c.verdict}</b>", placed(c), c.numbers] for c in single]
+            out += [*table(["verdict", heading, "found"], rows), ""] if rows else []
+            rows = [[placed(next(iter(pair.values()))), *(f"<b>{pair[m].verdict}</b>: {pair[m].numbers}" if m in pair else ""
+                                                          for m in MOTIONS)] for pair in pairs.values()]
+            out += [*table([heading, *(f"{motion} drive" for motion in MOTIONS)], rows), ""] if rows else []
         for k, part in enumerate(section.tables):
             if not part.kept or not part.rows:
                 continue

@@ -139,6 +139,15 @@ def kinds(section):
     return parts
 
 
+def by_motion(claims):
+    """(claims of no motion, {text: {motion: claim}} of the others)"""
+    pairs = {}
+    for claim in claims:
+        if claim.motion:
+            pairs.setdefault(claim.text, {})[claim.motion] = claim
+    return [claim for claim in claims if not claim.motion], pairs
+
+
 HEADINGS = {verdict.PAPER: "statement of the paper", verdict.CHECK: "own check",
             verdict.TRIVIAL: "holds by construction"}
 
@@ -196,8 +205,9 @@ class Page:
             out.append(f"<p>{section.lead}</p>")
         out += [self._figure(figure) for figure in section.figures]
         for heading, claims in kinds(section):
+            single, pairs = by_motion(claims)
             out.append(f'<p class="kind">{plural(heading)}</p><ul class="claims">'
-                       + "\n".join(self._claim(c) for c in claims) + "</ul>")
+                       + "\n".join([*(self._claim(c) for c in single), *map(self._pair, pairs.values())]) + "</ul>")
         if section.missing:
             out.append(missing_list(section.missing))
         for k, table in enumerate(section.tables):
@@ -225,6 +235,14 @@ class Page:
         place = f' <span class="place">({claim.place})</span>' if claim.place else ""
         return (f'<li class="{CLASS[claim.verdict]}">{badge(claim.verdict)} {claim.text}{place}'
                 f'<span class="numbers">{claim.numbers}</span></li>')
+
+    @staticmethod
+    def _pair(found):
+        first = next(iter(found.values()))
+        place = f' <span class="place">({first.place})</span>' if first.place else ""
+        return (f'<li class="{CLASS[first.verdict]}">{first.text}{place}' + "".join(
+            f'<span class="numbers">{motion} {badge(claim.verdict)} {claim.numbers}</span>' for motion, claim in found.items())
+            + "</li>")
 
     def write(self, title, head):
         """head: HTML that stands above the index."""

@@ -13,6 +13,7 @@ YES, NO, OPEN = "reproduced", "not reproduced", "cannot tell"
 DEPENDS = "depends"  # on what the paper does not give: true in some fields, false in others
 WORDS = (YES, NO, DEPENDS, OPEN)
 PAPER, CHECK, TRIVIAL = "paper", "own check", "by construction"  # TRIVIAL: geometry, waveforms, identities
+MOTIONS = ("harmonic", "random")  # of a floor that shakes packings
 SURE = 3.0  # errors that count as significant
 REFUTED, DOUBTED = 1e-4, 0.01  # chances of chi^2: above it, and on either side
 TOLERANCES = {
@@ -80,6 +81,7 @@ class Claim:
     half: str = ""    # verdict at half the tolerance
     double: str = ""  # and at twice
     turns: float = math.nan  # nearest factor on the tolerance that turns the verdict; infinite: none up to 1000
+    motion: str = ""  # of MOTIONS: the same statement, judged for each of them
 
     def __post_init__(self):
         self.kind = self.kind or (PAPER if self.place else CHECK)
@@ -107,6 +109,19 @@ def turning_factor(judge):
                     same, other = (same, middle) if judge(middle) != here else (middle, other)
                 return other
     return math.inf
+
+
+def beside(*claims):
+    """Claims of the same statements, a list for each of MOTIONS, which are shown side by side: those with the same slug, but
+    for the motion in it. Slugs of all but the first motion name it."""
+    first = {claim.slug.replace(MOTIONS[0], "*"): claim for claim in claims[0]}
+    for motion, some in zip(MOTIONS, claims):
+        for claim in some:
+            same = first.get(claim.slug.replace(motion, "*"), claim)
+            claim.motion, claim.text = motion, same.text
+            if motion != MOTIONS[0] and motion not in claim.slug:
+                claim.slug += f"-{motion}"
+    return [claim for some in claims for claim in some]
 
 
 def missing(text, place="", why="no data yet", **kind):
