@@ -122,9 +122,10 @@ static void count_slides(engine *e, size_t k) {
   if (s->n_visits) sum_visits(e, k, now, forces);
 }
 
-void sample_step(engine *e) {
+void sample_steps(engine *e, int64_t n) {
   sd_state *s = e->state;
-  s->measured++;
+  assert(n == 1 || n <= sample_steps_to_look(e));
+  s->measured += n;
   for (size_t k = 0; k < s->n_slides; k++) count_slides(e, k);
   sample_bins(e);
 }
@@ -138,6 +139,19 @@ void sample_bins(engine *e) {
 int64_t sample_steps_to_bin_end(const engine *e) {
   const sd_state *s = e->state;
   return s->n_rotations ? s->bin_steps - (s->measured & (s->bin_steps - 1)) : INT64_MAX;
+}
+
+static int64_t bin_length(int64_t measured);
+
+int64_t sample_steps_to_look(const engine *e) {
+  const sd_state *s = e->state;
+  const int64_t bins = sample_steps_to_bin_end(e);
+  if (s->n_slides) return 1;
+  if (!e->model->measure_disks) return bins;
+  const int64_t every = e->model->measure_every, length = bin_length(s->measured),
+                sample = every - s->measured % every, close = length - s->measured % length;
+  const int64_t means = sample < close ? sample : close;
+  return bins < means ? bins : means;
 }
 
 /* --- means of every disk ---------------------------------------------------------------------- */

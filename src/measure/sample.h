@@ -10,9 +10,12 @@
 void sample_begin(engine *e);
 /* Ends a measured phase. */
 void sample_end(engine *e);
-/* Samples the watched disks after a completed measured step. */
-void sample_step(engine *e);
-/* Parts of sample_step for loops that count steps and sliding configurations themselves.
+/* Samples the watched disks after n completed measured steps, no more than sample_steps_to_look. */
+void sample_steps(engine *e, int64_t n);
+/* Returns the number of measured steps after which sample_steps and disks_step next look at disks
+ * or contacts. */
+int64_t sample_steps_to_look(const engine *e);
+/* Parts of sample_steps for loops that count steps and sliding configurations themselves.
  * sample_bins closes the current bin of angles if it is complete; angles must be current.
  * sample_steps_to_bin_end returns the number of measured steps until the bin is complete,
  * INT64_MAX without watched angles. */

@@ -21,6 +21,7 @@
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
 #include "physics/step/step.h"
+#include "physics/step/window.h"
 #include "physics/system/halo.h"
 #include "run/ranks_move.h"
 
@@ -56,12 +57,24 @@ static bool has_failed(const steps_task *a, const team *t) {
   return *a->bits != 0;
 }
 
+/* Returns how many steps can be taken before something looks at the disks, at most up to the last
+ * step. */
+static int64_t steps_unseen(const steps_task *a) {
+  const int64_t left = a->until - a->e->state->step, seen = sample_steps_to_look(a->e);
+  return a->measure && seen < left ? seen : left;
+}
+
 /* Takes steps in one thread; all threads of the team call it. */
 static void take_steps(const steps_task *a, const team *t) {
   engine *e = a->e;
   const int64_t measured = e->state->measured, from = e->state->step;
   for (int64_t step = from; may_step(a, t); step++) {
-    step_once(e, t);
+    int64_t n = window_steps(e, steps_unseen(a));
+    if (n < 2 || !window_run(e, n)) {
+      n = 1;
+      step_once(e, t);
+    }
+    step += n - 1;
     team_wait(t);
     const bool failed = has_failed(a, t);
     if (failed && !e->comm) return;
@@ -69,7 +82,7 @@ static void take_steps(const steps_task *a, const team *t) {
     if (a->sums) relax_step(e, t, a->sums);
     if (!a->measure) continue;
     disks_step(e, t, measured + (step - from) + 1);
-    if (t->rank == 0) sample_step(e);
+    if (t->rank == 0) sample_steps(e, n);
     team_wait(t);
   }
 }
@@ -275,7 +288,7 @@ static void general_step(lanes *l, bool measure) {
     if (l->motion) motion_resume(e);
     step_begin(e, 1);
     step_once(e, &alone);
-    if (engine_status(e) == SD_OK && measure) sample_step(e);
+    if (engine_status(e) == SD_OK && measure) sample_steps(e, 1);
     if (l->motion) motion_store(e);
   }
 }

@@ -21,7 +21,7 @@ int64_t engine_watched(const engine *e, size_t k) {
 void engine_pose_walls(engine *e) { walls_pose(e); }
 
 bool engine_outruns(engine *e) {
-  return e->work.kernels->stale(e, 0, e->state->n_free, true) || motion_outruns(e);
+  return e->work.kernels->stale(e, 0, e->state->n_free, 1.0) || motion_outruns(e);
 }
 
 double engine_outrun_skin(const engine *e) {

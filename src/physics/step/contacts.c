@@ -103,7 +103,7 @@ static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
       advice_of_failure(e->model, "is k_n too small for this speed or load?", hint, sizeof hint));
 }
 
-static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
+sd_status contacts_pair_event(engine *e, const event *v, sd_messages *messages) {
   pairs *p = &e->work.pairs;
   size_t k = v->index;
   assert(k < p->count && p->a[k] != PAIR_PADDING);
@@ -147,10 +147,7 @@ static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double sl
     MORE(p, k, rho_ref) += (rb > 0.0 ? 1.0 : -1.0) * slid * (ra / (ra + rb));
 }
 
-/* Wraps the angle theta of body i into [-4, 4] and its position into the box, and adjusts
- * lambda_ref of its contacts so that their tangential displacements do not change. i: slot, or
- * number of bodies + k for clump k. */
-static void wrap(engine *e, uint32_t i) {
+void contacts_wrap(engine *e, uint32_t i) {
   sd_state *s = e->state;
   work *w = &e->work;
   pairs *p = &w->pairs;
@@ -244,7 +241,7 @@ static sd_status merge(event_list *first, const event_list *more) {
   return first->failed || more->failed ? SD_ERROR_IO : SD_OK;
 }
 
-static sd_status collect(engine *e) {
+sd_status contacts_sort_events(engine *e) {
   work *w = &e->work;
   thread_work *first = &w->threads[0];
   sd_status status = first->events.failed || first->returns.failed ? SD_ERROR_IO : SD_OK;
@@ -275,16 +272,16 @@ static void check_speed(engine *e) {
 sd_status contacts_events(engine *e, sd_messages *messages) {
   sd_status status = SD_OK;
   work *w = &e->work;
-  if (collect(e) != SD_OK)
+  if (contacts_sort_events(e) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
   event_list *events = &w->threads[0].events, *returns = &w->threads[0].returns;
   for (size_t n = 1; n < events->count; n++) assert(events->item[n - 1].at <= events->item[n].at);
   for (size_t n = 0; n < events->count; n++) {
     event v = events->item[n];
-    sd_status s = pair_event(e, &v, messages);
+    sd_status s = contacts_pair_event(e, &v, messages);
     if (status == SD_OK) status = s;
   }
-  for (size_t n = 0; n < returns->count; n++) wrap(e, returns->item[n].index);
+  for (size_t n = 0; n < returns->count; n++) contacts_wrap(e, returns->item[n].index);
   returns->count = events->count = 0;
   check_speed(e);
   if (status == SD_OK && e->halo && e->halo->lost)
@@ -301,7 +298,7 @@ static void follow_wrap(engine *e, size_t i, double turn) {
   for (size_t at = n->start[i]; at < n->start[i + 1]; at++) {
     const size_t k = n->entry[at] / 2;
     if (!pairs_closed(p, k) || !halo_is_ghost(e, (size_t)p->b[k]))
-      continue; /* wrap() has adjusted the contacts with other bodies already */
+      continue; /* contacts_wrap has adjusted the contacts with other bodies already */
     PAIR(p, k, lambda_ref) -= s->radius[i] * turn;
     if (p->more) wrap_rolling(e, k, (uint32_t)i, turn, 0.0);
   }

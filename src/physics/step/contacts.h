@@ -13,6 +13,15 @@
  * SD_ERROR_IO if memory runs out. */
 sd_status contacts_events(engine *e, sd_messages *messages);
 
+/* Parts of contacts_events, for windows (window.h). contacts_sort_events collects the events of all
+ * threads in those of the first one, and sorts them. contacts_pair_event handles the event of a
+ * contact, with statuses as those of contacts_events. contacts_wrap wraps the angle of body i into
+ * [-4, 4] and its position into the box, and adjusts lambda_ref of its contacts so that their
+ * tangential displacements do not change; i: slot, or number of bodies + k for clump k. */
+sd_status contacts_sort_events(engine *e);
+sd_status contacts_pair_event(engine *e, const event *v, sd_messages *messages);
+void contacts_wrap(engine *e, uint32_t i);
+
 /* Returns true if there are rare events to handle, or if memory for some of them ran out. */
 static inline bool contacts_any_event(const work *w) {
   for (int t = 0; t < w->n_threads; t++) {

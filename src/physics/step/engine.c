@@ -21,6 +21,7 @@
 #include "physics/step/cell.h"
 #include "physics/step/contacts.h"
 #include "physics/step/step.h"
+#include "physics/step/window.h"
 #include "physics/system/fields.h"
 #include "physics/system/halo.h"
 #include "physics/system/kernels.h"
@@ -334,6 +335,7 @@ void engine_free(engine *e) {
   motion_free(e);
   body_forces_free(e);
   neighbours_free(e);
+  window_free(&w->window);
   for (int t = 0; w->threads && t < w->n_threads; t++) {
     free(w->threads[t].events.item);
     free(w->threads[t].returns.item);

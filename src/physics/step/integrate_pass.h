@@ -229,14 +229,14 @@ LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORD
   for (int n = 0; v->show && n < SD_COORDINATES; n++) LANE(store)(v->k[n].force + i, sum[n]);
 }
 
-/* Returns nonzero if one of disks i, i + 1, ... has moved too far for the neighbour lists or, with
- * `ahead`, will have done so after the next step. */
-LANE_INLINE int LANE(stale_at)(const view *v, size_t i, const int ahead) {
+/* Returns nonzero if one of disks i, i + 1, ... will have moved too far for the neighbour lists
+ * after `ahead` steps; 0: has done so. */
+LANE_INLINE int LANE(stale_at)(const view *v, size_t i, double ahead) {
   const columns *x = &v->k[SD_X], *y = &v->k[SD_Y];
   LANE(real) qx = LANE(load)(x->q + i), qy = LANE(load)(y->q + i), dt = LANE(splat)(v->dt);
-  if (ahead) {
-    qx = qx + (LANE(load)(x->v + i) * dt + LANE(load)(x->q2 + i));
-    qy = qy + (LANE(load)(y->v + i) * dt + LANE(load)(y->q2 + i));
+  if (ahead != 0.0) {
+    qx = qx + LANE(splat)(ahead) * (LANE(load)(x->v + i) * dt + LANE(load)(x->q2 + i));
+    qy = qy + LANE(splat)(ahead) * (LANE(load)(y->v + i) * dt + LANE(load)(y->q2 + i));
   }
   return LANE(is_stale)(v, i, qx, qy);
 }

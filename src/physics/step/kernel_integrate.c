@@ -48,13 +48,10 @@ static void pack(engine *e, size_t begin, size_t end) {
     body_pack(e, i);
 }
 
-static bool stale(const engine *e, size_t begin, size_t end, bool ahead) {
+static bool stale(const engine *e, size_t begin, size_t end, double ahead) {
   const view v = view_of(e, begin);
   int any = 0;
-  if (ahead)
-    FOR_LANES(any |= LANE(stale_at)(&v, i, 1), any |= stale_at_w1(&v, i, 1));
-  else
-    FOR_LANES(any |= LANE(stale_at)(&v, i, 0), any |= stale_at_w1(&v, i, 0));
+  FOR_LANES(any |= LANE(stale_at)(&v, i, ahead), any |= stale_at_w1(&v, i, ahead));
   return any != 0;
 }
 

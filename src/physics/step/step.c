@@ -62,7 +62,7 @@ static sd_status renew_lists(engine *e) {
   sd_status status = neighbours_build(e, w->messages);
   note_predicted(e, w->predict_all);
   if (status != SD_OK || w->predict_all) return status;
-  const bool outruns = w->kernels->stale(e, 0, e->state->n_free, true);
+  const bool outruns = w->kernels->stale(e, 0, e->state->n_free, 1.0);
   if (outruns) predict_all(e, &alone);
   cell_pose(e, e->state->step + 1);
   if (!outruns) return status;
@@ -93,7 +93,7 @@ void step_begin(engine *e, int64_t n) {
   w->predict_all =
       e->model->phases[s->phase].relax || motion_drives_free(e) || e->fields || w->clumps.count > 0;
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;
-  w->threads[0].stale = w->kernels->stale(e, 0, s->n_free, true);
+  w->threads[0].stale = w->kernels->stale(e, 0, s->n_free, 1.0);
   note_predicted(e, false);
 }
 
@@ -112,7 +112,7 @@ static void predict_and_check(engine *e, const team *t) {
   FOR_SHARES(t, share, w) {
     const chunks *c = &w->chunks;
     const size_t begin = c->begin[c->share[share]], end = c->begin[c->share[share + 1]];
-    w->threads[share].stale = begin < end && w->kernels->stale(e, begin, end, false);
+    w->threads[share].stale = begin < end && w->kernels->stale(e, begin, end, 0.0);
   }
 }
 
@@ -121,7 +121,7 @@ unsigned step_agree(engine *e, bool stop) {
   halo *h = e->halo;
   /* check again, since velocities may have changed after the corrector's check */
   if (w->status == SD_OK && (any_stale(w) || motion_outruns(e) ||
-                             (w->predict_all && w->kernels->stale(e, 0, e->state->n_free, true))))
+                             (w->predict_all && w->kernels->stale(e, 0, e->state->n_free, 1.0))))
     h->bits |= HALO_STALE;
   if (w->status != SD_OK) h->bits |= HALO_FAILED;
   if (stop) h->bits |= HALO_STOP;

@@ -68,6 +68,13 @@ static void evaluate(engine *e, thread_work *mine, size_t k) {
     w->kernels->pairs(e, mine, c->segment[k], c->segment[k + 1]);
 }
 
+void sweep_chunk(engine *e, thread_work *mine, size_t k) {
+  const chunks *c = &e->work.chunks;
+  for (size_t at = c->need_start[k]; at < c->need_start[k + 1]; at++) sweep_pack(e, c->need[at]);
+  evaluate(e, mine, k);
+  sweep_correct(e, mine, k);
+}
+
 void sweep_share(engine *e, int t) {
   work *w = &e->work;
   const chunks *c = &w->chunks;

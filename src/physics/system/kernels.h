@@ -24,8 +24,8 @@ typedef struct kernels {
    * their force sums. */
   void (*pack)(engine *e, size_t begin, size_t end);
   /* True if a free disk in [begin, end) has moved too far since the neighbour list was built.
-   * ahead: true to test the position after the next step instead of the present one. */
-  bool (*stale)(const engine *e, size_t begin, size_t end, bool ahead);
+   * ahead: steps after which it is to be there, moving as it does now; 0: its present position. */
+  bool (*stale)(const engine *e, size_t begin, size_t end, double ahead);
   /* Predictor and corrector for free disks [begin, end); the index is an sd_integrator. The
    * predictor also packs the disks; the corrector first gathers their contact forces. */
   void (*predict[2])(engine *e, size_t begin, size_t end);

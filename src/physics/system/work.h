@@ -132,6 +132,9 @@ typedef struct sums {
 } sums;
 
 enum { WORK_MAX_THREADS = 64 };
+/* largest number of prescribed coordinates for which steps are taken in windows, and of values
+ * kept of each */
+enum { WINDOW_PRESCRIBED = 16, WINDOW_KEPT = 7 };
 
 /* Chunks: groups of free disks with consecutive slots, which threads work on as a whole;
  * chunks.h. */
@@ -157,6 +160,10 @@ typedef struct chunks {
   bool shares;
   /* row: first row of each chunk in work.packed and sums; rows: number of all these rows */
   size_t *row, rows;
+  /* reach: largest distance of two chunks with a common pair; window: most steps that window.c
+   * takes at once, 1: one by one */
+  size_t reach;
+  int64_t window;
   int64_t *predicted; /* step that each chunk's disks were last predicted for; see step.c */
   int64_t *packed;    /* step that each chunk's packed bodies were last written for; see step.c */
 } chunks;
@@ -299,6 +306,54 @@ typedef struct thread_work {
   event_list returns;
 } thread_work;
 
+/* Event of a chunk in a step of a window: of a contact, or (wraps) of a disk. */
+typedef struct window_event {
+  event event;
+  size_t chunk;
+  bool wraps;
+} window_event;
+
+typedef struct window_queue {
+  window_event *item;
+  size_t n, done, capacity;
+} window_queue;
+
+/* Pair with a wall segment as it was before a window. */
+typedef struct window_piece {
+  sd_contact_record record;
+  double side;
+  pair_flags flags;
+} window_piece;
+
+typedef struct window_block {
+  double record[SD_CONTACT_COLUMNS][PAIR_BLOCK];
+} window_block;
+
+typedef struct window_rare window_rare; /* defined in window.c */
+
+/* Several steps taken chunk by chunk (step/window.c). */
+typedef struct window {
+  /* Copies of what the steps change, to undo them: columns of disks, contact records, columns that
+   * only events change (in the order of the events), prescribed coordinates. */
+  double *disks;
+  window_block *blocks;
+  pair_flags *flags;
+  pair_more *more;
+  window_piece *pieces;
+  window_rare *rare;
+  size_t n_rare, rare_capacity;
+  double prescribed[WINDOW_PRESCRIBED][WINDOW_KEPT];
+  double *sums;          /* [steps][n_listed][SUM_ROW] forces on prescribed bodies in each step */
+  size_t *reached;       /* [steps][n_listed] contacts that are in these sums */
+  window_queue *queue;   /* [steps] events of each step that wait for other chunks */
+  int64_t steps;         /* number of steps that there is room for */
+  int64_t builds;        /* list (work.builds) that there is room for */
+  int64_t taken, undone; /* numbers of windows so far */
+  bool failed;           /* something came up that only single steps can handle */
+  sd_messages *messages;
+  int64_t plain_until; /* steps before this one are taken one by one */
+} window;
+
 typedef struct body_forces body_forces; /* defined in fields.h */
 typedef struct fields fields;           /* defined in fields.h */
 typedef struct motions motions;         /* defined in motion.c */
@@ -381,6 +436,7 @@ typedef struct work {
   /* fast step for small systems, holding this system only; NULL: only the general step is used */
   lanes *lanes;
   thread_work *threads; /* [n_threads] data of each thread */
+  window window;
   /* status of the present step; one thread sets it, all read it after a barrier */
   sd_status status;
   sd_messages *messages;
