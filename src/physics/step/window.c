@@ -90,15 +90,34 @@ static void copy_pairs(engine *e, size_t k, bool back) {
   }
 }
 
-/* Columns of a disk that only events change. */
+/* Columns of a disk that only events change: losses when a contact ends or, with a capillary
+ * bridge, begins; the place when the disk is wrapped. Others are not read, since that costs as much
+ * as the event. */
+typedef enum rare_kind { RARE_LOSSES, RARE_BRIDGE, RARE_PLACE } rare_kind;
+enum { RARE_MOST = 5 };
 typedef struct window_rare {
+  rare_kind kind;
   uint32_t slot;
-  double viscous, friction, work, opening, rolling, bridge, turn, x0, y0;
+  double value[RARE_MOST];
   int64_t openings;
   int32_t image_x, image_y;
 } window_rare;
 
-static void keep_rare(engine *e, uint32_t i) {
+/* Sets of[] to the columns of this kind; returns their number. */
+static size_t rare_columns(const engine *e, rare_kind kind, double *of[RARE_MOST]) {
+  const sd_state *s = e->state;
+  double *const losses[] = {s->past_viscous, s->past_friction, s->past_nonconservative_work,
+                            s->loss_opening, s->past_rolling},
+                *const bridge[] = {s->loss_bridge},
+                *const place[] = {s->turn, e->work.x0, e->work.y0};
+  double *const *from = kind == RARE_LOSSES ? losses : kind == RARE_BRIDGE ? bridge : place;
+  const size_t n = kind == RARE_LOSSES ? (s->law_columns ? 5 : 4) : kind == RARE_BRIDGE ? 1 : 3;
+  memcpy(of, from, n * sizeof *of);
+  return n;
+}
+
+/* Copies the columns of this kind of disk i to the window's memory. */
+static void keep_rare(engine *e, rare_kind kind, uint32_t i) {
   const sd_state *s = e->state;
   window *v = &e->work.window;
   if (i >= s->n_free) return;
@@ -106,36 +125,36 @@ static void keep_rare(engine *e, uint32_t i) {
     v->failed = true;
     return;
   }
-  v->rare[v->n_rare++] = (window_rare){.slot = i,
-                                       .viscous = s->past_viscous[i],
-                                       .friction = s->past_friction[i],
-                                       .work = s->past_nonconservative_work[i],
-                                       .opening = s->loss_opening[i],
-                                       .rolling = s->law_columns ? s->past_rolling[i] : 0.0,
-                                       .bridge = s->law_columns ? s->loss_bridge[i] : 0.0,
-                                       .turn = s->turn[i],
-                                       .x0 = e->work.x0[i],
-                                       .y0 = e->work.y0[i],
-                                       .openings = s->n_means ? s->sum_openings[i] : 0,
-                                       .image_x = s->image_x[i],
-                                       .image_y = s->image_y[i]};
+  window_rare *r = &v->rare[v->n_rare++];
+  double *of[RARE_MOST];
+  const size_t n = rare_columns(e, kind, of);
+  *r = (window_rare){.kind = kind, .slot = i};
+  for (size_t k = 0; k < n; k++) r->value[k] = of[k][i];
+  if (kind == RARE_LOSSES && s->n_means) r->openings = s->sum_openings[i];
+  if (kind != RARE_PLACE) return;
+  r->image_x = s->image_x[i];
+  r->image_y = s->image_y[i];
 }
 
 static void restore_rare(engine *e, const window_rare *r) {
   sd_state *s = e->state;
-  const uint32_t i = r->slot;
-  s->past_viscous[i] = r->viscous;
-  s->past_friction[i] = r->friction;
-  s->past_nonconservative_work[i] = r->work;
-  s->loss_opening[i] = r->opening;
-  if (s->law_columns) s->past_rolling[i] = r->rolling;
-  if (s->law_columns) s->loss_bridge[i] = r->bridge;
-  s->turn[i] = r->turn;
-  e->work.x0[i] = r->x0;
-  e->work.y0[i] = r->y0;
-  if (s->n_means) s->sum_openings[i] = r->openings;
-  s->image_x[i] = r->image_x;
-  s->image_y[i] = r->image_y;
+  double *of[RARE_MOST];
+  const size_t n = rare_columns(e, r->kind, of);
+  for (size_t k = 0; k < n; k++) of[k][r->slot] = r->value[k];
+  if (r->kind == RARE_LOSSES && s->n_means) s->sum_openings[r->slot] = r->openings;
+  if (r->kind != RARE_PLACE) return;
+  s->image_x[r->slot] = r->image_x;
+  s->image_y[r->slot] = r->image_y;
+}
+
+/* Copies what the event of a contact is about to change. */
+static void keep_of_pair(engine *e, const event *v) {
+  const pairs *p = &e->work.pairs;
+  const size_t k = v->index;
+  const bool ends = !pairs_closed(p, k);
+  if (!ends && (v->was_closed || v->dropped == 0.0)) return;
+  keep_rare(e, ends ? RARE_LOSSES : RARE_BRIDGE, (uint32_t)p->a[k]);
+  keep_rare(e, ends ? RARE_LOSSES : RARE_BRIDGE, (uint32_t)p->b[k]);
 }
 
 /* --- prescribed bodies ------------------------------------------------------------------------ */
@@ -248,11 +267,10 @@ static void handle_events(engine *e, size_t end, int64_t s) {
   for (; q->done < q->n && q->item[q->done].chunk < end && !v->failed; q->done++) {
     const window_event *one = &q->item[q->done];
     if (one->wraps) {
-      keep_rare(e, one->event.index);
+      keep_rare(e, RARE_PLACE, one->event.index);
       contacts_wrap(e, one->event.index);
     } else {
-      keep_rare(e, (uint32_t)e->work.pairs.a[one->event.index]);
-      keep_rare(e, (uint32_t)e->work.pairs.b[one->event.index]);
+      keep_of_pair(e, &one->event);
       v->failed |= contacts_pair_event(e, &one->event, v->messages) != SD_OK;
     }
   }
