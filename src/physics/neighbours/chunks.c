@@ -350,7 +350,10 @@ static void plan_window(chunks *c) {
 static bool give_rows_in_turn(chunks *c) {
   const size_t turn = 2 * c->reach * (size_t)c->window + 1;
   if (turn >= c->count) return false;
-  for (size_t k = 0; k < c->count; k++) c->row[k] = c->size * (k % turn);
+  for (size_t k = 0, page = 0; k < c->count; k++) {
+    c->row[k] = c->size * page;
+    page = page + 1 < turn ? page + 1 : 0;
+  }
   c->rows = turn * c->size;
   return true;
 }
