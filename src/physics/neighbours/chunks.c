@@ -340,7 +340,8 @@ static void plan_window(chunks *c) {
   for (size_t k = 0; k < c->count; k++)
     for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
       if (c->need[n] > k && c->need[n] - k > c->reach) c->reach = c->need[n] - k;
-  if (c->size != WINDOW_CHUNK || c->n_threads > 1 || c->reach == 0) return;
+  if (c->size != WINDOW_CHUNK || c->reach == 0) return;
+  if (c->n_threads > 1 || c->any_boundary_first) return; /* others read or write some rows */
   const size_t disks = 2 * c->reach * c->size; /* that a further step takes into the cache */
   while (c->window < WINDOW_MOST && (size_t)(c->window + 1) * disks <= WINDOW_DISKS) c->window++;
 }
