@@ -203,6 +203,24 @@ static void test_same_bits(void **unused) {
   }
 }
 
+/* So many disks that one process takes several steps at once, and that the rows of a rank's chunks
+ * would be given in turn (physics/step/window.h). */
+static void test_large_packings(void **unused) {
+  (void)unused;
+  static const char deck[] =
+      HEAD "packings = ( { type = \"front\"; count = 44000; density = 1.27; sizes = \"uniform\"; "
+           "lower = 0.4; upper = 0.5; } );\n"
+           "gravity = { g = 10; }; container = { type = \"box\"; width = 1600; height = 40; };\n"
+           "phases = ( { steps = 60; } );";
+  run alone = {.deck = deck, .steps = 60, .threads = 1};
+  run shared = alone;
+  go(&alone, 1);
+  go(&shared, 2);
+  same_runs(&alone, &shared, "a large packing on two ranks");
+  end(&alone);
+  end(&shared);
+}
+
 /* Found by one rank, or by rank 0 alone: all stop, with the message and at the step of one
  * process. */
 static void test_failures(void **unused) {
@@ -249,6 +267,7 @@ static void tell(const char *why) { fprintf(stderr, "a rank fails: %s\n", why); 
 int main(void) {
   comm_on_fail(tell);
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_same_bits),
+                                     cmocka_unit_test(test_large_packings),
                                      cmocka_unit_test(test_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
