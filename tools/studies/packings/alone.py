@@ -268,8 +268,8 @@ def sections(campaign):
     if not found:
         out.claims.append(missing("&Omega; of a disk is set by its cage.", kind="paper", slug="alone-cage"))
         return [out]
-    made = {key: [cage_turns(key, packings), set_by_cage(key, packings), with_gears(key, packings), balanced(key, packings)]
-            for key, packings in found.items()}
+    judges = (cage_turns, set_by_cage, with_gears, balanced)
+    made = {key: [judge(key, packings) for judge in judges] for key, packings in found.items()}
     for drive in sorted({key[0] for key in made}):
         out.claims += beside(*(made.get((drive, random), []) for random in MOTIONS))
     out.figures += [shares_figure(found), scatter_figure(found)]

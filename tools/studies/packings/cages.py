@@ -192,17 +192,23 @@ def section(campaign):
     if not table:
         out.claims.append(missing("The cage of a disk predicts its &Omega;.", kind="paper", slug="cage-predicts"))
         return out
-    sets = {motion: {drive: Part(table.where(drive=drive, random=float(k))) for drive in DRIVES.values()
-                     if len(table.where(drive=drive, random=float(k)))} for k, motion in enumerate(MOTIONS)}
-    out.claims += beside(*([claim for drive, part in parts.items()
-                            for claim in (predicts(drive, part), mechanism(drive, part), gear(drive, part))]
+    sets = {motion: parts_of(table.where(random=float(k))) for k, motion in enumerate(MOTIONS)}
+    judges = (predicts, mechanism, gear)
+    out.claims += beside(*([judge(drive, part) for drive, part in parts.items() for judge in judges]
                            for parts in sets.values()))
-    out.figures += [scatter_figure(sets[MOTIONS[0]]), summary_figure(sets)] if sets[MOTIONS[0]] else []
+    if sets[MOTIONS[0]]:
+        out.figures += [scatter_figure(sets[MOTIONS[0]]), summary_figure(sets)]
     out.tables.append(Numbers("Predictions of &Omega;<sub>i</sub>", [
         "motion", "drive/<i>g</i>", "from", "disks", "Pearson", "Spearman", "right sense of those beyond 3 errors",
         "measured over predicted"],
         [[motion, *row] for motion, parts in sets.items() for drive, part in parts.items() for row in part.rows(drive)]))
     return out
+
+
+def parts_of(table):
+    """{drive: disks} of the drives that the table has."""
+    found = {drive: table.where(drive=drive) for drive in DRIVES.values()}
+    return {drive: Part(some) for drive, some in found.items() if len(some)}
 
 
 class Part:

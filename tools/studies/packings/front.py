@@ -139,15 +139,15 @@ def by_drive(claims):
 
 def verdicts(claims, slug, motion):
     """Verdicts of the claims with this slug, in words, with their drives: "yes at 2 g; no at 0.3 g"."""
-    before, star, after = slug.replace("{motion}", motion).partition("*")
+    before, asterisk, after = slug.replace("{motion}", motion).partition("*")
     after += f"-{motion}" if motion != MOTIONS[0] and motion not in before + after else ""
     found = {}
     for name, claim in claims.items():
-        middle = name[len(before):len(name) - len(after)] if star else ""
+        middle = name[len(before):len(name) - len(after)] if asterisk else ""
         drive = known_drive(middle, not before)
-        if name == before + middle + after and claim.motion == motion and (not star or drive):
+        if name == before + middle + after and claim.motion == motion and (not asterisk or drive):
             found.setdefault(WORDS[claim.verdict], []).append(drive)
-    return "; ".join(word + (f" at {', '.join(f'{d:g}' for d in sorted(drives))} <i>g</i>" if star else "")
+    return "; ".join(word + (f" at {', '.join(f'{d:g}' for d in sorted(drives))} <i>g</i>" if asterisk else "")
                      for word, drives in found.items())
 
 
