@@ -35,6 +35,9 @@ static const manual_row environment[] = {
     {"SLIPDISK_PYTHON",
      "the interpreter that `plot` and `film` run, with numpy, h5py and matplotlib; by default "
      "/usr/bin/python3, else python3"},
+    {"SLIPDISK_WINDOWS",
+     "`always` or `never`: whether systems of 20,000 disks and more take several steps at once, "
+     "chunk by chunk, to the same bits; by default what is measured to be faster"},
     {"SLIPDISK_LIBRARY",
      "the shared library that the Python package loads; by default that of its installation"},
     {"SLIPDISK_PROGRAM",

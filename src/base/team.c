@@ -61,17 +61,11 @@ bool pool_forked(const pool *c) {
 
 /* --- barrier ---------------------------------------------------------------------------------- */
 
-static inline void pause_core(void) {
-#if defined __x86_64__ || defined __i386__
-  __builtin_ia32_pause();
-#endif
-}
-
 static bool spin(const pool *c, unsigned round, double began, double most) {
   do {
     for (int k = 0; k < SPINS_PER_LOOK; k++) {
       if (atomic_load_explicit(&c->round, memory_order_acquire) != round) return true;
-      pause_core();
+      team_pause();
     }
   } while (clock_seconds() - began < most);
   return false;

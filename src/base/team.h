@@ -50,6 +50,13 @@ void team_lead(const team *t);
 void team_release(const team *t);
 void team_help(const team *t);
 
+/* Lets the processor rest for a moment in a loop that waits. */
+static inline void team_pause(void) {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#endif
+}
+
 void team_wait_all(const team *t);
 /* Barrier: waits until all threads of the team have called it. Writes before the barrier are
  * visible to all threads after it. */

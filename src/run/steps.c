@@ -69,8 +69,8 @@ static void take_steps(const steps_task *a, const team *t) {
   engine *e = a->e;
   const int64_t measured = e->state->measured, from = e->state->step;
   for (int64_t step = from; may_step(a, t); step++) {
-    int64_t n = window_steps(e, steps_unseen(a));
-    if (n < 2 || !window_run(e, n)) {
+    int64_t n = window_steps(e, t, steps_unseen(a));
+    if (n < 2 || !window_run(e, t, n)) {
       n = 1;
       step_once(e, t);
     }

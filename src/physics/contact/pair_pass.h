@@ -286,11 +286,11 @@ LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind
   if (kind & PASS_GENERAL) d->cross_velocity = in.dx * in.dvy - in.dy * in.dvx;
 }
 
-/* Returns R omega of the body in this slot, 0 for padding. It is read from the state; for ghosts
- * from the packed bodies, since the state does not have their present values. */
+/* Returns R omega of the body in this slot, 0 for padding. Only packed bodies have that of ghosts
+ * and, in a window of steps, of prescribed bodies in the step of this engine. */
 static inline double LANE(spin_in)(const engine *e, int32_t slot) {
   if (slot < 0) return 0.0;
-  if (halo_is_ghost(e, (size_t)slot))
+  if ((size_t)slot >= e->state->n_free)
     return e->work.packed[PACKED_ROW * e->work.row[slot] + PACKED_SPIN];
   return body_spin(e->state, (size_t)slot);
 }

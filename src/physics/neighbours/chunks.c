@@ -12,11 +12,11 @@
 /* Largest and smallest number of disks in a chunk, and number of chunks per thread. Chunks of this
  * size fit into the cache; each thread has several, so that few of its chunks must wait for other
  * threads. */
-enum { CHUNK_MOST = 2048, CHUNK_LEAST = 256, CHUNKS_PER_THREAD = 8 };
+enum { CHUNK_MOST = 512, CHUNK_LEAST = 256, CHUNKS_PER_THREAD = 8 };
 
-/* Windows (step/window.c): smallest number of free disks, disks in a chunk, most steps, and number
- * of disks whose data stay in the cache (8 MB). */
-enum { WINDOW_LEAST = 20000, WINDOW_CHUNK = 512, WINDOW_MOST = 16, WINDOW_DISKS = 16384 };
+/* Windows (step/window.c): smallest number of free disks, most steps, and number of disks whose data
+ * stay in the cache (8 MB). */
+enum { WINDOW_LEAST = 20000, WINDOW_MOST = 16, WINDOW_DISKS = 16384 };
 
 /* Computing costs of a pair with a wall segment, and of a disk without contacts, in units of the
  * cost of a pair of round bodies. */
@@ -26,8 +26,7 @@ static size_t rounded(size_t n) { return (n + CHUNK_STEP - 1) / CHUNK_STEP * CHU
 
 /* Returns the number of disks per chunk for n disks per thread, a multiple of CHUNK_STEP. The last
  * chunk of a thread may have fewer disks. */
-static size_t chunk_size(size_t n, size_t threads) {
-  if (threads == 1 && n >= CHUNKS_PER_THREAD * WINDOW_LEAST) return WINDOW_CHUNK;
+static size_t chunk_size(size_t n) {
   size_t size = (n + CHUNKS_PER_THREAD - 1) / CHUNKS_PER_THREAD;
   if (size > CHUNK_MOST) size = CHUNK_MOST;
   if (size < CHUNK_LEAST) size = CHUNK_LEAST;
@@ -249,11 +248,12 @@ sd_status chunks_plan(engine *e) {
   share_disks(&w->pairs, n_free, threads, disk);
   for (size_t t = 0; t < threads; t++)
     if (disk[t + 1] - disk[t] > most) most = disk[t + 1] - disk[t];
-  const size_t size = chunk_size(threads > 1 ? most : CHUNKS_PER_THREAD * n_free, threads);
+  const size_t size = chunk_size(threads > 1 ? most : CHUNKS_PER_THREAD * n_free);
   for (size_t t = 0; t < threads; t++) count += (disk[t + 1] - disk[t] + size - 1) / size;
   if (reserve(c, count ? count : 1, n_free) != SD_OK) return SD_ERROR_IO;
   c->size = size;
   c->count = count;
+  c->window = !e->halo && n_free >= WINDOW_LEAST ? WINDOW_MOST : 1;
   c->n_threads = (int)threads;
   cut_shares(c, disk);
   assert(c->begin[count] == n_free && c->share[0] == 0 && c->share[threads] == count);
@@ -336,36 +336,16 @@ static void give_own_rows(chunks *c, size_t n_free) {
  * their chunks are to stay in the cache. */
 static void plan_window(chunks *c) {
   c->reach = 0;
-  c->window = 1;
   for (size_t k = 0; k < c->count; k++)
     for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
       if (c->need[n] > k && c->need[n] - k > c->reach) c->reach = c->need[n] - k;
-  if (c->size != WINDOW_CHUNK || c->reach == 0) return;
-  if (c->n_threads > 1 || c->any_boundary_first) return; /* others read or write some rows */
-  const size_t disks = 2 * c->reach * c->size; /* that a further step takes into the cache */
-  while (c->window < WINDOW_MOST && (size_t)(c->window + 1) * disks <= WINDOW_DISKS) c->window++;
-}
-
-/* Gives rows for windows: a chunk has the rows of the one that has left the window when it comes
- * in. Returns false if each chunk can have rows of its own. */
-static bool give_rows_in_turn(chunks *c) {
-  const size_t turn = 2 * c->reach * (size_t)c->window + 1;
-  if (turn >= c->count) return false;
-  for (size_t k = 0, page = 0; k < c->count; k++) {
-    c->row[k] = c->size * page;
-    page = page + 1 < turn ? page + 1 : 0;
-  }
-  c->rows = turn * c->size;
-  return true;
+  const size_t disks = CHUNKS_APART(c) * c->size; /* that a further step takes into the cache */
+  const int64_t most = (int64_t)(WINDOW_DISKS / disks);
+  if (c->window > most) c->window = most;
+  if (!c->shares || c->window < 1) c->window = 1;
 }
 
 void chunks_plan_rows(chunks *c, size_t n_free) {
-  plan_window(c);
-  if (c->window > 1) {
-    c->shares = give_rows_in_turn(c);
-    if (!c->shares) give_own_rows(c, n_free);
-    return;
-  }
   size_t *until = memory_new(2 * c->count, sizeof *until);
   page_list pages = {until + c->count, 0};
   find_ends(c, until);
@@ -377,4 +357,5 @@ void chunks_plan_rows(chunks *c, size_t n_free) {
   c->shares = pages.n < c->count;
   if (!c->shares) give_own_rows(c, n_free);
   free(until);
+  plan_window(c);
 }

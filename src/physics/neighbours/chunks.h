@@ -19,6 +19,10 @@ enum { CHUNK_STEP = 8 };
  * memory runs out. */
 sd_status chunks_plan(engine *e);
 void chunks_free(chunks *c);
+/* Smallest distance of two chunks that take different steps of a window at the same time: one
+ * handles the disks up to `reach` chunks further on, and contacts whose events are due are as far
+ * behind. */
+#define CHUNKS_APART(c) (2 * (c)->reach + 1)
 /* Returns the chunk of the free disk in this slot. */
 static inline size_t chunks_of_disk(const chunks *c, size_t slot) {
   return c->of_disks[slot / CHUNK_STEP];

@@ -77,6 +77,13 @@ void pairs_clear_single(engine *e);
  * rows up, in the order of pairs. The sum of a prescribed body includes the contacts on all
  * ranks. */
 void sums_add_listed(const engine *e, size_t begin, size_t end);
+/* Clears these rows. */
+void sums_clear_listed(engine *e, size_t begin, size_t end);
+/* Returns the index in sums.listed of the first body in this slot or a higher one. */
+size_t sums_first_listed(const sums *m, size_t slot);
+/* Returns the number of rows in the table of packed bodies (work.packed): those of free disks, of
+ * all other bodies, and one row for padding (pairs that fill up a block). */
+size_t rows_of_bodies(const engine *e);
 
 /* Assigns slots to the free disks so that disks near each other in space are near each other in
  * memory.

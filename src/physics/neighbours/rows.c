@@ -195,18 +195,15 @@ static sd_status list_incidence(engine *e) {
 
 /* --- rows of packed bodies and force sums ----------------------------------------------------- */
 
-/* Returns the number of rows in the table of packed bodies (work.packed, the data of bodies that
- * pairs read): those of free disks, of all other bodies, and one row for padding (pairs that fill
- * up a block). */
-static size_t count_rows(const engine *e) {
+size_t rows_of_bodies(const engine *e) {
   return e->work.chunks.rows + e->state->n_bodies - e->state->n_free + 1;
 }
 
 static sd_status reserve_rows(engine *e) {
   work *w = &e->work;
-  if (count_rows(e) > w->packed_capacity) {
+  if (rows_of_bodies(e) > w->packed_capacity) {
     arena_free(w->packed);
-    w->packed_capacity = count_rows(e) + count_rows(e) / 4;
+    w->packed_capacity = rows_of_bodies(e) + rows_of_bodies(e) / 4;
     w->packed = arena_for(w->packed_capacity, PACKED_ROW * sizeof *w->packed);
   }
   return w->packed ? SD_OK : SD_ERROR_IO;
@@ -244,10 +241,10 @@ static sd_status list_rows(engine *e) {
   work *w = &e->work;
   const chunks *c = &w->chunks;
   if (reserve_rows(e) != SD_OK) return SD_ERROR_IO;
-  assert(count_rows(e) <= INT32_MAX / PACKED_ROW && count_rows(e) <= w->packed_capacity);
+  assert(rows_of_bodies(e) <= INT32_MAX / PACKED_ROW && rows_of_bodies(e) <= w->packed_capacity);
   for (size_t slot = n_free; slot <= n_bodies; slot++)
     w->row[slot] = (int32_t)(c->rows + slot - n_free);
-  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* the last row is that of padding */
+  assert((size_t)w->row[n_bodies] + 1 == rows_of_bodies(e)); /* the last row is that of padding */
   memset(w->packed + PACKED_ROW * (size_t)w->row[n_bodies], 0, PACKED_ROW * sizeof *w->packed);
   pool_run(work_pool(e), rows_together, e);
   return SD_OK;
@@ -324,7 +321,7 @@ static sd_status list_listed(engine *e) {
 static sd_status reserve_sums(engine *e) {
   sums *m = &e->work.sums;
   const incidence *n = &e->work.incidence;
-  size_t rows = count_rows(e);
+  size_t rows = rows_of_bodies(e);
   for (size_t k = 0; k < m->n_listed; k++)
     rows += n->start[m->listed[k] + 1] - n->start[m->listed[k]];
   if (rows > m->capacity) {
@@ -340,7 +337,7 @@ static sd_status list_sums(engine *e) {
   sums *m = &w->sums;
   const incidence *n = &w->incidence;
   if (reserve_sums(e) != SD_OK) return SD_ERROR_IO;
-  m->end = count_rows(e);
+  m->end = rows_of_bodies(e);
   for (size_t k = 0; k < m->n_listed; k++) {
     m->single[k] = m->end;
     for (size_t at = n->start[m->listed[k]]; at < n->start[m->listed[k] + 1]; at++, m->end++) {
@@ -367,20 +364,31 @@ void pairs_clear_sums(engine *e) {
   memset(m->row, 0, m->end * SUM_ROW * sizeof *m->row);
 }
 
-void sums_add_listed(const engine *e, size_t begin, size_t end) {
-  const work *w = &e->work;
-  const sums *m = &w->sums;
-  const size_t prescribed = e->halo ? e->state->n_free + e->state->n_ghosts : SIZE_MAX;
+size_t sums_first_listed(const sums *m, size_t slot) {
   size_t low = 0, high = m->n_listed;
   while (low < high) {
     size_t middle = (low + high) / 2;
-    if (m->listed[middle] < begin)
+    if (m->listed[middle] < slot)
       low = middle + 1;
     else
       high = middle;
   }
-  assert(low == m->n_listed || m->listed[low] >= begin);
-  for (size_t n = low; n < m->n_listed && m->listed[n] < end; n++) {
+  assert(low == m->n_listed || m->listed[low] >= slot);
+  return low;
+}
+
+void sums_clear_listed(engine *e, size_t begin, size_t end) {
+  const sums *m = &e->work.sums;
+  for (size_t n = sums_first_listed(m, begin); n < m->n_listed && m->listed[n] < end; n++)
+    memset(m->row + SUM_ROW * m->single[n], 0,
+           SUM_ROW * (m->single[n + 1] - m->single[n]) * sizeof *m->row);
+}
+
+void sums_add_listed(const engine *e, size_t begin, size_t end) {
+  const work *w = &e->work;
+  const sums *m = &w->sums;
+  const size_t prescribed = e->halo ? e->state->n_free + e->state->n_ghosts : SIZE_MAX;
+  for (size_t n = sums_first_listed(m, begin); n < m->n_listed && m->listed[n] < end; n++) {
     double *sum = m->row + SUM_ROW * (size_t)w->row[m->listed[n]];
     if (m->listed[n] >= prescribed) {
       halo_sum_prescribed(e->halo, m->listed[n] - prescribed, sum);

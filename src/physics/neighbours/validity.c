@@ -10,6 +10,7 @@
 #include "physics/contact/energy.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
+#include "physics/neighbours/neighbours.h"
 #include "physics/system/bodies.h"
 #include "physics/system/box.h"
 #include "physics/system/clumps.h"
@@ -19,12 +20,6 @@
 
 static bool in_play(const sd_state *s, size_t slot) {
   return slot >= s->n_free || body_in_play(s, slot);
-}
-
-/* Returns the number of rows in the table of packed bodies (work.packed, the data of bodies that
- * pairs read), including the row of padding. */
-static size_t count_rows(const engine *e) {
-  return e->work.chunks.rows + e->state->n_bodies - e->state->n_free + 1;
 }
 
 /* --- slots ------------------------------------------------------------------------------------ */
@@ -236,7 +231,7 @@ static void check_reader(const engine *e, size_t k, size_t end, size_t pair) {
     if (of < end) continue;
     assert(c->boundary_last[of] && c->boundary_first[of] && c->any_boundary_first);
     /* There is a row of sums for the forces of this contact. */
-    assert((size_t)sum / SUM_ROW >= count_rows(e));
+    assert((size_t)sum / SUM_ROW >= rows_of_bodies(e));
   }
 }
 
@@ -245,8 +240,11 @@ static void check_readers(const engine *e) {
   for (int t = 0; t < c->n_threads; t++)
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
       assert(needs(c, k, k));
-      for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++)
+      for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++) {
         check_reader(e, k, c->share[t + 1], at);
+        /* only the last block has pairs of disks in later chunks */
+        assert(at % PAIR_BLOCK || e->work.pairs.a[at] < (int32_t)c->begin[k + 1]);
+      }
       for (size_t at = c->segment[k]; at < c->segment[k + 1]; at++) {
         check_reader(e, k, c->share[t + 1], at);
         assert((size_t)e->work.pairs.a[at] < c->begin[k + 1]);
@@ -294,14 +292,14 @@ static void check_rows(const engine *e) {
   const chunks *c = &w->chunks;
   const pairs *p = &w->pairs;
   const size_t n_free = e->state->n_free, n_bodies = e->state->n_bodies;
-  assert(count_rows(e) <= w->packed_capacity && count_rows(e) <= w->sums.end);
+  assert(rows_of_bodies(e) <= w->packed_capacity && rows_of_bodies(e) <= w->sums.end);
   assert(w->sums.end <= w->sums.capacity);
   for (size_t k = 0; k < c->count; k++)
     for (size_t slot = c->begin[k]; slot < c->begin[k + 1]; slot++)
       assert((size_t)w->row[slot] == c->row[k] + slot - c->begin[k]);
   for (size_t slot = n_free; slot <= n_bodies; slot++)
     assert((size_t)w->row[slot] == c->rows + slot - n_free);
-  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* the last row is that of padding */
+  assert((size_t)w->row[n_bodies] + 1 == rows_of_bodies(e)); /* the last row is that of padding */
   for (size_t k = 0; k < p->count; k++) {
     const bool padding = p->a[k] == PAIR_PADDING;
     const int32_t a = w->row[padding ? n_bodies : (size_t)p->a[k]];
@@ -341,7 +339,7 @@ static void check_sums(const engine *e) {
     assert(m->single[k + 1] - m->single[k] == n->start[slot + 1] - n->start[slot]);
     k++;
   }
-  assert(k == m->n_listed && m->single[0] == count_rows(e) && m->single[k] == m->end);
+  assert(k == m->n_listed && m->single[0] == rows_of_bodies(e) && m->single[k] == m->end);
 }
 
 void validity_check_lists(const engine *e) {

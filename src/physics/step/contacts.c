@@ -241,7 +241,16 @@ static sd_status merge(event_list *first, const event_list *more) {
   return first->failed || more->failed ? SD_ERROR_IO : SD_OK;
 }
 
-sd_status contacts_sort_events(engine *e) {
+void contacts_sort_events(const engine *e, thread_work *mine) {
+  event_list *events = &mine->events, *returns = &mine->returns;
+  place_events(e, events);
+  place_wraps(returns);
+  if (events->count > 1) qsort(events->item, events->count, sizeof(event), by_place);
+  if (returns->count > 1) qsort(returns->item, returns->count, sizeof(event), by_place);
+}
+
+/* Collects the events of all threads in those of the first one, and sorts them. */
+static sd_status collect_events(engine *e) {
   work *w = &e->work;
   thread_work *first = &w->threads[0];
   sd_status status = first->events.failed || first->returns.failed ? SD_ERROR_IO : SD_OK;
@@ -250,12 +259,7 @@ sd_status contacts_sort_events(engine *e) {
     if (status == SD_OK) status = merge(&first->returns, &w->threads[t].returns);
     w->threads[t].events.count = w->threads[t].returns.count = 0;
   }
-  place_events(e, &first->events);
-  place_wraps(&first->returns);
-  if (first->events.count > 1)
-    qsort(first->events.item, first->events.count, sizeof(event), by_place);
-  if (first->returns.count > 1)
-    qsort(first->returns.item, first->returns.count, sizeof(event), by_place);
+  contacts_sort_events(e, first);
   return status;
 }
 
@@ -272,7 +276,7 @@ static void check_speed(engine *e) {
 sd_status contacts_events(engine *e, sd_messages *messages) {
   sd_status status = SD_OK;
   work *w = &e->work;
-  if (contacts_sort_events(e) != SD_OK)
+  if (collect_events(e) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
   event_list *events = &w->threads[0].events, *returns = &w->threads[0].returns;
   for (size_t n = 1; n < events->count; n++) assert(events->item[n - 1].at <= events->item[n].at);

@@ -13,12 +13,12 @@
  * SD_ERROR_IO if memory runs out. */
 sd_status contacts_events(engine *e, sd_messages *messages);
 
-/* Parts of contacts_events, for windows (window.h). contacts_sort_events collects the events of all
- * threads in those of the first one, and sorts them. contacts_pair_event handles the event of a
+/* Parts of contacts_events, for windows (window.h). contacts_sort_events sorts the events that one
+ * thread has noted. contacts_pair_event handles the event of a
  * contact, with statuses as those of contacts_events. contacts_wrap wraps the angle of body i into
  * [-4, 4] and its position into the box, and adjusts lambda_ref of its contacts so that their
  * tangential displacements do not change; i: slot, or number of bodies + k for clump k. */
-sd_status contacts_sort_events(engine *e);
+void contacts_sort_events(const engine *e, thread_work *mine);
 sd_status contacts_pair_event(engine *e, const event *v, sd_messages *messages);
 void contacts_wrap(engine *e, uint32_t i);
 

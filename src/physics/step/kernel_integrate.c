@@ -29,7 +29,10 @@
 
 static void pack_alike(engine *e, size_t begin, size_t end, bool prescribed) {
   view v = view_of(e, begin);
-  if (prescribed) v.mass = NULL;
+  if (prescribed) {
+    v.mass = NULL;
+    v.omega = e->state->omega;
+  }
   FOR_LANES((LANE(pack_at)(&v, i), LANE(clear_sum)(&v, i)),
             (pack_at_w1(&v, i), clear_sum_w1(&v, i)));
 }

@@ -29,9 +29,10 @@ void sweep_predict(engine *e, size_t k);
  * coordinates to the rows of packed bodies, which pairs read, and clears the disks' force sums. */
 void sweep_pack(engine *e, size_t k);
 void sweep_correct(engine *e, thread_work *mine, size_t k);
-/* Predicts the disks that the pairs of chunk k read, evaluates these pairs and corrects the disks
- * of the chunk, in a run with one thread. */
-void sweep_chunk(engine *e, thread_work *mine, size_t k);
+/* Evaluates the contacts of chunk k with round bodies, and with wall segments: forces, lambda_ref,
+ * losses. The disks that the pairs read must be packed. */
+void sweep_round_pairs(engine *e, thread_work *mine, size_t k);
+void sweep_segments(engine *e, thread_work *mine, size_t k);
 /* Predicts, evaluates and corrects the chunks of thread t. Chunks marked boundary_last are
  * corrected later, after the other threads. */
 void sweep_share(engine *e, int t);

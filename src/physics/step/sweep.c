@@ -59,20 +59,21 @@ static void sum_chunk(engine *e, size_t k) {
   sum_pairs(e, c->segment[k], c->segment[k + 1]);
 }
 
-/* Evaluates the contacts of chunk k, once per step: forces, lambda_ref, losses. */
-static void evaluate(engine *e, thread_work *mine, size_t k) {
-  const work *w = &e->work;
-  const chunks *c = &w->chunks;
-  w->kernels->pairs(e, mine, c->pair[k], c->pair[k + 1]);
-  if (c->segment[k] < c->segment[k + 1])
-    w->kernels->pairs(e, mine, c->segment[k], c->segment[k + 1]);
+void sweep_round_pairs(engine *e, thread_work *mine, size_t k) {
+  const chunks *c = &e->work.chunks;
+  e->work.kernels->pairs(e, mine, c->pair[k], c->pair[k + 1]);
 }
 
-void sweep_chunk(engine *e, thread_work *mine, size_t k) {
+void sweep_segments(engine *e, thread_work *mine, size_t k) {
   const chunks *c = &e->work.chunks;
-  for (size_t at = c->need_start[k]; at < c->need_start[k + 1]; at++) sweep_pack(e, c->need[at]);
-  evaluate(e, mine, k);
-  sweep_correct(e, mine, k);
+  if (c->segment[k] < c->segment[k + 1])
+    e->work.kernels->pairs(e, mine, c->segment[k], c->segment[k + 1]);
+}
+
+/* Evaluates the contacts of chunk k, once per step: forces, lambda_ref, losses. */
+static void evaluate(engine *e, thread_work *mine, size_t k) {
+  sweep_round_pairs(e, mine, k);
+  sweep_segments(e, mine, k);
 }
 
 void sweep_share(engine *e, int t) {

@@ -1,20 +1,22 @@
 /* window.c: several steps at once, chunk by chunk; implements window.h.
  *
  * A chunk can take its next step as soon as the chunks that its pairs read, and those whose pairs
- * read it, have taken the step before. So the chunks are passed in a wave: at place m, chunk m
- * takes the first step of the window, chunk m - d the second, chunk m - 2 d the third. All that
- * these steps need is in the cache, and memory is read and written once in a window. d is twice the
- * reach, the largest distance of chunks with a common pair: events of chunk k are handled when
- * chunk k + reach has taken the same step, so that both disks are corrected, and before chunk
- * k - reach takes the next one.
+ * read it, have taken the step before. So the steps go over the chunks one behind the other, d =
+ * CHUNKS_APART (neighbours/chunks.h) chunks apart: all that they need is in the cache, and memory
+ * is read and written once in a window. Threads that look for work take the next chunk of the last
+ * step that can go on. Events of chunk k are handled when chunk k + reach has taken the same step,
+ * so that both disks are corrected, and before chunk k - reach takes the next one.
  *
- * Lists stay as they are in a window, which changes no bit. If a disk moves too far for them before
- * the last step, if a contact overlaps too deeply or a body is too fast, the window is undone: each
- * chunk is copied before its first step.
+ * Each step has its own copy of the engine, with the number of the step, rows of packed bodies and
+ * of force sums. Lists stay as they are in a window, which changes no bit. If a disk moves too far
+ * for them before the last step, if a contact overlaps too deeply or a body is too fast, the window
+ * is undone: each chunk is copied before its first step.
  */
 #include "physics/step/window.h"
 
 #include <assert.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,6 +36,37 @@
 /* Largest number of wall segments in lists, and of prescribed bodies: they are placed anew for each
  * chunk. */
 enum { MOST_PIECES = 32 };
+
+/* Event of a chunk in a step: of a contact, or (wraps) of a disk. */
+typedef struct window_event {
+  event event;
+  size_t chunk;
+  bool wraps;
+} window_event;
+
+/* One step of a window. */
+typedef struct window_step {
+  engine e;       /* the engine at this step, with the state and the rows below */
+  sd_state state; /* the columns of the engine's state, and the number of this step */
+  double *packed, *sums;
+  size_t taken;        /* number of chunks that have taken this step */
+  bool busy;           /* true while a thread takes it with the next chunk */
+  bool stale;          /* as in thread_work, by the chunks so far */
+  window_event *event; /* events that wait for other chunks; the first `handled` are done */
+  size_t n_events, handled, capacity;
+} window_step;
+
+/* The steps that are under way. */
+struct window_wave {
+  pthread_mutex_t turn;  /* held to read and write members `taken` and `busy` of the steps */
+  pthread_cond_t moved;  /* one of them has changed */
+  atomic_uint moves;     /* number of these changes */
+  int asleep;            /* number of threads that wait for `moved` */
+  atomic_llong fits;     /* number of steps for which the lists will do */
+  pthread_mutex_t walls; /* held while prescribed bodies are posed for one chunk and step */
+  double *packed, *sums; /* of all steps */
+  window_step step[];
+};
 
 /* --- copies ----------------------------------------------------------------------------------- */
 
@@ -117,12 +150,11 @@ static size_t rare_columns(const engine *e, rare_kind kind, double *of[RARE_MOST
 }
 
 /* Copies the columns of this kind of disk i to the window's memory. */
-static void keep_rare(engine *e, rare_kind kind, uint32_t i) {
+static void keep_rare(window *v, const engine *e, rare_kind kind, uint32_t i) {
   const sd_state *s = e->state;
-  window *v = &e->work.window;
   if (i >= s->n_free) return;
   if (!list_room(&v->rare, v->n_rare, &v->rare_capacity, sizeof *v->rare)) {
-    v->failed = true;
+    v->lost = true;
     return;
   }
   window_rare *r = &v->rare[v->n_rare++];
@@ -148,13 +180,13 @@ static void restore_rare(engine *e, const window_rare *r) {
 }
 
 /* Copies what the event of a contact is about to change. */
-static void keep_of_pair(engine *e, const event *v) {
+static void keep_of_pair(window *v, const engine *e, const event *one) {
   const pairs *p = &e->work.pairs;
-  const size_t k = v->index;
+  const size_t k = one->index;
   const bool ends = !pairs_closed(p, k);
-  if (!ends && (v->was_closed || v->dropped == 0.0)) return;
-  keep_rare(e, ends ? RARE_LOSSES : RARE_BRIDGE, (uint32_t)p->a[k]);
-  keep_rare(e, ends ? RARE_LOSSES : RARE_BRIDGE, (uint32_t)p->b[k]);
+  if (!ends && (one->was_closed || one->dropped == 0.0)) return;
+  keep_rare(v, e, ends ? RARE_LOSSES : RARE_BRIDGE, (uint32_t)p->a[k]);
+  keep_rare(v, e, ends ? RARE_LOSSES : RARE_BRIDGE, (uint32_t)p->b[k]);
 }
 
 /* --- prescribed bodies ------------------------------------------------------------------------ */
@@ -170,7 +202,6 @@ static void place_prescribed(engine *e) {
     *p[j].speed = p[j].velocity[k];
     body_pack(e, p[j].slot);
   }
-  if (motion_moves_walls(e)) walls_pose_listed(e);
 }
 
 /* Copies coordinates, velocities and what motion_work needs of the prescribed bodies to the
@@ -192,21 +223,22 @@ static void copy_prescribed(engine *e, bool back) {
   }
 }
 
-/* Adds the forces of chunk k on prescribed bodies to their sums of this step, in the order of the
- * pairs, and clears the rows of single contacts for the next step. */
+/* Adds the forces of chunk k on prescribed bodies to their sums of step s, in the order of the
+ * pairs, and clears the rows of single contacts for the next window. */
 static void add_prescribed(engine *e, size_t k, int64_t s) {
-  const work *w = &e->work;
-  const sums *m = &w->sums;
-  const incidence *n = &w->incidence;
-  const chunks *c = &w->chunks;
-  for (size_t j = 0; j < m->n_listed; j++) {
-    const size_t first = n->start[m->listed[j]];
-    size_t *at = &w->window.reached[(size_t)s * m->n_listed + j];
-    double *sum = w->window.sums + SUM_ROW * ((size_t)s * m->n_listed + j);
-    for (; *at < m->single[j + 1] - m->single[j]; ++*at) {
+  const window *v = &e->work.window;
+  const sums *m = &v->wave->step[s].e.work.sums;
+  const incidence *n = &e->work.incidence;
+  const chunks *c = &e->work.chunks;
+  for (size_t j = 0; j < v->n_fixed; j++) {
+    const size_t body = v->fixed + j, first = n->start[m->listed[body]],
+                 count = m->single[body + 1] - m->single[body];
+    size_t *at = &v->reached[(size_t)s * v->n_fixed + j];
+    double *sum = v->sums + SUM_ROW * ((size_t)s * v->n_fixed + j);
+    for (; *at < count; ++*at) {
       const size_t pair = n->entry[first + *at] / 2;
-      const size_t *end = pairs_is_segment(&w->pairs, pair) ? c->segment : c->pair;
-      double *row = m->row + SUM_ROW * (m->single[j] + *at);
+      const size_t *end = pairs_is_segment(&e->work.pairs, pair) ? c->segment : c->pair;
+      double *row = m->row + SUM_ROW * (m->single[body] + *at);
       if (pair >= end[k + 1]) break;
       for (size_t i = 0; i < SUM_ROW; i++) {
         sum[i] += row[i];
@@ -219,19 +251,22 @@ static void add_prescribed(engine *e, size_t k, int64_t s) {
 /* Moves the prescribed bodies through the steps of the window, and adds the work of each step, as
  * the steps do one by one. */
 static void follow_prescribed(engine *e, int64_t n) {
-  work *w = &e->work;
-  sums *m = &w->sums;
+  const window *v = &e->work.window;
+  sums *m = &e->work.sums;
   const int64_t from = e->state->step;
-  const size_t listed = m->n_listed;
+  const size_t listed = m->n_listed, single = e->work.chunks.rows;
   copy_prescribed(e, true);
   for (int64_t s = 0; s < n; s++) {
     e->state->step = from + s;
-    motion_pose(e, &w->threads[0]);
-    for (size_t j = 0; j < listed && s + 1 < n; j++)
-      memcpy(m->row + SUM_ROW * (size_t)w->row[m->listed[j]],
-             w->window.sums + SUM_ROW * ((size_t)s * listed + j), SUM_ROW * sizeof *m->row);
-    m->n_listed = s + 1 < n ? 0 : listed; /* the rows of contacts are those of the last step */
-    w->kernels->gather(e, e->state->n_free, e->state->n_bodies);
+    motion_pose(e, &e->work.threads[0]);
+    for (size_t j = 0; j < v->n_fixed && s + 1 < n; j++)
+      memcpy(m->row + SUM_ROW * (size_t)e->work.row[m->listed[v->fixed + j]],
+             v->sums + SUM_ROW * ((size_t)s * v->n_fixed + j), SUM_ROW * sizeof *m->row);
+    if (s + 1 == n) /* the rows of contacts are those of the last step */
+      memcpy(m->row + SUM_ROW * single, v->wave->step[s].sums + SUM_ROW * single,
+             SUM_ROW * (m->end - single) * sizeof *m->row);
+    m->n_listed = s + 1 < n ? 0 : listed;
+    e->work.kernels->gather(e, e->state->n_free, e->state->n_bodies);
     motion_work(e);
   }
   if (motion_moves_walls(e)) walls_pose_listed(e);
@@ -240,67 +275,181 @@ static void follow_prescribed(engine *e, int64_t n) {
 
 /* --- events ----------------------------------------------------------------------------------- */
 
-static bool queue_add(window_queue *q, const event *v, size_t chunk, bool wraps) {
-  if (!list_room(&q->item, q->n, &q->capacity, sizeof *q->item)) return false;
-  q->item[q->n++] = (window_event){*v, chunk, wraps};
+static bool queue_add(window_step *at, const event_list *list, size_t chunk, bool wraps) {
+  for (size_t n = 0; n < list->count; n++) {
+    if (!list_room(&at->event, at->n_events, &at->capacity, sizeof *at->event)) return false;
+    at->event[at->n_events++] = (window_event){list->item[n], chunk, wraps};
+  }
   return true;
 }
 
-/* Moves the events that chunk k has noted in step s of the window to the queue of this step. */
-static void queue_events(engine *e, size_t k, int64_t s) {
-  window *v = &e->work.window;
-  thread_work *mine = &e->work.threads[0];
-  v->failed |= mine->events.failed || mine->returns.failed || mine->fast;
-  contacts_sort_events(e);
-  for (size_t n = 0; n < mine->events.count; n++)
-    v->failed |= !queue_add(&v->queue[s], &mine->events.item[n], k, false);
-  for (size_t n = 0; n < mine->returns.count; n++)
-    v->failed |= !queue_add(&v->queue[s], &mine->returns.item[n], k, true);
+/* Moves what a thread has noted while it took a step with chunk k to this step. Returns false if
+ * only single steps can handle it. */
+static bool take_notes(window_step *at, thread_work *mine, size_t k) {
+  bool well = !mine->events.failed && !mine->returns.failed && !mine->fast;
+  at->stale |= mine->stale;
+  mine->stale = false;
+  contacts_sort_events(&at->e, mine);
+  well = queue_add(at, &mine->events, k, false) && queue_add(at, &mine->returns, k, true) && well;
   mine->events.count = mine->returns.count = 0;
+  return well;
 }
 
-/* Handles the events of the chunks before `end` in step s of the window: first those of contacts,
- * then disks whose angle or position is wrapped. */
-static void handle_events(engine *e, size_t end, int64_t s) {
-  window *v = &e->work.window;
-  window_queue *q = &v->queue[s];
-  for (; q->done < q->n && q->item[q->done].chunk < end && !v->failed; q->done++) {
-    const window_event *one = &q->item[q->done];
-    if (one->wraps) {
-      keep_rare(e, RARE_PLACE, one->event.index);
-      contacts_wrap(e, one->event.index);
-    } else {
-      keep_of_pair(e, &one->event);
-      v->failed |= contacts_pair_event(e, &one->event, v->messages) != SD_OK;
-    }
+static bool handle_event(window *v, engine *own, const window_event *one) {
+  if (one->wraps) {
+    keep_rare(v, own, RARE_PLACE, one->event.index);
+    contacts_wrap(own, one->event.index);
+    return true;
   }
+  keep_of_pair(v, own, &one->event);
+  return contacts_pair_event(own, &one->event, v->messages) == SD_OK;
+}
+
+/* Places the prescribed bodies for the step of this engine, and keeps other threads from placing
+ * them for another one, until unlock_prescribed. */
+static void lock_prescribed(window_wave *wave, engine *own) {
+  pthread_mutex_lock(&wave->walls);
+  place_prescribed(own);
+  if (motion_moves_walls(own)) walls_pose_listed(own);
+}
+static void unlock_prescribed(window_wave *wave) { pthread_mutex_unlock(&wave->walls); }
+
+/* Handles the events of the chunks before `end` in a step of the window: first those of contacts,
+ * then disks whose angle or position is wrapped. Returns false if only single steps can do so. */
+static bool handle_events(window *v, window_step *at, size_t end) {
+  if (at->handled == at->n_events || at->event[at->handled].chunk >= end) return true;
+  bool well = true;
+  lock_prescribed(v->wave, &at->e);
+  for (; well && at->handled < at->n_events && at->event[at->handled].chunk < end; at->handled++)
+    well = handle_event(v, &at->e, &at->event[at->handled]);
+  well = well && !v->lost;
+  unlock_prescribed(v->wave);
+  return well;
 }
 
 /* --- the wave --------------------------------------------------------------------------------- */
 
-/* Takes step s of the window with chunk k; state->step is the step before. last: it is the last
- * step of the window. */
-static void take_chunk(engine *e, size_t k, int64_t s, bool last) {
-  work *w = &e->work;
-  const chunks *c = &w->chunks;
-  thread_work *mine = &w->threads[0];
-  place_prescribed(e);
-  for (size_t n = c->need_start[k]; s == 0 && n < c->need_start[k + 1]; n++)
+/* Copies what the first step will change when it is taken with chunk k. */
+static void keep_chunk(engine *e, size_t k) {
+  const chunks *c = &e->work.chunks;
+  for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
     if (c->predicted[c->need[n]] != e->state->step + 1) copy_disks(e, c->need[n], false);
-  if (s == 0) copy_pairs(e, k, false);
-  sweep_chunk(e, mine, k);
-  if (!last && w->sums.n_listed) add_prescribed(e, k, s);
-  queue_events(e, k, s);
+  copy_pairs(e, k, false);
 }
 
-/* Undoes the steps of the window: of the first `places` chunks, and of those that they read. */
-static void undo(engine *e, size_t places) {
+static void take_segments(window_wave *wave, engine *own, thread_work *mine, size_t k) {
+  const chunks *c = &own->work.chunks;
+  if (c->segment[k] == c->segment[k + 1]) return;
+  const bool moved = motion_moves_walls(own);
+  if (moved) lock_prescribed(wave, own);
+  sweep_segments(own, mine, k);
+  if (moved) unlock_prescribed(wave);
+}
+
+/* Takes step s of the window with chunk k. Returns false if something came up that only single
+ * steps can handle. last: it is the last step of the window. */
+static bool take_chunk(engine *e, thread_work *mine, size_t k, int64_t s, bool last) {
+  window *v = &e->work.window;
+  window_step *at = &v->wave->step[s];
+  engine *own = &at->e;
+  const chunks *c = &own->work.chunks;
+  if (s == 0) keep_chunk(e, k);
+  for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) sweep_pack(own, c->need[n]);
+  sweep_round_pairs(own, mine, k);
+  take_segments(v->wave, own, mine, k);
+  sweep_correct(own, mine, k);
+  sums_clear_listed(own, c->begin[k], c->begin[k + 1]);
+  if (!last && v->n_fixed) add_prescribed(e, k, s);
+  if (!take_notes(at, mine, k) || (at->stale && !last)) return false;
+  const size_t next = k + 1;
+  return handle_events(v, at, next == c->count ? next : next > c->reach ? next - c->reach : 0);
+}
+
+/* Returns the last of n steps that can go on now; n: none can; -1: all are done. */
+static int64_t step_to_take(const engine *e, int64_t n) {
+  const chunks *c = &e->work.chunks;
+  const window_step *step = e->work.window.wave->step;
+  if (e->work.window.failed || step[n - 1].taken == c->count) return -1;
+  for (int64_t s = n - 1; s >= 0; s--) {
+    if (step[s].busy || step[s].taken == c->count) continue;
+    const size_t before = s > 0 ? step[s - 1].taken : c->count;
+    if (before == c->count || before >= step[s].taken + CHUNKS_APART(c)) return s;
+  }
+  return n;
+}
+
+/* Waits for a change of the steps, first awake for some microseconds. The caller holds wave->turn,
+ * before and afterwards. */
+static void wait_for_move(window_wave *wave) {
+  enum { LOOKS = 2000 };
+  const unsigned moves = atomic_load(&wave->moves);
+  pthread_mutex_unlock(&wave->turn);
+  for (int k = 0; k < LOOKS && atomic_load(&wave->moves) == moves; k++) team_pause();
+  pthread_mutex_lock(&wave->turn);
+  if (atomic_load(&wave->moves) != moves) return;
+  wave->asleep++;
+  pthread_cond_wait(&wave->moved, &wave->turn);
+  wave->asleep--;
+}
+
+/* Takes steps with chunks until none is left; every thread of the team does so. */
+static void take_chunks(engine *e, const team *t, int64_t n) {
+  window *v = &e->work.window;
+  window_wave *wave = v->wave;
+  pthread_mutex_lock(&wave->turn);
+  for (int64_t s; (s = step_to_take(e, n)) >= 0;) {
+    if (s == n) {
+      wait_for_move(wave);
+      continue;
+    }
+    window_step *at = &wave->step[s];
+    at->busy = true;
+    pthread_mutex_unlock(&wave->turn);
+    const bool well = take_chunk(e, &e->work.threads[t->rank], at->taken, s, s + 1 == n);
+    pthread_mutex_lock(&wave->turn);
+    at->busy = false;
+    at->taken++;
+    v->failed |= !well;
+    atomic_fetch_add(&wave->moves, 1);
+    if (wave->asleep) pthread_cond_broadcast(&wave->moved);
+  }
+  pthread_mutex_unlock(&wave->turn);
+}
+
+/* Makes the engines of the steps. */
+static void begin(engine *e, int64_t n) {
+  work *w = &e->work;
+  window *v = &w->window;
+  const size_t single = w->chunks.rows, bodies = rows_of_bodies(e);
+  assert(n > 1 && n <= v->steps && v->n_rare == 0);
+  memset(v->sums, 0, (size_t)n * v->n_fixed * SUM_ROW * sizeof *v->sums);
+  memset(v->reached, 0, (size_t)n * v->n_fixed * sizeof *v->reached);
+  v->failed = v->lost = false;
+  copy_prescribed(e, false);
+  for (int64_t s = 0; s < n; s++) {
+    window_step *at = &v->wave->step[s];
+    at->n_events = at->handled = at->taken = 0;
+    at->stale = at->busy = false;
+    at->state = *e->state;
+    at->state.step += s;
+    at->e = *e;
+    at->e.state = &at->state;
+    at->e.work.packed = at->packed;
+    at->e.work.sums.row = at->sums;
+    memcpy(at->packed + PACKED_ROW * single, w->packed + PACKED_ROW * single,
+           PACKED_ROW * (bodies - single) * sizeof *at->packed);
+    memset(at->sums + SUM_ROW * single, 0, SUM_ROW * (w->sums.end - single) * sizeof *at->sums);
+    place_prescribed(&at->e);
+  }
+}
+
+/* Undoes the steps of the window. */
+static void undo(engine *e) {
   work *w = &e->work;
   window *v = &w->window;
   chunks *c = &w->chunks;
-  thread_work *mine = &w->threads[0];
   for (size_t k = 0; k < c->count; k++) {
-    if (k < places) copy_pairs(e, k, true);
+    if (k < v->wave->step[0].taken) copy_pairs(e, k, true);
     if (c->predicted[k] > e->state->step) copy_disks(e, k, true);
     c->predicted[k] = e->state->step;
     c->packed[k] = INT64_MIN;
@@ -309,12 +458,26 @@ static void undo(engine *e, size_t places) {
   copy_prescribed(e, true);
   w->kernels->pack(e, e->state->n_free, e->state->n_bodies);
   if (motion_moves_walls(e)) walls_pose_listed(e);
-  mine->stale = mine->fast = mine->events.failed = mine->returns.failed = false;
-  mine->events.count = mine->returns.count = 0;
+  for (int t = 0; t < w->n_threads; t++) {
+    thread_work *mine = &w->threads[t];
+    mine->stale = mine->fast = mine->events.failed = mine->returns.failed = false;
+    mine->events.count = mine->returns.count = 0;
+  }
+}
+
+static void wave_free(window_wave *wave, int64_t steps) {
+  if (!wave) return;
+  for (int64_t s = 0; s < steps; s++) free(wave->step[s].event);
+  arena_free(wave->packed);
+  arena_free(wave->sums);
+  pthread_mutex_destroy(&wave->walls);
+  pthread_mutex_destroy(&wave->turn);
+  pthread_cond_destroy(&wave->moved);
+  free(wave);
 }
 
 void window_free(window *v) {
-  for (int64_t s = 0; s < v->steps; s++) free(v->queue[s].item);
+  wave_free(v->wave, v->steps);
   free(v->disks);
   free(v->blocks);
   free(v->flags);
@@ -322,10 +485,28 @@ void window_free(window *v) {
   free(v->pieces);
   free(v->sums);
   free(v->reached);
-  free(v->queue);
   free(v->rare);
   sd_messages_free(v->messages);
-  *v = (window){.plain_until = v->plain_until, .taken = v->taken, .undone = v->undone};
+  *v = (window){
+      .plain_until = v->plain_until, .taken = v->taken, .undone = v->undone, .trial = v->trial};
+}
+
+/* Makes a wave of n steps; NULL: no memory. */
+static window_wave *wave_new(const engine *e, size_t n) {
+  const size_t rows = PACKED_ROW * rows_of_bodies(e), sum_rows = SUM_ROW * e->work.sums.end;
+  window_wave *wave = memory_new(1, sizeof *wave + n * sizeof *wave->step);
+  pthread_mutex_init(&wave->walls, NULL);
+  pthread_mutex_init(&wave->turn, NULL);
+  pthread_cond_init(&wave->moved, NULL);
+  wave->packed = arena_for(n * rows, sizeof *wave->packed);
+  wave->sums = arena_for(n * sum_rows, sizeof *wave->sums);
+  for (size_t s = 0; s < n && wave->packed && wave->sums; s++) {
+    wave->step[s].packed = wave->packed + s * rows;
+    wave->step[s].sums = wave->sums + s * sum_rows;
+  }
+  if (wave->packed && wave->sums) return wave;
+  wave_free(wave, 0);
+  return NULL;
 }
 
 /* Makes room for the copies of windows of up to n steps, with the present lists. */
@@ -334,68 +515,57 @@ static sd_status reserve(engine *e, int64_t n) {
   window *v = &e->work.window;
   const pairs *p = &w->pairs;
   const size_t disks = SD_COORDINATES * copied_columns(e) * e->state->n_free,
-               blocks = p->first_segment / PAIR_BLOCK, listed = w->sums.n_listed;
+               blocks = p->first_segment / PAIR_BLOCK, n_fixed = v->n_fixed;
   if (v->builds == w->builds && v->steps >= n) return SD_OK;
+  const size_t fixed = v->fixed;
   window_free(v);
-  if (!memory_rows(8,
+  v->fixed = fixed;
+  v->n_fixed = n_fixed;
+  if (!memory_rows(7,
                    (memory_column[]){{&v->disks, disks, sizeof *v->disks},
                                      {&v->blocks, blocks, sizeof *v->blocks},
                                      {&v->flags, blocks, sizeof *v->flags},
                                      {&v->more, p->more ? blocks : 0, sizeof *v->more},
                                      {&v->pieces, p->count - p->first_segment, sizeof *v->pieces},
-                                     {&v->sums, (size_t)n * listed, SUM_ROW * sizeof *v->sums},
-                                     {&v->reached, (size_t)n * listed, sizeof *v->reached},
-                                     {&v->queue, (size_t)n, sizeof *v->queue}}))
+                                     {&v->sums, (size_t)n * n_fixed, SUM_ROW * sizeof *v->sums},
+                                     {&v->reached, (size_t)n * n_fixed, sizeof *v->reached}}))
     return SD_ERROR_IO;
+  v->wave = wave_new(e, (size_t)n);
+  if (!v->wave) return SD_ERROR_IO;
   v->messages = sd_messages_new();
   v->builds = w->builds;
   v->steps = n;
   return SD_OK;
 }
 
-bool window_run(engine *e, int64_t n) {
+/* Ends the window: goes on from its last step, or undoes it. */
+static void end(engine *e, int64_t n) {
   work *w = &e->work;
   window *v = &w->window;
-  thread_work *mine = &w->threads[0];
-  const size_t count = w->chunks.count, reach = w->chunks.reach, d = 2 * reach,
-               listed = (size_t)n * w->sums.n_listed;
-  const int64_t from = e->state->step;
-  assert(n > 1 && n <= v->steps && !mine->stale && v->n_rare == 0);
-  memset(v->sums, 0, listed * SUM_ROW * sizeof *v->sums);
-  memset(v->reached, 0, listed * sizeof *v->reached);
-  for (int64_t s = 0; s < n; s++) v->queue[s].n = v->queue[s].done = 0;
-  v->failed = false;
-  copy_prescribed(e, false);
-  pairs_clear_single(e);
-  bool stale = false;
-  size_t m = 0;
-  for (; m < count + d * (size_t)(n - 1) && !v->failed; m++)
-    for (int64_t s = 0; s < n && m >= d * (size_t)s && !v->failed; s++) {
-      const size_t k = m - d * (size_t)s;
-      if (k >= count) continue;
-      e->state->step = from + s;
-      take_chunk(e, k, s, s + 1 == n);
-      handle_events(e, k + 1 == count ? count : k + 1 > reach ? k + 1 - reach : 0, s);
-      if (mine->stale && s + 1 < n) v->failed = true;
-      stale |= mine->stale;
-      mine->stale = false;
-    }
-  e->state->step = from;
   const double work_driven = e->state->work_driven;
   if (!v->failed) follow_prescribed(e, n);
-  v->failed |= mine->fast;
+  v->failed |= w->threads[0].fast;
   if (v->failed) {
     e->state->work_driven = work_driven;
-    undo(e, m < count ? m : count);
-    v->plain_until = from + n;
+    undo(e);
+    v->plain_until = e->state->step + n;
     v->undone++;
-    return false;
+    return;
   }
   v->taken++;
   v->n_rare = 0;
-  e->state->step = from + n;
-  mine->stale = stale;
-  return true;
+  e->state->step += n;
+  w->threads[0].stale = v->wave->step[n - 1].stale;
+}
+
+bool window_run(engine *e, const team *t, int64_t n) {
+  if (t->rank == 0) begin(e, n);
+  team_wait(t);
+  take_chunks(e, t, n);
+  team_wait(t);
+  if (t->rank == 0) end(e, n);
+  team_wait(t);
+  return !e->work.window.failed;
 }
 
 /* --- how many steps --------------------------------------------------------------------------- */
@@ -403,30 +573,76 @@ bool window_run(engine *e, int64_t n) {
 /* True if nothing that the steps have to do needs all disks after each step. */
 static bool can_wait(engine *e) {
   const work *w = &e->work;
+  const window *v = &w->window;
   size_t n;
-  if (w->chunks.window < 2 || w->n_threads > 1 || e->halo || e->comm || e->fields) return false;
-  if (w->predict_all || w->cell.on || w->body_forces || w->clumps.count || w->lanes) return false;
-  if (e->state->n_slides || w->threads[0].stale) return false;
+  if (e->halo || e->comm || e->fields || w->predict_all || w->cell.on || w->body_forces ||
+      w->clumps.count || w->lanes || e->state->n_slides)
+    return false;
+  for (int t = 0; t < w->n_threads; t++)
+    if (w->threads[t].stale) return false;
   motion_prescribed(e, &n);
-  return n <= WINDOW_PRESCRIBED && w->n_pieces <= MOST_PIECES && w->sums.n_listed <= MOST_PIECES &&
+  return n <= WINDOW_PRESCRIBED && w->n_pieces <= MOST_PIECES && v->n_fixed <= MOST_PIECES &&
          motion_ahead(e) && !motion_corrects(e);
 }
 
-/* Returns for how many of the next n steps the lists will probably do: disks go on as they move
- * now, or half as fast again. */
-static int64_t steps_of_list(const engine *e, int64_t n) {
-  while (n > 1 && e->work.kernels->stale(e, 0, e->state->n_free, 1.5 * (double)n)) n /= 2;
-  return n;
+/* Number of steps after which each way of taking them has been timed, and for which the cheaper one
+ * then goes on. */
+enum { TRIAL_STEPS = 48, CHOSEN_STEPS = 4096 };
+
+/* True if windows are to be taken now. What they save in memory traffic and cost in copies depends
+ * on the machine and on the packing, so both ways are timed; results have the same bits. The
+ * environment variable SLIPDISK_WINDOWS decides instead if it is "always" or "never". */
+static bool prefers_windows(const engine *e, window_trial *t) {
+  const char *asked = getenv("SLIPDISK_WINDOWS");
+  if (asked && strcmp(asked, "always") == 0) return true;
+  if (asked && strcmp(asked, "never") == 0) return false;
+  const int64_t done = e->state->step - t->step;
+  const bool lists = t->builds != e->work.builds; /* new lists would be part of the time */
+  if (done >= (t->way < 2 ? TRIAL_STEPS : CHOSEN_STEPS) || (lists && t->way < 2) || done < 0) {
+    const double now = clock_seconds();
+    if (t->way < 2 && !lists) t->cost[t->way] = (now - t->began) / (double)done;
+    const int next = t->way < 2 && lists ? t->way : (t->way + 1) % 3;
+    *t = (window_trial){next, now, e->state->step, e->work.builds, {t->cost[0], t->cost[1]}};
+  }
+  return t->way == 1 || (t->way == 2 && t->cost[1] < t->cost[0]);
 }
 
-int64_t window_steps(engine *e, int64_t most) {
+/* Returns how many of the next `most` steps a window may have, whatever the lists are. */
+static int64_t most_steps(engine *e, int64_t most) {
   const work *w = &e->work;
-  if (most < 2 || e->state->step < w->window.plain_until || !can_wait(e)) return 1;
+  window *v = &e->work.window;
+  if (most < 2 || e->state->step < v->plain_until) return 1;
+  v->fixed = sums_first_listed(&w->sums, e->state->n_free);
+  v->n_fixed = w->sums.n_listed - v->fixed;
+  if (!can_wait(e) || !prefers_windows(e, &v->trial)) return 1;
   const int64_t computed = MOTION_BATCH - motion_index(e);
   int64_t n = most < w->chunks.window ? most : w->chunks.window;
   if (computed < n) n = computed;
   for (int64_t s = 1; s < n; s++)
     if (validity_due(e->state->step + s)) n = s;
-  n = steps_of_list(e, n);
-  return n > 1 && reserve(e, w->chunks.window) == SD_OK ? n : 1;
+  if (n < 2 || reserve(e, w->chunks.window) != SD_OK) return 1;
+  atomic_store(&v->wave->fits, n);
+  return n;
+}
+
+/* Returns for how many of the next n steps the lists will probably do for the disks in slots
+ * [begin, end): disks go on as they move now, or half as fast again. */
+static int64_t steps_of_list(const engine *e, size_t begin, size_t end, int64_t n) {
+  while (n > 1 && begin < end && e->work.kernels->stale(e, begin, end, 1.5 * (double)n)) n /= 2;
+  return n;
+}
+
+int64_t window_steps(engine *e, const team *t, int64_t most) {
+  window *v = &e->work.window;
+  if (e->work.chunks.window < 2) return 1;
+  if (t->rank == 0) v->most = most_steps(e, most);
+  team_wait(t);
+  if (v->most < 2) return 1;
+  size_t begin, end;
+  team_share(t, e->state->n_free, &begin, &end);
+  const long long mine = steps_of_list(e, begin, end, v->most);
+  long long fits = atomic_load(&v->wave->fits);
+  while (mine < fits && !atomic_compare_exchange_weak(&v->wave->fits, &fits, mine)) continue;
+  team_wait(t);
+  return atomic_load(&v->wave->fits);
 }

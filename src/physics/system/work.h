@@ -179,7 +179,8 @@ enum {
   PACKED_VX,
   PACKED_VY,
   PACKED_INVERSE_MASS, /* 1/mass, 0 for prescribed bodies; only set if laws need it (LAW_NORMAL) */
-  PACKED_SPIN,         /* R omega; only set if laws need it (LAW_DASHPOT or LAW_ROLLING) */
+  /* R omega; for free disks only set if laws need it (LAW_DASHPOT or LAW_ROLLING) */
+  PACKED_SPIN,
   PACKED_ROW = 8
 };
 /* across4 in base/lane.h computes differences b - a of columns with even index, and sums b + a of
@@ -306,18 +307,6 @@ typedef struct thread_work {
   event_list returns;
 } thread_work;
 
-/* Event of a chunk in a step of a window: of a contact, or (wraps) of a disk. */
-typedef struct window_event {
-  event event;
-  size_t chunk;
-  bool wraps;
-} window_event;
-
-typedef struct window_queue {
-  window_event *item;
-  size_t n, done, capacity;
-} window_queue;
-
 /* Pair with a wall segment as it was before a window. */
 typedef struct window_piece {
   sd_contact_record record;
@@ -330,6 +319,15 @@ typedef struct window_block {
 } window_block;
 
 typedef struct window_rare window_rare; /* defined in window.c */
+typedef struct window_wave window_wave; /* defined in window.c */
+
+/* Times of single steps and of windows, by which one of both is chosen (step/window.c). */
+typedef struct window_trial {
+  int way;              /* 0: single steps are timed, 1: windows, 2: the cheaper of both goes on */
+  double began;         /* when this way began, s of the monotonic clock */
+  int64_t step, builds; /* step and number of lists then */
+  double cost[2];       /* s per step of single steps and of windows */
+} window_trial;
 
 /* Several steps taken chunk by chunk (step/window.c). */
 typedef struct window {
@@ -343,15 +341,20 @@ typedef struct window {
   window_rare *rare;
   size_t n_rare, rare_capacity;
   double prescribed[WINDOW_PRESCRIBED][WINDOW_KEPT];
-  double *sums;          /* [steps][n_listed][SUM_ROW] forces on prescribed bodies in each step */
-  size_t *reached;       /* [steps][n_listed] contacts that are in these sums */
-  window_queue *queue;   /* [steps] events of each step that wait for other chunks */
+  size_t fixed; /* index of the first prescribed body in sums.listed; n: number of them */
+  size_t n_fixed;
+  double *sums;          /* [steps][n_fixed][SUM_ROW] forces on prescribed bodies in each step */
+  size_t *reached;       /* [steps][n_fixed] contacts that are in these sums */
+  window_wave *wave;     /* steps that are under way */
   int64_t steps;         /* number of steps that there is room for */
   int64_t builds;        /* list (work.builds) that there is room for */
   int64_t taken, undone; /* numbers of windows so far */
+  int64_t most;          /* number of steps that the next window may have */
   bool failed;           /* something came up that only single steps can handle */
+  bool lost;             /* there was no memory for a copy */
   sd_messages *messages;
   int64_t plain_until; /* steps before this one are taken one by one */
+  window_trial trial;
 } window;
 
 typedef struct body_forces body_forces; /* defined in fields.h */
