@@ -11,8 +11,10 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/sysinfo.h>
 #include <unistd.h>
+#ifdef __linux__
+#include <sys/sysinfo.h>
+#endif
 
 #include "slipdisk/status.h"
 
@@ -130,18 +132,19 @@ static double control_groups_limit(double swap) {
 
 static double resource_limit(int resource) {
   struct rlimit most;
-  return getrlimit((__rlimit_resource_t)resource, &most) == 0 && most.rlim_cur != RLIM_INFINITY
-             ? (double)most.rlim_cur
-             : HUGE_VAL;
+  return getrlimit(resource, &most) == 0 && most.rlim_cur != RLIM_INFINITY ? (double)most.rlim_cur
+                                                                           : HUGE_VAL;
 }
 
 double memory_limit(size_t processes) {
+  double shared = (double)PTRDIFF_MAX, swap = 0;
+#ifdef __linux__
   struct sysinfo machine;
-  double shared = HUGE_VAL, swap = 0;
   if (sysinfo(&machine) == 0) {
     swap = (double)machine.totalswap * machine.mem_unit;
     shared = (double)machine.totalram * machine.mem_unit + swap;
   }
+#endif
   shared = fmin(shared, control_groups_limit(swap));
   return fmin(shared / (double)processes,
               fmin(resource_limit(RLIMIT_AS), resource_limit(RLIMIT_DATA)));

@@ -158,9 +158,11 @@ void pool_run(pool *c, team_task *task, void *with) {
 
 /* Returns the number of cores that this process may use. */
 static int cores(void) {
+#ifdef __linux__
   cpu_set_t set;
   CPU_ZERO(&set);
   if (sched_getaffinity(0, sizeof set, &set) == 0) return CPU_COUNT(&set);
+#endif
   const long all = sysconf(_SC_NPROCESSORS_ONLN);
   return all > 0 ? (int)all : 1;
 }

@@ -561,20 +561,6 @@ sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_me
   return status;
 }
 
-uint64_t file_sum(uint64_t sum, const void *bytes, size_t n) {
-  const unsigned char *b = bytes;
-  const uint64_t prime = UINT64_C(1099511628211);
-  for (; n >= 8; b += 8, n -= 8) {
-    uint64_t word;
-    memcpy(&word, b, 8);
-    /* the shift lets high bits change low ones, which a multiplication alone never does */
-    sum = (sum ^ word) * prime;
-    sum ^= sum >> 32;
-  }
-  for (; n > 0; b++, n--) sum = (sum ^ *b) * prime;
-  return sum;
-}
-
 /* --- Folders that appear complete or not at all ----------------------------------------------- */
 
 sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messages) {
