@@ -161,7 +161,7 @@ export interface Simulation {
   readonly stage: Stage;
   /** Number of disks, of free disks, and of bodies, walls included. */
   readonly disks: number;
-  readonly free: number;
+  readonly freeDisks: number;
   readonly bodies: number;
   /** The deck with all default values, as the program would run it. */
   readonly deck: string;
@@ -189,7 +189,7 @@ export interface Simulation {
 
   /** Sets a quantity between two steps: "x", "velocity", "held", "gravity", "law.mu",
    * "motion.amplitude" ... (sd_simulation_set in simulation.h). values: one number for all
-   * indices, or one per index, two for "position" and "velocity". indices: by default 0, 1, ...;
+   * indices, or one per index, two for "position" and "velocity". indices: by default 0, 1, ... for as many values;
    * names of disks and motions are allowed, too. */
   set(name: string, values: number | ArrayLike<number>,
       indices?: number | string | ArrayLike<number | string>): void;
