@@ -11,6 +11,20 @@ const PALETTES = {
   categorical: "0072b2 e69f00 009e73 cc79a7 56b4e9 d55e00 b8a900 7f7f7f".split(" "),
 };
 
+/* Colours of the picture beside those of the disks, red, green, blue. */
+const THEMES = {
+  light: {
+    background: [1, 1, 1], outline: [0.2, 0.23, 0.26], missing: [0.8, 0.81, 0.82], wall: [0.16, 0.18, 0.2],
+    edge: [0.5, 0.54, 0.58], force: [0.13, 0.15, 0.18], sliding: [0.84, 0.3, 0.02], overlap: [0.78, 0.06, 0.36],
+    accent: [0.06, 0.36, 0.75], halo: [1, 1, 1],
+  },
+  dark: {
+    background: [0.071, 0.078, 0.086], outline: [0.02, 0.025, 0.03], missing: [0.33, 0.35, 0.37], wall: [0.78, 0.81, 0.84],
+    edge: [0.5, 0.54, 0.58], force: [0.88, 0.9, 0.92], sliding: [1, 0.6, 0.15], overlap: [1, 0.36, 0.62],
+    accent: [0.55, 0.8, 1], halo: [0.02, 0.03, 0.04],
+  },
+};
+
 function rgbOfHex(hex) {
   return [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16));
 }
