@@ -18,6 +18,8 @@
 #include <string.h>
 #if defined(__SSE2__)
 #include <immintrin.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
 #endif
 #define LANE_PASTE2(name, width) name##_w##width
 #define LANE_PASTE(name, width) LANE_PASTE2(name, width)
@@ -165,6 +167,12 @@ LANE_INLINE real_w2 select_w2(mask_w2 m, real_w2 a, real_w2 b) {
   return (real_w2)((m & (mask_w2)a) | (~m & (mask_w2)b));
 #endif
 }
+#elif LANE_WIDTH == 2 && defined(__wasm_simd128__)
+LANE_INLINE unsigned bits_of_w2(mask_w2 m) { return (unsigned)wasm_i64x2_bitmask((v128_t)m); }
+LANE_INLINE int any_w2(mask_w2 m) { return wasm_v128_any_true((v128_t)m); }
+LANE_INLINE real_w2 select_w2(mask_w2 m, real_w2 a, real_w2 b) {
+  return (real_w2)wasm_v128_bitselect((v128_t)a, (v128_t)b, (v128_t)m);
+}
 #else
 LANE_INLINE unsigned LANE(bits_of)(LANE(mask) m) {
   unsigned bits = 0;
@@ -202,8 +210,12 @@ LANE_INLINE LANE(real) LANE(max)(LANE(real) a, LANE(real) b) {
   return LANE(select)(LANE(greater)(a, b), a, b);
 }
 LANE_INLINE LANE(real) LANE(sqrt)(LANE(real) a) {
+#if LANE_WIDTH == 2 && defined(__wasm_simd128__)
+  return (LANE(real))wasm_f64x2_sqrt((v128_t)a);
+#else
   for (int k = 0; k < LANE_WIDTH; k++) a[k] = sqrt(a[k]);
   return a;
+#endif
 }
 LANE_INLINE LANE(bits) LANE(multiply32)(LANE(bits) a, LANE(bits) b) {
   return (a & 0xffffffffu) * (b & 0xffffffffu);
@@ -214,6 +226,17 @@ LANE_INLINE LANE(bits) LANE(multiply32)(LANE(bits) a, LANE(bits) b) {
 /* Returns a vector with the number in `a` where the mask is true, and 0 in the other lanes. */
 LANE_INLINE LANE(real) LANE(mask_zero)(LANE(mask) m, LANE(real) a) {
   return LANE(select)(m, a, LANE(splat)(0.0));
+}
+
+/* Returns `a`, or 0 with its sign if it is subnormal, on machines whose arithmetic does not do that
+ * by itself (subnormal.h). */
+LANE_INLINE LANE(real) LANE(normal)(LANE(real) a) {
+#if defined(__SSE2__)
+  return a;
+#else
+  const LANE(real) size = LANE(max)(a, -a);
+  return LANE(select)(LANE(greater)(LANE(splat)(0x1p-1022), size), a * 0.0, a);
+#endif
 }
 
 /* Returns the nearest integer, ties to even, for |a| < 2^51. */

@@ -35,16 +35,17 @@ LANE_INLINE void LANE(gear_predict)(LANE(nordsieck) * c, LANE(real) dt, LANE(rea
   c->q4 = d4 + q5;
 }
 
-/* Corrects the coordinate and its derivatives. acceleration: dt^2/2 times the new acceleration. */
+/* Corrects the coordinate and its derivatives, of which the higher ones decay in disks at rest
+ * until they are subnormal. acceleration: dt^2/2 times the new acceleration. */
 LANE_INLINE void LANE(gear_correct)(LANE(nordsieck) * c, LANE(real) acceleration,
                                     LANE(real) per_dt) {
   LANE(real) error = acceleration - c->q2;
   c->q = c->q + GEAR0 * error;
   c->v = c->v + (GEAR1 * per_dt) * error;
   c->q2 = c->q2 + error;
-  c->q3 = c->q3 + GEAR3 * error;
-  c->q4 = c->q4 + GEAR4 * error;
-  c->q5 = c->q5 + GEAR5 * error;
+  c->q3 = LANE(normal)(c->q3 + GEAR3 * error);
+  c->q4 = LANE(normal)(c->q4 + GEAR4 * error);
+  c->q5 = LANE(normal)(c->q5 + GEAR5 * error);
 }
 
 LANE_INLINE void LANE(verlet_predict)(LANE(nordsieck) * c, LANE(real) dt, LANE(real) per_dt) {
