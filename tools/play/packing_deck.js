@@ -83,7 +83,7 @@ phases = (
 
 /* A column of disks falls apart on a rough floor. Unit: mean diameter, g = 1. */
 function heapDeck(s) {
-  const width = 1.6 * Math.sqrt(s.count), high = (s.count * MEAN_AREA) / 0.42 / width;
+  const width = 1.1 * Math.sqrt(s.count), high = (s.count * MEAN_AREA) / 0.42 / width;
   const half = Math.ceil(1.7 * Math.sqrt(s.count)) + 2, floor = [];
   for (let x = -half; x <= half; x++) floor.push(`(${x * 0.8}, -0.5)`);
   const rows = [];

@@ -224,7 +224,8 @@ class Play {
   /* State of the page for tests and for the curious. */
   publish(more) {
     const state = () => ({
-      ready: this.ready, running: this.session.running, over: this.over, number: this.session.number,
+      ready: this.ready, running: this.session.running, over: this.over, rest: this.message?.rest ?? false,
+      number: this.session.number,
       step: this.message?.head.step ?? -1, time: this.message?.head.time, phase: this.message?.head.phase,
       frames: this.stage.drawn, frameRate: this.stage.frameRate, paintCost: this.stage.cost, stepsRate: this.rate,
       capacity: this.message?.capacity, values: { ...this.settings.values }, deck: this.made?.text,

@@ -65,6 +65,7 @@ function peculiar(sim) {
 
 class Run {
   constructor(engine, message) {
+    this.message = message;
     this.number = message.number;
     this.options = message.options;
     this.sim = engine.simulation(message.deck);
@@ -289,7 +290,9 @@ class Driver {
     this.fresh = true;
   }
 
+  /* A step that is over is reached from the start. */
   stepTo(step, tell) {
+    if (step < this.run.sim.step) this.start(this.run.message);
     this.running = false;
     this.take(step - this.run.sim.step);
     this.fresh = true;
