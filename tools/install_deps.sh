@@ -6,6 +6,7 @@
 #   tools/install_deps.sh --docs    also what makes the documentation site
 #   tools/install_deps.sh --deb     also what makes and checks the .deb
 #   tools/install_deps.sh --mpi     also Open MPI and Zoltan, for builds with -DSLIPDISK_MPI=ON
+#   tools/install_deps.sh --play    also what compiles the engine for browsers (tools/play.sh)
 # Several may be given. Needs root (or sudo) only when something is missing.
 set -euo pipefail
 case " $* " in
@@ -34,6 +35,7 @@ for option in "$@"; do
     --docs) packages+=("${site[@]}") ;;
     --deb) packages+=("${deb[@]}") ;;
     --mpi) packages+=(libopenmpi-dev openmpi-bin libtrilinos-zoltan-dev) ;;
+    --play) packages+=(emscripten node-acorn nodejs python3 xz-utils) ;;
     *) "$0" --help >&2; exit 2 ;;
   esac
 done

@@ -11,7 +11,8 @@
 #
 #   tools/test.sh           everything
 #   tools/test.sh --quick   packages and the release build's tests only
-#   tools/test.sh PART...   some parts: packages format lint dev tsan clang release soak coverage mpi slow dev-long
+#   tools/test.sh PART...   some parts: packages format lint dev tsan clang release soak coverage mpi slow dev-long play
+# Part play compiles the engine for browsers and runs its tests; it is in no other list, since emscripten is large.
 # Stops at the first part that fails. Run it as often as you like: what ccache and lint have seen goes quickly. The parts
 # say at the end how long they took, and how much processor time.
 set -euo pipefail
@@ -79,6 +80,11 @@ part() {
       tools/install_deps.sh --mpi
       build mpi --target slipdisk_program test_comm calls
       ctest --preset "mpi$quick" -L mpi -j "$jobs" ;;
+    play) say "The engine in browsers and Node"
+      tools/install_deps.sh --tests --play
+      tools/play.sh
+      build release
+      ctest --preset release -R '^test_play' ;;
     *) tools/test.sh --help >&2; exit 2 ;;
   esac
 }
