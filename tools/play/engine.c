@@ -175,10 +175,12 @@ EXPORT(play_number) double play_number(const play *p, int which) {
 
 EXPORT(play_deck) const char *play_deck(const play *p) { return sd_model_deck(p->model)->full; }
 
-/* Finds a column and keeps it for play_column_type and play_column_size; NULL: there is none. */
-EXPORT(play_column) const void *play_column(play *p, const char *name) {
-  return sd_simulation_column(p->simulation, name, &p->view) ? p->view.data : NULL;
+/* Finds a column, which play_column_data, play_column_type and play_column_size then describe; false:
+ * there is none. */
+EXPORT(play_column) bool play_column(play *p, const char *name) {
+  return sd_simulation_column(p->simulation, name, &p->view);
 }
+EXPORT(play_column_data) const void *play_column_data(const play *p) { return p->view.data; }
 EXPORT(play_column_type) int play_column_type(const play *p) { return (int)p->view.type; }
 EXPORT(play_column_size) size_t play_column_size(const play *p) { return p->view.n; }
 

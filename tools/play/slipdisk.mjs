@@ -234,10 +234,10 @@ class Simulation {
   /* --- columns and names --- */
 
   view(name) {
-    const at = this.#engine.lend([name], (text) => this.#c.play_column(this.#p, text));
-    const type = this.#c.play_column_type(this.#p), n = this.#c.play_column_size(this.#p);
-    if (!at && n > 0) throw new SlipdiskError([`${name}: there is no such column`], 2);
-    const found = this.#engine.array(ARRAYS[type], at, n);
+    if (!this.#engine.lend([name], (text) => this.#c.play_column(this.#p, text)))
+      throw new SlipdiskError([`${name}: there is no such column`], 2);
+    const Type = ARRAYS[this.#c.play_column_type(this.#p)], n = this.#c.play_column_size(this.#p);
+    const found = this.#engine.array(Type, n ? this.#c.play_column_data(this.#p) : 0, n);
     return found instanceof BigInt64Array ? Float64Array.from(found, Number) : found;
   }
 
