@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Makes the pages ratchet.html and packing.html, each one file that needs no network and opens from a folder.
+"""Makes the pages ratchet.html and packing.html, each one file that opens without a network.
 
-    python3 tools/play/bundle.py build/play    takes slipdisk.mjs and slipdisk.wasm there, and puts the pages beside them
+    python3 tools/play/bundle.py build/play    takes slipdisk.mjs and slipdisk.wasm there
 
-Style sheets, scripts and texts that a page names are put into it as they are: those of this folder, of the viewer
-(src/app/view/page) and of the folder of the engine. The worker and the module become one text, which the page starts as a
-worker; the bytes of the engine follow, compressed.
+Style sheets, scripts and texts that a page names are put into it as they are: those of this folder,
+of the viewer (src/app/view/page) and of the folder of the engine. The module and the worker become
+one text, which the page starts as a worker; the bytes of the engine follow, compressed.
 """
 import base64
 import gzip
@@ -23,8 +23,8 @@ TEXT = re.compile(r'<(script|pre)([^>]*) data-from="([^"]+)"></\1>')
 
 
 def read(name, folder):
-    """The bytes of a file of this folder, of the viewer, or of the folder of the engine."""
-    for place in HERE, VIEWER, folder:
+    """The bytes of a file of the folder of the engine, of this one, or of the viewer."""
+    for place in folder, HERE, VIEWER:
         if (place / name).is_file():
             return (place / name).read_bytes()
     raise SystemExit(f"bundle.py: {name} is missing: tools/play.sh builds the engine")
@@ -43,7 +43,7 @@ def text_of(names, folder):
 
 
 def plain(text):
-    """A module as part of a script without modules: browsers start no worker of modules for a page that is a file."""
+    """A module as a plain script: a page that is a file can start no worker of modules."""
     text = re.sub(r"^export (?=(async |function|class|const))", "", text, flags=re.M)
     return text.replace("import.meta.url", "location.href")
 

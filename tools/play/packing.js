@@ -3,30 +3,36 @@
 
 const within = (...scenes) => (s) => scenes.includes(s.scene);
 const ROWS = [
-  { key: "scene", label: "Scene", value: "box", show: () => false, options: Object.entries(SCENES).map(([key, { name }]) => [key, name]) },
+  { key: "scene", label: "Scene", value: "box", show: () => false,
+    options: Object.entries(SCENES).map(([key, { name }]) => [key, name]) },
   { key: "count", label: "Disks", min: 60, max: 500, step: 10, value: 120 },
   { key: "mu", label: "Friction μ", min: 0, max: 1, step: 0.05, value: 0.3 },
-  { key: "drive", label: "Acceleration", hint: "of the floor, its largest", min: 0.1, max: 10, log: true, value: 2,
-    show: within("box"), text: (v) => `${formatNumber(v, 2)} g` },
-  { key: "frequency", label: "Frequency", min: 20, max: 200, step: 5, value: 80, show: within("box"),
-    text: (v) => `${v} Hz` },
-  { key: "turn", label: "Drum turns", hint: "angular velocity; mean diameter and g are 1", min: 0.005, max: 0.3,
-    log: true, value: 0.05, show: within("drum"), text: (v) => `${formatNumber(v, 2)} rad/t` },
-  { key: "fraction", label: "Area fraction", min: 0.6, max: 0.84, step: 0.01, value: 0.8, show: within("shear") },
-  { key: "rate", label: "Shear rate", min: 0.01, max: 1, log: true, value: 0.1, show: within("shear"),
-    text: (v) => `${formatNumber(v, 2)} / t` },
+  { key: "drive", label: "Acceleration", hint: "of the floor, its largest", min: 0.1, max: 10,
+    log: true, value: 2, show: within("box"), text: (v) => `${formatNumber(v, 2)} g` },
+  { key: "frequency", label: "Frequency", min: 20, max: 200, step: 5, value: 80,
+    show: within("box"), text: (v) => `${v} Hz` },
+  { key: "turn", label: "Drum turns", hint: "angular velocity; mean diameter and g are 1",
+    min: 0.005, max: 0.3, log: true, value: 0.05, show: within("drum"),
+    text: (v) => `${formatNumber(v, 2)} rad/t` },
+  { key: "fraction", label: "Area fraction", min: 0.6, max: 0.84, step: 0.01, value: 0.8,
+    show: within("shear") },
+  { key: "rate", label: "Shear rate", min: 0.01, max: 1, log: true, value: 0.1,
+    show: within("shear"), text: (v) => `${formatNumber(v, 2)} / t` },
   { key: "seed", label: "Seed", min: 1, max: 100, step: 1, value: 1 },
 ];
 const INTRO = {
-  box: "Disks rain into a box, then its floor shakes at 80 Hz. Though nothing prefers a sense, every disk keeps a mean " +
-    "rotation of its own, blue clockwise, orange counter-clockwise: each lies on its neighbours as the ratchet's disk on " +
-    "its wheels. Pull a disk through the packing, and the pattern changes.",
-  drum: "A drum turns clockwise and carries the disks up; at the surface they flow down again. Turn it faster: the " +
-    "surface bends to an S. Less friction: the slope sinks.",
-  heap: "A column of disks falls apart on a rough floor; what stays is a heap with its angle of repose. Less friction, " +
-    "flatter heap. Build a tower with the mouse.",
-  shear: "A periodic box is compressed, then sheared at constant area: images above move to the right. The ratio μ of " +
-    "shear stress and pressure tells how the packing flows: try shear rates and area fractions near 0.84.",
+  box: "Disks rain into a box, then its floor shakes. Though nothing prefers a sense, disks " +
+    "keep mean rotations of their own, blue clockwise, orange counter-clockwise: each lies " +
+    "on its neighbours as the ratchet's disk on its wheels. Pull a disk through the " +
+    "packing, and the pattern changes.",
+  drum: "A drum turns clockwise and carries the disks up; at the surface they flow down again. " +
+    "Turn it faster, and the surface bends to an S; take less friction, and the slope " +
+    "sinks.",
+  heap: "A column of disks falls apart on a rough floor; a heap with its angle of repose stays. " +
+    "Less friction, flatter heap. Try to build a tower by hand.",
+  shear: "A periodic box is compressed, then sheared at constant area: images above move to the " +
+    "right. The ratio μ of shear stress and pressure tells how hard the packing is to " +
+    "shear: try shear rates, and area fractions up to 0.84.",
 };
 const SHOWN = ["rotation", "spin", "speed", "contacts", "force", "radius"];
 const MOST_POINTS = 600; /* of the curve */
@@ -66,7 +72,8 @@ class RunPlot {
   }
 
   thin() {
-    const half = (list, join) => list.filter((_, k) => k % 2 === 1).map((value, k) => join(list[2 * k], value));
+    const half = (list, join) =>
+      list.filter((_, k) => k % 2 === 1).map((value, k) => join(list[2 * k], value));
     this.times = half(this.times, (a, b) => b);
     this.values = half(this.values, (a, b) => (a + b) / 2);
     this.every *= 2;
@@ -128,7 +135,8 @@ class PackingPage {
     this.range = null;
     byId("quantity").value = key;
     byId("legend-gradient").style.background = paletteGradient(signed ? "diverging" : "sequential");
-    byId("legend-title").textContent = `${quantity.symbol}${quantity.unit ? ` (${quantity.unit})` : ""}`;
+    const unit = quantity.unit ? ` (${quantity.unit})` : "";
+    byId("legend-title").textContent = `${quantity.symbol}${unit}`;
     const colours = new Float32Array(driven.length);
     const values = (model, frame) => {
       const found = quantity.values(model, frame);
@@ -137,8 +145,10 @@ class PackingPage {
     };
     const range = (frame, found) => {
       const free = found.filter((v) => v > -1e38), now = rangeOf(quantity, [free]);
-      this.range = this.range === null || quantity.constant ? now
-        : now.slice(0, 2).map((v, k) => (Math.abs(v) > Math.abs(this.range[k]) ? v : this.range[k] + 0.03 * (v - this.range[k])));
+      const follow = (v, before) =>
+        Math.abs(v) > Math.abs(before) ? v : before + 0.03 * (v - before);
+      if (this.range === null || quantity.constant) this.range = now;
+      else this.range = now.slice(0, 2).map((v, k) => follow(v, this.range[k]));
       return this.range;
     };
     this.play.stage.setQuantity(quantity.kind, values, range);
@@ -155,8 +165,9 @@ class PackingPage {
   }
 
   tell() {
-    const mean = Number.isFinite(this.plot.mean) ? `, mean of the last half ${formatNumber(this.plot.mean, 3)}` : "";
-    byId("chart-text").textContent = `${this.made.plot}${mean}`;
+    const { mean } = this.plot;
+    const half = Number.isFinite(mean) ? `, mean of the last half ${formatNumber(mean, 3)}` : "";
+    byId("chart-text").textContent = this.made.plot + half;
     if (!this.range) return;
     const [low, high] = this.range;
     const texts = [low, (low + high) / 2, high].map((v) => element("span", formatNumber(v, 2)));
@@ -179,7 +190,8 @@ startPage(() => {
     byId("presets").append(button);
   }
   play.publish(() => ({
-    quantity: page.chosen, range: page.range, points: page.plot?.times.length ?? 0, mean: page.plot?.mean,
+    quantity: page.chosen, range: page.range, mean: page.plot?.mean,
+    points: page.plot?.times.length ?? 0,
     disks: play.facts?.disks,
   }));
   play.restart();

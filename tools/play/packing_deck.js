@@ -5,8 +5,8 @@ const number = (value) => String(Number(value.toPrecision(5)));
 const MEAN_AREA = 0.7958; /* of disks with diameters from 0.8 to 1.2, mean 1 */
 const GRAINS = 'density = 1.27; sizes = "uniform"; lower = 0.4; upper = 0.6; group = "grains";';
 
-/* Disks in three sizes rain into a box whose floor then shakes: the box of inputs/packing/shake.inc,
- * as wide as the root of their number. SI units. */
+/* Disks in three sizes rain into a box whose floor then shakes: that of inputs/packing/shake.inc.
+ * Its width grows as the root of their number. SI units. */
 function boxDeck(s) {
   const width = 0.4 * Math.sqrt(s.count / 60), high = 1.3 * width;
   const text = `# ${s.count} disks rain into a box, whose floor then shakes. SI units.
@@ -35,7 +35,9 @@ phases = (
   return {
     text,
     options: { every: 500, sampler: "turning", pull: 40, reach: 8 },
-    scene: { bounds: [-0.5 * width, -0.02, 0.5 * width, 0.85 * width], gravity: [0, -9.81] },
+    scene: {
+      bounds: [-0.5 * width, -0.02, 0.5 * width, 0.85 * width], gravity: [0, -9.81],
+    },
     plot: "root mean square of Ω (noise alone would fall as 1/√t)",
   };
 }
@@ -88,7 +90,7 @@ function heapDeck(s) {
   for (let x = -half; x <= half; x++) floor.push(`(${x * 0.8}, -0.5)`);
   const rows = [];
   while (floor.length) rows.push(`    ${floor.splice(0, 8).join(", ")}`);
-  const text = `# A column of ${s.count} disks falls apart into a heap. Mean diameter 1, mean disk weighs 1.
+  const text = `# A column of ${s.count} disks falls apart. Mean diameter and weight 1.
 
 title = "heap";
 seed = ${s.seed};
@@ -124,7 +126,7 @@ phases = ( { name = "fall"; time = 300; } );
 /* Simple shear at constant area, as inputs/shear/simple.cfg, but denser. Unit: mean diameter. */
 function shearDeck(s) {
   const start = Math.sqrt((s.count * MEAN_AREA) / 0.55);
-  const text = `# ${s.count} disks, compressed and then sheared at constant area. Mean diameter and mass 1.
+  const text = `# ${s.count} disks, compressed and then sheared. Mean diameter and mass 1.
 
 title = "sheared box";
 seed = ${s.seed};

@@ -24,7 +24,7 @@ class Play {
     this.setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
   }
 
-  /* --- runs ------------------------------------------------------------------------------------- */
+  /* --- runs ----------------------------------------------------------------------------------- */
 
   /* A slider sends many values; one run per picture is enough. */
   restartSoon() {
@@ -93,7 +93,8 @@ class Play {
   fail({ text, start }) {
     const lines = text.split("\n").slice(0, 6);
     const title = start ? "The deck is refused." : "The run has stopped.";
-    byId("notice").replaceChildren(element("strong", title), ...lines.map((line) => element("p", line)));
+    const texts = lines.map((line) => element("p", line));
+    byId("notice").replaceChildren(element("strong", title), ...texts);
     byId("notice").hidden = false;
     this.session.running = false;
     this.refresh();
@@ -124,15 +125,15 @@ class Play {
     byId("state").textContent = this.over ? "end of the deck" : running ? "runs" : "paused";
   }
 
-  /* --- speed ------------------------------------------------------------------------------------ */
+  /* --- speed ---------------------------------------------------------------------------------- */
 
   fillSpeeds() {
     const unit = this.page.speedUnit(this.settings.values);
     if (unit === this.speedUnit) return;
     this.speedUnit = unit;
     const options = SPEED_PARTS.map((part, k) => {
-      const speed = part === Infinity ? "as fast as possible" : `${formatNumber(Number((part * unit).toPrecision(3)))} per s`;
-      return element("option", speed, { value: k });
+      const speed = `${formatNumber(Number((part * unit).toPrecision(3)))} per s`;
+      return element("option", part === Infinity ? "as fast as possible" : speed, { value: k });
     });
     byId("speed").replaceChildren(...options);
     this.setSpeed(SPEED_PARTS.indexOf(this.page.speed));
@@ -144,7 +145,7 @@ class Play {
     this.session.setSpeed(SPEED_PARTS[at] * this.speedUnit);
   }
 
-  /* --- controls --------------------------------------------------------------------------------- */
+  /* --- controls ------------------------------------------------------------------------------- */
 
   bind() {
     const click = (id, action) => byId(id).addEventListener("click", action);
@@ -154,7 +155,8 @@ class Play {
     click("fit", () => this.stage.fit());
     click("zoom-in", () => this.stage.zoom(1.4));
     click("zoom-out", () => this.stage.zoom(1 / 1.4));
-    click("theme", () => this.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
+    const other = { light: "dark", dark: "light" };
+    click("theme", () => this.setTheme(other[document.documentElement.dataset.theme]));
     click("help", () => byId("help-dialog").showModal());
     click("about", () => byId("about-dialog").showModal());
     click("copy-deck", () => this.copy(this.made.text, "deck"));
@@ -179,15 +181,19 @@ class Play {
 
   key(event) {
     const { target, key } = event;
-    if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (document.querySelector("dialog[open]")) return;
     if (target.matches?.("select")) return;
     if (target.matches?.("button, summary, a") && (key === " " || key === "Enter")) return;
     const speed = Number(byId("speed").value);
     const actions = {
-      " ": () => this.toggle(), ".": () => this.step(1), ":": () => this.step(1000), r: () => this.restartRunning(),
+      " ": () => this.toggle(), ".": () => this.step(1), ":": () => this.step(1000),
+      r: () => this.restartRunning(),
       "[": () => this.setSpeed(speed - 1), "]": () => this.setSpeed(speed + 1),
-      "+": () => this.stage.zoom(1.4), "=": () => this.stage.zoom(1.4), "-": () => this.stage.zoom(1 / 1.4),
-      f: () => this.stage.fit(), n: () => this.toggleLayer("forces"), m: () => this.toggleLayer("marks"),
+      "+": () => this.stage.zoom(1.4), "=": () => this.stage.zoom(1.4),
+      "-": () => this.stage.zoom(1 / 1.4),
+      f: () => this.stage.fit(),
+      n: () => this.toggleLayer("forces"), m: () => this.toggleLayer("marks"),
       d: () => byId("theme").click(), "?": () => byId("help").click(), ...this.page.actions?.(this),
     };
     if (!actions[key]) return;
@@ -224,10 +230,11 @@ class Play {
   /* State of the page for tests and for the curious. */
   publish(more) {
     const state = () => ({
-      ready: this.ready, running: this.session.running, over: this.over, rest: this.message?.rest ?? false,
-      number: this.session.number,
-      step: this.message?.head.step ?? -1, time: this.message?.head.time, phase: this.message?.head.phase,
-      frames: this.stage.drawn, frameRate: this.stage.frameRate, paintCost: this.stage.cost, stepsRate: this.rate,
+      ready: this.ready, running: this.session.running, over: this.over,
+      rest: this.message?.rest ?? false, number: this.session.number,
+      step: this.message?.head.step ?? -1,
+      time: this.message?.head.time, phase: this.message?.head.phase, frames: this.stage.drawn,
+      frameRate: this.stage.frameRate, paintCost: this.stage.cost, stepsRate: this.rate,
       capacity: this.message?.capacity, values: { ...this.settings.values }, deck: this.made?.text,
       link: this.link(), grabbed: this.stage.grabbed, pulled: this.message?.pulled ?? false,
       theme: document.documentElement.dataset.theme, layers: { ...this.stage.layers }, ...more?.(),
@@ -236,15 +243,16 @@ class Play {
       get state() { return state(); },
       until: (step) => this.session.until(step),
       column: (name, k) => this.stage.frame?.at(name, k),
-      screen: (k) => this.stage.camera.toScreen(this.stage.frame.at("x", k), this.stage.frame.at("y", k)),
+      screen: (k) => this.stage.screen(k),
       set: (values) => this.settings.set(values),
     });
   }
 }
 
 const KEYS = [
-  ["space", "run or pause"], [". :", "one step, a thousand"], ["[ ]", "slower, faster"], ["r", "from the start"],
-  ["+ −", "zoom"], ["f", "fit"], ["n", "contact forces"], ["m", "angle marks"], ["d", "light or dark"], ["?", "this list"],
+  ["space", "run or pause"], [". :", "one step, a thousand"], ["[ ]", "slower, faster"],
+  ["r", "from the start"], ["+ −", "zoom"], ["f", "fit"], ["n", "contact forces"],
+  ["m", "angle marks"], ["d", "light or dark"], ["?", "this list"],
 ];
 
 /* Starts a page, or says why it cannot. */
@@ -253,7 +261,8 @@ function startPage(make) {
     try {
       make();
     } catch (error) {
-      byId("notice").replaceChildren(element("strong", "The page does not start."), element("p", error.message));
+      const title = element("strong", "The page does not start.");
+      byId("notice").replaceChildren(title, element("p", error.message));
       byId("notice").hidden = false;
       throw error;
     }

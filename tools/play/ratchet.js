@@ -5,59 +5,71 @@ const turning = (s) => s.drive === "turning", random = (s) => s.drive === "rando
 const ROWS = [
   { key: "tilt", label: "Tilt", hint: "of gravity", min: -0.1, max: 0.1, step: 0.005, value: 0.04,
     text: (v) => `${formatNumber(v)} π` },
-  { key: "drive", label: "Drive", value: "turning", options: [["turning", "wheels turn to and fro"],
-    ["random", "random vibration in x, y and angle"]] },
+  { key: "drive", label: "Drive", hint: "random: in x, y and angle", value: "turning",
+    options: [["turning", "wheels turn to and fro"], ["random", "random vibration"]] },
   { key: "wave", label: "Waveform", value: "parabolic", show: turning,
     options: [["parabolic", "parabolas, as in the theory"], ["harmonic", "sine"]] },
-  { key: "phase", label: "Phase", hint: "of the right wheel; 0: in phase, 180: opposite", min: -180, max: 180,
-    step: 5, value: 0, show: turning, text: (v) => `${formatNumber(v)}°` },
-  { key: "amplitude", label: "Amplitude", hint: "of the angle, rad", min: 1e-3, max: 0.1, log: true, value: 0.04,
-    show: turning, text: (v) => `${formatNumber(v, 2)} rad` },
-  { key: "random", label: "Amplitude", hint: "root mean square", min: 1e-5, max: 3e-3, log: true, value: 1e-4,
-    show: random },
-  { key: "frequency", label: "Frequency", min: 1, max: 50, step: 1, value: 10, text: (v) => `${v} / time` },
+  { key: "phase", label: "Phase", hint: "of the right wheel; 0: in phase, 180: opposite", min: -180,
+    max: 180, step: 5, value: 0, show: turning, text: (v) => `${formatNumber(v)}°` },
+  { key: "amplitude", label: "Amplitude", hint: "of the angle, rad", min: 1e-3, max: 0.1, log: true,
+    value: 0.04, show: turning, text: (v) => `${formatNumber(v, 2)} rad` },
+  { key: "random", label: "Amplitude", hint: "root mean square", min: 1e-5, max: 3e-3, log: true,
+    value: 1e-4, show: random },
+  { key: "frequency", label: "Frequency", min: 1, max: 50, step: 1, value: 10,
+    text: (v) => `${v} / time` },
   { key: "mu", label: "Friction μ", min: 0, max: 0.5, step: 0.01, value: 0.1 },
   { key: "k_n", label: "Stiffness kₙ", min: 300, max: 1e5, log: true, value: 1e3 },
-  { key: "k_t", label: "kₜ", hint: "tangential stiffness", min: 1e3, max: 1e7, log: true, value: 1e6 },
-  { key: "damping", label: "Damping", hint: "ratio of normal contacts", min: 0.01, max: 1, step: 0.01, value: 0.5 },
+  { key: "k_t", label: "kₜ", hint: "tangential stiffness", min: 1e3, max: 1e7, log: true,
+    value: 1e6 },
+  { key: "damping", label: "Damping", hint: "ratio of normal contacts", min: 0.01, max: 1,
+    step: 0.01, value: 0.5 },
   { key: "seed", label: "Seed", min: 1, max: 100, step: 1, value: 1, show: random },
-  { key: "length", label: "Measured time", hint: "the run ends after it", value: 1000,
+  { key: "length", label: "Duration", hint: "the run ends after it", value: 1000,
     options: [[100, "100"], [1000, "1000"], [1e4, "10⁴"]] },
 ];
 const PRESETS = [
   ["In phase", { drive: "turning", phase: 0, tilt: 0.04 }],
   ["Opposite", { drive: "turning", phase: 180, tilt: 0.04 }],
-  ["Turns over", { drive: "turning", phase: 45, tilt: 0.04 }],
   ["Random", { drive: "random", tilt: 0.04 }],
   ["Level", { tilt: 0 }],
-  ["Sticks", { drive: "turning", amplitude: 0.001 }],
+  ["Sine", { drive: "turning", wave: "harmonic", phase: 0, tilt: 0.04 }],
+  ["Weak drive", { drive: "turning", amplitude: 0.001, tilt: 0.04 }],
 ];
 const CONFIGURATIONS = ["++", "+−", "−+", "−−", "sticks", "opens"];
 const MOST_POINTS = 500; /* of a curve */
 
 /* Class of two contacts; states: 0 torque > 0, 1 torque < 0, 2 stuck, 3 open. */
-const classOf = (first, second) => (Math.max(first, second) < 2 ? 2 * first + second : Math.max(first, second) + 2);
+function classOf(first, second) {
+  const most = Math.max(first, second);
+  return most < 2 ? 2 * first + second : most + 2;
+}
 
 /* Omega over windows of time, running mean, error, theory. */
 class RotationPlot {
   constructor(place) {
     const lines = [
-      { label: "theory", color: 1 }, { label: "over a window", color: 4 }, { label: "mean", color: 0 },
-      { label: "mean + error", color: 0 }, { label: "mean − error", color: 0 },
+      { label: "theory", color: 1 }, { label: "over a window", color: 4 },
+      { label: "mean", color: 0 }, { label: "mean + error", color: 0 },
+      { label: "mean − error", color: 0 },
     ];
     this.plot = new Plot(place, lines, [[], [], [], [], [], []], () => {}, 150);
     const { series, scales } = this.plot.plot;
     for (const k of [4, 5]) series[k].stroke = () => "transparent";
+    series[2].stroke = () => `${plotColor(4)}90`;
     this.plot.plot.addBand({ series: [4, 5], fill: () => `${plotColor(0)}40` });
     scales.y.range = () => this.range();
     this.clear(null);
   }
 
-  /* Ends of the axis: zero, theory, and the curves without the transient at their start. */
+  /* Ends of the axis: zero, theory, the mean with its error without the transient at the start,
+   * and the windows but for the outermost tenths. */
   range() {
     const data = this.plot.data, from = Math.floor(data[0].length / 5);
     const known = [0, this.theory ?? 0];
-    for (const column of data.slice(2)) for (const v of column.slice(from)) if (v !== null) known.push(v);
+    for (const column of data.slice(3))
+      known.push(...column.slice(from).filter((value) => value !== null));
+    const windows = data[2].slice(from).sort((a, b) => a - b), n = windows.length;
+    if (n) known.push(windows[Math.floor(n / 10)], windows[n - 1 - Math.floor(n / 10)]);
     const low = Math.min(...known), high = Math.max(...known), margin = 0.08 * (high - low) || 0.01;
     return [low - margin, high + margin];
   }
@@ -118,7 +130,7 @@ class RatchetPage {
 
   deck(s) {
     const { text, dt, skip } = ratchetDeck(s), angle = Math.PI * s.tilt;
-    const every = Math.round(1 / s.frequency / dt);
+    const periods = s.drive === "random" ? 10 : 1, every = Math.round(periods / s.frequency / dt);
     return {
       text,
       options: { skip, every, sampler: "rotation", sliding: true, pull: 4, reach: 3 },
@@ -152,7 +164,7 @@ class RatchetPage {
     if (texts) this.tell();
   }
 
-  /* --- configurations --------------------------------------------------------------------------- */
+  /* --- configurations ------------------------------------------------------------------------- */
 
   buildConfigurations() {
     this.chips = CONFIGURATIONS.map((name, k) => {
@@ -160,8 +172,8 @@ class RatchetPage {
       if (k < 4) title.append("S", element("sup", name));
       else title.textContent = name;
       chip.title = [
-        "left contact drives counter-clockwise, right one too", "left contact counter-clockwise, right one clockwise",
-        "left contact clockwise, right one counter-clockwise", "both contacts drive clockwise",
+        "both contacts drive counter-clockwise", "left counter-clockwise, right clockwise",
+        "left clockwise, right counter-clockwise", "both contacts drive clockwise",
         "at least one contact sticks", "at least one contact is open",
       ][k];
       chip.share = element("span", "–");
@@ -190,7 +202,7 @@ class RatchetPage {
     });
   }
 
-  /* --- rotation --------------------------------------------------------------------------------- */
+  /* --- rotation ------------------------------------------------------------------------------- */
 
   tell() {
     const { theory, mean } = this, known = mean && Number.isFinite(mean[3]) && mean[3] > 0;
@@ -202,9 +214,11 @@ class RatchetPage {
     };
     const digits = known ? Math.min(Math.max(0, 1 - Math.floor(Math.log10(mean[3]))), 6) : 4;
     const size = (v) => v.toFixed(digits).replace("-", "−");
-    const found = !mean || !Number.isFinite(mean[2]) ? "…" : size(mean[2]) + (known ? ` ± ${size(mean[3])}` : "");
+    const error = known ? ` ± ${size(mean[3])}` : "";
+    const found = mean && Number.isFinite(mean[2]) ? size(mean[2]) + error : "…";
     const items = [line(4, "Ω over one window"), line(0, `mean Ω = ${found}`)];
-    if (theory.value !== undefined) items.push(line(1, `theory ${theory.label}: ${size(theory.value)}`));
+    if (theory.value !== undefined)
+      items.push(line(1, `theory ${theory.label}: ${size(theory.value)}`));
     else items.push(element("span", theory.reason, { class: "quiet" }));
     byId("chart-text").replaceChildren(...items);
   }
@@ -226,8 +240,9 @@ startPage(() => {
     byId("presets").append(button);
   }
   play.publish(() => ({
-    mean: page.mean?.[2], error: page.mean?.[3], theory: page.theory, configuration: CONFIGURATIONS[page.here],
-    parts: page.parts, points: page.plot?.marks.length ?? 0,
+    mean: page.mean?.[2], error: page.mean?.[3], theory: page.theory,
+    configuration: CONFIGURATIONS[page.here], parts: page.parts,
+    points: page.plot?.marks.length ?? 0,
   }));
   play.restart();
 });

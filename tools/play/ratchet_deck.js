@@ -9,7 +9,8 @@ const REST = 0.5;                  /* time before the drive begins */
  * contact period over 2 pi. */
 function ratchetTimeStep({ k_n: normal, k_t: tangential }) {
   const stiffness = Math.max(2 * normal, 6 * tangential);
-  return Number(niceLength(Math.min(1.0000001e-5, 0.1 / Math.sqrt(stiffness / MASS))).toPrecision(1));
+  const most = Math.min(1.0000001e-5, 0.1 / Math.sqrt(stiffness / MASS));
+  return Number(niceLength(most).toPrecision(1));
 }
 
 const decimal = (value, digits = 6) => String(Number(value.toPrecision(digits)));
@@ -66,8 +67,9 @@ measure = {
   return { text, dt, skip: Math.round(REST / dt) };
 }
 
-/* Torque of a configuration at its equilibrium over m g R. s1, s2: signs of the torques of the left
- * and the right contact. The load of a contact acts along its normal (nx, ny) plus s mu (ny, -nx). */
+/* Torque of a configuration at its equilibrium over m g R. s1, s2: signs of the torques of the
+ * left and the right contact. The load of a contact acts along its normal (nx, ny) plus
+ * s mu (ny, -nx). */
 function configurationTorque(mu, tilt, s1, s2) {
   const direction = (angle, s) => {
     const nx = Math.sin(angle), ny = Math.cos(angle);
@@ -83,7 +85,7 @@ function configurationTorque(mu, tilt, s1, s2) {
  * {value, label} or {reason}. Phases 0 and 180 degrees, sliding without end. */
 function ratchetTheory(s) {
   if (s.drive === "random") {
-    return { reason: "Random vibration: the paper predicts the sense (clockwise for tilt > 0), no speed." };
+    return { reason: "Random: the paper predicts the sense (clockwise for tilt > 0), no speed." };
   }
   const phase = Math.abs(s.phase), sine = s.wave === "harmonic";
   if (phase !== 0 && phase !== 180) {
@@ -91,14 +93,16 @@ function ratchetTheory(s) {
   }
   const { mu } = s, tilt = Math.PI * s.tilt, omega = 2 * Math.PI * s.frequency, h = SUPPORT_ANGLE;
   const inertia = 0.5 * MASS, velocity = s.amplitude * omega;
-  const torques = [[1, 1], [-1, -1], [1, -1], [-1, 1]].map(([p, q]) => configurationTorque(mu, tilt, p, q));
+  const signs = [[1, 1], [-1, -1], [1, -1], [-1, 1]];
+  const torques = signs.map(([p, q]) => configurationTorque(mu, tilt, p, q));
   const strength = Math.max(...torques.map(Math.abs)) / (inertia * velocity * omega);
   const limit = !sine ? 8 / Math.PI ** 2 : phase === 0 ? 0.54 : 1;
   if (strength > limit) return { reason: "No theory: with so weak a drive contacts stick." };
+  const slope = mu * Math.tan(tilt);
   if (phase === 0) {
     return sine
-      ? { value: velocity * Math.sin(0.5 * Math.PI * mu * Math.tan(tilt)), label: "(30) for a sine" }
-      : { value: (4 * mu * velocity * Math.tan(tilt)) / Math.PI, label: "(30)" };
+      ? { value: velocity * Math.sin(0.5 * Math.PI * slope), label: "(30) for a sine" }
+      : { value: (4 * velocity * slope) / Math.PI, label: "(30)" };
   }
   const first = (8 * mu * (mu * mu + 1) * tilt * Math.cos(h) ** 2) /
     ((mu * mu + 1) * Math.cos(2 * h) + mu * mu - 1);

@@ -32,13 +32,15 @@ class Session {
     const address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
     this.worker = new Worker(address);
     this.worker.onmessage = ({ data }) => this.take(data);
-    this.worker.onerror = (event) => this.told.failed({ text: event.message || "The worker does not start." });
+    this.worker.onerror = (event) =>
+      this.told.failed({ text: event.message || "The worker does not start." });
     const wasm = bytesOfBase64(byId("slipdisk-wasm").textContent);
     this.worker.postMessage({ kind: "load", wasm }, [wasm.buffer]);
   }
 
   take(message) {
-    if (message.number !== undefined && message.number !== this.number) return; /* of an earlier run */
+    const { number = this.number } = message;
+    if (number !== this.number) return; /* of an earlier run */
     if (message.kind === "reached") this.reached.shift()?.(message);
     else this.told[message.kind](message);
   }

@@ -27,11 +27,13 @@ class Settings {
     if (row.options) {
       row.input = element("select", undefined, { id: `set-${row.key}` });
       for (const [value, text] of row.options) row.input.append(element("option", text, { value }));
-      row.input.addEventListener("change", () => this.take(row, this.optionOf(row, row.input.value)));
+      const chosen = () => this.optionOf(row, row.input.value);
+      row.input.addEventListener("change", () => this.take(row, chosen()));
       label.append(name, row.input);
       return label;
     }
-    const range = row.log ? { min: 0, max: 1000, step: 1 } : { min: row.min, max: row.max, step: row.step };
+    const { min, max, step } = row;
+    const range = row.log ? { min: 0, max: 1000, step: 1 } : { min, max, step };
     row.input = element("input", undefined, { type: "range", id: `set-${row.key}`, ...range });
     row.output = element("output", "", { for: `set-${row.key}` });
     row.input.addEventListener("input", () => this.take(row, this.valueOf(row)));

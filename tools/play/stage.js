@@ -27,7 +27,8 @@ class Stage {
 
   /* A new run. facts: of the worker; scene: {bounds, box, gravity, values, range, forceScale}. */
   begin(facts, options) {
-    const { driven } = facts, columns = { radius: facts.radius, driven, angle: new Float64Array(facts.disks) };
+    const { radius, driven } = facts, angle = new Float64Array(facts.disks);
+    const columns = { radius, driven, angle };
     const box = options.box ?? { lower: [0, 0], edges: [0, 0], periodic: [false, false] };
     const meta = { disks: facts.disks, walls: [], box, kind: "play" };
     this.model = new Model(meta, { columns, get: (name) => columns[name] ?? null });
@@ -130,7 +131,8 @@ class Stage {
     if (this.grabbed >= 0) this.buildSpring(frame, theme);
     const unit = layers.thickness * Math.min(0.5 * model.meanRadius * camera.zoom, 14);
     const fade = layers.forces ? this.options.fade ?? 0.45 : 0;
-    renderer.draw(camera, { ...theme, unit, range: this.range(frame, values), marks: layers.marks, fade });
+    const range = this.range(frame, values);
+    renderer.draw(camera, { ...theme, unit, range, marks: layers.marks, fade });
     this.refreshScale();
     this.count();
     this.session.drawn();
@@ -155,10 +157,10 @@ class Stage {
 
   /* The spring with which the pointer pulls. */
   buildSpring(frame, theme) {
-    const k = this.grabbed, [x, y] = this.camera.toWorld(...this.pointer);
-    this.renderer.under.add(frame.at("x", k), frame.at("y", k), x, y, 0, 2.5, 1, ...theme.overlap, 1);
-    this.renderer.marks.ring(frame.at("x", k), frame.at("y", k), this.model.column("radius")[k], 4, 3, 0,
-      ...theme.overlap, 1);
+    const k = this.grabbed, [px, py] = this.camera.toWorld(...this.pointer);
+    const x = frame.at("x", k), y = frame.at("y", k), radius = this.model.column("radius")[k];
+    this.renderer.under.add(x, y, px, py, 0, 2.5, 1, ...theme.overlap, 1);
+    this.renderer.marks.ring(x, y, radius, 4, 3, 0, ...theme.overlap, 1);
   }
 
   /* Frames in the last second. */
@@ -170,7 +172,12 @@ class Stage {
     this.frameRate = this.times.length;
   }
 
-  /* --- mouse, touch ----------------------------------------------------------------------------- */
+  /* --- mouse, touch --------------------------------------------------------------------------- */
+
+  /* Place of a disk on the canvas. */
+  screen(k) {
+    return this.camera.toScreen(this.frame.at("x", k), this.frame.at("y", k));
+  }
 
   /* The free disk at a place of the canvas; -1: none. */
   pick(px, py) {

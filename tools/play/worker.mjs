@@ -5,6 +5,7 @@
 const SLICE = 9;       /* ms of steps without a look at messages */
 const MOST_BEHIND = 60; /* ms of the clock that a slow run makes up for */
 const LEAST_RATE = 200; /* steps per second, before the first measurement */
+const MOST_SAMPLES = 4000; /* kept while the page is hidden and takes no frames */
 
 /* Values of a plot at one step, by the name that the page gives: arrays of numbers. */
 const SAMPLERS = {
@@ -20,7 +21,8 @@ const SAMPLERS = {
   },
   /* Root mean square of the disks' mean rotations since the drive began. */
   turning(run) {
-    const { sim, origin } = run, angles = sim.angles(), n = sim.freeDisks, time = sim.time - run.originTime;
+    const { sim, origin } = run, angles = sim.angles(), n = sim.freeDisks;
+    const time = sim.time - run.originTime;
     let sum = 0;
     for (let slot = 0; slot < n; slot++) sum += (angles[slot] - origin[slot]) ** 2;
     return [time > 0 ? Math.sqrt(sum / n) / time : NaN];
@@ -42,7 +44,8 @@ const SAMPLERS = {
 
 /* Sums of m vx vy and of m v^2/2, of velocities beside a linear profile vx(y). */
 function peculiar(sim) {
-  const n = sim.freeDisks, y = sim.view("y"), vx = sim.view("vx"), vy = sim.view("vy"), m = sim.view("mass");
+  const [y, vx, vy, m] = ["y", "vx", "vy", "mass"].map((name) => sim.view(name));
+  const n = sim.freeDisks;
   let meanY = 0, meanX = 0, meanV = 0;
   for (let k = 0; k < n; k++) {
     meanY += y[k] / n;
@@ -102,7 +105,9 @@ class Run {
       sim.advance(part);
       left -= part;
       if (sim.stage.phase !== this.phase && !sim.finished) this.setOrigin();
-      if (every && sim.step % every === 0) this.samples.push([sim.time, ...SAMPLERS[sampler](this)]);
+      if (!every || sim.step % every !== 0) continue;
+      this.samples.push([sim.time, ...SAMPLERS[sampler](this)]);
+      if (this.samples.length > MOST_SAMPLES) this.samples = this.samples.filter((_, k) => k % 2);
     }
   }
 
@@ -124,15 +129,19 @@ class Run {
     this.slots.forEach((slot, k) => (activity[k] = slot < active.length ? active[slot] : 0));
     const origin = Float64Array.from(this.slots, (slot) => this.origin[slot]);
     const columns = {
-      origin, x: this.byDisk(sim.view("x")), y: this.byDisk(sim.view("y")), turned, activity,
-      vx: this.byDisk(sim.view("vx")), vy: this.byDisk(sim.view("vy")), spin: this.byDisk(sim.view("omega")),
+      origin, turned, activity,
+      x: this.byDisk(sim.view("x")), y: this.byDisk(sim.view("y")),
+      vx: this.byDisk(sim.view("vx")), vy: this.byDisk(sim.view("vy")),
+      spin: this.byDisk(sim.view("omega")),
       contact_a: contacts.a, contact_b: contacts.b, contact_part: new Uint32Array(contacts.n),
-      contact_force: contacts.normal, contact_overlap: contacts.overlap, contact_sliding: contacts.sliding,
+      contact_force: contacts.normal, contact_overlap: contacts.overlap,
+      contact_sliding: contacts.sliding,
       wall_x: Float64Array.from(walls, (w) => (w.points.length ? 0 : w.center[0])),
       wall_y: Float64Array.from(walls, (w) => (w.points.length ? 0 : w.center[1])),
       wall_angle: Float64Array.from(walls, (w) => (w.points.length ? 0 : angles[sim.slot(w.body)])),
     };
-    const head = { time: sim.time, step: sim.step, phase: sim.stage.phase, originTime: this.originTime };
+    const { time, step } = sim, { originTime } = this;
+    const head = { time, step, phase: sim.stage.phase, originTime };
     if (this.options.width) this.addBox(head);
     return { head, columns, walls: walls.map(plain), sliding: this.sliding() };
   }
@@ -140,7 +149,8 @@ class Run {
   /* The periodic box now; offset: how far images above are shifted. */
   addBox(head) {
     const width = this.options.width * this.sim.column("box_scale")[0];
-    Object.assign(head, { lower: [0, 0], edges: [width, width], offset: width * this.sim.column("cell")[2] });
+    const offset = width * this.sim.column("cell")[2];
+    Object.assign(head, { lower: [0, 0], edges: [width, width], offset });
   }
 
   /* Steps in each pair of states of the watched contacts, and the states now:
@@ -149,7 +159,10 @@ class Run {
     if (!this.options.sliding) return null;
     const { sim } = this, now = [3, 3];
     const a = sim.view("contact_a"), b = sim.view("contact_b"), slide = sim.view("contact_slide");
-    for (let k = 0; k < a.length; k++) now[Math.max(a[k], b[k]) - 1] = slide[k] > 0 ? 0 : slide[k] < 0 ? 1 : 2;
+    for (let k = 0; k < a.length; k++) {
+      const support = Math.max(a[k], b[k]) - 1;
+      now[support] = slide[k] > 0 ? 0 : slide[k] < 0 ? 1 : 2;
+    }
     return { now, count: Array.from(sim.view("slide_count")) };
   }
 
@@ -157,16 +170,17 @@ class Run {
     const { sim } = this;
     return {
       disks: sim.disks, dt: sim.dt, radius: this.radius, version: this.engine.version,
-      driven: Uint8Array.from(this.slots, (slot) => (slot >= sim.freeDisks ? 1 : 0)), warnings: sim.warnings,
+      driven: Uint8Array.from(this.slots, (slot) => (slot >= sim.freeDisks ? 1 : 0)),
     };
   }
 }
 
 /* A wall as the viewer's scene takes it: points in pairs. */
 function plain(wall) {
-  const points = [];
-  for (let k = 0; k + 1 < wall.points.length; k += 2) points.push([wall.points[k], wall.points[k + 1]]);
-  return { name: wall.name, kind: wall.kind, closed: wall.closed, radius: wall.radius, inside: wall.inside, points };
+  const { name, kind, closed, radius, inside } = wall, points = [];
+  for (let k = 0; k + 1 < wall.points.length; k += 2)
+    points.push([wall.points[k], wall.points[k + 1]]);
+  return { name, kind, closed, radius, inside, points };
 }
 
 /* Steps as the clock wants them, and frames as the page takes them. */
@@ -243,8 +257,8 @@ class Driver {
     const frame = run.frame(), rest = !this.running;
     const message = {
       kind: "frame", number: run.number, ...frame, samples: run.samples, steps: this.taken,
-      passed: now - (this.shown ?? now), over: run.over, pulled: run.pulled, rest, capacity: this.rate,
-      hash: rest ? run.sim.hash() : null,
+      passed: now - (this.shown ?? now), over: run.over, pulled: run.pulled, rest,
+      capacity: this.rate, hash: rest ? run.sim.hash() : null,
     };
     run.samples = [];
     this.taken = 0;
@@ -253,7 +267,7 @@ class Driver {
     postMessage(message, [...buffers]);
   }
 
-  /* --- messages --------------------------------------------------------------------------------- */
+  /* --- messages ------------------------------------------------------------------------------- */
 
   start(message) {
     this.run?.sim.free();
