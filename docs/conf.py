@@ -18,6 +18,7 @@ from sphinx.util.nodes import make_refnode
 DOCS = pathlib.Path(__file__).resolve().parent
 ROOT = DOCS.parent
 JAVASCRIPT = pathlib.Path("/usr/share/javascript")
+PLAY = pathlib.Path(os.environ.get("SLIPDISK_PLAY", ROOT / "build/play"))  # pages of tools/play.sh
 KATEX = JAVASCRIPT / "katex"
 KATEX_LICENCE = pathlib.Path("/usr/share/doc/libjs-katex/copyright")
 NORMALIZE_IMPORT = "@import url(/javascript/normalize.css/normalize.css);"
@@ -103,6 +104,24 @@ def fill_names(app, docname, source):
     """The lists of names.md, from the program."""
     if docname == "names":
         source[0] = names.fill(source[0])
+
+
+def play_pages():
+    return sorted(PLAY.glob("*.html"))
+
+
+def link_pages(app, docname, source):
+    """Links to the pages with the engine, if there are any; they are part of the site then."""
+    if docname == "play" and play_pages() and app.builder.format == "html":
+        links = " ".join(f'<a href="play/{page.name}">{page.stem.capitalize()}</a>' for page in play_pages())
+        source[0] = source[0].replace("<!-- pages -->", f"<p>Here: {links}</p>")
+
+
+def copy_pages(app):
+    for page in play_pages():
+        folder = pathlib.Path(app.outdir) / "play"
+        folder.mkdir(exist_ok=True)
+        shutil.copy(page, folder / page.name)
 
 
 def note_keys(app, doctree):
@@ -203,6 +222,7 @@ def complete(app, exception):
         static = pathlib.Path(app.outdir) / "_static"
         copy_formulas(static)
         complete_theme(static)
+        copy_pages(app)
 
 
 def setup(app):
@@ -210,6 +230,7 @@ def setup(app):
     app.add_object_type("key", "key", objname="deck key")
     app.add_object_type("word", "word", objname="word")
     app.connect("source-read", fill_names)
+    app.connect("source-read", link_pages)
     app.connect("doctree-read", note_keys)
     app.connect("doctree-read", note_words)
     app.connect("doctree-read", note_other_words)
