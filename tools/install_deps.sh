@@ -35,7 +35,7 @@ for option in "$@"; do
     --docs) packages+=("${site[@]}") ;;
     --deb) packages+=("${deb[@]}") ;;
     --mpi) packages+=(libopenmpi-dev openmpi-bin libtrilinos-zoltan-dev) ;;
-    --play) packages+=(emscripten node-acorn nodejs python3 xz-utils) ;;
+    --play) packages+=(emscripten node-acorn nodejs python3) ;;
     *) "$0" --help >&2; exit 2 ;;
   esac
 done
