@@ -130,7 +130,8 @@ class Ratchet(Pages):
     def test_every_slider_changes_the_run(self):
         self.open("ratchet.html", "#drive=random")
         before = self.until(80000)
-        for key, place in ("tilt", 0.9), ("random", 0.8), ("frequency", 0.5), ("mu", 0.8), ("k_n", 0.5), ("damping", 0.9), ("seed", 0.5):
+        for key, place in (("tilt", 0.9), ("random", 0.8), ("frequency", 0.5), ("mu", 0.8), ("k_n", 0.5), ("damping", 0.9),
+                           ("seed", 0.5)):
             self.slide(key, place)
             now = self.until(80000)
             self.assertNotEqual(now, before, key)

@@ -36,7 +36,7 @@ phases = (
     text,
     options: { every: 500, sampler: "turning", pull: 40, reach: 8 },
     scene: {
-      bounds: [-0.5 * width, -0.02, 0.5 * width, 0.85 * width], gravity: [0, -9.81],
+      bounds: [-0.5 * width, -0.09 * width, 0.5 * width, 0.85 * width], gravity: [0, -9.81],
     },
     plot: "root mean square of Ω (noise alone would fall as 1/√t)",
   };
