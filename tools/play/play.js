@@ -39,6 +39,8 @@ class Play {
   restart() {
     this.made = this.page.deck(this.settings.values);
     this.over = this.ready = false;
+    if (this.again) this.session.running = true;
+    this.again = false;
     byId("notice").hidden = true;
     this.fillSpeeds();
     this.session.start(this.made.text, this.made.options);
@@ -93,11 +95,17 @@ class Play {
   fail({ text, start }) {
     const lines = text.split("\n").slice(0, 6);
     const title = start ? "The deck is refused." : "The run has stopped.";
+    this.stop(title, lines);
+  }
+
+  /* Stops with a notice; the next change of a setting runs again. */
+  stop(title, lines) {
+    this.again ||= this.session.running;
+    this.session.setRunning(false);
+    this.refresh();
     const texts = lines.map((line) => element("p", line));
     byId("notice").replaceChildren(element("strong", title), ...texts);
     byId("notice").hidden = false;
-    this.session.running = false;
-    this.refresh();
   }
 
   toggle() {

@@ -37,6 +37,7 @@ const PRESETS = [
 ];
 const CONFIGURATIONS = ["++", "+−", "−+", "−−", "sticks", "opens"];
 const MOST_POINTS = 500; /* of a curve */
+const GONE = -5; /* y of a disk that has fallen off */
 
 /* Class of two contacts; states: 0 torque > 0, 1 torque < 0, 2 stuck, 3 open. */
 function classOf(first, second) {
@@ -159,6 +160,9 @@ class RatchetPage {
     this.plot.add(message.samples);
     const newest = message.samples[message.samples.length - 1];
     if (newest) this.mean = newest;
+    if (message.columns.y[0] < GONE && play.session.running) {
+      play.stop("The disk has fallen off its wheels.", ["Restart puts it back."]);
+    }
     const texts = message.rest || play.pace("texts", 120);
     this.showConfigurations(message.sliding, texts);
     if (texts) this.tell();
