@@ -14,8 +14,8 @@
  * threads. */
 enum { CHUNK_MOST = 512, CHUNK_LEAST = 256, CHUNKS_PER_THREAD = 8 };
 
-/* Windows (step/window.c): smallest number of free disks, most steps, and number of disks whose data
- * stay in the cache (8 MB). */
+/* Windows (step/window.c): smallest number of free disks, most steps, and number of disks whose
+ * data stay in the cache (8 MB). */
 enum { WINDOW_LEAST = 20000, WINDOW_MOST = 16, WINDOW_DISKS = 16384 };
 
 /* Computing costs of a pair with a wall segment, and of a disk without contacts, in units of the
