@@ -175,8 +175,8 @@ EXPORT(play_number) double play_number(const play *p, int which) {
 
 EXPORT(play_deck) const char *play_deck(const play *p) { return sd_model_deck(p->model)->full; }
 
-/* Finds a column, which play_column_data, play_column_type and play_column_size then describe; false:
- * there is none. */
+/* Finds a column, which play_column_data, play_column_type and play_column_size then describe;
+ * false: there is none. */
 EXPORT(play_column) bool play_column(play *p, const char *name) {
   return sd_simulation_column(p->simulation, name, &p->view);
 }
