@@ -138,6 +138,15 @@ class Module(unittest.TestCase):
         self.assertEqual(found["error"], "\n".join(found["messages"]))
         self.assertIn('@include "none.inc"', self.one(deck='@include "none.inc"\n' + TWO)["error"].replace("include file ", "@include "))
         self.assertIn("the page has not given this file", self.one(deck=TWO + 'disk_files = ( { file = "a.h5"; } );')["error"])
+
+    def test_mistakes_in_calls(self):
+        for call, told in ((["advance", 2.5], "advance(2.5): expected a whole number"),
+                           (["advance", -3], "expected 0 or more"),
+                           (["grab", 99, 0, 0, 10], "99 is no free disk"),
+                           (["grab", 1, "far", 0, 10], "to be finite"),
+                           (["setLaw", "muh", 0.3], 'did you mean "law.mu"?')):
+            with self.subTest(call=call):
+                self.assertIn(told, self.one(ask=[call])["error"])
         self.assertIn("did you mean", self.one(then=[["set", "law.mue", 1]])["error"])
         self.assertIn("there is no such column", self.one(ask=[["column", "z"]])["error"])
         self.assertIn("freed", self.one(then=[["free"]])["error"])

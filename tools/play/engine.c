@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/message.h"
 #include "base/text.h"
 #include "measure/configuration.h"
 #include "model/state.h"
@@ -118,8 +119,13 @@ static void pull(const sd_force_columns *c, void *user) {
 
 EXPORT(play_grab)
 int play_grab(play *p, uint32_t disk, double x, double y, double stiffness, double damping) {
-  p->grip = (grip){true, disk, x, y, stiffness, damping};
   clean();
+  const sd_state *s = sd_simulation_state(p->simulation);
+  if (sd_simulation_slot(p->simulation, disk) >= s->n_free)
+    return (int)sd_fail(messages, SD_ERROR_USER, "grab: %" PRIu32 " is no free disk", disk);
+  if (!isfinite(x + y + stiffness + damping))
+    return (int)sd_fail(messages, SD_ERROR_USER, "grab: point, stiffness and damping are to be finite");
+  p->grip = (grip){true, disk, x, y, stiffness, damping};
   if (p->pulled) return SD_OK;
   const sd_status status = sd_simulation_add_force_field(p->simulation, pull, &p->grip, messages);
   p->pulled = status == SD_OK;

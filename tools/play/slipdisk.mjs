@@ -229,7 +229,11 @@ class Simulation {
   get bodies() { return this.#number(9); }
   get deck() { return this.#engine.text(this.#c.play_deck(this.#p)); }
 
-  advance(n) { this.#engine.check(this.#c.play_advance(this.#p, n)); }
+  advance(n) {
+    if (!Number.isSafeInteger(n))
+      throw new SlipdiskError([`advance(${n}): expected a whole number of steps`], 2);
+    this.#engine.check(this.#c.play_advance(this.#p, n));
+  }
 
   /* --- columns and names --- */
 
