@@ -40,6 +40,12 @@ def define(setting):
     return f"`-D '{setting}'`", {"d.cfg": DECK}, ["-D", setting]
 
 
+def constant(setting):
+    """A setting of a deck whose ball has a constant as its density."""
+    deck = 'constants = { rho = 3.57; };\n' + DECK.replace("density = 3.57", 'density = "rho"')
+    return f"`-D '{setting}'`, the deck has `constants.rho`", {"d.cfg": deck}, ["-D", setting]
+
+
 def table(mistake, content, line='disk_files = ( { file = "d.csv"; density = 1; } );\n', name="d.csv"):
     return mistake, {"d.cfg": DECK + line, name: content if isinstance(content, bytes) else content.encode()}, []
 
@@ -178,6 +184,7 @@ TABLES = {
         changes("the surface of a disk", ("output", 'motions = ( { disk = "ball"; coordinate = "surface"; type = "velocity"; velocity = 1; } );\noutput')),
         change('`@include "x.inc"`, which is not there', "dt", '@include "x.inc"\ndt'),
         define("gravty.tilt=1"), define("disks.bal.radius=1"), define("gravity.tilt"),
+        constant("constants.rh=3"), define("constants.radius=3"), constant("constants.rho=3"),
     ],
     "Periodic boxes and clumps": [
         *[cell(mistake, keys, *pairs) for mistake, keys, pairs in (

@@ -80,6 +80,7 @@ static void read_all(deck *d, bool point) {
   read_limits(d);
   read_sweep(d, point);
   deck_check_laws(d);
+  if (d->reported == 0) deck_check_constants(d);
   d->readable = d->reported == 0;
   if (scanned == 0) deck_check_overlaps(d);
 }

@@ -368,6 +368,7 @@ struct deck_constants {
   deck_index index;
   deck_node **node;
   constant_state *state;
+  bool *used; /* True if an expression has the constant */
   double *value;
   int depth; /* Number of constants being evaluated, each referred to by the one before */
 };
@@ -379,6 +380,7 @@ static struct deck_constants *constants_of(deck *d) {
   if (!group || group->type != DECK_GROUP) return c;
   c->node = deck_alloc(d, group->n + 1, sizeof *c->node);
   c->state = deck_alloc(d, group->n + 1, sizeof *c->state);
+  c->used = deck_alloc(d, group->n + 1, sizeof *c->used);
   c->value = deck_alloc(d, group->n + 1, sizeof *c->value);
   for (size_t k = 0; k < group->n; k++)
     if (deck_index_add(d, &c->index, group->child[k]->name, (uint32_t)k))
@@ -428,6 +430,7 @@ static const char *constant_value(deck *d, const char *name, double *x) {
   if (c->state[k] == OPEN) return deck_format(d, "%s depends on itself", shown);
   if (c->depth >= LIMIT_DEPTH)
     return deck_format(d, "more than %d constants that follow from each other", LIMIT_DEPTH);
+  c->used[k] = true;
   read_constant(d, c, k);
   *x = c->value[k];
   return c->state[k] == GOOD ? NULL : "";
@@ -441,6 +444,17 @@ void deck_read_constants(deck *d) {
   }
   struct deck_constants *c = constants_of(d);
   for (size_t k = 0; k < c->index.n; k++) read_constant(d, c, k);
+}
+
+void deck_check_constants(deck *d) {
+  struct deck_constants *c = constants_of(d);
+  for (size_t k = 0; k < c->index.n; k++) {
+    if (!c->node[k]->added || c->used[k]) continue;
+    guess near = guess_start(c->index.name[k].name);
+    for (size_t other = 0; other < c->index.n; other++)
+      if (other != k) guess_add(&near, c->index.name[other].name);
+    deck_fail(d, c->node[k], "the deck has no such constant and uses none%s", deck_hint(d, &near));
+  }
 }
 
 /* --- numbers of the deck ---------------------------------------------------------------------- */

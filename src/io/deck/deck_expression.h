@@ -34,6 +34,8 @@ size_t deck_number_length(const char *p, bool *real);
 
 /* Reads the group `constants` and reports all mistakes in it. */
 void deck_read_constants(deck *d);
+/* Reports constants that only a setting (-D) has and that no expression has used so far. */
+void deck_check_constants(deck *d);
 /* Returns true if the deck has a constant of this name. */
 bool deck_has_constant(deck *d, const char *name);
 

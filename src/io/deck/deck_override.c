@@ -176,7 +176,10 @@ static deck_node *step(deck *d, const deck_setting *s, deck_node *at, const char
   }
   if (at->type == DECK_LIST) return element(d, s, at, word, n);
   deck_node *child = deck_child(at, deck_copy(d, word, n));
-  return child ? child : deck_node_new(d, at, deck_copy(d, word, n), DECK_GROUP, place_of(d, s));
+  if (child) return child;
+  child = deck_node_new(d, at, deck_copy(d, word, n), DECK_GROUP, place_of(d, s));
+  child->added = true;
+  return child;
 }
 
 /* Copies a value and its children to the node `to`, all with the source location `place`. */

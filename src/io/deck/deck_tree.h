@@ -62,6 +62,7 @@ typedef struct deck_node {
   const char *name; /* Key of the node; NULL for elements of a list and for the root */
   deck_type type;
   bool defaulted; /* True if a getter filled in the default; false if the user wrote the value */
+  bool added;     /* True if a setting (deck_override) has added this key, which the deck lacks */
   deck_place place;
   struct deck_node *parent;
   union {
