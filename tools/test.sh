@@ -7,7 +7,7 @@
 # With CI=true also: the tests labelled "long", soak (tools/soak.sh at its small sizes), coverage
 # (lines and branches reached, room by room), the tests labelled "slow", which have 25 minutes, and the
 # long tests with sanitizers, which the release build tries in any case. Of these last three parts none
-# begins when 33 minutes have passed, and soak does not after 60: on slow machines they are left out, which
+# begins when 33 minutes have passed, and soak does not after 50: on slow machines they are left out, which
 # is said.
 #
 #   tools/test.sh           everything
@@ -98,7 +98,7 @@ elif [ "$1" = --quick ]; then
   parts=(packages release)
 fi
 # Minutes after which a part that takes long is not begun
-declare -A latest=([soak]=60 [slow]=33 [coverage]=33 [dev-long]=33)
+declare -A latest=([soak]=50 [slow]=33 [coverage]=33 [dev-long]=33)
 costs=()
 for name in "${parts[@]}"; do
   if [ $# -eq 0 ] && ((SECONDS > 60 * ${latest[$name]:-1000})); then
