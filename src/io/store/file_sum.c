@@ -1,5 +1,5 @@
-/* file_sum.c: the checksum of bytes; see file.h. It opens no file, so that builds without files have
- * it, too. */
+/* file_sum.c: the checksum of bytes; see file.h. It opens no file, so that builds without files
+ * have it, too. */
 #include <string.h>
 
 #include "io/store/file.h"

@@ -1,5 +1,5 @@
-/* h5_kind.c: the kind of a file that a user names, by its ending; see h5.h. Builds without HDF5 have
- * it, too. */
+/* h5_kind.c: the kind of a file that a user names, by its ending; see h5.h. Builds without HDF5
+ * have it, too. */
 #include "base/text.h"
 #include "io/store/h5.h"
 
