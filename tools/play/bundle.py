@@ -3,9 +3,10 @@
 
     python3 tools/play/bundle.py build/play    takes slipdisk.mjs and slipdisk.wasm there
 
-Style sheets, scripts and texts that a page names are put into it as they are: those of this folder,
-of the viewer (src/app/view/page) and of the folder of the engine. The module and the worker become
-one text, which the page starts as a worker; the bytes of the engine follow, compressed.
+Both have the frame frame.html, into which each puts its own parts. Style sheets, scripts and texts
+that it names are put in as they are: those of this folder, of the viewer (src/app/view/page) and of
+the folder of the engine. The module and the worker become one text, which the page starts as a
+worker; the bytes of the engine follow, compressed.
 """
 import base64
 import gzip
@@ -19,6 +20,8 @@ PAGES = "ratchet.html", "packing.html"
 LIMIT = 2_000_000  # bytes of a page
 STYLE = re.compile(r'<link rel="stylesheet" href="([^"]+)">')
 SCRIPT = re.compile(r'<script src="([^"]+)"></script>')
+PART = re.compile(r"^<!-- (\w+) -->\n", re.M)
+PUT = re.compile(r"^<!-- put: (\w+) -->\n", re.M)
 TEXT = re.compile(r'<(script|pre)([^>]*) data-from="([^"]+)"></\1>')
 
 
@@ -48,9 +51,16 @@ def plain(text):
     return text.replace("import.meta.url", "location.href")
 
 
+def framed(page):
+    """The frame of both pages, with the parts of this one; a line before each part has its name."""
+    words = PART.split((HERE / page).read_text())
+    parts = dict(zip(words[1::2], words[2::2]))
+    return PUT.sub(lambda m: parts.pop(m[1]), (HERE / "frame.html").read_text())
+
+
 def bundle(page, folder):
     """The page with all that it names."""
-    text = (HERE / page).read_text()
+    text = framed(page)
     text = STYLE.sub(lambda m: f"<style>\n{read(m[1], folder).decode()}</style>", text)
     text = SCRIPT.sub(lambda m: f"<script>\n{script(read(m[1], folder).decode())}</script>", text)
 
