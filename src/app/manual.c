@@ -29,6 +29,9 @@ static const manual_row environment[] = {
      "most threads that are chosen where `--threads` does not say; by default the cores"},
     {"SLIPDISK_AUTHOR",
      "the author's name in results; by default that of the account, of root \"unknown\""},
+    {"SLIPDISK_CHUNK",
+     "disks that a step treats while they are in the cache, and lets systems of four such chunks "
+     "take several steps at once, to the same bits; for tests"},
     {"SLIPDISK_PATH",
      "instruction set of the kernels, `baseline`, `avx2` or `avx512`, to the same bits; by "
      "default the best that the machine has"},

@@ -1,5 +1,6 @@
-/* test_windows.c: steps of large systems taken in windows (physics/step/window.h) have the bits
- * of single steps, on one thread and on two; and windows are undone where only single steps do. */
+/* test_windows.c: steps taken in windows (physics/step/window.h) have the bits of single steps, on
+ * one thread and on two; and windows are undone where only single steps do. Small chunks
+ * (SLIPDISK_CHUNK) let small systems take windows; one system has the size that needs no such help. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,12 +9,13 @@
 
 #include "deck_runs.h"
 
-enum { DISKS = 20500, WIDE = 25, STEPS = 330 };
+enum { SMALL = 500, LARGE = 20500, WIDE = 25, STEPS = 330 };
 
 /* What differs between the systems: keys of the deck, of the material, motions, walls. */
 typedef struct trial {
   const char *name, *keys, *material, *motions, *walls;
   bool undone; /* a window is undone, at least */
+  bool large;
 } trial;
 
 #define LINEAR "k_n = 2e4; k_t = 1e4; gamma_n = 0.4; mu = 0.3;"
@@ -24,10 +26,10 @@ typedef struct trial {
 
 static const trial trials[] = {
     {"verlet, shaken floor", "contact_variant = \"conservative\"; integrator = \"verlet\";", LINEAR,
-     SHAKE, "", false},
+     SHAKE, "", false, true},
     {"gear, shaken floor, means of disks",
      "integrator = \"gear5\"; measure = { disks = true; every = 29; rotation = (); };", LINEAR,
-     SHAKE, "", false},
+     SHAKE, "", false, false},
     {"random floor and a turning wheel", "integrator = \"gear5\";", LINEAR,
      "motions = ( { name = \"noise\"; wall = \"floor\"; coordinate = \"y\"; type = \"random\"; "
      "acceleration = 10; frequency "
@@ -36,15 +38,16 @@ static const trial trials[] = {
      "300; } );",
      "{ name = \"wheel\"; type = \"circle\"; center = (0.5, -0.12); radius = 0.12; side = "
      "\"outside\"; }, ",
-     false},
+     false, false},
     {"general laws", "integrator = \"verlet\";",
      "law = \"hertz\"; k_n = 2e5; tangential = \"mindlin\"; k_t = 1e5; restitution = 0.7; mu = "
      "0.3; mu_kinetic = 0.2; k_r = "
      "500; mu_r = 0.05; gamma_t = 0.1;",
-     SHAKE, "", false},
-    {"nothing moves the walls", "integrator = \"verlet\";", LINEAR, "", "", false},
+     SHAKE, "", false, false},
+    {"nothing moves the walls", "integrator = \"verlet\";", LINEAR, "", "", false, false},
     {"a disk beyond the displacement limit",
-     "integrator = \"verlet\"; limits = { displacement = 0.00078; };", LINEAR, SHAKE, "", true},
+     "integrator = \"verlet\"; limits = { displacement = 0.00078; };", LINEAR, SHAKE, "", true,
+     false},
 };
 
 /* A column of disks in slight disorder, falling onto the floor, at several speeds. */
@@ -60,14 +63,14 @@ static sd_model *column(const trial *t) {
            "} );\ndisk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; vy = -0.5; "
            "omega = 40; rows = (",
            t->keys, t->material, t->walls, t->motions);
-  add_lattice(&deck, DISKS, WIDE, 0.03, 0.021, 0.0408, 0.018, 11);
+  add_lattice(&deck, t->large ? LARGE : SMALL, WIDE, 0.03, 0.021, 0.0408, 0.018, 11);
   text_add(&deck, "); } );\n");
   sd_model *model = model_of(deck.s);
   free(deck.s);
   return model;
 }
 
-static void same(sd_simulation *plain, sd_simulation *other, const char *name) {
+static void same_runs(sd_simulation *plain, sd_simulation *other, const char *name) {
   const sd_state *a = sd_simulation_state(plain), *b = sd_simulation_state(other);
   same_states(a, b, name);
   assert_true(a->fast_step == b->fast_step && a->fast_disk == b->fast_disk &&
@@ -82,29 +85,58 @@ static void took_windows(sd_simulation *sim, const trial *t) {
   fail();
 }
 
+static void compare(const trial *t) {
+  setenv("SLIPDISK_CHUNK", t->large ? "" : "8", 1);
+  sd_model *model = column(t);
+  sd_simulation *one = begin_run(model, 1), *two = begin_run(model, 2),
+                *plain = begin_run(model, 1);
+  for (int64_t done = 0; done < STEPS; done += STEPS / 3) {
+    advance(one, STEPS / 3);
+    advance(two, STEPS / 3);
+    setenv("SLIPDISK_WINDOWS", "never", 1);
+    advance(plain, STEPS / 3);
+    setenv("SLIPDISK_WINDOWS", "always", 1);
+    same_runs(plain, one, t->name);
+    same_runs(plain, two, t->name);
+  }
+  took_windows(one, t);
+  took_windows(two, t);
+  assert_int_equal(engine_of(plain)->work.window.taken, 0);
+  sd_simulation_free(one);
+  sd_simulation_free(two);
+  sd_simulation_free(plain);
+  sd_model_free(model);
+}
+
 static void windows_have_the_bits_of_single_steps(void **unused) {
   (void)unused;
-  for (size_t k = 0; k < sizeof trials / sizeof *trials; k++) {
-    sd_model *model = column(&trials[k]);
-    sd_simulation *one = begin_run(model, 1), *two = begin_run(model, 2),
-                  *plain = begin_run(model, 1);
-    for (int64_t done = 0; done < STEPS; done += STEPS / 3) {
-      advance(one, STEPS / 3);
-      advance(two, STEPS / 3);
-      setenv("SLIPDISK_WINDOWS", "never", 1);
-      advance(plain, STEPS / 3);
-      setenv("SLIPDISK_WINDOWS", "always", 1);
-      same(plain, one, trials[k].name);
-      same(plain, two, trials[k].name);
+  for (size_t k = 0; k < sizeof trials / sizeof *trials; k++) compare(&trials[k]);
+}
+
+static void so_they_have_with_every_coordinate_of_every_kind_of_wall(void **unused) {
+  (void)unused;
+  static const char *const walls[] = {
+      "type = \"line\"; points = ((0, 0), (2, 0)); ",
+      "type = \"segment\"; points = ((-0.1, 0), (1.2, 0)); ",
+      "type = \"polyline\"; points = ((-0.1, 0.01), (0.3, 0), (0.8, 0), (1.2, 0.01)); ",
+      "type = \"arc\"; center = (0.5, -3); radius = 3; from = 1.2; to = 1.9; ",
+      "type = \"circle\"; center = (0.5, -2); radius = 2.001; side = \"outside\"; "};
+  static const char *const moves[] = {
+      "x\"; type = \"velocity\"; velocity = 0.01;",
+      "y\"; type = \"harmonic\"; acceleration = 20; frequency = 400;",
+      "theta\"; type = \"velocity\"; velocity = 0.004;",
+      "surface\"; type = \"velocity\"; velocity = 0.5;",
+  };
+  for (size_t k = 0; k < sizeof walls / sizeof *walls; k++)
+    for (size_t n = 0; n < sizeof moves / sizeof *moves; n++) {
+      char wall[400], motion[400];
+      snprintf(wall, sizeof wall, "{ name = \"base\"; %s}, ", walls[k]);
+      snprintf(motion, sizeof motion,
+               "motions = ( { name = \"move\"; wall = \"base\"; coordinate = \"%s } );", moves[n]);
+      if (strstr(wall, "circle") && strstr(motion, "surface")) continue; /* it turns instead */
+      compare(&(trial){wall, k % 2 ? "integrator = \"gear5\";" : "integrator = \"verlet\";", LINEAR,
+                       motion, wall, false, false});
     }
-    took_windows(one, &trials[k]);
-    took_windows(two, &trials[k]);
-    assert_int_equal(engine_of(plain)->work.window.taken, 0);
-    sd_simulation_free(one);
-    sd_simulation_free(two);
-    sd_simulation_free(plain);
-    sd_model_free(model);
-  }
 }
 
 /* Steps until the run fails; its message. */
@@ -123,9 +155,10 @@ static int64_t fails_at(const sd_model *model, int threads, char *told, size_t s
 
 static void a_deep_overlap_is_told_of_the_step_in_which_it_is(void **unused) {
   (void)unused;
-  sd_model *model = column(
-      &(trial){"", "integrator = \"verlet\"; max_overlap = 0.002;", LINEAR, SHAKE, "", true});
+  sd_model *model = column(&(trial){"", "integrator = \"verlet\"; max_overlap = 0.002;", LINEAR,
+                                    SHAKE, "", true, false});
   char a[400], b[400];
+  setenv("SLIPDISK_CHUNK", "8", 1);
   assert_int_equal(fails_at(model, 1, a, sizeof a), fails_at(model, 2, b, sizeof b));
   assert_string_equal(a, b);
   sd_model_free(model);
@@ -135,6 +168,7 @@ int main(void) {
   setenv("SLIPDISK_WINDOWS", "always", 1);
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(windows_have_the_bits_of_single_steps),
+      cmocka_unit_test(so_they_have_with_every_coordinate_of_every_kind_of_wall),
       cmocka_unit_test(a_deep_overlap_is_told_of_the_step_in_which_it_is),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -34,8 +34,7 @@ struct motions {
   const signal_values **terms;
   size_t *term_motions; /* index in the model of the motion of each entry of `terms` */
   feedbacks feedbacks;  /* list of the running loads and servos */
-  /* some motion moves a wall; some motion prescribes a coordinate of a free disk */
-  bool moves_walls, drives_free;
+  unsigned moves;       /* bits MOVES_... of the running motions */
   /* true: no value computed ahead makes the neighbour lists stale or leaves its coordinate range */
   bool quiet;
 };
@@ -223,6 +222,16 @@ static void prescribe(engine *e, prescribed *p, size_t place, size_t first) {
   p->force = b.force[k];
 }
 
+/* Returns the bit MOVES_... of the coordinate with this number (addend.place). */
+static unsigned moves_of(const sd_state *s, size_t place) {
+  const size_t slot = place / SD_MOVED;
+  return slot < s->n_free                 ? MOVES_FREE
+         : slot < s->n_disks              ? MOVES_DISKS
+         : slot >= s->n_bodies            ? MOVES_CLUMPS
+         : place % SD_MOVED == SD_SURFACE ? MOVES_SURFACES
+                                          : MOVES_WALLS;
+}
+
 /* Lists the coordinates that a running motion moves, by slot and coordinate, each with its signals
  * in the order of the deck; and the running loads and servos. */
 static void list_prescribed(engine *e) {
@@ -230,14 +239,14 @@ static void list_prescribed(engine *e) {
   motions *q = e->work.motions;
   size_t terms = 0, last = SIZE_MAX;
   q->n_prescribed = 0;
-  q->moves_walls = q->drives_free = false;
+  q->moves = 0;
   list_addends(e, NULL);
   for (const addend *a = q->addends; a < q->addends + q->n_addends; a++) {
-    const size_t slot = a->place / SD_MOVED;
-    if (slot >= s->n_disks && slot < s->n_bodies && a->place % SD_MOVED != SD_SURFACE)
-      q->moves_walls = true;
-    if (slot < s->n_free) q->drives_free = true;
-    if (motion_is_feedback(&e->model->motions[a->motion])) continue;
+    q->moves |= moves_of(s, a->place);
+    if (motion_is_feedback(&e->model->motions[a->motion])) {
+      q->moves |= MOVES_BY_FORCE;
+      continue;
+    }
     if (a->place != last) prescribe(e, &q->prescribed[q->n_prescribed++], a->place, terms);
     last = a->place;
     q->prescribed[q->n_prescribed - 1].count++;
@@ -342,11 +351,7 @@ void motion_begin_run(engine *e) {
       feedback_begin(e, k);
 }
 
-bool motion_moves_walls(const engine *e) { return e->work.motions->moves_walls; }
-
-bool motion_drives_free(const engine *e) { return e->work.motions->drives_free; }
-
-bool motion_corrects(const engine *e) { return e->work.motions->feedbacks.count > 0; }
+unsigned motion_moves(const engine *e) { return e->work.motions->moves; }
 
 int64_t motion_index(const engine *e) { return e->state->step + 1 - e->work.motions->first; }
 

@@ -102,17 +102,21 @@ prescribed *motion_prescribed(engine *e, size_t *n);
 bool motion_outruns(engine *e);
 /* True if any motion is running. */
 bool motion_runs(const engine *e);
-/* True if some wall has a running motion; motions of its surface do not count. */
-bool motion_moves_walls(const engine *e);
-/* True if a running motion prescribes a coordinate of a free disk. */
-bool motion_drives_free(const engine *e);
+/* What the running motions move, as bits. */
+enum {
+  MOVES_WALLS = 1, /* the pose of a wall */
+  MOVES_SURFACES = 2,
+  MOVES_DISKS = 4, /* driven disks */
+  MOVES_FREE = 8,  /* a coordinate of a free disk */
+  MOVES_CLUMPS = 16,
+  MOVES_BY_FORCE = 32 /* a wall under a load or servo, whose velocity motion_work changes */
+};
+unsigned motion_moves(const engine *e);
 /* Finds the prescribed body that moved farthest beyond the displacement limit in the last step
  * (step/step.h), and sets *slot to its slot. Returns its displacement divided by the radius of the
  * smallest disk, or by its own radius if it is a free disk with a prescribed coordinate; 0: no body
  * was beyond the limit. */
 double motion_fastest(const engine *e, size_t *slot);
-/* True if motion_work changes the velocities of walls, that is if loads or servos run. */
-bool motion_corrects(const engine *e);
 
 /* --- several systems -------------------------------------------------------------------------- */
 

@@ -24,9 +24,19 @@ enum { SEGMENT_COST = 4, DISK_COST = 1 };
 
 static size_t rounded(size_t n) { return (n + CHUNK_STEP - 1) / CHUNK_STEP * CHUNK_STEP; }
 
+/* The environment variable SLIPDISK_CHUNK sets the disks per chunk, and lets systems of four chunks
+ * take windows, so that small systems try all that large ones do. 0: it is not set. */
+static size_t asked_size(void) {
+  const char *text = getenv("SLIPDISK_CHUNK");
+  const unsigned long n = text ? strtoul(text, NULL, 10) : 0;
+  return n && n <= CHUNK_MOST ? rounded(n) : 0;
+}
+
 /* Returns the number of disks per chunk for n disks per thread, a multiple of CHUNK_STEP. The last
  * chunk of a thread may have fewer disks. */
 static size_t chunk_size(size_t n) {
+  const size_t asked = asked_size();
+  if (asked) return asked;
   size_t size = (n + CHUNKS_PER_THREAD - 1) / CHUNKS_PER_THREAD;
   if (size > CHUNK_MOST) size = CHUNK_MOST;
   if (size < CHUNK_LEAST) size = CHUNK_LEAST;
@@ -253,7 +263,8 @@ sd_status chunks_plan(engine *e) {
   if (reserve(c, count ? count : 1, n_free) != SD_OK) return SD_ERROR_IO;
   c->size = size;
   c->count = count;
-  c->window = !e->halo && n_free >= WINDOW_LEAST ? WINDOW_MOST : 1;
+  const size_t asked = asked_size(), least = asked ? 4 * asked : WINDOW_LEAST;
+  c->window = !e->halo && n_free >= least ? WINDOW_MOST : 1;
   c->n_threads = (int)threads;
   cut_shares(c, disk);
   assert(c->begin[count] == n_free && c->share[0] == 0 && c->share[threads] == count);

@@ -358,7 +358,7 @@ static sd_status store_poses(const lanes *l, size_t lane) {
       at[POSE_VX + c][i] = *cell(l, p, PLACE_SPEED, lane);
       p += PLACE_ROWS * l->width;
     }
-  if (l->any_straight && motion_moves_walls(e)) walls_pose(e);
+  if (l->any_straight && motion_moves(e) & MOVES_WALLS) walls_pose(e);
   for (uint32_t i = 0; i < l->n_bodies; i++)
     if (neighbours_moved(e, i)) {
       sd_status status = neighbours_check_finite(e, s->step, e->work.messages);

@@ -90,8 +90,8 @@ void step_begin(engine *e, int64_t n) {
   if (w->body_forces && w->body_forces->phase != s->phase) body_forces_fill(e);
   w->kernels->pack(e, s->n_free, s->n_bodies);
   w->show_from = s->step + n;
-  w->predict_all =
-      e->model->phases[s->phase].relax || motion_drives_free(e) || e->fields || w->clumps.count > 0;
+  w->predict_all = e->model->phases[s->phase].relax || motion_moves(e) & MOVES_FREE || e->fields ||
+                   w->clumps.count > 0;
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;
   w->threads[0].stale = w->kernels->stale(e, 0, s->n_free, 1.0);
   note_predicted(e, false);
@@ -154,7 +154,7 @@ void step_once(engine *e, const team *t) {
     motion_pose(e, &w->threads[0]);
     fields_apply(e);
     body_forces_at(e, e->state->step + 1);
-    if (motion_moves_walls(e)) walls_pose_listed(e);
+    if (motion_moves(e) & MOVES_WALLS) walls_pose_listed(e);
     /* with several ranks, step_agree has asked for the flags of all of them */
     w->stale = !e->halo && any_stale(w);
     if (w->predict_all || !w->stale)

@@ -29,6 +29,7 @@
 #include "physics/neighbours/validity.h"
 #include "physics/step/contacts.h"
 #include "physics/step/step.h"
+#include "physics/step/window_check.h"
 #include "physics/system/bodies.h"
 #include "physics/system/kernels.h"
 #include "physics/system/list.h"
@@ -269,7 +270,7 @@ static void follow_prescribed(engine *e, int64_t n) {
     e->work.kernels->gather(e, e->state->n_free, e->state->n_bodies);
     motion_work(e);
   }
-  if (motion_moves_walls(e)) walls_pose_listed(e);
+  if (motion_moves(e) & MOVES_WALLS) walls_pose_listed(e);
   e->state->step = from;
 }
 
@@ -310,7 +311,7 @@ static bool handle_event(window *v, engine *own, const window_event *one) {
 static void lock_prescribed(window_wave *wave, engine *own) {
   pthread_mutex_lock(&wave->walls);
   place_prescribed(own);
-  if (motion_moves_walls(own)) walls_pose_listed(own);
+  if (motion_moves(own) & MOVES_WALLS) walls_pose_listed(own);
 }
 static void unlock_prescribed(window_wave *wave) { pthread_mutex_unlock(&wave->walls); }
 
@@ -340,7 +341,7 @@ static void keep_chunk(engine *e, size_t k) {
 static void take_segments(window_wave *wave, engine *own, thread_work *mine, size_t k) {
   const chunks *c = &own->work.chunks;
   if (c->segment[k] == c->segment[k + 1]) return;
-  const bool moved = motion_moves_walls(own);
+  const bool moved = motion_moves(own) & (MOVES_WALLS | MOVES_SURFACES);
   if (moved) lock_prescribed(wave, own);
   sweep_segments(own, mine, k);
   if (moved) unlock_prescribed(wave);
@@ -457,7 +458,7 @@ static void undo(engine *e) {
   while (v->n_rare > 0) restore_rare(e, &v->rare[--v->n_rare]);
   copy_prescribed(e, true);
   w->kernels->pack(e, e->state->n_free, e->state->n_bodies);
-  if (motion_moves_walls(e)) walls_pose_listed(e);
+  if (motion_moves(e) & MOVES_WALLS) walls_pose_listed(e);
   for (int t = 0; t < w->n_threads; t++) {
     thread_work *mine = &w->threads[t];
     mine->stale = mine->fast = mine->events.failed = mine->returns.failed = false;
@@ -538,11 +539,10 @@ static sd_status reserve(engine *e, int64_t n) {
   return SD_OK;
 }
 
-/* Ends the window: goes on from its last step, or undoes it. */
-static void end(engine *e, int64_t n) {
+/* Ends the window: goes on from its last step, or undoes it. work_driven: before the window. */
+static void end(engine *e, int64_t n, double work_driven) {
   work *w = &e->work;
   window *v = &w->window;
-  const double work_driven = e->state->work_driven;
   if (!v->failed) follow_prescribed(e, n);
   v->failed |= w->threads[0].fast;
   if (v->failed) {
@@ -553,36 +553,73 @@ static void end(engine *e, int64_t n) {
     return;
   }
   v->taken++;
-  v->n_rare = 0;
+  if (!VALIDITY_CHECKED) v->n_rare = 0; /* else check_window undoes the window */
   e->state->step += n;
   w->threads[0].stale = v->wave->step[n - 1].stale;
 }
 
+/* Undoes the window that has just ended and takes its n steps one by one; an error if they differ
+ * in any bit. work_driven: that of the state before the window. */
+static void check_window(engine *e, const team *t, int64_t n, double work_driven) {
+  step_image *image = NULL;
+  if (t->rank == 0) {
+    image = step_image_new(e);
+    e->state->step -= n;
+    e->state->work_driven = work_driven;
+    undo(e);
+  }
+  team_wait(t);
+  for (int64_t s = 0; s < n && e->work.status == SD_OK; s++) {
+    step_once(e, t);
+    team_wait(t);
+  }
+  if (t->rank == 0) {
+    if (e->work.status == SD_OK)
+      e->work.status = step_image_compare(image, e, e->state->step - n, e->work.messages);
+    step_image_free(image);
+  }
+  team_wait(t);
+}
+
 bool window_run(engine *e, const team *t, int64_t n) {
+  const double work_driven = e->state->work_driven;
   if (t->rank == 0) begin(e, n);
   team_wait(t);
   take_chunks(e, t, n);
   team_wait(t);
-  if (t->rank == 0) end(e, n);
+  if (t->rank == 0) end(e, n, work_driven);
   team_wait(t);
-  return !e->work.window.failed;
+  if (e->work.window.failed) return false;
+  if (VALIDITY_CHECKED) check_window(e, t, n, work_driven);
+  return true;
 }
 
 /* --- how many steps --------------------------------------------------------------------------- */
 
-/* True if nothing that the steps have to do needs all disks after each step. */
-static bool can_wait(engine *e) {
+/* Laws and motions that windows take: those that tests/unit/test_windows.c compares with single
+ * steps. With any other one, steps are taken one by one. */
+enum {
+  WINDOW_LAWS = LAW_NORMAL | LAW_PULLS | LAW_KINETIC | LAW_MINDLIN | LAW_DASHPOT | LAW_ROLLING |
+                LAW_COHESION | LAW_BRIDGE | LAW_RADIUS,
+  WINDOW_MOVES = MOVES_WALLS | MOVES_SURFACES | MOVES_DISKS
+};
+
+/* True if windows take all features of this system, and nothing needs all disks after each step. */
+static bool takes_features(engine *e) {
   const work *w = &e->work;
-  const window *v = &w->window;
   size_t n;
-  if (e->halo || e->comm || e->fields || w->predict_all || w->cell.on || w->body_forces ||
-      w->clumps.count || w->lanes || e->state->n_slides)
-    return false;
-  for (int t = 0; t < w->n_threads; t++)
-    if (w->threads[t].stale) return false;
   motion_prescribed(e, &n);
-  return n <= WINDOW_PRESCRIBED && w->n_pieces <= MOST_PIECES && v->n_fixed <= MOST_PIECES &&
-         motion_ahead(e) && !motion_corrects(e);
+  return !(w->features & ~(unsigned)WINDOW_LAWS) && !(motion_moves(e) & ~(unsigned)WINDOW_MOVES) &&
+         n <= WINDOW_PRESCRIBED && w->n_pieces <= MOST_PIECES && w->window.n_fixed <= MOST_PIECES &&
+         !e->halo && !e->comm && !e->fields && !w->predict_all && !w->cell.on && !w->body_forces &&
+         !w->clumps.count && !w->lanes && !e->state->n_slides;
+}
+
+/* True if the next steps can be taken with the present lists and the values computed ahead. */
+static bool is_ready(engine *e) {
+  for (int t = 0; t < e->work.n_threads; t++)
+    if (e->work.threads[t].stale) return false;
+  return motion_ahead(e);
 }
 
 /* Number of steps after which each way of taking them has been timed, and for which the cheaper one
@@ -614,12 +651,10 @@ static int64_t most_steps(engine *e, int64_t most) {
   if (most < 2 || e->state->step < v->plain_until) return 1;
   v->fixed = sums_first_listed(&w->sums, e->state->n_free);
   v->n_fixed = w->sums.n_listed - v->fixed;
-  if (!can_wait(e) || !prefers_windows(e, &v->trial)) return 1;
+  if (!takes_features(e) || !is_ready(e) || !prefers_windows(e, &v->trial)) return 1;
   const int64_t computed = MOTION_BATCH - motion_index(e);
   int64_t n = most < w->chunks.window ? most : w->chunks.window;
   if (computed < n) n = computed;
-  for (int64_t s = 1; s < n; s++)
-    if (validity_due(e->state->step + s)) n = s;
   if (n < 2 || reserve(e, w->chunks.window) != SD_OK) return 1;
   atomic_store(&v->wave->fits, n);
   return n;
