@@ -28,6 +28,17 @@ double cell_least_length(const sd_model *m, double *reach);
 /* Reports errors of phases that deform the box. */
 void cell_check(const sd_model *m, sd_messages *messages);
 
+/* True if both phases deform the box, and in the same way. */
+static inline bool cell_alike(const sd_phase *one, const sd_phase *next) {
+  const sd_cell *a = &one->cell, *b = &next->cell;
+  bool same = a->asked && b->asked && a->response == b->response && a->max_rate == b->max_rate &&
+              a->boundary == b->boundary;
+  for (int k = 0; k < SD_CELL_COMPONENTS; k++)
+    same = same && a->controlled[k] == b->controlled[k] &&
+           (a->controlled[k] ? a->stress[k] == b->stress[k] : a->rate[k] == b->rate[k]);
+  return same;
+}
+
 /* Length of the region or periodic box along coordinate c, divided by its length in the model. */
 static inline double cell_scale(const sd_state *s, int c) {
   return s->n_cell ? s->box_scale * s->cell[c] : s->box_scale;

@@ -550,6 +550,17 @@ uint64_t sd_state_hash(const sd_state *s) {
   return hash;
 }
 
+bool state_goes_on(const sd_model *m, const sd_state *s, phase_alike *alike) {
+  return s->phase > 0 && alike(&m->phases[s->phase - 1], &m->phases[s->phase]);
+}
+
+int64_t state_steps_alike(const sd_model *m, const sd_state *s, phase_alike *alike) {
+  int64_t n = s->phase_step;
+  for (int64_t k = s->phase; k > 0 && alike(&m->phases[k - 1], &m->phases[k]); k--)
+    n += s->phase_steps[k - 1];
+  return n;
+}
+
 const sd_field *sd_state_difference(const sd_state *a, const sd_state *b) {
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];

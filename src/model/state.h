@@ -286,6 +286,13 @@ sd_state *state_new_part(const sd_model *model, size_t n_free, size_t n_ghosts);
  * its own range of rows, so that the pages are local to it (NUMA). Columns stay in place if
  * there are no threads (c is NULL) or no memory. */
 void state_spread(sd_state *state, pool *c);
+/* True if two phases act alike in one respect. */
+typedef bool phase_alike(const sd_phase *one, const sd_phase *next);
+/* Returns the number of steps of the present phase and of the phases directly before it that are
+ * alike, so that a phase cut in two keeps its schedule. */
+int64_t state_steps_alike(const sd_model *m, const sd_state *s, phase_alike *alike);
+/* True if the phase directly before the present one is alike. */
+bool state_goes_on(const sd_model *m, const sd_state *s, phase_alike *alike);
 /* Initial value of the hash FNV-1a. state_hash_bytes continues a hash with further bytes;
  * sd_state_hash applies it to the columns one after the other. */
 #define STATE_HASH UINT64_C(14695981039346656037)

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "measure/sample.h"
+#include "model/cell.h"
 #include "pack/compress.h"
 #include "pack/rain.h"
 #include "pack/relax.h"
@@ -58,6 +59,24 @@ static sd_status order_again(engine *e, sd_messages *messages) {
 
 /* --- Phases ----------------------------------------------------------------------------------- */
 
+static bool relaxes(const sd_phase *one, const sd_phase *next) { return one->relax && next->relax; }
+
+static bool settles(const sd_phase *one, const sd_phase *next) {
+  return one->settle.asked && next->settle.asked && one->settle.every == next->settle.every;
+}
+
+static bool compresses(const sd_phase *one, const sd_phase *next) {
+  const sd_compress *a = &one->compress, *b = &next->compress;
+  return a->asked && b->asked && a->pressure == b->pressure && a->fraction == b->fraction &&
+         a->tolerance == b->tolerance && a->rate == b->rate;
+}
+
+/* Returns the steps since something began that is done every few steps; what is alike in the phase
+ * before goes on. */
+static int64_t steps_of(const engine *e, phase_alike *alike) {
+  return state_steps_alike(e->model, e->state, alike);
+}
+
 /* Begins to measure the watched disks and the means of every disk. */
 static void measure_begin(engine *e) {
   sample_begin(e);
@@ -67,7 +86,7 @@ static void measure_begin(engine *e) {
 /* Returns true if the phase has settle criteria and they are checked after this step. */
 static bool settle_is_due(const engine *e) {
   const sd_settle *asked = &e->model->phases[e->state->phase].settle;
-  return asked->asked && e->state->phase_step % asked->every == 0;
+  return asked->asked && steps_of(e, settles) % asked->every == 0;
 }
 
 /* Stores the outcome of the phase in the state: number of steps, values of the settle criteria, and
@@ -105,7 +124,7 @@ static void close_phase(engine *e, const settle_measure *rest) {
 
 sd_status loop_begin_phase(engine *e, sd_messages *messages) {
   if (loop_finished(e)) return SD_OK;
-  relax_begin(e);
+  if (!state_goes_on(e->model, e->state, relaxes)) relax_begin(e);
   cell_begin(e);
   const sd_status status = comm_agree(e->comm, steer_begin_phase(e));
   motion_begin_phase(e);
@@ -145,9 +164,10 @@ static bool has_goal(const engine *e) {
   return e->model->until.asked && e->state->phase + 1 == (int64_t)e->model->n_phases;
 }
 
-/* Returns the next multiple of `every` after `step` if it is less than `stop`, else `stop`. */
-static int64_t nearer(int64_t stop, int64_t step, int64_t every) {
-  int64_t next = (step / every + 1) * every;
+/* Returns the step after `now` at which something is due that is done every `every` steps and was
+ * begun `since` steps ago, or `stop` if that is less. */
+static int64_t nearer(int64_t stop, int64_t now, int64_t since, int64_t every) {
+  const int64_t next = now + every - since % every;
   return next < stop ? next : stop;
 }
 
@@ -156,13 +176,13 @@ static int64_t nearer(int64_t stop, int64_t step, int64_t every) {
 static int64_t next_stop(const engine *e) {
   const sd_phase *p = phase_of(e);
   int64_t now = e->state->phase_step, stop = has_goal(e) ? sd_goal_look(e->model, now) : p->steps;
-  if (p->settle.asked) stop = nearer(stop, now, p->settle.every);
-  if (p->compress.asked) stop = nearer(stop, now, COMPRESS_EVERY);
-  if (p->cell.asked) stop = nearer(stop, now, CELL_EVERY);
+  if (p->settle.asked) stop = nearer(stop, now, steps_of(e, settles), p->settle.every);
+  if (p->compress.asked) stop = nearer(stop, now, steps_of(e, compresses), COMPRESS_EVERY);
+  if (p->cell.asked) stop = nearer(stop, now, steps_of(e, cell_alike), CELL_EVERY);
   /* Rain and checks of the bounds are due at steps counted from the start of the run, not of the
    * phase. */
   int64_t step = e->state->step, next = rain_next(e, step);
-  if (e->model->bounds.given) next = nearer(next, step, OUTSIDE_EVERY);
+  if (e->model->bounds.given) next = nearer(next, step, step, OUTSIDE_EVERY);
   return next - step < stop - now ? now + (next - step) : stop;
 }
 
@@ -174,14 +194,14 @@ static bool rain_is_due(const engine *e) {
  * of the box. */
 static sd_status between_steps(engine *e, sd_messages *messages) {
   const sd_phase *p = phase_of(e);
-  int64_t now = e->state->phase_step;
   sd_status status = SD_OK;
   if (e->model->bounds.given && e->state->step % OUTSIDE_EVERY == 0)
     status = outside_check(e, messages);
   if (status == SD_OK && rain_is_due(e)) status = rain_release(e, messages);
-  if (status == SD_OK && p->compress.asked && now % COMPRESS_EVERY == 0)
+  if (status == SD_OK && p->compress.asked && steps_of(e, compresses) % COMPRESS_EVERY == 0)
     status = compress_step(e, messages);
-  if (status == SD_OK && p->cell.asked && now % CELL_EVERY == 0) status = cell_change(e, messages);
+  if (status == SD_OK && p->cell.asked && steps_of(e, cell_alike) % CELL_EVERY == 0)
+    status = cell_change(e, messages);
   return status;
 }
 

@@ -122,6 +122,14 @@ def regime_images(seed):
     watch.same(seen, found, NEAR, ("angle", "spin", "force", "torque"), EVERY)
 
 
+def regime_phases(seed):
+    """Deforming boxes, compression, relaxation: a phase in three parts, the same bits."""
+    deck = make(list(REGIMES)[seed % len(REGIMES)], seed)
+    other = copy.deepcopy(deck)
+    other["phases"] = [{**deck["phases"][0], "steps": steps} for steps in (100, 77, 123)]
+    watch.same(watch.follow(deck, 300, EVERY), watch.follow(other, 300, EVERY), 0.0, every=EVERY)
+
+
 def regime_bits(seed):
     """Deforming boxes, compression, relaxation: saved in the middle."""
     deck = make(list(REGIMES)[seed % len(REGIMES)], seed)

@@ -18,7 +18,7 @@ class Relation:
 CHEAP = (symmetries.mirror, symmetries.quarter, symmetries.shift, symmetries.images, symmetries.order, symmetries.phases,
          symmetries.zero, symmetries.attraction, symmetries.idle, symmetries.boost, symmetries.reverse, balance.balance, shapes.straight_walls,
          shapes.joined_walls, shapes.round_walls, regimes.regime_mirror, regimes.regime_order, regimes.regime_images,
-         regimes.regime_bits, regimes.rain, files.bits, ways.echo, ways.later, ways.forced, ways.lone, ways.budget, ways.loaded)
+         regimes.regime_phases, regimes.regime_bits, regimes.rain, files.bits, ways.echo, ways.later, ways.forced, ways.lone, ways.budget, ways.loaded)
 DEAR = (files.written, files.taken_over, files.exported, files.lanes, regimes.stress)  # they run the program
 # Not yet: they are tried when they are named.
 LATER = ()

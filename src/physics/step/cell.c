@@ -365,12 +365,9 @@ void cell_attach(engine *e) {
   w->cell.step = s->step;
 }
 
-void cell_begin(engine *e) {
-  static const sd_cell still = {0};
+/* Starts with the rates of a phase that deforms the box otherwise than the phase before. */
+static void begin_rates(engine *e, const sd_cell *c) {
   sd_state *s = e->state;
-  if (!s->n_cell) return;
-  const sd_cell *c = &e->model->phases[s->phase].cell;
-  if (!c->asked) c = &still;
   const double over = CELL_EVERY * e->work.dt;
   double rate[SD_CELL_COMPONENTS];
   sum_forces(e);
@@ -386,6 +383,15 @@ void cell_begin(engine *e) {
   e->work.cell.on = matters(e);
   /* force a rebuild of the lists, which have followed the deformation until now */
   if (was_on && !e->work.cell.on) e->work.moved_limit2 = -1.0;
+}
+
+void cell_begin(engine *e) {
+  static const sd_cell still = {0};
+  sd_state *s = e->state;
+  if (!s->n_cell) return;
+  const sd_cell *c = &e->model->phases[s->phase].cell;
+  if (!c->asked) c = &still;
+  if (!state_goes_on(e->model, s, cell_alike)) begin_rates(e, c);
   if (c == &still) return;
   for (size_t i = 0; i < s->n_free; i++) s->nonaffine_x[i] = s->nonaffine_y[i] = 0.0;
   note_places(e);
@@ -412,7 +418,7 @@ sd_status cell_change(engine *e, sd_messages *messages) {
   double rate[SD_CELL_COMPONENTS];
   assert(c->asked && e->work.cell.on);
   if (check_width(e, messages) != SD_OK) return SD_ERROR_NUMERIC;
-  add_displacements(e, CELL_EVERY);
+  add_displacements(e, s->phase_step < CELL_EVERY ? s->phase_step : CELL_EVERY);
   flip_offset(e);
   choose_rates(e, c, over, rate);
   set_gradient(e, rate, over, c->boundary);
