@@ -12,6 +12,7 @@
 #include "physics/step/contacts.h"
 #include "physics/step/step.h"
 #include "physics/system/bodies.h"
+#include "physics/system/halo.h"
 #include "physics/system/fields.h"
 
 /* Sets the third and higher derivatives of a coordinate to 0, as at step 0: those of the motion
@@ -108,6 +109,7 @@ sd_status steer_begin_phase(engine *e) {
     status = steer_hold(e, p->hold[k], true);
   for (size_t k = 0; k < p->n_release && status == SD_OK; k++)
     status = steer_hold(e, p->release[k], false);
+  if (e->halo) halo_refresh(e, NULL); /* ghosts of held disks rest, too */
   bodies_fill_constants(e);
   return status;
 }
