@@ -215,12 +215,21 @@ sd_disk clump_effective_disk(const sd_model *m, size_t disk) {
 }
 
 /* Computes the centre, mass and moment of inertia of a clump; if its mass is given, scales the
- * masses of its disks. */
+ * masses of its disks first, so that a saved model, whose masses are scaled, has the same centre to
+ * the last bit. */
 static void derive(sd_model *m, sd_clump *c, member *of) {
   double(*offset)[2] = m->clump_offsets + (c->disks - m->clump_disks), inertia = 0.0, centre[2];
   for (size_t n = 0; n < c->n_disks; n++) of[n].disk = c->disks[n];
   place_all(m, of, c->n_disks);
-  const double mass = measure(m, c, of, offset, centre);
+  double mass = measure(m, c, of, offset, centre);
+  if (c->mass == 0.0) c->mass = mass;
+  if (fabs(c->mass - mass) > 1e-12 * mass) {
+    for (size_t n = 0; n < c->n_disks; n++) {
+      m->disks[c->disks[n]].mass *= c->mass / mass;
+      m->disks[c->disks[n]].inertia *= c->mass / mass;
+    }
+    mass = measure(m, c, of, offset, centre);
+  }
   for (size_t n = 0; n < c->n_disks; n++) {
     const sd_disk *d = &m->disks[c->disks[n]];
     inertia += d->inertia + d->mass * (offset[n][0] * offset[n][0] + offset[n][1] * offset[n][1]);
@@ -230,12 +239,7 @@ static void derive(sd_model *m, sd_clump *c, member *of) {
     const double length = m->periodic[k] ? m->upper[k] - m->lower[k] : 0.0;
     if (length > 0.0) c->position[k] -= length * floor((c->position[k] - m->lower[k]) / length);
   }
-  if (c->mass == 0.0) c->mass = mass;
-  if (c->inertia == 0.0) c->inertia = inertia * (c->mass / mass);
-  for (size_t n = 0; n < c->n_disks && fabs(c->mass - mass) > 1e-12 * mass; n++) {
-    m->disks[c->disks[n]].mass *= c->mass / mass;
-    m->disks[c->disks[n]].inertia *= c->mass / mass;
-  }
+  if (c->inertia == 0.0) c->inertia = inertia;
 }
 
 /* --- checks ----------------------------------------------------------------------------------- */
