@@ -43,6 +43,7 @@ class Builder:
     phases: list = dataclasses.field(default_factory=list)
     top: dict = dataclasses.field(default_factory=dict)       # keys of the deck itself
     steps: int = 300
+    shape: tuple = (3, 3)                                     # columns and rows of disks
 
     def near(self, size, share=0.5):
         """A length near `size`."""
@@ -87,10 +88,12 @@ class Builder:
 
 
 def lattice(b):
-    for k in range(9):
+    columns, rows = b.shape
+    for k in range(columns * rows):
         b.disks.append({
             "name": f"disk{k}", "group": f"group{k % 2}", "radius": b.near(0.0475, 0.07), "density": 1.0,
-            "x": (k % 3 - 1) * SPACING + b.random.uniform(-3e-3, 3e-3), "y": (k // 3 - 1) * SPACING + b.random.uniform(-3e-3, 3e-3),
+            "x": (k % columns - (columns - 1) / 2) * SPACING + b.random.uniform(-3e-3, 3e-3),
+            "y": (k // columns - (rows - 1) / 2) * SPACING + b.random.uniform(-3e-3, 3e-3),
             "theta": b.random.uniform(-3, 3), "vx": b.random.uniform(-0.6, 0.6), "vy": b.random.uniform(-0.6, 0.6),
             "omega": b.random.uniform(-12, 12)})
 
@@ -255,7 +258,7 @@ def bowl(b):
 
 def obstacle(b, kind, **keys):
     """In place of the disk in the middle."""
-    at = b.disks[4]
+    at = b.disks[len(b.disks) // 2]
     members = {name for clump in b.clumps for name in clump["disk"]}
     if at["name"] in members:
         raise Unsuitable
@@ -464,9 +467,9 @@ def choose(b, dimension, allowed):
     raise ValueError(f"no {dimension} suits")
 
 
-def make(seed, only=None):
-    """The deck of a number. only: {dimension: rows} that are allowed, all where it is silent."""
-    b = Builder(random.Random(f"deck-{seed}"))
+def make(seed, only=None, shape=(3, 3)):
+    """The deck of a number. only: {dimension: rows} that are allowed, all where it is silent. shape: columns and rows of disks."""
+    b = Builder(random.Random(f"deck-{seed}"), shape=shape)
     lattice(b)
     for dimension in ORDER:
         choose(b, dimension, (only or {}).get(dimension, FEATURES[dimension]))
